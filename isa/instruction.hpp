@@ -1,0 +1,183 @@
+// What an instruction is: the table of instructions.def, its encoder and its decoder.
+#pragma once
+
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace pxpl5::isa {
+
+enum class Op : std::uint8_t {
+#define PXPL5_OP(id, ...) id,
+#include "isa/instructions.def"
+#undef PXPL5_OP
+};
+
+enum class Source : std::uint8_t { published, derived, designed };
+
+/// What an instruction may change; see the head of instructions.def.
+enum Effects : std::uint16_t {
+    none = 0,
+    mem = 1,
+    carry = 2,
+    enable = 4,
+    flag = 8,
+    backing = 16,
+    port = 32,
+    flow = 64,
+    all = 128,
+};
+
+/// Place of an operand in the instruction word; mask 0 if the instruction lacks it.
+struct OperandField {
+    std::uint32_t mask = 0;
+    int shift = 0;
+};
+
+/// A bit picture, taken apart. Throws (does not compile) if the picture is malformed.
+struct Pattern {
+    std::uint32_t fixed_mask = 0;
+    std::uint32_t fixed_bits = 0;
+    OperandField a, b, n;
+
+    constexpr explicit Pattern(std::string_view picture) {
+        if (picture.size() != 32) {
+            throw "a bit picture has 32 characters";
+        }
+        for (std::size_t i = 0; i < 32; ++i) {
+            const char c = picture[i];
+            const int shift = 31 - static_cast<int>(i);
+            const std::uint32_t bit = 1U << static_cast<unsigned>(shift);
+            if (c == 'a' || c == 'b' || c == 'n') {
+                OperandField& field = c == 'a' ? a : c == 'b' ? b : n;
+                if (field.mask != 0 && field.shift != shift + 1) {
+                    throw "an operand's bits are contiguous";
+                }
+                field.mask |= bit;
+                field.shift = shift;
+            } else if (c == '0' || c == '1' || c == '-') {
+                fixed_mask |= bit;
+                fixed_bits |= c == '1' ? bit : 0;
+            } else {
+                throw "a bit picture holds 0, 1, -, a, b and n";
+            }
+        }
+    }
+};
+
+struct Operands {
+    std::uint32_t a = 0, b = 0, n = 0;
+    friend bool operator==(const Operands&, const Operands&) = default;
+};
+
+struct Instruction {
+    Op op{};
+    Operands operands;
+    friend bool operator==(const Instruction&, const Instruction&) = default;
+};
+
+/// Everything known about one instruction, except what it does to pixels.
+struct OpInfo {
+    std::string_view id, name, text, picture;
+    Pattern pattern;
+    int words;             ///< Coefficient words that follow.
+    std::uint32_t n_max;   ///< Widest field; 0 if there is no n.
+    Effects effects;
+    Source source;
+    std::string_view doc, cycles_text;
+    std::uint32_t (*at_a)(Operands);    ///< Bits of pixel memory used at m[a].
+    std::uint32_t (*at_b)(Operands);    ///< Bits of pixel memory read at m[b].
+    std::uint32_t (*cycles)(Operands);  ///< Modelled cycles at 40 MHz.
+
+    /// True if operand b is a fraction (">>{b}"), a block ("bs{b}") or an address ("m{b}").
+    constexpr bool b_is_fraction() const { return text.find(">>{b}") != std::string_view::npos; }
+    constexpr bool b_is_block() const { return text.find("bs{b}") != std::string_view::npos; }
+    constexpr bool b_is_address() const { return text.find("m{b}") != std::string_view::npos; }
+};
+
+constexpr std::string_view first_word(std::string_view text) {
+    return text.substr(0, text.find(' '));
+}
+
+#define PXPL5_OPERAND_EXPRESSION(expression)                                             \
+    +[]([[maybe_unused]] Operands o) -> std::uint32_t {                                  \
+        [[maybe_unused]] const std::uint32_t a = o.a, b = o.b, n = o.n;                  \
+        return static_cast<std::uint32_t>(expression);                                   \
+    }
+inline constexpr std::array op_table = {
+#define PXPL5_OP(id, text, bits, words, n_max, at_a, at_b, cycles, effects, source, doc)             \
+    OpInfo{#id, first_word(text), text, bits, Pattern{bits}, words, n_max,                        \
+           static_cast<Effects>(effects), Source::source, doc, #cycles,                           \
+           PXPL5_OPERAND_EXPRESSION(at_a), PXPL5_OPERAND_EXPRESSION(at_b),                          \
+           PXPL5_OPERAND_EXPRESSION(cycles)},
+#include "isa/instructions.def"
+#undef PXPL5_OP
+};
+#undef PXPL5_OPERAND_EXPRESSION
+
+inline constexpr std::size_t op_count = op_table.size();
+
+constexpr const OpInfo& info(Op op) { return op_table[static_cast<std::size_t>(op)]; }
+
+/// True if no word can decode as two instructions.
+constexpr bool patterns_disjoint() {
+    for (std::size_t i = 0; i < op_count; ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            const Pattern &p = op_table[i].pattern, &q = op_table[j].pattern;
+            if ((p.fixed_mask & q.fixed_mask & (p.fixed_bits ^ q.fixed_bits)) == 0) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+static_assert(patterns_disjoint(), "two rows of instructions.def overlap");
+
+/// True if the text of every row names each of its operand fields, and no other.
+constexpr bool texts_name_their_fields() {
+    for (const OpInfo& row : op_table) {
+        const OperandField fields[] = {row.pattern.a, row.pattern.b, row.pattern.n};
+        const std::string_view tokens[] = {"{a}", "{b}", "{n}"};
+        for (std::size_t k = 0; k < 3; ++k) {
+            if ((row.text.find(tokens[k]) != std::string_view::npos) != (fields[k].mask != 0)) {
+                return false;
+            }
+        }
+        if ((row.n_max != 0) != (row.pattern.n.mask != 0)) {
+            return false;
+        }
+    }
+    return true;
+}
+static_assert(texts_name_their_fields(), "a row prints a field it lacks, or hides one it has");
+
+/// The instruction word. An operand that does not fit its field is a bug of the caller.
+constexpr std::uint32_t encode(Instruction in) {
+    const Pattern& p = info(in.op).pattern;
+    const auto put = [](OperandField field, std::uint32_t value) {
+        assert(value <= (field.mask >> static_cast<unsigned>(field.shift)));
+        return value << static_cast<unsigned>(field.shift);
+    };
+    return p.fixed_bits | put(p.a, in.operands.a) | put(p.b, in.operands.b) |
+           put(p.n, in.operands.n);
+}
+
+/// The instruction that `word` encodes; nothing if no row matches. Operand ranges are not checked
+/// here: see check() in program.hpp.
+constexpr std::optional<Instruction> decode(std::uint32_t word) {
+    const auto get = [word](OperandField field) {
+        return (word & field.mask) >> static_cast<unsigned>(field.shift);
+    };
+    for (std::size_t i = 0; i < op_count; ++i) {
+        const Pattern& p = op_table[i].pattern;
+        if ((word & p.fixed_mask) == p.fixed_bits) {
+            return Instruction{static_cast<Op>(i), {get(p.a), get(p.b), get(p.n)}};
+        }
+    }
+    return std::nullopt;
+}
+
+}  // namespace pxpl5::isa

@@ -1,0 +1,92 @@
+// A message: a fixed header and a FlatBuffers body, owned, verified, cheap to copy.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "message_generated.h"
+
+namespace pxpl5::bus {
+
+using NodeId = std::uint16_t;
+inline constexpr NodeId host_id = 0;  ///< The host is node 0 of every machine.
+
+inline constexpr std::uint32_t header_magic = 0x35505850;  ///< "PXP5", little endian.
+inline constexpr std::uint16_t protocol_version = 1;
+inline constexpr std::size_t max_body_bytes = std::size_t{1} << 30;
+inline constexpr std::size_t max_body_depth = 16;
+inline constexpr std::size_t max_body_tables = 1'000'000;
+
+using schema::Body;
+
+/// A finished body. Immutable and shared, so that a broadcast holds it once.
+class Payload {
+  public:
+    Payload() = default;
+    explicit Payload(flatbuffers::DetachedBuffer buffer)
+        : buffer_(std::make_shared<const flatbuffers::DetachedBuffer>(std::move(buffer))) {}
+    std::span<const std::uint8_t> bytes() const { return {buffer_->data(), buffer_->size()}; }
+    Body kind() const { return schema::GetMessage(buffer_->data())->body_type(); }
+
+  private:
+    std::shared_ptr<const flatbuffers::DetachedBuffer> buffer_;
+};
+
+/// Finishes `builder` with `body` as the message and takes the buffer out of it.
+template <typename T>
+Payload finish(flatbuffers::FlatBufferBuilder& builder, flatbuffers::Offset<T> body) {
+    builder.Finish(schema::CreateMessage(builder, schema::BodyTraits<T>::enum_value, body.Union()),
+                   schema::MessageIdentifier());
+    return Payload(builder.Release());
+}
+
+/// Packs an object-API table, e.g. pack(schema::ShutdownT{...}): for small messages.
+template <typename ObjectT>
+Payload pack(const ObjectT& object) {
+    flatbuffers::FlatBufferBuilder builder;
+    return finish(builder, ObjectT::TableType::Pack(builder, &object));
+}
+
+/// Thrown for bytes that are not a valid message: wrong size, magic, version, kind, or not a
+/// verifiable FlatBuffer. `what` names the sender, the field and both values.
+struct BadMessage : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// A received, verified message. Copies share the bytes.
+class Message {
+  public:
+    /// Verifies header and body. `owner` keeps `body` alive; `body` must be 8-byte aligned.
+    /// Throws BadMessage.
+    Message(const schema::Header& header, std::span<const std::uint8_t> body,
+            std::shared_ptr<const void> owner);
+
+    const schema::Header& header() const { return header_; }
+    NodeId source() const { return header_.source(); }
+    Body kind() const { return static_cast<Body>(header_.kind()); }
+    std::span<const std::uint8_t> bytes() const { return body_; }
+
+    /// The body as table T, or null if the message is of another kind.
+    template <typename T>
+    const T* as() const {
+        return schema::GetMessage(body_.data())->template body_as<T>();
+    }
+
+  private:
+    schema::Header header_;
+    std::span<const std::uint8_t> body_;
+    std::shared_ptr<const void> owner_;
+};
+
+/// "RegionPrograms", for error texts and logs.
+std::string kind_name(Body kind);
+
+/// Hash of all schema files, agreed on in Hello.
+std::uint64_t schema_hash();
+
+}  // namespace pxpl5::bus

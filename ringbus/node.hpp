@@ -1,0 +1,46 @@
+// What every node of the machine is: a step function from messages to messages.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "ringbus/message.hpp"
+
+namespace pxpl5::bus {
+
+/// Where a node puts the messages that it sends. They leave in this order, per destination.
+class Outbox {
+  public:
+    virtual ~Outbox() = default;
+    virtual void send(NodeId to, Payload payload) = 0;
+
+    void send(std::span<const NodeId> to, const Payload& payload) {
+        for (const NodeId id : to) {
+            send(id, payload);
+        }
+    }
+};
+
+/// Thrown by a node for input that it cannot obey: the driver sends it to the host as Fault and the
+/// node goes on with the next message.
+struct NodeFault : std::runtime_error {
+    NodeFault(schema::FaultCode fault_code, const std::string& reason)
+        : std::runtime_error(reason), code(fault_code) {}
+    schema::FaultCode code;
+};
+
+/// Firmware. One thread drives it; it never blocks, sleeps or reads a clock to decide something.
+class Node {
+  public:
+    virtual ~Node() = default;
+
+    /// Takes one message. Long work is only noted here and done in work().
+    /// Called with Topology before anything else. Throws NodeFault.
+    virtual void receive(const Message& message, Outbox& out) = 0;
+
+    /// Does one small piece (at most about 10 ms) of the noted work, newest wishes first.
+    /// Returns true while there is more; the driver looks for new messages between pieces.
+    virtual bool work(Outbox& out) = 0;
+};
+
+}  // namespace pxpl5::bus
