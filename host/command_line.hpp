@@ -1,0 +1,46 @@
+// One command line, taken apart: words, and key=value options.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pxpl5::host {
+
+/// A command's words after its name, and its options.
+struct Arguments {
+    std::string name;                            ///< First word.
+    std::vector<std::string> words;              ///< The others that are not options.
+    std::map<std::string, std::string> options;  ///< key=value; each key at most once.
+
+    bool has(std::string_view key) const { return options.count(std::string(key)) != 0; }
+    /// The option's text, or `otherwise`.
+    std::string text(std::string_view key, std::string_view otherwise) const;
+    /// The option as a number in [low, high], or `otherwise` if absent. Throws RequestError.
+    double number(std::string_view key, double otherwise, double low, double high) const;
+};
+
+/// Splits at blanks; quotes ('..' or "..") keep blanks and '='; '#' at the start of a word begins a
+/// comment. Returns an empty name for a blank line. Throws RequestError (usage) for an open quote or
+/// a repeated key.
+Arguments parse_line(std::string_view line);
+
+/// The whole of `text` as a number in [low, high]. Throws RequestError naming `what` and both.
+double parse_number(std::string_view what, std::string_view text, double low, double high);
+
+/// "640x480" as two whole numbers, each in [low, high]. Throws RequestError.
+struct Size {
+    int width = 0, height = 0;
+};
+Size parse_size(std::string_view text, int low, int high);
+
+struct Colour {
+    std::uint8_t r = 0, g = 0, b = 0;
+};
+
+/// "#rrggbb", "r,g,b" (0..255) or a name (white, bone, skin, red, ...). Throws RequestError.
+Colour parse_colour(std::string_view text);
+
+}  // namespace pxpl5::host

@@ -1,0 +1,16 @@
+// The known name that an unknown one was probably meant to be.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace pxpl5::host {
+
+/// The candidate with the least edit distance to `word`; empty if there is no candidate.
+std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates);
+
+/// "; did you mean 'orbit'?" where a candidate is near enough, else "; known: a, b, c".
+std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates);
+
+}  // namespace pxpl5::host

@@ -1,0 +1,54 @@
+// Where the viewer stands: named views and angles, turned into the matrices of a frame.
+#pragma once
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace pxpl5::host {
+
+/// Direction of the viewer as seen from the volume's centre, in patient axes.
+struct ViewAngles {
+    double azimuth_deg = 0;    ///< 0 anterior, 90 patient's left, 180 posterior.
+    double elevation_deg = 0;  ///< 90 superior, -90 inferior.
+};
+
+struct NamedView {
+    std::string_view name;
+    ViewAngles angles;
+};
+
+/// anterior, posterior, left, right, superior, inferior. Seen from inferior, the patient's left is on
+/// the picture's right and anterior is up, as radiologists show axial slices.
+const std::vector<NamedView>& named_views();
+
+/// The view of that name; nothing if there is none.
+std::optional<ViewAngles> find_view(std::string_view name);
+
+/// What the camera must contain: a sphere around the volume.
+struct Subject {
+    glm::dvec3 centre_mm{0};
+    double radius_mm = 1;
+};
+
+/// The sphere around the box of an nx x ny x nz volume (voxel centres) placed by `voxel_to_patient`.
+Subject subject_of(int nx, int ny, int nz, const glm::dmat4& voxel_to_patient);
+
+struct Camera {
+    ViewAngles angles;
+    double zoom = 1;  ///< 1 shows the subject's sphere with little margin; each doubling halves the field.
+};
+
+struct CameraMatrices {
+    glm::dmat4 patient_to_eye;  ///< Millimetres: x right, y up, looking along -z.
+    glm::dmat4 projection;      ///< Eye to clip space, OpenGL convention.
+};
+
+/// Perspective of 30 degrees at zoom 1; the near and far planes enclose the subject at any zoom.
+///
+/// aspect   Width over height of the picture, > 0.
+CameraMatrices camera_matrices(const Camera& camera, const Subject& subject, double aspect);
+
+}  // namespace pxpl5::host
