@@ -1,0 +1,43 @@
+// The machine as a session sees it: nodes to send to, and messages that come back.
+#pragma once
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "ringbus/message.hpp"
+
+namespace pxpl5::host {
+
+/// The machine is over: a process died or could not start. `what` names the first cause.
+struct MachineError : std::runtime_error {
+    MachineError(int exit_code, const std::string& text)
+        : std::runtime_error(text), code(exit_code) {}
+    int code;  ///< The first failing child's exit code, 128 + signal, or 69 (unavailable).
+};
+
+/// A running machine. One thread uses it.
+class MachinePort {
+  public:
+    virtual ~MachinePort() = default;
+
+    virtual const std::vector<bus::NodeId>& gp_ids() const = 0;  ///< In order of index; [0] is the Master GP.
+    virtual const std::vector<bus::NodeId>& renderer_ids() const = 0;
+
+    virtual void send(bus::NodeId to, bus::Payload payload) = 0;
+
+    /// Hands every message that arrives to `take`, in order, until `done` returns true (it is asked
+    /// first, and again after each message). Throws MachineError when a node dies or the machine is
+    /// interrupted.
+    virtual void pump(const std::function<void(const bus::Message&)>& take,
+                      const std::function<bool()>& done) = 0;
+
+    /// Starts a pxpl5-io process and returns its id. Its death before release_io() is a RequestError
+    /// (bad data) thrown by pump(), and leaves the machine running.
+    virtual bus::NodeId start_io() = 0;
+    /// Ends the io process.
+    virtual void release_io() = 0;
+};
+
+}  // namespace pxpl5::host
