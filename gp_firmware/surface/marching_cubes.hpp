@@ -1,0 +1,25 @@
+// Marching cubes in one slab.
+#pragma once
+
+#include "gp_firmware/surface/case_tables.hpp"
+#include "gp_firmware/surface/mesh.hpp"
+#include "gp_firmware/volume/slice_store.hpp"
+
+namespace pxpl5::gp {
+
+/// Extracts the isosurface in slab `slab`: the cells between slices slab and slab + 1.
+///
+/// A voxel is inside if value >= isovalue; NaN is outside. The same slab of the same volume
+/// gives the same bits on every GP.
+/// store     Complete; owns the slab (both are asserted).
+/// isovalue  In the volume's unit.
+/// out       Overwritten; its capacity is reused.
+/// Throws    std::invalid_argument if isovalue is not finite.
+/// Source    Lorensen & Cline 1987; Yoo & Chen, section V. Masks of 64 voxels are ours.
+void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
+                  SlabMesh& out);
+
+/// Local memory that a slab's mesh takes.
+std::size_t size_bytes(const SlabMesh& mesh);
+
+}  // namespace pxpl5::gp

@@ -1,0 +1,43 @@
+// Which slabs and slices of a volume belong to which Graphics Processor.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "gp_firmware/volume/slice.hpp"
+
+namespace pxpl5::gp {
+
+inline constexpr int max_gp_count = 64;
+
+/// One GP among all.
+struct Share {
+    int gp_index = 0;  ///< 0 .. gp_count - 1.
+    int gp_count = 1;  ///< 1 .. max_gp_count.
+};
+
+/// Slabs of a GP, ascending: s mod gp_count == gp_index, for s in 0 .. nz - 2.
+std::vector<int> slabs_owned(const VolumeShape& shape, Share share);
+
+/// Slices that a GP must be sent, ascending. The rule, which the host follows too:
+/// z is needed if z lies in s - 1 .. s + 2 for a slab s with s mod gp_count == gp_index.
+/// Source  Yoo & Chen, section IV, "Dataset distribution".
+std::vector<int> slices_needed(const VolumeShape& shape, Share share);
+
+/// Slices that a GP keeps for extraction, ascending: s and s + 1 of its slabs.
+std::vector<int> slices_kept(const VolumeShape& shape, Share share);
+
+/// The most local memory that a GP's slices can take while they arrive, and after.
+std::size_t peak_bytes(const VolumeShape& shape, Share share);
+
+/// The smallest number of GPs with `memory_bytes` each that can hold the volume, and beside it
+/// `surface_bytes` of surfaces spread evenly over the slabs; 0 if max_gp_count do not suffice.
+int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,
+                           std::size_t surface_bytes = 0);
+
+/// "9 GPs would do" or "even 64 GPs would not do": advice for OutOfLocalMemory.
+std::string gp_count_advice(const VolumeShape& shape, std::size_t memory_bytes,
+                            std::size_t surface_bytes = 0);
+
+}  // namespace pxpl5::gp
