@@ -83,8 +83,8 @@ struct Instruction {
 struct OpInfo {
     std::string_view id, name, text, picture;
     Pattern pattern;
-    int words;             ///< Coefficient words that follow.
-    std::uint32_t n_max;   ///< Widest field; 0 if there is no n.
+    int words;            ///< Coefficient words that follow.
+    std::uint32_t n_max;  ///< Widest field; 0 if there is no n.
     Effects effects;
     Source source;
     std::string_view doc, cycles_text;
@@ -96,22 +96,37 @@ struct OpInfo {
     constexpr bool b_is_fraction() const { return text.find(">>{b}") != std::string_view::npos; }
     constexpr bool b_is_block() const { return text.find("bs{b}") != std::string_view::npos; }
     constexpr bool b_is_address() const { return text.find("m{b}") != std::string_view::npos; }
+
+    /// True if the controller alone runs this row (see sequencer.hpp): no pixel takes part.
+    constexpr bool is_control() const {
+        return (effects & (mem | carry | enable | backing)) == 0 && pattern.a.mask == 0;
+    }
 };
 
 constexpr std::string_view first_word(std::string_view text) {
     return text.substr(0, text.find(' '));
 }
 
-#define PXPL5_OPERAND_EXPRESSION(expression)                                             \
-    +[]([[maybe_unused]] Operands o) -> std::uint32_t {                                  \
-        [[maybe_unused]] const std::uint32_t a = o.a, b = o.b, n = o.n;                  \
-        return static_cast<std::uint32_t>(expression);                                   \
+#define PXPL5_OPERAND_EXPRESSION(expression)                            \
+    +[]([[maybe_unused]] Operands o) -> std::uint32_t {                 \
+        [[maybe_unused]] const std::uint32_t a = o.a, b = o.b, n = o.n; \
+        return static_cast<std::uint32_t>(expression);                  \
     }
 inline constexpr std::array op_table = {
-#define PXPL5_OP(id, text, bits, words, n_max, at_a, at_b, cycles, effects, source, doc)             \
-    OpInfo{#id, first_word(text), text, bits, Pattern{bits}, words, n_max,                        \
-           static_cast<Effects>(effects), Source::source, doc, #cycles,                           \
-           PXPL5_OPERAND_EXPRESSION(at_a), PXPL5_OPERAND_EXPRESSION(at_b),                          \
+#define PXPL5_OP(id, text, bits, words, n_max, at_a, at_b, cycles, effects, source, doc) \
+    OpInfo{#id,                                                                          \
+           first_word(text),                                                             \
+           text,                                                                         \
+           bits,                                                                         \
+           Pattern{bits},                                                                \
+           words,                                                                        \
+           n_max,                                                                        \
+           static_cast<Effects>(effects),                                                \
+           Source::source,                                                               \
+           doc,                                                                          \
+           #cycles,                                                                      \
+           PXPL5_OPERAND_EXPRESSION(at_a),                                               \
+           PXPL5_OPERAND_EXPRESSION(at_b),                                               \
            PXPL5_OPERAND_EXPRESSION(cycles)},
 #include "isa/instructions.def"
 #undef PXPL5_OP
@@ -120,7 +135,9 @@ inline constexpr std::array op_table = {
 
 inline constexpr std::size_t op_count = op_table.size();
 
-constexpr const OpInfo& info(Op op) { return op_table[static_cast<std::size_t>(op)]; }
+constexpr const OpInfo& info(Op op) {
+    return op_table[static_cast<std::size_t>(op)];
+}
 
 /// True if no word can decode as two instructions.
 constexpr bool patterns_disjoint() {
@@ -154,6 +171,25 @@ constexpr bool texts_name_their_fields() {
 }
 static_assert(texts_name_their_fields(), "a row prints a field it lacks, or hides one it has");
 
+inline constexpr std::uint8_t no_row = 0xff;
+inline constexpr unsigned op_byte_shift = 24;
+
+/// Row per operation byte (the top byte of a word); no_row where there is none. Does not compile if
+/// a row's picture leaves its top byte open.
+constexpr std::array<std::uint8_t, 256> make_row_of_op_byte() {
+    std::array<std::uint8_t, 256> rows{};
+    rows.fill(no_row);
+    for (std::size_t i = 0; i < op_count; ++i) {
+        if (op_table[i].pattern.fixed_mask >> op_byte_shift != 0xffU) {
+            throw "the top byte of a bit picture is fixed";
+        }
+        rows[op_table[i].pattern.fixed_bits >> op_byte_shift] = static_cast<std::uint8_t>(i);
+    }
+    return rows;
+}
+inline constexpr std::array<std::uint8_t, 256> row_of_op_byte = make_row_of_op_byte();
+static_assert(op_count < no_row);
+
 /// The instruction word. An operand that does not fit its field is a bug of the caller.
 constexpr std::uint32_t encode(Instruction in) {
     const Pattern& p = info(in.op).pattern;
@@ -171,11 +207,11 @@ constexpr std::optional<Instruction> decode(std::uint32_t word) {
     const auto get = [word](OperandField field) {
         return (word & field.mask) >> static_cast<unsigned>(field.shift);
     };
-    for (std::size_t i = 0; i < op_count; ++i) {
-        const Pattern& p = op_table[i].pattern;
-        if ((word & p.fixed_mask) == p.fixed_bits) {
-            return Instruction{static_cast<Op>(i), {get(p.a), get(p.b), get(p.n)}};
-        }
+    const std::uint8_t row = row_of_op_byte[word >> op_byte_shift];
+    if (row != no_row &&
+        (word & op_table[row].pattern.fixed_mask) == op_table[row].pattern.fixed_bits) {
+        const Pattern& p = op_table[row].pattern;
+        return Instruction{static_cast<Op>(row), {get(p.a), get(p.b), get(p.n)}};
     }
     return std::nullopt;
 }

@@ -1,7 +1,8 @@
 // Where the firmware keeps what in a pixel's 208 bits while a region is drawn.
 //
-// The Graphics Processors' triangle programs write these fields; the Renderers' prologue clears them and
-// the end-of-region programs read them. Two 32-bit columns hold all that a triangle writes.
+// The Graphics Processors' triangle programs write these fields; the Renderers' prologue clears
+// them and the end-of-region programs read them. Two 32-bit columns hold all that a triangle
+// writes.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +19,17 @@ inline constexpr Field z{8, 24};          ///< 0 = near, all ones = far (backgro
 inline constexpr Field normal_x{32, 10};  ///< Eye space, signed, unnormalised; 510 is unit length.
 inline constexpr Field normal_y{42, 10};
 inline constexpr Field normal_z{52, 10};
-inline constexpr Field rgb{64, 24};       ///< Red in the low byte; what readout sends.
+inline constexpr Field rgb{64, 24};           ///< Red in the low byte; what readout sends.
 inline constexpr std::uint32_t scratch = 88;  ///< 88..207 are free for end-of-region programs.
 
-inline constexpr std::uint32_t z_fraction_bits = 8;        ///< TREE fraction of z planes: z + fraction fit 32 bits.
+inline constexpr std::uint32_t z_fraction_bits =
+    8;  ///< TREE fraction of z planes: z + fraction fit 32 bits.
 inline constexpr std::uint32_t normal_fraction_bits = 16;  ///< TREE fraction of normal planes.
-inline constexpr std::int32_t normal_unit = 510;           ///< Length of a unit normal in field units.
+inline constexpr std::int32_t normal_unit = 510;  ///< Length of a unit normal in field units.
 inline constexpr std::uint32_t z_far = (1U << 24) - 1;
-inline constexpr std::uint32_t z_margin = 1U << 10;        ///< Drawn z stay in z_margin .. z_far - z_margin.
-inline constexpr int size_px = 128;                        ///< A region is 128 x 128 pixels.
-inline constexpr int subpixel_bits = 4;                    ///< Vertices are snapped to 1/16 pixel.
+inline constexpr std::uint32_t z_margin = 1U
+                                          << 10;  ///< Drawn z stay in z_margin .. z_far - z_margin.
+inline constexpr int size_px = 128;               ///< A region is 128 x 128 pixels.
+inline constexpr int subpixel_bits = 4;           ///< Vertices are snapped to 1/16 pixel.
 
 }  // namespace pxpl5::isa::region

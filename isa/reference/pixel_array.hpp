@@ -1,0 +1,57 @@
+// The state of the pixels, as plainly as it can be held: one struct per pixel, one bool per bit.
+#pragma once
+
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "isa/executor.hpp"
+
+namespace pxpl5::isa::reference {
+
+/// A rectangle of a region, in pixels.
+struct Window {
+    int x0 = 0, y0 = 0;
+    int width = region::size_px, height = region::size_px;
+    bool contains(int x, int y) const {
+        return x >= x0 && x < x0 + width && y >= y0 && y < y0 + height;
+    }
+};
+
+struct Pixel {
+    int x = 0, y = 0;  ///< Place in the region, 0..127.
+    bool enable = false;
+    bool carry = false;
+    std::array<bool, memory_bits> m{};
+    std::vector<std::uint32_t> blocks;  ///< Backing store; empty until a block is written.
+};
+
+/// The pixels of a window, row by row.
+struct PixelArray {
+    explicit PixelArray(Window w) : window(w) {
+        assert(w.width > 0 && w.x0 >= 0 && w.x0 + w.width <= region::size_px);
+        assert(w.height > 0 && w.y0 >= 0 && w.y0 + w.height <= region::size_px);
+        pixels.resize(static_cast<std::size_t>(w.width) * static_cast<std::size_t>(w.height));
+        for (std::size_t i = 0; i < pixels.size(); ++i) {
+            pixels[i].x = w.x0 + static_cast<int>(i) % w.width;
+            pixels[i].y = w.y0 + static_cast<int>(i) / w.width;
+        }
+    }
+
+    /// The pixel at (x, y), which is in the window.
+    Pixel& at(int x, int y) {
+        assert(window.contains(x, y));
+        return pixels[static_cast<std::size_t>((y - window.y0) * window.width + x - window.x0)];
+    }
+    const Pixel& at(int x, int y) const { return const_cast<PixelArray*>(this)->at(x, y); }
+
+    Window window;
+    std::vector<Pixel> pixels;
+    std::function<void(std::span<const std::uint32_t>)> readout;  ///< Where PIXELSTOFB sends.
+};
+
+}  // namespace pxpl5::isa::reference

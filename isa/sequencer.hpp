@@ -1,0 +1,80 @@
+// The controller: walks a checked program, runs the control rows itself, hands the rest to an
+// Executor.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "isa/executor.hpp"
+#include "isa/program.hpp"
+
+namespace pxpl5::isa {
+
+/// Instructions that one run may execute; a program that would never end stops here.
+inline constexpr std::uint64_t default_step_limit = std::uint64_t{1} << 32;
+
+/// Thrown when a run cannot go on: step limit reached, CALL or LOOP too deep, RET without CALL.
+/// `what` names the word offset and the limit.
+struct RunError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// What outlives one stream in the controller.
+struct Controller {
+    bool flag = true;  ///< Of the last ANYENAB. Before the first one, nothing is skipped.
+    std::uint64_t step_limit = default_step_limit;
+    std::function<void(std::uint32_t)> on_signal;  ///< Called with the number of each SIGNAL.
+};
+
+struct RunCounts {
+    std::uint64_t instructions = 0;
+    std::uint64_t cycles = 0;  ///< Modelled, 40 MHz.
+};
+
+/// One run of one program, to be stepped or run to its end.
+class Sequencer {
+  public:
+    /// `words` has passed check() and, like the others, outlives the sequencer.
+    Sequencer(std::span<const std::uint32_t> words, Executor& executor, Controller& controller)
+        : words_(words), executor_(executor), controller_(controller) {}
+
+    bool done() const { return at_ >= words_.size(); }
+    std::size_t at() const { return at_; }  ///< Word offset of the next instruction.
+    const RunCounts& counts() const { return counts_; }
+
+    /// Runs one instruction. Throws RunError. Must not be done().
+    void step();
+
+    /// Runs to the end, letting the executor run ahead. Throws RunError.
+    const RunCounts& run();
+
+  private:
+    struct OpenLoop {
+        std::size_t body;    ///< Word offset behind the LOOP.
+        std::uint32_t left;  ///< Rounds left, this one included.
+    };
+
+    void control(Instruction in, std::span<const std::uint32_t> coefficients);
+    void open_loop(std::uint32_t rounds);
+    void close_loop();
+    void call(std::size_t target);
+    void count(std::uint64_t instructions, std::uint64_t cycles);
+    std::size_t behind_matching_end_loop() const;
+
+    std::span<const std::uint32_t> words_;
+    Executor& executor_;
+    Controller& controller_;
+    std::size_t at_ = 0;
+    std::vector<std::size_t> returns_;
+    std::vector<OpenLoop> loops_;
+    RunCounts counts_;
+};
+
+/// Runs checked `words` on `executor` to their end. Throws RunError.
+RunCounts run(std::span<const std::uint32_t> words, Executor& executor, Controller& controller);
+
+}  // namespace pxpl5::isa
