@@ -1,0 +1,58 @@
+// A running machine of real processes.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "host/machine/port.hpp"
+#include "host/machine/topology.hpp"
+
+namespace pxpl5::host {
+
+struct MachineOptions {
+    std::filesystem::path binaries;          ///< Folder of pxpl5-gp and the others; empty: the host's own.
+    std::filesystem::path run_base = "run";  ///< The run folder is made in here.
+    int start_timeout_s = 60;                ///< For all nodes to say Hello, and again to connect.
+    int io_memory_mib = 16384;               ///< Address space of the io process.
+    int io_cpu_s = 300;                      ///< CPU time of the io process.
+};
+
+/// Launches, supervises and ends the processes of one machine. Use it from the main thread: the
+/// kernel ends the children when the thread that started them ends.
+///
+/// While it lives, SIGINT and SIGTERM end the machine: pump() throws MachineError (128 + signal).
+class Machine final : public MachinePort {
+  public:
+    /// Returns when every node is connected to every other.
+    /// Throws MachineError naming the node that could not start, died, is of another build, or did
+    /// not answer in time; no process is left then.
+    Machine(const Topology& topology, const MachineOptions& options);
+    /// Ends what still runs, without waiting for unfinished work.
+    ~Machine() override;
+    Machine(const Machine&) = delete;
+    Machine& operator=(const Machine&) = delete;
+
+    const std::vector<bus::NodeId>& gp_ids() const override;
+    const std::vector<bus::NodeId>& renderer_ids() const override;
+    void send(bus::NodeId to, bus::Payload payload) override;
+    void pump(const std::function<void(const bus::Message&)>& take,
+              const std::function<bool()>& done) override;
+    bus::NodeId start_io() override;
+    void release_io() override;
+
+    /// Says Shutdown to every node and waits until all have ended. Throws MachineError naming the
+    /// first that ended badly. The machine cannot be used afterwards.
+    void shutdown();
+
+    /// Holds config.resolved.json, manifest.json and <role>-<index>.log of every process.
+    const std::filesystem::path& run_folder() const;
+
+    /// "gp-3", for messages about a node.
+    std::string node_name(bus::NodeId id) const;
+
+  private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace pxpl5::host

@@ -1,0 +1,62 @@
+// What machine to launch: how many nodes of each role, and the ring between them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pxpl5::host {
+
+inline constexpr int max_nodes_per_role = 64;
+
+enum class Transport : std::uint8_t { ipc, tcp };
+
+/// All nodes of one role.
+struct RoleSettings {
+    int count = 0;                 ///< 1..64; in a file, 0 means as many as this process has cores.
+    std::vector<std::string> env;  ///< "NAME=value", added to the host's environment.
+    std::vector<int> cpu;  ///< Node n runs on core cpu[n mod size]; empty: wherever it likes.
+};
+
+struct RingSettings {
+    int channels = 8;
+    Transport transport = Transport::ipc;
+    int channel_mb_s = 80;  ///< 10^6 bytes per second of one channel, modelled.
+    int hop_ns = 50;        ///< From one node's ring interface to the next, modelled.
+};
+
+/// A resolved plan: every number is what will be launched.
+struct Topology {
+    std::string name;  ///< The file's name without folder and suffix.
+    RoleSettings gp, renderer, frame_buffer;
+    int gp_memory_mib = 4096;  ///< Local memory of each GP.
+    RingSettings ring;
+    std::uint64_t seed = 0;  ///< For everything that is random on purpose: simulated arrival order.
+};
+
+/// Reads a machine by name ("paper-1993": a file of the topologies folder) or by path, applies
+/// `overrides` ("gp.count=4", see apply_override), resolves counts of 0 and checks the ranges.
+///
+/// Throws RequestError (usage): no such machine (names the known ones); an unknown key (file, line,
+/// nearest key); a value out of range (key, value and range).
+Topology load_topology(const std::string& name_or_path,
+                       const std::vector<std::string>& overrides = {});
+
+/// The same for the text of a file. `file` is for messages only.
+Topology parse_topology(std::string_view text, const std::string& file,
+                        const std::vector<std::string>& overrides = {});
+
+/// Sets one value: "gp.count=4", "gp.memory_mib=8", "gp.cpu=0,1", "renderer.env=A=b",
+/// "ring.transport=tcp", "seed=7". A count of 0 is resolved. Throws RequestError (usage).
+void apply_override(Topology& topology, std::string_view assignment);
+
+/// The plan as a topology file that load_topology reads back to the same plan.
+std::string resolved_json(const Topology& topology);
+
+/// Where named machines are looked for, in order: PXPL5_TOPOLOGIES if set, the folder in the source
+/// tree that this program was built from, ../share/pxpl5/topologies from the executable.
+std::vector<std::filesystem::path> topology_folders();
+
+}  // namespace pxpl5::host
