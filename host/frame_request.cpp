@@ -1,0 +1,72 @@
+#include "host/frame_request.hpp"
+
+#include <array>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+namespace pxpl5::host {
+
+namespace {
+
+namespace schema = bus::schema;
+
+schema::Matrix to_wire(const glm::dmat4& m) {
+    std::array<double, 16> values{};
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 4; ++row) {
+            values[static_cast<std::size_t>(column * 4 + row)] = m[column][row];
+        }
+    }
+    return schema::Matrix(flatbuffers::make_span(values));
+}
+
+schema::Rgb to_wire(Colour colour) { return {colour.r, colour.g, colour.b}; }
+
+schema::Light to_wire(const Light& light) {
+    const double azimuth = light.azimuth_deg / 180.0 * glm::pi<double>();
+    const double elevation = light.elevation_deg / 180.0 * glm::pi<double>();
+    const schema::Vec3 direction(static_cast<float>(std::sin(azimuth) * std::cos(elevation)),
+                                 static_cast<float>(std::sin(elevation)),
+                                 static_cast<float>(std::cos(azimuth) * std::cos(elevation)));
+    return {direction, static_cast<float>(light.intensity)};
+}
+
+/// One eye. Sizes are positive, so the aspect is defined.
+std::unique_ptr<schema::ViewT> view_of(const Scene& scene, const Volume& volume) {
+    const double aspect = static_cast<double>(scene.size.width) / scene.size.height;
+    const Subject subject =
+        subject_of(volume.nx, volume.ny, volume.nz, volume.voxel_to_patient);
+    const CameraMatrices camera = camera_matrices(scene.camera, subject, aspect);
+    auto view = std::make_unique<schema::ViewT>();
+    view->voxel_to_eye =
+        std::make_unique<schema::Matrix>(to_wire(camera.patient_to_eye * volume.voxel_to_patient));
+    view->projection = std::make_unique<schema::Matrix>(to_wire(camera.projection));
+    return view;
+}
+
+}  // namespace
+
+bus::Payload frame_request(const Scene& scene, const Volume& volume, std::uint32_t frame,
+                           std::span<const std::uint64_t> region_costs) {
+    schema::DrawFrameT draw;
+    draw.frame = frame;
+    draw.width = static_cast<std::uint32_t>(scene.size.width);
+    draw.height = static_cast<std::uint32_t>(scene.size.height);
+    draw.views.push_back(view_of(scene, volume));
+    for (const Light& light : scene.lights) {
+        draw.lights.push_back(to_wire(light));
+    }
+    draw.ambient = static_cast<float>(scene.material.ambient);
+    draw.specular = static_cast<float>(scene.material.specular);
+    draw.specular_power = scene.material.specular_power;
+    draw.background = std::make_unique<schema::Rgb>(to_wire(scene.background));
+    for (const Surface& surface : scene.surfaces) {
+        draw.surfaces.push_back(schema::SurfaceDraw(surface.id, surface.revision,
+                                                    to_wire(surface.colour), /*cull_back=*/false));
+    }
+    draw.read_back = true;
+    draw.region_costs.assign(region_costs.begin(), region_costs.end());
+    return bus::pack(draw);
+}
+
+}  // namespace pxpl5::host

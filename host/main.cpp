@@ -1,0 +1,211 @@
+// pxpl5: the host program. See README.md for what it can do.
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+
+#include "host/error.hpp"
+#include "host/machine/machine.hpp"
+#include "host/paper_report.hpp"
+#include "host/script.hpp"
+#include "host/version.hpp"
+
+namespace {
+
+using namespace pxpl5::host;
+
+struct MachineFlags {
+    std::string topology = "default";
+    std::vector<std::string> overrides;
+    std::string run_folder = "run";
+
+    void add_to(CLI::App& app) {
+        app.add_option("--topology", topology, "Machine to launch: a name or a file")
+            ->capture_default_str();
+        app.add_option("--set", overrides, "Change one value of the topology, e.g. gp.count=4");
+        app.add_option("--run-folder", run_folder, "Where the folder of this run is made")
+            ->capture_default_str();
+    }
+    /// Launches the machine, hands it a session, and takes it down again.
+    int with_session(const std::function<int(Session&)>& use) const {
+        MachineOptions options;
+        options.run_base = run_folder;
+        Machine machine(load_topology(topology, overrides), options);
+        Session session(machine);
+        const int code = use(session);
+        machine.shutdown();
+        return code;
+    }
+};
+
+struct Flags {
+    MachineFlags machine;
+    bool json = false, dry_run = false, paper = false;
+    std::string script, volume, view, size, output, pictures;
+    std::vector<std::string> commands, surfaces;
+    std::optional<double> isovalue;
+};
+
+std::string quoted(const std::string& word) {
+    return word.find('"') == std::string::npos ? '"' + word + '"' : '\'' + word + '\'';
+}
+
+/// `render` is nothing but these commands.
+std::string render_script(const Flags& flags) {
+    std::string script = "load " + quoted(flags.volume) + "\n";
+    if (!flags.size.empty()) {
+        script += "size " + flags.size + "\n";
+    }
+    if (!flags.view.empty()) {
+        script += "view " + flags.view + "\n";
+    }
+    if (flags.isovalue) {
+        script += fmt::format("surface surface iso={}\n", *flags.isovalue);
+    }
+    for (const std::string& surface : flags.surfaces) {
+        const std::size_t equals = surface.find('=');
+        if (equals == std::string::npos) {
+            throw RequestError(ExitCode::usage,
+                               fmt::format("--surface '{}' is not of the form name=isovalue", surface));
+        }
+        const std::size_t comma = surface.find(',');
+        script += fmt::format("surface {} iso={}", quoted(surface.substr(0, equals)),
+                              surface.substr(equals + 1, comma - equals - 1));
+        script += comma == std::string::npos ? "\n" : " color=" + surface.substr(comma + 1) + "\n";
+    }
+    return script + "snapshot " + quoted(flags.output) + "\n";
+}
+
+int run(const Flags& flags) {
+    if (flags.dry_run) {
+        fmt::print("{}", resolved_json(load_topology(flags.machine.topology,
+                                                     flags.machine.overrides)));
+        return 0;
+    }
+    return flags.machine.with_session([&](Session& session) {
+        ScriptOptions options{.json = flags.json};
+        if (!flags.commands.empty()) {
+            std::string text;
+            for (const std::string& command : flags.commands) {
+                text += command + "\n";
+            }
+            return run_script(session, lines_of_text(text), options);
+        }
+        if (!flags.script.empty() && flags.script != "-") {
+            std::ifstream file(flags.script);
+            if (!file) {
+                throw RequestError(ExitCode::usage, flags.script + ": cannot be opened");
+            }
+            options.echo = true;
+            return run_script(session, lines_of(file), options);
+        }
+        if (isatty(STDIN_FILENO) != 0) {
+            options.keep_going = true;
+            fmt::print("pxpl5 {}: {} GPs, {} Renderers; 'help' lists the commands\n", version,
+                       session.gp_count(), session.renderer_count());
+            run_script(session, lines_of_prompt(), options);
+            return 0;
+        }
+        return run_script(session, lines_of(std::cin), options);
+    });
+}
+
+int render(const Flags& flags) {
+    if (!flags.isovalue && flags.surfaces.empty()) {
+        throw RequestError(ExitCode::usage, "render needs --iso V or --surface name=V");
+    }
+    return flags.machine.with_session([&](Session& session) {
+        return run_script(session, lines_of_text(render_script(flags)), {.json = flags.json});
+    });
+}
+
+/// Reading needs no more machine than the smallest.
+int info(Flags flags) {
+    flags.machine.topology = "one-of-each";
+    return flags.machine.with_session([&](Session& session) {
+        return run_script(session, lines_of_text("info " + quoted(flags.volume)),
+                          {.json = flags.json});
+    });
+}
+
+int report(const Flags& flags) {
+    if (!flags.paper) {
+        throw RequestError(ExitCode::usage, "report needs --paper: there is no other report");
+    }
+    return flags.machine.with_session([&](Session& session) {
+        report_paper(session, flags.pictures);
+        return 0;
+    });
+}
+
+/// Declares the subcommands. Exactly one of them, or none, is then parsed.
+void declare(CLI::App& app, Flags& flags) {
+    app.set_version_flag("--version", std::string(version_line()));
+    CLI::App* run_app = app.add_subcommand("run", "Run a script, commands, or a prompt");
+    run_app->add_option("script", flags.script, "Script file; - is standard input");
+    run_app->add_option("-c,--command", flags.commands, "Commands, separated by ';'");
+    run_app->add_flag("--dry-run", flags.dry_run, "Print the resolved topology and stop");
+
+    CLI::App* render_app = app.add_subcommand("render", "Draw surfaces of a volume into a picture");
+    render_app->add_option("volume", flags.volume, "File, DICOM folder or phantom:NAME")->required();
+    render_app->add_option("--iso", flags.isovalue, "Isovalue of the surface");
+    render_app->add_option("--surface", flags.surfaces, "Several surfaces: name=isovalue[,colour]");
+    render_app->add_option("--view", flags.view, "Named view, or \"AZ EL [zoom=Z]\"");
+    render_app->add_option("--size", flags.size, "WIDTHxHEIGHT of the picture, 512x512 if not given");
+    render_app->add_option("-o,--output", flags.output, "Picture to write")->required();
+
+    CLI::App* info_app = app.add_subcommand("info", "Tell what is known of a volume");
+    info_app->add_option("volume", flags.volume, "File, DICOM folder or phantom:NAME")->required();
+
+    CLI::App* report_app = app.add_subcommand("report", "Measure this machine");
+    report_app->add_flag("--paper", flags.paper, "The paper's results table, run again");
+    report_app->add_option("--pictures", flags.pictures, "Folder for the pictures");
+
+    for (CLI::App* each : {run_app, render_app, report_app}) {
+        flags.machine.add_to(*each);
+    }
+    for (CLI::App* each : {run_app, render_app, info_app}) {
+        each->add_flag("--json", flags.json, "One JSON object per command and line");
+    }
+    app.require_subcommand(0, 1);
+}
+
+int dispatch(const CLI::App& app, const Flags& flags) {
+    if (app.got_subcommand("render")) {
+        return render(flags);
+    }
+    if (app.got_subcommand("info")) {
+        return info(flags);
+    }
+    if (app.got_subcommand("report")) {
+        return report(flags);
+    }
+    return run(flags);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("pxpl5: surfaces of medical volumes, drawn by a working Pixel-Planes 5");
+    Flags flags;
+    declare(app, flags);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+    }
+    try {
+        return dispatch(app, flags);
+    } catch (const RequestError& error) {
+        fmt::print(stderr, "error: {}\n", error.what());
+        return static_cast<int>(error.code);
+    } catch (const MachineError& error) {
+        fmt::print(stderr, "error: {}\n", error.what());
+        return error.code;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "error: {}\n", error.what());
+        return static_cast<int>(ExitCode::failed);
+    }
+}

@@ -1,0 +1,91 @@
+#include "host/picture_text.hpp"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <span>
+
+#include "host/command_handlers.hpp"
+#include "host/digest.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr std::array<std::string_view, 4> scalar_names = {"uint8", "int16", "uint16", "float32"};
+
+glm::dvec3 axis_mm(const Volume& volume, int axis) {
+    return glm::dvec3(volume.voxel_to_patient[axis]);
+}
+
+}  // namespace
+
+glm::dvec3 spacing_mm(const Volume& volume) {
+    return {glm::length(axis_mm(volume, 0)), glm::length(axis_mm(volume, 1)),
+            glm::length(axis_mm(volume, 2))};
+}
+
+std::string orientation_letters(const Volume& volume) {
+    std::string letters;
+    for (int axis = 0; axis < 3; ++axis) {
+        const glm::dvec3 direction = axis_mm(volume, axis);
+        const glm::dvec3 size = glm::abs(direction);
+        const int largest = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        letters += direction[largest] > 0 ? "LPS"[largest] : "RAI"[largest];
+    }
+    return letters;
+}
+
+std::string picture_text(const Volume& volume, const Scene& scene) {
+    const glm::dvec3 spacing = spacing_mm(volume);
+    std::string text = fmt::format(
+        "volume {} {}x{}x{} spacing {:.6g}x{:.6g}x{:.6g} mm; view azimuth {:.6g} elevation {:.6g} "
+        "zoom {:.6g}",
+        volume.name, volume.nx, volume.ny, volume.nz, spacing.x, spacing.y, spacing.z,
+        scene.camera.angles.azimuth_deg, scene.camera.angles.elevation_deg, scene.camera.zoom);
+    for (const Surface& surface : scene.surfaces) {
+        text += fmt::format("; surface {} isovalue {}", surface.name, surface.isovalue);
+    }
+    return text;
+}
+
+std::uint64_t picture_digest(const Picture& picture) {
+    Digest digest;
+    digest.add(std::as_bytes(std::span(picture.rgba)));
+    return digest.value();
+}
+
+Reply describe_volume(const Volume& volume) {
+    const glm::dvec3 spacing = spacing_mm(volume), extent = spacing * glm::dvec3(volume.nx - 1, volume.ny - 1, volume.nz - 1);
+    const glm::dvec3 origin(volume.voxel_to_patient[3]);
+    const std::string type(scalar_names[static_cast<std::size_t>(volume.type)]);
+    const std::string letters = orientation_letters(volume);
+    Reply reply;
+    reply.text = fmt::format(
+        "{}: {} x {} x {} voxels of {}, spacing {:.4g} x {:.4g} x {:.4g} mm, {:.0f} x {:.0f} x "
+        "{:.0f} mm\nvalues {} .. {}; axes point to {}, first voxel at ({:.1f}, {:.1f}, {:.1f}) mm LPS",
+        volume.name, volume.nx, volume.ny, volume.nz, type, spacing.x, spacing.y, spacing.z,
+        extent.x, extent.y, extent.z, volume.minimum, volume.maximum, letters, origin.x, origin.y,
+        origin.z);
+    std::vector<Fields> notes;
+    for (const std::string& note : volume.notes) {
+        reply.text += "\nnote: " + note;
+        notes.push_back({{"note", note}});
+    }
+    reply.fields = {{"name", volume.name},
+                    {"dims", std::vector<double>{static_cast<double>(volume.nx),
+                                                 static_cast<double>(volume.ny),
+                                                 static_cast<double>(volume.nz)}},
+                    {"type", type},
+                    {"spacing_mm", std::vector<double>{spacing.x, spacing.y, spacing.z}},
+                    {"origin_mm", std::vector<double>{origin.x, origin.y, origin.z}},
+                    {"orientation", letters},
+                    {"minimum", volume.minimum},
+                    {"maximum", volume.maximum},
+                    {"notes", notes}};
+    return reply;
+}
+
+}  // namespace pxpl5::host

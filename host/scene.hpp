@@ -1,0 +1,50 @@
+// What is shown and how: everything that a frame depends on besides the volume.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/command_line.hpp"
+#include "host/viewer/camera.hpp"
+
+namespace pxpl5::host {
+
+inline constexpr std::size_t max_surfaces = 16;
+inline constexpr std::size_t max_lights = 4;
+inline constexpr int max_picture_px = 4096;
+
+enum class CaseTable : std::uint8_t { watertight, lorensen1987 };
+
+struct Surface {
+    std::string name;
+    std::uint16_t id = 0;        ///< Number on the ring; never used twice in a session.
+    std::uint32_t revision = 0;  ///< Counts the isovalues that it has had.
+    double isovalue = 0;
+    CaseTable table = CaseTable::watertight;
+    Colour colour{236, 226, 200};
+};
+
+/// Directional light as seen by the viewer.
+struct Light {
+    double azimuth_deg = 0;    ///< To the picture's right; 0 is the viewer's own direction.
+    double elevation_deg = 0;  ///< Upwards.
+    double intensity = 1;
+};
+
+struct Material {
+    double ambient = 0.16, specular = 0.25;  ///< 0..1.
+    std::uint32_t specular_power = 24;       ///< 1..128.
+};
+
+struct Scene {
+    Camera camera;
+    std::vector<Light> lights = {{-28, 32, 0.82}};
+    Material material;
+    Colour background{18, 22, 30};
+    Size size{512, 512};
+    std::vector<Surface> surfaces;  ///< In drawing order.
+};
+
+}  // namespace pxpl5::host

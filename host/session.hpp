@@ -1,0 +1,134 @@
+// One person's work with the machine: a volume, surfaces, and the pictures of them.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/machine/port.hpp"
+#include "host/scene.hpp"
+#include "host/volume.hpp"
+#include "host/volume_transfer.hpp"
+
+namespace pxpl5::host {
+
+/// A finished picture, top row first.
+struct Picture {
+    int width = 0, height = 0;
+    std::vector<std::uint32_t> rgba;  ///< width * height; red in the low byte.
+};
+
+/// What the GPs report of one extraction, summed over slabs in slab order.
+struct SurfaceReport {
+    std::int64_t triangles = 0, vertices = 0;
+    std::int64_t cells_active = 0, cells_ambiguous = 0, rows_skipped = 0;
+    double area_mm2 = 0;
+    double volume_mm3 = 0;   ///< Meaningful where the surface is closed.
+    double elapsed_ms = 0;   ///< Command to the last GP's acknowledgement.
+    std::int64_t memory_bytes = 0;  ///< In use over all GPs afterwards.
+};
+
+struct FrameReport {
+    std::uint32_t frame = 0;
+    std::int64_t instructions = 0;      ///< Executed by all Renderers.
+    std::int64_t renderer_cycles = 0;   ///< Modelled, summed over regions.
+    double elapsed_ms = 0;              ///< Request to picture.
+};
+
+struct LoadReport {
+    std::string source;
+    double read_ms = 0;        ///< Decode or build the volume.
+    double distribute_ms = 0;  ///< Send the slice sets until the last GP has its gradients.
+    std::int64_t memory_bytes = 0;
+};
+
+struct OrbitReport {
+    int frames = 0;
+    double elapsed_ms = 0;
+};
+
+/// Drives a machine. Every operation waits for its result; errors are RequestError (a request that
+/// cannot be obeyed, or a node's Fault) and MachineError (a process died).
+class Session {
+  public:
+    explicit Session(MachinePort& machine);
+
+    Scene scene;
+
+    std::size_t gp_count() const { return machine_.gp_ids().size(); }
+    std::size_t renderer_count() const { return machine_.renderer_ids().size(); }
+
+    /// Reads a file or folder, or builds "phantom:NAME", and distributes it. Surfaces are dropped.
+    LoadReport load(const std::string& source);
+    /// Reads a volume without distributing it.
+    Volume read(const std::string& source);
+    bool has_volume() const { return volume_.has_value(); }
+    /// Throws RequestError if nothing is loaded.
+    const Volume& volume() const;
+
+    /// Adds the surface, or gives it a new isovalue, and extracts it on all GPs.
+    SurfaceReport set_surface(const std::string& name, double isovalue, CaseTable table,
+                              std::optional<Colour> colour);
+    void remove_surface(const std::string& name);
+    const SurfaceReport& report_of(const std::string& name) const;
+
+    /// Draws the scene once.
+    Picture draw();
+    /// Draws `frames` frames, the azimuth growing by 360/frames each, two in flight; hands each to
+    /// `take` in order. The camera ends where it was.
+    OrbitReport orbit(int frames, const std::function<void(int, const Picture&)>& take);
+    const FrameReport& last_frame() const { return last_frame_; }
+
+    /// Writes a picture through the io process. Throws RequestError if that fails.
+    void export_picture(const Picture& picture, const std::string& path,
+                        const std::string& description);
+
+    /// FNV-1a over the surface's triangles in slab order: equal for every size of machine.
+    std::uint64_t mesh_digest(const std::string& name);
+
+  private:
+    struct PendingFrame {
+        std::uint32_t frame = 0;
+        std::int64_t started_ns = 0;
+    };
+
+    void on_message(const bus::Message& message);
+    void on_fault(const bus::schema::Fault& fault);
+    void on_frame_done(const bus::schema::FrameDone& done);
+    void on_surface_built(const bus::schema::SurfaceBuilt& built);
+    /// Pumps until `done` or a fault; throws the fault.
+    void wait(const std::string& what, const std::function<bool()>& done);
+    Surface& find_surface(const std::string& name);
+    std::uint32_t submit_frame();
+    Picture take_frame();
+    /// Starts the io process, sends `request` to it and waits until `done`, then lets it go.
+    void with_io(const std::string& what, bus::Payload request, const std::function<bool()>& done);
+
+    MachinePort& machine_;
+    std::optional<Volume> volume_;
+    std::uint32_t volume_id_ = 0;
+    std::uint16_t next_surface_id_ = 0;
+    std::uint32_t next_frame_ = 0;
+    std::size_t volume_ready_ = 0;  ///< GPs that hold the newest volume.
+    std::int64_t memory_bytes_ = 0;
+    std::size_t surface_ready_ = 0;  ///< GPs that have built `building_`.
+    std::vector<bus::schema::SlabCounts> slab_counts_;
+    const Surface* building_ = nullptr;
+    std::map<std::string, SurfaceReport, std::less<>> reports_;
+    std::deque<PendingFrame> pending_;
+    std::deque<Picture> finished_;
+    std::vector<std::uint64_t> region_costs_;
+    FrameReport last_frame_;
+    std::optional<VolumeReceiver> receiver_;
+    std::optional<Volume> received_;
+    bool io_done_ = false;
+    std::map<std::uint32_t, std::uint64_t> slab_digests_;
+    std::size_t mesh_parts_ = 0;
+    std::optional<std::string> fault_;
+};
+
+}  // namespace pxpl5::host

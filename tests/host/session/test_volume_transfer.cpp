@@ -1,0 +1,91 @@
+#include <doctest/doctest.h>
+
+#include <set>
+
+#include "host/error.hpp"
+#include "host/volume_transfer.hpp"
+#include "ringbus/message.hpp"
+
+using namespace pxpl5::host;
+namespace schema = pxpl5::bus::schema;
+
+namespace {
+
+Volume numbered_volume(int nx, int ny, int nz) {
+    Volume volume{"numbered", nx, ny, nz, Scalar::uint8};
+    volume.voxel_to_patient[3] = {4, 5, 6, 1};
+    volume.notes = {"a note"};
+    for (int i = 0; i < nx * ny * nz; ++i) {
+        volume.values.push_back(static_cast<std::byte>(i * 7));
+    }
+    return volume;
+}
+
+const schema::Slices* slices_of(const pxpl5::bus::Payload& payload) {
+    return schema::GetMessage(payload.bytes().data())->body_as_Slices();
+}
+
+}  // namespace
+
+TEST_SUITE("host/volume_transfer") {
+    TEST_CASE("each GP gets exactly the slices of its slabs' sets of four") {
+        for (const int slice_count : {2, 3, 4, 5, 56}) {
+            for (const int gp_count : {1, 2, 3, 36, 64}) {
+                for (int gp = 0; gp < gp_count; ++gp) {
+                    std::set<int> wanted;
+                    for (int slab = 0; slab < slice_count - 1; ++slab) {
+                        for (int z = slab - 1; slab % gp_count == gp && z <= slab + 2; ++z) {
+                            if (z >= 0 && z < slice_count) {
+                                wanted.insert(z);
+                            }
+                        }
+                    }
+                    const std::vector<int> got = slices_for_gp(slice_count, gp, gp_count);
+                    CHECK(got == std::vector<int>(wanted.begin(), wanted.end()));
+                }
+            }
+        }
+    }
+
+    TEST_CASE("a volume sent whole arrives as it was") {
+        const Volume volume = numbered_volume(5, 3, 9);
+        std::vector<int> all;
+        for (int z = 0; z < volume.nz; ++z) {
+            all.push_back(z);
+        }
+        VolumeReceiver receiver;
+        const auto header = volume_header(volume, 3);
+        receiver.begin(*schema::GetMessage(header.bytes().data())->body_as_VolumeHeader());
+        for_each_slice_batch(volume, 3, all, [&](const pxpl5::bus::Payload& batch) {
+            receiver.add(*slices_of(batch));
+        });
+        const Volume arrived = receiver.finish();
+        CHECK(arrived.values == volume.values);
+        CHECK(arrived.voxel_to_patient == volume.voxel_to_patient);
+        CHECK(arrived.notes == volume.notes);
+        CHECK(arrived.nx == 5);
+        CHECK(arrived.nz == 9);
+    }
+
+    TEST_CASE("consecutive slices share a message, others do not") {
+        const Volume volume = numbered_volume(4, 4, 12);
+        std::vector<std::pair<unsigned, unsigned>> batches;
+        for_each_slice_batch(volume, 1, {0, 1, 2, 5, 6, 11},
+                             [&](const pxpl5::bus::Payload& batch) {
+                                 batches.emplace_back(slices_of(batch)->first_slice(),
+                                                      slices_of(batch)->slice_count());
+                             });
+        CHECK(batches == std::vector<std::pair<unsigned, unsigned>>{{0, 3}, {5, 2}, {11, 1}});
+    }
+
+    TEST_CASE("missing slices and slices out of order are refused with both numbers") {
+        const Volume volume = numbered_volume(4, 4, 4);
+        VolumeReceiver receiver;
+        const auto header = volume_header(volume, 1);
+        receiver.begin(*schema::GetMessage(header.bytes().data())->body_as_VolumeHeader());
+        for_each_slice_batch(volume, 1, {2}, [&](const pxpl5::bus::Payload& batch) {
+            CHECK_THROWS_AS(receiver.add(*slices_of(batch)), RequestError);
+        });
+        CHECK_THROWS_WITH_AS(receiver.finish(), "numbered: 0 of 4 slices arrived", RequestError);
+    }
+}
