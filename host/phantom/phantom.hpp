@@ -16,7 +16,7 @@ struct PhantomSurface {
     std::string name;
     double isovalue = 0;                       ///< In the volume's own unit; ends in .5.
     std::array<std::uint8_t, 3> colour_rgb{};  ///< sRGB.
-    int paper_triangles = 0;                   ///< Yoo & Chen, figures 3 to 7; 0 if not in the paper.
+    int paper_triangles = 0;  ///< Yoo & Chen, figures 3 to 7; 0 if not in the paper.
 };
 
 /// A length of the shape that a test can hold a mesh against.

@@ -1,0 +1,214 @@
+#include "host/phantom/field.hpp"
+
+#include <cassert>
+
+#include "host/phantom/noise.hpp"
+
+namespace pxpl5::host::phantom {
+
+namespace {
+
+constexpr float tiny = 1e-4F;  ///< Keeps a division by zero out of the middle of an ellipsoid.
+
+/// Distance to a rod from a point relative to its first end.
+struct RodDistance {
+    glm::vec3 a, ab;
+    float inverse_square, a_radius, growth;
+
+    explicit RodDistance(const Rod& rod)
+        : a(rod.a_mm),
+          ab(rod.b_mm - rod.a_mm),
+          inverse_square(1 / std::max(ab.x * ab.x + ab.y * ab.y + ab.z * ab.z, tiny)),
+          a_radius(rod.a_radius_mm),
+          growth(rod.b_radius_mm - rod.a_radius_mm) {}
+
+    float operator()(float x, float y, float z) const {
+        const float px = x - a.x, py = y - a.y, pz = z - a.z;
+        const float along = (px * ab.x + py * ab.y + pz * ab.z) * inverse_square;
+        const float t = std::min(std::max(along, 0.0F), 1.0F);
+        const float qx = px - t * ab.x, qy = py - t * ab.y, qz = pz - t * ab.z;
+        return std::sqrt(qx * qx + qy * qy + qz * qz) - (a_radius + t * growth);
+    }
+};
+
+/// First-order distance to an ellipsoid: exact on the surface, right in sign.
+struct BallDistance {
+    glm::vec3 centre, inverse_radius;
+    glm::mat3 to_axes;  ///< Columns, as glm keeps them.
+    float least_radius;
+
+    explicit BallDistance(const Ball& ball)
+        : centre(ball.centre_mm),
+          inverse_radius(1.0F / ball.radius_mm.x, 1.0F / ball.radius_mm.y, 1.0F / ball.radius_mm.z),
+          to_axes(turned(ball.tilt_deg)),
+          least_radius(std::min({ball.radius_mm.x, ball.radius_mm.y, ball.radius_mm.z})) {}
+
+    float operator()(float x, float y, float z) const {
+        const float px = x - centre.x, py = y - centre.y, pz = z - centre.z;
+        // The transpose of a rotation is its inverse.
+        const float ax =
+            (to_axes[0].x * px + to_axes[0].y * py + to_axes[0].z * pz) * inverse_radius.x;
+        const float ay =
+            (to_axes[1].x * px + to_axes[1].y * py + to_axes[1].z * pz) * inverse_radius.y;
+        const float az =
+            (to_axes[2].x * px + to_axes[2].y * py + to_axes[2].z * pz) * inverse_radius.z;
+        const float bx = ax * inverse_radius.x, by = ay * inverse_radius.y,
+                    bz = az * inverse_radius.z;
+        const float reach = std::sqrt(ax * ax + ay * ay + az * az);
+        const float slope = std::sqrt(bx * bx + by * by + bz * bz);
+        return (reach - 1) * (reach + tiny * least_radius) / (slope + tiny);
+    }
+};
+
+/// Distance to a thick triangle: its three edges as rods, and the plate between them.
+struct PlateDistance {
+    RodDistance ab, bc, ca;
+    glm::vec3 a, normal, to_b, to_c;  ///< Duals: to_b . (p - a) is the weight of corner b.
+    float a_radius, b_growth, c_growth;
+
+    PlateDistance(const Corner& p, const Corner& q, const Corner& r)
+        : ab({p.p_mm, p.radius_mm, q.p_mm, q.radius_mm}),
+          bc({q.p_mm, q.radius_mm, r.p_mm, r.radius_mm}),
+          ca({r.p_mm, r.radius_mm, p.p_mm, p.radius_mm}),
+          a(p.p_mm),
+          a_radius(p.radius_mm),
+          b_growth(q.radius_mm - p.radius_mm),
+          c_growth(r.radius_mm - p.radius_mm) {
+        const glm::vec3 u = q.p_mm - p.p_mm, v = r.p_mm - p.p_mm;
+        const float uu = u.x * u.x + u.y * u.y + u.z * u.z, vv = v.x * v.x + v.y * v.y + v.z * v.z,
+                    uv = u.x * v.x + u.y * v.y + u.z * v.z, area = uu * vv - uv * uv;
+        assert(area > 0);
+        to_b = (u * vv - v * uv) / area;
+        to_c = (v * uu - u * uv) / area;
+        const glm::vec3 cross(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
+        normal = cross / std::sqrt(area);
+    }
+
+    float operator()(float x, float y, float z) const {
+        const float px = x - a.x, py = y - a.y, pz = z - a.z;
+        const float wb = px * to_b.x + py * to_b.y + pz * to_b.z;
+        const float wc = px * to_c.x + py * to_c.y + pz * to_c.z;
+        const float height = std::abs(px * normal.x + py * normal.y + pz * normal.z);
+        const float within = std::min(std::min(wb, wc), 1 - wb - wc);
+        const float plate = height - (a_radius + wb * b_growth + wc * c_growth);
+        const float edges = std::min(std::min(ab(x, y, z), bc(x, y, z)), ca(x, y, z));
+        return within >= 0 ? std::min(plate, edges) : edges;
+    }
+};
+
+Ball mirrored(Ball ball) {
+    ball.centre_mm.x = -ball.centre_mm.x;
+    ball.tilt_deg.y = -ball.tilt_deg.y;
+    ball.tilt_deg.z = -ball.tilt_deg.z;
+    return ball;
+}
+
+Rod mirrored(Rod rod) {
+    rod.a_mm.x = -rod.a_mm.x;
+    rod.b_mm.x = -rod.b_mm.x;
+    return rod;
+}
+
+int first_at_or_after(float p_mm, float first_mm, float spacing_mm, int count) {
+    const int i = static_cast<int>(std::floor((p_mm - first_mm) / spacing_mm));
+    return std::clamp(i, 0, count);
+}
+
+template <class Shape>
+void join_each_and_its_mirror_image(Field& field, std::span<const Shape> shapes, Join how) {
+    for (const Shape& shape : shapes) {
+        join(field, shape, how);
+        join(field, mirrored(shape), how);
+    }
+}
+
+}  // namespace
+
+Grid centred_grid(int nx, int ny, int nz, glm::vec3 spacing_mm, glm::vec3 centre_mm) {
+    const glm::vec3 last(static_cast<float>(nx - 1), static_cast<float>(ny - 1),
+                         static_cast<float>(nz - 1));
+    return {nx, ny, nz, spacing_mm, centre_mm - 0.5F * (last * spacing_mm)};
+}
+
+Grid left_half(const Grid& grid) {
+    assert(grid.nx % 2 == 0);
+    Grid half = grid;
+    half.nx = grid.nx / 2;
+    half.first_mm.x = grid.x_mm(half.nx);
+    return half;
+}
+
+Box box_around(const Grid& g, glm::vec3 low_mm, glm::vec3 high_mm) {
+    return {first_at_or_after(low_mm.x, g.first_mm.x, g.spacing_mm.x, g.nx),
+            first_at_or_after(high_mm.x + g.spacing_mm.x, g.first_mm.x, g.spacing_mm.x, g.nx),
+            first_at_or_after(low_mm.y, g.first_mm.y, g.spacing_mm.y, g.ny),
+            first_at_or_after(high_mm.y + g.spacing_mm.y, g.first_mm.y, g.spacing_mm.y, g.ny),
+            first_at_or_after(low_mm.z, g.first_mm.z, g.spacing_mm.z, g.nz),
+            first_at_or_after(high_mm.z + g.spacing_mm.z, g.first_mm.z, g.spacing_mm.z, g.nz)};
+}
+
+glm::mat3 turned(glm::vec3 tilt_deg) {
+    const auto s = [](float deg) { return static_cast<float>(sine(deg / 360.0)); };
+    const auto c = [](float deg) { return static_cast<float>(sine(deg / 360.0 + 0.25)); };
+    const float sx = s(tilt_deg.x), cx = c(tilt_deg.x), sy = s(tilt_deg.y), cy = c(tilt_deg.y),
+                sz = s(tilt_deg.z), cz = c(tilt_deg.z);
+    const glm::mat3 about_x(1, 0, 0, 0, cx, sx, 0, -sx, cx);
+    const glm::mat3 about_y(cy, 0, -sy, 0, 1, 0, sy, 0, cy);
+    const glm::mat3 about_z(cz, sz, 0, -sz, cz, 0, 0, 0, 1);
+    return about_z * about_y * about_x;
+}
+
+void join(Field& field, const Ball& ball, Join how) {
+    const glm::mat3 m = turned(ball.tilt_deg);
+    const glm::vec3 r = ball.radius_mm;
+    glm::vec3 half(ball.blend_mm + margin_mm);
+    // Half the width of a turned ellipsoid along each axis of the patient.
+    for (int i = 0; i < 3; ++i) {
+        const float u = m[0][i] * r.x, v = m[1][i] * r.y, w = m[2][i] * r.z;
+        half[i] += std::sqrt(u * u + v * v + w * w);
+    }
+    join(field, box_around(field.grid, ball.centre_mm - half, ball.centre_mm + half), how,
+         ball.blend_mm, BallDistance(ball));
+}
+
+void join(Field& field, const Rod& rod, Join how) {
+    const glm::vec3 reach(std::max(rod.a_radius_mm, rod.b_radius_mm) + rod.blend_mm + margin_mm);
+    join(field,
+         box_around(field.grid, glm::min(rod.a_mm, rod.b_mm) - reach,
+                    glm::max(rod.a_mm, rod.b_mm) + reach),
+         how, rod.blend_mm, RodDistance(rod));
+}
+
+void join(Field& field, std::span<const Corner> corners, const Plate& plate, float blend_mm) {
+    const auto corner = [&](int i) { return corners[static_cast<std::size_t>(i)]; };
+    const Corner a = corner(plate.a), b = corner(plate.b), c = corner(plate.c);
+    const glm::vec3 reach(std::max({a.radius_mm, b.radius_mm, c.radius_mm}) + blend_mm + margin_mm);
+    join(field,
+         box_around(field.grid, glm::min(glm::min(a.p_mm, b.p_mm), c.p_mm) - reach,
+                    glm::max(glm::max(a.p_mm, b.p_mm), c.p_mm) + reach),
+         Join::unite, blend_mm, PlateDistance(a, b, c));
+}
+
+void join_line(Field& field, std::span<const Corner> line, float blend_mm, Join how) {
+    for (std::size_t i = 1; i < line.size(); ++i) {
+        const Corner &a = line[i - 1], &b = line[i];
+        join(field, Rod{a.p_mm, a.radius_mm, b.p_mm, b.radius_mm, blend_mm}, how);
+    }
+}
+
+void join_both(Field& field, std::span<const Ball> balls, Join how) {
+    join_each_and_its_mirror_image(field, balls, how);
+}
+
+void join_both(Field& field, std::span<const Rod> rods, Join how) {
+    join_each_and_its_mirror_image(field, rods, how);
+}
+
+void nearer(Field& field, const Field& other) {
+    assert(field.distance_mm.size() == other.distance_mm.size());
+    for (std::size_t i = 0; i < field.distance_mm.size(); ++i) {
+        field.distance_mm[i] = std::min(field.distance_mm[i], other.distance_mm[i]);
+    }
+}
+
+}  // namespace pxpl5::host::phantom

@@ -1,0 +1,174 @@
+// A pelvis as computed tomography sees it, in Hounsfield units.
+#include <limits>
+
+#include "host/phantom/catalogue.hpp"
+#include "host/phantom/noise.hpp"
+#include "host/phantom/pelvis_shapes.hpp"
+
+namespace pxpl5::host::phantom {
+
+namespace {
+
+// Hounsfield units.
+constexpr float air = -1000, fat = -105, muscle = 55, bladder_urine = 8, bowel_wall = 35;
+constexpr float cortex = 950, sponge = 330, marrow = 20;
+constexpr float scanner_noise = 9;
+
+constexpr float cortex_mm = 3.5F;      ///< Where dense bone ends.
+constexpr float slice_blur_mm = 1.6F;  ///< Half the width over which a voxel mixes two tissues.
+constexpr glm::vec3 centre_of_scan_mm(0, 8, 23);
+
+/// How much of a voxel at this distance is inside, 0 to 1.
+float inside_share(float distance_mm) {
+    return std::min(std::max(0.5F - distance_mm * (0.5F / slice_blur_mm), 0.0F), 1.0F);
+}
+
+float mixed_with(float old_value, float new_value, float share) {
+    return old_value + (new_value - old_value) * share;
+}
+
+template <std::size_t N, std::size_t M>
+void join_plates(Field& field, const Corner (&corners)[N], const Plate (&plates)[M], float blend) {
+    for (const Plate& plate : plates) join(field, corners, plate, blend);
+}
+
+/// Hip bone with its socket, without the femur.
+Field hip_bone(const Grid& grid) {
+    using namespace pelvis;
+    Field field(grid);
+    join(field, Ball{hip_centre_mm, glm::vec3(cup_radius_mm)});
+    // The socket opens sideways, forwards and downwards.
+    const glm::vec3 opening(0.76F, -0.36F, -0.54F);
+    join(field, Ball{hip_centre_mm + 66.0F * opening, glm::vec3(56)}, Join::carve);
+    join_plates(field, hip_corners, hip_plates, 6);
+    join_both(field, hip_rods);
+    join(field, Ball{hip_centre_mm, glm::vec3(socket_radius_mm)}, Join::carve);
+    join(field, Ball{hip_centre_mm + 22.0F * opening, glm::vec3(socket_radius_mm)}, Join::carve);
+    join(field, symphysis);
+    return field;
+}
+
+Field femur(const Grid& grid) {
+    Field field(grid);
+    join(field, Ball{pelvis::hip_centre_mm, glm::vec3(pelvis::femur_head_radius_mm)});
+    for (const Rod& rod : pelvis::femur_rods) join(field, rod);
+    return field;
+}
+
+Field spine(const Grid& grid) {
+    using namespace pelvis;
+    Field field(grid);
+    for (const Ball& ball : sacrum_bodies) join(field, ball);
+    join_plates(field, sacrum_corners, sacrum_plates, 5);
+    join_both(field, sacrum_laminae);
+    join_line(field, sacrum_crest, 4);
+    join_both(field, sacrum_holes, Join::carve);
+    join_line(field, sacrum_canal, 2, Join::carve);
+    Field vertebrae(grid);
+    for (const Ball& ball : lumbar_bodies) join(vertebrae, ball);
+    join_both(vertebrae, lumbar_arches);
+    join(vertebrae, lumbar_spine);
+    nearer(field, vertebrae);
+    return field;
+}
+
+Field skin(const Grid& grid) {
+    using namespace pelvis;
+    Field field(grid);
+    join_both(field, body_balls);
+    join_both(field, body_rods);
+    join(field, gluteal_cleft, Join::carve);
+    return field;
+}
+
+Field muscles(const Grid& grid) {
+    using namespace pelvis;
+    Field field(grid);
+    for (const Ball& ball : muscle_balls) join(field, ball);
+    for (const Rod& rod : muscle_rods) join(field, rod);
+    join_plates(field, wall_corners, wall_plates, 4);
+    return field;
+}
+
+/// Bowel, bladder and womb: on the whole grid, for they are not symmetric.
+Field organs(const Grid& grid) {
+    using namespace pelvis;
+    Field field(grid);
+    join_line(field, rectum, 3);
+    join_line(field, small_bowel, 1);
+    join(field, womb);
+    join(field, bladder);
+    return field;
+}
+
+Field gas_bubbles(const Grid& grid) {
+    Field field(grid);
+    for (const Ball& ball : pelvis::gas) join(field, ball);
+    return field;
+}
+
+/// The half fields, each right for x > 0 and, mirrored, for x < 0.
+struct Half {
+    Field skin_mm, muscle_mm, bone_mm, marrow_mm;
+};
+
+Half half_of(const Grid& grid) {
+    Half half{skin(grid), muscles(grid), hip_bone(grid), Field(grid)};
+    nearer(half.bone_mm, femur(grid));
+    nearer(half.bone_mm, spine(grid));
+    join(half.marrow_mm, pelvis::femur_marrow);
+    return half;
+}
+
+/// Bone at a depth below its surface.
+float bone_value(float distance_mm, float marrow_mm, float texture) {
+    const float deep = ramp(-distance_mm, cortex_mm - 1.5F, cortex_mm + 1.5F);
+    const float spongy = mixed_with(sponge + 60 * texture, marrow, inside_share(marrow_mm));
+    return mixed_with(cortex, spongy, deep);
+}
+
+}  // namespace
+
+PhantomInfo pelvis_info() {
+    return {"phantom:pelvis",
+            "a pelvis in the manner of computed tomography, in Hounsfield units",
+            {128, 128, 56},
+            Scalar::int16,
+            {2.875, 2.375, 4.0},
+            {{"bone", 250.5, {236, 226, 202}, 49552},
+             {"skin", -300.5, {224, 172, 140}, 41708},
+             {"muscle", -20.5, {178, 70, 60}, 110450}},
+            {{"femur head radius", pelvis::femur_head_radius_mm}}};
+}
+
+Volume make_pelvis(const PhantomInfo& info) {
+    const Grid grid = grid_of(info, centre_of_scan_mm);
+    const Half half = half_of(left_half(grid));
+    const Field organ = organs(grid), gas = gas_bubbles(grid);
+    std::vector<std::int16_t> voxels(grid.voxel_count());
+    const int middle = grid.nx / 2;
+    for (int z = 0; z < grid.nz; ++z) {
+        for (int y = 0; y < grid.ny; ++y) {
+            const std::size_t row = grid.row(y, z), half_row = half.skin_mm.grid.row(y, z);
+            for (int x = 0; x < grid.nx; ++x) {
+                const int from_middle = x < middle ? middle - 1 - x : x - middle;
+                const std::size_t h = half_row + static_cast<std::size_t>(from_middle);
+                const std::size_t i = row + static_cast<std::size_t>(x);
+                const auto key = static_cast<std::uint32_t>(i);
+                float value = mixed_with(air, fat, inside_share(half.skin_mm.distance_mm[h]));
+                value = mixed_with(value, bowel_wall, inside_share(organ.distance_mm[i]));
+                value = mixed_with(value, air, inside_share(gas.distance_mm[i]));
+                value = mixed_with(value, muscle, inside_share(half.muscle_mm.distance_mm[h]));
+                const float bone_mm = half.bone_mm.distance_mm[h];
+                value = mixed_with(
+                    value,
+                    bone_value(bone_mm, half.marrow_mm.distance_mm[h], grain(key ^ 0x5bd1e995U)),
+                    inside_share(bone_mm));
+                voxels[i] = rounded<std::int16_t>(value + scanner_noise * grain(key));
+            }
+        }
+    }
+    return volume_of(info, grid, voxels);
+}
+
+}  // namespace pxpl5::host::phantom
