@@ -28,6 +28,13 @@ std::vector<int> slices_needed(const VolumeShape& shape, Share share);
 /// Slices that a GP keeps for extraction, ascending: s and s + 1 of its slabs.
 std::vector<int> slices_kept(const VolumeShape& shape, Share share);
 
+/// Whether slice z is one of slices_kept().
+bool is_kept(const VolumeShape& shape, Share share, int z);
+
+/// The slice on whose arrival the last gradient that needs slice z can be estimated, so that z
+/// may go; nz if z is kept.
+int discarded_after(const VolumeShape& shape, Share share, int z);
+
 /// The most local memory that a GP's slices can take while they arrive, and after.
 std::size_t peak_bytes(const VolumeShape& shape, Share share);
 

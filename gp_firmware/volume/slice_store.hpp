@@ -1,22 +1,18 @@
 // One GP's share of the volume: the slices of its slabs, with gradients.
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <map>
 #include <span>
 #include <vector>
 
 #include "gp_firmware/hal/local_memory.hpp"
+#include "gp_firmware/volume/gradient.hpp"
 #include "gp_firmware/volume/run_length.hpp"
 #include "gp_firmware/volume/share.hpp"
 #include "gp_firmware/volume/slice.hpp"
 
 namespace pxpl5::gp {
-
-/// Central differences at a voxel along x, y, z: (value after - value before) * gradient_scale().
-using Gradient = std::array<std::int16_t, 3>;
 
 struct HeldSlice {
     std::vector<std::byte> values;    ///< nx * ny of the volume's type, x fastest.
@@ -55,7 +51,8 @@ class SliceStore {
     std::size_t memory_bytes() const { return charged_bytes_; }
 
   private:
-    void estimate_gradients(int z);
+    void charge(std::size_t bytes, int z);
+    void add_gradients(int z);
     void discard_done(int z);
 
     VolumeShape shape_;
@@ -66,9 +63,5 @@ class SliceStore {
     std::map<int, HeldSlice> slices_;
     std::size_t charged_bytes_ = 0;
 };
-
-/// Factor from differences of values to stored gradients: 1 where twice the volume's range fits
-/// into 16 bits (integers), else what makes it fit.
-double gradient_scale(const VolumeShape& shape);
 
 }  // namespace pxpl5::gp

@@ -1,0 +1,104 @@
+#include "gp_firmware/volume/gradient.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "gp_firmware/volume/typed.hpp"
+
+namespace pxpl5::gp {
+
+namespace {
+
+constexpr int largest = std::numeric_limits<std::int16_t>::max();
+
+/// Stores differences unscaled; the clamp acts only if the volume's range was announced wrong.
+struct Exact {
+    template <class T>
+    std::int16_t operator()(T after, T before, int factor) const {
+        const int difference = (static_cast<int>(after) - static_cast<int>(before)) * factor;
+        return static_cast<std::int16_t>(std::clamp(difference, -largest, largest));
+    }
+};
+
+struct Scaled {
+    double scale;
+
+    template <class T>
+    std::int16_t operator()(T after, T before, int factor) const {
+        const double difference =
+            (static_cast<double>(after) - static_cast<double>(before)) * factor * scale;
+        if (std::isnan(difference)) return 0;
+        const double limit = largest;
+        return static_cast<std::int16_t>(std::floor(std::clamp(difference, -limit, limit) + 0.5));
+    }
+};
+
+/// Rows of voxels: the one of the gradients, and its four neighbours.
+template <class T>
+struct Rows {
+    const T *here, *y_before, *y_after, *z_before, *z_after;
+    int y_factor, z_factor;  ///< 2 where the difference is one-sided.
+};
+
+template <class T, class Store>
+void gradients_of_row(const Rows<T>& rows, int nx, Store store, Gradient* out) {
+    const auto across = [&](int x) {
+        out[x][1] = store(rows.y_after[x], rows.y_before[x], rows.y_factor);
+        out[x][2] = store(rows.z_after[x], rows.z_before[x], rows.z_factor);
+    };
+    const int last = nx - 1;
+    out[0][0] = store(rows.here[1], rows.here[0], 2);
+    across(0);
+    for (int x = 1; x < last; ++x) {
+        out[x][0] = store(rows.here[x + 1], rows.here[x - 1], 1);
+        across(x);
+    }
+    out[last][0] = store(rows.here[last], rows.here[last - 1], 2);
+    across(last);
+}
+
+template <class T, class Store>
+void gradients_of_slice(const VolumeShape& shape, const SliceNeighbours& slices, Store store,
+                        Gradient* out) {
+    const T *below = typed<T>(slices.below), *here = typed<T>(slices.here),
+            *above = typed<T>(slices.above);
+    for (int y = 0; y < shape.ny; ++y) {
+        const std::ptrdiff_t nx = shape.nx, row = y * nx;
+        const bool first = y == 0, last = y == shape.ny - 1;
+        const Rows<T> rows{here + row,
+                           here + (first ? row : row - nx),
+                           here + (last ? row : row + nx),
+                           below + row,
+                           above + row,
+                           first || last ? 2 : 1,
+                           slices.at_end ? 2 : 1};
+        gradients_of_row(rows, shape.nx, store, out + row);
+    }
+}
+
+}  // namespace
+
+double gradient_scale(const VolumeShape& shape) {
+    const double reach = 2 * (shape.maximum - shape.minimum);
+    if (shape.type != Scalar::float32 && reach <= largest) return 1;
+    return reach > 0 && std::isfinite(reach) ? largest / reach : 1;
+}
+
+std::vector<Gradient> estimate_gradients(const VolumeShape& shape, const SliceNeighbours& slices) {
+    assert(shape.nx >= 2);
+    assert(shape.ny >= 2);
+    std::vector<Gradient> gradients(shape.slice_voxels());
+    const double scale = gradient_scale(shape);
+    with_scalar(shape.type, [&]<class T>(T) {
+        if constexpr (std::is_integral_v<T>) {
+            if (scale == 1) return gradients_of_slice<T>(shape, slices, Exact{}, gradients.data());
+        }
+        gradients_of_slice<T>(shape, slices, Scaled{scale}, gradients.data());
+    });
+    return gradients;
+}
+
+}  // namespace pxpl5::gp

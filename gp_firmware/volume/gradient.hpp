@@ -1,0 +1,34 @@
+// Gradients: surface normals come from how values change between voxels.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gp_firmware/volume/slice.hpp"
+
+namespace pxpl5::gp {
+
+/// Central differences at a voxel along x, y, z: (value after - value before) * gradient_scale().
+/// At the volume's border, twice the one-sided difference. 0 where a value is not finite.
+/// Voxel spacing is not in it: that enters when a normal is made.
+using Gradient = std::array<std::int16_t, 3>;
+
+/// Factor from differences of values to stored gradients: 1 for integers where twice the volume's
+/// range, which a border's difference can reach, fits into 16 bits; else what makes it fit.
+double gradient_scale(const VolumeShape& shape);
+
+/// A slice and its neighbours in z; below or above is the slice itself at the volume's ends.
+struct SliceNeighbours {
+    std::span<const std::byte> below, here, above;  ///< Each nx * ny of shape.type, aligned.
+    bool at_end = false;                            ///< Whether below or above is `here`.
+};
+
+/// The gradients of slice `here`, nx * ny.
+/// Source  Yoo & Chen, section IV, "Gradient estimation". One-sided differences are ours: the
+///         paper does not say.
+std::vector<Gradient> estimate_gradients(const VolumeShape& shape, const SliceNeighbours& slices);
+
+}  // namespace pxpl5::gp

@@ -1,0 +1,108 @@
+#include "gp_firmware/volume/slice_store.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <stdexcept>
+#include <string>
+
+namespace pxpl5::gp {
+
+namespace {
+
+void check_shape(const VolumeShape& shape) {
+    if (std::min({shape.nx, shape.ny, shape.nz}) >= 2) return;
+    throw std::invalid_argument("a volume needs 2 voxels along each axis, has " +
+                                std::to_string(shape.nx) + "x" + std::to_string(shape.ny) + "x" +
+                                std::to_string(shape.nz));
+}
+
+void check_share(Share share) {
+    const bool count_ok = share.gp_count >= 1 && share.gp_count <= max_gp_count;
+    if (count_ok && share.gp_index >= 0 && share.gp_index < share.gp_count) return;
+    throw std::invalid_argument("GP " + std::to_string(share.gp_index) + " of " +
+                                std::to_string(share.gp_count) + ": there are 1 to " +
+                                std::to_string(max_gp_count) + " GPs, counted from 0");
+}
+
+}  // namespace
+
+SliceStore::SliceStore(const VolumeShape& shape, Share share, LocalMemory& memory)
+    : shape_(shape), share_(share), memory_(memory) {
+    check_shape(shape);
+    check_share(share);
+    slabs_ = slabs_owned(shape, share);
+    needed_ = slices_needed(shape, share);
+    const std::size_t peak = peak_bytes(shape, share);
+    if (peak > memory.available_bytes())
+        throw OutOfLocalMemory("the slices of GP " + std::to_string(share.gp_index) + " of " +
+                                   std::to_string(share.gp_count),
+                               peak, memory.available_bytes(),
+                               gp_count_advice(shape, memory.size_bytes()));
+}
+
+SliceStore::~SliceStore() {
+    memory_.release(charged_bytes_);
+}
+
+void SliceStore::charge(std::size_t bytes, int z) {
+    memory_.charge(bytes, "slice " + std::to_string(z),
+                   gp_count_advice(shape_, memory_.size_bytes()));
+    charged_bytes_ += bytes;
+}
+
+void SliceStore::add_slice(int z, std::span<const std::byte> values) {
+    if (complete()) throw std::invalid_argument("slice " + std::to_string(z) + " is one too many");
+    if (z != needed_[next_])
+        throw std::invalid_argument("slice " + std::to_string(z) + " came, slice " +
+                                    std::to_string(needed_[next_]) + " is next");
+    const std::size_t expected = shape_.slice_voxels() * size_bytes(shape_.type);
+    if (values.size() != expected)
+        throw std::invalid_argument("slice " + std::to_string(z) + " needs " +
+                                    std::to_string(expected) + " bytes, has " +
+                                    std::to_string(values.size()));
+    charge(values.size(), z);
+    HeldSlice& slice = slices_[z];
+    slice.values.assign(values.begin(), values.end());
+    if (is_kept(shape_, share_, z)) {
+        slice.rows = index_rows(shape_, slice.values);
+        charge(slice.rows.size_bytes(), z);
+    }
+    ++next_;
+    if (z > 0) add_gradients(z - 1);
+    if (z == shape_.nz - 1) add_gradients(z);
+    discard_done(z);
+}
+
+/// Estimates the gradients of slice z, if it is kept: its neighbours are there.
+void SliceStore::add_gradients(int z) {
+    if (!is_kept(shape_, share_, z)) return;
+    const int below = std::max(z - 1, 0), above = std::min(z + 1, shape_.nz - 1);
+    charge(shape_.slice_voxels() * sizeof(Gradient), z);
+    slices_.at(z).gradients =
+        estimate_gradients(shape_, {slices_.at(below).values, slices_.at(z).values,
+                                    slices_.at(above).values, below == z || above == z});
+}
+
+/// Lets go of the slices that nothing needs after the arrival of slice z.
+void SliceStore::discard_done(int z) {
+    const std::size_t freed = std::erase_if(slices_, [&](const auto& held) {
+        return discarded_after(shape_, share_, held.first) == z;
+    });
+    const std::size_t bytes = freed * shape_.slice_voxels() * size_bytes(shape_.type);
+    memory_.release(bytes);
+    charged_bytes_ -= bytes;
+}
+
+std::vector<int> SliceStore::held() const {
+    std::vector<int> numbers;
+    for (const auto& held : slices_) numbers.push_back(held.first);
+    return numbers;
+}
+
+const HeldSlice& SliceStore::slice(int z) const {
+    const auto found = slices_.find(z);
+    assert(found != slices_.end());
+    return found->second;
+}
+
+}  // namespace pxpl5::gp
