@@ -79,6 +79,20 @@ struct Instruction {
     friend bool operator==(const Instruction&, const Instruction&) = default;
 };
 
+/// What operand b is.
+enum class Role : std::uint8_t { absent, address, fraction, block, number };
+
+constexpr Role role_of_b(std::string_view text) {
+    const auto has = [text](std::string_view token) {
+        return text.find(token) != std::string_view::npos;
+    };
+    return has("m{b}")    ? Role::address
+           : has(">>{b}") ? Role::fraction
+           : has("bs{b}") ? Role::block
+           : has("#{b}")  ? Role::number
+                          : Role::absent;
+}
+
 /// Everything known about one instruction, except what it does to pixels.
 struct OpInfo {
     std::string_view id, name, text, picture;
@@ -91,11 +105,7 @@ struct OpInfo {
     std::uint32_t (*at_a)(Operands);    ///< Bits of pixel memory used at m[a].
     std::uint32_t (*at_b)(Operands);    ///< Bits of pixel memory read at m[b].
     std::uint32_t (*cycles)(Operands);  ///< Modelled cycles at 40 MHz.
-
-    /// True if operand b is a fraction (">>{b}"), a block ("bs{b}") or an address ("m{b}").
-    constexpr bool b_is_fraction() const { return text.find(">>{b}") != std::string_view::npos; }
-    constexpr bool b_is_block() const { return text.find("bs{b}") != std::string_view::npos; }
-    constexpr bool b_is_address() const { return text.find("m{b}") != std::string_view::npos; }
+    Role b_role = role_of_b(text);
 
     /// True if the controller alone runs this row (see sequencer.hpp): no pixel takes part.
     constexpr bool is_control() const {

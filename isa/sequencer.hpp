@@ -62,6 +62,8 @@ class Sequencer {
     void open_loop(std::uint32_t rounds);
     void close_loop();
     void call(std::size_t target);
+    void return_from_call();
+    void signal(std::uint32_t number);
     void count(std::uint64_t instructions, std::uint64_t cycles);
     std::size_t behind_matching_end_loop() const;
 

@@ -19,7 +19,7 @@ class Reference final : public Executor {
   public:
     /// Emulates the pixels of `window` only; the others read as 0 and never enabled. A whole region
     /// costs about 1 ms per instruction, a 16 x 8 window some microseconds.
-    explicit Reference(Window window = {}) : pixels_(window) {}
+    explicit Reference(Window window = {});
 
     void execute(Instruction in, Coefficients coefficients) override;
     bool any_enabled() const override;
