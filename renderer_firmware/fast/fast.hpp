@@ -1,0 +1,47 @@
+// The fast executor: the instructions of isa/instructions.def on bit columns, many pixels at a
+// time.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "renderer_firmware/fast/handlers.hpp"
+
+namespace pxpl5::renderer::fast {
+
+class Fast final : public isa::Executor {
+  public:
+    /// Pixels start cleared and disabled.
+    /// Throws std::invalid_argument if this machine lacks `target`.
+    explicit Fast(Target target = target_from_environment()) : Fast(backend(target)) {}
+
+    /// With the handlers of `code`: for tests that plant a wrong one.
+    explicit Fast(const Backend& code);
+
+    void execute(isa::Instruction in, isa::Coefficients coefficients) override;
+
+    /// Runs triangles fused, and other straight-line stretches block group by block group, so that
+    /// a group's memory stays in the first-level cache.
+    isa::Taken execute_ahead(std::span<const std::uint32_t> words) override;
+
+    bool any_enabled() const override { return board_->pixels.any_enabled(); }
+    std::uint64_t field(int x, int y, std::uint32_t a, std::uint32_t n) const override;
+    bool enabled(int x, int y) const override;
+    bool carry(int x, int y) const override;
+    std::uint32_t backing_block(int x, int y, std::uint32_t block) const override;
+
+  private:
+    struct Step {
+        Handler run;
+        isa::Operands operands;
+        isa::Coefficients coefficients;
+    };
+
+    isa::Taken gather(std::span<const std::uint32_t> words);
+
+    const Backend& code_;
+    std::unique_ptr<hal::Board> board_;
+    std::vector<Step> steps_;  ///< The stretch being run.
+};
+
+}  // namespace pxpl5::renderer::fast

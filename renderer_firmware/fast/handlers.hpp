@@ -1,0 +1,55 @@
+// The handlers of the fast executor, one per row of instructions.def, once per vector target.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "isa/executor.hpp"
+#include "renderer_firmware/hal/board.hpp"
+
+namespace pxpl5::renderer::fast {
+
+/// The blocks of pixels that one call acts on: first .. end-1.
+struct BlockRange {
+    std::size_t first = 0;
+    std::size_t end = hal::block_count;
+};
+
+/// Runs one instruction on the pixels of some blocks.
+using Handler = void (*)(hal::Board& board, BlockRange range, isa::Operands operands,
+                         isa::Coefficients coefficients);
+
+/// By row; null for the rows that the controller runs.
+using HandlerTable = std::array<Handler, isa::op_count>;
+
+/// What a run of triangle programs (isa/triangle_shape.hpp) took.
+using TriangleRun = isa::Taken (*)(hal::Board& board, const std::uint32_t* words,
+                                   std::size_t word_count);
+
+/// The same machine code interface for every vector target.
+struct Backend {
+    HandlerTable handlers;
+    TriangleRun triangles;  ///< Runs the triangles at the head of `words`, fused.
+};
+
+/// Vector instruction sets. `best` is the widest that this machine has; `portable` is plain C++.
+enum class Target : std::uint8_t { best, portable, sse4, avx2, avx512 };
+
+std::string_view target_name(Target target);
+
+/// Those of portable, sse4, avx2, avx512 that this machine can run.
+std::vector<Target> available_targets();
+
+/// The target named by the environment variable PXPL5_TARGET; best if it is unset or empty.
+/// Throws std::invalid_argument if its value names no target that this machine has.
+Target target_from_environment();
+
+/// The code for `target`.
+/// Throws std::invalid_argument if this machine lacks it.
+const Backend& backend(Target target);
+
+}  // namespace pxpl5::renderer::fast

@@ -1,0 +1,34 @@
+// The image generation controller: checks a stream, runs it on an executor, counts.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "isa/program.hpp"
+#include "isa/sequencer.hpp"
+
+namespace pxpl5::renderer {
+
+struct Outcome {
+    isa::RunCounts counts;                   ///< Of what ran; zero if the check failed.
+    std::optional<isa::ProgramError> error;  ///< Why nothing, or not everything, ran.
+};
+
+class Igc {
+  public:
+    /// `executor` outlives the controller.
+    explicit Igc(isa::Executor& executor) : executor_(executor) {}
+
+    /// Checks `words` and, if they are a program, runs them to their end. Nothing runs otherwise.
+    Outcome run(std::span<const std::uint32_t> words);
+
+  private:
+    isa::Executor& executor_;
+    isa::Controller controller_;
+};
+
+/// True if `words` is nothing but triangle programs (isa/triangle_shape.hpp): these need no check.
+bool only_triangles(std::span<const std::uint32_t> words);
+
+}  // namespace pxpl5::renderer
