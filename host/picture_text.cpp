@@ -9,6 +9,7 @@
 
 #include "host/command_handlers.hpp"
 #include "host/digest.hpp"
+#include "host/phantom/phantom.hpp"
 
 namespace pxpl5::host {
 
@@ -18,6 +19,16 @@ constexpr std::array<std::string_view, 4> scalar_names = {"uint8", "int16", "uin
 
 glm::dvec3 axis_mm(const Volume& volume, int axis) {
     return glm::dvec3(volume.voxel_to_patient[axis]);
+}
+
+/// What is worth looking at in a built-in volume; empty for others.
+std::vector<PhantomSurface> suggested_surfaces(const Volume& volume) {
+    for (const PhantomInfo& phantom : phantoms()) {
+        if (phantom.name == volume.name) {
+            return phantom.surfaces;
+        }
+    }
+    return {};
 }
 
 }  // namespace
@@ -74,6 +85,11 @@ Reply describe_volume(const Volume& volume) {
         reply.text += "\nnote: " + note;
         notes.push_back({{"note", note}});
     }
+    std::vector<Fields> surfaces;
+    for (const PhantomSurface& surface : suggested_surfaces(volume)) {
+        reply.text += fmt::format("\nsurface {}: iso={}", surface.name, surface.isovalue);
+        surfaces.push_back({{"name", surface.name}, {"isovalue", surface.isovalue}});
+    }
     reply.fields = {{"name", volume.name},
                     {"dims", std::vector<double>{static_cast<double>(volume.nx),
                                                  static_cast<double>(volume.ny),
@@ -84,7 +100,8 @@ Reply describe_volume(const Volume& volume) {
                     {"orientation", letters},
                     {"minimum", volume.minimum},
                     {"maximum", volume.maximum},
-                    {"notes", notes}};
+                    {"notes", notes},
+                    {"surfaces", surfaces}};
     return reply;
 }
 

@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""Times the whole machine on the five surfaces of the paper: medians over several runs, one JSON line.
+
+usage: machine_bench.py PXPL5 [--topology NAME] [--runs N] [--frames N] [--size WxH] [--check]
+
+Extraction is from the command to the last GP's acknowledgement; the frame rate is of newly drawn views
+that arrive in the host's memory, two in flight. With --check the exit code is 1 if a goal is missed.
+"""
+import argparse
+import json
+import os
+import platform
+import statistics
+import subprocess
+import sys
+
+# Volume, surface, isovalue are read from the program itself (`help` and phantoms know them).
+SURFACES = [
+    ("phantom:pelvis", "skin"),
+    ("phantom:pelvis", "muscle"),
+    ("phantom:pelvis", "bone"),
+    ("phantom:fetus", "face"),
+    ("phantom:head", "skin"),
+]
+EXTRACTION_GOAL_MS = 30.0
+SKIN_RATE_GOAL = 60.0
+
+
+def isovalues(program):
+    """Isovalue of each phantom's surface, as `info` reports it."""
+    values = {}
+    for volume in sorted({volume for volume, _ in SURFACES}):
+        answer = subprocess.run([program, "info", volume, "--json"], capture_output=True, text=True, check=True)
+        for surface in json.loads(answer.stdout)["result"]["surfaces"]:
+            values[volume, surface["name"]] = surface["isovalue"]
+    return values
+
+
+def one_run(program, args, values):
+    """Milliseconds of extraction and frames per second of every surface, from one machine."""
+    commands, loaded = [f"size {args.size}"], None
+    for volume, name in SURFACES:
+        if volume != loaded:
+            commands.append(f"load {volume}")
+            loaded = volume
+        iso = values[volume, name]
+        # The first extraction finds cold memory; the second is what a person at the slider sees.
+        commands += [f"surface {name} iso={iso + 1}", f"surface {name} iso={iso}",
+                     "orbit 10", f"orbit {args.frames}", f"remove {name}"]
+    answer = subprocess.run([program, "run", "--json", "--topology", args.topology, "-c", ";".join(commands)],
+                            capture_output=True, text=True, check=True)
+    lines = [json.loads(line) for line in answer.stdout.splitlines()]
+    surfaces = [line for line in lines if line["command"].startswith("surface")][1::2]
+    orbits = [line for line in lines if line["command"].startswith("orbit")][1::2]
+    return [(s["result"]["triangles"], s["result"]["extraction_ms"], o["result"]["frames_per_s"])
+            for s, o in zip(surfaces, orbits, strict=True)]
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("program")
+    parser.add_argument("--topology", default="default")
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--frames", type=int, default=100)
+    parser.add_argument("--size", default="512x512")
+    parser.add_argument("--check", action="store_true")
+    args = parser.parse_args()
+
+    values = isovalues(args.program)
+    runs = [one_run(args.program, args, values) for _ in range(args.runs)]
+    version = subprocess.run([args.program, "--version"], capture_output=True, text=True, check=True)
+    report = {"version": version.stdout.strip(), "cpu": platform.processor() or platform.machine(),
+              "cores": os.cpu_count(), "topology": args.topology, "size": args.size, "runs": args.runs,
+              "surfaces": []}
+    for k, (volume, name) in enumerate(SURFACES):
+        report["surfaces"].append({
+            "volume": volume, "surface": name, "triangles": runs[0][k][0],
+            "extraction_ms": round(statistics.median(run[k][1] for run in runs), 2),
+            "frames_per_s": round(statistics.median(run[k][2] for run in runs), 1)})
+    print(json.dumps(report))
+
+    missed = [f"{s['volume']} {s['surface']}: extraction {s['extraction_ms']} ms, the goal is {EXTRACTION_GOAL_MS}"
+              for s in report["surfaces"] if s["extraction_ms"] > EXTRACTION_GOAL_MS]
+    skin = report["surfaces"][0]
+    if skin["frames_per_s"] < SKIN_RATE_GOAL:
+        missed.append(f"{skin['volume']} skin: {skin['frames_per_s']} frames/s, the goal is {SKIN_RATE_GOAL}")
+    for line in missed:
+        print("missed: " + line, file=sys.stderr)
+    return 1 if missed and args.check else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""The program as a user meets it: real processes, command lines, exit codes, pictures.
+
+usage: test_cli.py BIN_DIR [unittest arguments]
+"""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+BIN = pathlib.Path(sys.argv.pop(1)) if len(sys.argv) > 1 else pathlib.Path("build/release/bin")
+LIMIT_S = 120
+
+
+def children_of(pid):
+    """Process ids whose parent is `pid`."""
+    found = []
+    for entry in pathlib.Path("/proc").iterdir():
+        try:
+            if entry.name.isdigit() and int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1]) == pid:
+                found.append(int(entry.name))
+        except (FileNotFoundError, ProcessLookupError):
+            pass  # It ended while we looked.
+    return found
+
+
+def png_size(path):
+    """Width and height from a PNG's header."""
+    header = pathlib.Path(path).read_bytes()[:24]
+    assert header[:8] == b"\x89PNG\r\n\x1a\n", header
+    return int.from_bytes(header[16:20], "big"), int.from_bytes(header[20:24], "big")
+
+
+class Cli(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="pxpl5-test-")
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def pxpl5(self, *arguments, topology="one-of-each", machine=True):
+        """Runs the program to its end."""
+        flags = ["--run-folder", self.path("run"), "--topology", topology] if machine else []
+        return subprocess.run([BIN / "pxpl5", *arguments, *flags], capture_output=True, text=True,
+                              timeout=LIMIT_S, cwd=self.folder.name)
+
+    def test_version(self):
+        done = self.pxpl5("--version", machine=False)
+        self.assertEqual(done.returncode, 0)
+        self.assertRegex(done.stdout, r"^pxpl5 \d+\.\d+\.\d+\n$")
+
+    def test_render_writes_a_picture_of_the_asked_size(self):
+        done = self.pxpl5("render", "phantom:sphere", "--iso", "0.5", "--size", "200x150", "-o", self.path("s.png"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(png_size(self.path("s.png")), (200, 150))
+
+    def test_json_is_one_object_per_command(self):
+        done = self.pxpl5("run", "--json", "-c", "load phantom:sphere; surface s iso=0.5; size 64x64; digest; stats")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertEqual([line["command"].split()[0] for line in lines], ["load", "surface", "size", "digest", "stats"])
+        self.assertTrue(all(line["ok"] and line["ms"] >= 0 for line in lines))
+        self.assertGreater(lines[1]["result"]["triangles"], 0)
+        self.assertGreater(lines[4]["result"]["frame"]["instructions"], 0)
+
+    def test_script_file_stops_at_the_first_failure_with_its_code(self):
+        script = self.path("a.txt")
+        pathlib.Path(script).write_text("# a comment\nload phantom:sphere\nview nowhere\nstats\n")
+        done = self.pxpl5("run", script)
+        self.assertEqual(done.returncode, 64)
+        self.assertIn("there is no view 'nowhere'", done.stderr)
+        self.assertNotIn("last frame", done.stdout)
+
+    def test_usage_errors_are_64_and_name_the_values(self):
+        for arguments, text in ((["run", "-c", "snapshit x"], "did you mean 'snapshot'"),
+                                (["run", "-c", "load phantom:pelvix"], "phantom:pelvis"),
+                                (["run", "-c", "surface a iso=1"], "no volume is loaded"),
+                                (["run", "-c", "size 0x5"], "0 is outside 1"),
+                                (["render", "phantom:sphere", "-o", "x.png"], "--iso"),
+                                (["run", "--set", "gp.count=65"], "65"),
+                                (["run", "--set", "gp.cout=2"], "count")):
+            done = self.pxpl5(*arguments)
+            self.assertEqual(done.returncode, 64, (arguments, done))
+            self.assertIn(text, done.stderr, arguments)
+
+    def test_unknown_machine_is_named(self):
+        done = self.pxpl5("run", "-c", "stats", topology="paper-1994")
+        self.assertEqual(done.returncode, 64)
+        self.assertIn("paper-1994", done.stderr)
+
+    def test_bad_files_are_65_and_the_machine_goes_on(self):
+        bad = self.path("bad.nrrd")
+        pathlib.Path(bad).write_text("this is not a volume\n")
+        done = self.pxpl5("render", bad, "--iso", "1", "-o", self.path("x.png"))
+        self.assertEqual(done.returncode, 65, done)
+        self.assertIn("bad.nrrd", done.stderr)
+        self.assertFalse(os.path.exists(self.path("x.png")))
+        missing = self.pxpl5("info", self.path("absent.nii"), machine=False)
+        self.assertEqual(missing.returncode, 65, missing)
+        self.assertIn("absent.nii", missing.stderr)
+
+    def test_a_small_local_memory_is_a_fault_that_says_how_many_gps_would_do(self):
+        done = self.pxpl5("run", "--set", "gp.memory_mib=1", "-c", "load phantom:pelvis")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, r"\d+ GPs")
+
+    def start(self, topology):
+        """A machine that waits for commands, with its processes."""
+        child = subprocess.Popen([BIN / "pxpl5", "run", "-", "--run-folder", self.path("run"), "--topology", topology],
+                                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                 text=True, cwd=self.folder.name)
+        child.stdin.write("load phantom:sphere\n")
+        child.stdin.flush()
+        self.assertIn("sphere", child.stdout.readline())
+        nodes = children_of(child.pid)
+        self.assertGreaterEqual(len(nodes), 3)
+        return child, nodes
+
+    def assert_all_ended(self, child, nodes):
+        for pid in nodes:
+            self.assertFalse(os.path.exists(f"/proc/{pid}"), f"process {pid} is still there")
+        self.assertFalse(children_of(child.pid))
+
+    def test_killing_any_process_ends_the_run_by_name_and_leaves_none(self):
+        for victim in ("pxpl5-gp", "pxpl5-renderer", "pxpl5-framebuff"):
+            child, nodes = self.start("one-of-each")
+            pid = next(pid for pid in nodes
+                       if pathlib.Path(f"/proc/{pid}/comm").read_text().strip() == victim)
+            os.kill(pid, signal.SIGKILL)
+            child.stdin.write("surface a iso=0.5\norbit 1000\n")
+            child.stdin.close()
+            child.wait(timeout=LIMIT_S)
+            error = child.stderr.read()
+            self.assertEqual(child.returncode, 128 + 9, error)
+            self.assertIn({"pxpl5-gp": "gp-0", "pxpl5-renderer": "renderer-0"}.get(victim, "frame"), error)
+            self.assertIn("SIGKILL", error)
+            self.assert_all_ended(child, nodes)
+            child.stdout.close()
+            child.stderr.close()
+
+    def test_interrupt_leaves_no_process(self):
+        child, nodes = self.start("one-of-each")
+        child.stdin.write("surface a iso=0.5\norbit 100000\n")
+        child.stdin.flush()
+        self.assertIn("triangles", "".join(child.stdout.readline() for _ in range(4)))
+        child.send_signal(signal.SIGINT)
+        child.communicate(timeout=LIMIT_S)
+        self.assertEqual(child.returncode, 128 + 2)
+        self.assert_all_ended(child, nodes)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
