@@ -10,7 +10,7 @@
 namespace pxpl5::host {
 
 struct MachineOptions {
-    std::filesystem::path binaries;          ///< Folder of pxpl5-gp and the others; empty: the host's own.
+    std::filesystem::path binaries;  ///< Folder of pxpl5-gp and the others; empty: the host's own.
     std::filesystem::path run_base = "run";  ///< The run folder is made in here.
     int start_timeout_s = 60;                ///< For all nodes to say Hello, and again to connect.
     int io_memory_mib = 16384;               ///< Address space of the io process.

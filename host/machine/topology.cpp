@@ -1,0 +1,244 @@
+#include "host/machine/topology.hpp"
+
+#include <fmt/format.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "host/error.hpp"
+#include "host/machine/topology_file.hpp"
+#include "host/nearest.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& text) {
+    throw RequestError(ExitCode::usage, text);
+}
+
+/// A whole number of the plan, and what it may be.
+struct NumberKey {
+    std::string_view name;
+    int low, high;
+    int& (*in)(Topology&);
+};
+
+// One view of a picture needs one frame buffer; both eyes of a stereo picture share it, stacked.
+constexpr int max_frame_buffers = 1;
+constexpr int max_memory_mib = 1 << 20;
+constexpr int max_channels = 64;
+constexpr int max_channel_mb_s = 1'000'000;
+constexpr int max_hop_ns = 1'000'000;
+
+constexpr std::array number_keys = {
+    NumberKey{"gp.count", 1, max_nodes_per_role, [](Topology& t) -> int& { return t.gp.count; }},
+    NumberKey{"gp.memory_mib", 1, max_memory_mib,
+              [](Topology& t) -> int& { return t.gp_memory_mib; }},
+    NumberKey{"renderer.count", 1, max_nodes_per_role,
+              [](Topology& t) -> int& { return t.renderer.count; }},
+    NumberKey{"frame_buffer.count", 1, max_frame_buffers,
+              [](Topology& t) -> int& { return t.frame_buffer.count; }},
+    NumberKey{"ring.channels", 1, max_channels,
+              [](Topology& t) -> int& { return t.ring.channels; }},
+    NumberKey{"ring.channel_mb_s", 1, max_channel_mb_s,
+              [](Topology& t) -> int& { return t.ring.channel_mb_s; }},
+    NumberKey{"ring.hop_ns", 0, max_hop_ns, [](Topology& t) -> int& { return t.ring.hop_ns; }},
+};
+
+struct RoleKey {
+    std::string_view cpu, env;
+    RoleSettings& (*in)(Topology&);
+};
+constexpr std::array role_keys = {
+    RoleKey{"gp.cpu", "gp.env", [](Topology& t) -> RoleSettings& { return t.gp; }},
+    RoleKey{"renderer.cpu", "renderer.env",
+            [](Topology& t) -> RoleSettings& { return t.renderer; }},
+    RoleKey{"frame_buffer.cpu", "frame_buffer.env",
+            [](Topology& t) -> RoleSettings& { return t.frame_buffer; }},
+};
+
+int core_count() {
+    cpu_set_t cores;
+    const int count = sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 1;
+    return std::clamp(count, 1, max_nodes_per_role);
+}
+
+void resolve_counts(Topology& topology) {
+    for (RoleSettings* role : {&topology.gp, &topology.renderer}) {
+        role->count = role->count == 0 ? core_count() : role->count;
+    }
+}
+
+void check_cores(const std::string& where, const RoleKey& key, const RoleSettings& role) {
+    for (const int core : role.cpu) {
+        if (core < 0 || core >= CPU_SETSIZE) {
+            refuse(fmt::format("{}: {} names core {}, must be 0..{}", where, key.cpu, core,
+                               CPU_SETSIZE - 1));
+        }
+    }
+    for (const std::string& variable : role.env) {
+        if (variable.find('=') == std::string::npos || variable.front() == '=') {
+            refuse(fmt::format("{}: {} has '{}', must be NAME=value", where, key.env, variable));
+        }
+    }
+}
+
+void check(Topology& topology, const std::string& where) {
+    for (const NumberKey& key : number_keys) {
+        const int value = key.in(topology);
+        if (value < key.low || value > key.high) {
+            refuse(fmt::format("{}: {} is {}, must be {}..{}", where, key.name, value, key.low,
+                               key.high));
+        }
+    }
+    for (const RoleKey& key : role_keys) {
+        check_cores(where, key, key.in(topology));
+    }
+}
+
+template <typename Number>
+Number whole_number(std::string_view key, std::string_view text) {
+    Number value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size()) {
+        refuse(fmt::format("{} is '{}', must be a whole number", key, text));
+    }
+    return value;
+}
+
+std::vector<int> core_list(std::string_view key, std::string_view text) {
+    std::vector<int> cores;
+    while (!text.empty()) {
+        const std::size_t comma = std::min(text.find(','), text.size());
+        cores.push_back(whole_number<int>(key, text.substr(0, comma)));
+        text.remove_prefix(std::min(comma + 1, text.size()));
+    }
+    return cores;
+}
+
+Transport transport_named(std::string_view text) {
+    if (text != "ipc" && text != "tcp") {
+        refuse(fmt::format("ring.transport is '{}', must be ipc or tcp", text));
+    }
+    return text == "ipc" ? Transport::ipc : Transport::tcp;
+}
+
+/// Returns false if `key` does not belong to a role's lists.
+bool set_role_list(Topology& topology, std::string_view key, std::string_view value) {
+    for (const RoleKey& role : role_keys) {
+        if (key == role.cpu) {
+            role.in(topology).cpu = core_list(key, value);
+            return true;
+        }
+        if (key == role.env) {
+            role.in(topology).env.emplace_back(value);
+            return true;
+        }
+    }
+    return false;
+}
+
+[[noreturn]] void refuse_key(std::string_view key) {
+    std::vector<std::string_view> known = {"ring.transport", "seed"};
+    for (const NumberKey& number : number_keys) {
+        known.push_back(number.name);
+    }
+    for (const RoleKey& role : role_keys) {
+        known.insert(known.end(), {role.cpu, role.env});
+    }
+    std::sort(known.begin(), known.end());
+    refuse(fmt::format("--set: unknown key '{}'{}", key, did_you_mean(key, known)));
+}
+
+void set_value(Topology& topology, std::string_view key, std::string_view value) {
+    const auto number = std::find_if(number_keys.begin(), number_keys.end(),
+                                     [key](const NumberKey& k) { return k.name == key; });
+    if (number != number_keys.end()) {
+        number->in(topology) = whole_number<int>(key, value);
+    } else if (key == "seed") {
+        topology.seed = whole_number<std::uint64_t>(key, value);
+    } else if (key == "ring.transport") {
+        topology.ring.transport = transport_named(value);
+    } else if (!set_role_list(topology, key, value)) {
+        refuse_key(key);
+    }
+}
+
+std::string read_text(const std::filesystem::path& path) {
+    std::ifstream file(path);
+    std::ostringstream text;
+    text << file.rdbuf();
+    if (!file) {
+        refuse(fmt::format("topology {}: cannot be read", path.string()));
+    }
+    return text.str();
+}
+
+std::filesystem::path find_named(const std::string& name) {
+    std::vector<std::string> known;
+    for (const std::filesystem::path& folder : topology_folders()) {
+        std::error_code error;
+        if (std::filesystem::exists(folder / (name + ".json"), error)) {
+            return folder / (name + ".json");
+        }
+        for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+            if (entry.path().extension() == ".json") {
+                known.push_back(entry.path().stem().string());
+            }
+        }
+    }
+    std::sort(known.begin(), known.end());
+    const std::vector<std::string_view> names(known.begin(), known.end());
+    refuse(fmt::format("no topology '{}'{}", name, did_you_mean(name, names)));
+}
+
+}  // namespace
+
+void apply_override(Topology& topology, std::string_view assignment) {
+    const std::size_t equals = assignment.find('=');
+    if (equals == std::string_view::npos) {
+        refuse(fmt::format("--set {}: must be key=value", assignment));
+    }
+    set_value(topology, assignment.substr(0, equals), assignment.substr(equals + 1));
+    resolve_counts(topology);
+    check(topology, fmt::format("--set {}", assignment));
+}
+
+Topology parse_topology(std::string_view text, const std::string& file,
+                        const std::vector<std::string>& overrides) {
+    Topology topology = read_topology_file(text, file);
+    topology.name = std::filesystem::path(file).stem().string();
+    resolve_counts(topology);
+    check(topology, file);
+    for (const std::string& assignment : overrides) {
+        apply_override(topology, assignment);
+    }
+    return topology;
+}
+
+Topology load_topology(const std::string& name_or_path, const std::vector<std::string>& overrides) {
+    const std::filesystem::path given(name_or_path);
+    const bool is_path = given.has_parent_path() || given.extension() == ".json";
+    const std::filesystem::path path = is_path ? given : find_named(name_or_path);
+    return parse_topology(read_text(path), path.string(), overrides);
+}
+
+std::vector<std::filesystem::path> topology_folders() {
+    std::vector<std::filesystem::path> folders;
+    if (const char* given = std::getenv("PXPL5_TOPOLOGIES"); given != nullptr) {
+        folders.emplace_back(given);
+    }
+    folders.emplace_back(PXPL5_TOPOLOGY_FOLDER);
+    std::error_code error;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+    folders.push_back(program.parent_path().parent_path() / "share/pxpl5/topologies");
+    return folders;
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,126 @@
+#include "host/machine/topology_file.hpp"
+
+#include <flatbuffers/idl.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <memory>
+
+#include "host/error.hpp"
+#include "host/machine/topology_schema.hpp"
+#include "host/nearest.hpp"
+#include "topology_generated.h"
+
+namespace pxpl5::host {
+
+namespace {
+
+/// Every key that the schema knows, for the nearest one to a misspelt key.
+std::vector<std::string_view> known_keys(const flatbuffers::Parser& parser) {
+    std::vector<std::string_view> keys;
+    for (const flatbuffers::StructDef* table : parser.structs_.vec) {
+        for (const flatbuffers::FieldDef* field : table->fields.vec) {
+            keys.push_back(field->name);
+        }
+    }
+    std::sort(keys.begin(), keys.end());
+    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    return keys;
+}
+
+/// The parser's own text is "<absolute path>:<line>: <column>: error: <what>".
+[[noreturn]] void refuse(const flatbuffers::Parser& parser, const std::string& file) {
+    constexpr std::string_view mark = "error: ", unknown = "unknown field: ";
+    const std::string& error = parser.error_;
+    const std::size_t at = error.find(mark);
+    std::string what = at == std::string::npos ? error : error.substr(at + mark.size());
+    if (what.starts_with(unknown)) {
+        const std::string key = what.substr(unknown.size());
+        what = fmt::format("unknown key '{}'{}", key, did_you_mean(key, known_keys(parser)));
+    }
+    const std::size_t place =
+        error.rfind(':', at == std::string::npos ? at : error.rfind(':', at) - 1);
+    const std::size_t line = place == std::string::npos ? 0 : error.rfind(':', place - 1) + 1;
+    throw RequestError(ExitCode::usage,
+                       fmt::format("{}:{}: {}", file, error.substr(line, place - line), what));
+}
+
+template <typename Role>
+void copy_role(const Role& from, RoleSettings& to) {
+    to = {from.count, from.env, from.cpu};
+}
+
+Topology plan_of(const config::MachineT& machine) {
+    Topology plan;
+    const config::RolesT roles = machine.roles ? *machine.roles : config::RolesT{};
+    const config::GpT gp = roles.gp ? *roles.gp : config::GpT{};
+    copy_role(gp, plan.gp);
+    plan.gp_memory_mib = gp.memory_mib;
+    copy_role(roles.renderer ? *roles.renderer : config::RendererT{}, plan.renderer);
+    copy_role(roles.frame_buffer ? *roles.frame_buffer : config::FrameBufferT{}, plan.frame_buffer);
+    const config::RingT ring = machine.ring ? *machine.ring : config::RingT{};
+    plan.ring = {ring.channels, static_cast<Transport>(ring.transport), ring.channel_mb_s,
+                 ring.hop_ns};
+    plan.seed = machine.seed;
+    return plan;
+}
+
+template <typename RoleTable>
+std::unique_ptr<RoleTable> role_table(const RoleSettings& role) {
+    auto table = std::make_unique<RoleTable>();
+    table->count = role.count;
+    table->env = role.env;
+    table->cpu = role.cpu;
+    return table;
+}
+
+void learn_schema(flatbuffers::Parser& parser) {
+    [[maybe_unused]] const bool valid = parser.Parse(topology_schema);
+    assert(valid);
+}
+
+}  // namespace
+
+Topology read_topology_file(std::string_view text, const std::string& file) {
+    flatbuffers::Parser parser;
+    learn_schema(parser);
+    if (!parser.Parse(std::string(text).c_str(), nullptr, file.c_str())) {
+        refuse(parser, file);
+    }
+    const auto machine = config::UnPackMachine(parser.builder_.GetBufferPointer());
+    if (machine->ring && machine->ring->transport > config::Transport::MAX) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("{}: ring.transport is {}, must be ipc or tcp", file,
+                                       static_cast<int>(machine->ring->transport)));
+    }
+    return plan_of(*machine);
+}
+
+std::string resolved_json(const Topology& topology) {
+    config::MachineT machine;
+    machine.roles = std::make_unique<config::RolesT>();
+    machine.roles->gp = role_table<config::GpT>(topology.gp);
+    machine.roles->gp->memory_mib = topology.gp_memory_mib;
+    machine.roles->renderer = role_table<config::RendererT>(topology.renderer);
+    machine.roles->frame_buffer = role_table<config::FrameBufferT>(topology.frame_buffer);
+    machine.ring = std::make_unique<config::RingT>();
+    machine.ring->channels = topology.ring.channels;
+    machine.ring->transport = static_cast<config::Transport>(topology.ring.transport);
+    machine.ring->channel_mb_s = topology.ring.channel_mb_s;
+    machine.ring->hop_ns = topology.ring.hop_ns;
+    machine.seed = topology.seed;
+
+    flatbuffers::FlatBufferBuilder builder;
+    builder.Finish(config::CreateMachine(builder, &machine));
+    flatbuffers::IDLOptions options;
+    options.strict_json = true;
+    options.output_default_scalars_in_json = true;
+    flatbuffers::Parser parser(options);
+    learn_schema(parser);
+    std::string text;
+    flatbuffers::GenerateText(parser, builder.GetBufferPointer(), &text);
+    return text;
+}
+
+}  // namespace pxpl5::host

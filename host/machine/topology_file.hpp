@@ -1,0 +1,15 @@
+// Topology files: JSON, checked against topology.fbs.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "host/machine/topology.hpp"
+
+namespace pxpl5::host {
+
+/// The plan as the file states it: counts may be 0, ranges are unchecked.
+/// Throws RequestError (usage) naming file, line and, for an unknown key, the nearest one.
+Topology read_topology_file(std::string_view text, const std::string& file);
+
+}  // namespace pxpl5::host

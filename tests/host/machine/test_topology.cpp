@@ -1,0 +1,164 @@
+#include <doctest/doctest.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "host/error.hpp"
+#include "host/machine/topology.hpp"
+
+using namespace pxpl5::host;
+
+namespace {
+
+constexpr const char* small = R"(
+// Comments and unquoted keys are allowed.
+{ roles: { gp: { count: 3, memory_mib: 8 }, renderer: { count: 5 } },
+  ring: { transport: "tcp" } }
+)";
+
+/// The text of the error that `act` raises, which must be one of usage.
+template <typename Act>
+std::string refusal(const Act& act) {
+    try {
+        act();
+    } catch (const RequestError& error) {
+        CHECK(error.code == ExitCode::usage);
+        return error.what();
+    }
+    return "no error";
+}
+
+std::string refusal_of(const std::string& text) {
+    return refusal([&text] { parse_topology(text, "some/machine.json"); });
+}
+
+std::string refusal_of_override(const std::string& assignment) {
+    return refusal([&assignment] { parse_topology(small, "small.json", {assignment}); });
+}
+
+bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+int cores() {
+    cpu_set_t set;
+    sched_getaffinity(0, sizeof set, &set);
+    return CPU_COUNT(&set);
+}
+
+}  // namespace
+
+TEST_CASE("a topology file states the machine; what it leaves out has the documented default") {
+    const Topology plan = parse_topology(small, "folder/small.json");
+    CHECK(plan.name == "small");
+    CHECK(plan.gp.count == 3);
+    CHECK(plan.gp_memory_mib == 8);
+    CHECK(plan.renderer.count == 5);
+    CHECK(plan.frame_buffer.count == 1);
+    CHECK(plan.ring.transport == Transport::tcp);
+    CHECK(plan.ring.channels == 8);
+    CHECK(plan.ring.channel_mb_s == 80);
+    CHECK(plan.ring.hop_ns == 50);
+}
+
+TEST_CASE("a count of 0 means as many as there are cores") {
+    const Topology plan = load_topology("default");
+    CHECK(plan.gp.count == cores());
+    CHECK(plan.renderer.count == cores());
+    CHECK(plan.frame_buffer.count == 1);
+}
+
+TEST_CASE("the machine of the paper has 36 GPs of 8 MiB, 16 Renderers and a frame buffer") {
+    const Topology plan = load_topology("paper-1993");
+    CHECK(plan.gp.count == 36);
+    CHECK(plan.gp_memory_mib == 8);
+    CHECK(plan.renderer.count == 16);
+    CHECK(plan.frame_buffer.count == 1);
+    CHECK(plan.ring.channels == 8);
+    CHECK(plan.ring.channel_mb_s == 80);
+}
+
+TEST_CASE("an unknown key is refused with file, line and the nearest key") {
+    const std::string error = refusal_of("{\n  roles: {\n    gp: { cuont: 3 }\n  }\n}\n");
+    CHECK_MESSAGE(error == "some/machine.json:3: unknown key 'cuont'; did you mean 'count'?",
+                  error);
+    const std::string role = refusal_of("{ roles: { renderers: { count: 3 } } }");
+    CHECK_MESSAGE(
+        has(role, "some/machine.json:1: unknown key 'renderers'; did you mean 'renderer'?"), role);
+}
+
+TEST_CASE("text that is not a topology is refused with file and line") {
+    const std::string error = refusal_of("{\n  roles: {\n    gp: { count: \"many\" }\n  }\n}\n");
+    CHECK_MESSAGE(has(error, "some/machine.json:3: "), error);
+    CHECK_MESSAGE(has(refusal_of("{ roles: { "), "some/machine.json:1: "),
+                  refusal_of("{ roles: { "));
+    CHECK_MESSAGE(has(refusal_of(""), "some/machine.json:"), refusal_of(""));
+}
+
+TEST_CASE("a value out of range is refused with the value and the range") {
+    const std::string over = refusal_of("{ roles: { gp: { count: 65 }, renderer: { count: 1 } } }");
+    CHECK_MESSAGE(over == "some/machine.json: gp.count is 65, must be 1..64", over);
+    const std::string under = refusal_of("{ roles: { renderer: { count: -1 } } }");
+    CHECK_MESSAGE(has(under, "renderer.count is -1, must be 1..64"), under);
+    CHECK(has(refusal_of("{ roles: { frame_buffer: { count: 2 } } }"),
+              "frame_buffer.count is 2, must be 1..1"));
+    CHECK(has(refusal_of("{ ring: { transport: 7 } }"), "ring.transport is 7, must be ipc or tcp"));
+    CHECK(has(refusal_of("{ roles: { gp: { env: [\"=x\"] } } }"), "gp.env has '=x'"));
+    CHECK(has(refusal_of("{ roles: { gp: { cpu: [-1] } } }"), "gp.cpu names core -1"));
+}
+
+TEST_CASE("an override sets one value") {
+    const Topology plan =
+        parse_topology(small, "small.json",
+                       {"gp.count=4", "gp.memory_mib=16", "ring.transport=ipc",
+                        "seed=18446744073709551615", "renderer.cpu=0,1", "frame_buffer.env=A=b=c"});
+    CHECK(plan.gp.count == 4);
+    CHECK(plan.gp_memory_mib == 16);
+    CHECK(plan.ring.transport == Transport::ipc);
+    CHECK(plan.seed == 18446744073709551615U);
+    CHECK(plan.renderer.cpu == std::vector<int>{0, 1});
+    CHECK(plan.frame_buffer.env == std::vector<std::string>{"A=b=c"});
+    CHECK(parse_topology(small, "small.json", {"gp.count=0"}).gp.count == cores());
+}
+
+TEST_CASE("an override that cannot be obeyed names key, value and range") {
+    CHECK(has(refusal_of_override("gp.count=65"), "gp.count is 65, must be 1..64"));
+    CHECK(
+        has(refusal_of_override("gp.cuont=5"), "unknown key 'gp.cuont'; did you mean 'gp.count'?"));
+    CHECK(has(refusal_of_override("gp.count"), "must be key=value"));
+    CHECK(has(refusal_of_override("gp.count=4x"), "gp.count is '4x', must be a whole number"));
+    CHECK(has(refusal_of_override("ring.transport=udp"), "'udp', must be ipc or tcp"));
+}
+
+TEST_CASE("the resolved plan, read again, is the same plan") {
+    const Topology plan = load_topology(
+        "default", {"gp.cpu=0,1", "renderer.env=NAME=a \"quoted\" value",
+                    "seed=12345678901234567890", "ring.transport=tcp", "ring.hop_ns=0"});
+    const std::string text = resolved_json(plan);
+    const Topology again = parse_topology(text, "default.json");
+    CHECK(resolved_json(again) == text);
+    CHECK(again.gp.count == cores());
+    CHECK(again.gp.cpu == plan.gp.cpu);
+    CHECK(again.gp_memory_mib == plan.gp_memory_mib);
+    CHECK(again.renderer.env == plan.renderer.env);
+    CHECK(again.seed == plan.seed);
+    CHECK(again.ring.transport == Transport::tcp);
+    CHECK(again.ring.hop_ns == 0);
+    CHECK(again.ring.channels == plan.ring.channels);
+}
+
+TEST_CASE("a machine is found by name or by path; an unknown name lists the known ones") {
+    const auto path = std::filesystem::temp_directory_path() /
+                      ("pxpl5-topology-" + std::to_string(getpid()) + ".json");
+    std::ofstream(path) << small;
+    CHECK(load_topology(path.string()).renderer.count == 5);
+    std::filesystem::remove(path);
+    const std::string near = refusal([] { load_topology("paper-1992"); });
+    CHECK_MESSAGE(near == "no topology 'paper-1992'; did you mean 'paper-1993'?", near);
+    const std::string far = refusal([] { load_topology("x"); });
+    CHECK_MESSAGE(has(far, "default, one-of-each, paper-1993"), far);
+    CHECK(has(refusal([&path] { load_topology(path.string()); }), path.string()));
+}
