@@ -1,0 +1,156 @@
+#include "host/io/header_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <sstream>
+
+#include "host/io/import.hpp"
+
+namespace pxpl5::host::io {
+
+std::string lower_case(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
+std::string trimmed(std::string_view text) {
+    const std::size_t first = text.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos) {
+        return {};
+    }
+    return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
+}
+
+std::vector<std::string> words_of(std::string_view text) {
+    std::istringstream stream{std::string(text)};
+    std::vector<std::string> words;
+    for (std::string word; stream >> word;) {
+        words.push_back(word);
+    }
+    return words;
+}
+
+std::vector<std::uint64_t> whole_numbers(const std::string& file, const std::string& field,
+                                         const std::string& text) {
+    std::vector<std::uint64_t> numbers;
+    for (const std::string& word : words_of(text)) {
+        std::uint64_t number = 0;
+        const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), number);
+        if (failure != std::errc{} || end != word.data() + word.size()) {
+            throw ImportError(
+                fmt::format("{}: {} is '{}', must be whole numbers", file, field, text));
+        }
+        numbers.push_back(number);
+    }
+    return numbers;
+}
+
+HeaderReader::HeaderReader(const std::filesystem::path& path)
+    : file_(path.string()), stream_(path, std::ios::binary) {
+    if (!stream_) {
+        throw ImportError(file_ + ": cannot be opened");
+    }
+}
+
+bool HeaderReader::next(std::string& line) {
+    line.clear();
+    if (++lines_ > max_header_lines) {
+        throw ImportError(fmt::format("{}: more than {} header lines", file_, max_header_lines));
+    }
+    for (int c = stream_.get(); c != std::ifstream::traits_type::eof(); c = stream_.get()) {
+        ++offset_bytes_;
+        if (c == '\n') {
+            return true;
+        }
+        line.push_back(static_cast<char>(c));
+        if (line.size() > max_header_line_bytes) {
+            throw ImportError(fmt::format("{}: header line {} has more than {} bytes", file_,
+                                          lines_, max_header_line_bytes));
+        }
+    }
+    return !line.empty();
+}
+
+const std::string& require(const std::string& file, const Fields& fields, const std::string& key) {
+    const auto found = fields.find(lower_case(key));
+    if (found == fields.end()) {
+        throw ImportError(fmt::format("{}: its header has no '{}'", file, key));
+    }
+    return found->second;
+}
+
+std::string value_or(const Fields& fields, const std::string& key, const std::string& otherwise) {
+    const auto found = fields.find(key);
+    return found == fields.end() ? otherwise : found->second;
+}
+
+std::uint64_t scalar_bytes(const std::string& type) {
+    static const std::map<std::string, std::uint64_t> bytes_of = {{"signed char", 1},
+                                                                  {"int8", 1},
+                                                                  {"int8_t", 1},
+                                                                  {"uchar", 1},
+                                                                  {"unsigned char", 1},
+                                                                  {"uint8", 1},
+                                                                  {"uint8_t", 1},
+                                                                  {"char", 1},
+                                                                  {"unsigned_char", 1},
+                                                                  {"met_char", 1},
+                                                                  {"met_uchar", 1},
+                                                                  {"short", 2},
+                                                                  {"short int", 2},
+                                                                  {"signed short", 2},
+                                                                  {"signed short int", 2},
+                                                                  {"int16", 2},
+                                                                  {"int16_t", 2},
+                                                                  {"ushort", 2},
+                                                                  {"unsigned short", 2},
+                                                                  {"unsigned short int", 2},
+                                                                  {"uint16", 2},
+                                                                  {"uint16_t", 2},
+                                                                  {"unsigned_short", 2},
+                                                                  {"met_short", 2},
+                                                                  {"met_ushort", 2},
+                                                                  {"int", 4},
+                                                                  {"signed int", 4},
+                                                                  {"int32", 4},
+                                                                  {"int32_t", 4},
+                                                                  {"uint", 4},
+                                                                  {"unsigned int", 4},
+                                                                  {"uint32", 4},
+                                                                  {"uint32_t", 4},
+                                                                  {"unsigned_int", 4},
+                                                                  {"met_int", 4},
+                                                                  {"met_uint", 4},
+                                                                  {"float", 4},
+                                                                  {"met_float", 4},
+                                                                  {"longlong", 8},
+                                                                  {"long long", 8},
+                                                                  {"long long int", 8},
+                                                                  {"signed long long", 8},
+                                                                  {"signed long long int", 8},
+                                                                  {"int64", 8},
+                                                                  {"int64_t", 8},
+                                                                  {"ulonglong", 8},
+                                                                  {"unsigned long long", 8},
+                                                                  {"unsigned long long int", 8},
+                                                                  {"uint64", 8},
+                                                                  {"uint64_t", 8},
+                                                                  {"long", 8},
+                                                                  {"unsigned_long", 8},
+                                                                  {"vtktypeint64", 8},
+                                                                  {"vtktypeuint64", 8},
+                                                                  {"met_long", 4},
+                                                                  {"met_ulong", 4},
+                                                                  {"met_long_long", 8},
+                                                                  {"met_ulong_long", 8},
+                                                                  {"double", 8},
+                                                                  {"met_double", 8}};
+    const auto found = bytes_of.find(lower_case(type));
+    return found == bytes_of.end() ? 0 : found->second;
+}
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,29 @@
+// The io process: decodes volumes and writes pictures, under limits, so that the host survives
+// what broken files do to third-party decoders.
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "host/io/limits.hpp"
+#include "host/io/node.hpp"
+#include "ringbus/process.hpp"
+
+int main(int argc, char** argv) {
+    using namespace pxpl5;
+    std::vector<std::string> arguments(argv, argv + argc);
+    host::io::Limits limits;
+    try {
+        limits = host::io::take_limits(arguments);
+    } catch (const std::invalid_argument& error) {
+        std::fprintf(stderr, "pxpl5-io: %s\n", error.what());
+        return 64;
+    }
+    host::io::limit_memory(limits);
+    std::vector<char*> rest;
+    for (std::string& argument : arguments) {
+        rest.push_back(argument.data());
+    }
+    rest.push_back(nullptr);
+    return bus::run_process(static_cast<int>(arguments.size()), rest.data(), bus::schema::Role::io,
+                            [&] { return std::make_unique<host::io::IoNode>(limits); });
+}

@@ -1,0 +1,49 @@
+// The io process as a node: volumes in, pictures out.
+//
+//   ImportVolume  --->+--------+---> VolumeHeader, Slices..., VolumeEnd   (to who asked)
+//   ExportPicture --->|   io   |---> IoDone
+//                     +--------+
+//
+// An import that fails is answered by IoDone{ok: false}; an export always by IoDone. Requests are
+// served in the order of their arrival.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "host/io/limits.hpp"
+#include "host/volume.hpp"
+#include "ringbus/node.hpp"
+
+namespace pxpl5::host::io {
+
+inline constexpr std::size_t max_requests = 64;                   ///< Waiting to be served.
+inline constexpr std::size_t batch_bytes = std::size_t{8} << 20;  ///< Of voxels in one message.
+
+class IoNode final : public bus::Node {
+  public:
+    explicit IoNode(const Limits& limits) : limits_(limits) {}
+
+    void receive(const bus::Message& message, bus::Outbox& out) override;
+    bool work(bus::Outbox& out) override;
+
+  private:
+    /// A volume on its way out.
+    struct Sending {
+        bus::NodeId to = 0;
+        std::uint32_t id = 0;
+        Volume volume;
+        int next_slice = 0;
+    };
+
+    void begin_import(const bus::Message& request, bus::Outbox& out);
+    void send_slices(bus::Outbox& out);
+
+    Limits limits_;
+    std::deque<bus::Message> requests_;
+    std::optional<Sending> sending_;
+    std::uint32_t volumes_ = 0;
+};
+
+}  // namespace pxpl5::host::io
