@@ -1,0 +1,25 @@
+// From a loop of crossed cell edges to triangles.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace pxpl5::gp {
+
+/// Triangulates a loop of cell edges so that no diagonal lies in a face of the cell: there it
+/// could meet a diagonal of the neighbour's, and four triangles would share an edge.
+///
+/// Of all such triangulations takes the one with the shortest diagonals, between the edges'
+/// midpoints; of equals the first in a fixed order.
+/// loop     3 or more different edges.
+/// Returns  Three edges per triangle, in the loop's sense; empty if there is no such triangulation.
+std::vector<std::uint8_t> triangulate_loop(std::span<const std::uint8_t> loop);
+
+/// Triangles from each side of the loop to the cell's centre vertex.
+std::vector<std::uint8_t> fan_about_centre(std::span<const std::uint8_t> loop);
+
+/// Whether both edges bound one face of the cell.
+bool share_a_face(int edge_a, int edge_b);
+
+}  // namespace pxpl5::gp
