@@ -114,11 +114,67 @@ int first_at_or_after(float p_mm, float first_mm, float spacing_mm, int count) {
     return std::clamp(i, 0, count);
 }
 
+Box box_around(const Grid& grid, const Ball& ball) {
+    const glm::mat3 m = turned(ball.tilt_deg);
+    const glm::vec3 r = ball.radius_mm;
+    glm::vec3 half(ball.blend_mm + margin_mm);
+    // Half the width of a turned ellipsoid along each axis of the patient.
+    for (int i = 0; i < 3; ++i) {
+        const float u = m[0][i] * r.x, v = m[1][i] * r.y, w = m[2][i] * r.z;
+        half[i] += std::sqrt(u * u + v * v + w * w);
+    }
+    return box_around(grid, ball.centre_mm - half, ball.centre_mm + half);
+}
+
+Box box_around(const Grid& grid, const Rod& rod) {
+    const glm::vec3 reach(std::max(rod.a_radius_mm, rod.b_radius_mm) + rod.blend_mm + margin_mm);
+    return box_around(grid, glm::min(rod.a_mm, rod.b_mm) - reach,
+                      glm::max(rod.a_mm, rod.b_mm) + reach);
+}
+
+/// Sorts a shape's distance into the two nearest.
+template <class Distance>
+void add(Bellies& bellies, const Box& box, const Distance& distance_mm) {
+    const Grid& grid = bellies.first.grid;
+    for (int z = box.z0; z < box.z1; ++z) {
+        for (int y = box.y0; y < box.y1; ++y) {
+            float* first = bellies.first.distance_mm.data() + grid.row(y, z);
+            float* second = bellies.second.distance_mm.data() + grid.row(y, z);
+            const float py = grid.y_mm(y), pz = grid.z_mm(z);
+            for (int x = box.x0; x < box.x1; ++x) {
+                const float d = distance_mm(grid.x_mm(x), py, pz);
+                second[x] = std::min(second[x], std::max(first[x], d));
+                first[x] = std::min(first[x], d);
+            }
+        }
+    }
+}
+
 template <class Shape>
 void join_each_and_its_mirror_image(Field& field, std::span<const Shape> shapes, Join how) {
     for (const Shape& shape : shapes) {
         join(field, shape, how);
         join(field, mirrored(shape), how);
+    }
+}
+
+/// Averages (1 2 1) along an axis of `count` values that lie `step` apart. The first and last value
+/// stand for what is beyond them, which at the middle of a left half is the mirror image.
+void average_along(std::vector<float>& values, std::vector<float>& old, int count, int step) {
+    old = values;
+    const auto block = static_cast<std::size_t>(count) * static_cast<std::size_t>(step);
+    for (std::size_t first = 0; first < values.size(); first += block) {
+        for (int k = 0; k < count; ++k) {
+            const auto at = [&](int i) {
+                return old.data() + first +
+                       static_cast<std::size_t>(std::clamp(i, 0, count - 1) * step);
+            };
+            const float *before = at(k - 1), *here = at(k), *after = at(k + 1);
+            float* out = values.data() + (here - old.data());
+            for (int i = 0; i < step; ++i) {
+                out[i] = 0.25F * (before[i] + after[i]) + 0.5F * here[i];
+            }
+        }
     }
 }
 
@@ -159,24 +215,28 @@ glm::mat3 turned(glm::vec3 tilt_deg) {
 }
 
 void join(Field& field, const Ball& ball, Join how) {
-    const glm::mat3 m = turned(ball.tilt_deg);
-    const glm::vec3 r = ball.radius_mm;
-    glm::vec3 half(ball.blend_mm + margin_mm);
-    // Half the width of a turned ellipsoid along each axis of the patient.
-    for (int i = 0; i < 3; ++i) {
-        const float u = m[0][i] * r.x, v = m[1][i] * r.y, w = m[2][i] * r.z;
-        half[i] += std::sqrt(u * u + v * v + w * w);
-    }
-    join(field, box_around(field.grid, ball.centre_mm - half, ball.centre_mm + half), how,
-         ball.blend_mm, BallDistance(ball));
+    join(field, box_around(field.grid, ball), how, ball.blend_mm, BallDistance(ball));
 }
 
 void join(Field& field, const Rod& rod, Join how) {
-    const glm::vec3 reach(std::max(rod.a_radius_mm, rod.b_radius_mm) + rod.blend_mm + margin_mm);
-    join(field,
-         box_around(field.grid, glm::min(rod.a_mm, rod.b_mm) - reach,
-                    glm::max(rod.a_mm, rod.b_mm) + reach),
-         how, rod.blend_mm, RodDistance(rod));
+    join(field, box_around(field.grid, rod), how, rod.blend_mm, RodDistance(rod));
+}
+
+void add(Bellies& bellies, const Ball& ball) {
+    add(bellies, box_around(bellies.first.grid, ball), BallDistance(ball));
+}
+
+void add(Bellies& bellies, const Rod& rod) {
+    add(bellies, box_around(bellies.first.grid, rod), RodDistance(rod));
+}
+
+Field parted(const Bellies& bellies, float gap_mm) {
+    Field field = bellies.first;
+    for (std::size_t i = 0; i < field.distance_mm.size(); ++i) {
+        const float first = field.distance_mm[i], second = bellies.second.distance_mm[i];
+        field.distance_mm[i] = std::max(first, 0.5F * (gap_mm - (second - first)));
+    }
+    return field;
 }
 
 void join(Field& field, std::span<const Corner> corners, const Plate& plate, float blend_mm) {
@@ -202,6 +262,17 @@ void join_both(Field& field, std::span<const Ball> balls, Join how) {
 
 void join_both(Field& field, std::span<const Rod> rods, Join how) {
     join_each_and_its_mirror_image(field, rods, how);
+}
+
+void smooth(Field& field, int passes) {
+    for (float& d : field.distance_mm) d = std::min(std::max(d, -margin_mm), margin_mm);
+    std::vector<float> old;
+    const Grid& g = field.grid;
+    for (int pass = 0; pass < passes; ++pass) {
+        average_along(field.distance_mm, old, g.nx, 1);
+        average_along(field.distance_mm, old, g.ny, g.nx);
+        average_along(field.distance_mm, old, g.nz, g.nx * g.ny);
+    }
 }
 
 void nearer(Field& field, const Field& other) {

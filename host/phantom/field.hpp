@@ -129,6 +129,24 @@ void join_both(Field& field, std::span<const Rod> rods, Join how = Join::unite);
 /// The nearer of two fields on one grid, without rounding.
 void nearer(Field& field, const Field& other);
 
+/// Two fields on one grid: the nearest and the second nearest of many shapes.
+struct Bellies {
+    Field first, second;
+
+    explicit Bellies(const Grid& grid) : first(grid), second(grid) {}
+};
+
+/// Adds a shape that stays apart from the others.
+void add(Bellies& bellies, const Ball& ball);
+void add(Bellies& bellies, const Rod& rod);
+
+/// One field of all shapes, with a gap of `gap_mm` where two overlap.
+Field parted(const Bellies& bellies, float gap_mm);
+
+/// Rounds creases: clamps distances to the margin and averages each with its neighbours (1 2 1),
+/// `passes` times along each axis.
+void smooth(Field& field, int passes);
+
 /// Rotation matrix of Ball::tilt_deg.
 glm::mat3 turned(glm::vec3 tilt_deg);
 

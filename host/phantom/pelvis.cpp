@@ -11,16 +11,19 @@ namespace {
 
 // Hounsfield units.
 constexpr float air = -1000, fat = -105, muscle = 55, bladder_urine = 8, bowel_wall = 35;
-constexpr float cortex = 950, sponge = 330, marrow = 20;
+constexpr float cortex = 950, sponge = 420, marrow = 20;
 constexpr float scanner_noise = 9;
 
-constexpr float cortex_mm = 3.5F;      ///< Where dense bone ends.
-constexpr float slice_blur_mm = 1.6F;  ///< Half the width over which a voxel mixes two tissues.
-constexpr glm::vec3 centre_of_scan_mm(0, 8, 23);
+constexpr float cortex_mm = 3.5F;        ///< Where dense bone ends.
+constexpr float slice_blur_mm = 2.2F;    ///< Half the width over which a voxel mixes two tissues.
+constexpr float skin_blur_mm = 4;        ///< Wider: skin runs along the slices in places.
+constexpr float fat_under_skin_mm = 14;  ///< Least thickness.
+constexpr float fat_plane_mm = 3;        ///< Between two muscles.
+constexpr glm::vec3 centre_of_scan_mm(0, 12, 26);
 
 /// How much of a voxel at this distance is inside, 0 to 1.
-float inside_share(float distance_mm) {
-    return std::min(std::max(0.5F - distance_mm * (0.5F / slice_blur_mm), 0.0F), 1.0F);
+float inside_share(float distance_mm, float blur_mm = slice_blur_mm) {
+    return std::min(std::max(0.5F - distance_mm * (0.5F / blur_mm), 0.0F), 1.0F);
 }
 
 float mixed_with(float old_value, float new_value, float share) {
@@ -40,11 +43,11 @@ Field hip_bone(const Grid& grid) {
     // The socket opens sideways, forwards and downwards.
     const glm::vec3 opening(0.76F, -0.36F, -0.54F);
     join(field, Ball{hip_centre_mm + 66.0F * opening, glm::vec3(56)}, Join::carve);
-    join_plates(field, hip_corners, hip_plates, 6);
+    join_plates(field, hip_corners, hip_plates, 1.5F);
+    smooth(field, 1);
     join_both(field, hip_rods);
     join(field, Ball{hip_centre_mm, glm::vec3(socket_radius_mm)}, Join::carve);
     join(field, Ball{hip_centre_mm + 22.0F * opening, glm::vec3(socket_radius_mm)}, Join::carve);
-    join(field, symphysis);
     return field;
 }
 
@@ -59,13 +62,14 @@ Field spine(const Grid& grid) {
     using namespace pelvis;
     Field field(grid);
     for (const Ball& ball : sacrum_bodies) join(field, ball);
-    join_plates(field, sacrum_corners, sacrum_plates, 5);
+    join_plates(field, sacrum_corners, sacrum_plates, 2);
+    smooth(field, 1);
     join_both(field, sacrum_laminae);
     join_line(field, sacrum_crest, 4);
     join_both(field, sacrum_holes, Join::carve);
     join_line(field, sacrum_canal, 2, Join::carve);
     Field vertebrae(grid);
-    for (const Ball& ball : lumbar_bodies) join(vertebrae, ball);
+    join(vertebrae, lumbar_body);
     join_both(vertebrae, lumbar_arches);
     join(vertebrae, lumbar_spine);
     nearer(field, vertebrae);
@@ -78,15 +82,24 @@ Field skin(const Grid& grid) {
     join_both(field, body_balls);
     join_both(field, body_rods);
     join(field, gluteal_cleft, Join::carve);
+    join(field, navel, Join::carve);
     return field;
 }
 
-Field muscles(const Grid& grid) {
+/// Muscles under a layer of fat, parted by thin planes of fat.
+Field muscles(const Grid& grid, const Field& skin_mm) {
     using namespace pelvis;
-    Field field(grid);
-    for (const Ball& ball : muscle_balls) join(field, ball);
-    for (const Rod& rod : muscle_rods) join(field, rod);
+    Bellies bellies(grid);
+    for (const Ball& ball : muscle_balls) add(bellies, ball);
+    for (const Rod& rod : muscle_rods) add(bellies, rod);
+    Field field = parted(bellies, fat_plane_mm);
     join_plates(field, wall_corners, wall_plates, 4);
+    for (const Rod& rod : cartilage) join(field, rod);
+    join(field, Ball{hip_centre_mm, glm::vec3(socket_radius_mm + 2)});
+    for (std::size_t i = 0; i < field.distance_mm.size(); ++i) {
+        field.distance_mm[i] =
+            std::max(field.distance_mm[i], skin_mm.distance_mm[i] + fat_under_skin_mm);
+    }
     return field;
 }
 
@@ -95,7 +108,8 @@ Field organs(const Grid& grid) {
     using namespace pelvis;
     Field field(grid);
     join_line(field, rectum, 3);
-    join_line(field, small_bowel, 1);
+    join_line(field, blind_gut, 1);
+    for (const Ball& ball : bowel_bulk) join(field, ball);
     join(field, womb);
     join(field, bladder);
     return field;
@@ -113,7 +127,8 @@ struct Half {
 };
 
 Half half_of(const Grid& grid) {
-    Half half{skin(grid), muscles(grid), hip_bone(grid), Field(grid)};
+    const Field skin_mm = skin(grid);
+    Half half{skin_mm, muscles(grid, skin_mm), hip_bone(grid), Field(grid)};
     nearer(half.bone_mm, femur(grid));
     nearer(half.bone_mm, spine(grid));
     join(half.marrow_mm, pelvis::femur_marrow);
@@ -123,7 +138,7 @@ Half half_of(const Grid& grid) {
 /// Bone at a depth below its surface.
 float bone_value(float distance_mm, float marrow_mm, float texture) {
     const float deep = ramp(-distance_mm, cortex_mm - 1.5F, cortex_mm + 1.5F);
-    const float spongy = mixed_with(sponge + 60 * texture, marrow, inside_share(marrow_mm));
+    const float spongy = mixed_with(sponge + 40 * texture, marrow, inside_share(marrow_mm));
     return mixed_with(cortex, spongy, deep);
 }
 
@@ -134,7 +149,7 @@ PhantomInfo pelvis_info() {
             "a pelvis in the manner of computed tomography, in Hounsfield units",
             {128, 128, 56},
             Scalar::int16,
-            {2.875, 2.375, 4.0},
+            {3.875, 3.125, 4.0},
             {{"bone", 250.5, {236, 226, 202}, 49552},
              {"skin", -300.5, {224, 172, 140}, 41708},
              {"muscle", -20.5, {178, 70, 60}, 110450}},
@@ -155,7 +170,8 @@ Volume make_pelvis(const PhantomInfo& info) {
                 const std::size_t h = half_row + static_cast<std::size_t>(from_middle);
                 const std::size_t i = row + static_cast<std::size_t>(x);
                 const auto key = static_cast<std::uint32_t>(i);
-                float value = mixed_with(air, fat, inside_share(half.skin_mm.distance_mm[h]));
+                float value =
+                    mixed_with(air, fat, inside_share(half.skin_mm.distance_mm[h], skin_blur_mm));
                 value = mixed_with(value, bowel_wall, inside_share(organ.distance_mm[i]));
                 value = mixed_with(value, air, inside_share(gas.distance_mm[i]));
                 value = mixed_with(value, muscle, inside_share(half.muscle_mm.distance_mm[h]));
