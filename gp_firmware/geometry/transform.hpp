@@ -1,0 +1,76 @@
+// Transform: from voxel space to the screen's integer grid, once per vertex.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
+#include <span>
+#include <vector>
+
+#include "gp_firmware/geometry/lanes.hpp"
+#include "gp_firmware/surface/mesh.hpp"
+#include "isa/region_layout.hpp"
+
+namespace pxpl5::gp {
+
+inline constexpr int subpixels = 1 << isa::region::subpixel_bits;  ///< Grid steps in a pixel.
+inline constexpr int max_picture_px = 8192;                        ///< Width, height of one view.
+inline constexpr int max_clip_planes = 8;
+/// Drawn vertices lie within this of the picture's top left corner. Edge set-up relies on it.
+inline constexpr int guard_px = 16384;
+inline constexpr float w_min = 1e-3F;  ///< Nearer to the eye's plane than this is clipped.
+
+/// One eye's view, as the host describes it.
+struct Camera {
+    glm::dmat4 voxel_to_eye{1.0};      ///< Voxel index to eye mm: x right, y up, looking along -z.
+    glm::dmat4 projection{1.0};        ///< Eye to clip space, OpenGL convention.
+    glm::dmat4 voxel_to_patient{1.0};  ///< Of the volume; normals are in patient axes.
+    std::vector<glm::dvec4> clip_planes;  ///< Voxel space; kept where ax + by + cz + d >= 0.
+    int width_px = 0, height_px = 0;
+};
+
+/// A camera made ready for transform().
+struct Projection {
+    /// Columns of voxel -> homogeneous (x, y, z, w); x / w, y / w in 1/16 px from the top left
+    /// corner, y down; z / w in depth units.
+    std::array<Float4, 4> voxel_to_grid;
+    glm::dmat4 voxel_to_grid_exact;  ///< The same, for clipping.
+    /// Columns of patient -> eye, in lanes 1..3, scaled from normal_one to normal_unit.
+    std::array<Float4, 3> normal_to_eye;
+    std::vector<glm::vec4> clip_planes;
+};
+
+// Bits of ScreenVertex::outside. A vertex with none of them can be drawn as it is.
+enum Outside : std::uint32_t {
+    outside_left = 1,
+    outside_top = 2,
+    outside_near = 4,
+    outside_w = 8,  ///< Behind the eye; the other bits but the user's are then not set.
+    outside_right = 16,
+    outside_bottom = 32,
+    outside_far = 64,
+    outside_user = 256,  ///< Of clip plane 0; then one bit each.
+};
+
+struct alignas(32) ScreenVertex {
+    std::int32_t x = 0, y = 0;  ///< 1/16 px from the picture's top left corner, y down.
+    std::uint32_t outside = 0;  ///< Outside bits; if any, the position means nothing.
+    std::int32_t unused = 0;
+    std::int32_t z = 0;                   ///< Depth: z_margin .. z_far - z_margin.
+    std::int32_t nx = 0, ny = 0, nz = 0;  ///< Normal, eye axes; normal_unit is unit length.
+};
+static_assert(sizeof(ScreenVertex) == 32);
+
+/// Prepares `camera`. Throws std::invalid_argument, naming the value, if a matrix or plane is not
+/// finite, if voxel_to_eye is not a rigid motion of patient space, or if the picture's size or the
+/// number of clip planes is out of range.
+Projection prepare(const Camera& camera);
+
+/// Transforms vertices to the grid.
+///
+/// out  As long as `vertices`.
+void transform(std::span<const Vertex> vertices, const Projection& projection,
+               std::span<ScreenVertex> out);
+
+}  // namespace pxpl5::gp

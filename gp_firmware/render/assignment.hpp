@@ -1,0 +1,21 @@
+// Assignment: which Renderer draws which region. Done by the Master GP, for all.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace pxpl5::gp {
+
+/// Gives each region to a Renderer.
+///
+/// costs  Of the previous frame, by region, in any unit; empty, or of another length, means not
+///        known: the regions then go round-robin.
+/// Returns  The index of the Renderer for each region. With costs: the dearest region first, each
+///          to the Renderer with the least to do; ties go to the lower index.
+/// Source  Graham 1969, longest processing time first.
+std::vector<std::uint16_t> assign_regions(std::size_t region_count, std::size_t renderer_count,
+                                          std::span<const std::uint64_t> costs);
+
+}  // namespace pxpl5::gp

@@ -1,0 +1,38 @@
+// Draw slab: the whole way from one slab's triangles to instruction words in regions.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "gp_firmware/geometry/bin.hpp"
+#include "gp_firmware/geometry/transform.hpp"
+#include "gp_firmware/render/region_programs.hpp"
+#include "gp_firmware/surface/mesh.hpp"
+
+namespace pxpl5::gp {
+
+inline constexpr std::size_t max_surfaces = 255;  ///< Of one frame: the pixel has 8 bits for them.
+
+/// How a surface is drawn.
+struct SurfaceStyle {
+    std::uint16_t index = 0;  ///< In the frame's list; the pixel's surface field is index + 1.
+    bool cull_back = false;   ///< Leaves out triangles that turn their back to the eye.
+};
+
+/// Buffers kept from slab to slab, so that drawing allocates nothing.
+struct DrawScratch {
+    std::vector<ScreenVertex> vertices;
+    std::vector<ScreenVertex> polygon;
+};
+
+struct DrawCounts {
+    std::uint32_t triangles_in = 0;   ///< Before culling.
+    std::uint32_t triangles_out = 0;  ///< Emitted, over all regions.
+};
+
+/// Draws one slab into one view's regions. The caller has called begin_slab().
+DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const RegionGrid& grid,
+                     const SurfaceStyle& style, DrawScratch& scratch, RegionPrograms& programs);
+
+}  // namespace pxpl5::gp
