@@ -25,16 +25,20 @@ class FrameBufferNode final : public bus::Node {
     void on_topology(const bus::schema::Topology& topology);
     void on_begin_frame(const bus::schema::BeginFrame& begin, bus::Outbox& out);
     void on_region_pixels(const bus::Message& message, bus::Outbox& out);
-    void take_tiles(Frame& frame, const bus::schema::RegionPixels& pixels);
-    void swap_if_complete(bus::Outbox& out);
-    void hold(const bus::Message& message, std::uint32_t frame);
-    std::string late_reason(const bus::schema::RegionPixels& pixels) const;
+    void check_sender(bus::NodeId source, const bus::schema::RegionPixels& pixels) const;
+    /// Keeps regions that overtook their BeginFrame.
+    void hold(const bus::Message& message);
+    void take_early(bus::Outbox& out);
+    /// Drops older frames: a Renderer that failed at one never sends it.
+    void give_up_before(std::uint32_t number);
+    /// Shows the oldest frame, which is complete, and tells the host.
+    void swap_in(bus::Outbox& out);
 
-    std::vector<bus::NodeId> renderer_ids_;  ///< By index.
-    std::deque<Frame> in_flight_;            ///< Oldest first.
-    std::vector<bus::Message> early_;        ///< Regions that overtook their BeginFrame.
-    std::vector<std::uint32_t> front_;       ///< Pixels of the frame that is shown.
-    std::uint32_t next_frame_ = 0;           ///< Frames below this have begun.
+    std::vector<bus::NodeId> renderer_ids_;    ///< By index.
+    std::deque<Frame> in_flight_;              ///< Oldest first.
+    std::vector<bus::Message> early_;          ///< Regions that overtook their BeginFrame.
+    std::vector<std::uint32_t> front_, back_;  ///< Pixels shown, and storage for the next frame.
+    std::uint32_t next_frame_ = 0;             ///< Frames below this have begun.
 };
 
 }  // namespace pxpl5::host

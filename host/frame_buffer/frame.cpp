@@ -1,0 +1,53 @@
+#include "host/frame_buffer/frame.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+
+#include "isa/region_layout.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+using isa::region::size_px;
+constexpr std::uint32_t opaque = 0xff000000;
+
+}  // namespace
+
+int FrameShape::columns() const {
+    return (width + size_px - 1) / size_px;
+}
+int FrameShape::rows() const {
+    return (height + size_px - 1) / size_px;
+}
+
+std::size_t FrameShape::pixels() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+           static_cast<std::size_t>(views);
+}
+
+bool Frame::complete() const {
+    return std::find(renderer_is_in.begin(), renderer_is_in.end(), false) == renderer_is_in.end();
+}
+
+void place_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
+                  std::span<std::uint32_t> picture) {
+    assert(region >= 0 && region < shape.regions());
+    assert(tile.size() == size_px * size_px);
+    assert(picture.size() == shape.pixels());
+    const int per_view = shape.columns() * shape.rows();
+    const int view = region / per_view, in_view = region % per_view;
+    const int left = in_view % shape.columns() * size_px, top = in_view / shape.columns() * size_px;
+    const int width = std::min(size_px, shape.width - left);
+    const int height = std::min(size_px, shape.height - top);
+    for (int y = 0; y < height; ++y) {
+        const std::uint32_t* from = tile.data() + y * size_px;
+        std::uint32_t* to =
+            picture.data() +
+            static_cast<std::ptrdiff_t>(view * shape.height + top + y) * shape.width + left;
+        std::transform(from, from + width, to, [](std::uint32_t p) { return p | opaque; });
+    }
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,43 @@
+// One frame on its way to being complete.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace pxpl5::host {
+
+/// Regions of 128 x 128 pixels count row by row from the top left, then over the views.
+struct FrameShape {
+    int width = 0, height = 0;  ///< Pixels of one view.
+    int views = 1;              ///< Stacked top to bottom in the picture.
+
+    int columns() const;
+    int rows() const;  ///< Of one view.
+    int regions() const { return columns() * rows() * views; }
+    std::size_t pixels() const;
+};
+
+/// What the frame buffer knows of a frame that has begun.
+struct Frame {
+    std::uint32_t number = 0;
+    FrameShape shape;
+    bool read_back = false;
+    std::vector<std::uint16_t> assignment;     ///< Index of the Renderer, by region.
+    std::vector<bool> renderer_is_in;          ///< By index.
+    std::vector<bool> region_is_in;            ///< By region.
+    std::vector<std::uint64_t> region_cycles;  ///< By region.
+    std::uint64_t instructions = 0;            ///< Over all regions.
+    std::vector<std::uint32_t> picture;        ///< shape.pixels(), top row first.
+
+    bool complete() const;
+};
+
+/// Copies one region into its place, cropped to the view, with every alpha at 255.
+///
+/// tile     128 * 128 pixels, top row first, red in the low byte.
+/// picture  shape.pixels() pixels.
+void place_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
+                  std::span<std::uint32_t> picture);
+
+}  // namespace pxpl5::host

@@ -1,0 +1,254 @@
+#include "host/frame_buffer/node.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "isa/region_layout.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+namespace schema = bus::schema;
+using bus::NodeFault;
+
+/// The host keeps two frames going, one drawn while the next is prepared; as many again may have
+/// been left incomplete by a fault elsewhere.
+constexpr std::size_t max_in_flight = 4;
+/// Messages of each Renderer that may wait for their BeginFrame.
+constexpr std::size_t max_early = max_in_flight;
+constexpr std::uint32_t max_side_px = 4096;
+constexpr std::uint32_t max_views = 2;
+constexpr std::size_t tile_pixels = isa::region::size_px * isa::region::size_px;
+
+[[noreturn]] void refuse(schema::FaultCode code, const std::string& reason) {
+    throw NodeFault(code, reason);
+}
+
+FrameShape shape_of(const schema::DrawFrame& draw) {
+    const std::uint32_t views = draw.views()->size();
+    if (draw.width() < 1 || draw.width() > max_side_px || draw.height() < 1 ||
+        draw.height() > max_side_px || views < 1 || views > max_views) {
+        refuse(
+            schema::FaultCode::bad_input,
+            fmt::format("frame {}: {} x {} pixels in {} views, must be 1..{} in 1..{} views",
+                        draw.frame(), draw.width(), draw.height(), views, max_side_px, max_views));
+    }
+    return {static_cast<int>(draw.width()), static_cast<int>(draw.height()),
+            static_cast<int>(views)};
+}
+
+std::vector<std::uint16_t> assignment_of(const schema::BeginFrame& begin, const FrameShape& shape,
+                                         std::size_t renderer_count) {
+    const auto& given = *begin.assignment();
+    const std::uint32_t frame = begin.draw()->frame();
+    if (given.size() != static_cast<std::size_t>(shape.regions())) {
+        refuse(schema::FaultCode::bad_input,
+               fmt::format("frame {}: the assignment is for {} regions, {} x {} in {} views has {}",
+                           frame, given.size(), shape.width, shape.height, shape.views,
+                           shape.regions()));
+    }
+    const auto outside = std::find_if(given.begin(), given.end(),
+                                      [=](std::uint16_t r) { return r >= renderer_count; });
+    if (outside != given.end()) {
+        refuse(schema::FaultCode::bad_input,
+               fmt::format("frame {}: region {} is assigned to Renderer {}, there are {}", frame,
+                           outside - given.begin(), *outside, renderer_count));
+    }
+    return {given.begin(), given.end()};
+}
+
+/// Throws unless the message holds each region that its Renderer draws in `frame` exactly once.
+void check_tiles(const Frame& frame, const schema::RegionPixels& pixels) {
+    const std::string from = fmt::format("frame {}, Renderer {}", frame.number, pixels.renderer());
+    if (frame.renderer_is_in[pixels.renderer()]) {
+        refuse(schema::FaultCode::bad_message, from + ": its regions came twice");
+    }
+    const std::size_t tiles = pixels.tiles()->size(), words = pixels.pixels()->size();
+    if (words != tiles * tile_pixels) {
+        refuse(schema::FaultCode::bad_message,
+               fmt::format("{}: {} pixels for {} regions, must be {}", from, words, tiles,
+                           tiles * tile_pixels));
+    }
+    std::vector<bool> seen = frame.region_is_in;
+    for (const schema::RegionTile* tile : *pixels.tiles()) {
+        const std::size_t region = tile->region();
+        if (region >= seen.size()) {
+            refuse(schema::FaultCode::bad_message,
+                   fmt::format("{}: region {}, the frame has {}", from, region, seen.size()));
+        }
+        if (frame.assignment[region] != pixels.renderer()) {
+            refuse(schema::FaultCode::bad_message,
+                   fmt::format("{}: region {} is Renderer {}'s", from, region,
+                               frame.assignment[region]));
+        }
+        if (seen[region]) {
+            refuse(schema::FaultCode::bad_message,
+                   fmt::format("{}: region {} came twice", from, region));
+        }
+        seen[region] = true;
+    }
+    const auto due =
+        std::count(frame.assignment.begin(), frame.assignment.end(), pixels.renderer());
+    if (tiles != static_cast<std::size_t>(due)) {
+        refuse(schema::FaultCode::bad_message,
+               fmt::format("{}: {} regions, {} are assigned to it", from, tiles, due));
+    }
+}
+
+void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
+    check_tiles(frame, pixels);
+    const std::span<const std::uint32_t> words(pixels.pixels()->data(), pixels.pixels()->size());
+    std::size_t at = 0;
+    for (const schema::RegionTile* tile : *pixels.tiles()) {
+        frame.region_is_in[tile->region()] = true;
+        frame.region_cycles[tile->region()] = tile->cycles();
+        frame.instructions += tile->instructions();
+        place_region(frame.shape, tile->region(), words.subspan(at, tile_pixels), frame.picture);
+        at += tile_pixels;
+    }
+    frame.renderer_is_in[pixels.renderer()] = true;
+}
+
+bus::Payload frame_done(const Frame& frame) {
+    flatbuffers::FlatBufferBuilder builder(frame.read_back ? frame.picture.size() * 4 + 4096
+                                                           : 4096);
+    const auto cycles = builder.CreateVector(frame.region_cycles);
+    const auto pixels = frame.read_back ? builder.CreateVector(frame.picture) : 0;
+    return bus::finish(
+        builder, schema::CreateFrameDone(builder, frame.number,
+                                         static_cast<std::uint32_t>(frame.shape.width),
+                                         static_cast<std::uint32_t>(frame.shape.height),
+                                         static_cast<std::uint16_t>(frame.shape.views), cycles,
+                                         frame.instructions, pixels));
+}
+
+}  // namespace
+
+void FrameBufferNode::receive(const bus::Message& message, bus::Outbox& out) {
+    if (const auto* topology = message.as<schema::Topology>()) {
+        on_topology(*topology);
+    } else if (const auto* begin = message.as<schema::BeginFrame>()) {
+        on_begin_frame(*begin, out);
+    } else if (message.kind() == schema::Body::RegionPixels) {
+        on_region_pixels(message, out);
+    } else {
+        refuse(schema::FaultCode::bad_message,
+               fmt::format("a frame buffer does not take {}", bus::kind_name(message.kind())));
+    }
+}
+
+bool FrameBufferNode::work(bus::Outbox&) {
+    return false;
+}
+
+void FrameBufferNode::on_topology(const schema::Topology& topology) {
+    renderer_ids_.clear();
+    for (const schema::NodeInfo* node : *topology.nodes()) {
+        if (node->role() == schema::Role::renderer) {
+            renderer_ids_.resize(std::max<std::size_t>(renderer_ids_.size(), node->index() + 1U));
+            renderer_ids_[node->index()] = node->id();
+        }
+    }
+}
+
+void FrameBufferNode::on_begin_frame(const schema::BeginFrame& begin, bus::Outbox& out) {
+    const std::uint32_t number = begin.draw()->frame();
+    if (number < next_frame_) {
+        refuse(schema::FaultCode::bad_message,
+               fmt::format("frame {} begins after frame {}", number, next_frame_ - 1));
+    }
+    Frame frame;
+    frame.number = number;
+    frame.shape = shape_of(*begin.draw());
+    frame.read_back = begin.draw()->read_back();
+    frame.assignment = assignment_of(begin, frame.shape, renderer_ids_.size());
+    frame.renderer_is_in.resize(renderer_ids_.size());
+    frame.region_is_in.resize(frame.assignment.size());
+    frame.region_cycles.resize(frame.assignment.size());
+    frame.picture = std::exchange(back_, {});
+    frame.picture.resize(frame.shape.pixels());
+    next_frame_ = number + 1;
+    in_flight_.push_back(std::move(frame));
+    give_up_before(in_flight_.size() > max_in_flight ? in_flight_[1].number : 0);
+    take_early(out);
+}
+
+void FrameBufferNode::take_early(bus::Outbox& out) {
+    std::string reasons;
+    for (const bus::Message& message : std::exchange(early_, {})) {
+        try {
+            on_region_pixels(message, out);
+        } catch (const NodeFault& fault) {  // The other Renderers' regions are taken all the same.
+            reasons += (reasons.empty() ? "" : "; ") + std::string(fault.what());
+        }
+    }
+    if (!reasons.empty()) {
+        refuse(schema::FaultCode::bad_message, reasons);
+    }
+}
+
+void FrameBufferNode::on_region_pixels(const bus::Message& message, bus::Outbox& out) {
+    const auto& pixels = *message.as<schema::RegionPixels>();
+    check_sender(message.source(), pixels);
+    if (pixels.frame() >= next_frame_) {
+        hold(message);
+        return;
+    }
+    const auto frame = std::find_if(in_flight_.begin(), in_flight_.end(),
+                                    [&](const Frame& f) { return f.number == pixels.frame(); });
+    if (frame == in_flight_.end()) {
+        refuse(schema::FaultCode::bad_message,
+               fmt::format("frame {}, Renderer {}: its regions come late, the frame is over",
+                           pixels.frame(), pixels.renderer()));
+    }
+    take_tiles(*frame, pixels);
+    if (frame->complete()) {
+        give_up_before(frame->number);
+        swap_in(out);
+    }
+}
+
+void FrameBufferNode::check_sender(bus::NodeId source, const schema::RegionPixels& pixels) const {
+    if (pixels.renderer() >= renderer_ids_.size() || renderer_ids_[pixels.renderer()] != source) {
+        refuse(schema::FaultCode::bad_message,
+               fmt::format("frame {}: node {} sends regions as Renderer {}, of {} Renderers",
+                           pixels.frame(), source, pixels.renderer(), renderer_ids_.size()));
+    }
+}
+
+void FrameBufferNode::hold(const bus::Message& message) {
+    if (early_.size() >= max_early * renderer_ids_.size()) {
+        const auto& pixels = *message.as<schema::RegionPixels>();
+        refuse(schema::FaultCode::bad_message,
+               fmt::format("frame {}, Renderer {}: the frame is unknown, and {} messages wait for "
+                           "their frames already",
+                           pixels.frame(), pixels.renderer(), early_.size()));
+    }
+    early_.push_back(message);
+}
+
+void FrameBufferNode::give_up_before(std::uint32_t number) {
+    while (!in_flight_.empty() && in_flight_.front().number < number) {
+        const Frame& lost = in_flight_.front();
+        const auto missing =
+            std::find(lost.renderer_is_in.begin(), lost.renderer_is_in.end(), false);
+        // Whoever failed has sent its Fault; this is for the log.
+        fmt::print(stderr, "frame {} is given up: Renderer {} has not sent its regions\n",
+                   lost.number, missing - lost.renderer_is_in.begin());
+        in_flight_.pop_front();
+    }
+}
+
+void FrameBufferNode::swap_in(bus::Outbox& out) {
+    Frame& done = in_flight_.front();
+    assert(done.complete());
+    out.send(bus::host_id, frame_done(done));
+    back_ = std::exchange(front_, std::move(done.picture));
+    in_flight_.pop_front();
+}
+
+}  // namespace pxpl5::host
