@@ -36,7 +36,7 @@ Edge edge(const ScreenVertex& p, const ScreenVertex& q) {
 
 /// Values 2h and 2h + 1.
 Double2 half_of(const Values& v, std::size_t h) {
-    return {static_cast<double>(v[2 * h]), static_cast<double>(v[2 * h + 1])};
+    return Double2{static_cast<double>(v[2 * h]), static_cast<double>(v[2 * h + 1])};
 }
 
 /// Rounded quotient, for what a double cannot hold to the last unit.
