@@ -77,6 +77,11 @@ StoredHeader read_meta_header(const std::filesystem::path& path) {
         header.notes.emplace_back("no ElementSpacing: ElementSize is taken as the spacing");
     }
     locate_data(path, fields, reader.offset_bytes(), header);
+    check_stored_header(path, header);
+    if (header.storage == Storage::compressed) {
+        // The decoder takes what a cut stream gives and says nothing.
+        check_inflated(file, header, header.data_offset_bytes, needed_bytes(header));
+    }
     return header;
 }
 

@@ -110,6 +110,7 @@ StoredHeader read_nrrd_header(const std::filesystem::path& path) {
     }
     header.storage = storage_of(file, require(file, fields, "encoding"));
     locate_data(path, fields, reader.offset_bytes(), header);
+    check_stored_header(path, header);
     note_place(fields, header);
     return header;
 }

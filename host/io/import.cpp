@@ -228,7 +228,6 @@ Volume import_checked(const fs::path& path) {
     StoredHeader header;
     if (format != Format::dicom) {
         header = read_header(path, format);
-        check_stored_header(path, header);
     }
     if (format == Format::dicom && !begins_as_dicom(path)) {
         throw ImportError(file + ": is no DICOM file: 'DICM' and an element must follow byte 128");

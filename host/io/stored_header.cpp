@@ -8,6 +8,7 @@
 
 #include "host/io/header_text.hpp"
 #include "host/io/import.hpp"
+#include "host/io/inflated_size.hpp"
 
 namespace pxpl5::host::io {
 
@@ -24,7 +25,7 @@ bool ends_with_any(const std::string& name, std::initializer_list<const char*> s
 }
 
 Format format_by_content(const fs::path& path) {
-    std::array<char, 352> head{};
+    std::array<char, 132> head{};
     std::ifstream(path, std::ios::binary).read(head.data(), head.size());
     const std::string_view bytes(head.data(), head.size());
     if (bytes.starts_with("NRRD000")) {
@@ -35,9 +36,6 @@ Format format_by_content(const fs::path& path) {
     }
     if (bytes.substr(128, 4) == "DICM") {
         return Format::dicom;
-    }
-    if (bytes.substr(344, 2) == "n+") {
-        return Format::nifti;
     }
     throw ImportError(fmt::format(
         "{}: neither its suffix nor its first bytes are of a known format (.nrrd .nhdr .mha .mhd "
@@ -111,6 +109,16 @@ std::uint64_t needed_bytes(const StoredHeader& header) {
         bytes *= size;  // Cannot overflow: sizes have been checked against max_dim.
     }
     return bytes;
+}
+
+void check_inflated(const std::string& file, const StoredHeader& header, std::uint64_t offset_bytes,
+                    std::uint64_t needed) {
+    const std::uint64_t got = inflated_bytes(header.data_file, offset_bytes, needed);
+    if (got < needed) {
+        throw ImportError(fmt::format("{}: {} of {} need {} bytes when decompressed, {} has {}",
+                                      file, join_sizes(header.sizes), header.type, needed,
+                                      header.data_file.filename().string(), got));
+    }
 }
 
 std::string join_sizes(const std::vector<std::uint64_t>& sizes) {

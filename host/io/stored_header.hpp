@@ -31,6 +31,8 @@ struct StoredHeader {
     std::vector<std::string> notes;
 };
 
+/// Read the header of `path` and hold it against the limits and the data file.
+/// Throw ImportError naming the field and its value.
 StoredHeader read_nrrd_header(const std::filesystem::path& path);
 StoredHeader read_meta_header(const std::filesystem::path& path);
 StoredHeader read_nifti_header(const std::filesystem::path& path);
@@ -39,6 +41,11 @@ StoredHeader read_vtk_header(const std::filesystem::path& path);
 /// Holds `header` of `path` against the limits and the size of the data file, and notes bytes that
 /// are left over. Throws ImportError naming both values.
 void check_stored_header(const std::filesystem::path& path, StoredHeader& header);
+
+/// Decompresses the data file from `offset_bytes` on.
+/// Throws ImportError naming both sizes if fewer than `needed` bytes come out.
+void check_inflated(const std::string& file, const StoredHeader& header, std::uint64_t offset_bytes,
+                    std::uint64_t needed);
 
 /// Bytes of all values. Sizes must have passed check_stored_header, or be small.
 std::uint64_t needed_bytes(const StoredHeader& header);
