@@ -1,0 +1,271 @@
+#include "host/machine/supervisor.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sched.h>
+#include <unistd.h>
+#include <uv.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "host/machine/port.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr int unavailable = 69;
+
+std::string signal_name(int signal) {
+    const char* name = sigabbrev_np(signal);
+    return name != nullptr ? fmt::format("SIG{}", name) : "unknown";
+}
+
+struct Child {
+    uv_process_t handle{};
+    std::string name;
+    bool running = false;
+};
+
+/// Pointers into `texts`, with the null at the end that exec wants.
+std::vector<char*> pointers(std::vector<std::string>& texts) {
+    std::vector<char*> result;
+    for (std::string& text : texts) {
+        result.push_back(text.data());
+    }
+    result.push_back(nullptr);
+    return result;
+}
+
+/// This process's environment with `added` in front of what it replaces.
+std::vector<std::string> environment(const std::vector<std::string>& added) {
+    std::vector<std::string> all = added;
+    for (char** variable = environ; *variable != nullptr; ++variable) {
+        const std::string_view text(*variable);
+        const std::string_view key = text.substr(0, text.find('=') + 1);
+        const bool replaced = std::any_of(added.begin(), added.end(), [key](const std::string& a) {
+            return std::string_view(a).starts_with(key);
+        });
+        if (!replaced) {
+            all.emplace_back(text);
+        }
+    }
+    return all;
+}
+
+/// An open log whose first line says what was started.
+int open_log(const Command& command, const std::vector<std::string>& arguments) {
+    const int fd = open(command.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    if (fd < 0) {
+        throw MachineError(unavailable,
+                           fmt::format("{} cannot start: its log {} cannot be opened: {}",
+                                       command.name, command.log.string(), std::strerror(errno)));
+    }
+    const std::string line = fmt::format("{}: {}\n", command.name, fmt::join(arguments, " "));
+    [[maybe_unused]] const ssize_t written = write(fd, line.data(), line.size());
+    return fd;
+}
+
+}  // namespace
+
+std::string Death::text() const {
+    if (signal != 0) {
+        return fmt::format("{} was killed by signal {} ({})", name, signal, signal_name(signal));
+    }
+    return fmt::format("{} ended with exit code {}", name, exit_code);
+}
+
+int Death::code() const {
+    return signal != 0 ? 128 + signal : exit_code != 0 ? exit_code : unavailable;
+}
+
+struct Supervisor::Parts {
+    uv_loop_t loop{};
+    std::array<uv_signal_t, 2> signals{};
+    uv_timer_t timer{};
+    uv_poll_t poll{};
+    int poll_fd = -1;
+    std::vector<std::unique_ptr<Child>> children;
+    std::vector<Death> deaths;
+    int interrupt = 0;
+    bool timer_fired = false, fd_readable = false;
+
+    void watch(int fd);
+    void on_exit(Child& child, int exit_code, int signal);
+};
+
+void Supervisor::Parts::watch(int fd) {
+    if (fd < 0 || fd == poll_fd) {
+        return;
+    }
+    assert(poll_fd == -1);  // One link for the whole life.
+    poll_fd = fd;
+    uv_poll_init(&loop, &poll, fd);
+    poll.data = this;
+    uv_poll_start(&poll, UV_READABLE, [](uv_poll_t* handle, int, int) {
+        static_cast<Parts*>(handle->data)->fd_readable = true;
+    });
+}
+
+void Supervisor::Parts::on_exit(Child& child, int exit_code, int signal) {
+    child.running = false;
+    deaths.push_back({child.name, exit_code, signal});
+    uv_close(reinterpret_cast<uv_handle_t*>(&child.handle), [](uv_handle_t* handle) {
+        Parts& parts = *static_cast<Parts*>(handle->loop->data);
+        std::erase_if(parts.children, [handle](const auto& c) {
+            return reinterpret_cast<uv_handle_t*>(&c->handle) == handle;
+        });
+    });
+}
+
+Supervisor::Supervisor() : parts_(std::make_unique<Parts>()) {
+    uv_loop_init(&parts_->loop);
+    parts_->loop.data = parts_.get();
+    uv_timer_init(&parts_->loop, &parts_->timer);
+    parts_->timer.data = parts_.get();
+    constexpr std::array numbers = {SIGINT, SIGTERM};
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        uv_signal_init(&parts_->loop, &parts_->signals[i]);
+        parts_->signals[i].data = parts_.get();
+        uv_signal_start(
+            &parts_->signals[i],
+            [](uv_signal_t* handle, int number) {
+                static_cast<Parts*>(handle->data)->interrupt = number;
+            },
+            numbers[i]);
+    }
+}
+
+Supervisor::~Supervisor() {
+    kill_all(SIGKILL);
+    while (!running().empty()) {
+        uv_run(&parts_->loop, UV_RUN_ONCE);
+    }
+    uv_walk(
+        &parts_->loop,
+        [](uv_handle_t* handle, void*) {
+            if (uv_is_closing(handle) == 0) {
+                uv_close(handle, nullptr);
+            }
+        },
+        nullptr);
+    uv_run(&parts_->loop, UV_RUN_DEFAULT);
+    [[maybe_unused]] const int closed = uv_loop_close(&parts_->loop);
+    assert(closed == 0);
+}
+
+int Supervisor::spawn(const Command& command) {
+    std::vector<std::string> arguments = {command.program.string()};
+    arguments.insert(arguments.end(), command.arguments.begin(), command.arguments.end());
+    std::vector<std::string> env = environment(command.env);
+    const int log = open_log(command, arguments);
+    std::vector<char*> argument_pointers = pointers(arguments), env_pointers = pointers(env);
+
+    std::array<uv_stdio_container_t, 3> streams{};
+    streams[0].flags = UV_IGNORE;
+    for (const std::size_t i : {1U, 2U}) {
+        streams[i].flags = UV_INHERIT_FD;
+        streams[i].data.fd = log;
+    }
+    uv_process_options_t options{};
+    options.file = arguments[0].c_str();
+    options.args = argument_pointers.data();
+    options.env = env_pointers.data();
+    options.flags = UV_PROCESS_DETACHED;  // Ctrl-C in the terminal reaches the host alone.
+    options.stdio = streams.data();
+    options.stdio_count = static_cast<int>(streams.size());
+    options.exit_cb = [](uv_process_t* handle, std::int64_t exit_code, int signal) {
+        static_cast<Parts*>(handle->loop->data)
+            ->on_exit(*static_cast<Child*>(handle->data), static_cast<int>(exit_code), signal);
+    };
+
+    auto child = std::make_unique<Child>();
+    child->name = command.name;
+    child->handle.data = child.get();
+    const int error = uv_spawn(&parts_->loop, &child->handle, &options);
+    close(log);
+    if (error != 0) {
+        // The handle is part of the loop even so, and leaves it in its own time.
+        Child& failed = *parts_->children.emplace_back(std::move(child));
+        parts_->on_exit(failed, unavailable, 0);
+        parts_->deaths.pop_back();
+        throw MachineError(unavailable, fmt::format("{} cannot start: {}: {}", command.name,
+                                                    arguments[0], uv_strerror(error)));
+    }
+    child->running = true;
+    const int pid = child->handle.pid;
+    parts_->children.push_back(std::move(child));
+    if (command.core >= 0) {
+        cpu_set_t cores;
+        CPU_ZERO(&cores);
+        CPU_SET(static_cast<std::size_t>(command.core), &cores);
+        if (sched_setaffinity(pid, sizeof cores, &cores) != 0) {
+            throw MachineError(
+                unavailable, fmt::format("{} cannot run on core {}: {}", command.name, command.core,
+                                         std::strerror(errno)));
+        }
+    }
+    return pid;
+}
+
+void Supervisor::wait(int fd, int timeout_ms) {
+    parts_->watch(fd);
+    parts_->timer_fired = parts_->fd_readable = false;
+    if (timeout_ms >= 0) {
+        uv_update_time(&parts_->loop);
+        uv_timer_start(
+            &parts_->timer,
+            [](uv_timer_t* handle) { static_cast<Parts*>(handle->data)->timer_fired = true; },
+            static_cast<std::uint64_t>(timeout_ms), 0);
+    }
+    while (!parts_->timer_fired && !parts_->fd_readable && parts_->deaths.empty() &&
+           parts_->interrupt == 0) {
+        uv_run(&parts_->loop, UV_RUN_ONCE);
+    }
+    uv_timer_stop(&parts_->timer);
+}
+
+std::vector<Death> Supervisor::take_deaths() {
+    return std::exchange(parts_->deaths, {});
+}
+int Supervisor::take_interrupt() {
+    return std::exchange(parts_->interrupt, 0);
+}
+
+std::vector<std::string> Supervisor::running() const {
+    std::vector<std::string> names;
+    for (const auto& child : parts_->children) {
+        if (child->running) {
+            names.push_back(child->name);
+        }
+    }
+    return names;
+}
+
+void Supervisor::kill_all(int signal) {
+    for (const std::string& name : running()) {
+        kill(name, signal);
+    }
+}
+
+void Supervisor::kill(const std::string& name, int signal) {
+    for (const auto& child : parts_->children) {
+        if (child->running && child->name == name) {
+            ::kill(-child->handle.pid, signal);  // The whole group; it may just have ended.
+        }
+    }
+}
+
+std::int64_t now_ms() {
+    using namespace std::chrono;
+    return duration_cast<milliseconds>(steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,153 @@
+#include <doctest/doctest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "host/machine/port.hpp"
+#include "host/machine/supervisor.hpp"
+
+using namespace pxpl5::host;
+
+namespace {
+
+struct Bench {
+    Bench() {
+        std::string pattern = std::filesystem::temp_directory_path() / "pxpl5-test-XXXXXX";
+        REQUIRE(mkdtemp(pattern.data()) != nullptr);
+        folder = pattern;
+    }
+    ~Bench() { std::filesystem::remove_all(folder); }
+
+    int shell(const std::string& name, const std::string& script) {
+        return supervisor.spawn(
+            {name, "/bin/sh", {"-c", script}, {}, -1, folder / (name + ".log")});
+    }
+    Death next_death() {
+        for (;;) {
+            supervisor.wait(-1, -1);
+            const std::vector<Death> deaths = supervisor.take_deaths();
+            if (!deaths.empty()) {
+                REQUIRE(deaths.size() == 1);
+                return deaths[0];
+            }
+        }
+    }
+    std::string log(const std::string& name) const {
+        std::ostringstream text;
+        text << std::ifstream(folder / (name + ".log")).rdbuf();
+        return text.str();
+    }
+
+    std::filesystem::path folder;
+    Supervisor supervisor;
+};
+
+bool exists(int pid) {
+    return ::kill(pid, 0) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("a process that ends is reported by name and exit code") {
+    Bench bench;
+    bench.shell("gp-3", "exit 70");
+    const Death death = bench.next_death();
+    CHECK(death.text() == "gp-3 ended with exit code 70");
+    CHECK(death.code() == 70);
+    CHECK(bench.supervisor.running().empty());
+}
+
+TEST_CASE("a process that is killed is reported by name and signal") {
+    Bench bench;
+    const int pid = bench.shell("gp-3", "kill -STOP $$");  // It stays until somebody ends it.
+    CHECK(bench.supervisor.running() == std::vector<std::string>{"gp-3"});
+    ::kill(pid, SIGKILL);
+    const Death death = bench.next_death();
+    CHECK(death.text() == "gp-3 was killed by signal 9 (SIGKILL)");
+    CHECK(death.code() == 137);
+    CHECK_FALSE(exists(pid));
+}
+
+TEST_CASE("what a process prints is in its log, under the line that started it") {
+    Bench bench;
+    bench.supervisor.spawn({"io-1",
+                            "/bin/sh",
+                            {"-c", "echo \"$WORD\"; echo oops >&2"},
+                            {"WORD=hello"},
+                            0,
+                            bench.folder / "io-1.log"});
+    CHECK(bench.next_death().exit_code == 0);
+    CHECK(bench.log("io-1") == "io-1: /bin/sh -c echo \"$WORD\"; echo oops >&2\nhello\noops\n");
+}
+
+TEST_CASE("a program that is not there is an error that names it") {
+    Bench bench;
+    std::string text;
+    try {
+        bench.supervisor.spawn(
+            {"gp-0", "/no/such/pxpl5-gp", {}, {}, -1, bench.folder / "gp-0.log"});
+    } catch (const MachineError& error) {
+        text = error.what();
+        CHECK(error.code == 69);
+    }
+    CHECK(text == "gp-0 cannot start: /no/such/pxpl5-gp: no such file or directory");
+    CHECK(bench.supervisor.running().empty());
+}
+
+TEST_CASE("a signal reaches the whole process group") {
+    Bench bench;
+    // The shell's own child holds the pipe open; reading ends when both are gone.
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    bench.supervisor.spawn(
+        {"a",
+         "/bin/sh",
+         {"-c", "/bin/sh -c 'echo up; kill -STOP $$' >/proc/" + std::to_string(getpid()) + "/fd/" +
+                    std::to_string(ends[1]) + " & wait"},
+         {},
+         -1,
+         bench.folder / "a.log"});
+    char text[8];
+    REQUIRE(read(ends[0], text, sizeof text) == 3);
+    close(ends[1]);
+    bench.supervisor.kill_all(SIGKILL);
+    CHECK(bench.next_death().signal == SIGKILL);
+    CHECK(read(ends[0], text, sizeof text) == 0);
+    close(ends[0]);
+}
+
+TEST_CASE("the supervisor takes its processes along") {
+    int pid = 0;
+    {
+        Bench bench;
+        pid = bench.shell("stuck", "trap '' TERM; kill -STOP $$");
+        CHECK(exists(pid));
+    }
+    CHECK_FALSE(exists(pid));
+}
+
+TEST_CASE("SIGINT and SIGTERM are counted, not obeyed") {
+    Bench bench;
+    CHECK(bench.supervisor.take_interrupt() == 0);
+    for (const int signal : {SIGINT, SIGTERM}) {
+        ::kill(getpid(), signal);
+        bench.supervisor.wait(-1, -1);
+        CHECK(bench.supervisor.take_interrupt() == signal);
+        CHECK(bench.supervisor.take_interrupt() == 0);
+    }
+}
+
+TEST_CASE("waiting ends when the descriptor is readable, or in time") {
+    Bench bench;
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    bench.supervisor.wait(ends[0], 1);
+    REQUIRE(write(ends[1], "x", 1) == 1);
+    bench.supervisor.wait(ends[0], -1);
+    close(ends[0]);
+    close(ends[1]);
+}
