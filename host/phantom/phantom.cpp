@@ -18,9 +18,8 @@ struct Entry {
 };
 
 constexpr Entry catalogue[] = {
-    {phantom::pelvis_info, phantom::make_pelvis},
-    {phantom::sphere_info, phantom::make_sphere},
-    {phantom::torus_info, phantom::make_torus},
+    {phantom::pelvis_info, phantom::make_pelvis},   {phantom::fetus_info, phantom::make_fetus},
+    {phantom::sphere_info, phantom::make_sphere},   {phantom::torus_info, phantom::make_torus},
     {phantom::letters_info, phantom::make_letters},
 };
 
