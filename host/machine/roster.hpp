@@ -1,0 +1,37 @@
+// Who is on the ring: every node of a machine with its id, name and address.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/machine/topology.hpp"
+#include "ringbus/message.hpp"
+
+namespace pxpl5::host {
+
+struct RosterEntry {
+    bus::NodeId id = 0;
+    bus::schema::Role role = bus::schema::Role::host;
+    int index = 0;         ///< Within the role.
+    std::string endpoint;  ///< Empty until its Hello.
+    int pid = 0;           ///< 0 until it is started.
+
+    std::string name() const;    ///< "gp-3"; also names its log and its socket.
+    std::string binary() const;  ///< "pxpl5-gp"; empty for the host.
+};
+using Roster = std::vector<RosterEntry>;
+
+/// The nodes in ring order: the host (id 0), the GPs, the Renderers, the frame buffers; ids count
+/// up.
+Roster roster_of(const Topology& topology);
+
+/// The nodes of `role`, by index.
+std::vector<bus::NodeId> ids_of(const Roster& roster, bus::schema::Role role);
+
+/// What every node is told of the machine.
+bus::Payload topology_message(const Roster& roster, const Topology& topology);
+
+/// The settings of a role that is launched. `role` is gp, renderer or frame_buffer.
+const RoleSettings& settings_of(const Topology& topology, bus::schema::Role role);
+
+}  // namespace pxpl5::host
