@@ -1,0 +1,84 @@
+"""Who may include whom."""
+import pathlib
+import re
+from typing import List
+
+import tree
+
+MAY_INCLUDE = {
+    "isa": {"isa"},
+    "ringbus": {"ringbus"},
+    "gp_firmware": {"gp_firmware", "isa", "ringbus"},
+    "renderer_firmware": {"renderer_firmware", "isa", "ringbus"},
+    "host": {"host", "isa", "ringbus"},
+    "tests": {"tests", "host", "gp_firmware", "renderer_firmware", "isa", "ringbus"},
+}
+GENERATED = {"schema_hash.hpp"}  # Made by the build, besides *_generated.h.
+FIRMWARE = {"gp_firmware", "renderer_firmware"}
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+
+ZMQ = re.compile(r"^zmq(\.hpp|\.h|_addon\.hpp)$")
+CODECS = re.compile(r"^(itk|OpenImageIO/|assimp/|gdcm|nifti|vnl/)")
+MESSAGES = re.compile(r"^(.*_generated\.h|flatbuffers/.*|ringbus/(message|node|process)\.hpp)$")
+
+
+def _is_node_or_main(path: pathlib.PurePath) -> bool:
+    return path.name == "main.cpp" or bool(re.match(r"node(_\w+)?\.[ch]pp$", path.name))
+
+
+def may_use_messages(path: pathlib.PurePath) -> bool:
+    """Messages are for ringbus, nodes, mains, and the parts of the host that talk to nodes."""
+    parts = path.parts
+    if parts[0] in {"ringbus", "tests"} or _is_node_or_main(path):
+        return True
+    return parts[0] == "host" and (
+        len(parts) == 2 or parts[1] in {"machine", "io", "frame_buffer", "session"})
+
+
+def _layer_error(path: pathlib.PurePath, included: str) -> str:
+    """main -> node -> stages -> hal, within a firmware."""
+    parts = path.parts
+    if parts[0] not in FIRMWARE or len(parts) < 3:
+        return ""
+    if included.startswith("ringbus/"):
+        return f"a stage may not include {included}"
+    if included.startswith(parts[0] + "/node"):
+        return f"a stage may not include {included}"
+    if parts[1] == "hal" and included.startswith(parts[0] + "/"):
+        if not included.startswith(parts[0] + "/hal/"):
+            return f"hal may not include the stage {included}"
+    return ""
+
+
+def error_of(path: pathlib.PurePath, quote: str, included: str) -> str:
+    """What is wrong with `path` including `included`, or ''."""
+    owner, target = path.parts[0], included.split("/")[0]
+    if quote == '"' and target in MAY_INCLUDE and target not in MAY_INCLUDE.get(owner, set()):
+        return f"{owner} may not include {target}"
+    is_rooted = "/" in included and target in MAY_INCLUDE
+    if quote == '"' and not is_rooted and not included.endswith("_generated.h") and \
+            included not in GENERATED:
+        return f'"{included}" is not a path from the top of the repository'
+    is_link = path.parts[:1] == ("ringbus",) and path.name.startswith("zmq_link")
+    if ZMQ.match(included) and not is_link:
+        return "only ringbus/zmq_link.* includes ZeroMQ"
+    if CODECS.match(included) and path.parts[:2] != ("host", "io") and \
+            path.parts[:3] != ("tests", "host", "io"):
+        return f"only host/io includes {included}"
+    if MESSAGES.match(included) and not may_use_messages(path):
+        return f"only ringbus, nodes and the host's machine side include {included}"
+    return _layer_error(path, included)
+
+
+def check(root: pathlib.Path) -> List[str]:
+    errors = []
+    for path in tree.files_of(root):
+        if path.suffix not in tree.CPP | {".def"} or path.parts[0] not in MAY_INCLUDE:
+            continue
+        for number, line in enumerate(tree.read(root, path).splitlines(), 1):
+            match = INCLUDE.match(line)
+            if match:
+                error = error_of(path, match[1], match[2])
+                if error:
+                    errors.append(f"{path}:{number}: {error}")
+    return errors

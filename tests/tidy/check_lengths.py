@@ -1,0 +1,82 @@
+"""Files, functions and lines are short."""
+import pathlib
+import re
+from typing import List, Tuple
+
+import tree
+
+MAX_FILE_LINES = 400
+MAX_FUNCTION_LINES = 70
+MAX_COLUMNS = 100
+MAX_README_LINES = 150  # Of the project's own.
+
+_CONTAINER = re.compile(
+    r'\b(namespace|class|struct|union|enum|extern)\b(?![^()]*\)\s*(const|noexcept|->|$))'
+    r'|\bTEST_SUITE\b|^HWY_\w+\s*$')
+
+
+def _kind_of(head: str) -> str:
+    """What the brace after `head`, the text since the last statement, opens."""
+    stripped = head.strip()
+    if _CONTAINER.search(stripped) and not stripped.endswith("="):
+        return "container"
+    if "(" in stripped and not stripped.endswith("="):
+        return "function"
+    return "other"
+
+
+def functions_of(text: str) -> List[Tuple[int, int]]:
+    """First and last line of each function of C++ `text`, by counting braces."""
+    code = tree.bare_code(text)
+    functions, stack, head, head_line, line = [], [], "", 0, 1
+    for index, char in enumerate(code):
+        if char == "\n":
+            line += 1
+        in_container = all(kind == "container" for kind, _, _ in stack)
+        if char == "{":
+            kind = _kind_of(head) if in_container else "other"
+            stack.append((kind, head_line or line, head))
+            head, head_line = "", 0
+        elif char == "}" and stack:
+            kind, first, opening = stack.pop()
+            rest = code[index + 1:index + 200].lstrip()
+            is_initialiser = kind != "container" and rest[:1] in {",", "{"} and \
+                all(k == "container" for k, _, _ in stack)
+            if kind == "function" and not is_initialiser:
+                functions.append((first, line))
+            # `: a_{x}, b_{y} {`: the head goes on after a member's braces.
+            head, head_line = (opening + "{}", first) if is_initialiser else ("", 0)
+        elif char == ";":
+            head, head_line = "", 0
+        elif in_container:
+            if not head.strip() and not char.isspace():
+                head_line = line
+            head += char
+    return functions
+
+
+def _text_errors(path: pathlib.PurePath, text: str) -> List[str]:
+    errors, lines = [], text.splitlines()
+    if len(lines) > MAX_FILE_LINES:
+        errors.append(f"{path}: {len(lines)} lines, at most {MAX_FILE_LINES}")
+    for number, line in enumerate(lines, 1):
+        if len(line) > MAX_COLUMNS:
+            errors.append(f"{path}:{number}: {len(line)} columns, at most {MAX_COLUMNS}")
+    if path.suffix in tree.CPP:
+        for first, last in functions_of(text):
+            if last - first + 1 > MAX_FUNCTION_LINES:
+                errors.append(f"{path}:{first}: function of {last - first + 1} lines, at most "
+                              f"{MAX_FUNCTION_LINES}")
+    return errors
+
+
+def check(root: pathlib.Path) -> List[str]:
+    errors = []
+    for path in tree.files_of(root):
+        if tree.is_code(path) and not tree.is_table(path):
+            errors += _text_errors(path, tree.read(root, path))
+        if str(path) == "README.md":
+            count = len(tree.read(root, path).splitlines())
+            if count > MAX_README_LINES:
+                errors.append(f"{path}: {count} lines, at most {MAX_README_LINES}")
+    return errors

@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""Every checker takes a clean tree and finds each planted fault: checkers that cannot fail are none."""
+import pathlib
+import shutil
+import tempfile
+import unittest
+
+import check_format
+import check_includes
+import check_layout
+import check_lengths
+import check_links
+import check_words
+
+CLEAN = {
+    "CMakeLists.txt": "project(x)\n",
+    "CMakePresets.json": "{}\n",
+    "CHANGELOG.md": "# Changes\n",
+    "LICENSE": "Apache-2.0\n",
+    ".clang-format": "BasedOnStyle: Google\nIndentWidth: 4\nColumnLimit: 100\n",
+    "README.md": "# x\nSee [isa](isa/README.md) and `host/io/import.cpp`.\n",
+    "isa/README.md": "isa\n",
+    "isa/program.hpp": "#pragma once\n",
+    "ringbus/README.md": "ringbus\n",
+    "ringbus/zmq_link.cpp": "#include <zmq.hpp>\n",
+    "gp_firmware/README.md": "gp\n",
+    "gp_firmware/node.cpp": '#include "gp_firmware/volume/slice.hpp"\n'
+                            '#include "ringbus/message.hpp"\n',
+    "gp_firmware/volume/slice.hpp": '#include "gp_firmware/hal/memory.hpp"\n'
+                                    '#include "isa/program.hpp"\n',
+    "gp_firmware/hal/memory.hpp": "#pragma once\n",
+    "renderer_firmware/README.md": "renderer\n",
+    "renderer_firmware/main.cpp": '#include "ringbus/process.hpp"\n',
+    "host/README.md": "host\n",
+    "host/session.cpp": '#include "ringbus/message.hpp"\n',
+    "host/io/README.md": "io\n",
+    "host/io/import.cpp": "#include <itkImageIOBase.h>\n",
+    "host/phantom/README.md": "phantom\n",
+    "host/phantom/field.cpp": "int f();\n",
+    "tests/README.md": "tests\n",
+}
+LONG = "".join(f"    x = {i};\n" for i in range(71))
+MEMBERS = "struct S {\n    S(int a) : a_{a}, b_{a} {\n" + LONG + "    }\n    int a_, b_;\n};\n"
+
+
+class Planted(unittest.TestCase):
+    def setUp(self):
+        self.root = pathlib.Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.root)
+        for name, text in CLEAN.items():
+            self.plant(name, text)
+
+    def plant(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+    def finds(self, checker, name, text, words):
+        """`checker` takes the clean tree, and finds `words` once `text` is planted in `name`."""
+        self.assertEqual(checker.check(self.root), [])
+        before = CLEAN.get(name)
+        self.plant(name, text)
+        errors = checker.check(self.root)
+        self.assertTrue(errors, f"{words}: not found")
+        self.assertTrue(any(name.split("/")[0] in error and words in error for error in errors), errors)
+        if before is None:
+            (self.root / name).unlink()
+            if not any((self.root / name).parent.iterdir()):
+                (self.root / name).parent.rmdir()
+        else:
+            self.plant(name, before)
+
+    def test_includes(self):
+        for name, included, words in (
+                ("isa/a.hpp", '"ringbus/link.hpp"', "isa may not include ringbus"),
+                ("ringbus/a.hpp", '"isa/program.hpp"', "ringbus may not include isa"),
+                ("gp_firmware/a.cpp", '"renderer_firmware/a.hpp"', "may not include renderer"),
+                ("host/a.cpp", '"gp_firmware/volume/slice.hpp"', "host may not include gp"),
+                ("host/a.cpp", '"session.hpp"', "not a path from the top"),
+                ("host/machine/a.cpp", "<zmq.hpp>", "only ringbus/zmq_link.*"),
+                ("ringbus/node.cpp", "<zmq.h>", "only ringbus/zmq_link.*"),
+                ("host/a.cpp", "<OpenImageIO/imageio.h>", "only host/io includes"),
+                ("host/phantom/a.cpp", "<itkImage.h>", "only host/io includes"),
+                ("host/surface/a.cpp", "<assimp/scene.h>", "only host/io includes"),
+                ("host/phantom/a.cpp", '"ringbus/message.hpp"', "only ringbus, nodes"),
+                ("gp_firmware/volume/a.cpp", '"message_generated.h"', "only ringbus, nodes"),
+                ("gp_firmware/volume/a.cpp", '"ringbus/link.hpp"', "a stage may not include"),
+                ("gp_firmware/volume/a.cpp", '"gp_firmware/node.hpp"', "a stage may not include"),
+                ("gp_firmware/hal/a.cpp", '"gp_firmware/volume/slice.hpp"', "hal may not")):
+            self.finds(check_includes, name, f"#include {included}\n", words)
+
+    def test_lengths(self):
+        self.finds(check_lengths, "isa/a.cpp", "int x;\n" * 401, "401 lines")
+        self.finds(check_lengths, "isa/a.cpp", "//" + "x" * 99 + "\n", "101 columns")
+        self.finds(check_lengths, "isa/CMakeLists.txt", "#" + "x" * 100 + "\n", "101 columns")
+        self.finds(check_lengths, "README.md", "x\n" * 151, "151 lines")
+        self.finds(check_lengths, "isa/a.cpp", "void f() {\n" + LONG + "}\n",
+                   ":1: function of 73 lines")
+        self.finds(check_lengths, "isa/a.cpp", "namespace a {\n\nbool operator==(A a,\n"
+                   "                B b) {\n" + LONG + "}\n}\n", ":3: function of 74 lines")
+        self.finds(check_lengths, "isa/a.cpp", MEMBERS, ":2: function of 73 lines")
+        self.finds(check_lengths, "isa/a.cpp", 'TEST_SUITE("s") {\nTEST_CASE("{") {\n' + LONG +
+                   "}\n}\n", ":2: function of 73 lines")
+
+    def test_lengths_spares_tables_and_short_functions(self):
+        self.plant("isa/case_tables.cpp", "int x;\n" * 500)
+        self.plant("isa/a.def", "//" + "x" * 200 + "\n")
+        # Many short functions, a long initialiser, a brace in a comment, a string and a macro.
+        self.plant("isa/a.cpp", "int t[] = {\n" + "    1,\n" * 90 + "};\n" +
+                   "void f() {\n    g('{', \"{\");  // {\n}\n" * 30 + "#define A {\n" +
+                   "enum class E {\n" + "    a,\n" * 80 + "};\n")
+        self.assertEqual(check_lengths.check(self.root), [])
+
+    def test_layout(self):
+        self.finds(check_layout, "extra/a.cpp", "", "extra: the top level is fixed")
+        self.finds(check_layout, "notes.txt", "", "notes.txt: the top level is fixed")
+        self.finds(check_layout, "host/viewer/page.cpp", "", "host/viewer: has no README.md")
+        for gone in ("isa/README.md", "host/io/README.md", "LICENSE"):
+            (self.root / gone).unlink()
+            errors = check_layout.check(self.root)
+            self.assertEqual(len(errors), 1, errors)
+            self.plant(gone, CLEAN[gone])
+
+    def test_words(self):
+        for name, text, words in (
+                ("isa/a.cpp", "// TODO: more\n", "TODO"), ("README.md", "FIXME\n", "FIXME"),
+                ("isa/a.cpp", "// a stub\n", "stub"), ("isa/a.cpp", "Placeholder\n", "stands in"),
+                ("isa/a.cpp", "std::this_thread::sleep_for(1ms);\n", "wait for an event"),
+                ("isa/a.cpp", "usleep(3);\n", "usleep"), ("isa/a.cpp", "sleep(3);\n", "sleep"),
+                ("isa/a.sh", "sleep 3\n", "wait for an event"),
+                ("isa/a.py", "time.sleep(3)\n", "wait for an event"),
+                ("isa/a.cpp", "x = hn::MulAdd(a, b, c);\n", "fuses"),
+                ("isa/CMakeLists.txt", "add_compile_options(-march=native)\n", "between machines"),
+                ("README.md", "see /work/x\n", "one machine")):
+            self.finds(check_words, name, text, words)
+
+    def test_links(self):
+        self.finds(check_links, "isa/README.md", "[x](nowhere.md)\n", "nowhere.md")
+        self.finds(check_links, "isa/README.md", "`host/gone.cpp`\n", "host/gone.cpp")
+        self.finds(check_links, "isa/README.md", "`gone.*`\n", "gone.*")
+        self.plant("isa/README.md", "`program.hpp`, `field.cpp`, `host/io/import.*`, `../LICENSE`, "
+                   "[up](../README.md#x), [web](https://example.org/a.md), `build/gone.cpp`\n")
+        self.assertEqual(check_links.check(self.root), [])
+
+    @unittest.skipIf(shutil.which("clang-format") is None, "clang-format is not installed")
+    def test_format(self):
+        self.finds(check_format, "isa/a.cpp", "int  f( ){return 1;}\n", "clang-format -i isa/a.cpp")
+
+
+if __name__ == "__main__":
+    unittest.main()
