@@ -36,12 +36,12 @@ struct Backend {
     TriangleRun triangles;  ///< Runs the triangles at the head of `words`, fused.
 };
 
-/// Vector instruction sets. `best` is the widest that this machine has; `portable` is plain C++.
-enum class Target : std::uint8_t { best, portable, sse4, avx2, avx512 };
+/// Vector instruction sets. `best` is the widest that this machine has.
+enum class Target : std::uint8_t { best, sse4, avx2, avx512 };
 
 std::string_view target_name(Target target);
 
-/// Those of portable, sse4, avx2, avx512 that this machine can run.
+/// Those of sse4, avx2, avx512 that this machine can run.
 std::vector<Target> available_targets();
 
 /// The target named by the environment variable PXPL5_TARGET; best if it is unset or empty.

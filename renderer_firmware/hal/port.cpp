@@ -6,12 +6,12 @@
 
 namespace pxpl5::renderer::hal {
 
-void Port::take(const Words& stored) {
+void Port::turn() {
     // Four pixels of a tile's row lie side by side in both orders.
-    for (std::size_t i = 0; i < stored.size(); i += tile_side) {
+    for (std::size_t i = 0; i < stored_.size(); i += tile_side) {
         const Place p = place_of(i);
-        std::memcpy(&rows_[p.y * isa::region::size_px + p.x], &stored[i],
-                    tile_side * sizeof stored[0]);
+        std::memcpy(&rows_[p.y * isa::region::size_px + p.x], &stored_[i],
+                    tile_side * sizeof stored_[0]);
     }
 }
 

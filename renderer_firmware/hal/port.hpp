@@ -13,13 +13,17 @@ class Port {
   public:
     using Words = std::array<std::uint32_t, isa::region_pixels>;
 
-    /// Takes the words in the order of pixel_index().
-    void take(const Words& stored);
+    /// Where the words are put, in the order of pixel_index().
+    Words& stored() { return stored_; }
 
-    /// What was taken last, row by row: index y * 128 + x.
+    /// Turns what is stored into rows.
+    void turn();
+
+    /// What was turned last, row by row: index y * 128 + x.
     std::span<const std::uint32_t> rows() const { return rows_; }
 
   private:
+    alignas(64) Words stored_{};
     alignas(64) Words rows_{};
 };
 

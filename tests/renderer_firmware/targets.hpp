@@ -1,0 +1,22 @@
+// Runs a check on every vector target that this machine has.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "renderer_firmware/fast/fast.hpp"
+
+namespace pxpl5::test {
+
+/// Calls check(fast executor) once per target, with a fresh executor.
+template <typename Check>
+void on_every_target(const Check& check) {
+    for (const renderer::fast::Target target : renderer::fast::available_targets()) {
+        CAPTURE(std::string(renderer::fast::target_name(target)));
+        renderer::fast::Fast fast(target);
+        check(fast);
+    }
+}
+
+}  // namespace pxpl5::test
