@@ -1,0 +1,36 @@
+// How a node reaches the others: messages out, messages in, and nothing else.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "ringbus/message.hpp"
+
+namespace pxpl5::bus {
+
+/// One node's connection to the ring. One thread uses it.
+class Link {
+  public:
+    virtual ~Link() = default;
+
+    virtual NodeId id() const = 0;
+    /// Where others reach this node.
+    virtual const std::string& endpoint() const = 0;
+
+    /// Makes `id` reachable. Messages sent to it before it listens are kept.
+    virtual void add_peer(NodeId id, const std::string& endpoint) = 0;
+    virtual void remove_peer(NodeId id) = 0;
+
+    /// Sends, or queues while the peer has given no credit. Never blocks. `to` is a known peer.
+    virtual void send(NodeId to, Payload payload) = 0;
+
+    /// The next message, if one is here. Throws BadMessage for a message that cannot be trusted and
+    /// NodeFault for a lost one; the link goes on with the next.
+    virtual std::optional<Message> receive() = 0;
+
+    /// Waits for input. Returns false after `timeout_ms` without any; a negative timeout never
+    /// ends.
+    virtual bool wait(int timeout_ms) = 0;
+};
+
+}  // namespace pxpl5::bus

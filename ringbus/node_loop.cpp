@@ -1,0 +1,81 @@
+#include "ringbus/node_loop.hpp"
+
+#include <new>
+
+namespace pxpl5::bus {
+
+namespace {
+
+constexpr int quiet_ms = 1000;
+
+using schema::FaultCode;
+
+/// Receives what is there. Messages that cannot be trusted become Faults.
+std::optional<Message> receive_or_report(Link& link, Outbox& out) {
+    while (true) {
+        try {
+            return link.receive();
+        } catch (const BadMessage& bad) {
+            out.send(host_id, fault_message(link.id(), 0, 0, FaultCode::bad_message, bad.what()));
+        } catch (const NodeFault& fault) {
+            out.send(host_id, fault_message(link.id(), 0, 0, fault.code, fault.what()));
+        }
+    }
+}
+
+/// Runs `act`; what it throws goes to the host.
+template <typename Act>
+void guarded(NodeId self, NodeId source, std::uint64_t sequence, Outbox& out, const Act& act) {
+    try {
+        act();
+    } catch (const NodeFault& fault) {
+        out.send(host_id, fault_message(self, source, sequence, fault.code, fault.what()));
+    } catch (const std::bad_alloc&) {
+        out.send(host_id, fault_message(self, source, sequence, FaultCode::out_of_memory,
+                                        "this computer's memory is exhausted"));
+    }
+}
+
+}  // namespace
+
+Payload fault_message(NodeId node, NodeId source, std::uint64_t sequence, FaultCode code,
+                      const std::string& reason) {
+    schema::FaultT fault;
+    fault.code = code;
+    fault.node = node;
+    fault.source = source;
+    fault.sequence = sequence;
+    fault.reason = reason;
+    return pack(fault);
+}
+
+void deliver(Node& node, NodeId self, const Message& message, Outbox& out) {
+    guarded(self, message.source(), message.header().sequence(), out,
+            [&] { node.receive(message, out); });
+}
+
+bool work_once(Node& node, NodeId self, Outbox& out) {
+    bool more = true;  // After a fault there may be other work.
+    guarded(self, self, 0, out, [&] { more = node.work(out); });
+    return more;
+}
+
+bool run_node(Node& node, Link& link, const std::function<bool()>& alive) {
+    LinkOutbox out(link);
+    bool busy = true;
+    while (true) {
+        while (const std::optional<Message> message = receive_or_report(link, out)) {
+            if (message->kind() == Body::Shutdown) {
+                return true;
+            }
+            deliver(node, link.id(), *message, out);
+            busy = true;
+        }
+        busy = busy && work_once(node, link.id(), out);
+        if (!busy && !link.wait(quiet_ms) && !alive()) {
+            return false;
+        }
+    }
+}
+
+}  // namespace pxpl5::bus

@@ -1,0 +1,40 @@
+// Drives a node over a link.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "ringbus/link.hpp"
+#include "ringbus/node.hpp"
+
+namespace pxpl5::bus {
+
+/// An Outbox that sends over a link.
+class LinkOutbox final : public Outbox {
+  public:
+    using Outbox::send;
+    explicit LinkOutbox(Link& link) : link_(link) {}
+    void send(NodeId to, Payload payload) override { link_.send(to, std::move(payload)); }
+
+  private:
+    Link& link_;
+};
+
+/// The Fault message that tells the host of `fault`, seen by `node` in a message of `source`.
+Payload fault_message(NodeId node, NodeId source, std::uint64_t sequence, schema::FaultCode code,
+                      const std::string& reason);
+
+/// Hands `message` to the node; what it throws goes to the host as a Fault.
+void deliver(Node& node, NodeId self, const Message& message, Outbox& out);
+
+/// One piece of the node's work, likewise. Returns true while there is more.
+bool work_once(Node& node, NodeId self, Outbox& out);
+
+/// Delivers and works until Shutdown has come. Reads all waiting messages before each piece of
+/// work.
+///
+/// alive   Asked after each quiet second; false ends the loop.
+/// Returns true after Shutdown, false if no longer alive.
+bool run_node(Node& node, Link& link, const std::function<bool()>& alive);
+
+}  // namespace pxpl5::bus

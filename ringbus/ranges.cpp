@@ -1,0 +1,237 @@
+#include "ringbus/ranges.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "ringbus/channel_model.hpp"
+
+namespace pxpl5::bus {
+
+namespace {
+
+using schema::Matrix;
+
+/// Collects the first thing that is wrong.
+class Check {
+  public:
+    template <typename Value, typename Limit>
+    Check& within(const char* field, Value value, Limit low, Limit high) {
+        if (!(value >= static_cast<Value>(low) && value <= static_cast<Value>(high))) {
+            fail(fmt::format("{} is {}, allowed are {} .. {}", field, value, low, high));
+        }
+        return *this;
+    }
+    template <typename Value>
+    Check& equal(const char* field, Value value, Value wanted) {
+        if (value != wanted) {
+            fail(fmt::format("{} is {}, expected {}", field, value, wanted));
+        }
+        return *this;
+    }
+    Check& finite(const char* field, const Matrix& matrix) {
+        for (const double value : *matrix.m()) {
+            if (!std::isfinite(value)) {
+                fail(fmt::format("{} holds {}", field, value));
+            }
+        }
+        return *this;
+    }
+    Check& finite(const char* field, double value) {
+        if (!std::isfinite(value)) {
+            fail(fmt::format("{} is {}", field, value));
+        }
+        return *this;
+    }
+    Check& add(const std::string& reason) {
+        if (!reason.empty()) {
+            fail(reason);
+        }
+        return *this;
+    }
+    const std::string& reason() const { return reason_; }
+
+  private:
+    void fail(const std::string& reason) {
+        if (reason_.empty()) {
+            reason_ = reason;
+        }
+    }
+    std::string reason_;
+};
+
+template <typename Vector>
+std::size_t size_of(const Vector* vector) {
+    return vector == nullptr ? 0 : vector->size();
+}
+
+std::string range_of(const schema::Topology& topology) {
+    return Check()
+        .within("number of nodes", std::size_t{topology.nodes()->size()}, std::size_t{1}, max_nodes)
+        .within("ring channels", std::size_t{topology.ring_channels()}, std::size_t{1},
+                max_channels)
+        .reason();
+}
+
+std::string range_of(const schema::VolumeHeader& header) {
+    return Check()
+        .within("nx", header.nx(), min_volume_voxels, max_volume_voxels)
+        .within("ny", header.ny(), min_volume_voxels, max_volume_voxels)
+        .within("nz", header.nz(), min_volume_voxels, max_volume_voxels)
+        .within("type", static_cast<int>(header.type()), 0,
+                static_cast<int>(schema::ScalarType::MAX))
+        .finite("voxel_to_patient", *header.voxel_to_patient())
+        .finite("minimum", header.minimum())
+        .finite("maximum", header.maximum())
+        .reason();
+}
+
+std::string range_of(const schema::Slices& slices) {
+    return Check()
+        .within("slice_count", slices.slice_count(), 1U, max_volume_voxels)
+        .within("first_slice", slices.first_slice(), 0U, max_volume_voxels - 1)
+        .equal("bytes beyond whole slices", slices.values()->size() % slices.slice_count(), 0U)
+        .reason();
+}
+
+std::string range_of(const schema::ExportPicture& picture) {
+    return Check()
+        .within("width", picture.width(), 1U, 2 * max_picture_px)
+        .within("height", picture.height(), 1U, 2 * max_picture_px)
+        .equal("size of rgba", std::size_t{picture.rgba()->size()},
+               std::size_t{picture.width()} * picture.height() * 4)
+        .reason();
+}
+
+std::string range_of(const schema::SetSurface& surface) {
+    return Check()
+        .finite("isovalue", surface.isovalue())
+        .within("table", static_cast<int>(surface.table()), 0,
+                static_cast<int>(schema::CaseTable::MAX))
+        .reason();
+}
+
+std::string range_of(const schema::MeshPart& part) {
+    for (const auto* slab : *part.slabs()) {
+        const std::size_t vertices = slab->vertices()->size();
+        Check check;
+        check.equal("number of keys", std::size_t{slab->keys()->size()}, vertices)
+            .equal("indices beyond whole triangles", slab->indices()->size() % 3, 0U);
+        for (const std::uint32_t index : *slab->indices()) {
+            if (index >= vertices) {
+                check.within("index", std::size_t{index}, std::size_t{0}, vertices - 1);
+                break;
+            }
+        }
+        if (!check.reason().empty()) {
+            return check.reason();
+        }
+    }
+    return {};
+}
+
+std::string range_of(const schema::DrawFrame& draw) {
+    Check check;
+    check.within("width", draw.width(), 1U, max_picture_px)
+        .within("height", draw.height(), 1U, max_picture_px)
+        .within("number of views", std::size_t{draw.views()->size()}, std::size_t{1}, max_views)
+        .within("number of lights", std::size_t{draw.lights()->size()}, std::size_t{0}, max_lights)
+        .within("number of surfaces", std::size_t{draw.surfaces()->size()}, std::size_t{0},
+                max_surfaces)
+        .within("number of clip planes", size_of(draw.clip_planes()), std::size_t{0},
+                max_clip_planes)
+        .within("specular_power", draw.specular_power(), 1U, max_specular_power)
+        .within("ambient", draw.ambient(), 0.0F, 1.0F)
+        .within("specular", draw.specular(), 0.0F, 1.0F);
+    for (const auto* view : *draw.views()) {
+        check.finite("voxel_to_eye", *view->voxel_to_eye())
+            .finite("projection", *view->projection());
+    }
+    for (const auto* light : *draw.lights()) {
+        const schema::Vec3& d = light->direction();
+        const float length = std::sqrt(d.x() * d.x() + d.y() * d.y() + d.z() * d.z());
+        check.within("length of a light's direction", length, 0.999F, 1.001F)
+            .within("intensity", light->intensity(), 0.0F, 16.0F);
+    }
+    for (std::size_t i = 0; i < size_of(draw.clip_planes()); ++i) {
+        const auto* plane = draw.clip_planes()->Get(static_cast<flatbuffers::uoffset_t>(i));
+        check.finite("clip plane", plane->a()).finite("clip plane", plane->b());
+        check.finite("clip plane", plane->c()).finite("clip plane", plane->d());
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::BeginFrame& begin) {
+    const schema::DrawFrame& draw = *begin.draw();
+    return Check()
+        .add(range_of(draw))
+        .equal("size of assignment", std::size_t{begin.assignment()->size()},
+               region_count(draw.width(), draw.height(), draw.views()->size()))
+        .reason();
+}
+
+std::string range_of(const schema::RegionPrograms& programs) {
+    for (const auto* region : *programs.regions()) {
+        const std::uint64_t words = region->words()->size();
+        for (const auto* segment : *region->segments()) {
+            const std::uint64_t end = std::uint64_t{segment->first_word()} + segment->word_count();
+            if (end > words) {
+                return fmt::format("region {}: segment of slab {} ends at word {} of {}",
+                                   region->region(), segment->slab(), end, words);
+            }
+        }
+    }
+    return {};
+}
+
+std::string range_of(const schema::RegionPixels& pixels) {
+    return Check()
+        .equal("number of pixels", std::size_t{pixels.pixels()->size()},
+               std::size_t{pixels.tiles()->size()} * region_pixels)
+        .reason();
+}
+
+std::string range_of(const schema::FrameDone& done) {
+    Check check;
+    check.within("width", done.width(), 1U, max_picture_px)
+        .within("height", done.height(), 1U, max_picture_px)
+        .within("views", std::size_t{done.views()}, std::size_t{1}, max_views);
+    if (done.pixels() != nullptr) {
+        check.equal("number of pixels", std::size_t{done.pixels()->size()},
+                    std::size_t{done.width()} * done.height() * done.views());
+    }
+    return check.reason();
+}
+
+}  // namespace
+
+std::string out_of_range(const schema::Message& message) {
+    switch (message.body_type()) {
+        case Body::Topology:
+            return range_of(*message.body_as_Topology());
+        case Body::VolumeHeader:
+            return range_of(*message.body_as_VolumeHeader());
+        case Body::Slices:
+            return range_of(*message.body_as_Slices());
+        case Body::ExportPicture:
+            return range_of(*message.body_as_ExportPicture());
+        case Body::SetSurface:
+            return range_of(*message.body_as_SetSurface());
+        case Body::MeshPart:
+            return range_of(*message.body_as_MeshPart());
+        case Body::DrawFrame:
+            return range_of(*message.body_as_DrawFrame());
+        case Body::BeginFrame:
+            return range_of(*message.body_as_BeginFrame());
+        case Body::RegionPrograms:
+            return range_of(*message.body_as_RegionPrograms());
+        case Body::RegionPixels:
+            return range_of(*message.body_as_RegionPixels());
+        case Body::FrameDone:
+            return range_of(*message.body_as_FrameDone());
+        default:
+            return {};  // The others hold nothing that could be out of range.
+    }
+}
+
+}  // namespace pxpl5::bus

@@ -1,0 +1,29 @@
+// What a verified message must satisfy beyond its form, so that nodes can trust its numbers.
+#pragma once
+
+#include <string>
+
+#include "ringbus/message.hpp"
+
+namespace pxpl5::bus {
+
+inline constexpr std::uint32_t min_volume_voxels = 2,
+                               max_volume_voxels = 4096;  ///< Along each axis.
+inline constexpr std::uint32_t max_picture_px = 8192;
+inline constexpr std::uint32_t region_px = 128;
+inline constexpr std::uint32_t region_pixels = region_px * region_px;
+inline constexpr std::size_t max_lights = 4, max_views = 2, max_surfaces = 255;
+inline constexpr std::size_t max_clip_planes = 16;
+inline constexpr std::uint32_t max_specular_power = 128;
+inline constexpr std::size_t max_nodes = 256;
+
+/// Regions of a picture, over all views.
+constexpr std::size_t region_count(std::uint32_t width, std::uint32_t height, std::size_t views) {
+    const auto across = [](std::uint32_t px) { return (px + region_px - 1) / region_px; };
+    return std::size_t{across(width)} * across(height) * views;
+}
+
+/// Empty if all is well, else which field is wrong, with both values.
+std::string out_of_range(const schema::Message& message);
+
+}  // namespace pxpl5::bus

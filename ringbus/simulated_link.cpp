@@ -1,0 +1,153 @@
+#include "ringbus/simulated_link.hpp"
+
+#include <fmt/core.h>
+
+#include <cassert>
+#include <cstring>
+
+#include "ringbus/node_loop.hpp"
+
+namespace pxpl5::bus {
+
+namespace {
+
+/// Far more than any test's machine needs; one that runs this long is going in circles.
+constexpr std::uint64_t max_steps = 50'000'000;
+
+}  // namespace
+
+class SimulatedRing::RingOutbox final : public Outbox {
+  public:
+    using Outbox::send;
+    RingOutbox(SimulatedRing& ring, NodeId from) : ring_(ring), from_(from) {}
+    void send(NodeId to, Payload payload) override { ring_.send(from_, to, payload); }
+
+  private:
+    SimulatedRing& ring_;
+    NodeId from_;
+};
+
+SimulatedRing::SimulatedRing(std::uint64_t seed, SimulatedFault fault)
+    : random_(seed), fault_(fault) {}
+
+void SimulatedRing::add(NodeId id, Node& node) {
+    members_[id] = {&node, std::make_unique<Wire>(id), false};
+}
+
+void SimulatedRing::send(NodeId from, NodeId to, const Payload& payload) {
+    assert(members_.count(from) == 1);
+    assert(members_.count(to) == 1);
+    const auto bytes = payload.bytes();
+    InFlight message{members_.at(from).wire->header_for(to, payload.kind(), bytes.size()),
+                     std::vector<std::uint64_t>(bytes.size() / 8 + 1), bytes.size()};
+    std::memcpy(message.body.data(), bytes.data(), bytes.size());
+    std::deque<InFlight>& queue = queues_[{from, to}];
+    queue.push_back(std::move(message));
+    if (sent_++ == fault_.message) {
+        damage(queue);
+    }
+}
+
+void SimulatedRing::damage(std::deque<InFlight>& queue) {
+    switch (fault_.damage) {
+        case Damage::none:
+            break;
+        case Damage::drop:
+            queue.pop_back();
+            break;
+        case Damage::repeat:
+            queue.push_back(queue.back());
+            break;
+        case Damage::flip_bit: {
+            // The first words of a body hold its root offset and identifier: no message survives
+            // that.
+            const std::uint64_t bit = random_() % 64;
+            queue.back().body.front() ^= std::uint64_t{1} << bit;
+            break;
+        }
+    }
+}
+
+std::vector<std::pair<NodeId, NodeId>> SimulatedRing::routes_with_mail() const {
+    std::vector<std::pair<NodeId, NodeId>> routes;
+    for (const auto& [route, queue] : queues_) {
+        if (!queue.empty()) {
+            routes.push_back(route);
+        }
+    }
+    return routes;
+}
+
+std::vector<NodeId> SimulatedRing::busy_members() const {
+    std::vector<NodeId> busy;
+    for (const auto& [id, member] : members_) {
+        if (member.busy) {
+            busy.push_back(id);
+        }
+    }
+    return busy;
+}
+
+void SimulatedRing::deliver_front(std::pair<NodeId, NodeId> route) {
+    auto& queue = queues_.at(route);
+    auto message = std::make_shared<InFlight>(std::move(queue.front()));
+    queue.pop_front();
+    log_.push_back(route);
+    Member& member = members_.at(route.second);
+    RingOutbox out(*this, route.second);
+    const auto report = [&](schema::FaultCode code, const std::string& reason) {
+        out.send(host_id, fault_message(route.second, route.first, message->header.sequence(), code,
+                                        reason));
+    };
+    try {
+        member.wire->accept(message->header);
+        const auto* bytes = reinterpret_cast<const std::uint8_t*>(message->body.data());
+        const Message verified(message->header, {bytes, message->size}, message);
+        deliver(*member.node, route.second, verified, out);
+        member.busy = true;
+    } catch (const NodeFault& fault) {
+        report(fault.code, fault.what());
+    } catch (const BadMessage& bad) {
+        report(schema::FaultCode::bad_message, bad.what());
+    }
+}
+
+bool SimulatedRing::step() {
+    const auto routes = routes_with_mail();
+    const auto busy = busy_members();
+    const std::size_t choices = routes.size() + busy.size();
+    if (choices == 0) {
+        return false;
+    }
+    const std::size_t choice = random_() % choices;
+    if (choice < routes.size()) {
+        deliver_front(routes[choice]);
+    } else {
+        const NodeId id = busy[choice - routes.size()];
+        RingOutbox out(*this, id);
+        Member& member = members_.at(id);
+        member.busy = work_once(*member.node, id, out);
+    }
+    return true;
+}
+
+void SimulatedRing::run_until(const std::function<bool()>& done) {
+    for (std::uint64_t steps = 0; !done(); ++steps) {
+        if (steps == max_steps) {
+            throw SimulationStuck(fmt::format("not done after {} steps", steps));
+        }
+        if (!step()) {
+            throw SimulationStuck(fmt::format("nothing left to do after {} steps", steps));
+        }
+    }
+}
+
+void SimulatedRing::run_until_idle() {
+    for (std::uint64_t steps = 0; step(); ++steps) {
+        if (steps == max_steps) {
+            throw SimulationStuck(fmt::format("still busy after {} steps", steps));
+        }
+    }
+}
+
+}  // namespace pxpl5::bus

@@ -1,0 +1,66 @@
+// What both links do with a message: number it, stamp it, and watch that none is lost.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <map>
+
+#include "ringbus/channel_model.hpp"
+#include "ringbus/node.hpp"
+
+namespace pxpl5::bus {
+
+/// Makes headers of outgoing messages and checks the numbers of incoming ones.
+class Wire {
+  public:
+    explicit Wire(NodeId self) : self_(self) {}
+
+    void set_model(const ChannelModel& model) { model_ = model; }
+
+    schema::Header header_for(NodeId to, Body kind, std::size_t body_bytes) {
+        const Stamp stamp = model_.place(self_, to, body_bytes);
+        return {header_magic,
+                protocol_version,
+                static_cast<std::uint16_t>(kind),
+                self_,
+                to,
+                stamp.channel,
+                0,
+                sent_[to]++,
+                body_bytes,
+                stamp.departure_ns,
+                stamp.arrival_ns};
+    }
+
+    /// Throws NodeFault if messages from this sender are missing, repeated or meant for another
+    /// node.
+    void accept(const schema::Header& header) {
+        if (header.destination() != self_) {
+            throw NodeFault(schema::FaultCode::bad_message,
+                            fmt::format("message from node {} for node {} came to node {}",
+                                        header.source(), header.destination(), self_));
+        }
+        std::uint64_t& expected = received_[header.source()];
+        const std::uint64_t wanted = expected;
+        expected = header.sequence() + 1;
+        if (header.sequence() != wanted) {
+            throw NodeFault(schema::FaultCode::lost_message,
+                            fmt::format("message {} from node {} came where {} was due",
+                                        header.sequence(), header.source(), wanted));
+        }
+        model_.advance_to(header.arrival_ns());
+    }
+
+    /// A new node will use this id: its numbers start at 0 again.
+    void forget(NodeId peer) {
+        sent_.erase(peer);
+        received_.erase(peer);
+    }
+
+  private:
+    NodeId self_;
+    ChannelModel model_{RingParameters{}, {}};
+    std::map<NodeId, std::uint64_t> sent_, received_;
+};
+
+}  // namespace pxpl5::bus

@@ -1,0 +1,244 @@
+#include "ringbus/zmq_link.hpp"
+
+#include <fmt/core.h>
+
+#include <cassert>
+#include <chrono>
+#include <cstring>
+#include <deque>
+#include <map>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+#include <zmq.hpp>
+
+#include "ringbus/credit.hpp"
+#include "ringbus/wire.hpp"
+
+namespace pxpl5::bus {
+
+namespace {
+
+/// Option 10 of a context: without zero-copy receive, buffers come from malloc and are aligned.
+constexpr int zero_copy_receive = 10;
+constexpr std::uintptr_t body_alignment = 8;
+
+zmq::context_t make_context() {
+    zmq::context_t context(1);
+    zmq_ctx_set(context.handle(), zero_copy_receive, 0);
+    return context;
+}
+
+/// Linger 0 is set before anything else, or closing could hang; credit bounds the queues instead of
+/// the high-water mark, which would drop or block.
+void prepare(zmq::socket_t& socket) {
+    socket.set(zmq::sockopt::linger, 0);
+    socket.set(zmq::sockopt::sndhwm, 0);
+    socket.set(zmq::sockopt::rcvhwm, 0);
+    socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(max_body_bytes));
+}
+
+void check_address(const std::string& bind) {
+    const auto starts_with = [&](std::string_view prefix) {
+        return bind.compare(0, prefix.size(), prefix) == 0;
+    };
+    if (!starts_with("ipc://") && !starts_with("tcp://127.0.0.1:")) {
+        throw std::invalid_argument(fmt::format(
+            "refusing to listen at {}: messages are not encrypted, so only ipc://... and "
+            "tcp://127.0.0.1:... are allowed",
+            bind));
+    }
+}
+
+void release_payload(void*, void* hint) {
+    delete static_cast<Payload*>(hint);
+}
+
+/// A ZeroMQ part that shares the payload's bytes.
+zmq::message_t part_of(const Payload& payload) {
+    auto* hint = new Payload(payload);
+    const auto bytes = hint->bytes();
+    return zmq::message_t(const_cast<std::uint8_t*>(bytes.data()), bytes.size(), &release_payload,
+                          hint);
+}
+
+/// The verified message. Very small parts live unaligned inside ZeroMQ's own struct: copied.
+Message message_of(const schema::Header& header, const std::shared_ptr<zmq::message_t>& body) {
+    const auto* bytes = static_cast<const std::uint8_t*>(body->data());
+    if (reinterpret_cast<std::uintptr_t>(bytes) % body_alignment == 0) {
+        return {header, {bytes, body->size()}, body};
+    }
+    auto copy = std::make_shared<std::vector<std::uint64_t>>(body->size() / body_alignment + 1);
+    std::memcpy(copy->data(), bytes, body->size());
+    return {header, {reinterpret_cast<const std::uint8_t*>(copy->data()), body->size()}, copy};
+}
+
+struct Peer {
+    zmq::socket_t socket;
+    Window window;
+    std::deque<Payload> waiting;  ///< For credit.
+    Consumed consumed;            ///< Of what it sent, not yet given back.
+};
+
+}  // namespace
+
+struct ZmqLink::Parts {
+    NodeId id;
+    zmq::context_t context = make_context();
+    zmq::socket_t inbound{context, zmq::socket_type::pull};
+    std::string endpoint;
+    std::map<NodeId, Peer> peers;
+    Wire wire{id};
+
+    void transmit(NodeId to, Peer& peer, const Payload& payload) {
+        const schema::Header header = wire.header_for(to, payload.kind(), payload.bytes().size());
+        zmq::message_t head(&header, sizeof header), body = part_of(payload);
+        peer.socket.send(head, zmq::send_flags::sndmore);
+        peer.socket.send(body, zmq::send_flags::none);
+    }
+
+    void flush(NodeId to, Peer& peer) {
+        while (!peer.waiting.empty() && peer.window.has_room(peer.waiting.front().bytes().size())) {
+            peer.window.take(peer.waiting.front().bytes().size());
+            transmit(to, peer, peer.waiting.front());
+            peer.waiting.pop_front();
+        }
+    }
+
+    /// The header in `head`; its body goes into `body`. Whatever came, all its parts are taken.
+    schema::Header receive_parts(zmq::message_t& head, zmq::message_t& body) {
+        const std::size_t size = head.size();
+        int parts = 1;
+        for (bool more = head.more(); more; ++parts) {
+            static_cast<void>(inbound.recv(body, zmq::recv_flags::none));
+            more = body.more();
+        }
+        if (parts != 2 || size != sizeof(schema::Header)) {
+            throw BadMessage(
+                fmt::format("a message of {} parts with a header of {} bytes, expected 2 "
+                            "parts and {} bytes",
+                            parts, size, sizeof(schema::Header)));
+        }
+        schema::Header header;
+        std::memcpy(&header, head.data(), sizeof header);
+        return header;
+    }
+
+    /// Bookkeeping of credit for a message that came from `source`.
+    void settle(const Message& message) {
+        const auto found = peers.find(message.source());
+        if (found == peers.end()) {
+            return;  // A node that has introduced itself but is not connected yet.
+        }
+        Peer& peer = found->second;
+        if (const auto* credit = message.as<schema::Credit>()) {
+            if (!peer.window.give_back(credit->messages(), credit->bytes())) {
+                throw NodeFault(
+                    schema::FaultCode::bad_message,
+                    fmt::format("node {} gives back {} messages and {} bytes, more than "
+                                "it was sent",
+                                message.source(), credit->messages(), credit->bytes()));
+            }
+            flush(found->first, peer);
+        } else if (needs_credit(message.kind())) {
+            peer.consumed.add(message.bytes().size());
+            if (peer.consumed.is_due()) {
+                schema::CreditT credit;
+                credit.messages = peer.consumed.messages;
+                credit.bytes = peer.consumed.bytes;
+                peer.consumed = {};
+                transmit(found->first, peer, pack(credit));
+            }
+        }
+    }
+};
+
+ZmqLink::ZmqLink(NodeId id, const std::string& bind) : parts_(new Parts{id}) {
+    check_address(bind);
+    prepare(parts_->inbound);
+    try {
+        parts_->inbound.bind(bind);
+    } catch (const zmq::error_t& error) {
+        throw std::runtime_error(fmt::format("cannot listen at {}: {}", bind, error.what()));
+    }
+    parts_->endpoint = parts_->inbound.get(zmq::sockopt::last_endpoint);
+}
+
+ZmqLink::~ZmqLink() = default;
+
+NodeId ZmqLink::id() const {
+    return parts_->id;
+}
+const std::string& ZmqLink::endpoint() const {
+    return parts_->endpoint;
+}
+
+void ZmqLink::set_model(const ChannelModel& model) {
+    parts_->wire.set_model(model);
+}
+
+void ZmqLink::add_peer(NodeId id, const std::string& endpoint) {
+    Peer peer{zmq::socket_t(parts_->context, zmq::socket_type::push), {}, {}, {}};
+    prepare(peer.socket);
+    peer.socket.connect(endpoint);
+    parts_->peers.insert_or_assign(id, std::move(peer));
+}
+
+void ZmqLink::remove_peer(NodeId id) {
+    parts_->peers.erase(id);
+    parts_->wire.forget(id);
+}
+
+void ZmqLink::send(NodeId to, Payload payload) {
+    const auto found = parts_->peers.find(to);
+    assert(found != parts_->peers.end());
+    if (!needs_credit(payload.kind())) {
+        parts_->transmit(to, found->second, payload);
+        return;
+    }
+    found->second.waiting.push_back(std::move(payload));
+    parts_->flush(to, found->second);
+}
+
+std::optional<Message> ZmqLink::receive() {
+    while (true) {
+        zmq::message_t head;
+        if (!parts_->inbound.recv(head, zmq::recv_flags::dontwait)) {
+            return std::nullopt;
+        }
+        auto body = std::make_shared<zmq::message_t>();
+        const schema::Header header = parts_->receive_parts(head, *body);
+        parts_->wire.accept(header);
+        Message message = message_of(header, body);
+        parts_->settle(message);
+        if (message.kind() != Body::Credit) {
+            return message;
+        }
+    }
+}
+
+bool ZmqLink::wait(int timeout_ms) {
+    zmq::pollitem_t item{parts_->inbound.handle(), 0, ZMQ_POLLIN, 0};
+    try {
+        return zmq::poll(&item, 1, std::chrono::milliseconds(timeout_ms)) > 0;
+    } catch (const zmq::error_t& error) {
+        if (error.num() == EINTR) {
+            return false;
+        }
+        throw;
+    }
+}
+
+int ZmqLink::poll_fd() const {
+    return static_cast<int>(parts_->inbound.get(zmq::sockopt::fd));
+}
+
+std::size_t ZmqLink::queued() const {
+    std::size_t count = 0;
+    for (const auto& [id, peer] : parts_->peers) {
+        count += peer.waiting.size();
+    }
+    return count;
+}
+
+}  // namespace pxpl5::bus

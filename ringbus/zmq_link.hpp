@@ -1,0 +1,47 @@
+// The ring between processes: one hop over ZeroMQ, one inbound socket per node.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "ringbus/channel_model.hpp"
+#include "ringbus/link.hpp"
+
+namespace pxpl5::bus {
+
+class ZmqLink final : public Link {
+  public:
+    /// Binds the inbound socket of node `id`.
+    ///
+    /// bind     "ipc:///path/name" or "tcp://127.0.0.1:*"; other hosts' networks are refused,
+    /// because
+    ///          nothing here is encrypted.
+    /// Throws   std::invalid_argument for any other address, std::runtime_error if it cannot be
+    /// bound.
+    ZmqLink(NodeId id, const std::string& bind);
+    ~ZmqLink() override;
+    ZmqLink(const ZmqLink&) = delete;
+    ZmqLink& operator=(const ZmqLink&) = delete;
+
+    NodeId id() const override;
+    const std::string& endpoint() const override;
+    void add_peer(NodeId id, const std::string& endpoint) override;
+    void remove_peer(NodeId id) override;
+    void send(NodeId to, Payload payload) override;
+    std::optional<Message> receive() override;
+    bool wait(int timeout_ms) override;
+
+    /// Becomes readable when input may have come (edge-triggered: call receive() until it has
+    /// none).
+    int poll_fd() const;
+    /// Messages queued here because their receivers have given no credit.
+    std::size_t queued() const;
+    /// Ring order and parameters for the stamps on messages.
+    void set_model(const ChannelModel& model);
+
+  private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace pxpl5::bus
