@@ -1,0 +1,164 @@
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/io/node.hpp"
+#include "tests/host/io/volume_files.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host::io;
+using namespace pxpl5::test;
+namespace schema = pxpl5::bus::schema;
+
+namespace {
+
+constexpr bus::NodeId asker = 3;
+
+/// `payload` as the message that its receiver sees.
+bus::Message received(const bus::Payload& payload, bus::NodeId from) {
+    const std::span<const std::uint8_t> bytes = payload.bytes();
+    const auto copy = std::make_shared<std::vector<std::uint64_t>>((bytes.size() + 7) / 8);
+    std::memcpy(copy->data(), bytes.data(), bytes.size());
+    const schema::Header header(bus::header_magic, bus::protocol_version,
+                                static_cast<std::uint16_t>(payload.kind()), from, 0, 0, 0, 0,
+                                bytes.size(), 0, 0);
+    return {header, {reinterpret_cast<const std::uint8_t*>(copy->data()), bytes.size()}, copy};
+}
+
+class Inbox final : public bus::Outbox {
+  public:
+    using bus::Outbox::send;
+    void send(bus::NodeId to, bus::Payload payload) override {
+        CHECK(to == asker);
+        messages.push_back(received(payload, 0));
+    }
+    std::vector<bus::Message> messages;
+};
+
+std::vector<bus::Message> answers_to(IoNode& node, const bus::Payload& request) {
+    Inbox inbox;
+    node.receive(received(request, asker), inbox);
+    CHECK(inbox.messages.empty());  // Long work is for work().
+    while (node.work(inbox)) {
+    }
+    return inbox.messages;
+}
+
+bus::Payload import_request(const std::string& path) {
+    schema::ImportVolumeT request;
+    request.path = path;
+    return bus::pack(request);
+}
+
+/// A MetaImage of 2048 x 1024 x 11 uint8: slices of 2 MiB, four to a message.
+std::string large_meta_image() {
+    std::string values;
+    for (char slice = 0; slice < 11; ++slice) {
+        values += std::string(std::size_t{2048} * 1024, static_cast<char>('a' + slice));
+    }
+    return "ObjectType = Image\nNDims = 3\nDimSize = 2048 1024 11\nOffset = 1 2 3\n"
+           "ElementSpacing = 0.5 1 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
+           values;
+}
+
+}  // namespace
+
+TEST_SUITE("host/io/node") {
+    TEST_CASE("an import is answered by a header, whole slices in order, and an end") {
+        const TemporaryFolder folder;
+        IoNode node({0, 0});
+        const std::vector<bus::Message> got =
+            answers_to(node, import_request(folder.write("large.mha", large_meta_image())));
+        REQUIRE(got.size() == 5);
+        const auto* header = got[0].as<schema::VolumeHeader>();
+        REQUIRE(header != nullptr);
+        CHECK(header->name()->str() == "large");
+        CHECK(header->nx() == 2048);
+        CHECK(header->nz() == 11);
+        CHECK(header->type() == schema::ScalarType::uint8);
+        CHECK(header->minimum() == 'a');
+        CHECK(header->maximum() == 'k');
+        CHECK(header->voxel_to_patient()->m()->Get(0) == 0.5);
+        CHECK(header->voxel_to_patient()->m()->Get(10) == 2);
+        CHECK(header->voxel_to_patient()->m()->Get(14) == 3);
+        std::uint32_t next = 0;
+        for (std::size_t index = 1; index < 4; ++index) {
+            const auto* slices = got[index].as<schema::Slices>();
+            REQUIRE(slices != nullptr);
+            CHECK(slices->volume() == header->volume());
+            CHECK(slices->first_slice() == next);
+            CHECK(slices->values()->size() == slices->slice_count() * 2048 * 1024);
+            CHECK(slices->values()->Get(0) == 'a' + next);
+            next += slices->slice_count();
+            CHECK(slices->values()->Get(slices->values()->size() - 1) == 'a' + next - 1);
+        }
+        CHECK(next == 11);
+        REQUIRE(got[4].as<schema::VolumeEnd>() != nullptr);
+        CHECK(got[4].as<schema::VolumeEnd>()->volume() == header->volume());
+    }
+
+    TEST_CASE("a file that cannot be imported is answered by its complaint, and the node goes on") {
+        const TemporaryFolder folder;
+        IoNode node({0, 0});
+        const std::vector<bus::Message> bad =
+            answers_to(node, import_request(folder.file("gone.nrrd")));
+        REQUIRE(bad.size() == 1);
+        const auto* done = bad[0].as<schema::IoDone>();
+        REQUIRE(done != nullptr);
+        CHECK(!done->ok());
+        CHECK(done->bad_data());
+        CHECK(done->error()->str() == folder.file("gone.nrrd") + ": No such file or directory");
+        CHECK(answers_to(node, import_request(folder.write("large.mha", large_meta_image())))
+                  .size() == 5);
+    }
+
+    TEST_CASE("an export writes the picture and says so, or why not") {
+        const TemporaryFolder folder;
+        IoNode node({0, 0});
+        schema::ExportPictureT request;
+        request.path = folder.file("p.png");
+        request.width = 2;
+        request.height = 1;
+        request.rgba = {255, 0, 0, 255, 0, 255, 0, 255};
+        request.description = "two pixels";
+        const std::vector<bus::Message> good = answers_to(node, bus::pack(request));
+        REQUIRE(good.size() == 1);
+        CHECK(good[0].as<schema::IoDone>()->ok());
+        CHECK(std::filesystem::file_size(folder.file("p.png")) > 50);
+        request.path = folder.file("p.unknown");
+        const std::vector<bus::Message> bad = answers_to(node, bus::pack(request));
+        REQUIRE(bad.size() == 1);
+        CHECK(!bad[0].as<schema::IoDone>()->ok());
+        CHECK(bad[0].as<schema::IoDone>()->error()->str().find("suffix is '.unknown'") !=
+              std::string::npos);
+    }
+
+    TEST_CASE("requests are served in order, and too many are refused") {
+        const TemporaryFolder folder;
+        IoNode node({0, 0});
+        Inbox inbox;
+        for (std::size_t index = 0; index < max_requests; ++index) {
+            node.receive(received(import_request(folder.file("v" + std::to_string(index))), asker),
+                         inbox);
+        }
+        CHECK_THROWS_AS(node.receive(received(import_request("v"), asker), inbox), bus::NodeFault);
+        while (node.work(inbox)) {
+        }
+        REQUIRE(inbox.messages.size() == max_requests);
+        const auto text = [&](std::size_t index) {
+            return inbox.messages[index].as<schema::IoDone>()->error()->str();
+        };
+        CHECK(text(0).find("/v0:") != std::string::npos);
+        CHECK(text(63).find("/v63:") != std::string::npos);
+    }
+
+    TEST_CASE("what the node does not serve is a fault that names it") {
+        IoNode node({0, 0});
+        Inbox inbox;
+        CHECK_THROWS_WITH_AS(node.receive(received(bus::pack(schema::VolumeEndT{}), asker), inbox),
+                             doctest::Contains("VolumeEnd"), bus::NodeFault);
+    }
+}
