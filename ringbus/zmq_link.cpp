@@ -83,6 +83,8 @@ struct Peer {
 }  // namespace
 
 struct ZmqLink::Parts {
+    explicit Parts(NodeId own_id) : id(own_id) {}
+
     NodeId id;
     zmq::context_t context = make_context();
     zmq::socket_t inbound{context, zmq::socket_type::pull};
@@ -143,17 +145,17 @@ struct ZmqLink::Parts {
         } else if (needs_credit(message.kind())) {
             peer.consumed.add(message.bytes().size());
             if (peer.consumed.is_due()) {
-                schema::CreditT credit;
-                credit.messages = peer.consumed.messages;
-                credit.bytes = peer.consumed.bytes;
+                schema::CreditT returned;
+                returned.messages = peer.consumed.messages;
+                returned.bytes = peer.consumed.bytes;
                 peer.consumed = {};
-                transmit(found->first, peer, pack(credit));
+                transmit(found->first, peer, pack(returned));
             }
         }
     }
 };
 
-ZmqLink::ZmqLink(NodeId id, const std::string& bind) : parts_(new Parts{id}) {
+ZmqLink::ZmqLink(NodeId id, const std::string& bind) : parts_(std::make_unique<Parts>(id)) {
     check_address(bind);
     prepare(parts_->inbound);
     try {
