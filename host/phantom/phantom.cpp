@@ -18,9 +18,9 @@ struct Entry {
 };
 
 constexpr Entry catalogue[] = {
-    {phantom::pelvis_info, phantom::make_pelvis},   {phantom::fetus_info, phantom::make_fetus},
-    {phantom::sphere_info, phantom::make_sphere},   {phantom::torus_info, phantom::make_torus},
-    {phantom::letters_info, phantom::make_letters},
+    {phantom::pelvis_info, phantom::make_pelvis}, {phantom::fetus_info, phantom::make_fetus},
+    {phantom::head_info, phantom::make_head},     {phantom::sphere_info, phantom::make_sphere},
+    {phantom::torus_info, phantom::make_torus},   {phantom::letters_info, phantom::make_letters},
 };
 
 /// Levenshtein's distance: letters to insert, remove or replace.
