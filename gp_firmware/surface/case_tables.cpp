@@ -102,24 +102,29 @@ unsigned spread(unsigned packed, unsigned mask) {
     return bits;
 }
 
-CaseTable generate(CaseRule rule) {
+/// Which ambiguous faces join their inside corners, for rules that do not look at the values.
+unsigned fixed_decision(CaseRule rule, unsigned inside, unsigned ambiguous) {
+    // The 1987 table holds the cases of up to 4 inside corners, which are kept apart; the others
+    // are their complements, so there the outside corners are kept apart.
+    return rule == CaseRule::lorensen1987 && std::popcount(inside) > 4 ? ambiguous : 0;
+}
+
+CaseTable generate(CaseRule rule, std::string_view name) {
     CaseTable table;
+    table.name = name;
     table.decides_faces = rule == CaseRule::watertight;
-    table.name = table.decides_faces ? "watertight" : "lorensen1987";
     for (unsigned inside = 0; inside < 256; ++inside) {
         unsigned ambiguous = 0;
         for (int face = 0; face < cell_face_count; ++face)
             if (is_ambiguous(inside, face)) ambiguous |= 1U << face;
         table.ambiguous[inside] = static_cast<std::uint8_t>(ambiguous);
         table.first_entry[inside] = static_cast<std::uint16_t>(table.entries.size());
-        if (table.decides_faces) {
-            for (unsigned packed = 0; packed < 1U << std::popcount(ambiguous); ++packed)
-                add_entry(inside, spread(packed, ambiguous), table);
-        } else {
-            // The 1987 table holds the cases of up to 4 inside corners, which are kept apart;
-            // the others are their complements, so there the outside corners are kept apart.
-            add_entry(inside, std::popcount(inside) > 4 ? ambiguous : 0, table);
+        if (!table.decides_faces) {
+            add_entry(inside, fixed_decision(rule, inside, ambiguous), table);
+            continue;
         }
+        for (unsigned packed = 0; packed < 1U << std::popcount(ambiguous); ++packed)
+            add_entry(inside, spread(packed, ambiguous), table);
     }
     return table;
 }
@@ -157,9 +162,19 @@ const CaseEntry& CaseTable::entry(std::uint8_t inside, std::uint8_t joined) cons
 }
 
 const CaseTable& case_table(CaseRule rule) {
-    static const CaseTable watertight = generate(CaseRule::watertight);
-    static const CaseTable lorensen1987 = generate(CaseRule::lorensen1987);
-    return rule == CaseRule::watertight ? watertight : lorensen1987;
+    static const CaseTable watertight = generate(CaseRule::watertight, "watertight");
+    static const CaseTable lorensen1987 = generate(CaseRule::lorensen1987, "lorensen1987");
+    static const CaseTable separated = generate(CaseRule::separated, "separated");
+    switch (rule) {
+        case CaseRule::watertight:
+            return watertight;
+        case CaseRule::lorensen1987:
+            return lorensen1987;
+        case CaseRule::separated:
+            return separated;
+    }
+    assert(false);
+    return watertight;
 }
 
 }  // namespace pxpl5::gp

@@ -19,6 +19,8 @@ inline constexpr std::uint8_t centre_corner = 12;  ///< Triangle corner: the cel
 enum class CaseRule : std::uint8_t {
     watertight,    ///< Ambiguous faces are decided from their four values.
     lorensen1987,  ///< Decided within each cell, so neighbours may disagree: holes.
+    separated,     ///< Inside corners apart on every face: closed too, but blind to the values.
+                   ///< Gives the counts of VTK's filters, so it serves to compare with them.
 };
 
 /// The triangles of one case.
