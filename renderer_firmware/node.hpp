@@ -1,0 +1,59 @@
+// One Renderer: takes opcode streams for its regions, executes them, sends the finished regions.
+//
+//   BeginFrame     --->+----------+---> RegionPixels   (to the frame buffer)
+//   RegionPrograms --->| Renderer |
+//   Topology       --->+----------+---> Fault          (to the host)
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "renderer_firmware/fast/fast.hpp"
+#include "renderer_firmware/igc/region.hpp"
+#include "ringbus/node.hpp"
+
+namespace pxpl5::renderer {
+
+/// Role renderer. A frame is drawn, one region per call of work(), once its BeginFrame and the
+/// RegionPrograms of every GP are here; frames are drawn in ascending order.
+class RendererNode final : public bus::Node {
+  public:
+    /// Executes on the vector target that PXPL5_TARGET names, else the best.
+    /// Throws std::invalid_argument if this machine lacks it.
+    RendererNode();
+    ~RendererNode() override;
+
+    void receive(const bus::Message& message, bus::Outbox& out) override;
+    bool work(bus::Outbox& out) override;
+
+  private:
+    /// What has come for a frame that is not yet drawn.
+    struct Inputs {
+        std::optional<bus::Message> begin;
+        std::map<std::uint32_t, bus::Message> programs;  ///< By GP.
+    };
+    struct Drawing;
+
+    void on_topology(const bus::Message& message);
+    void on_begin(const bus::Message& message);
+    void on_programs(const bus::Message& message);
+    Inputs& inputs_of(std::uint32_t frame);
+    void start_next();
+    void draw_next_region(bus::Outbox& out);
+    void send_pixels(bus::Outbox& out);
+
+    bus::NodeId self_ = 0, frame_buffer_ = 0;
+    std::uint32_t index_ = 0;                      ///< Of this Renderer.
+    std::map<std::uint32_t, bus::NodeId> gp_ids_;  ///< By index.
+    std::map<std::uint32_t, Inputs> waiting_;      ///< By frame.
+    std::optional<std::uint32_t> newest_drawn_;    ///< Frames up to it are over.
+    fast::Fast executor_;
+    Igc igc_;
+    std::unique_ptr<Drawing> drawing_;   ///< The frame being drawn.
+    std::vector<std::uint32_t> pixels_;  ///< Its finished regions, 128 x 128 words each.
+};
+
+}  // namespace pxpl5::renderer
