@@ -26,7 +26,8 @@ constexpr std::size_t max_triangles_per_cell = 12;
 template <class T>
 void make_room(std::vector<T>& elements, std::size_t count) {
     if (elements.size() >= count) return;
-    elements.resize(std::max({count, elements.capacity(), 2 * elements.size()}));
+    const bool fits = count <= elements.capacity();
+    elements.resize(fits ? elements.capacity() : std::max(count, 2 * elements.capacity()));
 }
 
 /// Goes up the rows of a slab. Of edges it remembers the vertices of two rows only; rows y and

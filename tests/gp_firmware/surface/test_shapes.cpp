@@ -1,0 +1,139 @@
+// Surfaces whose area, volume and genus mathematics knows.
+#include <doctest/doctest.h>
+
+#include <glm/glm.hpp>
+#include <numbers>
+
+#include "tests/gp_firmware/surface/mesh_check.hpp"
+#include "tests/gp_firmware/test_volume.hpp"
+
+using namespace pxpl5::gp;
+using pxpl5::test::Certificate;
+using pxpl5::test::certify;
+using pxpl5::test::extract_all;
+using pxpl5::test::make_volume;
+using pxpl5::test::Size;
+using pxpl5::test::Volume;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// A float volume of field(p_patient_mm) at the voxels that `voxel_to_patient` places.
+template <class Field>
+Volume place(Size size, const glm::dmat4& voxel_to_patient, Field field) {
+    Volume volume = make_volume(size, Scalar::float32, [&](int x, int y, int z) {
+        return field(glm::dvec3(voxel_to_patient * glm::dvec4(x, y, z, 1)));
+    });
+    volume.shape.voxel_to_patient = voxel_to_patient;
+    return volume;
+}
+
+/// Steps of the given columns in mm, the grid's middle voxel at the patient's origin plus shift.
+glm::dmat4 grid(Size size, const glm::dmat3& steps, glm::dvec3 shift) {
+    const glm::dvec3 middle(size.nx / 2, size.ny / 2, size.nz / 2);
+    glm::dmat4 m(steps);
+    m[3] = glm::dvec4(shift - steps * middle, 1);
+    return m;
+}
+
+glm::dmat3 anisotropic() {
+    return {0.9, 0, 0, 0, 1.1, 0, 0, 0, 2.1};
+}
+glm::dmat3 mirrored() {
+    return {-0.9, 0, 0, 0, 1.1, 0, 0, 0, 2.1};
+}
+
+/// Rotated, with sheared slices, as a tilted gantry makes them.
+glm::dmat3 tilted() {
+    const double c = std::cos(0.4), s = std::sin(0.4);
+    return glm::dmat3{c, s, 0, -s, c, 0, 0.3, 0.5, 1.9};
+}
+
+/// The greatest angle in degrees between the normals and the directions away from `centre_mm`.
+double worst_normal_deg(const std::vector<SlabMesh>& meshes, const VolumeShape& shape,
+                        glm::dvec3 centre_mm) {
+    double worst = 0;
+    for (const SlabMesh& mesh : meshes)
+        for (const Vertex& vertex : mesh.vertices) {
+            const glm::dvec3 p(shape.voxel_to_patient * glm::dvec4(vertex.p_voxel, 1));
+            const glm::dvec3 n(vertex.normal[0], vertex.normal[1], vertex.normal[2]);
+            const double cosine = glm::dot(glm::normalize(p - centre_mm), n) / 32767;
+            worst = std::max(worst, std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / pi);
+            CHECK(glm::length(n) == doctest::Approx(32767).epsilon(1e-4));
+        }
+    return worst;
+}
+
+}  // namespace
+
+TEST_SUITE("gp/shapes") {
+    TEST_CASE("a sphere has its area, volume and normals, on stretched, mirrored, tilted grids") {
+        const Size size{60, 52, 30};
+        const double radius_mm = 20;
+        const glm::dvec3 centre_mm(12, -30, 55);
+        for (const glm::dmat3& steps : {anisotropic(), mirrored(), tilted()}) {
+            const auto volume = place(size, grid(size, steps, centre_mm), [&](glm::dvec3 p) {
+                return 100 - glm::distance(p, centre_mm);
+            });
+            const auto meshes = extract_all(volume, 100 - radius_mm);
+            const Certificate certificate = certify(meshes, volume.shape);
+            CHECK_MESSAGE(certificate.closed(), certificate);
+            CHECK(certificate.euler() == 2);
+            CHECK(certificate.components == 1);
+            CHECK(certificate.area_mm2 ==
+                  doctest::Approx(4 * pi * radius_mm * radius_mm).epsilon(0.01));
+            CHECK(certificate.volume_mm3 ==
+                  doctest::Approx(4 * pi / 3 * std::pow(radius_mm, 3)).epsilon(0.01));
+            CHECK(worst_normal_deg(meshes, volume.shape, centre_mm) < 1);
+        }
+    }
+
+    TEST_CASE(
+        "triangles are counter-clockwise seen from outside, in the patient, mirrored or not") {
+        const Size size{24, 24, 14};
+        for (const glm::dmat3& steps : {anisotropic(), mirrored(), tilted()}) {
+            const auto volume = place(size, grid(size, steps, {0, 0, 0}),
+                                      [&](glm::dvec3 p) { return 100 - glm::length(p); });
+            std::size_t inward = 0;
+            for (const SlabMesh& mesh : extract_all(volume, 92.001))
+                for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+                    glm::dvec3 p[3];
+                    for (std::size_t j = 0; j < 3; ++j)
+                        p[j] =
+                            glm::dvec3(volume.shape.voxel_to_patient *
+                                       glm::dvec4(mesh.vertices[mesh.indices[i + j]].p_voxel, 1));
+                    const glm::dvec3 n = glm::cross(p[1] - p[0], p[2] - p[0]);
+                    inward += glm::dot(n, p[0] + p[1] + p[2]) < 0 ? 1 : 0;
+                }
+            CHECK(inward == 0);
+        }
+    }
+
+    TEST_CASE("a torus has one hole, its area and its volume") {
+        const Size size{64, 64, 24};
+        const double ring_mm = 20, tube_mm = 7;
+        const auto volume = place(size, grid(size, glm::dmat3(1.0), {0, 0, 0}), [&](glm::dvec3 p) {
+            return 100 - std::hypot(std::hypot(p.x, p.y) - ring_mm, p.z);
+        });
+        const Certificate certificate = certify(extract_all(volume, 100 - tube_mm), volume.shape);
+        CHECK_MESSAGE(certificate.closed(), certificate);
+        CHECK(certificate.euler() == 0);
+        CHECK(certificate.area_mm2 ==
+              doctest::Approx(4 * pi * pi * ring_mm * tube_mm).epsilon(0.01));
+        CHECK(certificate.volume_mm3 ==
+              doctest::Approx(2 * pi * pi * ring_mm * tube_mm * tube_mm).epsilon(0.01));
+    }
+
+    TEST_CASE("two spheres are two components") {
+        const Size size{48, 24, 24};
+        const auto volume = place(size, grid(size, glm::dmat3(1.0), {0, 0, 0}), [](glm::dvec3 p) {
+            return 100 - std::min(glm::distance(p, glm::dvec3(-12, 0, 0)),
+                                  glm::distance(p, glm::dvec3(11, 1, 0)));
+        });
+        const Certificate certificate = certify(extract_all(volume, 91), volume.shape);
+        CHECK(certificate.closed());
+        CHECK(certificate.components == 2);
+        CHECK(certificate.euler() == 4);
+    }
+}
