@@ -1,0 +1,114 @@
+#include <doctest/doctest.h>
+
+#include <memory>
+#include <set>
+
+#include "ringbus/simulated_link.hpp"
+
+using namespace pxpl5::bus;
+
+namespace {
+
+/// Remembers what comes, and answers each Credit-free message with one to the host if asked.
+struct Recorder final : Node {
+    std::vector<std::pair<NodeId, std::uint32_t>> got;
+    std::vector<std::string> faults;
+
+    void receive(const Message& message, Outbox&) override {
+        if (const auto* surface = message.as<schema::RemoveSurface>()) {
+            got.emplace_back(message.source(), surface->surface());
+        } else if (const auto* fault = message.as<schema::Fault>()) {
+            faults.push_back(fault->reason()->str());
+        }
+    }
+    bool work(Outbox&) override { return false; }
+};
+
+/// Throws at every message.
+struct Thrower final : Node {
+    void receive(const Message&, Outbox&) override {
+        throw NodeFault(schema::FaultCode::bad_input, "not today");
+    }
+    bool work(Outbox&) override { return false; }
+};
+
+Payload numbered(std::uint16_t number) {
+    schema::RemoveSurfaceT body;
+    body.surface = number;
+    return pack(body);
+}
+
+struct Trio {
+    SimulatedRing ring;
+    Recorder host, a, b;
+    explicit Trio(std::uint64_t seed, SimulatedFault fault = {}) : ring(seed, fault) {
+        ring.add(0, host);
+        ring.add(1, a);
+        ring.add(2, b);
+        for (std::uint16_t i = 0; i < 10; ++i) {
+            ring.send(1, 0, numbered(i));
+            ring.send(2, 0, numbered(i));
+        }
+    }
+};
+
+}  // namespace
+
+TEST_SUITE("ringbus/simulated_ring") {
+    TEST_CASE("the order between two nodes is kept whatever the seed") {
+        for (std::uint64_t seed = 0; seed < 50; ++seed) {
+            Trio trio(seed);
+            trio.ring.run_until_idle();
+            REQUIRE(trio.host.got.size() == 20);
+            std::uint32_t next[3] = {0, 0, 0};
+            for (const auto& [source, number] : trio.host.got) {
+                CHECK(number == next[source]++);
+            }
+        }
+    }
+
+    TEST_CASE("the order between senders depends on the seed, and on nothing else") {
+        std::set<std::vector<std::pair<NodeId, std::uint32_t>>> orders;
+        for (std::uint64_t seed = 0; seed < 20; ++seed) {
+            Trio first(seed), again(seed);
+            first.ring.run_until_idle();
+            again.ring.run_until_idle();
+            CHECK(first.host.got == again.host.got);
+            orders.insert(first.host.got);
+        }
+        CHECK(orders.size() > 15);
+    }
+
+    TEST_CASE("each kind of damage to a message is noticed and named") {
+        for (const auto& [damage, text] :
+             {std::pair{Damage::drop, "where"}, std::pair{Damage::repeat, "where"},
+              std::pair{Damage::flip_bit, "message"}}) {
+            Trio trio(3, {damage, 4});
+            trio.ring.run_until_idle();
+            REQUIRE(!trio.host.faults.empty());
+            CHECK(trio.host.faults[0].find(text) != std::string::npos);
+            CHECK(trio.host.got.size() >= 18);
+        }
+        Trio sound(3);
+        sound.ring.run_until_idle();
+        CHECK(sound.host.faults.empty());
+    }
+
+    TEST_CASE("what a node throws reaches the host as a fault") {
+        SimulatedRing ring(1);
+        Recorder host;
+        Thrower thrower;
+        ring.add(0, host);
+        ring.add(1, thrower);
+        ring.send(0, 1, numbered(1));
+        ring.run_until_idle();
+        CHECK(host.faults == std::vector<std::string>{"not today"});
+    }
+
+    TEST_CASE("waiting for what never comes is an error") {
+        SimulatedRing ring(1);
+        Recorder host;
+        ring.add(0, host);
+        CHECK_THROWS_AS(ring.run_until([] { return false; }), SimulationStuck);
+    }
+}
