@@ -22,7 +22,8 @@ class MachinePort {
   public:
     virtual ~MachinePort() = default;
 
-    virtual const std::vector<bus::NodeId>& gp_ids() const = 0;  ///< In order of index; [0] is the Master GP.
+    virtual const std::vector<bus::NodeId>& gp_ids()
+        const = 0;  ///< In order of index; [0] is the Master GP.
     virtual const std::vector<bus::NodeId>& renderer_ids() const = 0;
 
     virtual void send(bus::NodeId to, bus::Payload payload) = 0;
@@ -33,8 +34,8 @@ class MachinePort {
     virtual void pump(const std::function<void(const bus::Message&)>& take,
                       const std::function<bool()>& done) = 0;
 
-    /// Starts a pxpl5-io process and returns its id. Its death before release_io() is a RequestError
-    /// (bad data) thrown by pump(), and leaves the machine running.
+    /// Starts a pxpl5-io process and returns its id. Its death before release_io() is a
+    /// RequestError (bad data) thrown by pump(), and leaves the machine running.
     virtual bus::NodeId start_io() = 0;
     /// Ends the io process.
     virtual void release_io() = 0;

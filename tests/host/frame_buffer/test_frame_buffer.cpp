@@ -37,7 +37,11 @@ bus::Message delivered(bus::NodeId source, const bus::Payload& payload) {
     header.mutate_source(source);
     header.mutate_destination(frame_buffer);
     header.mutate_body_bytes(payload.bytes().size());
-    return {header, payload.bytes(), std::make_shared<bus::Payload>(payload)};
+    const auto copy = std::make_shared<std::vector<std::uint64_t>>(payload.bytes().size() / 8 + 1);
+    std::memcpy(copy->data(), payload.bytes().data(), payload.bytes().size());
+    return {header,
+            {reinterpret_cast<const std::uint8_t*>(copy->data()), payload.bytes().size()},
+            copy};
 }
 
 /// A frame buffer among `renderers` Renderers, driven by hand.
@@ -110,6 +114,7 @@ struct Scenario {
         message.draw->width = static_cast<std::uint32_t>(width);
         message.draw->height = static_cast<std::uint32_t>(height);
         message.draw->read_back = read_back;
+        message.draw->specular_power = 1;
         for (int i = 0; i < views; ++i) {
             auto view = std::make_unique<schema::ViewT>();
             view->voxel_to_eye = std::make_unique<schema::Matrix>();
@@ -346,9 +351,6 @@ TEST_CASE("regions that do not belong are named faults, and the frame can still 
             "frame 3, Renderer 0: region " + other + " is Renderer 1's");
     refused(edited([](auto& t) { t.tiles[1] = t.tiles[0]; }), first_renderer,
             "frame 3, Renderer 0: region " + mine + " came twice");
-    refused(edited([](auto& t) { t.pixels.pop_back(); }), first_renderer,
-            "frame 3, Renderer 0: " + std::to_string(count * side * side - 1) + " pixels for " +
-                std::to_string(count) + " regions, must be " + std::to_string(count * side * side));
     refused(edited([](auto& t) {
                 t.tiles.pop_back();
                 t.pixels.resize(t.pixels.size() - side * side);
@@ -380,12 +382,6 @@ TEST_CASE("a BeginFrame that makes no sense is a named fault") {
         const std::string fault = bench.fault(master_gp, bad.begin());
         CHECK_MESSAGE(has(fault, reason), fault);
     };
-    refused([](Scenario& s) { s.width = 0; },
-            "frame 3: 0 x 300 pixels in 1 views, must be 1..4096");
-    refused([](Scenario& s) { s.height = 4097; }, "300 x 4097 pixels");
-    refused([](Scenario& s) { s.views = 3; }, "in 3 views");
-    refused([](Scenario& s) { s.assignment.pop_back(); },
-            "the assignment is for 8 regions, 300 x 300 in 1 views has 9");
     refused([](Scenario& s) { s.assignment[4] = 2; },
             "region 4 is assigned to Renderer 2, there are 2");
     bench.take(master_gp, frame.begin());

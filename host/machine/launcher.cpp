@@ -1,0 +1,183 @@
+#include "host/machine/launcher.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "ringbus/process.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+namespace schema = bus::schema;
+using schema::Role;
+
+constexpr int failed_code = 1;
+constexpr int unavailable_code = 69;
+constexpr int timeout_code = 124;
+constexpr std::uint64_t bytes_per_mb = 1'000'000;
+
+std::filesystem::path own_folder() {
+    return std::filesystem::read_symlink("/proc/self/exe").parent_path();
+}
+
+std::string bind_address(Transport transport, const SocketFolder& sockets,
+                         const std::string& name) {
+    return transport == Transport::tcp ? "tcp://127.0.0.1:*"
+                                       : fmt::format("ipc://{}", (sockets.path() / name).string());
+}
+
+}  // namespace
+
+Launcher::Launcher(const Topology& topology, const MachineOptions& options)
+    : topology_(topology),
+      options_(options),
+      folder_(make_run_folder(options.run_base, topology)),
+      link_(bus::host_id, bind_address(topology.ring.transport, sockets_, "host")),
+      roster_(roster_of(topology)) {
+    options_.binaries = options.binaries.empty() ? own_folder() : options.binaries;
+    roster_[0].endpoint = link_.endpoint();
+    roster_[0].pid = getpid();
+    bus::RingParameters ring;
+    ring.channels = static_cast<std::uint32_t>(topology.ring.channels);
+    ring.bytes_per_s = bytes_per_mb * static_cast<std::uint64_t>(topology.ring.channel_mb_s);
+    ring.hop_ns = static_cast<std::uint32_t>(topology.ring.hop_ns);
+    std::vector<bus::NodeId> order(roster_.size());
+    std::iota(order.begin(), order.end(), bus::host_id);
+    link_.set_model(bus::ChannelModel(ring, order));
+}
+
+void Launcher::launch() {
+    Roster nodes(roster_.begin() + 1, roster_.end());
+    try {
+        for (RosterEntry& node : nodes) {
+            spawn(node, settings_of(topology_, node.role), {});
+        }
+    } catch (const MachineError& error) {
+        fail(error.code, error.what());
+    }
+    nodes = bring_up(std::move(nodes));
+    std::copy(nodes.begin(), nodes.end(), roster_.begin() + 1);
+}
+
+void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
+                     std::vector<std::string> arguments) {
+    const std::string name = node.name();
+    bus::ProcessFlags flags;
+    flags.host_endpoint = link_.endpoint();
+    flags.bind = bind_address(topology_.ring.transport, sockets_, name);
+    flags.node_id = node.id;
+    flags.index = static_cast<std::uint16_t>(node.index);
+    flags.parent_pid = getpid();
+    const std::vector<std::string> common = bus::to_arguments(flags);
+    arguments.insert(arguments.begin(), common.begin(), common.end());
+    const auto& cores = settings.cpu;
+    const int core =
+        cores.empty() ? -1 : cores[static_cast<std::size_t>(node.index) % cores.size()];
+    node.pid = supervisor_.spawn({name, options_.binaries / node.binary(), std::move(arguments),
+                                  settings.env, core, folder_ / (name + ".log")});
+}
+
+Roster Launcher::bring_up(Roster nodes) {
+    Handshake handshake(std::move(nodes), {bus::build_id(), bus::schema_hash()});
+    await("said Hello", handshake, [&handshake] { return handshake.without_hello(); });
+    Roster ring = {roster_[0]};
+    ring.insert(ring.end(), handshake.nodes().begin(), handshake.nodes().end());
+    const bus::Payload told = topology_message(ring, topology_);
+    for (const RosterEntry& node : handshake.nodes()) {
+        link_.add_peer(node.id, node.endpoint);
+        link_.send(node.id, told);
+    }
+    await("connected", handshake, [&handshake] { return handshake.unconnected(); });
+    const bus::Payload go = bus::pack(schema::GoT{});
+    for (const RosterEntry& node : handshake.nodes()) {
+        link_.send(node.id, go);
+    }
+    return handshake.nodes();
+}
+
+void Launcher::await(const std::string& what, Handshake& handshake, const Missing& missing) {
+    const std::int64_t deadline_ms = now_ms() + std::int64_t{1000} * options_.start_timeout_s;
+    for (;;) {
+        while (const auto message = take_from_link()) {
+            take_control(*message, handshake);
+        }
+        const std::vector<std::string> names = missing();
+        if (names.empty()) {
+            return;
+        }
+        check_health();
+        const std::int64_t left_ms = deadline_ms - now_ms();
+        if (left_ms <= 0) {
+            fail(timeout_code,
+                 fmt::format("{} {} not {} within {} s", fmt::join(names, ", "),
+                             names.size() == 1 ? "has" : "have", what, options_.start_timeout_s));
+        }
+        supervisor_.wait(link_.poll_fd(), static_cast<int>(left_ms));
+    }
+}
+
+void Launcher::take_control(const bus::Message& message, Handshake& handshake) {
+    try {
+        if (const auto* hello = message.as<schema::Hello>()) {
+            handshake.hello(*hello);
+        } else if (message.kind() == schema::Body::Connected) {
+            handshake.connected(message.source());
+        } else {
+            backlog_.push_back(message);
+        }
+    } catch (const MachineError& error) {
+        fail(error.code, error.what());
+    }
+}
+
+std::optional<bus::Message> Launcher::take_from_link() {
+    try {
+        return link_.receive();
+    } catch (
+        const std::runtime_error& error) {  // BadMessage, or a gap: nothing can be trusted now.
+        fail(failed_code, error.what());
+    }
+}
+
+std::optional<bus::Message> Launcher::receive() {
+    if (over_) {
+        throw *over_;
+    }
+    if (!backlog_.empty()) {
+        const bus::Message message = backlog_.front();
+        backlog_.pop_front();
+        return message;
+    }
+    std::optional<bus::Message> message = take_from_link();
+    while (message && dismissed_.count(message->source()) != 0) {
+        message = take_from_link();
+    }
+    return message;
+}
+
+void Launcher::send(bus::NodeId to, bus::Payload payload) {
+    if (over_) {
+        throw *over_;
+    }
+    link_.send(to, std::move(payload));
+}
+
+void Launcher::wait() {
+    supervisor_.wait(link_.poll_fd(), -1);
+}
+
+std::string Launcher::name_of(bus::NodeId id) const {
+    const auto entry = std::find_if(roster_.begin(), roster_.end(),
+                                    [id](const RosterEntry& e) { return e.id == id; });
+    const bool is_io = io_ && io_->id == id;
+    return entry != roster_.end() ? entry->name()
+           : is_io                ? io_->name()
+                                  : fmt::format("node-{}", id);
+}
+
+}  // namespace pxpl5::host

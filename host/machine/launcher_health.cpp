@@ -1,0 +1,189 @@
+// Launcher: the io process, deaths, signals, and the end.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+#include "host/error.hpp"
+#include "host/machine/launcher.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+namespace schema = bus::schema;
+
+constexpr int drain_ms = 5000;        // For nodes to end after Shutdown, when all is well.
+constexpr int failed_drain_ms = 500;  // The same after a failure.
+constexpr int terminate_ms = 1000;    // From SIGTERM to SIGKILL.
+
+/// The last line that a process wrote: where it says why it gave up. Empty if it said nothing.
+std::string last_words(const std::filesystem::path& log) {
+    std::ifstream file(log);
+    std::string line, last;
+    std::getline(file, line);  // Says what was started.
+    while (std::getline(file, line)) {
+        last = line.empty() ? last : line;
+    }
+    return last;
+}
+
+bus::Payload shutdown_message() {
+    schema::ShutdownT message;
+    message.reason = "the host is done";
+    return bus::pack(message);
+}
+
+/// The next step towards an end, when one took too long or somebody pressed Ctrl-C once more.
+struct Step {
+    int signal;
+    int patience_ms;  ///< -1: nothing is left to try.
+};
+constexpr std::array steps = {Step{SIGTERM, terminate_ms}, Step{SIGKILL, -1}};
+
+}  // namespace
+
+bus::NodeId Launcher::start_io() {
+    bury_dismissed();
+    dismiss_io();
+    RosterEntry node;
+    node.id = static_cast<bus::NodeId>(roster_.size() + static_cast<std::size_t>(io_count_));
+    node.role = schema::Role::io;
+    node.index = io_count_++;
+    try {
+        spawn(node, {},
+              {"--memory-mib", std::to_string(options_.io_memory_mib), "--cpu-s",
+               std::to_string(options_.io_cpu_s)});
+    } catch (const MachineError& error) {
+        throw RequestError(ExitCode::unavailable, error.what());
+    }
+    io_ = node;
+    io_ = bring_up({node}).front();
+    return node.id;
+}
+
+void Launcher::release_io() {
+    dismiss_io();
+}
+
+void Launcher::dismiss_io() {
+    if (!io_) {
+        return;
+    }
+    if (!io_->endpoint.empty()) {
+        link_.send(io_->id, shutdown_message());
+    }
+    dismissed_.emplace(io_->id, io_->name());
+    io_.reset();
+}
+
+void Launcher::bury_dismissed() {
+    const std::vector<std::string> running = supervisor_.running();
+    for (auto past = dismissed_.begin(); past != dismissed_.end();) {
+        if (std::find(running.begin(), running.end(), past->second) != running.end()) {
+            supervisor_.kill(past->second, SIGKILL);
+            ++past;
+        } else {
+            link_.remove_peer(past->first);
+            past = dismissed_.erase(past);
+        }
+    }
+}
+
+std::string Launcher::describe(const Death& death) const {
+    const std::filesystem::path log = folder_ / (death.name + ".log");
+    const std::string said = last_words(log);
+    return fmt::format("{}{}{} (log: {})", death.text(), said.empty() ? "" : ": ", said,
+                       log.string());
+}
+
+void Launcher::check_health() {
+    if (over_) {
+        throw *over_;
+    }
+    supervisor_.wait(link_.poll_fd(), 0);
+    std::optional<Death> io_death;
+    for (const Death& death : supervisor_.take_deaths()) {
+        const bool was_dismissed =
+            std::any_of(dismissed_.begin(), dismissed_.end(),
+                        [&death](const auto& past) { return past.second == death.name; });
+        if (io_ && io_->name() == death.name) {
+            io_death = death;
+        } else if (!was_dismissed) {
+            fail(death.code(), describe(death));
+        }
+    }
+    if (const int signal = supervisor_.take_interrupt(); signal != 0) {
+        fail(128 + signal, fmt::format("interrupted by SIG{}", sigabbrev_np(signal)));
+    }
+    if (io_death) {
+        io_->endpoint.clear();
+        dismiss_io();
+        throw RequestError(ExitCode::bad_data, describe(*io_death));
+    }
+}
+
+void Launcher::fail(int code, const std::string& text) {
+    over_.emplace(code, text);
+    bring_down(failed_drain_ms);
+    throw MachineError(code, text);
+}
+
+void Launcher::shutdown() {
+    if (over_) {
+        throw *over_;
+    }
+    dismiss_io();
+    over_.emplace(1, "the machine has been shut down");
+    if (const std::optional<Death> bad = bring_down(drain_ms)) {
+        throw MachineError(bad->code(), describe(*bad));
+    }
+}
+
+std::optional<Death> Launcher::bring_down(int grace_ms) {
+    for (const RosterEntry& node : roster_) {
+        if (node.id != bus::host_id && !node.endpoint.empty()) {
+            link_.send(node.id, shutdown_message());
+        }
+    }
+    std::optional<Death> bad;
+    std::size_t step = 0;
+    std::int64_t deadline_ms = now_ms() + grace_ms;
+    for (std::vector<std::string> left; !(left = supervisor_.running()).empty();) {
+        const bool patient = step == steps.size();
+        const std::int64_t left_ms =
+            patient ? -1 : std::max<std::int64_t>(0, deadline_ms - now_ms());
+        supervisor_.wait(link_.poll_fd(), static_cast<int>(left_ms));
+        discard_messages();
+        for (const Death& death : supervisor_.take_deaths()) {
+            const bool expected = death.signal == 0 && death.exit_code == 0;
+            bad = !bad && !expected ? std::optional(death) : bad;
+        }
+        left = supervisor_.running();
+        const bool pressed = supervisor_.take_interrupt() != 0;
+        if (!patient && !left.empty() && (pressed || now_ms() >= deadline_ms)) {
+            fmt::print(stderr, "still running: {}; sending SIG{}\n", fmt::join(left, ", "),
+                       sigabbrev_np(steps[step].signal));
+            supervisor_.kill_all(steps[step].signal);
+            deadline_ms = now_ms() + steps[step].patience_ms;
+            ++step;
+        }
+    }
+    return bad;
+}
+
+void Launcher::discard_messages() {
+    for (bool more = true; more;) {
+        try {
+            more = link_.receive().has_value();
+        } catch (const std::runtime_error&) {
+            // Whatever it was, the machine is ending already.
+        }
+    }
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,73 @@
+#include "host/machine/machine.hpp"
+
+#include <utility>
+
+#include "host/machine/launcher.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr int messages_per_check = 64;  // Handed on before deaths and signals are looked for.
+
+}  // namespace
+
+struct Machine::Parts {
+    Launcher launcher;
+    std::vector<bus::NodeId> gps, renderers;
+};
+
+Machine::Machine(const Topology& topology, const MachineOptions& options)
+    : parts_(new Parts{Launcher(topology, options), {}, {}}) {
+    parts_->launcher.launch();
+    parts_->gps = ids_of(parts_->launcher.roster(), bus::schema::Role::gp);
+    parts_->renderers = ids_of(parts_->launcher.roster(), bus::schema::Role::renderer);
+}
+
+Machine::~Machine() = default;
+
+const std::vector<bus::NodeId>& Machine::gp_ids() const {
+    return parts_->gps;
+}
+const std::vector<bus::NodeId>& Machine::renderer_ids() const {
+    return parts_->renderers;
+}
+
+void Machine::send(bus::NodeId to, bus::Payload payload) {
+    parts_->launcher.send(to, std::move(payload));
+}
+
+void Machine::pump(const std::function<void(const bus::Message&)>& take,
+                   const std::function<bool()>& done) {
+    parts_->launcher.check_health();
+    for (int count = 1; !done(); ++count) {
+        if (const auto message = parts_->launcher.receive()) {
+            take(*message);
+            if (count % messages_per_check != 0) {
+                continue;
+            }
+        } else {
+            parts_->launcher.wait();
+        }
+        parts_->launcher.check_health();
+    }
+}
+
+bus::NodeId Machine::start_io() {
+    return parts_->launcher.start_io();
+}
+void Machine::release_io() {
+    parts_->launcher.release_io();
+}
+void Machine::shutdown() {
+    parts_->launcher.shutdown();
+}
+
+const std::filesystem::path& Machine::run_folder() const {
+    return parts_->launcher.folder();
+}
+std::string Machine::node_name(bus::NodeId id) const {
+    return parts_->launcher.name_of(id);
+}
+
+}  // namespace pxpl5::host
