@@ -30,7 +30,7 @@ struct Landing {
 };
 
 bool overlap(std::uint32_t a, std::uint32_t bits_a, std::uint32_t b, std::uint32_t bits_b) {
-    return a < b + bits_b && b < a + bits_a;
+    return bits_a != 0 && bits_b != 0 && a < b + bits_b && b < a + bits_a;
 }
 
 class Checker {

@@ -40,12 +40,14 @@ struct CheckResult {
     bool ok() const { return !error.has_value(); }
 };
 
-/// Checks a received stream. A valid program: every word decodes and has its coefficient words; n
-/// is 1..n_max; fields end within the 208 bits; fractions are at most 63, blocks at most 127; CALL
-/// and SKIPIFNONE reach an instruction of the program (or its end), SKIPIFNONE ahead and in the
-/// same loop, CALL and RET outside loops' bodies as targets; loops balance and nest 8 deep at most;
-/// a field or block under transfer is left alone until BSWAIT, and no transfer is open where
-/// control flow may leave the straight line or at the end. Costs about 10 ns an instruction.
+/// Checks a received stream. In a valid program
+/// - every word decodes and has its coefficient words; n is 1..n_max; fields end within the 208
+///   bits; fractions are at most 63, blocks at most 127;
+/// - CALL and SKIPIFNONE reach an instruction of the program, or its end: CALL outside loops,
+///   SKIPIFNONE ahead and in the same loop; RET stands outside loops;
+/// - loops balance and nest 8 deep at most;
+/// - a field or block under transfer is left alone until BSWAIT, and no transfer is open where
+///   control may leave the straight line, nor at the end.
 CheckResult check(std::span<const std::uint32_t> words);
 
 /// Words of the instruction at `words[0]`: 1 + its coefficients; 0 if it does not decode.

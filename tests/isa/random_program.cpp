@@ -109,7 +109,7 @@ void RandomPrograms::wait_if_touched(Instruction in) {
     const Operands& o = in.operands;
     const bool touched = std::ranges::any_of(open_, [&](const Transfer& t) {
         const auto hits = [&](std::uint32_t at, std::uint32_t bits) {
-            return at < t.field + isa::backing_block_bits && t.field < at + bits;
+            return bits != 0 && at < t.field + isa::backing_block_bits && t.field < at + bits;
         };
         return hits(o.a, row.at_a(o)) || hits(o.b, row.at_b(o)) ||
                (row.b_role == isa::Role::block && o.b == t.block);
