@@ -48,6 +48,7 @@ Field hip_bone(const Grid& grid) {
     join_both(field, hip_rods);
     join(field, Ball{hip_centre_mm, glm::vec3(socket_radius_mm)}, Join::carve);
     join(field, Ball{hip_centre_mm + 22.0F * opening, glm::vec3(socket_radius_mm)}, Join::carve);
+    join(field, symphysis, Join::carve);
     return field;
 }
 
