@@ -1,0 +1,59 @@
+// The programs that a region begins and ends with: clearing, and deferred Phong shading.
+//
+// The assembly text lies in renderer_firmware/programs/, with the register map; it is built into
+// the binary and assembled at first use.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pxpl5::renderer {
+
+inline constexpr std::size_t max_lights = 4;
+inline constexpr std::size_t max_surfaces = 255;
+inline constexpr std::uint32_t max_specular_power = 128;
+inline constexpr float max_light_sum = 3.9F;  ///< Of ambient and all intensities; 1 is white.
+
+/// Directional light in eye space: x right, y up, z towards the viewer.
+struct Light {
+    struct Direction {
+        float x = 0, y = 0, z = 1;
+    };
+    Direction direction;  ///< Towards the light; of any length but 0.
+    float intensity = 1;
+};
+
+struct Rgb {
+    std::uint8_t r = 0, g = 0, b = 0;
+};
+
+/// How the pixels of a frame are lit. A pixel's colour is
+///   surface * (ambient + sum I max(0, n.l)) + 255 * specular * sum I max(0, n.h)^power,
+/// held at 255, with n turned to the viewer and h = normalise(l + (0, 0, 1)).
+struct Shading {
+    std::vector<Light> lights;  ///< 0..4.
+    float ambient = 0.2F;
+    float specular = 0.3F;              ///< 0..1.
+    std::uint32_t specular_power = 20;  ///< 1..128.
+    Rgb background;
+    std::vector<Rgb> surfaces;  ///< Surface field s of a pixel has surfaces[s - 1]; 0..255 of them.
+};
+
+/// Clears a region: every pixel background, far, without a normal. Throws as end_of_region().
+std::vector<std::uint32_t> prologue(const Shading& shading);
+
+/// Shades the covered pixels of a region and reads all out. Relies on prologue() of the same
+/// shading. Normals are up to 512 field units long (isa::region::normal_unit is unit length); a
+/// normal of length 0 gets the ambient light alone. Destroys normals and z. Throws
+/// std::invalid_argument that names the value and its limit.
+std::vector<std::uint32_t> end_of_region(const Shading& shading);
+
+struct RegionPrograms {
+    std::vector<std::uint32_t> prologue, end_of_region;
+};
+
+/// Both programs.
+RegionPrograms region_programs(const Shading& shading);
+
+}  // namespace pxpl5::renderer
