@@ -16,7 +16,7 @@ namespace pxpl5::gp {
 
 inline constexpr int subpixels = 1 << isa::region::subpixel_bits;  ///< Grid steps in a pixel.
 inline constexpr int max_picture_px = 8192;                        ///< Width, height of one view.
-inline constexpr int max_clip_planes = 8;
+inline constexpr int max_clip_planes = 16;
 /// Drawn vertices lie within this of the picture's top left corner. Edge set-up relies on it.
 inline constexpr int guard_px = 16384;
 inline constexpr float w_min = 1e-3F;  ///< Nearer to the eye's plane than this is clipped.

@@ -1,0 +1,396 @@
+#include "gp_firmware/node.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include "gp_firmware/node_messages.hpp"
+#include "gp_firmware/render/assignment.hpp"
+#include "gp_firmware/surface/marching_cubes.hpp"
+
+namespace pxpl5::gp {
+
+namespace {
+
+namespace schema = bus::schema;
+using bus::NodeFault;
+using schema::FaultCode;
+
+/// About 2 ms of work: new messages are looked for between pieces.
+constexpr std::size_t triangles_per_piece = 50'000;
+
+/// What the stages throw, as what the bus knows.
+[[noreturn]] void rethrow_as_fault() {
+    try {
+        throw;
+    } catch (const OutOfLocalMemory& e) {
+        throw NodeFault(FaultCode::out_of_memory, e.what());
+    } catch (const std::invalid_argument& e) {
+        throw NodeFault(FaultCode::bad_input, e.what());
+    }
+}
+
+template <typename Duration>
+std::uint64_t to_us(Duration elapsed) {
+    return static_cast<std::uint64_t>(
+        std::chrono::duration_cast<std::chrono::microseconds>(elapsed).count());
+}
+
+std::size_t mesh_bytes(const HeldSurface& surface) {
+    std::size_t bytes = 0;
+    for (const SlabMesh& mesh : surface.slabs) {
+        bytes += size_bytes(mesh);
+    }
+    return bytes;
+}
+
+}  // namespace
+
+void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
+    if (message.kind() == bus::Body::Topology) {
+        set_machine(message);
+        return;
+    }
+    if (!machine_) {
+        throw NodeFault(FaultCode::bad_message,
+                        bus::kind_name(message.kind()) + " came before Topology");
+    }
+    switch (message.kind()) {
+        case bus::Body::VolumeHeader:
+            begin_volume(*message.as<schema::VolumeHeader>(), out);
+            break;
+        case bus::Body::Slices:
+            note_slices(message);
+            break;
+        case bus::Body::VolumeEnd:
+            if (store_) {  // Without one, the reason has been told already.
+                jobs_.push_back(EndVolume{});
+            }
+            break;
+        case bus::Body::SetSurface:
+            note_surface(*message.as<schema::SetSurface>());
+            break;
+        case bus::Body::RemoveSurface:
+            jobs_.push_back(Remove{message.as<schema::RemoveSurface>()->surface()});
+            break;
+        case bus::Body::FetchMesh:
+            jobs_.push_back(Fetch{message.as<schema::FetchMesh>()->surface(), message.source()});
+            break;
+        case bus::Body::DrawFrame:
+            begin_frame(message, out);
+            break;
+        case bus::Body::BeginFrame:
+            note_frame(*message.as<schema::BeginFrame>());
+            break;
+        default:
+            throw NodeFault(FaultCode::bad_message,
+                            "a GP has no use for " + bus::kind_name(message.kind()));
+    }
+}
+
+bool GpNode::work(bus::Outbox& out) {
+    if (jobs_.empty()) {
+        return false;
+    }
+    // A job that fails is over: what comes behind it goes on.
+    bool done = true;
+    try {
+        done = std::visit([&](auto& job) { return step(job, out); }, jobs_.front());
+    } catch (...) {
+        jobs_.pop_front();
+        rethrow_as_fault();
+    }
+    if (done) {
+        jobs_.pop_front();
+    }
+    return !jobs_.empty();
+}
+
+void GpNode::set_machine(const bus::Message& message) {
+    const auto& topology = *message.as<schema::Topology>();
+    Machine machine;
+    machine.memory_bytes = topology.gp_memory_bytes();
+    machine.gps = nodes_of(topology, schema::Role::gp);
+    machine.renderers = nodes_of(topology, schema::Role::renderer);
+    machine.frame_buffers = nodes_of(topology, schema::Role::frame_buffer);
+    const bus::NodeId self = message.header().destination();
+    const auto here = std::ranges::find(machine.gps, self);
+    if (here == machine.gps.end()) {
+        throw NodeFault(
+            FaultCode::bad_input,
+            fmt::format("node {} is none of the topology's {} GPs", self, machine.gps.size()));
+    }
+    if (machine.gps.size() > static_cast<std::size_t>(max_gp_count)) {
+        throw NodeFault(FaultCode::bad_input, fmt::format("{} GPs in the topology, {} at most",
+                                                          machine.gps.size(), max_gp_count));
+    }
+    machine.share = {static_cast<int>(here - machine.gps.begin()),
+                     static_cast<int>(machine.gps.size())};
+    jobs_.clear();
+    surfaces_.clear();
+    store_.reset();
+    memory_.emplace(machine.memory_bytes);
+    machine_ = std::move(machine);
+}
+
+void GpNode::begin_volume(const schema::VolumeHeader& header, bus::Outbox& out) {
+    for (const Job& job : jobs_) {
+        if (const Draw* draw = std::get_if<Draw>(&job)) {
+            send_nothing(draw->request, out);  // Renderers wait for every GP's part.
+        }
+    }
+    jobs_.clear();
+    for (const auto& [surface, held] : surfaces_) {
+        memory_->release(mesh_bytes(held));
+    }
+    surfaces_.clear();
+    store_.reset();
+    volume_ = header.volume();
+    volume_since_ = Clock::now();
+    try {
+        store_ = std::make_unique<SliceStore>(shape_of(header), machine_->share, *memory_);
+    } catch (const std::exception&) {
+        rethrow_as_fault();
+    }
+}
+
+void GpNode::note_slices(const bus::Message& message) {
+    const auto& slices = *message.as<schema::Slices>();
+    if (volume_ != slices.volume()) {
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("slices of volume {} came, {}", slices.volume(),
+                                    volume_ ? fmt::format("volume {} was announced", *volume_)
+                                            : "none was announced"));
+    }
+    if (store_) {
+        jobs_.push_back(TakeSlices{message});
+    }
+}
+
+void GpNode::note_surface(const schema::SetSurface& set) {
+    if (!store_) {
+        throw NodeFault(
+            FaultCode::bad_input,
+            fmt::format("surface {} was asked for, but no volume is held", set.surface()));
+    }
+    // The newest revision wins, whether the older one waits or is half done. What lies before the
+    // surface's removal is another surface's life.
+    for (auto job = jobs_.end(); job != jobs_.begin();) {
+        --job;
+        if (const auto* removal = std::get_if<Remove>(&*job);
+            removal != nullptr && removal->surface == set.surface()) {
+            break;
+        }
+        if (const auto* older = std::get_if<Extract>(&*job);
+            older != nullptr && older->surface == set.surface()) {
+            job = jobs_.erase(job);
+        }
+    }
+    jobs_.push_back(Extract{set.surface(), set.revision(), set.isovalue(),
+                            static_cast<CaseRule>(set.table()), Clock::now()});
+}
+
+void GpNode::begin_frame(const bus::Message& message, bus::Outbox& out) {
+    if (machine_->share.gp_index != 0) {
+        throw NodeFault(
+            FaultCode::bad_message,
+            fmt::format("DrawFrame came to GP {}; GP 0 is the Master", machine_->share.gp_index));
+    }
+    if (machine_->renderers.empty()) {
+        throw NodeFault(FaultCode::bad_input, "the topology has no Renderer");
+    }
+    const auto& draw = *message.as<schema::DrawFrame>();
+    const FrameRequest request = request_of(draw);
+    if (!request.surfaces.empty()) {
+        try {
+            // A camera that cannot be used is refused before anybody waits for the frame.
+            std::ranges::for_each(request.views, [](const Camera& c) { prepare(c); });
+        } catch (const std::exception&) {
+            rethrow_as_fault();
+        }
+    }
+    const bus::Payload begin = begin_frame_message(
+        draw, assign_regions(region_count(request), machine_->renderers.size(), costs_of(draw)));
+    for (const bus::NodeId gp : machine_->gps) {
+        if (gp != message.header().destination()) {
+            out.send(gp, begin);
+        }
+    }
+    out.send(std::span<const bus::NodeId>(machine_->renderers), begin);
+    out.send(std::span<const bus::NodeId>(machine_->frame_buffers), begin);
+    note_frame(*schema::GetMessage(begin.bytes().data())->body_as_BeginFrame());
+}
+
+void GpNode::note_frame(const schema::BeginFrame& begin) {
+    FrameRequest request = request_of(*begin.draw());
+    const auto* assignment = begin.assignment();
+    request.assignment.assign(assignment->begin(), assignment->end());
+    if (request.assignment.size() != region_count(request)) {
+        throw NodeFault(FaultCode::bad_message,
+                        fmt::format("frame {} assigns {} regions, it has {}", request.frame,
+                                    request.assignment.size(), region_count(request)));
+    }
+    for (const std::uint16_t renderer : request.assignment) {
+        if (renderer >= machine_->renderers.size()) {
+            throw NodeFault(FaultCode::bad_message,
+                            fmt::format("frame {} assigns a region to Renderer {} of {}",
+                                        request.frame, renderer, machine_->renderers.size()));
+        }
+    }
+    jobs_.push_back(Draw{std::move(request)});
+}
+
+FrameRequest GpNode::request_of(const schema::DrawFrame& draw) const {
+    return frame_request(draw, store_ ? store_->shape().voxel_to_patient : glm::dmat4(1.0));
+}
+
+bool GpNode::step(TakeSlices& job, bus::Outbox&) {
+    const auto& slices = *job.message.as<schema::Slices>();
+    const std::size_t size = slices.values()->size() / slices.slice_count();
+    const std::span<const std::uint8_t> values(slices.values()->data() + job.done * size, size);
+    store_->add_slice(static_cast<int>(slices.first_slice() + job.done), std::as_bytes(values));
+    return ++job.done == slices.slice_count();
+}
+
+bool GpNode::step(EndVolume&, bus::Outbox& out) {
+    if (!store_->complete()) {
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("volume {} ended, but slices are missing", *volume_));
+    }
+    schema::VolumeReadyT ready;
+    ready.volume = *volume_;
+    ready.slabs = static_cast<std::uint32_t>(store_->slabs().size());
+    ready.memory_bytes = memory_->used_bytes();
+    ready.elapsed_us = to_us(Clock::now() - volume_since_);
+    out.send(bus::host_id, bus::pack(ready));
+    return true;
+}
+
+bool GpNode::step(Extract& job, bus::Outbox& out) {
+    if (!store_->complete()) {
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("surface {} was asked for before all slices of volume {} came",
+                                    job.surface, *volume_));
+    }
+    HeldSurface& surface = surfaces_[job.surface];
+    if (job.next_slab == 0) {
+        surface.revision = job.revision;
+        surface.complete = false;
+        surface.slabs.resize(store_->slabs().size());
+    }
+    if (job.next_slab < surface.slabs.size()) {
+        try {
+            extract_next(job, surface);
+        } catch (...) {
+            drop_surface(job.surface);
+            throw;
+        }
+    }
+    if (job.next_slab < surface.slabs.size()) {
+        return false;
+    }
+    surface.complete = true;
+    out.send(bus::host_id, surface_built_message(job.surface, surface, memory_->used_bytes(),
+                                                 to_us(Clock::now() - job.since)));
+    return true;
+}
+
+/// Extracts a slab over the older revision's: there is no room for both.
+void GpNode::extract_next(Extract& job, HeldSurface& surface) {
+    SlabMesh& mesh = surface.slabs[job.next_slab];
+    const std::size_t before = size_bytes(mesh);
+    extract_slab(*store_, store_->slabs()[job.next_slab], job.isovalue, case_table(job.rule), mesh);
+    ++job.next_slab;
+    memory_->release(before);
+    try {
+        memory_->charge(size_bytes(mesh), fmt::format("surface {}", job.surface),
+                        memory_advice(job, job.next_slab));
+    } catch (const OutOfLocalMemory&) {
+        mesh = SlabMesh{};  // Not charged for.
+        throw;
+    }
+}
+
+/// The surfaces' bytes on all GPs, as far as this one can tell from its slabs.
+std::string GpNode::memory_advice(const Extract& job, std::size_t slabs_done) const {
+    std::size_t all = 0;
+    for (const auto& [number, held] : surfaces_) {
+        const std::size_t here = mesh_bytes(held);
+        all += number == job.surface ? here * held.slabs.size() / slabs_done : here;
+    }
+    return gp_count_advice(store_->shape(), memory_->size_bytes(),
+                           all * static_cast<std::size_t>(machine_->share.gp_count));
+}
+
+void GpNode::drop_surface(std::uint16_t surface) {
+    const auto held = surfaces_.find(surface);
+    memory_->release(mesh_bytes(held->second));
+    surfaces_.erase(held);
+}
+
+bool GpNode::step(Remove& job, bus::Outbox&) {
+    // One that is not held did not fit: the host knows.
+    if (surfaces_.contains(job.surface)) {
+        drop_surface(job.surface);
+    }
+    return true;
+}
+
+bool GpNode::step(Fetch& job, bus::Outbox& out) {
+    const auto held = surfaces_.find(job.surface);
+    if (held == surfaces_.end()) {
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("surface {} is to be fetched, but is not held", job.surface));
+    }
+    out.send(job.to, mesh_part_message(job.surface, held->second));
+    return true;
+}
+
+bool GpNode::step(Draw& job, bus::Outbox& out) {
+    if (!job.begun) {
+        job.begun = true;
+        const std::string missing = missing_surface(job.request, surfaces_);
+        if (!missing.empty()) {
+            send_nothing(job.request, out);
+            throw NodeFault(FaultCode::bad_input, missing);
+        }
+        try {
+            drawing_.begin(job.request);
+        } catch (const std::invalid_argument&) {
+            send_nothing(job.request, out);
+            throw;
+        }
+    }
+    if (drawing_.draw(surfaces_, triangles_per_piece)) {
+        return false;
+    }
+    try {
+        send_programs(job.request, out);
+    } catch (const NodeFault&) {
+        send_nothing(job.request, out);
+        throw;
+    }
+    return true;
+}
+
+void GpNode::send_programs(const FrameRequest& request, bus::Outbox& out) {
+    const auto gp = static_cast<std::uint16_t>(machine_->share.gp_index);
+    const auto programs = programs_messages(request, gp, machine_->renderers.size(), drawing_);
+    for (std::size_t r = 0; r < programs.size(); ++r) {
+        out.send(machine_->renderers[r], programs[r]);
+    }
+}
+
+/// The frame without anything of this GP's: Renderers wait for every GP's part.
+void GpNode::send_nothing(const FrameRequest& request, bus::Outbox& out) {
+    FrameRequest empty = request;
+    empty.surfaces.clear();
+    drawing_.begin(empty);
+    send_programs(empty, out);
+}
+
+}  // namespace pxpl5::gp

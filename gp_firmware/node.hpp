@@ -1,0 +1,110 @@
+// A Graphics Processor: which message starts which stage.
+//
+//   Topology          --->+------------+
+//   VolumeHeader      --->|            |
+//   Slices, VolumeEnd --->|            |---> VolumeReady     (to the host)
+//   SetSurface        --->|            |---> SurfaceBuilt    (to the host)
+//   RemoveSurface     --->|     GP     |
+//   FetchMesh         --->|            |---> MeshPart        (to the host)
+//   DrawFrame (GP 0)  --->|            |---> BeginFrame      (from GP 0 to all that draw)
+//   BeginFrame        --->|            |---> RegionPrograms  (one to each Renderer)
+//                         +------------+---> Fault           (thrown; the driver sends it)
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "gp_firmware/hal/local_memory.hpp"
+#include "gp_firmware/render/frame_drawing.hpp"
+#include "gp_firmware/surface/case_tables.hpp"
+#include "gp_firmware/volume/slice_store.hpp"
+#include "ringbus/node.hpp"
+
+namespace pxpl5::gp {
+
+/// Work is done in the order in which it was asked for, but a newer revision of a surface takes the
+/// place of older work on it, and a new volume that of all work.
+class GpNode final : public bus::Node {
+  public:
+    void receive(const bus::Message& message, bus::Outbox& out) override;
+    bool work(bus::Outbox& out) override;
+
+  private:
+    using Clock = std::chrono::steady_clock;
+
+    /// The machine, as far as this GP talks to it.
+    struct Machine {
+        Share share;
+        std::vector<bus::NodeId> gps, renderers, frame_buffers;  ///< Each by index.
+        std::size_t memory_bytes = 0;
+    };
+
+    // What work() has to do.
+    struct TakeSlices {
+        bus::Message message;
+        std::uint32_t done = 0;  ///< Slices of the message that the store has.
+    };
+    struct EndVolume {};
+    struct Extract {
+        std::uint16_t surface = 0;
+        std::uint32_t revision = 0;
+        double isovalue = 0;
+        CaseRule rule = CaseRule::watertight;
+        Clock::time_point since;
+        std::size_t next_slab = 0;  ///< Index into the store's slabs.
+    };
+    struct Remove {
+        std::uint16_t surface = 0;
+    };
+    struct Fetch {
+        std::uint16_t surface = 0;
+        bus::NodeId to = 0;
+    };
+    struct Draw {
+        FrameRequest request;
+        bool begun = false;
+    };
+    using Job = std::variant<TakeSlices, EndVolume, Extract, Remove, Fetch, Draw>;
+
+    void set_machine(const bus::Message& message);
+    void begin_volume(const bus::schema::VolumeHeader& header, bus::Outbox& out);
+    void note_slices(const bus::Message& message);
+    void note_surface(const bus::schema::SetSurface& set);
+    void begin_frame(const bus::Message& message, bus::Outbox& out);
+    void note_frame(const bus::schema::BeginFrame& begin);
+    FrameRequest request_of(const bus::schema::DrawFrame& draw) const;
+
+    // Each does a piece of a job and returns true when the job is done.
+    bool step(TakeSlices& job, bus::Outbox& out);
+    bool step(EndVolume& job, bus::Outbox& out);
+    bool step(Extract& job, bus::Outbox& out);
+    bool step(Remove& job, bus::Outbox& out);
+    bool step(Fetch& job, bus::Outbox& out);
+    bool step(Draw& job, bus::Outbox& out);
+
+    void extract_next(Extract& job, HeldSurface& surface);
+    void drop_surface(std::uint16_t surface);
+    std::string memory_advice(const Extract& job, std::size_t slabs_done) const;
+    void send_programs(const FrameRequest& request, bus::Outbox& out);
+    void send_nothing(const FrameRequest& request, bus::Outbox& out);
+
+    std::optional<Machine> machine_;
+    std::optional<LocalMemory> memory_;
+    std::unique_ptr<SliceStore> store_;  ///< Null without a volume, or if it does not fit.
+    std::optional<std::uint32_t> volume_;
+    Clock::time_point volume_since_;
+    Surfaces surfaces_;
+    std::deque<Job> jobs_;
+    FrameDrawing drawing_;
+};
+
+}  // namespace pxpl5::gp

@@ -1,0 +1,219 @@
+#include "gp_firmware/node_messages.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "gp_firmware/surface/case_tables.hpp"
+#include "ringbus/node.hpp"
+
+namespace pxpl5::gp {
+
+namespace {
+
+namespace schema = bus::schema;
+
+static_assert(static_cast<int>(Scalar::uint8) == static_cast<int>(schema::ScalarType::uint8));
+static_assert(static_cast<int>(Scalar::int16) == static_cast<int>(schema::ScalarType::int16));
+static_assert(static_cast<int>(Scalar::uint16) == static_cast<int>(schema::ScalarType::uint16));
+static_assert(static_cast<int>(Scalar::float32) == static_cast<int>(schema::ScalarType::float32));
+static_assert(static_cast<int>(CaseRule::watertight) ==
+              static_cast<int>(schema::CaseTable::watertight));
+static_assert(static_cast<int>(CaseRule::lorensen1987) ==
+              static_cast<int>(schema::CaseTable::lorensen1987));
+
+glm::dmat4 matrix_of(const schema::Matrix& wire) {
+    glm::dmat4 m;
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 4; ++row) {
+            m[column][row] = wire.m()->Get(static_cast<flatbuffers::uoffset_t>(column * 4 + row));
+        }
+    }
+    return m;
+}
+
+schema::MeshVertex to_wire(const Vertex& v) {
+    return {v.p_voxel.x,
+            v.p_voxel.y,
+            v.p_voxel.z,
+            static_cast<float>(v.normal[0]) / normal_one,
+            static_cast<float>(v.normal[1]) / normal_one,
+            static_cast<float>(v.normal[2]) / normal_one};
+}
+
+flatbuffers::Offset<schema::SlabMesh> to_wire(flatbuffers::FlatBufferBuilder& builder,
+                                              const SlabMesh& mesh) {
+    schema::MeshVertex* vertices = nullptr;
+    const auto vertices_at =
+        builder.CreateUninitializedVectorOfStructs(mesh.vertices.size(), &vertices);
+    std::ranges::transform(mesh.vertices, vertices, [](const Vertex& v) { return to_wire(v); });
+    const auto keys = builder.CreateVector(mesh.keys);
+    const auto indices = builder.CreateVector(mesh.indices);
+    return schema::CreateSlabMesh(builder, static_cast<std::uint32_t>(mesh.slab), vertices_at, keys,
+                                  indices);
+}
+
+// What a table, a vector and a segment add to the words, with room for alignment.
+constexpr std::size_t message_overhead_bytes = 256, region_overhead_bytes = 64;
+
+/// A region's program as part of a message. Its words are copied once.
+flatbuffers::Offset<schema::RegionProgram> to_wire(flatbuffers::FlatBufferBuilder& builder,
+                                                   std::size_t region,
+                                                   const RegionProgram& program) {
+    const auto words_in = program.words.words();
+    std::uint8_t* words = nullptr;
+    const auto words_at =
+        builder.CreateUninitializedVector(words_in.size(), sizeof(std::uint32_t), &words);
+    std::memcpy(words, words_in.data(), words_in.size_bytes());
+    schema::Segment* segments = nullptr;
+    const auto segments_at =
+        builder.CreateUninitializedVectorOfStructs(program.segments.size(), &segments);
+    std::ranges::transform(program.segments, segments, [](const Segment& s) {
+        return schema::Segment(s.surface, s.slab, s.first_word, s.word_count);
+    });
+    return schema::CreateRegionProgram(
+        builder, static_cast<std::uint16_t>(region), segments_at,
+        flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>(words_at));
+}
+
+/// What a Renderer's message takes, at most.
+std::size_t size_bytes(std::span<const RegionProgram> regions,
+                       const std::vector<std::size_t>& mine) {
+    std::size_t bytes = message_overhead_bytes;
+    for (const std::size_t region : mine) {
+        bytes += regions[region].words.words().size_bytes() + region_overhead_bytes +
+                 regions[region].segments.size() * sizeof(schema::Segment);
+    }
+    return bytes;
+}
+
+}  // namespace
+
+std::vector<bus::NodeId> nodes_of(const schema::Topology& topology, schema::Role role) {
+    std::vector<std::pair<std::uint16_t, bus::NodeId>> found;
+    for (const auto* node : *topology.nodes()) {
+        if (node->role() == role) {
+            found.emplace_back(node->index(), node->id());
+        }
+    }
+    std::ranges::sort(found);
+    std::vector<bus::NodeId> ids;
+    for (const auto& [index, id] : found) {
+        ids.push_back(id);
+    }
+    return ids;
+}
+
+VolumeShape shape_of(const schema::VolumeHeader& header) {
+    VolumeShape shape;
+    shape.nx = static_cast<int>(header.nx());
+    shape.ny = static_cast<int>(header.ny());
+    shape.nz = static_cast<int>(header.nz());
+    shape.type = static_cast<Scalar>(header.type());
+    shape.voxel_to_patient = matrix_of(*header.voxel_to_patient());
+    shape.minimum = header.minimum();
+    shape.maximum = header.maximum();
+    return shape;
+}
+
+FrameRequest frame_request(const schema::DrawFrame& draw, const glm::dmat4& voxel_to_patient) {
+    FrameRequest request;
+    request.frame = draw.frame();
+    for (const auto* view : *draw.views()) {
+        Camera& camera = request.views.emplace_back();
+        camera.voxel_to_eye = matrix_of(*view->voxel_to_eye());
+        camera.projection = matrix_of(*view->projection());
+        camera.voxel_to_patient = voxel_to_patient;
+        camera.width_px = static_cast<int>(draw.width());
+        camera.height_px = static_cast<int>(draw.height());
+        if (draw.clip_planes() != nullptr) {
+            for (const schema::ClipPlane* p : *draw.clip_planes()) {
+                camera.clip_planes.emplace_back(p->a(), p->b(), p->c(), p->d());
+            }
+        }
+    }
+    for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
+        request.surfaces.push_back({surface->surface(), surface->revision(), surface->cull_back()});
+    }
+    return request;
+}
+
+std::span<const std::uint64_t> costs_of(const schema::DrawFrame& draw) {
+    if (draw.region_costs() == nullptr) {
+        return {};
+    }
+    return {draw.region_costs()->data(), draw.region_costs()->size()};
+}
+
+bus::Payload begin_frame_message(const schema::DrawFrame& draw,
+                                 const std::vector<std::uint16_t>& assignment) {
+    schema::BeginFrameT begin;
+    begin.draw.reset(draw.UnPack());
+    begin.draw->region_costs.clear();  // The assignment is what they were for.
+    begin.assignment = assignment;
+    return bus::pack(begin);
+}
+
+bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& held,
+                                   std::size_t memory_bytes, std::uint64_t elapsed_us) {
+    schema::SurfaceBuiltT built;
+    built.surface = surface;
+    built.revision = held.revision;
+    for (const SlabMesh& mesh : held.slabs) {
+        const SlabCounts& c = mesh.counts;
+        built.slabs.emplace_back(static_cast<std::uint32_t>(mesh.slab), c.triangles, c.vertices,
+                                 c.cells_active, c.cells_ambiguous, c.rows_skipped, c.area_mm2,
+                                 c.volume_mm3);
+    }
+    built.memory_bytes = memory_bytes;
+    built.elapsed_us = elapsed_us;
+    return bus::pack(built);
+}
+
+bus::Payload mesh_part_message(std::uint16_t surface, const HeldSurface& held) {
+    flatbuffers::FlatBufferBuilder builder;
+    std::vector<flatbuffers::Offset<schema::SlabMesh>> slabs;
+    for (const SlabMesh& mesh : held.slabs) {
+        slabs.push_back(to_wire(builder, mesh));
+    }
+    const auto slabs_at = builder.CreateVector(slabs);
+    return bus::finish(builder, schema::CreateMeshPart(builder, surface, held.revision, slabs_at));
+}
+
+std::vector<bus::Payload> programs_messages(const FrameRequest& request, std::uint16_t gp_index,
+                                            std::size_t renderer_count,
+                                            const FrameDrawing& drawing) {
+    const auto regions = drawing.programs().regions();
+    std::vector<std::vector<std::size_t>> regions_of(renderer_count);
+    for (std::size_t region = 0; region < regions.size(); ++region) {
+        if (regions[region].words.size() > 0) {
+            regions_of[request.assignment[region]].push_back(region);
+        }
+    }
+    std::vector<bus::Payload> messages;
+    for (const std::vector<std::size_t>& mine : regions_of) {
+        const std::size_t bytes = size_bytes(regions, mine);
+        if (bytes > bus::max_body_bytes) {
+            throw bus::NodeFault(
+                schema::FaultCode::out_of_memory,
+                fmt::format("frame {}: GP {} has {} bytes of programs for one Renderer, a message "
+                            "holds {}; more GPs or Renderers share them",
+                            request.frame, gp_index, bytes, bus::max_body_bytes));
+        }
+        flatbuffers::FlatBufferBuilder builder(bytes);  // Large enough: it never moves its words.
+        std::vector<flatbuffers::Offset<schema::RegionProgram>> programs;
+        for (const std::size_t region : mine) {
+            programs.push_back(to_wire(builder, region, regions[region]));
+        }
+        const auto programs_at = builder.CreateVector(programs);
+        messages.push_back(bus::finish(
+            builder, schema::CreateRegionPrograms(builder, request.frame, gp_index, programs_at,
+                                                  drawing.counts().triangles_in,
+                                                  drawing.counts().triangles_out)));
+    }
+    return messages;
+}
+
+}  // namespace pxpl5::gp

@@ -1,0 +1,40 @@
+// Between the ring's messages and the stages' plain data.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gp_firmware/render/frame_drawing.hpp"
+#include "gp_firmware/volume/slice.hpp"
+#include "ringbus/message.hpp"
+
+namespace pxpl5::gp {
+
+/// Ids of all nodes of one role, by index.
+std::vector<bus::NodeId> nodes_of(const bus::schema::Topology& topology, bus::schema::Role role);
+
+VolumeShape shape_of(const bus::schema::VolumeHeader& header);
+
+/// Everything but the assignment.
+FrameRequest frame_request(const bus::schema::DrawFrame& draw, const glm::dmat4& voxel_to_patient);
+
+/// Costs of the previous frame's regions; may be empty.
+std::span<const std::uint64_t> costs_of(const bus::schema::DrawFrame& draw);
+
+bus::Payload begin_frame_message(const bus::schema::DrawFrame& draw,
+                                 const std::vector<std::uint16_t>& assignment);
+
+bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& held,
+                                   std::size_t memory_bytes, std::uint64_t elapsed_us);
+
+bus::Payload mesh_part_message(std::uint16_t surface, const HeldSurface& held);
+
+/// One RegionPrograms for each Renderer, with those of its regions that have words.
+/// Throws bus::NodeFault if a Renderer's part is larger than a message may be.
+std::vector<bus::Payload> programs_messages(const FrameRequest& request, std::uint16_t gp_index,
+                                            std::size_t renderer_count,
+                                            const FrameDrawing& drawing);
+
+}  // namespace pxpl5::gp

@@ -1,0 +1,75 @@
+#include "gp_firmware/render/frame_drawing.hpp"
+
+#include <fmt/format.h>
+
+#include <cassert>
+#include <utility>
+
+namespace pxpl5::gp {
+
+std::size_t region_count(const FrameRequest& request) {
+    std::size_t count = 0;
+    for (const Camera& camera : request.views) {
+        count +=
+            static_cast<std::size_t>(region_grid(camera.width_px, camera.height_px, 0).count());
+    }
+    return count;
+}
+
+std::string missing_surface(const FrameRequest& request, const Surfaces& surfaces) {
+    for (const SurfaceWanted& wanted : request.surfaces) {
+        const auto held = surfaces.find(wanted.surface);
+        if (held == surfaces.end()) {
+            return fmt::format("frame {} shows surface {}, which is not held", request.frame,
+                               wanted.surface);
+        }
+        if (held->second.revision != wanted.revision || !held->second.complete) {
+            return fmt::format("frame {} shows revision {} of surface {}, held is {}revision {}",
+                               request.frame, wanted.revision, wanted.surface,
+                               held->second.complete ? "" : "a part of ", held->second.revision);
+        }
+    }
+    return {};
+}
+
+void FrameDrawing::begin(const FrameRequest& request) {
+    programs_.begin_frame(request.assignment.size());
+    counts_ = {};
+    next_surface_ = next_slab_ = 0;
+    wanted_.clear();
+    eyes_.clear();
+    if (request.surfaces.empty()) {
+        return;  // Nothing to project: there may not even be a volume.
+    }
+    int view = 0;
+    for (const Camera& camera : request.views) {
+        eyes_.push_back({prepare(camera), region_grid(camera.width_px, camera.height_px, view++)});
+    }
+    assert(static_cast<std::size_t>(view * eyes_[0].grid.count()) == request.assignment.size());
+    wanted_ = request.surfaces;
+}
+
+bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
+    const std::size_t enough = counts_.triangles_in + triangle_count;
+    for (; next_surface_ < wanted_.size(); ++next_surface_, next_slab_ = 0) {
+        const SurfaceWanted& wanted = wanted_[next_surface_];
+        const std::vector<SlabMesh>& slabs = surfaces.at(wanted.surface).slabs;
+        const auto index = static_cast<std::uint16_t>(next_surface_);
+        for (; next_slab_ < slabs.size(); ++next_slab_) {
+            if (counts_.triangles_in >= enough) {
+                return true;
+            }
+            const SlabMesh& mesh = slabs[next_slab_];
+            programs_.begin_slab(index, static_cast<std::uint32_t>(mesh.slab));
+            counts_.triangles_in += static_cast<std::uint32_t>(mesh.indices.size() / 3);
+            for (const Eye& eye : eyes_) {
+                counts_.triangles_out += draw_slab(mesh, eye.projection, eye.grid,
+                                                   {index, wanted.cull_back}, scratch_, programs_)
+                                             .triangles_out;
+            }
+        }
+    }
+    return false;
+}
+
+}  // namespace pxpl5::gp

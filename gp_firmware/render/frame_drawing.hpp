@@ -1,0 +1,78 @@
+// Frame drawing: one frame's way through the surfaces that a GP holds, in small pieces.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gp_firmware/geometry/bin.hpp"
+#include "gp_firmware/geometry/transform.hpp"
+#include "gp_firmware/render/draw_slab.hpp"
+#include "gp_firmware/render/region_programs.hpp"
+#include "gp_firmware/surface/mesh.hpp"
+
+namespace pxpl5::gp {
+
+/// One surface, as far as this GP's slabs go.
+struct HeldSurface {
+    std::uint32_t revision = 0;
+    bool complete = false;        ///< All slabs have been extracted.
+    std::vector<SlabMesh> slabs;  ///< Ascending.
+};
+
+using Surfaces = std::map<std::uint16_t, HeldSurface>;
+
+/// A surface that a frame shows.
+struct SurfaceWanted {
+    std::uint16_t surface = 0;
+    std::uint32_t revision = 0;
+    bool cull_back = false;
+};
+
+/// What one frame asks of every GP.
+struct FrameRequest {
+    std::uint32_t frame = 0;
+    std::vector<Camera> views;
+    std::vector<SurfaceWanted> surfaces;    ///< In the order in which they are drawn.
+    std::vector<std::uint16_t> assignment;  ///< Renderer of each region.
+};
+
+/// Regions of the picture, over all views.
+std::size_t region_count(const FrameRequest& request);
+
+/// Empty if `surfaces` hold all that `request` shows, else what is missing.
+std::string missing_surface(const FrameRequest& request, const Surfaces& surfaces);
+
+/// Draws one frame at a time; keeps its buffers from frame to frame.
+class FrameDrawing {
+  public:
+    /// Starts a frame with empty programs for all its regions.
+    /// Throws std::invalid_argument for a camera that prepare() refuses; the programs are then
+    /// empty.
+    void begin(const FrameRequest& request);
+
+    /// Draws slabs until `triangle_count` triangles have gone through, or all have.
+    /// surfaces  missing_surface() is empty for them, and they stay the same until the frame is
+    /// done. Returns   true while there is more to draw.
+    bool draw(const Surfaces& surfaces, std::size_t triangle_count);
+
+    const RegionPrograms& programs() const { return programs_; }
+    const DrawCounts& counts() const { return counts_; }
+
+  private:
+    struct Eye {
+        Projection projection;
+        RegionGrid grid;
+    };
+
+    std::vector<Eye> eyes_;
+    std::vector<SurfaceWanted> wanted_;
+    std::size_t next_surface_ = 0, next_slab_ = 0;
+    RegionPrograms programs_;
+    DrawScratch scratch_;
+    DrawCounts counts_;
+};
+
+}  // namespace pxpl5::gp
