@@ -32,8 +32,14 @@ void locate_data(const std::filesystem::path& path, const Fields& fields, std::u
     const bool local = name == "LOCAL" || name == "Local" || name == "local";
     header.data_file = local ? path : path.parent_path() / name;
     header.data_offset_bytes = local ? header_end : 0;
-    const bool many = name == "LIST" || name.starts_with("LIST ") ||
-                      (name.find('%') != std::string::npos && words_of(name).size() > 1);
+    const bool numbered = name.find('%') != std::string::npos;
+    if (numbered && !is_file_pattern(words_of(name).at(0))) {
+        throw ImportError(
+            fmt::format("{}: ElementDataFile '{}' must be LOCAL, LIST, a name, or a "
+                        "pattern with one %d",
+                        file, shown(name)));
+    }
+    const bool many = name == "LIST" || name.starts_with("LIST ") || numbered;
     const bool compressed = lower_case(value_or(fields, "compresseddata", "false")) == "true";
     const bool binary = lower_case(value_or(fields, "binarydata", "true")) == "true";
     header.storage = many         ? Storage::unchecked

@@ -13,7 +13,7 @@ Fields read_fields(const std::string& file, HeaderReader& reader) {
     std::string line;
     if (!reader.next(line) || !line.starts_with("NRRD000")) {
         throw ImportError(fmt::format("{}: begins with '{}', a NRRD file with 'NRRD000'", file,
-                                      trimmed(line.substr(0, 16))));
+                                      shown(trimmed(line.substr(0, 16)))));
     }
     Fields fields;
     while (reader.next(line) && !trimmed(line).empty()) {
@@ -58,6 +58,11 @@ void locate_data(const std::filesystem::path& path, const Fields& fields, std::u
     }
     const std::vector<std::string> names = words_of(data_file);
     const bool many = !names.empty() && (lower_case(names[0]) == "list" || names.size() > 1);
+    if (many && lower_case(names[0]) != "list" && !is_file_pattern(names[0]) &&
+        !std::filesystem::exists(path.parent_path() / data_file)) {
+        throw ImportError(fmt::format("{}: data file '{}' must be a name, or a pattern with one %d",
+                                      path.string(), shown(data_file)));
+    }
     header.data_file = data_file.empty() ? path : path.parent_path() / data_file;
     header.data_offset_bytes = data_file.empty() ? header_end : 0;
     header.ends_file = byte_skip == "0" && line_skip == "0";

@@ -11,6 +11,12 @@
 
 namespace pxpl5::host::io {
 
+namespace {
+
+constexpr std::size_t max_shown_chars = 80, max_file_name_chars = 255;
+
+}  // namespace
+
 std::string lower_case(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -34,6 +40,23 @@ std::vector<std::string> words_of(std::string_view text) {
     return words;
 }
 
+std::string shown(std::string_view text) {
+    std::string printable(text.substr(0, max_shown_chars));
+    std::replace_if(
+        printable.begin(), printable.end(), [](unsigned char c) { return c < 32 || c > 126; }, '?');
+    return text.size() > max_shown_chars ? printable + "..." : printable;
+}
+
+bool is_file_pattern(const std::string& name) {
+    const std::size_t percent = name.find('%');
+    if (percent == std::string::npos || name.size() > max_file_name_chars) {
+        return false;
+    }
+    const std::size_t end = name.find_first_not_of("0123456789", percent + 1);
+    return end != std::string::npos && end - percent <= 3 && name[end] == 'd' &&
+           name.find('%', end) == std::string::npos;
+}
+
 std::vector<std::uint64_t> whole_numbers(const std::string& file, const std::string& field,
                                          const std::string& text) {
     std::vector<std::uint64_t> numbers;
@@ -42,7 +65,7 @@ std::vector<std::uint64_t> whole_numbers(const std::string& file, const std::str
         const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), number);
         if (failure != std::errc{} || end != word.data() + word.size()) {
             throw ImportError(
-                fmt::format("{}: {} is '{}', must be whole numbers", file, field, text));
+                fmt::format("{}: {} is '{}', must be whole numbers", file, field, shown(text)));
         }
         numbers.push_back(number);
     }

@@ -18,6 +18,13 @@ std::string lower_case(std::string text);
 std::string trimmed(std::string_view text);
 std::vector<std::string> words_of(std::string_view text);
 
+/// `text` from a file as an error may show it: printable, not long.
+std::string shown(std::string_view text);
+
+/// Whether `name` is a pattern of numbered files: one %d, perhaps with a width. Decoders hand the
+/// pattern to sprintf, so nothing else may pass.
+bool is_file_pattern(const std::string& name);
+
 /// All words of `text` as whole numbers >= 0.
 /// Throws ImportError naming `file`, `field` and the word.
 std::vector<std::uint64_t> whole_numbers(const std::string& file, const std::string& field,

@@ -80,6 +80,20 @@ TEST_SUITE("host/io/bad_files") {
               "e.mha: ElementNumberOfChannels is 3, a scalar volume has 1");
     }
 
+    TEST_CASE("a pattern of data files that is more than one %d never reaches sprintf") {
+        const TemporaryFolder folder;
+        const std::string head = meta_head + "DimSize = 4 4 2\n" + meta_tail + "ElementDataFile = ";
+        for (const char* pattern : {"%s%s%n 1 2 1", "v%d%d.raw 1 2 1", "v%999d.raw 1 2 1", "v%"}) {
+            CAPTURE(pattern);
+            CHECK(complaint(folder.write("p.mhd", head + pattern + "\n"))
+                      .find("must be LOCAL, LIST, a name, or a pattern with one %d") !=
+                  std::string::npos);
+            CHECK(complaint(folder.write("p.nhdr", nrrd_head + "dimension: 3\nsizes: 2 2 2\n" +
+                                                       "endian: little\nencoding: raw\n" +
+                                                       "data file: " + pattern + "\n")) != "");
+        }
+    }
+
     TEST_CASE("a compressed MetaImage that is cut is refused") {
         const TemporaryFolder folder;
         CHECK(complaint(folder.write(

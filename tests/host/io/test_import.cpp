@@ -275,6 +275,23 @@ TEST_SUITE("host/io/import") {
         check_column(volume, 3, 4, 5, 6);
     }
 
+    TEST_CASE("slices in numbered files are read in their order") {
+        const TemporaryFolder folder;
+        folder.write("s01.raw", std::string(12, 'a'));
+        folder.write("s02.raw", std::string(12, 'b'));
+        const std::string values = std::string(12, 'a') + std::string(12, 'b');
+        const Volume meta = import_volume(
+            folder.write("s.mhd",
+                         "ObjectType = Image\nNDims = 3\nDimSize = 4 3 2\nElementSpacing = 1 1 1\n"
+                         "ElementType = MET_UCHAR\nElementDataFile = s%02d.raw 1 2 1\n"));
+        CHECK(std::memcmp(meta.values.data(), values.data(), values.size()) == 0);
+        const Volume nrrd = import_volume(
+            folder.write("s.nhdr",
+                         "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 3 2\nspacings: 1 1 1\n"
+                         "encoding: raw\ndata file: s%02d.raw 1 2 1\n"));
+        CHECK(nrrd.values == meta.values);
+    }
+
     TEST_CASE("the suffix may be missing if the first bytes say the format") {
         const TemporaryFolder folder;
         const Volume volume =
