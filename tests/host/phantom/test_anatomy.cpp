@@ -166,6 +166,23 @@ TEST_SUITE("host/phantom/anatomy") {
         CHECK(c.area_mm2 > 2 * hull);
     }
 
+    TEST_CASE("a walk around the brain, below its surface, crosses furrow after furrow") {
+        const Probe probe("phantom:head");
+        constexpr int steps = 720;
+        int crossings = 0;
+        bool was_dark = false;
+        for (int i = 0; i <= steps; ++i) {
+            const double angle = 2 * 3.14159265 * i / steps;
+            const double x = 43 * std::sin(angle), y = 10 - 57 * std::cos(angle);
+            const bool is_dark = probe.near_mm(x, y, 65) < 200.5;  // Not brain.
+            crossings += is_dark && !was_dark ? 1 : 0;
+            was_dark = is_dark;
+        }
+        // Furrows are 12.5 mm apart, so a path of 316 mm straight across all would meet 25.
+        CHECK(crossings >= 25 / 2);
+        CHECK(crossings <= 25 * 3 / 2);
+    }
+
     TEST_CASE("no two hemispheres have the same folds") {
         const Probe probe("phantom:head");
         std::size_t brain = 0, differing = 0;
