@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fstream>
+#include <functional>
 #include <iostream>
 
 #include "host/error.hpp"
@@ -48,13 +49,13 @@ struct Flags {
     std::optional<double> isovalue;
 };
 
-std::string quoted(const std::string& word) {
+std::string in_quotes(const std::string& word) {
     return word.find('"') == std::string::npos ? '"' + word + '"' : '\'' + word + '\'';
 }
 
 /// `render` is nothing but these commands.
 std::string render_script(const Flags& flags) {
-    std::string script = "load " + quoted(flags.volume) + "\n";
+    std::string script = "load " + in_quotes(flags.volume) + "\n";
     if (!flags.size.empty()) {
         script += "size " + flags.size + "\n";
     }
@@ -71,11 +72,11 @@ std::string render_script(const Flags& flags) {
                                fmt::format("--surface '{}' is not of the form name=isovalue", surface));
         }
         const std::size_t comma = surface.find(',');
-        script += fmt::format("surface {} iso={}", quoted(surface.substr(0, equals)),
+        script += fmt::format("surface {} iso={}", in_quotes(surface.substr(0, equals)),
                               surface.substr(equals + 1, comma - equals - 1));
         script += comma == std::string::npos ? "\n" : " color=" + surface.substr(comma + 1) + "\n";
     }
-    return script + "snapshot " + quoted(flags.output) + "\n";
+    return script + "snapshot " + in_quotes(flags.output) + "\n";
 }
 
 int run(const Flags& flags) {
@@ -125,7 +126,7 @@ int render(const Flags& flags) {
 int info(Flags flags) {
     flags.machine.topology = "one-of-each";
     return flags.machine.with_session([&](Session& session) {
-        return run_script(session, lines_of_text("info " + quoted(flags.volume)),
+        return run_script(session, lines_of_text("info " + in_quotes(flags.volume)),
                           {.json = flags.json});
     });
 }
