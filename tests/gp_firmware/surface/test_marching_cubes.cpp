@@ -62,7 +62,7 @@ TEST_SUITE("gp/marching_cubes") {
                 keys.insert(mesh.keys[i]);
             }
         CHECK(keys.size() == 6);
-        // An octahedron of half-diagonal 3/4: 8 faces of sqrt(3)/2 h^2 ... volume 4/3 h^3.
+        // An octahedron with half-diagonal h has 8 faces of sqrt(3)/2 h^2 and volume 4/3 h^3.
         CHECK(certificate.volume_mm3 == doctest::Approx(4.0 / 3 * 0.75 * 0.75 * 0.75));
         CHECK(certificate.area_mm2 == doctest::Approx(8 * std::sqrt(3.0) / 2 * 0.75 * 0.75));
     }
@@ -108,6 +108,28 @@ TEST_SUITE("gp/marching_cubes") {
                     std::array<std::int16_t, 3>{static_cast<std::int16_t>(outward * 32767), 0, 0});
             }
         CHECK(inner > 10);
+    }
+
+    TEST_CASE("an ambiguous face joins its inside corners where its saddle is inside, ties apart") {
+        // Face z = 0 has `in` on one diagonal and `out` on the other; face z = 1 is outside. The
+        // saddle is at or above the isovalue 0 where in * in >= out * out.
+        // Joined, the surface is one sheet around both; apart, it is a cap at each corner.
+        for (const bool turned : {false, true}) {
+            const auto sheets = [&](double in, double out) {
+                const Volume volume =
+                    make_volume({2, 2, 2}, Scalar::int16, [&](int x, int y, int z) {
+                        return z == 1 ? -5 : (x == y) != turned ? in : out;
+                    });
+                const auto meshes = extract_all(volume, 0);
+                CHECK(meshes[0].counts.cells_ambiguous == 1);
+                const auto components = certify(meshes, volume.shape).components;
+                CHECK(meshes[0].counts.triangles == (components == 1 ? 4 : 2));
+                return components;
+            };
+            CHECK(sheets(4, -3) == 1);
+            CHECK(sheets(3, -4) == 2);
+            CHECK(sheets(3, -3) == 2);
+        }
     }
 
     TEST_CASE("any number of GPs gives the same bits") {
