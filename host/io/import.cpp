@@ -277,3 +277,11 @@ Volume import_volume(const std::string& path) {
 }
 
 }  // namespace pxpl5::host::io
+
+#if defined(__SANITIZE_ADDRESS__)
+// The NRRD reader leaks what it holds when it meets a broken file.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() {
+    return "leak:libITKNrrdIO";
+}
+#endif

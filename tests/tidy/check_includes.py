@@ -13,7 +13,7 @@ MAY_INCLUDE = {
     "host": {"host", "isa", "ringbus"},
     "tests": {"tests", "host", "gp_firmware", "renderer_firmware", "isa", "ringbus"},
 }
-GENERATED = {"schema_hash.hpp"}  # Made by the build, besides *_generated.h.
+GENERATED = re.compile(r"^(\w+_generated\.h|schema_hash\.hpp|\w+\.inc)$")  # By the build.
 FIRMWARE = {"gp_firmware", "renderer_firmware"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 
@@ -56,10 +56,9 @@ def error_of(path: pathlib.PurePath, quote: str, included: str) -> str:
     if quote == '"' and target in MAY_INCLUDE and target not in MAY_INCLUDE.get(owner, set()):
         return f"{owner} may not include {target}"
     is_rooted = "/" in included and target in MAY_INCLUDE
-    if quote == '"' and not is_rooted and not included.endswith("_generated.h") and \
-            included not in GENERATED:
+    if quote == '"' and not is_rooted and not GENERATED.match(included):
         return f'"{included}" is not a path from the top of the repository'
-    is_link = path.parts[:1] == ("ringbus",) and path.name.startswith("zmq_link")
+    is_link = path.as_posix().startswith(("ringbus/zmq_link.", "tests/ringbus/test_zmq_link."))
     if ZMQ.match(included) and not is_link:
         return "only ringbus/zmq_link.* includes ZeroMQ"
     if CODECS.match(included) and path.parts[:2] != ("host", "io") and \

@@ -25,8 +25,8 @@ def is_code(path: pathlib.Path) -> bool:
 
 
 def is_table(path: pathlib.Path) -> bool:
-    """Pure tables are exempt from lengths: they are named so."""
-    return path.suffix == ".def" or bool(re.search(r"_tables?\.[ch]pp$", path.name))
+    """Pure tables are exempt from lengths: rows of instructions, of fields, of cases."""
+    return path.suffix in {".def", ".fbs"} or bool(re.search(r"_tables?\.[ch]pp$", path.name))
 
 
 def read(root: pathlib.Path, path: pathlib.Path) -> str:
