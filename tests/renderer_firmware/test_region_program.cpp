@@ -1,0 +1,353 @@
+// The region programs on the reference executor, against Phong shading in double precision.
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "isa/reference/reference.hpp"
+#include "isa/region_layout.hpp"
+#include "isa/sequencer.hpp"
+#include "renderer_firmware/igc/region_program.hpp"
+#include "tests/isa/random_program.hpp"
+
+using namespace pxpl5;
+using renderer::Light;
+using renderer::Rgb;
+using renderer::Shading;
+
+namespace {
+
+constexpr int window_side = 16;
+constexpr isa::reference::Window window{
+    .x0 = 32, .y0 = 48, .width = window_side, .height = window_side};
+constexpr int pixel_count = window_side * window_side;
+
+/// What triangles left at a pixel; components in field units.
+struct Covered {
+    int surface = 0;
+    std::array<int, 3> normal{};
+};
+
+using Colour = std::array<int, 3>;
+
+void execute(isa::Executor& pixels, const std::vector<std::uint32_t>& words) {
+    const isa::CheckResult result = isa::check(words);
+    REQUIRE_MESSAGE(result.ok(), "word ", result.error->word, ": ", result.error->text);
+    isa::Controller controller;
+    isa::run(words, pixels, controller);
+}
+
+void store(isa::reference::Reference& pixels, int x, int y, isa::region::Field field, int value) {
+    pixels.set_field(x, y, field.address, field.width, static_cast<std::uint64_t>(value));
+}
+
+/// Draws `covered` (window_side * window_side pixels, row by row) with the two programs.
+std::vector<Colour> shade(const Shading& shading, const std::vector<Covered>& covered) {
+    isa::reference::Reference pixels(window);
+    std::vector<Colour> colours;
+    pixels.set_readout([&](auto words) {
+        for (int i = 0; i < pixel_count; ++i) {
+            const int x = window.x0 + i % window_side, y = window.y0 + i / window_side;
+            const std::uint32_t word = words[static_cast<std::size_t>(y * 128 + x)];
+            colours.push_back({static_cast<int>(word & 255), static_cast<int>(word >> 8 & 255),
+                               static_cast<int>(word >> 16)});
+        }
+    });
+    const renderer::RegionPrograms programs = renderer::region_programs(shading);
+    execute(pixels, programs.prologue);
+    for (int i = 0; i < pixel_count; ++i) {
+        const int x = window.x0 + i % window_side, y = window.y0 + i / window_side;
+        const Covered& c = covered[static_cast<std::size_t>(i)];
+        if (c.surface != 0) {
+            store(pixels, x, y, isa::region::surface, c.surface);
+            store(pixels, x, y, isa::region::normal_x, c.normal[0]);
+            store(pixels, x, y, isa::region::normal_y, c.normal[1]);
+            store(pixels, x, y, isa::region::normal_z, c.normal[2]);
+        }
+    }
+    execute(pixels, programs.end_of_region);
+    REQUIRE(colours.size() == pixel_count);
+    return colours;
+}
+
+struct V3 {
+    double x, y, z;
+};
+double dot(V3 p, V3 q) {
+    return p.x * q.x + p.y * q.y + p.z * q.z;
+}
+V3 unit(V3 v) {
+    const double length = std::sqrt(dot(v, v));
+    return {v.x / length, v.y / length, v.z / length};
+}
+
+/// Phong shading by its formula.
+std::array<double, 3> phong(const Shading& s, const Covered& c) {
+    const Rgb colour = s.surfaces[static_cast<std::size_t>(c.surface - 1)];
+    const double flip = c.normal[2] < 0 ? -1 : 1;
+    const V3 n = unit({flip * c.normal[0], flip * c.normal[1], flip * c.normal[2]});
+    double light = s.ambient, gloss = 0;
+    for (const Light& lamp : s.lights) {
+        const V3 l = unit({lamp.direction.x, lamp.direction.y, lamp.direction.z});
+        const V3 h = unit({l.x, l.y, l.z + 1});
+        light += lamp.intensity * std::max(0.0, dot(n, l));
+        gloss += double{lamp.intensity} * s.specular *
+                 std::pow(std::max(0.0, dot(n, h)), s.specular_power);
+    }
+    const auto mixed = [&](std::uint8_t value) {
+        return std::min(255.0, value * light + 255 * gloss);
+    };
+    return {mixed(colour.r), mixed(colour.g), mixed(colour.b)};
+}
+
+class Random {
+  public:
+    explicit Random(std::uint64_t seed) : bits_(seed) {}
+    double between(double low, double high) {
+        return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
+    }
+    int below(int count) { return static_cast<int>(bits_() % static_cast<unsigned>(count)); }
+    V3 direction() {
+        for (;;) {
+            const V3 v{between(-1, 1), between(-1, 1), between(-1, 1)};
+            const double square = dot(v, v);
+            if (square > 0.01 && square < 1) {
+                return unit(v);
+            }
+        }
+    }
+    Rgb colour() {
+        const auto part = [&] { return static_cast<std::uint8_t>(below(256)); };
+        return {part(), part(), part()};
+    }
+
+  private:
+    std::mt19937_64 bits_;
+};
+
+Covered covered(Random& random, int surface, double length) {
+    const V3 n = random.direction();
+    const auto part = [&](double v) { return static_cast<int>(std::lround(v * length)); };
+    return {surface, {part(n.x), part(n.y), part(n.z)}};
+}
+
+Shading random_shading(Random& random, int lights) {
+    Shading s;
+    s.ambient = static_cast<float>(random.between(0, 0.4));
+    s.specular = static_cast<float>(random.between(0, 1));
+    s.specular_power = static_cast<std::uint32_t>(1 + random.below(128));
+    s.background = random.colour();
+    for (int i = 0; i < lights; ++i) {
+        V3 d = random.direction();
+        d.z = random.below(2) == 0 ? d.z : std::abs(d.z);
+        s.lights.push_back(
+            {{static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)},
+             static_cast<float>(random.between(0.1, 3.5 / lights))});
+    }
+    for (int i = random.below(4); i >= 0; --i) {
+        s.surfaces.push_back(random.colour());
+    }
+    return s;
+}
+
+/// Largest distance of any channel from Phong's formula; background pixels must be exact.
+double worst_error(const Shading& shading, const std::vector<Covered>& pixels) {
+    const std::vector<Colour> found = shade(shading, pixels);
+    double worst = 0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        if (pixels[i].surface == 0) {
+            const Rgb b = shading.background;
+            CHECK(found[i] == Colour{b.r, b.g, b.b});
+            continue;
+        }
+        const std::array<double, 3> wanted = phong(shading, pixels[i]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            worst = std::max(worst, std::abs(found[i][k] - wanted[k]));
+        }
+    }
+    return worst;
+}
+
+Shading white_lamp(Light::Direction direction) {
+    Shading s;
+    s.lights = {{direction, 1}};
+    s.ambient = 0;
+    s.specular = 0;
+    s.surfaces = {{200, 100, 50}};
+    return s;
+}
+
+}  // namespace
+
+TEST_CASE("shaded pixels are within 2 of 255 of Phong's formula, the background is exact") {
+    const std::uint64_t seed = test::seed_or(51);
+    INFO("PXPL5_SEED=", seed);
+    Random random(seed);
+    double worst = 0, worst_at_unit = 0;
+    for (int round = 0; round < 120; ++round) {
+        const Shading shading = random_shading(random, round % 5);
+        const bool short_normals = round % 2 == 0;
+        std::vector<Covered> pixels(pixel_count);
+        for (Covered& pixel : pixels) {
+            const int count = static_cast<int>(shading.surfaces.size());
+            if (random.below(5) != 0) {
+                const double length = short_normals ? random.between(200, 510) : 510;
+                pixel = covered(random, 1 + random.below(count), length);
+            }
+        }
+        INFO("round ", round, ", power ", shading.specular_power);
+        const double error = worst_error(shading, pixels);
+        CHECK(error <= 2);
+        (short_normals ? worst : worst_at_unit) =
+            std::max(short_normals ? worst : worst_at_unit, error);
+    }
+    MESSAGE(fmt::format("worst error {:.2f} for normals of length 200..510, {:.2f} for unit ones",
+                        worst, worst_at_unit));
+}
+
+TEST_CASE("every specular power follows the formula around the highlight") {
+    Random random(test::seed_or(52));
+    double worst = 0;
+    for (std::uint32_t power = 1; power <= renderer::max_specular_power; ++power) {
+        Shading shading = white_lamp({0.3F, -0.2F, 0.9F});
+        shading.specular = 1;
+        shading.specular_power = power;
+        shading.surfaces = {{0, 0, 0}};
+        std::vector<Covered> pixels(pixel_count);
+        const V3 half = unit({0.3, -0.2, 0.9 + std::sqrt(0.94)});
+        for (Covered& pixel : pixels) {
+            const V3 off = random.direction();
+            const double spread = random.between(0, 0.5);
+            const V3 n =
+                unit({half.x + spread * off.x, half.y + spread * off.y, half.z + spread * off.z});
+            pixel = {
+                1,
+                {static_cast<int>(std::lround(510 * n.x)), static_cast<int>(std::lround(510 * n.y)),
+                 static_cast<int>(std::lround(510 * n.z))}};
+        }
+        INFO("power ", power);
+        const double error = worst_error(shading, pixels);
+        CHECK(error <= 2);
+        worst = std::max(worst, error);
+    }
+    MESSAGE(fmt::format("worst error {:.2f}", worst));
+}
+
+TEST_CASE("a surface looks the same from both of its sides") {
+    Random random(test::seed_or(53));
+    Shading shading = random_shading(random, 3);
+    std::vector<Covered> front(pixel_count);
+    for (Covered& pixel : front) {
+        do {
+            pixel = covered(random, 1, random.between(200, 510));
+        } while (pixel.normal[2] == 0);
+    }
+    std::vector<Covered> back = front;
+    for (Covered& pixel : back) {
+        for (int& component : pixel.normal) {
+            component = -component;
+        }
+    }
+    CHECK(shade(shading, front) == shade(shading, back));
+}
+
+TEST_CASE("colours are held at 255, channel by channel") {
+    Shading shading = white_lamp({0, 0, 1});
+    shading.lights[0].intensity = 2;
+    shading.specular = 1;
+    shading.specular_power = 1;
+    const std::vector<Covered> facing(pixel_count, {1, {0, 0, 510}});
+    CHECK(shade(shading, facing)[0] == Colour{255, 255, 255});
+    shading.specular = 0;
+    CHECK(shade(shading, facing)[0] == Colour{255, 200, 100});
+    shading.ambient = 1.75F;
+    CHECK(shade(shading, facing)[0] == Colour{255, 255, 188});
+}
+
+TEST_CASE("black stays black and white stays white") {
+    Shading shading = white_lamp({0, 0, 1});
+    shading.surfaces = {{0, 0, 0}, {255, 255, 255}};
+    std::vector<Covered> pixels(pixel_count, {1, {0, 0, 510}});
+    pixels[1].surface = 2;
+    pixels[2] = {2, {510, 0, 0}};
+    const std::vector<Colour> found = shade(shading, pixels);
+    CHECK(found[0] == Colour{0, 0, 0});
+    CHECK(found[1] == Colour{255, 255, 255});
+    CHECK(found[2] == Colour{0, 0, 0});
+}
+
+TEST_CASE("255 surfaces keep their colours") {
+    Shading shading = white_lamp({0, 0, 1});
+    std::vector<Covered> pixels(pixel_count);
+    for (int i = 1; i <= 255; ++i) {
+        const auto c = static_cast<std::uint8_t>(i);
+        shading.surfaces.resize(static_cast<std::size_t>(i), {c, static_cast<std::uint8_t>(255 - c),
+                                                              static_cast<std::uint8_t>(7 * c)});
+        pixels[static_cast<std::size_t>(i)] = {i, {0, 0, 510}};
+    }
+    CHECK(worst_error(shading, pixels) <= 1);
+}
+
+TEST_CASE("normals of any length are safe, those of length 0 get the ambient light") {
+    Shading shading = white_lamp({0.5F, 0.5F, 0.7F});
+    shading.ambient = 0.5F;
+    std::vector<Covered> pixels;
+    for (int i = 0; i < pixel_count; ++i) {
+        pixels.push_back({1, {i % 16 - 8, i / 16 - 8, 3}});
+    }
+    CHECK(worst_error(shading, pixels) <= 2);
+    pixels.assign(pixel_count, {1, {0, 0, 0}});
+    CHECK(shade(shading, pixels)[0] == Colour{100, 50, 25});
+    pixels.assign(pixel_count, {1, {511, 511, 511}});
+    CHECK(worst_error(shading, pixels) <= 2);
+}
+
+TEST_CASE("an empty region is read out and not shaded") {
+    Shading shading = white_lamp({0, 0, 1});
+    shading.background = {1, 2, 3};
+    isa::reference::Reference pixels(window);
+    execute(pixels, renderer::prologue(shading));
+    const std::vector<std::uint32_t> words = renderer::end_of_region(shading);
+    isa::Controller controller;
+    CHECK(isa::run(words, pixels, controller).instructions == 6);
+    CHECK(pixels.field(window.x0, window.y0, 64, 24) == 0x030201);
+    CHECK(pixels.field(window.x0, window.y0, 8, 24) == isa::region::z_far);
+}
+
+TEST_CASE("one lamp takes at most 80 instructions") {
+    Shading shading = white_lamp({0.5F, 0.5F, 0.7F});
+    shading.specular = 0.5F;
+    for (const std::uint32_t power : {32U, 127U}) {
+        shading.specular_power = power;
+        const std::size_t count = isa::check(renderer::end_of_region(shading)).facts.instructions;
+        MESSAGE("power ", power, ": ", count, " instructions");
+        CHECK(count <= (power == 32 ? 80U : 100U));
+    }
+}
+
+TEST_CASE("shadings out of range are refused with value and limit") {
+    const auto refused = [](auto change, const char* what) {
+        Shading shading = white_lamp({0, 0, 1});
+        change(shading);
+        CHECK_THROWS_WITH_AS(renderer::end_of_region(shading), what, std::invalid_argument);
+        CHECK_THROWS_AS(renderer::prologue(shading), std::invalid_argument);
+    };
+    refused([](Shading& s) { s.lights.resize(5, s.lights[0]); }, "shading: 5 lights; at most 4");
+    refused([](Shading& s) { s.surfaces.resize(256); }, "shading: 256 surfaces; at most 255");
+    refused([](Shading& s) { s.specular_power = 0; }, "shading: specular power 0; must be 1..128");
+    refused([](Shading& s) { s.specular_power = 129; },
+            "shading: specular power 129; must be 1..128");
+    refused([](Shading& s) { s.specular = 1.5F; }, "shading: specular 1.5; must be 0..1");
+    refused([](Shading& s) { s.ambient = NAN; }, "shading: ambient nan; must not be negative");
+    refused(
+        [](Shading& s) {
+            s.lights[0].direction = {0, 0, 0};
+        },
+        "shading: a light's direction (0, 0, 0) has no length");
+    refused([](Shading& s) { s.lights[0].intensity = 3.5F, s.ambient = 0.5F; },
+            "shading: ambient and intensities sum up to 4; at most 3.9");
+}
