@@ -21,8 +21,9 @@ def check(root: pathlib.Path) -> List[str]:
     paths = [str(p) for p in tree.files_of(root) if p.suffix in tree.CPP]
     errors = []
     for first in range(0, len(paths), FILES_AT_ONCE):
-        done = subprocess.run([tool, "--dry-run", "--style=file", *paths[first:first + FILES_AT_ONCE]],
-                              cwd=root, capture_output=True, text=True)
+        some = paths[first:first + FILES_AT_ONCE]
+        done = subprocess.run([tool, "--dry-run", "--style=file", *some], cwd=root,
+                              capture_output=True, text=True)
         lines = re.findall(r"^(\S+?):(\d+):\d+: (?:warning|error): ", done.stderr, re.M)
         for name in dict.fromkeys(name for name, _ in lines):
             number = next(n for other, n in lines if other == name)

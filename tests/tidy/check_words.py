@@ -43,6 +43,7 @@ def errors_of(path: pathlib.PurePath, text: str) -> List[str]:
 def check(root: pathlib.Path) -> List[str]:
     errors = []
     for path in tree.files_of(root):
-        if path.parts[:2] != HERE and (tree.is_code(path) or path.suffix in {".md", ".json", ".txt"}):
+        is_text = tree.is_code(path) or path.suffix in {".md", ".json", ".txt"}
+        if path.parts[:2] != HERE and is_text:
             errors += errors_of(path, tree.read(root, path))
     return errors

@@ -44,5 +44,5 @@ _NOT_CODE = re.compile(
 
 
 def bare_code(text: str) -> str:
-    """C++ `text` with comments, literals and preprocessor lines blanked; lines stay where they are."""
+    """C++ `text`, comments, literals and preprocessor lines blanked; lines stay in place."""
     return _NOT_CODE.sub(lambda match: re.sub(r"[^\n]", " ", match[0]), text)
