@@ -8,6 +8,7 @@
 #include "host/commands.hpp"
 #include "host/error.hpp"
 #include "host/nearest.hpp"
+#include "host/phantom/phantom.hpp"
 #include "host/picture_text.hpp"
 
 namespace pxpl5::host {
@@ -18,7 +19,9 @@ constexpr double max_angle_deg = 36000;
 constexpr double min_zoom = 0.05, max_zoom = 100;
 constexpr int max_orbit_frames = 100'000;
 
-[[noreturn]] void refuse(const std::string& text) { throw RequestError(ExitCode::usage, text); }
+[[noreturn]] void refuse(const std::string& text) {
+    throw RequestError(ExitCode::usage, text);
+}
 
 CaseTable parse_table(const std::string& text) {
     if (text == "watertight") {
@@ -33,8 +36,8 @@ CaseTable parse_table(const std::string& text) {
 Fields surface_fields(const Surface& surface, const SurfaceReport& report) {
     return {{"name", surface.name},
             {"isovalue", surface.isovalue},
-            {"table", std::string(surface.table == CaseTable::watertight ? "watertight"
-                                                                         : "lorensen1987")},
+            {"table",
+             std::string(surface.table == CaseTable::watertight ? "watertight" : "lorensen1987")},
             {"triangles", report.triangles},
             {"vertices", report.vertices},
             {"cells_active", report.cells_active},
@@ -53,14 +56,42 @@ std::string surface_text(const Surface& surface, const SurfaceReport& report) {
         report.volume_mm3 / 1000, report.elapsed_ms);
 }
 
+/// The surface as it was, or as a built-in volume suggests, changed by the arguments.
+Surface wished_surface(const Volume& volume, const std::optional<Surface>& known,
+                       const Arguments& arguments) {
+    Surface wish = known.value_or(Surface{});
+    wish.name = arguments.words[0];
+    bool has_isovalue = known.has_value();
+    for (const PhantomSurface& suggested : suggested_surfaces(volume.name)) {
+        if (!known && suggested.name == wish.name) {
+            wish.isovalue = suggested.isovalue;
+            wish.colour = {suggested.colour_rgb[0], suggested.colour_rgb[1],
+                           suggested.colour_rgb[2]};
+            has_isovalue = true;
+        }
+    }
+    if (!has_isovalue && !arguments.has("iso")) {
+        refuse(fmt::format("surface {} is new: give its isovalue, iso=V with V in {} .. {}",
+                           wish.name, volume.minimum, volume.maximum));
+    }
+    wish.isovalue = arguments.number("iso", wish.isovalue, -1e30, 1e30);
+    if (arguments.has("table")) {
+        wish.table = parse_table(arguments.text("table", ""));
+    }
+    if (arguments.has("color")) {
+        wish.colour = parse_colour(arguments.text("color", ""));
+    }
+    return wish;
+}
+
 }  // namespace
 
 Reply run_load(Session& session, const Arguments& arguments) {
     const LoadReport report = session.load(arguments.words[0]);
     Reply reply = describe_volume(session.volume());
-    reply.text += fmt::format("\nread in {:.0f} ms, distributed in {:.0f} ms; {:.1f} MiB on the GPs",
-                              report.read_ms, report.distribute_ms,
-                              static_cast<double>(report.memory_bytes) / (1 << 20));
+    reply.text += fmt::format(
+        "\nread in {:.0f} ms, distributed in {:.0f} ms; {:.1f} MiB on the GPs", report.read_ms,
+        report.distribute_ms, static_cast<double>(report.memory_bytes) / (1 << 20));
     reply.fields.push_back({"read_ms", report.read_ms});
     reply.fields.push_back({"distribute_ms", report.distribute_ms});
     reply.fields.push_back({"gp_memory_bytes", report.memory_bytes});
@@ -75,32 +106,15 @@ Reply run_info(Session& session, const Arguments& arguments) {
 Reply run_surface(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
     const Volume& volume = session.volume();
-    auto& surfaces = session.scene.surfaces;
-    auto known = std::find_if(surfaces.begin(), surfaces.end(),
-                              [&](const Surface& surface) { return surface.name == name; });
-    if (known == surfaces.end() && !arguments.has("iso")) {
-        refuse(fmt::format("surface {} is new: give its isovalue, iso=V with V in {} .. {}", name,
-                           volume.minimum, volume.maximum));
-    }
-    std::optional<Colour> colour;
-    if (arguments.has("color")) {
-        colour = parse_colour(arguments.text("color", ""));
-    }
-    if (known != surfaces.end() && !arguments.has("iso") && !arguments.has("table")) {
-        known->colour = colour.value_or(known->colour);
+    const std::optional<Surface> known = session.surface(name);
+    const Surface wish = wished_surface(volume, known, arguments);
+    if (known && !arguments.has("iso") && !arguments.has("table")) {
+        session.set_colour(name, wish.colour);
     } else {
-        const double otherwise = known == surfaces.end() ? 0 : known->isovalue;
-        const double isovalue = arguments.number("iso", otherwise, -1e30, 1e30);
-        const CaseTable table =
-            arguments.has("table") || known == surfaces.end()
-                ? parse_table(arguments.text("table", "watertight"))
-                : known->table;
-        session.set_surface(name, isovalue, table, colour);
+        session.set_surface(name, wish.isovalue, wish.table, wish.colour);
     }
-    known = std::find_if(surfaces.begin(), surfaces.end(),
-                         [&](const Surface& surface) { return surface.name == name; });
     const SurfaceReport& report = session.report_of(name);
-    Reply reply{surface_text(*known, report), surface_fields(*known, report)};
+    Reply reply{surface_text(wish, report), surface_fields(wish, report)};
     if (report.triangles == 0) {
         reply.text += fmt::format("\nno surface there: the volume's values are {} .. {}",
                                   volume.minimum, volume.maximum);
@@ -127,9 +141,8 @@ Reply run_view(Session& session, const Arguments& arguments) {
         }
         camera.angles = *angles;
     } else if (arguments.words.size() == 2) {
-        camera.angles = {
-            parse_number("azimuth", arguments.words[0], -max_angle_deg, max_angle_deg),
-            parse_number("elevation", arguments.words[1], -90, 90)};
+        camera.angles = {parse_number("azimuth", arguments.words[0], -max_angle_deg, max_angle_deg),
+                         parse_number("elevation", arguments.words[1], -90, 90)};
     }
     camera.zoom = arguments.number("zoom", camera.zoom, min_zoom, max_zoom);
     session.scene.camera = camera;
@@ -154,9 +167,10 @@ Reply run_light(Session& session, const Arguments& arguments) {
         }
     } else if (arguments.words.size() == 3) {
         const double before = index < lights.size() ? lights[index].intensity : 0.8;
-        const Light light{parse_number("azimuth", arguments.words[1], -max_angle_deg, max_angle_deg),
-                          parse_number("elevation", arguments.words[2], -90, 90),
-                          arguments.number("intensity", before, 0, 4)};
+        const Light light{
+            parse_number("azimuth", arguments.words[1], -max_angle_deg, max_angle_deg),
+            parse_number("elevation", arguments.words[2], -90, 90),
+            arguments.number("intensity", before, 0, 4)};
         index < lights.size() ? lights[index] = light : lights.emplace_back(light);
     } else {
         refuse(fmt::format("light {}: give AZ EL or off, got '{}'", arguments.words[0],
@@ -223,13 +237,13 @@ Reply run_orbit(Session& session, const Arguments& arguments) {
     };
     const OrbitReport report = session.orbit(static_cast<int>(count), take);
     const double rate = report.frames * 1000.0 / report.elapsed_ms;
-    return {fmt::format("{} frames in {:.0f} ms, {:.1f} frames/s{}", report.frames,
-                        report.elapsed_ms, rate,
-                        written != 0 ? fmt::format("; wrote {} pictures", written) : ""),
-            {{"frames", std::int64_t{report.frames}},
-             {"elapsed_ms", report.elapsed_ms},
-             {"frames_per_s", rate},
-             {"written", written}}};
+    return {
+        fmt::format("{} frames in {:.0f} ms, {:.1f} frames/s{}", report.frames, report.elapsed_ms,
+                    rate, written != 0 ? fmt::format("; wrote {} pictures", written) : ""),
+        {{"frames", std::int64_t{report.frames}},
+         {"elapsed_ms", report.elapsed_ms},
+         {"frames_per_s", rate},
+         {"written", written}}};
 }
 
 Reply run_stats(Session& session, const Arguments&) {
@@ -237,14 +251,16 @@ Reply run_stats(Session& session, const Arguments&) {
     std::vector<Fields> list;
     for (const Surface& surface : session.scene.surfaces) {
         const SurfaceReport& report = session.report_of(surface.name);
-        reply.text += surface_text(surface, report) +
-                      fmt::format("\n  {} cells crossed, {} of them ambiguous; {} cell rows skipped\n",
-                                  report.cells_active, report.cells_ambiguous, report.rows_skipped);
+        reply.text +=
+            surface_text(surface, report) +
+            fmt::format("\n  {} cells crossed, {} of them ambiguous; {} cell rows skipped\n",
+                        report.cells_active, report.cells_ambiguous, report.rows_skipped);
         list.push_back(surface_fields(surface, report));
     }
     const FrameReport& frame = session.last_frame();
-    reply.text += fmt::format("last frame: {:.1f} ms, {} instructions, {} Renderer cycles (modelled)",
-                              frame.elapsed_ms, frame.instructions, frame.renderer_cycles);
+    reply.text +=
+        fmt::format("last frame: {:.1f} ms, {} instructions, {} Renderer cycles (modelled)",
+                    frame.elapsed_ms, frame.instructions, frame.renderer_cycles);
     reply.fields = {{"surfaces", list},
                     {"frame", Fields{{"elapsed_ms", frame.elapsed_ms},
                                      {"instructions", frame.instructions},
@@ -282,6 +298,8 @@ Reply run_help(Session&, const Arguments& arguments) {
     return reply;
 }
 
-Reply run_quit(Session&, const Arguments&) { return {"", {}}; }
+Reply run_quit(Session&, const Arguments&) {
+    return {"", {}};
+}
 
 }  // namespace pxpl5::host

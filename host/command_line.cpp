@@ -14,7 +14,9 @@ namespace pxpl5::host {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& text) { throw RequestError(ExitCode::usage, text); }
+[[noreturn]] void refuse(const std::string& text) {
+    throw RequestError(ExitCode::usage, text);
+}
 
 /// A word and the place of its first '=' outside quotes.
 struct Word {
@@ -97,7 +99,8 @@ Arguments parse_line(std::string_view line) {
         } else if (word.equals == std::string::npos || word.equals == 0) {
             arguments.words.push_back(word.text);
         } else if (!arguments.options
-                        .emplace(word.text.substr(0, word.equals), word.text.substr(word.equals + 1))
+                        .emplace(word.text.substr(0, word.equals),
+                                 word.text.substr(word.equals + 1))
                         .second) {
             refuse(fmt::format("'{}' is given twice", word.text.substr(0, word.equals)));
         }

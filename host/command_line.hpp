@@ -23,8 +23,8 @@ struct Arguments {
 };
 
 /// Splits at blanks; quotes ('..' or "..") keep blanks and '='; '#' at the start of a word begins a
-/// comment. Returns an empty name for a blank line. Throws RequestError (usage) for an open quote or
-/// a repeated key.
+/// comment. Returns an empty name for a blank line. Throws RequestError (usage) for an open quote
+/// or a repeated key.
 Arguments parse_line(std::string_view line);
 
 /// The whole of `text` as a number in [low, high]. Throws RequestError naming `what` and both.

@@ -31,6 +31,8 @@ const Command& find_command(std::string_view name);
 Reply run_command(Session& session, const Arguments& arguments);
 
 /// True for the command that ends a session.
-inline bool is_quit(const Arguments& arguments) { return arguments.name == "quit"; }
+inline bool is_quit(const Arguments& arguments) {
+    return arguments.name == "quit";
+}
 
 }  // namespace pxpl5::host

@@ -20,7 +20,9 @@ schema::Matrix to_wire(const glm::dmat4& m) {
     return schema::Matrix(flatbuffers::make_span(values));
 }
 
-schema::Rgb to_wire(Colour colour) { return {colour.r, colour.g, colour.b}; }
+schema::Rgb to_wire(Colour colour) {
+    return {colour.r, colour.g, colour.b};
+}
 
 schema::Light to_wire(const Light& light) {
     const double azimuth = light.azimuth_deg / 180.0 * glm::pi<double>();
@@ -34,8 +36,7 @@ schema::Light to_wire(const Light& light) {
 /// One eye. Sizes are positive, so the aspect is defined.
 std::unique_ptr<schema::ViewT> view_of(const Scene& scene, const Volume& volume) {
     const double aspect = static_cast<double>(scene.size.width) / scene.size.height;
-    const Subject subject =
-        subject_of(volume.nx, volume.ny, volume.nz, volume.voxel_to_patient);
+    const Subject subject = subject_of(volume.nx, volume.ny, volume.nz, volume.voxel_to_patient);
     const CameraMatrices camera = camera_matrices(scene.camera, subject, aspect);
     auto view = std::make_unique<schema::ViewT>();
     view->voxel_to_eye =

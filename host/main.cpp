@@ -68,8 +68,9 @@ std::string render_script(const Flags& flags) {
     for (const std::string& surface : flags.surfaces) {
         const std::size_t equals = surface.find('=');
         if (equals == std::string::npos) {
-            throw RequestError(ExitCode::usage,
-                               fmt::format("--surface '{}' is not of the form name=isovalue", surface));
+            throw RequestError(
+                ExitCode::usage,
+                fmt::format("--surface '{}' is not of the form name=isovalue", surface));
         }
         const std::size_t comma = surface.find(',');
         script += fmt::format("surface {} iso={}", in_quotes(surface.substr(0, equals)),
@@ -81,8 +82,8 @@ std::string render_script(const Flags& flags) {
 
 int run(const Flags& flags) {
     if (flags.dry_run) {
-        fmt::print("{}", resolved_json(load_topology(flags.machine.topology,
-                                                     flags.machine.overrides)));
+        fmt::print("{}",
+                   resolved_json(load_topology(flags.machine.topology, flags.machine.overrides)));
         return 0;
     }
     return flags.machine.with_session([&](Session& session) {
@@ -150,11 +151,13 @@ void declare(CLI::App& app, Flags& flags) {
     run_app->add_flag("--dry-run", flags.dry_run, "Print the resolved topology and stop");
 
     CLI::App* render_app = app.add_subcommand("render", "Draw surfaces of a volume into a picture");
-    render_app->add_option("volume", flags.volume, "File, DICOM folder or phantom:NAME")->required();
+    render_app->add_option("volume", flags.volume, "File, DICOM folder or phantom:NAME")
+        ->required();
     render_app->add_option("--iso", flags.isovalue, "Isovalue of the surface");
     render_app->add_option("--surface", flags.surfaces, "Several surfaces: name=isovalue[,colour]");
     render_app->add_option("--view", flags.view, "Named view, or \"AZ EL [zoom=Z]\"");
-    render_app->add_option("--size", flags.size, "WIDTHxHEIGHT of the picture, 512x512 if not given");
+    render_app->add_option("--size", flags.size,
+                           "WIDTHxHEIGHT of the picture, 512x512 if not given");
     render_app->add_option("-o,--output", flags.output, "Picture to write")->required();
 
     CLI::App* info_app = app.add_subcommand("info", "Tell what is known of a volume");

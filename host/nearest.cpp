@@ -27,10 +27,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
-    const auto found = std::min_element(
-        candidates.begin(), candidates.end(), [word](std::string_view p, std::string_view q) {
-            return edit_distance(word, p) < edit_distance(word, q);
-        });
+    const auto found = std::min_element(candidates.begin(), candidates.end(),
+                                        [word](std::string_view p, std::string_view q) {
+                                            return edit_distance(word, p) < edit_distance(word, q);
+                                        });
     return found == candidates.end() ? std::string_view{} : *found;
 }
 

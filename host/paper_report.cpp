@@ -32,13 +32,10 @@ constexpr std::array paper_rows = {
     PaperRow{"phantom:head", "skin", 269'720, 591, 3, {35, 10}},
 };
 
-const PhantomSurface& phantom_surface(const PaperRow& row) {
-    static const std::vector<PhantomInfo> known = phantoms();
-    for (const PhantomInfo& phantom : known) {
-        for (const PhantomSurface& surface : phantom.surfaces) {
-            if (phantom.name == row.volume && surface.name == row.surface) {
-                return surface;
-            }
+PhantomSurface phantom_surface(const PaperRow& row) {
+    for (const PhantomSurface& surface : suggested_surfaces(row.volume)) {
+        if (surface.name == row.surface) {
+            return surface;
         }
     }
     throw RequestError(ExitCode::failed,
@@ -54,10 +51,10 @@ SurfaceReport extract(Session& session, const PhantomSurface& surface) {
 
 std::string write_picture(Session& session, const PaperRow& row, const std::string& folder) {
     std::filesystem::create_directories(folder);
-    const std::string path = (std::filesystem::path(folder) /
-                              fmt::format("{}-{}.png", row.volume.substr(row.volume.find(':') + 1),
-                                          row.surface))
-                                 .string();
+    const std::string path =
+        (std::filesystem::path(folder) /
+         fmt::format("{}-{}.png", row.volume.substr(row.volume.find(':') + 1), row.surface))
+            .string();
     session.export_picture(session.draw(), path, picture_text(session.volume(), session.scene));
     return path;
 }
@@ -75,7 +72,7 @@ void report_paper(Session& session, const std::string& pictures) {
             session.load(std::string(row.volume));
             loaded = row.volume;
         }
-        const PhantomSurface& surface = phantom_surface(row);
+        const PhantomSurface surface = phantom_surface(row);
         const SurfaceReport built = extract(session, surface);
         session.scene.camera = {row.view, 1};
         const OrbitReport orbit = session.orbit(rate_frames, [](int, const Picture&) {});
@@ -89,10 +86,11 @@ void report_paper(Session& session, const std::string& pictures) {
                    orbit.frames * 1000 / orbit.elapsed_ms);
         std::fflush(stdout);
     }
-    fmt::print("paper: 36 GPs, 16 Renderers, 1993, wall time of that machine; here: wall time of "
-               "this one, {} GPs, {} Renderers, {}x{}, every view newly drawn\n",
-               session.gp_count(), session.renderer_count(), session.scene.size.width,
-               session.scene.size.height);
+    fmt::print(
+        "paper: 36 GPs, 16 Renderers, 1993, wall time of that machine; here: wall time of "
+        "this one, {} GPs, {} Renderers, {}x{}, every view newly drawn\n",
+        session.gp_count(), session.renderer_count(), session.scene.size.width,
+        session.scene.size.height);
     if (!paths.empty()) {
         fmt::print("pictures:\n");
         for (const std::string& path : paths) {

@@ -21,16 +21,6 @@ glm::dvec3 axis_mm(const Volume& volume, int axis) {
     return glm::dvec3(volume.voxel_to_patient[axis]);
 }
 
-/// What is worth looking at in a built-in volume; empty for others.
-std::vector<PhantomSurface> suggested_surfaces(const Volume& volume) {
-    for (const PhantomInfo& phantom : phantoms()) {
-        if (phantom.name == volume.name) {
-            return phantom.surfaces;
-        }
-    }
-    return {};
-}
-
 }  // namespace
 
 glm::dvec3 spacing_mm(const Volume& volume) {
@@ -69,14 +59,16 @@ std::uint64_t picture_digest(const Picture& picture) {
 }
 
 Reply describe_volume(const Volume& volume) {
-    const glm::dvec3 spacing = spacing_mm(volume), extent = spacing * glm::dvec3(volume.nx - 1, volume.ny - 1, volume.nz - 1);
+    const glm::dvec3 spacing = spacing_mm(volume),
+                     extent = spacing * glm::dvec3(volume.nx - 1, volume.ny - 1, volume.nz - 1);
     const glm::dvec3 origin(volume.voxel_to_patient[3]);
     const std::string type(scalar_names[static_cast<std::size_t>(volume.type)]);
     const std::string letters = orientation_letters(volume);
     Reply reply;
     reply.text = fmt::format(
         "{}: {} x {} x {} voxels of {}, spacing {:.4g} x {:.4g} x {:.4g} mm, {:.0f} x {:.0f} x "
-        "{:.0f} mm\nvalues {} .. {}; axes point to {}, first voxel at ({:.1f}, {:.1f}, {:.1f}) mm LPS",
+        "{:.0f} mm\nvalues {} .. {}; axes point to {}, first voxel at ({:.1f}, {:.1f}, {:.1f}) mm "
+        "LPS",
         volume.name, volume.nx, volume.ny, volume.nz, type, spacing.x, spacing.y, spacing.z,
         extent.x, extent.y, extent.z, volume.minimum, volume.maximum, letters, origin.x, origin.y,
         origin.z);
@@ -86,22 +78,22 @@ Reply describe_volume(const Volume& volume) {
         notes.push_back({{"note", note}});
     }
     std::vector<Fields> surfaces;
-    for (const PhantomSurface& surface : suggested_surfaces(volume)) {
+    for (const PhantomSurface& surface : suggested_surfaces(volume.name)) {
         reply.text += fmt::format("\nsurface {}: iso={}", surface.name, surface.isovalue);
         surfaces.push_back({{"name", surface.name}, {"isovalue", surface.isovalue}});
     }
-    reply.fields = {{"name", volume.name},
-                    {"dims", std::vector<double>{static_cast<double>(volume.nx),
-                                                 static_cast<double>(volume.ny),
-                                                 static_cast<double>(volume.nz)}},
-                    {"type", type},
-                    {"spacing_mm", std::vector<double>{spacing.x, spacing.y, spacing.z}},
-                    {"origin_mm", std::vector<double>{origin.x, origin.y, origin.z}},
-                    {"orientation", letters},
-                    {"minimum", volume.minimum},
-                    {"maximum", volume.maximum},
-                    {"notes", notes},
-                    {"surfaces", surfaces}};
+    reply.fields = {
+        {"name", volume.name},
+        {"dims", std::vector<double>{static_cast<double>(volume.nx), static_cast<double>(volume.ny),
+                                     static_cast<double>(volume.nz)}},
+        {"type", type},
+        {"spacing_mm", std::vector<double>{spacing.x, spacing.y, spacing.z}},
+        {"origin_mm", std::vector<double>{origin.x, origin.y, origin.z}},
+        {"orientation", letters},
+        {"minimum", volume.minimum},
+        {"maximum", volume.maximum},
+        {"notes", notes},
+        {"surfaces", surfaces}};
     return reply;
 }
 

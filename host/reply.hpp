@@ -11,8 +11,8 @@ namespace pxpl5::host {
 
 struct Field;
 using Fields = std::vector<Field>;
-using FieldValue = std::variant<bool, std::int64_t, double, std::string, std::vector<double>, Fields,
-                                std::vector<Fields>>;
+using FieldValue = std::variant<bool, std::int64_t, double, std::string, std::vector<double>,
+                                Fields, std::vector<Fields>>;
 
 struct Field {
     std::string name;

@@ -17,7 +17,9 @@ namespace {
 constexpr int history_length = 500;
 
 /// libedit wants a function that returns the prompt's text.
-const char* prompt_text(EditLine*) { return "pxpl5> "; }
+const char* prompt_text(EditLine*) {
+    return "pxpl5> ";
+}
 
 struct Prompt {
     EditLine* line = el_init("pxpl5", stdin, stdout, stderr);

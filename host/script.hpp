@@ -1,4 +1,5 @@
-// Runs commands one after another, from a script, from -c or from the prompt, and prints the answers.
+// Runs commands one after another, from a script, from -c or from the prompt, and prints the
+// answers.
 #pragma once
 
 #include <functional>
@@ -27,8 +28,8 @@ LineSource lines_of_text(const std::string& text);
 /// Asks at the terminal, with history and editing.
 LineSource lines_of_prompt();
 
-/// Runs until the lines end or "quit". Answers go to standard output, errors to standard error (with
-/// json both to standard output).
+/// Runs until the lines end or "quit". Answers go to standard output, errors to standard error
+/// (with json both to standard output).
 ///
 /// Returns   0, or the exit code of the first command that failed.
 /// Throws    MachineError if the machine ends.

@@ -27,7 +27,9 @@ std::int64_t now_ns() {
         .count();
 }
 
-double ms_since(std::int64_t start_ns) { return static_cast<double>(now_ns() - start_ns) * 1e-6; }
+double ms_since(std::int64_t start_ns) {
+    return static_cast<double>(now_ns() - start_ns) * 1e-6;
+}
 
 /// Sums in slab order, so that rounding does not depend on which GP held which slab.
 SurfaceReport sum_slabs(std::vector<schema::SlabCounts>& slabs) {
@@ -107,8 +109,9 @@ void Session::on_message(const bus::Message& message) {
     } else if (const auto* outcome = message.as<schema::IoDone>()) {
         io_done_ = true;
         if (!outcome->ok()) {
-            throw RequestError(outcome->bad_data() ? ExitCode::bad_data : ExitCode::failed,
-                               outcome->error() ? outcome->error()->str() : "input or output failed");
+            throw RequestError(
+                outcome->bad_data() ? ExitCode::bad_data : ExitCode::failed,
+                outcome->error() ? outcome->error()->str() : "input or output failed");
         }
     }
 }
@@ -168,9 +171,8 @@ LoadReport Session::load(const std::string& source) {
         const std::vector<int> slices =
             slices_for_gp(volume_->nz, static_cast<int>(i), static_cast<int>(gps.size()));
         machine_.send(gps[i], header);
-        for_each_slice_batch(*volume_, volume_id_, slices, [&](bus::Payload batch) {
-            machine_.send(gps[i], std::move(batch));
-        });
+        for_each_slice_batch(*volume_, volume_id_, slices,
+                             [&](bus::Payload batch) { machine_.send(gps[i], std::move(batch)); });
         machine_.send(gps[i], bus::pack(schema::VolumeEndT{{}, volume_id_}));
     }
     try {
@@ -197,8 +199,21 @@ Surface& Session::find_surface(const std::string& name) {
                                                                   : did_you_mean(name, names)));
 }
 
+std::optional<Surface> Session::surface(const std::string& name) const {
+    for (const Surface& known : scene.surfaces) {
+        if (known.name == name) {
+            return known;
+        }
+    }
+    return std::nullopt;
+}
+
+void Session::set_colour(const std::string& name, Colour colour) {
+    find_surface(name).colour = colour;
+}
+
 SurfaceReport Session::set_surface(const std::string& name, double isovalue, CaseTable table,
-                                   std::optional<Colour> colour) {
+                                   Colour colour) {
     volume();
     auto found = std::find_if(scene.surfaces.begin(), scene.surfaces.end(),
                               [&](const Surface& surface) { return surface.name == name; });
@@ -213,7 +228,7 @@ SurfaceReport Session::set_surface(const std::string& name, double isovalue, Cas
     }
     found->isovalue = isovalue;
     found->table = table;
-    found->colour = colour.value_or(found->colour);
+    found->colour = colour;
     ++found->revision;
 
     const std::int64_t start_ns = now_ns();
@@ -293,7 +308,8 @@ void Session::on_frame_done(const schema::FrameDone& done) {
     for (const std::uint64_t cycles : region_costs_) {
         last_frame_.renderer_cycles += static_cast<std::int64_t>(cycles);
     }
-    Picture picture{static_cast<int>(done.width()), static_cast<int>(done.height() * done.views()),
+    Picture picture{static_cast<int>(done.width()),
+                    static_cast<int>(done.height() * done.views()),
                     {done.pixels()->begin(), done.pixels()->end()}};
     finished_.push_back(std::move(picture));
     pending_.pop_front();
@@ -312,18 +328,22 @@ Picture Session::draw() {
 }
 
 OrbitReport Session::orbit(int frames, const std::function<void(int, const Picture&)>& take) {
-    const Camera camera = scene.camera;
+    struct Restore {
+        Camera& camera;
+        const Camera before = camera;
+        ~Restore() { camera = before; }
+    };
+    const Restore restore{scene.camera};
     const std::int64_t start_ns = now_ns();
     for (int submitted = 0, taken = 0; taken < frames; ++taken) {
         for (; submitted < frames && pending_.size() + finished_.size() < frames_in_flight;
              ++submitted) {
             scene.camera.angles.azimuth_deg =
-                camera.angles.azimuth_deg + 360.0 * submitted / frames;
+                restore.before.angles.azimuth_deg + 360.0 * submitted / frames;
             submit_frame();
         }
         take(taken, take_frame());
     }
-    scene.camera = camera;
     return {frames, ms_since(start_ns)};
 }
 
@@ -335,10 +355,10 @@ void Session::export_picture(const Picture& picture, const std::string& path,
     const auto path_text = builder.CreateString(path);
     const auto description_text = builder.CreateString(description);
     with_io(path,
-            bus::finish(builder, schema::CreateExportPicture(
-                                     builder, path_text, static_cast<std::uint32_t>(picture.width),
-                                     static_cast<std::uint32_t>(picture.height), rgba,
-                                     description_text)),
+            bus::finish(builder,
+                        schema::CreateExportPicture(
+                            builder, path_text, static_cast<std::uint32_t>(picture.width),
+                            static_cast<std::uint32_t>(picture.height), rgba, description_text)),
             [this] { return io_done_; });
 }
 

@@ -27,16 +27,16 @@ struct SurfaceReport {
     std::int64_t triangles = 0, vertices = 0;
     std::int64_t cells_active = 0, cells_ambiguous = 0, rows_skipped = 0;
     double area_mm2 = 0;
-    double volume_mm3 = 0;   ///< Meaningful where the surface is closed.
-    double elapsed_ms = 0;   ///< Command to the last GP's acknowledgement.
+    double volume_mm3 = 0;          ///< Meaningful where the surface is closed.
+    double elapsed_ms = 0;          ///< Command to the last GP's acknowledgement.
     std::int64_t memory_bytes = 0;  ///< In use over all GPs afterwards.
 };
 
 struct FrameReport {
     std::uint32_t frame = 0;
-    std::int64_t instructions = 0;      ///< Executed by all Renderers.
-    std::int64_t renderer_cycles = 0;   ///< Modelled, summed over regions.
-    double elapsed_ms = 0;              ///< Request to picture.
+    std::int64_t instructions = 0;     ///< Executed by all Renderers.
+    std::int64_t renderer_cycles = 0;  ///< Modelled, summed over regions.
+    double elapsed_ms = 0;             ///< Request to picture.
 };
 
 struct LoadReport {
@@ -72,8 +72,11 @@ class Session {
 
     /// Adds the surface, or gives it a new isovalue, and extracts it on all GPs.
     SurfaceReport set_surface(const std::string& name, double isovalue, CaseTable table,
-                              std::optional<Colour> colour);
+                              Colour colour);
     void remove_surface(const std::string& name);
+    /// The surface of that name, if there is one.
+    std::optional<Surface> surface(const std::string& name) const;
+    void set_colour(const std::string& name, Colour colour);
     const SurfaceReport& report_of(const std::string& name) const;
 
     /// Draws the scene once.

@@ -18,12 +18,12 @@ constexpr std::size_t size_bytes(Scalar type) {
 /// Voxels with their place in the patient.
 struct Volume {
     std::string name;
-    int nx = 0, ny = 0, nz = 0;        ///< Voxels.
+    int nx = 0, ny = 0, nz = 0;  ///< Voxels.
     Scalar type = Scalar::int16;
     glm::dmat4 voxel_to_patient{1.0};  ///< Voxel index (x, y, z) to millimetres, LPS.
     double minimum = 0, maximum = 0;   ///< Over all voxels.
-    std::vector<std::string> notes;    ///< What a reader should know: conversions, gaps, assumptions.
-    std::vector<std::byte> values;     ///< nx * ny * nz, x fastest, little endian, of `type`.
+    std::vector<std::string> notes;  ///< What a reader should know: conversions, gaps, assumptions.
+    std::vector<std::byte> values;   ///< nx * ny * nz, x fastest, little endian, of `type`.
 };
 
 }  // namespace pxpl5::host

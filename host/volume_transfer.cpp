@@ -30,10 +30,10 @@ std::size_t slice_bytes(const Volume& volume) {
 bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, int count) {
     const std::size_t size = slice_bytes(volume);
     flatbuffers::FlatBufferBuilder builder(static_cast<std::size_t>(count) * size + 256);
-    const auto values = builder.CreateVector(
-        reinterpret_cast<const std::uint8_t*>(volume.values.data()) +
-            static_cast<std::size_t>(first) * size,
-        static_cast<std::size_t>(count) * size);
+    const auto values =
+        builder.CreateVector(reinterpret_cast<const std::uint8_t*>(volume.values.data()) +
+                                 static_cast<std::size_t>(first) * size,
+                             static_cast<std::size_t>(count) * size);
     return bus::finish(builder, schema::CreateSlices(builder, id, static_cast<std::uint32_t>(first),
                                                      static_cast<std::uint32_t>(count), values));
 }
@@ -101,10 +101,10 @@ void VolumeReceiver::begin(const schema::VolumeHeader& header) {
     }
     const std::size_t total = slice_bytes(volume_) * header.nz();
     if (total > max_volume_bytes) {
-        throw RequestError(ExitCode::bad_data,
-                           fmt::format("{}: {} x {} x {} voxels need {} bytes, the limit is {}",
-                                       volume_.name, volume_.nx, volume_.ny, volume_.nz, total,
-                                       max_volume_bytes));
+        throw RequestError(
+            ExitCode::bad_data,
+            fmt::format("{}: {} x {} x {} voxels need {} bytes, the limit is {}", volume_.name,
+                        volume_.nx, volume_.ny, volume_.nz, total, max_volume_bytes));
     }
     volume_.values.resize(total);
 }

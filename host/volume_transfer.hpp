@@ -9,9 +9,9 @@
 
 namespace pxpl5::host {
 
-/// The slices that GP `gp_index` of `gp_count` needs, ascending: slab s (between slices s and s + 1)
-/// goes to GP s mod gp_count, and its slice set is s-1 .. s+2 as far as they exist.
-/// Source: Yoo & Chen, section IV, "Dataset-distribution".
+/// The slices that GP `gp_index` of `gp_count` needs, ascending: slab s (between slices s and s +
+/// 1) goes to GP s mod gp_count, and its slice set is s-1 .. s+2 as far as they exist. Source: Yoo
+/// & Chen, section IV, "Dataset-distribution".
 std::vector<int> slices_for_gp(int slice_count, int gp_index, int gp_count);
 
 /// VolumeHeader for `volume` with the given id.

@@ -1,9 +1,8 @@
 #include "host/phantom/phantom.hpp"
 
-#include <algorithm>
-#include <numeric>
 #include <stdexcept>
 
+#include "host/nearest.hpp"
 #include "host/phantom/catalogue.hpp"
 
 namespace pxpl5::host {
@@ -23,35 +22,16 @@ constexpr Entry catalogue[] = {
     {phantom::torus_info, phantom::make_torus},   {phantom::letters_info, phantom::make_letters},
 };
 
-/// Levenshtein's distance: letters to insert, remove or replace.
-std::size_t edits_between(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-            diagonal = row[j + 1];
-            row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-        }
-    }
-    return row.back();
-}
-
 [[noreturn]] void throw_unknown(std::string_view name) {
-    std::string known, nearest;
-    std::size_t least = std::string::npos;
-    for (const PhantomInfo& info : phantoms()) {
+    const std::vector<PhantomInfo> infos = phantoms();
+    std::vector<std::string_view> names;
+    std::string known;
+    for (const PhantomInfo& info : infos) {
         known += (known.empty() ? "" : ", ") + info.name;
-        const std::size_t edits = edits_between(name, info.name);
-        if (edits < least) {
-            least = edits;
-            nearest = info.name;
-        }
+        names.push_back(info.name);
     }
     throw std::invalid_argument("no phantom \"" + std::string(name) + "\"; did you mean " +
-                                nearest + "? Known: " + known);
+                                std::string(nearest(name, names)) + "? Known: " + known);
 }
 
 }  // namespace
@@ -64,6 +44,13 @@ std::vector<PhantomInfo> phantoms() {
 
 bool is_phantom(std::string_view name) {
     return name.starts_with(prefix);
+}
+
+std::vector<PhantomSurface> suggested_surfaces(std::string_view volume_name) {
+    for (const PhantomInfo& info : phantoms()) {
+        if (info.name == volume_name) return info.surfaces;
+    }
+    return {};
 }
 
 Volume make_phantom(std::string_view name) {

@@ -42,6 +42,9 @@ std::vector<PhantomInfo> phantoms();
 /// Whether `name` asks for a phantom, known or not.
 bool is_phantom(std::string_view name);
 
+/// The surfaces of the phantom of that name; empty for any other volume.
+std::vector<PhantomSurface> suggested_surfaces(std::string_view volume_name);
+
 /// Computes a phantom.
 ///
 /// name     As in PhantomInfo::name.

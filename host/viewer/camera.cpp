@@ -19,8 +19,8 @@ constexpr double depth_margin = 1.02;
 
 const std::vector<NamedView>& named_views() {
     static const std::vector<NamedView> views = {
-        {"anterior", {0, 0}},  {"posterior", {180, 0}}, {"left", {90, 0}},
-        {"right", {270, 0}},   {"superior", {180, 90}}, {"inferior", {0, -90}},
+        {"anterior", {0, 0}}, {"posterior", {180, 0}}, {"left", {90, 0}},
+        {"right", {270, 0}},  {"superior", {180, 90}}, {"inferior", {0, -90}},
     };
     return views;
 }
@@ -41,7 +41,8 @@ Subject subject_of(int nx, int ny, int nz, const glm::dmat4& voxel_to_patient) {
     };
     Subject subject{place(last * 0.5), 0};
     for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 p(corner & 1 ? last.x : 0, corner & 2 ? last.y : 0, corner & 4 ? last.z : 0);
+        const glm::dvec3 p(corner & 1 ? last.x : 0, corner & 2 ? last.y : 0,
+                           corner & 4 ? last.z : 0);
         subject.radius_mm = std::max(subject.radius_mm, glm::distance(place(p), subject.centre_mm));
     }
     return subject;

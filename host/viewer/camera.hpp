@@ -20,8 +20,8 @@ struct NamedView {
     ViewAngles angles;
 };
 
-/// anterior, posterior, left, right, superior, inferior. Seen from inferior, the patient's left is on
-/// the picture's right and anterior is up, as radiologists show axial slices.
+/// anterior, posterior, left, right, superior, inferior. Seen from inferior, the patient's left is
+/// on the picture's right and anterior is up, as radiologists show axial slices.
 const std::vector<NamedView>& named_views();
 
 /// The view of that name; nothing if there is none.
@@ -33,12 +33,14 @@ struct Subject {
     double radius_mm = 1;
 };
 
-/// The sphere around the box of an nx x ny x nz volume (voxel centres) placed by `voxel_to_patient`.
+/// The sphere around the box of an nx x ny x nz volume (voxel centres) placed by
+/// `voxel_to_patient`.
 Subject subject_of(int nx, int ny, int nz, const glm::dmat4& voxel_to_patient);
 
 struct Camera {
     ViewAngles angles;
-    double zoom = 1;  ///< 1 shows the subject's sphere with little margin; each doubling halves the field.
+    double zoom =
+        1;  ///< 1 shows the subject's sphere with little margin; each doubling halves the field.
 };
 
 struct CameraMatrices {

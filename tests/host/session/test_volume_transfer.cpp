@@ -70,11 +70,9 @@ TEST_SUITE("host/volume_transfer") {
     TEST_CASE("consecutive slices share a message, others do not") {
         const Volume volume = numbered_volume(4, 4, 12);
         std::vector<std::pair<unsigned, unsigned>> batches;
-        for_each_slice_batch(volume, 1, {0, 1, 2, 5, 6, 11},
-                             [&](const pxpl5::bus::Payload& batch) {
-                                 batches.emplace_back(slices_of(batch)->first_slice(),
-                                                      slices_of(batch)->slice_count());
-                             });
+        for_each_slice_batch(volume, 1, {0, 1, 2, 5, 6, 11}, [&](const pxpl5::bus::Payload& batch) {
+            batches.emplace_back(slices_of(batch)->first_slice(), slices_of(batch)->slice_count());
+        });
         CHECK(batches == std::vector<std::pair<unsigned, unsigned>>{{0, 3}, {5, 2}, {11, 1}});
     }
 
