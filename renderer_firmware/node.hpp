@@ -42,8 +42,9 @@ class RendererNode final : public bus::Node {
     void on_programs(const bus::Message& message);
     Inputs& inputs_of(std::uint32_t frame);
     void start_next();
-    void draw_next_region(bus::Outbox& out);
+    void draw_next_region();
     void send_pixels(bus::Outbox& out);
+    void tell_faults(bus::Outbox& out);
 
     bus::NodeId self_ = 0, frame_buffer_ = 0;
     std::uint32_t index_ = 0;                      ///< Of this Renderer.
@@ -51,7 +52,6 @@ class RendererNode final : public bus::Node {
     std::map<std::uint32_t, Inputs> waiting_;      ///< By frame.
     std::optional<std::uint32_t> newest_drawn_;    ///< Frames up to it are over.
     fast::Fast executor_;
-    Igc igc_;
     std::unique_ptr<Drawing> drawing_;   ///< The frame being drawn.
     std::vector<std::uint32_t> pixels_;  ///< Its finished regions, 128 x 128 words each.
 };

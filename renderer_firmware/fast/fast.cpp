@@ -32,6 +32,11 @@ Fast::Fast(const Backend& code) : code_(code), board_(std::make_unique<hal::Boar
     steps_.reserve(max_steps);
 }
 
+void Fast::reset() {
+    board_->pixels.clear();
+    board_->store.clear();
+}
+
 void Fast::execute(isa::Instruction in, isa::Coefficients coefficients) {
     const Handler handler = code_.handlers[static_cast<std::size_t>(in.op)];
     assert(handler != nullptr);

@@ -18,6 +18,10 @@ class Fast final : public isa::Executor {
     /// With the handlers of `code`: for tests that plant a wrong one.
     explicit Fast(const Backend& code);
 
+    /// Back to the state of a new executor. What a region leaves must not reach the next one, or
+    /// the picture would depend on which Renderer draws which region.
+    void reset();
+
     void execute(isa::Instruction in, isa::Coefficients coefficients) override;
 
     /// Runs triangles fused, and other straight-line stretches block group by block group, so that

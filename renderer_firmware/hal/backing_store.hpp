@@ -22,6 +22,9 @@ class BackingStore {
     /// Block `number`, 0..127, given room if it has none.
     Words& open(std::uint32_t number);
 
+    /// All blocks hold 0 and take no room.
+    void clear() { blocks_ = {}; }
+
   private:
     std::array<std::unique_ptr<Words>, isa::backing_blocks> blocks_;
 };

@@ -1,8 +1,16 @@
 #include "renderer_firmware/hal/pixel_array.hpp"
 
 #include <cassert>
+#include <cstring>
 
 namespace pxpl5::renderer::hal {
+
+void PixelArray::clear() {
+    std::memset(blocks.data(), 0, sizeof blocks);
+    enable.fill(0);
+    carry.fill(0);
+    occupied = {};
+}
 
 std::uint64_t field(const PixelArray& pixels, std::size_t index, std::uint32_t a, std::uint32_t n) {
     assert(index < isa::region_pixels && n >= 1 && n <= 64 && a + n <= isa::memory_bits);

@@ -73,6 +73,8 @@ struct PixelArray {
         const std::uint64_t bit = std::uint64_t{1} << block % 64;
         occupied[block / 64] = any ? occupied[block / 64] | bit : occupied[block / 64] & ~bit;
     }
+    /// All bits 0.
+    void clear();
     bool any_enabled() const { return (occupied[0] | occupied[1]) != 0; }
 };
 

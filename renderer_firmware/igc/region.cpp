@@ -34,7 +34,9 @@ SegmentFault fault(const Segment& s, std::string reason) {
 
 }  // namespace
 
-RegionResult draw_region(Igc& igc, const RegionFrame& frame, std::vector<Segment> segments) {
+RegionResult draw_region(isa::Executor& executor, const RegionFrame& frame,
+                         std::vector<Segment> segments) {
+    Igc igc(executor);
     std::sort(segments.begin(), segments.end(), [](const Segment& p, const Segment& q) {
         return std::tie(p.surface, p.slab, p.gp) < std::tie(q.surface, q.slab, q.gp);
     });

@@ -1,0 +1,310 @@
+#include "renderer_firmware/node.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "renderer_firmware/igc/region_program.hpp"
+#include "ringbus/ranges.hpp"
+
+namespace pxpl5::renderer {
+
+namespace {
+
+namespace schema = bus::schema;
+using bus::NodeFault;
+using schema::FaultCode;
+
+/// Two frames are in flight on the machine; as many again may have lost a message.
+constexpr std::size_t max_waiting_frames = 4;
+
+/// No GP has this index.
+constexpr std::uint32_t no_gp = 0xFFFF'FFFF;
+
+/// Faults of one frame that are told; a flood of them would say no more.
+constexpr std::size_t max_faults = 16;
+
+std::string place(std::uint32_t gp, std::uint32_t region, std::uint32_t surface,
+                  std::uint32_t slab) {
+    return fmt::format("GP {}, region {}, surface {}, slab {}", gp, region, surface, slab);
+}
+
+[[noreturn]] void refuse(FaultCode code, const std::string& reason) {
+    throw NodeFault(code, reason);
+}
+
+Shading shading_of(const schema::DrawFrame& draw) {
+    Shading shading;
+    for (const schema::Light* light : *draw.lights()) {
+        const schema::Vec3& d = light->direction();
+        shading.lights.push_back({{d.x(), d.y(), d.z()}, light->intensity()});
+    }
+    for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
+        const schema::Rgb& c = surface->colour();
+        shading.surfaces.push_back({c.r(), c.g(), c.b()});
+    }
+    shading.ambient = draw.ambient();
+    shading.specular = draw.specular();
+    shading.specular_power = draw.specular_power();
+    if (const schema::Rgb* c = draw.background()) {
+        shading.background = {c->r(), c->g(), c->b()};
+    }
+    return shading;
+}
+
+}  // namespace
+
+/// A frame of which everything is here.
+struct RendererNode::Drawing {
+    struct Region {
+        std::uint32_t number;
+        std::vector<Segment> segments;
+    };
+
+    Inputs inputs;  ///< Keeps the messages that segments point into.
+    std::uint32_t frame = 0;
+    RegionPrograms programs;
+    std::vector<Region> regions;  ///< This Renderer's own, ascending.
+    std::size_t next_region = 0;
+    std::vector<schema::RegionTile> tiles;  ///< Of the regions drawn so far.
+    std::vector<schema::FaultT> faults;     ///< Not yet told.
+    std::size_t fault_count = 0;
+
+    void note(FaultCode code, std::uint32_t gp, const std::string& reason);
+    void take_assignment(std::uint32_t renderer);
+    void take_programs();
+    void take_region(std::uint32_t gp, const schema::RegionProgram& program);
+};
+
+/// Notes a fault for the host: something in what `gp` has sent.
+void RendererNode::Drawing::note(FaultCode code, std::uint32_t gp, const std::string& reason) {
+    if (++fault_count > max_faults) {
+        return;
+    }
+    schema::FaultT fault;
+    fault.code = code;
+    if (const auto from = inputs.programs.find(gp); from != inputs.programs.end()) {
+        fault.source = from->second.source();
+        fault.sequence = from->second.header().sequence();
+    }
+    fault.reason = fmt::format("frame {}, {}{}", frame, reason,
+                               fault_count == max_faults ? "; further faults are not told" : "");
+    faults.push_back(std::move(fault));
+}
+
+/// Notes which regions are this Renderer's.
+void RendererNode::Drawing::take_assignment(std::uint32_t renderer) {
+    const auto& assignment = *inputs.begin->as<schema::BeginFrame>()->assignment();
+    for (std::uint32_t r = 0; r < assignment.size(); ++r) {
+        if (assignment[r] == renderer) {
+            regions.push_back({r, {}});
+        }
+    }
+}
+
+/// Sorts every GP's segments to their regions.
+void RendererNode::Drawing::take_programs() {
+    for (const auto& [gp, message] : inputs.programs) {
+        for (const auto* program : *message.as<schema::RegionPrograms>()->regions()) {
+            take_region(gp, *program);
+        }
+    }
+}
+
+void RendererNode::Drawing::take_region(std::uint32_t gp, const schema::RegionProgram& program) {
+    const auto region = std::find_if(regions.begin(), regions.end(),
+                                     [&](const Region& r) { return r.number == program.region(); });
+    if (region == regions.end()) {
+        note(FaultCode::bad_message, gp,
+             fmt::format("GP {}: region {} is not this Renderer's", gp, program.region()));
+        return;
+    }
+    const Words words(program.words()->data(), program.words()->size());
+    const std::uint32_t surfaces =
+        inputs.begin->as<schema::BeginFrame>()->draw()->surfaces()->size();
+    for (const schema::Segment* s : *program.segments()) {
+        // Message has checked that segments end within the words.
+        assert(std::size_t{s->first_word()} + s->word_count() <= words.size());
+        if (s->surface() >= surfaces) {
+            note(FaultCode::bad_message, gp,
+                 fmt::format("{}: the frame has {} surfaces",
+                             place(gp, region->number, s->surface(), s->slab()), surfaces));
+        } else {
+            region->segments.push_back(
+                {s->surface(), s->slab(), gp, words.subspan(s->first_word(), s->word_count())});
+        }
+    }
+}
+
+RendererNode::RendererNode() {
+    executor_.set_readout(
+        [this](Words pixels) { pixels_.insert(pixels_.end(), pixels.begin(), pixels.end()); });
+}
+
+RendererNode::~RendererNode() = default;
+
+void RendererNode::receive(const bus::Message& message, bus::Outbox&) {
+    switch (message.kind()) {
+        case schema::Body::Topology:
+            return on_topology(message);
+        case schema::Body::BeginFrame:
+            return on_begin(message);
+        case schema::Body::RegionPrograms:
+            return on_programs(message);
+        default:
+            refuse(FaultCode::bad_message,
+                   fmt::format("a Renderer does not take {}", bus::kind_name(message.kind())));
+    }
+}
+
+void RendererNode::on_topology(const bus::Message& message) {
+    self_ = message.header().destination();
+    gp_ids_.clear();
+    bool found_self = false, found_frame_buffer = false;
+    for (const schema::NodeInfo* node : *message.as<schema::Topology>()->nodes()) {
+        if (node->role() == schema::Role::gp) {
+            gp_ids_[node->index()] = node->id();
+        } else if (node->role() == schema::Role::frame_buffer && node->index() == 0) {
+            frame_buffer_ = node->id();
+            found_frame_buffer = true;
+        } else if (node->role() == schema::Role::renderer && node->id() == self_) {
+            index_ = node->index();
+            found_self = true;
+        }
+    }
+    if (!found_self || !found_frame_buffer || gp_ids_.empty()) {
+        refuse(FaultCode::bad_input,
+               fmt::format("topology: node {} is {}a Renderer, {} GPs, {} frame buffer 0", self_,
+                           found_self ? "" : "not ", gp_ids_.size(),
+                           found_frame_buffer ? "one" : "no"));
+    }
+}
+
+/// The inputs of `frame`, opened if need be. Throws NodeFault if the frame is over.
+RendererNode::Inputs& RendererNode::inputs_of(std::uint32_t frame) {
+    if (newest_drawn_ && frame <= *newest_drawn_) {
+        refuse(FaultCode::bad_message,
+               fmt::format("frame {}: it is over, frame {} was drawn", frame, *newest_drawn_));
+    }
+    if (!waiting_.contains(frame) && waiting_.size() == max_waiting_frames) {
+        refuse(FaultCode::bad_message,
+               fmt::format("frame {}: {} frames from {} on wait already, the limit is {}", frame,
+                           waiting_.size(), waiting_.begin()->first, max_waiting_frames));
+    }
+    return waiting_[frame];
+}
+
+void RendererNode::on_begin(const bus::Message& message) {
+    const auto& begin = *message.as<schema::BeginFrame>();
+    const schema::DrawFrame& draw = *begin.draw();
+    const std::size_t regions =
+        bus::region_count(draw.width(), draw.height(), draw.views()->size());
+    if (begin.assignment()->size() != regions) {
+        refuse(FaultCode::bad_message,
+               fmt::format("frame {}: the assignment is for {} regions, the frame has {}",
+                           draw.frame(), begin.assignment()->size(), regions));
+    }
+    Inputs& inputs = inputs_of(draw.frame());
+    if (inputs.begin) {
+        refuse(FaultCode::bad_message, fmt::format("frame {} begins twice", draw.frame()));
+    }
+    inputs.begin = message;
+}
+
+void RendererNode::on_programs(const bus::Message& message) {
+    const auto& programs = *message.as<schema::RegionPrograms>();
+    const auto gp = gp_ids_.find(programs.gp());
+    if (gp == gp_ids_.end() || gp->second != message.source()) {
+        refuse(FaultCode::bad_message,
+               fmt::format("frame {}: node {} sends programs as GP {}, of {} GPs", programs.frame(),
+                           message.source(), programs.gp(), gp_ids_.size()));
+    }
+    if (!inputs_of(programs.frame()).programs.emplace(programs.gp(), message).second) {
+        refuse(FaultCode::bad_message, fmt::format("frame {}: the programs of GP {} came twice",
+                                                   programs.frame(), programs.gp()));
+    }
+}
+
+bool RendererNode::work(bus::Outbox& out) {
+    if (!drawing_) {
+        start_next();
+    }
+    if (!drawing_) {
+        return false;
+    }
+    if (drawing_->next_region < drawing_->regions.size()) {
+        draw_next_region();
+    }
+    tell_faults(out);
+    if (drawing_->next_region == drawing_->regions.size()) {
+        send_pixels(out);
+    }
+    return true;
+}
+
+/// Begins to draw the oldest frame of which everything is here.
+void RendererNode::start_next() {
+    const auto complete = std::find_if(waiting_.begin(), waiting_.end(), [&](const auto& entry) {
+        return entry.second.begin && entry.second.programs.size() == gp_ids_.size();
+    });
+    if (complete == waiting_.end()) {
+        return;
+    }
+    auto drawing = std::make_unique<Drawing>();
+    drawing->frame = complete->first;
+    drawing->inputs = std::move(complete->second);
+    newest_drawn_ = complete->first;
+    // Senders keep their order, so what an older frame still lacks is lost for good.
+    for (auto old = waiting_.begin(); old != complete; ++old) {
+        drawing->note(FaultCode::lost_message, no_gp,
+                      fmt::format("before it: frame {} is given up, {} and {} of {} GPs' programs "
+                                  "came",
+                                  old->first, old->second.begin ? "its beginning" : "no beginning",
+                                  old->second.programs.size(), gp_ids_.size()));
+    }
+    waiting_.erase(waiting_.begin(), std::next(complete));
+    drawing->take_assignment(index_);
+    drawing->take_programs();
+    drawing->programs =
+        region_programs(shading_of(*drawing->inputs.begin->as<schema::BeginFrame>()->draw()));
+    pixels_.clear();
+    drawing_ = std::move(drawing);
+}
+
+void RendererNode::draw_next_region() {
+    Drawing::Region& region = drawing_->regions[drawing_->next_region++];
+    const RegionFrame frame{drawing_->programs.prologue, drawing_->programs.end_of_region};
+    executor_.reset();
+    const RegionResult result = draw_region(executor_, frame, std::move(region.segments));
+    drawing_->tiles.emplace_back(static_cast<std::uint16_t>(region.number), result.counts.cycles,
+                                 result.counts.instructions);
+    for (const SegmentFault& fault : result.faults) {
+        drawing_->note(
+            FaultCode::bad_instruction, fault.gp,
+            fmt::format("{}: {}", place(fault.gp, region.number, fault.surface, fault.slab),
+                        fault.reason));
+    }
+}
+
+void RendererNode::tell_faults(bus::Outbox& out) {
+    for (schema::FaultT& fault : drawing_->faults) {
+        fault.node = self_;
+        out.send(bus::host_id, bus::pack(fault));
+    }
+    drawing_->faults.clear();
+}
+
+void RendererNode::send_pixels(bus::Outbox& out) {
+    flatbuffers::FlatBufferBuilder builder(pixels_.size() * sizeof(std::uint32_t) + 1024);
+    const auto tiles = builder.CreateVectorOfStructs(drawing_->tiles);
+    const auto pixels = builder.CreateVector(pixels_);
+    out.send(frame_buffer_,
+             bus::finish(builder, schema::CreateRegionPixels(builder, drawing_->frame,
+                                                             static_cast<std::uint16_t>(index_),
+                                                             tiles, pixels)));
+    drawing_.reset();
+}
+
+}  // namespace pxpl5::renderer
