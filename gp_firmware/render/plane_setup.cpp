@@ -1,43 +1,8 @@
 #include "gp_firmware/render/plane_setup.hpp"
 
-#include <bit>
-#include <cassert>
-#include <cstddef>
-
-namespace pxpl5::gp {
+namespace pxpl5::gp::setup {
 
 namespace {
-
-constexpr int half = subpixels / 2;  ///< A pixel's centre lies this far from its corner.
-constexpr int shift = isa::region::subpixel_bits;
-constexpr std::array<unsigned, 4> fraction = {
-    isa::region::z_fraction_bits, isa::region::normal_fraction_bits,
-    isa::region::normal_fraction_bits, isa::region::normal_fraction_bits};
-
-/// Slopes in units of 2^-fraction per pixel, modulo 2^51.
-struct Slopes {
-    std::array<std::uint64_t, 4> a, b;
-};
-
-using Values = std::array<std::int32_t, 4>;
-
-Values values_of(const ScreenVertex& v) {
-    return {v.z, v.nx, v.ny, v.nz};
-}
-
-/// Edge p-q: positive to the right of p -> q as seen on the screen.
-Edge edge(const ScreenVertex& p, const ScreenVertex& q) {
-    const std::int64_t a = p.y - q.y, b = q.x - p.x;
-    // Centres on a left or top edge are inside, those on any other edge outside.
-    const bool top_left = a > 0 || (a == 0 && b > 0);
-    const std::int64_t c16 = a * (half - p.x) + b * (half - p.y) - (top_left ? 0 : 1);
-    return {a, b, c16 >> shift};
-}
-
-/// Values 2h and 2h + 1.
-Double2 half_of(const Values& v, std::size_t h) {
-    return Double2{static_cast<double>(v[2 * h]), static_cast<double>(v[2 * h + 1])};
-}
 
 /// Rounded quotient, for what a double cannot hold to the last unit.
 std::uint64_t exact_slope(std::int64_t numerator, unsigned scale_bits, std::int64_t det) {
@@ -47,8 +12,8 @@ std::uint64_t exact_slope(std::int64_t numerator, unsigned scale_bits, std::int6
     return static_cast<std::uint64_t>(cut - (twice % (2 * det) < 0 ? 1 : 0));
 }
 
-/// The same slopes in integers throughout. Slow; for slivers so steep that a double's 53 bits would
-/// not do.
+}  // namespace
+
 Slopes exact_slopes(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
                     std::int64_t det) {
     const std::int64_t x1 = v1.x - v0.x, y1 = v1.y - v0.y, x2 = v2.x - v0.x, y2 = v2.y - v0.y;
@@ -62,69 +27,4 @@ Slopes exact_slopes(const ScreenVertex& v0, const ScreenVertex& v1, const Screen
     return slopes;
 }
 
-Slopes slopes_of(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
-                 std::int64_t det) {
-    constexpr double z_scale = double{1U << (shift + isa::region::z_fraction_bits)};
-    constexpr double n_scale = double{1U << (shift + isa::region::normal_fraction_bits)};
-    constexpr std::array<Double2, 2> scales = {Double2{z_scale, n_scale}, {n_scale, n_scale}};
-    // Added to a double below 2^51, this leaves its nearest integer in the low bits.
-    constexpr Double2 round = {0x1.8p52, 0x1.8p52};
-    constexpr Double2 limit = {0x1p40, 0x1p40};
-
-    const double x1 = v1.x - v0.x, y1 = v1.y - v0.y, x2 = v2.x - v0.x, y2 = v2.y - v0.y;
-    const double inverse = 1.0 / static_cast<double>(det);
-    const Values at0 = values_of(v0), at1 = values_of(v1), at2 = values_of(v2);
-    std::array<Double2, 4> rounded{};
-    Long2 beyond{};
-    for (std::size_t h = 0; h < 2; ++h) {
-        const Double2 d1 = half_of(at1, h) - half_of(at0, h),
-                      d2 = half_of(at2, h) - half_of(at0, h);
-        // Numerators are below 2^45 and so exact; scales are powers of 2.
-        const Double2 a = (d1 * y2 - d2 * y1) * (scales[h] * inverse);
-        const Double2 b = (d2 * x1 - d1 * x2) * (scales[h] * inverse);
-        beyond |= (a > limit) | (a < -limit) | (b > limit) | (b < -limit);
-        rounded[h] = a + round;
-        rounded[2 + h] = b + round;
-    }
-    if ((beyond[0] | beyond[1]) != 0) [[unlikely]] {
-        return exact_slopes(v0, v1, v2, det);
-    }
-    return std::bit_cast<Slopes>(rounded);
-}
-
-}  // namespace
-
-std::int64_t determinant(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2) {
-    const std::int64_t x1 = v1.x - v0.x, y1 = v1.y - v0.y, x2 = v2.x - v0.x, y2 = v2.y - v0.y;
-    return x1 * y2 - x2 * y1;
-}
-
-std::array<Edge, 3> edges_of(const ScreenVertex& v0, const ScreenVertex& v1,
-                             const ScreenVertex& v2) {
-    return {edge(v0, v1), edge(v1, v2), edge(v2, v0)};
-}
-
-AttributePlanes planes_of(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
-                          std::int64_t det) {
-    assert(det > 0);
-    const Slopes slopes = slopes_of(v0, v1, v2, det);
-    const Values at0 = values_of(v0);
-    // From v0 to the centre of pixel (0, 0).
-    const auto to_centre_x = static_cast<std::uint64_t>(std::int64_t{half - v0.x});
-    const auto to_centre_y = static_cast<std::uint64_t>(std::int64_t{half - v0.y});
-    AttributePlanes planes;
-    for (std::size_t k = 0; k < 4; ++k) {
-        const std::uint64_t a = slopes.a[k], b = slopes.b[k];
-        // Modulo 2^51 and more; bits 4..35 are wanted. Half a unit more, as rows cut.
-        const std::uint64_t value =
-            (static_cast<std::uint64_t>(std::int64_t{at0[k]}) << fraction[k]) +
-            (std::uint64_t{1} << (fraction[k] - 1));
-        const std::uint64_t c = value + ((a * to_centre_x + b * to_centre_y) >> shift);
-        planes.a[k] = static_cast<std::uint32_t>(a);
-        planes.b[k] = static_cast<std::uint32_t>(b);
-        planes.c[k] = static_cast<std::uint32_t>(c);
-    }
-    return planes;
-}
-
-}  // namespace pxpl5::gp
+}  // namespace pxpl5::gp::setup

@@ -1,7 +1,12 @@
 // Plane set-up: a triangle's edges and attribute planes, as exact integers.
+//
+// In the header, because it runs once per triangle: inlined into its caller it takes half the time.
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cassert>
+#include <cstddef>
 #include <cstdint>
 
 #include "gp_firmware/geometry/transform.hpp"
@@ -14,13 +19,89 @@ struct Edge {
     std::int64_t a = 0, b = 0, c = 0;
 };
 
+namespace setup {
+
+inline constexpr int half = subpixels / 2;  ///< A pixel's centre lies this far from its corner.
+inline constexpr int shift = isa::region::subpixel_bits;
+inline constexpr std::array<unsigned, 4> fraction = {
+    isa::region::z_fraction_bits, isa::region::normal_fraction_bits,
+    isa::region::normal_fraction_bits, isa::region::normal_fraction_bits};
+
+/// Slopes in units of 2^-fraction per pixel, modulo 2^51.
+struct Slopes {
+    std::array<std::uint64_t, 4> a, b;
+};
+
+using Values = std::array<std::int32_t, 4>;
+
+inline Values values_of(const ScreenVertex& v) {
+    return {v.z, v.nx, v.ny, v.nz};
+}
+
+/// Edge p-q: positive to the right of p -> q as seen on the screen.
+inline Edge edge(const ScreenVertex& p, const ScreenVertex& q) {
+    const std::int64_t a = p.y - q.y, b = q.x - p.x;
+    // Centres on a left or top edge are inside, those on any other edge outside.
+    const bool top_left = a > 0 || (a == 0 && b > 0);
+    const std::int64_t c16 = a * (half - p.x) + b * (half - p.y) - (top_left ? 0 : 1);
+    return {a, b, c16 >> shift};
+}
+
+/// Values 2h and 2h + 1.
+inline Double2 half_of(const Values& v, std::size_t h) {
+    return Double2{static_cast<double>(v[2 * h]), static_cast<double>(v[2 * h + 1])};
+}
+
+/// The same slopes in integers throughout. Slow; for slivers so steep that a double's 53 bits would
+/// not do.
+Slopes exact_slopes(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
+                    std::int64_t det);
+
+inline Slopes slopes_of(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
+                        std::int64_t det) {
+    constexpr double z_scale = double{1U << (shift + isa::region::z_fraction_bits)};
+    constexpr double n_scale = double{1U << (shift + isa::region::normal_fraction_bits)};
+    constexpr std::array<Double2, 2> scales = {Double2{z_scale, n_scale}, {n_scale, n_scale}};
+    // Added to a double below 2^51, this leaves its nearest integer in the low bits.
+    constexpr Double2 round = {0x1.8p52, 0x1.8p52};
+    constexpr Double2 limit = {0x1p40, 0x1p40};
+
+    const double x1 = v1.x - v0.x, y1 = v1.y - v0.y, x2 = v2.x - v0.x, y2 = v2.y - v0.y;
+    const double inverse = 1.0 / static_cast<double>(det);
+    const Values at0 = values_of(v0), at1 = values_of(v1), at2 = values_of(v2);
+    std::array<Double2, 4> rounded{};
+    Long2 beyond{};
+    for (std::size_t h = 0; h < 2; ++h) {
+        const Double2 d1 = half_of(at1, h) - half_of(at0, h),
+                      d2 = half_of(at2, h) - half_of(at0, h);
+        // Numerators are below 2^45 and so exact; scales are powers of 2.
+        const Double2 a = (d1 * y2 - d2 * y1) * (scales[h] * inverse);
+        const Double2 b = (d2 * x1 - d1 * x2) * (scales[h] * inverse);
+        beyond |= (a > limit) | (a < -limit) | (b > limit) | (b < -limit);
+        rounded[h] = a + round;
+        rounded[2 + h] = b + round;
+    }
+    if ((beyond[0] | beyond[1]) != 0) [[unlikely]] {
+        return exact_slopes(v0, v1, v2, det);
+    }
+    return std::bit_cast<Slopes>(rounded);
+}
+
+}  // namespace setup
+
 /// Twice the triangle's signed area in 1/256 px^2; positive if its corners run clockwise on the
 /// screen (y down).
-std::int64_t determinant(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2);
+inline std::int64_t determinant(const ScreenVertex& v0, const ScreenVertex& v1,
+                                const ScreenVertex& v2) {
+    const std::int64_t x1 = v1.x - v0.x, y1 = v1.y - v0.y, x2 = v2.x - v0.x, y2 = v2.y - v0.y;
+    return x1 * y2 - x2 * y1;
+}
 
 /// Edges v0-v1, v1-v2, v2-v0 of a triangle of positive determinant.
-std::array<Edge, 3> edges_of(const ScreenVertex& v0, const ScreenVertex& v1,
-                             const ScreenVertex& v2);
+inline std::array<Edge, 3> edges_of(const ScreenVertex& v0, const ScreenVertex& v1,
+                                    const ScreenVertex& v2) {
+    return {setup::edge(v0, v1), setup::edge(v1, v2), setup::edge(v2, v0)};
+}
 
 /// The planes of z, nx, ny and nz over the picture's pixels: value = floor(Q / 2^fraction),
 /// Q = a * px + b * py + c. Slopes are rounded to nearest, c is exact from the rounded slopes at
@@ -30,7 +111,27 @@ struct AttributePlanes {
 };
 
 /// `det` is the triangle's determinant, not 0.
-AttributePlanes planes_of(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
-                          std::int64_t det);
+inline AttributePlanes planes_of(const ScreenVertex& v0, const ScreenVertex& v1,
+                                 const ScreenVertex& v2, std::int64_t det) {
+    assert(det > 0);
+    const setup::Slopes slopes = setup::slopes_of(v0, v1, v2, det);
+    const setup::Values at0 = setup::values_of(v0);
+    // From v0 to the centre of pixel (0, 0).
+    const auto to_centre_x = static_cast<std::uint64_t>(std::int64_t{setup::half - v0.x});
+    const auto to_centre_y = static_cast<std::uint64_t>(std::int64_t{setup::half - v0.y});
+    AttributePlanes planes;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const std::uint64_t a = slopes.a[k], b = slopes.b[k];
+        // Modulo 2^51 and more; bits 4..35 are wanted. Half a unit more, as rows cut.
+        const std::uint64_t value =
+            (static_cast<std::uint64_t>(std::int64_t{at0[k]}) << setup::fraction[k]) +
+            (std::uint64_t{1} << (setup::fraction[k] - 1));
+        const std::uint64_t c = value + ((a * to_centre_x + b * to_centre_y) >> setup::shift);
+        planes.a[k] = static_cast<std::uint32_t>(a);
+        planes.b[k] = static_cast<std::uint32_t>(b);
+        planes.c[k] = static_cast<std::uint32_t>(c);
+    }
+    return planes;
+}
 
 }  // namespace pxpl5::gp
