@@ -12,7 +12,9 @@
 #include "isa/region_layout.hpp"
 #include "isa/sequencer.hpp"
 #include "renderer_firmware/igc/region_program.hpp"
+#include "tests/isa/lockstep.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/renderer_firmware/targets.hpp"
 
 using namespace pxpl5;
 using renderer::Light;
@@ -304,6 +306,32 @@ TEST_CASE("normals of any length are safe, those of length 0 get the ambient lig
     CHECK(shade(shading, pixels)[0] == Colour{100, 50, 25});
     pixels.assign(pixel_count, {1, {511, 511, 511}});
     CHECK(worst_error(shading, pixels) <= 2);
+}
+
+TEST_CASE("the fast executor shades bit for bit as the reference does") {
+    const std::uint64_t seed = test::seed_or(54);
+    INFO("PXPL5_SEED=", seed);
+    test::on_every_target([seed](renderer::fast::Fast& fast) {
+        Random random(seed);
+        for (int lights = 0; lights <= 4; ++lights) {
+            const Shading shading = random_shading(random, lights);
+            isa::reference::Reference trusted(window);
+            fast.reset();
+            test::Lockstep both(trusted, fast);
+            execute(both, renderer::prologue(shading));
+            // Half a disc of surface 1, with normals that vary over it.
+            const std::int32_t disc[] = {100, 110, -4000, -1, 0, -1};
+            both.execute({isa::Op::quad_ge_zero, {0, 0, 32}}, disc);
+            both.execute({isa::Op::imm_into_mem, {isa::region::surface.address, 1, 8}}, {});
+            for (const isa::region::Field field :
+                 {isa::region::normal_x, isa::region::normal_y, isa::region::normal_z}) {
+                const std::int32_t plane[] = {random.below(600) - 300, random.below(600) - 300,
+                                              random.below(20000) - 10000};
+                both.execute({isa::Op::tree_into_mem, {field.address, 7, field.width}}, plane);
+            }
+            CHECK_NOTHROW(execute(both, renderer::end_of_region(shading)));
+        }
+    });
 }
 
 TEST_CASE("an empty region is read out and not shaded") {
