@@ -20,12 +20,12 @@ struct Sum {
 /// m[a] = sum(m[a], m[b], the low n bits set), and the carry bits.
 template <typename Add>
 HWY_INLINE void add_fields(Board& board, BlockRange range, Operands o, const Add& sum) {
-    by_width(o.n, [&](auto as) HWY_ATTR {
+    by_width(o.n, [&](auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const Field<N> to(o.a, o.n), from(o.b, o.n);
         const N low = number<N>(ones(o.n));
         where_enabled(board, range,
-                      [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+                      [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
                           Block& block = board.pixels.blocks[b];
                           const Sum<N> s = sum(to.load(block, at), from.load(block, at), low);
                           to.store(block, at, s.value, mask_of(bits));
@@ -75,13 +75,13 @@ void mem_satminus_mem(Board& board, BlockRange range, Operands o, Coefficients) 
     add_fields(board, range, o, HeldMinus());
 }
 void mem_plus_const(Board& board, BlockRange range, Operands o, Coefficients k) {
-    by_width(o.n, [&](auto as) HWY_ATTR {
+    by_width(o.n, [&](auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const Field<N> to(o.a, o.n);
         const N low = number<N>(ones(o.n));
         const N added = number<N>(static_cast<std::uint64_t>(std::int64_t{k[0]})) & low;
         where_enabled(board, range,
-                      [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+                      [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
                           Block& block = board.pixels.blocks[b];
                           const Sum<N> s = Plus()(to.load(block, at), added, low);
                           to.store(block, at, s.value, mask_of(bits));
@@ -92,12 +92,12 @@ void mem_plus_const(Board& board, BlockRange range, Operands o, Coefficients k) 
 
 /// Negates m[a] where `always`, else where its sign bit is set.
 HWY_INLINE void negate(Board& board, BlockRange range, Operands o, bool always) {
-    by_width(o.n, [&](auto as) HWY_ATTR {
+    by_width(o.n, [&](auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const Field<N> memory(o.a, o.n);
         const N zero = number<N>(0), sign = number<N>(always ? 0 : top_bit(o.n));
         where_enabled(board, range,
-                      [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+                      [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
                           Block& block = board.pixels.blocks[b];
                           const N value = memory.load(block, at);
                           // With sign 0 nothing is kept: value & 0 is never unequal to 0.
@@ -145,11 +145,11 @@ HWY_INLINE Wide signed_product(V p, V q) {
 template <typename Left, typename Right>
 HWY_INLINE void multiply(Board& board, BlockRange range, Operands o, bool is_signed,
                          const Left& left, const Right& right) {
-    const auto extend = [&](V v) HWY_ATTR { return is_signed ? sign_extended(v, o.n) : v; };
+    const auto extend = [&](V v) PXPL5_BODY { return is_signed ? sign_extended(v, o.n) : v; };
     if (o.n <= 16) {
         const Field<Narrow> to(o.a, 2 * o.n);
         where_enabled(board, range,
-                      [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+                      [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
                           Block& block = board.pixels.blocks[b];
                           const V p = extend(left(block, at)), q = extend(right(block, at));
                           to.store(block, at, {hn::Mul(p, q)}, mask_of(bits));
@@ -157,7 +157,7 @@ HWY_INLINE void multiply(Board& board, BlockRange range, Operands o, bool is_sig
         return;
     }
     const Field<Wide> to(o.a, 2 * o.n);
-    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
         Block& block = board.pixels.blocks[b];
         const V p = extend(left(block, at)), q = extend(right(block, at));
         to.store(block, at, is_signed ? signed_product(p, q) : product(p, q), mask_of(bits));
@@ -168,8 +168,8 @@ HWY_INLINE void multiply_fields(Board& board, BlockRange range, Operands o, bool
     const Field<Narrow> p(o.a, o.n), q(o.b, o.n);
     multiply(
         board, range, o, is_signed,
-        [&](const Block& block, std::size_t at) HWY_ATTR { return p.load(block, at).lo; },
-        [&](const Block& block, std::size_t at) HWY_ATTR { return q.load(block, at).lo; });
+        [&](const Block& block, std::size_t at) PXPL5_BODY { return p.load(block, at).lo; },
+        [&](const Block& block, std::size_t at) PXPL5_BODY { return q.load(block, at).lo; });
 }
 void mul_mem(Board& board, BlockRange range, Operands o, Coefficients) {
     multiply_fields(board, range, o, false);
@@ -182,8 +182,8 @@ void mul_const(Board& board, BlockRange range, Operands o, Coefficients k) {
     const V q = splat(static_cast<std::uint32_t>(k[0]) & ones(o.n));
     multiply(
         board, range, o, true,
-        [&](const Block& block, std::size_t at) HWY_ATTR { return p.load(block, at).lo; },
-        [&](const Block&, std::size_t) HWY_ATTR { return q; });
+        [&](const Block& block, std::size_t at) PXPL5_BODY { return p.load(block, at).lo; },
+        [&](const Block&, std::size_t) PXPL5_BODY { return q; });
 }
 
 // ---- division and square root, through correctly rounded floating point
@@ -236,24 +236,25 @@ HWY_INLINE V floor_exact(V p, V q, std::uint32_t n, const F& f) {
 void div_mem(Board& board, BlockRange range, Operands o, Coefficients) {
     const Field<Narrow> to(o.a, o.n), by(o.b, o.n);
     const Narrow low = number<Narrow>(ones(o.n)), zero = number<Narrow>(0);
-    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
         Block& block = board.pixels.blocks[b];
         const Narrow q = by.load(block, at);
         const M is_zero = equal(q, zero);
         const V safe = hn::IfThenElse(is_zero, splat(1), q.lo);
         const Narrow result = {floor_exact(to.load(block, at).lo, safe, o.n,
-                                           [](auto p, auto d) HWY_ATTR { return hn::Div(p, d); })};
+                                           [](auto p, auto d)
+                                               PXPL5_BODY { return hn::Div(p, d); })};
         to.store(block, at, choose(is_zero, low, result), mask_of(bits));
     });
 }
 
 void sqrt_mem(Board& board, BlockRange range, Operands o, Coefficients) {
     const Field<Narrow> memory(o.a, o.n);
-    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
         Block& block = board.pixels.blocks[b];
         const V p = memory.load(block, at).lo;
         const Narrow root = {
-            floor_exact(p, p, o.n, [](auto v, auto) HWY_ATTR { return hn::Sqrt(v); })};
+            floor_exact(p, p, o.n, [](auto v, auto) PXPL5_BODY { return hn::Sqrt(v); })};
         memory.store(block, at, root, mask_of(bits));
     });
 }

@@ -13,7 +13,7 @@ namespace pxpl5::renderer::fast::HWY_NAMESPACE {
 void bs_read(Board& board, BlockRange range, Operands o, Coefficients) {
     const Field<Narrow> to(o.a, isa::backing_block_bits);
     const hal::BackingStore::Words* words = board.store.find(o.b);
-    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
         const V value = words == nullptr ? hn::Zero(D())
                                          : hn::Load(D(), &words->at[b * hal::block_pixels + at]);
         to.store(board.pixels.blocks[b], at, {value}, mask_of(bits));
@@ -23,7 +23,7 @@ void bs_read(Board& board, BlockRange range, Operands o, Coefficients) {
 void bs_write(Board& board, BlockRange range, Operands o, Coefficients) {
     const Field<Narrow> from(o.a, isa::backing_block_bits);
     hal::BackingStore::Words& words = board.store.open(o.b);
-    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
         std::uint32_t* word = &words.at[b * hal::block_pixels + at];
         const V value = from.load(board.pixels.blocks[b], at).lo;
         hn::Store(hn::IfThenElse(mask_of(bits), value, hn::Load(D(), word)), D(), word);

@@ -18,16 +18,17 @@ HWY_INLINE std::uint32_t enabled_bits(const Board& board, std::size_t b, std::si
 }
 
 void set_enabs(Board& board, BlockRange range, Operands, Coefficients) {
-    set_everywhere(board, range, [](std::size_t, std::size_t) { return all_lanes; });
+    set_everywhere(board, range, [](std::size_t, std::size_t) PXPL5_BODY { return all_lanes; });
 }
 
 void clr_enabs(Board& board, BlockRange range, Operands, Coefficients) {
-    set_everywhere(board, range, [](std::size_t, std::size_t) { return 0U; });
+    set_everywhere(board, range, [](std::size_t, std::size_t) PXPL5_BODY { return 0U; });
 }
 
 void inv_enabs(Board& board, BlockRange range, Operands, Coefficients) {
-    set_everywhere(board, range,
-                   [&board](std::size_t b, std::size_t at) { return ~enabled_bits(board, b, at); });
+    set_everywhere(board, range, [&board](std::size_t b, std::size_t at) PXPL5_BODY {
+        return ~enabled_bits(board, b, at);
+    });
 }
 
 void enab_into_mem(Board& board, BlockRange range, Operands o, Coefficients) {
@@ -41,31 +42,31 @@ void enab_into_mem(Board& board, BlockRange range, Operands o, Coefficients) {
 }
 
 void mem_into_enab(Board& board, BlockRange range, Operands o, Coefficients) {
-    set_everywhere(board, range, [&board, o](std::size_t b, std::size_t at) {
+    set_everywhere(board, range, [&board, o](std::size_t b, std::size_t at) PXPL5_BODY {
         return memory_bits(board.pixels.blocks[b], at, o.a);
     });
 }
 
 void enab_and_mem(Board& board, BlockRange range, Operands o, Coefficients) {
-    keep_where(board, range, [&board, o](std::size_t b, std::size_t at) {
+    keep_where(board, range, [&board, o](std::size_t b, std::size_t at) PXPL5_BODY {
         return mask_of(memory_bits(board.pixels.blocks[b], at, o.a));
     });
 }
 
 void enab_and_not_mem(Board& board, BlockRange range, Operands o, Coefficients) {
-    keep_where(board, range, [&board, o](std::size_t b, std::size_t at) {
+    keep_where(board, range, [&board, o](std::size_t b, std::size_t at) PXPL5_BODY {
         return mask_of(~memory_bits(board.pixels.blocks[b], at, o.a) & all_lanes);
     });
 }
 
 void enab_or_mem(Board& board, BlockRange range, Operands o, Coefficients) {
-    set_everywhere(board, range, [&board, o](std::size_t b, std::size_t at) {
+    set_everywhere(board, range, [&board, o](std::size_t b, std::size_t at) PXPL5_BODY {
         return enabled_bits(board, b, at) | memory_bits(board.pixels.blocks[b], at, o.a);
     });
 }
 
 void enab_and_carry(Board& board, BlockRange range, Operands, Coefficients) {
-    keep_where(board, range, [&board](std::size_t b, std::size_t at) {
+    keep_where(board, range, [&board](std::size_t b, std::size_t at) PXPL5_BODY {
         return mask_of(load_bits(board.pixels.carry, b * hal::block_pixels + at));
     });
 }

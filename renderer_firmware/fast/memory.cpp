@@ -11,11 +11,11 @@ namespace pxpl5::renderer::fast::HWY_NAMESPACE {
 /// m[a] = combine(m[a], m[b]), n bits each.
 template <typename Combine>
 HWY_INLINE void combine_fields(Board& board, BlockRange range, Operands o, const Combine& combine) {
-    by_width(o.n, [&](auto as) HWY_ATTR {
+    by_width(o.n, [&](auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const Field<N> to(o.a, o.n), from(o.b, o.n);
         where_enabled(board, range,
-                      [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+                      [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
                           Block& block = board.pixels.blocks[b];
                           to.store(block, at, combine(to.load(block, at), from.load(block, at)),
                                    mask_of(bits));
@@ -25,12 +25,12 @@ HWY_INLINE void combine_fields(Board& board, BlockRange range, Operands o, const
 
 /// m[a : a+n) = value.
 HWY_INLINE void store_value(Board& board, BlockRange range, Operands o, std::uint64_t value) {
-    by_width(o.n, [&](auto as) HWY_ATTR {
+    by_width(o.n, [&](auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const Field<N> to(o.a, o.n);
         const N stored = number<N>(value);
         where_enabled(board, range,
-                      [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+                      [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
                           to.store(board.pixels.blocks[b], at, stored, mask_of(bits));
                       });
     });
@@ -41,11 +41,11 @@ HWY_INLINE void store_value(Board& board, BlockRange range, Operands o, std::uin
 template <typename Test>
 HWY_INLINE void test_fields(Board& board, BlockRange range, Operands o, std::uint64_t flip,
                             const Test& test) {
-    by_width(o.n, [&](auto as) HWY_ATTR {
+    by_width(o.n, [&](auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const Field<N> left(o.a, o.n), right(o.b, o.n);
         const N top = number<N>(flip);
-        keep_where(board, range, [&](std::size_t b, std::size_t at) HWY_ATTR {
+        keep_where(board, range, [&](std::size_t b, std::size_t at) PXPL5_BODY {
             const Block& block = board.pixels.blocks[b];
             return test(left.load(block, at) ^ top, right.load(block, at) ^ top);
         });
@@ -56,12 +56,12 @@ HWY_INLINE void test_fields(Board& board, BlockRange range, Operands o, std::uin
 template <typename Test>
 HWY_INLINE void test_constant(Board& board, BlockRange range, Operands o, Coefficients k,
                               std::uint64_t flip, const Test& test) {
-    by_width(o.n, [&](auto as) HWY_ATTR {
+    by_width(o.n, [&](auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const Field<N> left(o.a, o.n);
         const N top = number<N>(flip);
         const N right = number<N>((static_cast<std::uint64_t>(std::int64_t{k[0]}) & ones(o.n)));
-        keep_where(board, range, [&](std::size_t b, std::size_t at) HWY_ATTR {
+        keep_where(board, range, [&](std::size_t b, std::size_t at) PXPL5_BODY {
             return test(left.load(board.pixels.blocks[b], at) ^ top, right ^ top);
         });
     });
@@ -87,7 +87,7 @@ struct IsEqual {
 };
 
 void mem_into_mem(Board& board, BlockRange range, Operands o, Coefficients) {
-    combine_fields(board, range, o, [](auto, auto from) HWY_ATTR { return from; });
+    combine_fields(board, range, o, [](auto, auto from) PXPL5_BODY { return from; });
 }
 void const_into_mem(Board& board, BlockRange range, Operands o, Coefficients k) {
     store_value(board, range, o, static_cast<std::uint64_t>(std::int64_t{k[0]}));
@@ -99,25 +99,25 @@ void clear_mem(Board& board, BlockRange range, Operands o, Coefficients) {
     store_value(board, range, o, 0);
 }
 void not_mem(Board& board, BlockRange range, Operands o, Coefficients) {
-    by_width(o.n, [&](auto as) HWY_ATTR {
+    by_width(o.n, [&](auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const Field<N> memory(o.a, o.n);
         const N flip = number<N>(ones(o.n));
         where_enabled(board, range,
-                      [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+                      [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
                           Block& block = board.pixels.blocks[b];
                           memory.store(block, at, memory.load(block, at) ^ flip, mask_of(bits));
                       });
     });
 }
 void mem_and_mem(Board& board, BlockRange range, Operands o, Coefficients) {
-    combine_fields(board, range, o, [](auto p, auto q) HWY_ATTR { return p & q; });
+    combine_fields(board, range, o, [](auto p, auto q) PXPL5_BODY { return p & q; });
 }
 void mem_or_mem(Board& board, BlockRange range, Operands o, Coefficients) {
-    combine_fields(board, range, o, [](auto p, auto q) HWY_ATTR { return p | q; });
+    combine_fields(board, range, o, [](auto p, auto q) PXPL5_BODY { return p | q; });
 }
 void mem_xor_mem(Board& board, BlockRange range, Operands o, Coefficients) {
-    combine_fields(board, range, o, [](auto p, auto q) HWY_ATTR { return p ^ q; });
+    combine_fields(board, range, o, [](auto p, auto q) PXPL5_BODY { return p ^ q; });
 }
 
 void mem_lt_mem(Board& board, BlockRange range, Operands o, Coefficients) {

@@ -107,7 +107,7 @@ HWY_INLINE void with_form(std::uint32_t bits, Coefficients k, const Body& body) 
 /// Keeps the pixels where bit n-1 of Q is `wanted`.
 template <template <typename> class Form>
 HWY_INLINE void sign_test(Board& board, BlockRange range, Operands o, Coefficients k, int wanted) {
-    with_form<Form>(o.n, k, [&](const auto& form, auto as) HWY_ATTR {
+    with_form<Form>(o.n, k, [&](const auto& form, auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const N sign = number<N>(top_bit(o.n));
         for (std::size_t b = range.first; b < range.end; ++b) {
@@ -118,7 +118,7 @@ HWY_INLINE void sign_test(Board& board, BlockRange range, Operands o, Coefficien
             if (bit == wanted) {
                 continue;
             }
-            keep_where(board, {b, b + 1}, [&](std::size_t block, std::size_t at) HWY_ATTR {
+            keep_where(board, {b, b + 1}, [&](std::size_t block, std::size_t at) PXPL5_BODY {
                 if (bit >= 0) {
                     return mask_of(0);
                 }
@@ -133,11 +133,11 @@ HWY_INLINE void sign_test(Board& board, BlockRange range, Operands o, Coefficien
 template <template <typename> class Form>
 HWY_INLINE void memory_test(Board& board, BlockRange range, Operands o, Coefficients k,
                             bool below) {
-    with_form<Form>(o.b + o.n, k, [&](const auto& form, auto as) HWY_ATTR {
+    with_form<Form>(o.b + o.n, k, [&](const auto& form, auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const Field<N> memory(o.a, o.n);
         const N low = number<N>(ones(o.n));
-        keep_where(board, range, [&](std::size_t b, std::size_t at) HWY_ATTR {
+        keep_where(board, range, [&](std::size_t b, std::size_t at) PXPL5_BODY {
             const N t = shifted(form.at(corner(b, at)), o.b) & low;
             const M lt = less(t, memory.load(board.pixels.blocks[b], at));
             return below ? lt : hn::Not(lt);
@@ -147,11 +147,11 @@ HWY_INLINE void memory_test(Board& board, BlockRange range, Operands o, Coeffici
 
 template <template <typename> class Form>
 HWY_INLINE void store_form(Board& board, BlockRange range, Operands o, Coefficients k) {
-    with_form<Form>(o.b + o.n, k, [&](const auto& form, auto as) HWY_ATTR {
+    with_form<Form>(o.b + o.n, k, [&](const auto& form, auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const Field<N> memory(o.a, o.n);
         where_enabled(board, range,
-                      [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+                      [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
                           memory.store(board.pixels.blocks[b], at,
                                        shifted(form.at(corner(b, at)), o.b), mask_of(bits));
                       });
@@ -164,7 +164,7 @@ HWY_INLINE void store_clamped(Board& board, BlockRange range, Operands o, Coeffi
     const Field<Wide> memory(o.a, o.n);
     const Wide top = number<Wide>(ones(o.n)), zero = number<Wide>(0);
     const Wide sign = number<Wide>(top_bit(64));
-    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+    where_enabled(board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
         const Wide t = shifted(form.at(corner(b, at)), o.b);
         const Wide held = choose(less(top, t), top, t);
         memory.store(board.pixels.blocks[b], at, choose(is_set(t, sign), zero, held),
@@ -176,12 +176,12 @@ HWY_INLINE void store_clamped(Board& board, BlockRange range, Operands o, Coeffi
 template <template <typename> class Form>
 HWY_INLINE void add_form(Board& board, BlockRange range, Operands o, Coefficients k,
                          bool subtract) {
-    with_form<Form>(o.b + o.n, k, [&](const auto& form, auto as) HWY_ATTR {
+    with_form<Form>(o.b + o.n, k, [&](const auto& form, auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
         const Field<N> memory(o.a, o.n);
         const N low = number<N>(ones(o.n));
         where_enabled(
-            board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) HWY_ATTR {
+            board, range, [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
                 const N t = shifted(form.at(corner(b, at)), o.b) & low;
                 const N old = memory.load(board.pixels.blocks[b], at);
                 const N result = (subtract ? old - t : old + t) & low;

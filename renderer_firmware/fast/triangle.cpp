@@ -154,7 +154,7 @@ HWY_INLINE bool box_in_floats(const Lines& p, const Lines& q, Box& box) {
     if (!hn::AllTrue(f, hn::Lt(margin, hn::Set(f, 0.5F)))) {
         return false;
     }
-    const auto cut = [&](VF4 v) HWY_ATTR {
+    const auto cut = [&](VF4 v) PXPL5_BODY {
         return hn::Min(hn::Max(v, hn::Set(f, low)), hn::Set(f, high));
     };
     const VF4 x = cut(hn::Mul(x_weighted.value, inverse));
@@ -234,7 +234,7 @@ HWY_NOINLINE bool find_large_box(const Triangle& t, Box& box) {
 HWY_INLINE VI4 sign_limit(VI4 op) {
     const I4 i;
     const VI4 n = hn::And(op, hn::Set(i, 0xFF));
-    const auto limit = [&](std::size_t k, std::int32_t value) HWY_ATTR {
+    const auto limit = [&](std::size_t k, std::int32_t value) PXPL5_BODY {
         const VI4 width = hn::Set(i, static_cast<std::int32_t>(shape::edge_widths[k]));
         return hn::And(hn::VecFromMask(i, hn::Eq(n, width)), hn::Set(i, value));
     };

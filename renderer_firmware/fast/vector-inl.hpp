@@ -14,6 +14,11 @@
 
 #include "renderer_firmware/fast/handlers.hpp"
 
+// Between the parameters and the body of a lambda that a loop calls for every vector: a call that
+// is not inlined costs more than the work.
+#undef PXPL5_BODY
+#define PXPL5_BODY HWY_ATTR __attribute__((always_inline))
+
 HWY_BEFORE_NAMESPACE();
 namespace pxpl5::renderer::fast::HWY_NAMESPACE {
 
