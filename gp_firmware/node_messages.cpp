@@ -23,6 +23,8 @@ static_assert(static_cast<int>(CaseRule::watertight) ==
               static_cast<int>(schema::CaseTable::watertight));
 static_assert(static_cast<int>(CaseRule::lorensen1987) ==
               static_cast<int>(schema::CaseTable::lorensen1987));
+static_assert(static_cast<int>(CaseRule::asymptotic) ==
+              static_cast<int>(schema::CaseTable::asymptotic));
 
 glm::dmat4 matrix_of(const schema::Matrix& wire) {
     glm::dmat4 m;

@@ -24,20 +24,18 @@ constexpr int max_orbit_frames = 100'000;
 }
 
 CaseTable parse_table(const std::string& text) {
-    if (text == "watertight") {
-        return CaseTable::watertight;
+    for (std::size_t i = 0; i < case_table_names.size(); ++i) {
+        if (case_table_names[i] == text) {
+            return static_cast<CaseTable>(i);
+        }
     }
-    if (text == "lorensen1987") {
-        return CaseTable::lorensen1987;
-    }
-    refuse(fmt::format("table: '{}' is neither watertight nor lorensen1987", text));
+    refuse(fmt::format("table: there is no '{}'{}", text, did_you_mean(text, case_table_names)));
 }
 
 Fields surface_fields(const Surface& surface, const SurfaceReport& report) {
     return {{"name", surface.name},
             {"isovalue", surface.isovalue},
-            {"table",
-             std::string(surface.table == CaseTable::watertight ? "watertight" : "lorensen1987")},
+            {"table", std::string(case_table_names[static_cast<std::size_t>(surface.table)])},
             {"triangles", report.triangles},
             {"vertices", report.vertices},
             {"cells_active", report.cells_active},

@@ -27,7 +27,7 @@ std::span<const Command> command_table() {
          {},
          run_info},
         {"surface",
-         "NAME [iso=V] [color=C] [table=watertight|lorensen1987]",
+         "NAME [iso=V] [color=C] [table=watertight|lorensen1987|asymptotic]",
          "Adds a surface, or changes its isovalue or colour.",
          1,
          1,

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/command_line.hpp"
@@ -15,7 +16,9 @@ inline constexpr std::size_t max_surfaces = 16;
 inline constexpr std::size_t max_lights = 4;
 inline constexpr int max_picture_px = 4096;
 
-enum class CaseTable : std::uint8_t { watertight, lorensen1987 };
+enum class CaseTable : std::uint8_t { watertight, lorensen1987, asymptotic };
+inline constexpr std::array<std::string_view, 3> case_table_names = {"watertight", "lorensen1987",
+                                                                     "asymptotic"};
 
 struct Surface {
     std::string name;

@@ -112,7 +112,7 @@ unsigned fixed_decision(CaseRule rule, unsigned inside, unsigned ambiguous) {
 CaseTable generate(CaseRule rule, std::string_view name) {
     CaseTable table;
     table.name = name;
-    table.decides_faces = rule == CaseRule::watertight;
+    table.decides_faces = rule == CaseRule::asymptotic;
     for (unsigned inside = 0; inside < 256; ++inside) {
         unsigned ambiguous = 0;
         for (int face = 0; face < cell_face_count; ++face)
@@ -162,16 +162,16 @@ const CaseEntry& CaseTable::entry(std::uint8_t inside, std::uint8_t joined) cons
 }
 
 const CaseTable& case_table(CaseRule rule) {
-    static const CaseTable watertight = generate(CaseRule::watertight, "watertight");
+    static const CaseTable asymptotic = generate(CaseRule::asymptotic, "asymptotic");
     static const CaseTable lorensen1987 = generate(CaseRule::lorensen1987, "lorensen1987");
-    static const CaseTable separated = generate(CaseRule::separated, "separated");
+    static const CaseTable watertight = generate(CaseRule::watertight, "watertight");
     switch (rule) {
-        case CaseRule::watertight:
-            return watertight;
+        case CaseRule::asymptotic:
+            return asymptotic;
         case CaseRule::lorensen1987:
             return lorensen1987;
-        case CaseRule::separated:
-            return separated;
+        case CaseRule::watertight:
+            return watertight;
     }
     assert(false);
     return watertight;

@@ -17,10 +17,10 @@ inline constexpr int cell_face_count = 6;
 inline constexpr std::uint8_t centre_corner = 12;  ///< Triangle corner: the cell's own vertex.
 
 enum class CaseRule : std::uint8_t {
-    watertight,    ///< Ambiguous faces are decided from their four values.
+    watertight,    ///< Inside corners apart on every ambiguous face: closed; VTK's counts.
     lorensen1987,  ///< Decided within each cell, so neighbours may disagree: holes.
-    separated,     ///< Inside corners apart on every face: closed too, but blind to the values.
-                   ///< Gives the counts of VTK's filters, so it serves to compare with them.
+    asymptotic,    ///< Ambiguous faces are decided from their four values: closed, and true to the
+                   ///< bilinear field on every face.
 };
 
 /// The triangles of one case.

@@ -137,7 +137,7 @@ TEST_SUITE("gp/marching_cubes") {
             const Volume volume = noise({21, 17, 13}, type, 9);
             const auto one = extract_all(volume, 4);
             for (const int count : {2, 3, 5, 36}) {
-                const auto many = extract_all(volume, 4, CaseRule::watertight, count);
+                const auto many = extract_all(volume, 4, CaseRule::asymptotic, count);
                 for (std::size_t i = 0; i < one.size(); ++i) CHECK(same(one[i], many[i]));
             }
             CHECK(certify(one, volume.shape).good());
@@ -148,7 +148,7 @@ TEST_SUITE("gp/marching_cubes") {
         "a mesh that is used again holds nothing of the surface before, and its memory stays") {
         const Volume volume = noise({70, 30, 4}, Scalar::int16, 100);
         const Gp gp(volume, {0, 1});
-        const CaseTable& table = case_table(CaseRule::watertight);
+        const CaseTable& table = case_table(CaseRule::asymptotic);
         SlabMesh reused, fresh;
         extract_slab(gp.store, 0, 50, table, reused);
         const Vertex* vertices = reused.vertices.data();
@@ -180,7 +180,7 @@ TEST_SUITE("gp/marching_cubes") {
                         if (inside(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)))
                             corners = static_cast<std::uint8_t>(corners | 1 << c);
                     active += corners != 0 && corners != 255 ? 1U : 0U;
-                    ambiguous += case_table(CaseRule::watertight).ambiguous[corners] ? 1U : 0U;
+                    ambiguous += case_table(CaseRule::asymptotic).ambiguous[corners] ? 1U : 0U;
                 }
             const SlabCounts& counts = meshes[static_cast<std::size_t>(z)].counts;
             CHECK(counts.cells_active == active);
@@ -250,7 +250,7 @@ TEST_SUITE("gp/marching_cubes") {
         SlabMesh mesh;
         for (const double isovalue : {std::nan(""), HUGE_VAL, -HUGE_VAL})
             CHECK_THROWS_AS(
-                extract_slab(gp.store, 0, isovalue, case_table(CaseRule::watertight), mesh),
+                extract_slab(gp.store, 0, isovalue, case_table(CaseRule::asymptotic), mesh),
                 std::invalid_argument);
     }
 }
