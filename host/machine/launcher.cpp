@@ -62,6 +62,7 @@ void Launcher::launch() {
     }
     nodes = bring_up(std::move(nodes));
     std::copy(nodes.begin(), nodes.end(), roster_.begin() + 1);
+    launched_ = true;
 }
 
 void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,

@@ -77,6 +77,7 @@ class Launcher {
     Roster roster_;          ///< Host first.
     std::optional<RosterEntry> io_;
     int io_count_ = 0;
+    bool launched_ = false;                         ///< All nodes have been told Go.
     std::map<bus::NodeId, std::string> dismissed_;  ///< io processes of the past, by name.
     std::deque<bus::Message> backlog_;              ///< Came while a handshake was going on.
     std::optional<MachineError> over_;              ///< Why nothing works any more.

@@ -17,8 +17,7 @@ namespace {
 
 namespace schema = bus::schema;
 
-constexpr int drain_ms = 5000;        // For nodes to end after Shutdown, when all is well.
-constexpr int failed_drain_ms = 500;  // The same after a failure.
+constexpr int failed_drain_ms = 500;  // For nodes to end after Shutdown when one has failed.
 constexpr int terminate_ms = 1000;    // From SIGTERM to SIGKILL.
 
 /// The last line that a process wrote: where it says why it gave up. Empty if it said nothing.
@@ -129,7 +128,7 @@ void Launcher::check_health() {
 
 void Launcher::fail(int code, const std::string& text) {
     over_.emplace(code, text);
-    bring_down(failed_drain_ms);
+    bring_down(launched_ ? failed_drain_ms : 0);  // Before Go, nobody has anything to finish.
     throw MachineError(code, text);
 }
 
@@ -139,7 +138,7 @@ void Launcher::shutdown() {
     }
     dismiss_io();
     over_.emplace(1, "the machine has been shut down");
-    if (const std::optional<Death> bad = bring_down(drain_ms)) {
+    if (const std::optional<Death> bad = bring_down(options_.drain_ms)) {
         throw MachineError(bad->code(), describe(*bad));
     }
 }
@@ -166,8 +165,10 @@ std::optional<Death> Launcher::bring_down(int grace_ms) {
         left = supervisor_.running();
         const bool pressed = supervisor_.take_interrupt() != 0;
         if (!patient && !left.empty() && (pressed || now_ms() >= deadline_ms)) {
-            fmt::print(stderr, "still running: {}; sending SIG{}\n", fmt::join(left, ", "),
-                       sigabbrev_np(steps[step].signal));
+            if (launched_ || step > 0) {
+                fmt::print(stderr, "still running: {}; sending SIG{}\n", fmt::join(left, ", "),
+                           sigabbrev_np(steps[step].signal));
+            }
             supervisor_.kill_all(steps[step].signal);
             deadline_ms = now_ms() + steps[step].patience_ms;
             ++step;

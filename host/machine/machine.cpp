@@ -70,4 +70,12 @@ std::string Machine::node_name(bus::NodeId id) const {
     return parts_->launcher.name_of(id);
 }
 
+std::vector<Machine::Process> Machine::processes() const {
+    std::vector<Process> processes;
+    for (const RosterEntry& node : parts_->launcher.roster()) {
+        processes.push_back({node.name(), node.pid});
+    }
+    return processes;
+}
+
 }  // namespace pxpl5::host

@@ -13,6 +13,7 @@ struct MachineOptions {
     std::filesystem::path binaries;  ///< Folder of pxpl5-gp and the others; empty: the host's own.
     std::filesystem::path run_base = "run";  ///< The run folder is made in here.
     int start_timeout_s = 60;                ///< For all nodes to say Hello, and again to connect.
+    int drain_ms = 5000;                     ///< For nodes to end by themselves in shutdown().
     int io_memory_mib = 16384;               ///< Address space of the io process.
     int io_cpu_s = 300;                      ///< CPU time of the io process.
 };
@@ -49,6 +50,13 @@ class Machine final : public MachinePort {
 
     /// "gp-3", for messages about a node.
     std::string node_name(bus::NodeId id) const;
+
+    struct Process {
+        std::string name;
+        int pid = 0;
+    };
+    /// The nodes in ring order, host included; not the io process.
+    std::vector<Process> processes() const;
 
   private:
     struct Parts;

@@ -222,7 +222,11 @@ void Supervisor::wait(int fd, int timeout_ms) {
         uv_update_time(&parts_->loop);
         uv_timer_start(
             &parts_->timer,
-            [](uv_timer_t* handle) { static_cast<Parts*>(handle->data)->timer_fired = true; },
+            [](uv_timer_t* handle) {
+                static_cast<Parts*>(handle->data)->timer_fired = true;
+                // A timer that is due at once fires before the loop polls, which must not block.
+                uv_stop(handle->loop);
+            },
             static_cast<std::uint64_t>(timeout_ms), 0);
     }
     while (!parts_->timer_fired && !parts_->fd_readable && parts_->deaths.empty() &&

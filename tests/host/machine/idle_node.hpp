@@ -1,0 +1,16 @@
+// What an idle node may be ordered to do, as the surface of a RemoveSurface message.
+#pragma once
+
+#include <cstdint>
+
+namespace pxpl5::test {
+
+enum class Order : std::uint16_t {
+    answer,   ///< VolumeReady to the host.
+    fault,    ///< Fault to the host.
+    exit_70,  ///< Ends with exit code 70, saying why.
+    leave,    ///< Ends with exit code 0 without having been told to.
+    abort,    ///< Ends by SIGABRT.
+};
+
+}  // namespace pxpl5::test
