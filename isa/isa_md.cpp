@@ -70,10 +70,11 @@ void put_row(std::string& out, const OpInfo& row) {
 
 constexpr std::string_view head = R"(# The Renderer's instruction set
 
-Made from `instructions.def` by `cmake --build BUILD --target isa_doc`; do not edit. What the machine
-is, is told in `README.md`. No public source holds the original instruction list of Pixel-Planes 5:
-this one is designed in its manner. `published` rows have a name or a meaning that a public text
-gives, `derived` rows follow from published facts, `designed` rows are ours. All cycle counts are ours.
+Made from `instructions.def` by `cmake --build BUILD --target isa_doc`; do not edit. What the
+machine is, is told in `README.md`. No public source holds the original instruction list of
+Pixel-Planes 5: this one is designed in its manner. `published` rows have a name or a meaning that
+a public text gives, `derived` rows follow from published facts, `designed` rows are ours. All
+cycle counts are ours.
 
 ## Words
 

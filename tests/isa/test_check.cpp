@@ -74,6 +74,7 @@ TEST_CASE("jumps reach instructions of the program only") {
     refused("NOP\nCALL 5\nNOP", 1, {"CALL", "word 5", "4 words"});
     refused("CALL 3\nCONSTintoMEM m0:8 7\nRET", 0, {"word 3 is not an instruction"});
     refused("NOP\nSKIPIFNONE 0", 1, {"SKIPIFNONE", "back to word 0"});
+    refused("NOP\nSKIPIFNONE 1", 1, {"SKIPIFNONE", "back to word 1"});
     refused("SKIPIFNONE end\nLOOP #2\nend: NOP\nENDLOOP", 0, {"another LOOP"});
     refused("LOOP #2\nCALL end\nend: NOP\nENDLOOP", 1, {"another LOOP"});
     refused("LOOP #2\nRET\nENDLOOP", 1, {"RET inside the LOOP of word 0"});
