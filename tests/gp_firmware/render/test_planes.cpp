@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tests/gp_firmware/render/support.hpp"
 
@@ -82,23 +83,26 @@ int check_values(const Triangle& t, std::span<const std::array<int, 2>> pixels) 
     return seen;
 }
 
-/// The exact slope of plane k along x (or y), rounded to nearest, in units of 2^-fraction a pixel.
-Wide rounded_slope(Wide numerator, Wide det, unsigned bits) {
+/// Whether `slope` is the low half of numerator / det * 2^bits, rounded to nearest. Within 2^-11 of
+/// half-way, where a double may not know better, the other neighbour is right too.
+bool is_rounded(std::uint32_t slope, Wide numerator, Wide det, unsigned bits) {
     const Wide twice = (numerator << (bits + 1)) + det;
-    const Wide cut = twice / (2 * det);
-    return cut * 2 * det > twice ? cut - 1 : cut;
+    Wide floor = twice / (2 * det), rest = twice % (2 * det);
+    if (rest < 0) {
+        --floor;
+        rest += 2 * det;
+    }
+    const auto off = slope - static_cast<std::uint32_t>(floor);
+    return off == 0 || (off == 0xFFFFFFFF && rest * 2048 < 2 * det) ||
+           (off == 1 && (2 * det - rest) * 2048 < 2 * det);
 }
 
 void check_slopes(const Triangle& t) {
     const auto planes = gp::planes_of(t[0], t[1], t[2], gp::determinant(t[0], t[1], t[2]));
     for (std::size_t k = 0; k < 4; ++k) {
         const Exact e = exact_plane(t, k);
-        const auto low = [](Wide w) { return static_cast<std::uint32_t>(w); };
-        const std::uint32_t da = planes.a[k] - low(rounded_slope(e.a, e.det, 4 + fraction[k]));
-        const std::uint32_t db = planes.b[k] - low(rounded_slope(e.b, e.det, 4 + fraction[k]));
-        // Half-way cases may go either way.
-        CHECK((da == 0 || da == 1 || da == 0xFFFFFFFF));
-        CHECK((db == 0 || db == 1 || db == 0xFFFFFFFF));
+        CHECK(is_rounded(planes.a[k], e.a, e.det, 4 + fraction[k]));
+        CHECK(is_rounded(planes.b[k], e.b, e.det, 4 + fraction[k]));
     }
 }
 
@@ -168,6 +172,33 @@ TEST_SUITE("gp/planes") {
             }
         }
         CHECK(seen > 1000);
+    }
+
+    TEST_CASE("the steepest slopes of all, of long triangles with the least area, are exact") {
+        Random random(5);
+        int steep = 0;
+        for (int i = 0; i < 3000; ++i) {
+            // (x1, y1) and (x2, y2) with x1 * y2 - x2 * y1 = 1, by Euclid's algorithm.
+            const int x1 = random.integer(1 << 12, 1 << 17), y1 = random.integer(1 << 12, 1 << 17);
+            std::int64_t r0 = x1, r1 = y1, s0 = 1, s1 = 0, t0 = 0, t1 = 1;
+            while (r1 != 0) {
+                const std::int64_t q = r0 / r1;
+                r0 = std::exchange(r1, r0 - q * r1);
+                s0 = std::exchange(s1, s0 - q * s1);
+                t0 = std::exchange(t1, t0 - q * t1);
+            }
+            // A corner on a pixel's centre: that pixel may be covered.
+            Triangle t = {vertex_at(8, 8, random), vertex_at(8 + x1, 8 + y1, random),
+                          vertex_at(8 - static_cast<int>(t0), 8 + static_cast<int>(s0), random)};
+            const auto positive = oriented(t);
+            if (r0 != 1 || !positive) {
+                continue;
+            }
+            ++steep;
+            check_slopes(*positive);
+            check_values(*positive, std::vector<std::array<int, 2>>{{0, 0}});
+        }
+        CHECK(steep > 1000);
     }
 
     TEST_CASE("a triangle of unit normals and border depths keeps both at every pixel") {
