@@ -1,0 +1,97 @@
+// A whole machine in one thread and one process: the real nodes on a simulated ring.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gp_firmware/node.hpp"
+#include "host/error.hpp"
+#include "host/frame_buffer/node.hpp"
+#include "host/machine/port.hpp"
+#include "host/machine/roster.hpp"
+#include "renderer_firmware/node.hpp"
+#include "ringbus/simulated_link.hpp"
+
+namespace pxpl5::test {
+
+/// What a session sees is the same as of host::Machine; the arrival order is drawn from the
+/// topology's seed. Volumes come from phantoms: there is no io process.
+class SimulatedMachine final : public host::MachinePort {
+  public:
+    explicit SimulatedMachine(const host::Topology& topology, bus::SimulatedFault fault = {})
+        : ring_(topology.seed, fault), roster_(host::roster_of(topology)) {
+        for (host::RosterEntry& entry : roster_) {
+            entry.endpoint = "simulated";
+            if (entry.id == bus::host_id) {
+                ring_.add(entry.id, mailbox_);
+            } else {
+                ring_.add(entry.id, *nodes_.emplace_back(make_node(entry.role)));
+            }
+        }
+        const bus::Payload told = host::topology_message(roster_, topology);
+        for (std::size_t i = 1; i < roster_.size(); ++i) {
+            ring_.send(bus::host_id, roster_[i].id, told);
+        }
+        ring_.run_until_idle();  // All are connected before anybody says anything.
+        gps_ = ids_of(roster_, bus::schema::Role::gp);
+        renderers_ = ids_of(roster_, bus::schema::Role::renderer);
+    }
+
+    const std::vector<bus::NodeId>& gp_ids() const override { return gps_; }
+    const std::vector<bus::NodeId>& renderer_ids() const override { return renderers_; }
+
+    void send(bus::NodeId to, bus::Payload payload) override {
+        ring_.send(bus::host_id, to, payload);
+    }
+
+    void pump(const std::function<void(const bus::Message&)>& take,
+              const std::function<bool()>& done) override {
+        while (!done()) {
+            if (!mailbox_.messages.empty()) {
+                const bus::Message message = mailbox_.messages.front();
+                mailbox_.messages.pop_front();
+                take(message);
+            } else if (!ring_.step()) {
+                throw host::MachineError(1,
+                                         "the ring is idle, and what is waited for has not come");
+            }
+        }
+    }
+
+    bus::NodeId start_io() override {
+        throw host::RequestError(host::ExitCode::unavailable,
+                                 "a simulated machine has no io process");
+    }
+    void release_io() override {}
+
+  private:
+    /// The host's place on the ring.
+    struct Mailbox final : bus::Node {
+        void receive(const bus::Message& message, bus::Outbox&) override {
+            messages.push_back(message);
+        }
+        bool work(bus::Outbox&) override { return false; }
+        std::deque<bus::Message> messages;
+    };
+
+    static std::unique_ptr<bus::Node> make_node(bus::schema::Role role) {
+        switch (role) {
+            case bus::schema::Role::gp:
+                return std::make_unique<gp::GpNode>();
+            case bus::schema::Role::renderer:
+                return std::make_unique<renderer::RendererNode>();
+            default:
+                return std::make_unique<host::FrameBufferNode>();
+        }
+    }
+
+    Mailbox mailbox_;
+    std::vector<std::unique_ptr<bus::Node>> nodes_;
+    bus::SimulatedRing ring_;
+    host::Roster roster_;
+    std::vector<bus::NodeId> gps_, renderers_;
+};
+
+}  // namespace pxpl5::test

@@ -1,0 +1,122 @@
+// The one invariant: what is drawn does not depend on the machine.
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/machine/machine.hpp"
+#include "host/session.hpp"
+#include "tests/system/simulated_machine.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+
+namespace {
+
+/// All that a session gets out of a machine in a short run: two surfaces, their meshes, a still and
+/// an orbit of partial regions.
+struct Results {
+    std::int64_t triangles = 0;
+    std::vector<std::uint64_t> meshes;
+    std::vector<std::vector<std::uint32_t>> pictures;
+    std::int64_t instructions = 0;
+    bool operator==(const Results&) const = default;
+};
+
+Results results_of(MachinePort& machine) {
+    Session session(machine);
+    session.load("phantom:letters");
+    session.scene.size = {200, 150};
+    const double middle = (session.volume().minimum + session.volume().maximum) / 2;
+    Results results;
+    results.triangles =
+        session.set_surface("outer", middle, CaseTable::watertight, {200, 180, 160}).triangles +
+        session.set_surface("inner", middle * 1.2, CaseTable::lorensen1987, {90, 120, 160})
+            .triangles;
+    results.meshes = {session.mesh_digest("outer"), session.mesh_digest("inner")};
+    results.pictures.push_back(session.draw().rgba);
+    results.instructions = session.last_frame().instructions;
+    session.orbit(3,
+                  [&](int, const Picture& picture) { results.pictures.push_back(picture.rgba); });
+    return results;
+}
+
+Topology plan(int gps, int renderers, std::uint64_t seed) {
+    Topology topology;
+    topology.gp.count = gps;
+    topology.renderer.count = renderers;
+    topology.frame_buffer.count = 1;
+    topology.seed = seed;
+    return topology;
+}
+
+Results simulated(const Topology& topology) {
+    test::SimulatedMachine machine(topology);
+    return results_of(machine);
+}
+
+Results by_processes(Topology topology, Transport transport) {
+    topology.ring.transport = transport;
+    MachineOptions options;
+    options.binaries = PXPL5_BIN_DIR;
+    options.run_base =
+        std::filesystem::temp_directory_path() / ("pxpl5-same-picture-" + std::to_string(getpid()));
+    Results results;
+    {
+        Machine machine(topology, options);
+        results = results_of(machine);
+        machine.shutdown();
+    }
+    std::filesystem::remove_all(options.run_base);
+    return results;
+}
+
+const Results& least_machine() {
+    static const Results results = simulated(plan(1, 1, 0));
+    return results;
+}
+
+std::uint64_t first_seed() {
+    const char* given = std::getenv("PXPL5_SEED");
+    return given != nullptr ? std::stoull(given) : 1;
+}
+
+}  // namespace
+
+TEST_CASE("the least machine draws something") {
+    const Results& results = least_machine();
+    CHECK(results.triangles > 1000);
+    REQUIRE(results.pictures.size() == 4);
+    for (const auto& picture : results.pictures) {
+        CHECK(picture.size() == 200 * 150);
+    }
+    CHECK(results.pictures[1] != results.pictures[2]);
+    CHECK(results.meshes[0] != results.meshes[1]);
+}
+
+TEST_CASE("meshes and pictures are the same for any machine and any order of arrival") {
+    constexpr int seeds = 20;
+    for (const auto& [gps, renderers] : {std::pair{2, 2}, {3, 5}}) {
+        for (std::uint64_t seed = first_seed(); seed < first_seed() + seeds; ++seed) {
+            CAPTURE(gps);
+            CAPTURE(renderers);
+            CAPTURE(seed);
+            CHECK(simulated(plan(gps, renderers, seed)) == least_machine());
+        }
+    }
+    CHECK_MESSAGE(simulated(plan(36, 16, first_seed())) == least_machine(), "36 x 16");
+}
+
+TEST_CASE("meshes and pictures are the same from real processes, over ipc and tcp") {
+    for (const Transport transport : {Transport::ipc, Transport::tcp}) {
+        for (const auto& [gps, renderers] : {std::pair{1, 1}, {2, 2}, {3, 5}, {36, 16}}) {
+            CAPTURE(gps);
+            CAPTURE(renderers);
+            CHECK(by_processes(plan(gps, renderers, 0), transport) == least_machine());
+        }
+    }
+}
