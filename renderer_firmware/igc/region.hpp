@@ -39,11 +39,12 @@ struct RegionFrame {
     Words prologue, end_of_region;
 };
 
-/// Draws a region on `executor`, with a fresh controller. Segments may come in any order: they run by surface, then slab, so that ties of
-/// depth do not depend on arrival. Of two segments of one surface and slab the one of the lower
-/// GP is run. A segment that is no program is left out; the rest of the region is drawn.
-/// The pixels leave through the executor's readout.
+/// Draws a region on `executor`, with a fresh controller. Segments may come in any order: they run
+/// by surface, then slab, so that ties of depth do not depend on arrival. Of two segments of one
+/// surface and slab the one of the lower GP is run. A segment that is no program is left out; the
+/// rest of the region is drawn. The pixels leave through the executor's readout.
 /// Throws std::logic_error if prologue or end-of-region program are no programs (a bug of ours).
-RegionResult draw_region(isa::Executor& executor, const RegionFrame& frame, std::vector<Segment> segments);
+RegionResult draw_region(isa::Executor& executor, const RegionFrame& frame,
+                         std::vector<Segment> segments);
 
 }  // namespace pxpl5::renderer

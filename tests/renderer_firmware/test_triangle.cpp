@@ -78,6 +78,29 @@ TEST_CASE("edges with any coefficients, wrapped or unbounded, agree with the ref
     }
 }
 
+TEST_CASE("sign tests of any width, too narrow for their edge too, agree with the reference") {
+    const std::uint64_t first = test::seed_or(500);
+    for (std::uint64_t seed = first; seed < first + 200; ++seed) {
+        CAPTURE(seed);
+        test::RandomPrograms random(seed);
+        const Window window{static_cast<int>(random.below(121)),
+                            static_cast<int>(random.below(125)), 8, 4};
+        std::vector<std::uint32_t> words = start();
+        for (int i = 0; i < 8; ++i) {
+            // Up to 50 pixels: Q leaves 16 bits in many places, 24 bits with long edges only.
+            const auto at = [&] { return static_cast<std::int32_t>(random.below(2048)); };
+            test::TrianglePlanes t =
+                test::random_triangle(random, {at(), at()}, 8 << random.below(12));
+            for (std::uint32_t& width : t.widths) {
+                constexpr std::uint32_t widths[] = {0, 8, 15, 16, 16, 16, 24, 24, 32, 64};
+                width = widths[random.below(10)];
+            }
+            append(t, words);
+        }
+        test::on_every_target([&](Fast& fast) { compare_runs(words, window, fast); });
+    }
+}
+
 TEST_CASE("slivers and triangles over the whole region agree on every pixel") {
     const std::uint64_t first = test::seed_or(31);
     for (std::uint64_t seed = first; seed < first + 2; ++seed) {

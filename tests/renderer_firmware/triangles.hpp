@@ -20,6 +20,7 @@ struct TrianglePlanes {
     std::int32_t z[3]{};
     std::int32_t normals[3][3]{};
     std::uint32_t surface = 1;
+    std::uint32_t widths[3]{};  ///< Of the edges' sign tests; 0: the narrowest that fits.
 };
 
 /// Half plane left of p -> q (y downwards), Q in 1/16 pixel: floor(C16 / 16), with the top-left
@@ -64,8 +65,9 @@ inline void append(const TrianglePlanes& t, std::vector<std::uint32_t>& words) {
         }
     };
     words.push_back(isa::triangle::enable_word);
-    for (const auto& edge : t.edges) {
-        put(isa::triangle::edge_word(edge_width(edge)), edge);
+    for (int k = 0; k < 3; ++k) {
+        const std::uint32_t width = t.widths[k] == 0 ? edge_width(t.edges[k]) : t.widths[k];
+        put(isa::triangle::edge_word(width), t.edges[k]);
     }
     put(isa::triangle::z_test_word, t.z);
     put(isa::triangle::z_store_word, t.z);
