@@ -1,90 +1,23 @@
 #include <doctest/doctest.h>
-#include <poll.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/error.hpp"
 #include "host/machine/machine.hpp"
 #include "ringbus/process.hpp"
 #include "tests/host/machine/idle_node.hpp"
+#include "tests/host/machine/process_bench.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
-using test::Order;
+using namespace pxpl5::test;
 namespace schema = bus::schema;
-namespace fs = std::filesystem;
 
 namespace {
-
-constexpr int limit_ms = 5000;  // For everyone to be gone, after a kill.
-
-std::string text_of(const fs::path& path) {
-    std::ostringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-}
-
-bool has(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
-}
-
-/// Follows a process that need not be a child, until it has ended.
-class Watch {
-  public:
-    explicit Watch(int pid) : fd_(static_cast<int>(syscall(SYS_pidfd_open, pid, 0))) {}
-    Watch(Watch&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-    ~Watch() {
-        if (fd_ >= 0) {
-            close(fd_);
-        }
-    }
-    bool existed() const { return fd_ >= 0; }
-    bool ends_within(int timeout_ms) const {
-        pollfd entry{fd_, POLLIN, 0};
-        return poll(&entry, 1, timeout_ms) == 1;
-    }
-
-  private:
-    int fd_;
-};
-
-struct Bench {
-    Bench() {
-        std::string pattern = fs::temp_directory_path() / "pxpl5-test-XXXXXX";
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        folder = pattern;
-        setenv("XDG_RUNTIME_DIR", pattern.c_str(), 1);  // Sockets can be counted here.
-        options.binaries = PXPL5_IDLE_NODES;
-        options.run_base = folder / "run";
-        topology.gp.count = 2;
-        topology.renderer.count = 2;
-        topology.frame_buffer.count = 1;
-    }
-    ~Bench() { fs::remove_all(folder); }
-
-    std::size_t socket_folders() const {
-        std::size_t count = 0;
-        for (const auto& entry : fs::directory_iterator(folder)) {
-            count += entry.path().filename().string().starts_with("pxpl5-") ? 1 : 0;
-        }
-        return count;
-    }
-
-    fs::path folder;
-    MachineOptions options;
-    Topology topology;
-};
 
 std::vector<Watch> watch_nodes(const Machine& machine) {
     std::vector<Watch> watches;
@@ -95,12 +28,6 @@ std::vector<Watch> watch_nodes(const Machine& machine) {
         }
     }
     return watches;
-}
-
-void check_all_ended(const std::vector<Watch>& watches, int timeout_ms = 0) {
-    for (const Watch& watch : watches) {
-        CHECK(watch.ends_within(timeout_ms));
-    }
 }
 
 bus::Payload order(Order what) {
@@ -326,107 +253,6 @@ TEST_CASE("what the nodes say while an io process starts is not lost") {
     std::size_t answers = 0;
     machine.pump([&](const bus::Message&) { ++answers; }, [&] { return answers == 2; });
     machine.shutdown();
-}
-
-namespace {
-
-/// The idle host as a child process, up and running.
-struct HostProcess {
-    HostProcess(const Bench& bench, const std::vector<std::string>& settings) {
-        int out[2], err[2];
-        REQUIRE(pipe(out) == 0);
-        REQUIRE(pipe(err) == 0);
-        pid = fork();
-        if (pid == 0) {
-            dup2(out[1], 1);
-            dup2(err[1], 2);
-            for (const int fd : {out[0], out[1], err[0], err[1]}) {
-                close(fd);
-            }
-            std::vector<std::string> words = {PXPL5_IDLE_HOST, PXPL5_IDLE_NODES,
-                                              (bench.folder / "run").string(), "one-of-each"};
-            words.insert(words.end(), settings.begin(), settings.end());
-            std::vector<char*> arguments;
-            for (std::string& word : words) {
-                arguments.push_back(word.data());
-            }
-            arguments.push_back(nullptr);
-            execv(arguments[0], arguments.data());
-            _exit(127);
-        }
-        close(out[1]);
-        close(err[1]);
-        errors = fdopen(err[0], "r");
-        FILE* lines = fdopen(out[0], "r");
-        char name[64];
-        for (int node = 0; std::fscanf(lines, "%d %63s", &node, name) == 2;) {
-            nodes.emplace_back(node);
-            names.emplace_back(name);
-        }
-        std::fclose(lines);
-    }
-    ~HostProcess() { std::fclose(errors); }
-
-    /// Waits for the host's end. Returns its exit code, or 128 + signal.
-    int wait() const {
-        int status = 0;
-        REQUIRE(waitpid(pid, &status, 0) == pid);
-        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    }
-    std::string error_text() const {
-        std::string text;
-        for (int c = 0; (c = std::fgetc(errors)) != EOF;) {
-            text += static_cast<char>(c);
-        }
-        return text;
-    }
-
-    int pid = 0;
-    FILE* errors = nullptr;
-    std::vector<Watch> nodes;
-    std::vector<std::string> names;
-};
-
-}  // namespace
-
-TEST_CASE("Ctrl-C and SIGTERM end the host in order, with their own exit code") {
-    for (const int signal : {SIGINT, SIGTERM}) {
-        const Bench bench;
-        const HostProcess host(bench, {"gp.count=3"});
-        CHECK(host.names == std::vector<std::string>{"host", "gp-0", "gp-1", "gp-2", "renderer-0",
-                                                     "framebuffer-0"});
-        ::kill(host.pid, signal);
-        CHECK(host.wait() == 128 + signal);
-        check_all_ended(host.nodes);
-        const std::string text = host.error_text();
-        CHECK_MESSAGE(text == (signal == SIGINT ? "error: interrupted by SIGINT\n"
-                                                : "error: interrupted by SIGTERM\n"),
-                      text);
-        CHECK(bench.socket_folders() == 0);
-    }
-}
-
-TEST_CASE("repeated Ctrl-C ends even nodes that will not") {
-    const Bench bench;
-    const HostProcess host(bench, {"gp.count=2", "gp.env=MISBEHAVE=deaf"});
-    for (int i = 0; i < 3; ++i) {
-        ::kill(host.pid, SIGINT);
-    }
-    CHECK(host.nodes.back().ends_within(limit_ms));
-    CHECK(host.wait() == 130);
-    check_all_ended(host.nodes);
-    const std::string text = host.error_text();
-    CHECK_MESSAGE(has(text, "still running: gp-0, gp-1; sending SIGKILL\n"), text);
-    CHECK_MESSAGE(has(text, "\nerror: interrupted by SIGINT\n"), text);
-}
-
-TEST_CASE("nothing outlives a host that is killed") {
-    const Bench bench;
-    const HostProcess host(bench, {"gp.count=4"});
-    CHECK(host.nodes.size() == 7);
-    ::kill(host.pid, SIGKILL);
-    CHECK(host.wait() == 137);
-    check_all_ended(host.nodes, limit_ms);
 }
 
 TEST_CASE("the paper's 54 processes come up, answer and go down") {
