@@ -124,7 +124,7 @@ TEST_CASE("running ahead leaves what instruction by instruction leaves") {
     }
 }
 
-TEST_CASE("a handler that is wrong in one bit is caught") {
+TEST_CASE("a wrong handler is caught, and the text names its instruction and the seed") {
     const renderer::fast::Backend& right = renderer::fast::backend(Target::best);
     REQUIRE(first_divergence(right, 5).empty());
 
