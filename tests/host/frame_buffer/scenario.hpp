@@ -47,8 +47,8 @@ inline bus::Message delivered(bus::NodeId source, const bus::Payload& payload) {
 }
 
 /// A frame buffer among `renderers` Renderers, driven by hand.
-struct Bench {
-    explicit Bench(int renderers) {
+struct FrameBufferBench {
+    explicit FrameBufferBench(int renderers) {
         schema::TopologyT topology;
         const auto add = [&topology](bus::NodeId id, schema::Role role, int index) {
             auto info = std::make_unique<schema::NodeInfoT>();
@@ -184,7 +184,7 @@ inline std::uint32_t seed() {
 }
 
 inline std::vector<std::uint32_t> picture_of(const bus::Payload& payload) {
-    const auto* pixels = Bench::frame_done(payload).pixels();
+    const auto* pixels = FrameBufferBench::frame_done(payload).pixels();
     REQUIRE(pixels != nullptr);
     return {pixels->begin(), pixels->end()};
 }

@@ -22,7 +22,7 @@ TEST_CASE(
             CAPTURE(shape.width);
             CAPTURE(renderers);
             const Scenario frame = random_scenario(random, 7, shape, renderers);
-            Bench bench(renderers);
+            FrameBufferBench bench(renderers);
             bench.take(master_gp, frame.begin());
             std::vector<int> order;
             for (int i = 0; i < renderers; ++i) {
@@ -42,13 +42,13 @@ TEST_CASE(
 TEST_CASE("a finished frame says its size, its cycles by region and the sum of instructions") {
     std::mt19937 random(seed());
     const Scenario frame = random_scenario(random, 0, {300, 200, 2}, 3);
-    Bench bench(3);
+    FrameBufferBench bench(3);
     bench.take(master_gp, frame.begin(false));
     for (int i = 0; i < 3; ++i) {
         bench.from_renderer(i, frame.pixels(i));
     }
     REQUIRE(bench.out.sent.size() == 1);
-    const schema::FrameDone& done = Bench::frame_done(bench.out.sent[0]);
+    const schema::FrameDone& done = FrameBufferBench::frame_done(bench.out.sent[0]);
     CHECK(done.frame() == 0);
     CHECK(done.width() == 300);
     CHECK(done.height() == 200);
@@ -67,7 +67,7 @@ TEST_CASE("regions may overtake their BeginFrame, and two frames may interleave"
     std::mt19937 random(seed());
     const Scenario first = random_scenario(random, 4, {300, 200, 1}, 2);
     const Scenario second = random_scenario(random, 6, {130, 129, 2}, 2);
-    Bench bench(2);
+    FrameBufferBench bench(2);
     bench.from_renderer(1, first.pixels(1));
     bench.from_renderer(1, second.pixels(1));
     bench.take(master_gp, first.begin());
@@ -84,7 +84,7 @@ TEST_CASE("regions may overtake their BeginFrame, and two frames may interleave"
 TEST_CASE("a frame is finished at its BeginFrame if all its regions overtook it") {
     std::mt19937 random(seed());
     const Scenario frame = random_scenario(random, 1, {200, 100, 1}, 2);
-    Bench bench(2);
+    FrameBufferBench bench(2);
     bench.from_renderer(0, frame.pixels(0));
     bench.from_renderer(1, frame.pixels(1));
     bench.take(master_gp, frame.begin());
@@ -96,7 +96,7 @@ TEST_CASE("many frames of changing size, in any arrival order, are each right") 
     std::mt19937 random(seed());
     CAPTURE(seed());
     constexpr int renderers = 4;
-    Bench bench(renderers);
+    FrameBufferBench bench(renderers);
     for (std::uint32_t k = 0; k < 20; k += 2) {
         std::array<Scenario, 2> pair;
         for (std::uint32_t i = 0; i < 2; ++i) {
@@ -130,7 +130,7 @@ TEST_CASE("a frame that a Renderer failed to send does not hold up the next") {
     std::mt19937 random(seed());
     const Scenario lost = random_scenario(random, 1, {200, 100, 1}, 2);
     const Scenario next = random_scenario(random, 2, {200, 100, 1}, 2);
-    Bench bench(2);
+    FrameBufferBench bench(2);
     bench.take(master_gp, lost.begin());
     bench.from_renderer(0, lost.pixels(0));
     bench.take(master_gp, next.begin());
@@ -146,7 +146,7 @@ TEST_CASE("a frame that a Renderer failed to send does not hold up the next") {
 TEST_CASE("regions that do not belong are named faults, and the frame can still be finished") {
     std::mt19937 random(seed());
     const Scenario frame = random_scenario(random, 3, {300, 300, 1}, 2);
-    Bench bench(2);
+    FrameBufferBench bench(2);
     bench.take(master_gp, frame.begin());
 
     const auto refused = [&](const schema::RegionPixelsT& tiles, bus::NodeId source,
@@ -194,7 +194,7 @@ TEST_CASE("regions that do not belong are named faults, and the frame can still 
 TEST_CASE("a BeginFrame that makes no sense is a named fault") {
     std::mt19937 random(seed());
     const Scenario frame = random_scenario(random, 3, {300, 300, 1}, 2);
-    Bench bench(2);
+    FrameBufferBench bench(2);
     const auto refused = [&](auto edit, const std::string& reason) {
         Scenario bad = frame;
         edit(bad);
@@ -211,7 +211,7 @@ TEST_CASE("a BeginFrame that makes no sense is a named fault") {
 
 TEST_CASE("regions of frames that never begin are refused once their number is out of bounds") {
     std::mt19937 random(seed());
-    Bench bench(1);
+    FrameBufferBench bench(1);
     std::string fault = "no fault";
     int held = 0;
     for (; held < 100 && fault == "no fault"; ++held) {
