@@ -218,7 +218,11 @@ int Supervisor::spawn(const Command& command) {
 void Supervisor::wait(int fd, int timeout_ms) {
     parts_->watch(fd);
     parts_->timer_fired = parts_->fd_readable = false;
-    if (timeout_ms >= 0) {
+    if (timeout_ms == 0) {
+        uv_run(&parts_->loop, UV_RUN_NOWAIT);
+        return;
+    }
+    if (timeout_ms > 0) {
         uv_update_time(&parts_->loop);
         uv_timer_start(
             &parts_->timer,
