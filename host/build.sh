@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Configures and builds a preset: build.sh PRESET [TARGET...]. Prints progress; quiet when up to date.
+# Configures and builds a preset: build.sh PRESET [TARGET...]. Prints progress.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 preset=$1

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up, builds and launches the machine. Without arguments it draws the five surfaces of the paper
-# and says where the pictures are; with arguments it hands them to pxpl5, e.g.
+# Sets up, builds and launches the machine. Without arguments it draws the five surfaces of the
+# paper and says where the pictures are; with arguments it hands them to pxpl5, e.g.
 #   host/launch.sh render scan.nrrd --iso 300 -o bone.png
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)

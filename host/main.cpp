@@ -43,7 +43,7 @@ struct MachineFlags {
 
 struct Flags {
     MachineFlags machine;
-    bool json = false, dry_run = false, paper = false;
+    bool json = false, dry_run = false, keep_going = false, paper = false;
     std::string script, volume, view, size, output, pictures;
     std::vector<std::string> commands, surfaces;
     std::optional<double> isovalue;
@@ -87,7 +87,7 @@ int run(const Flags& flags) {
         return 0;
     }
     return flags.machine.with_session([&](Session& session) {
-        ScriptOptions options{.json = flags.json};
+        ScriptOptions options{.json = flags.json, .keep_going = flags.keep_going};
         if (!flags.commands.empty()) {
             std::string text;
             for (const std::string& command : flags.commands) {
@@ -148,6 +148,7 @@ void declare(CLI::App& app, Flags& flags) {
     CLI::App* run_app = app.add_subcommand("run", "Run a script, commands, or a prompt");
     run_app->add_option("script", flags.script, "Script file; - is standard input");
     run_app->add_option("-c,--command", flags.commands, "Commands, separated by ';'");
+    run_app->add_flag("--keep-going", flags.keep_going, "Go on after a command that failed");
     run_app->add_flag("--dry-run", flags.dry_run, "Print the resolved topology and stop");
 
     CLI::App* render_app = app.add_subcommand("render", "Draw surfaces of a volume into a picture");

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Times the whole machine on the five surfaces of the paper: medians over several runs, one JSON line.
+"""Times the whole machine on the five surfaces of the paper: medians over runs, one JSON line.
 
 usage: machine_bench.py PXPL5 [--topology NAME] [--runs N] [--frames N] [--size WxH] [--check]
 
-Extraction is from the command to the last GP's acknowledgement; the frame rate is of newly drawn views
-that arrive in the host's memory, two in flight. With --check the exit code is 1 if a goal is missed.
+Extraction is from the command to the last GP's acknowledgement; the frame rate is of newly drawn
+views that arrive in the host's memory, two in flight. With --check the exit code is 1 if a goal is
+missed.
 """
 import argparse
 import json
@@ -26,12 +27,17 @@ EXTRACTION_GOAL_MS = 30.0
 SKIN_RATE_GOAL = 60.0
 
 
+def output_of(command):
+    """What the command prints. Its errors end this program."""
+    return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
+
+
 def isovalues(program):
     """Isovalue of each phantom's surface, as `info` reports it."""
     values = {}
     for volume in sorted({volume for volume, _ in SURFACES}):
-        answer = subprocess.run([program, "info", volume, "--json"], capture_output=True, text=True, check=True)
-        for surface in json.loads(answer.stdout)["result"]["surfaces"]:
+        answer = output_of([program, "info", volume, "--json"])
+        for surface in json.loads(answer)["result"]["surfaces"]:
             values[volume, surface["name"]] = surface["isovalue"]
     return values
 
@@ -47,13 +53,13 @@ def one_run(program, args, values):
         # The first extraction finds cold memory; the second is what a person at the slider sees.
         commands += [f"surface {name} iso={iso + 1}", f"surface {name} iso={iso}",
                      "orbit 10", f"orbit {args.frames}", f"remove {name}"]
-    answer = subprocess.run([program, "run", "--json", "--topology", args.topology, "-c", ";".join(commands)],
-                            capture_output=True, text=True, check=True)
-    lines = [json.loads(line) for line in answer.stdout.splitlines()]
+    answer = output_of([program, "run", "--json", "--topology", args.topology,
+                        "-c", ";".join(commands)])
+    lines = [json.loads(line) for line in answer.splitlines()]
     surfaces = [line for line in lines if line["command"].startswith("surface")][1::2]
     orbits = [line for line in lines if line["command"].startswith("orbit")][1::2]
-    return [(s["result"]["triangles"], s["result"]["extraction_ms"], o["result"]["frames_per_s"])
-            for s, o in zip(surfaces, orbits, strict=True)]
+    return [(s["result"]["triangles"], s["result"]["extraction_ms"],
+             o["result"]["frames_per_s"]) for s, o in zip(surfaces, orbits, strict=True)]
 
 
 def main():
@@ -68,10 +74,9 @@ def main():
 
     values = isovalues(args.program)
     runs = [one_run(args.program, args, values) for _ in range(args.runs)]
-    version = subprocess.run([args.program, "--version"], capture_output=True, text=True, check=True)
-    report = {"version": version.stdout.strip(), "cpu": platform.processor() or platform.machine(),
-              "cores": os.cpu_count(), "topology": args.topology, "size": args.size, "runs": args.runs,
-              "surfaces": []}
+    report = {"version": output_of([args.program, "--version"]).strip(),
+              "cpu": platform.processor() or platform.machine(), "cores": os.cpu_count(),
+              "topology": args.topology, "size": args.size, "runs": args.runs, "surfaces": []}
     for k, (volume, name) in enumerate(SURFACES):
         report["surfaces"].append({
             "volume": volume, "surface": name, "triangles": runs[0][k][0],
@@ -79,11 +84,13 @@ def main():
             "frames_per_s": round(statistics.median(run[k][2] for run in runs), 1)})
     print(json.dumps(report))
 
-    missed = [f"{s['volume']} {s['surface']}: extraction {s['extraction_ms']} ms, the goal is {EXTRACTION_GOAL_MS}"
+    missed = [f"{s['volume']} {s['surface']}: extraction {s['extraction_ms']} ms, "
+              f"the goal is {EXTRACTION_GOAL_MS}"
               for s in report["surfaces"] if s["extraction_ms"] > EXTRACTION_GOAL_MS]
     skin = report["surfaces"][0]
     if skin["frames_per_s"] < SKIN_RATE_GOAL:
-        missed.append(f"{skin['volume']} skin: {skin['frames_per_s']} frames/s, the goal is {SKIN_RATE_GOAL}")
+        missed.append(f"{skin['volume']} skin: {skin['frames_per_s']} frames/s, "
+                      f"the goal is {SKIN_RATE_GOAL}")
     for line in missed:
         print("missed: " + line, file=sys.stderr)
     return 1 if missed and args.check else 0

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import unittest
 
-BIN = pathlib.Path(sys.argv.pop(1)) if len(sys.argv) > 1 else pathlib.Path("build/release/bin")
+BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin").resolve()
 LIMIT_S = 120
 
 
@@ -21,8 +21,9 @@ def children_of(pid):
     found = []
     for entry in pathlib.Path("/proc").iterdir():
         try:
-            if entry.name.isdigit() and int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1]) == pid:
-                found.append(int(entry.name))
+            if entry.name.isdigit():
+                parent = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
+                found += [int(entry.name)] if parent == pid else []
         except (FileNotFoundError, ProcessLookupError):
             pass  # It ended while we looked.
     return found
@@ -55,15 +56,18 @@ class Cli(unittest.TestCase):
         self.assertRegex(done.stdout, r"^pxpl5 \d+\.\d+\.\d+\n$")
 
     def test_render_writes_a_picture_of_the_asked_size(self):
-        done = self.pxpl5("render", "phantom:sphere", "--iso", "0.5", "--size", "200x150", "-o", self.path("s.png"))
+        done = self.pxpl5("render", "phantom:sphere", "--iso", "0.5", "--size", "200x150",
+                          "-o", self.path("s.png"))
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(png_size(self.path("s.png")), (200, 150))
 
     def test_json_is_one_object_per_command(self):
-        done = self.pxpl5("run", "--json", "-c", "load phantom:sphere; surface s iso=0.5; size 64x64; digest; stats")
+        done = self.pxpl5("run", "--json", "-c",
+                          "load phantom:sphere; surface s iso=0.5; size 64x64; digest; stats")
         self.assertEqual(done.returncode, 0, done.stderr)
         lines = [json.loads(line) for line in done.stdout.splitlines()]
-        self.assertEqual([line["command"].split()[0] for line in lines], ["load", "surface", "size", "digest", "stats"])
+        self.assertEqual([line["command"].split()[0] for line in lines],
+                         ["load", "surface", "size", "digest", "stats"])
         self.assertTrue(all(line["ok"] and line["ms"] >= 0 for line in lines))
         self.assertGreater(lines[1]["result"]["triangles"], 0)
         self.assertGreater(lines[4]["result"]["frame"]["instructions"], 0)
@@ -93,13 +97,18 @@ class Cli(unittest.TestCase):
         self.assertEqual(done.returncode, 64)
         self.assertIn("paper-1994", done.stderr)
 
-    def test_bad_files_are_65_and_the_machine_goes_on(self):
+    def test_bad_files_are_65_by_name_and_the_machine_goes_on(self):
         bad = self.path("bad.nrrd")
         pathlib.Path(bad).write_text("this is not a volume\n")
         done = self.pxpl5("render", bad, "--iso", "1", "-o", self.path("x.png"))
         self.assertEqual(done.returncode, 65, done)
         self.assertIn("bad.nrrd", done.stderr)
         self.assertFalse(os.path.exists(self.path("x.png")))
+        done = self.pxpl5("run", "--keep-going", "-c",
+                          f"load '{bad}'; load phantom:sphere; surface surface; "
+                          f"snapshot '{self.path('s.png')}'")
+        self.assertEqual(done.returncode, 65, done)
+        self.assertEqual(png_size(self.path("s.png")), (512, 512))
         missing = self.pxpl5("info", self.path("absent.nii"), machine=False)
         self.assertEqual(missing.returncode, 65, missing)
         self.assertIn("absent.nii", missing.stderr)
@@ -111,15 +120,23 @@ class Cli(unittest.TestCase):
 
     def start(self, topology):
         """A machine that waits for commands, with its processes."""
-        child = subprocess.Popen([BIN / "pxpl5", "run", "-", "--run-folder", self.path("run"), "--topology", topology],
-                                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                 text=True, cwd=self.folder.name)
+        child = subprocess.Popen(
+            [BIN / "pxpl5", "run", "-", "--run-folder", self.path("run"), "--topology", topology],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            cwd=self.folder.name)
         child.stdin.write("load phantom:sphere\n")
         child.stdin.flush()
-        self.assertIn("sphere", child.stdout.readline())
+        self.wait_for(child, "distributed in")
         nodes = children_of(child.pid)
         self.assertGreaterEqual(len(nodes), 3)
         return child, nodes
+
+    def wait_for(self, child, text):
+        """Reads what the program prints up to the line that holds `text`."""
+        for line in child.stdout:
+            if text in line:
+                return
+        self.fail(f"the program ended before it printed '{text}': {child.stderr.read()}")
 
     def assert_all_ended(self, child, nodes):
         for pid in nodes:
@@ -137,7 +154,8 @@ class Cli(unittest.TestCase):
             child.wait(timeout=LIMIT_S)
             error = child.stderr.read()
             self.assertEqual(child.returncode, 128 + 9, error)
-            self.assertIn({"pxpl5-gp": "gp-0", "pxpl5-renderer": "renderer-0"}.get(victim, "frame"), error)
+            names = {"pxpl5-gp": "gp-0", "pxpl5-renderer": "renderer-0"}
+            self.assertIn(names.get(victim, "framebuffer-0"), error)
             self.assertIn("SIGKILL", error)
             self.assert_all_ended(child, nodes)
             child.stdout.close()
@@ -147,11 +165,20 @@ class Cli(unittest.TestCase):
         child, nodes = self.start("one-of-each")
         child.stdin.write("surface a iso=0.5\norbit 100000\n")
         child.stdin.flush()
-        self.assertIn("triangles", "".join(child.stdout.readline() for _ in range(4)))
+        self.wait_for(child, "triangles")
         child.send_signal(signal.SIGINT)
-        child.communicate(timeout=LIMIT_S)
-        self.assertEqual(child.returncode, 128 + 2)
+        _, error = child.communicate(timeout=LIMIT_S)
+        self.assertEqual(child.returncode, 128 + 2, error)
         self.assert_all_ended(child, nodes)
+
+    def test_the_1993_machine_draws_the_same_frame_as_the_smallest(self):
+        commands = "load phantom:letters; surface surface; size 300x200; view 30 20; digest"
+        digests = set()
+        for topology in ("one-of-each", "default", "paper-1993"):
+            done = self.pxpl5("run", "--json", "-c", commands, topology=topology)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            digests.add(json.dumps(json.loads(done.stdout.splitlines()[-1])["result"]))
+        self.assertEqual(len(digests), 1)
 
 
 if __name__ == "__main__":
