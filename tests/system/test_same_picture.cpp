@@ -100,7 +100,7 @@ TEST_CASE("the least machine draws something") {
 
 TEST_CASE("meshes and pictures are the same for any machine and any order of arrival") {
     constexpr int seeds = 20;
-    for (const auto& [gps, renderers] : {std::pair{2, 2}, {3, 5}}) {
+    for (const auto& [gps, renderers] : {std::pair{1, 1}, {2, 2}, {3, 5}, {36, 16}}) {
         for (std::uint64_t seed = first_seed(); seed < first_seed() + seeds; ++seed) {
             CAPTURE(gps);
             CAPTURE(renderers);
@@ -108,7 +108,6 @@ TEST_CASE("meshes and pictures are the same for any machine and any order of arr
             CHECK(simulated(plan(gps, renderers, seed)) == least_machine());
         }
     }
-    CHECK_MESSAGE(simulated(plan(36, 16, first_seed())) == least_machine(), "36 x 16");
 }
 
 TEST_CASE("meshes and pictures are the same from real processes, over ipc and tcp") {

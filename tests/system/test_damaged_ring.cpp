@@ -1,0 +1,64 @@
+// A message is lost, repeated or damaged somewhere in a run: never a wrong picture, never a crash.
+#include <doctest/doctest.h>
+
+#include "host/error.hpp"
+#include "host/session.hpp"
+#include "tests/system/simulated_machine.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+
+namespace {
+
+/// Far more than the messages of the short run below.
+constexpr std::uint64_t messages_tried = 90;
+
+Topology small_machine() {
+    Topology topology;
+    topology.gp.count = 2;
+    topology.renderer.count = 2;
+    topology.frame_buffer.count = 1;
+    topology.seed = 7;
+    return topology;
+}
+
+struct Outcome {
+    std::vector<std::uint32_t> picture;  ///< Empty if the run ended with an error.
+    std::string error;
+};
+
+Outcome run_with(const bus::SimulatedFault& fault) {
+    try {
+        test::SimulatedMachine machine(small_machine(), fault);
+        Session session(machine);
+        session.load("phantom:sphere");
+        session.scene.size = {160, 140};
+        session.set_surface("s", 0.5, CaseTable::watertight, {200, 180, 160});
+        session.draw();
+        return {session.draw().rgba, {}};
+    } catch (const RequestError& error) {
+        return {{}, error.what()};
+    } catch (const MachineError& error) {
+        return {{}, error.what()};
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a damaged message ends in an error that says so, or changes nothing") {
+    const Outcome sound = run_with({});
+    REQUIRE(!sound.picture.empty());
+    for (const bus::Damage damage :
+         {bus::Damage::drop, bus::Damage::repeat, bus::Damage::flip_bit}) {
+        int errors = 0;
+        for (std::uint64_t message = 0; message < messages_tried; ++message) {
+            const Outcome outcome = run_with({damage, message});
+            CAPTURE(static_cast<int>(damage));
+            CAPTURE(message);
+            CHECK((outcome.error.empty() ? outcome.picture == sound.picture
+                                         : outcome.picture.empty()));
+            errors += outcome.error.empty() ? 0 : 1;
+        }
+        CHECK_MESSAGE(errors >= 10, "damage ", static_cast<int>(damage));
+    }
+}

@@ -1,0 +1,51 @@
+// What the built-in volumes give, to the bit: meshes and frames on the least machine.
+#include <doctest/doctest.h>
+#include <fmt/core.h>
+
+#include "host/phantom/phantom.hpp"
+#include "host/picture_text.hpp"
+#include "host/session.hpp"
+#include "tests/golden.hpp"
+#include "tests/system/simulated_machine.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+
+namespace {
+
+Topology least_machine() {
+    Topology topology;
+    topology.gp.count = topology.renderer.count = topology.frame_buffer.count = 1;
+    return topology;
+}
+
+/// One line for each surface of the phantom.
+std::string lines_of(Session& session, const PhantomInfo& phantom) {
+    std::string lines;
+    session.load(phantom.name);
+    for (const PhantomSurface& surface : phantom.surfaces) {
+        const SurfaceReport report = session.set_surface(
+            surface.name, surface.isovalue, CaseTable::watertight,
+            {surface.colour_rgb[0], surface.colour_rgb[1], surface.colour_rgb[2]});
+        lines += fmt::format("{} {}: {} triangles, mesh {:016x}, frame {:016x}\n", phantom.name,
+                             surface.name, report.triangles, session.mesh_digest(surface.name),
+                             picture_digest(session.draw()));
+        session.remove_surface(surface.name);
+    }
+    return lines;
+}
+
+}  // namespace
+
+TEST_CASE("meshes and frames of the built-in volumes are what they were") {
+    test::SimulatedMachine machine(least_machine());
+    Session session(machine);
+    session.scene.size = {320, 240};
+    session.scene.camera.angles = {30, 20};
+    session.scene.lights = {{-28, 32, 0.7}, {50, -10, 0.3}};
+    std::string lines;
+    for (const PhantomInfo& phantom : phantoms()) {
+        lines += lines_of(session, phantom);
+    }
+    test::check_golden("frames.txt", lines, "ctest --preset release -R golden_frames");
+}
