@@ -82,6 +82,11 @@ StoredHeader read_meta_header(const std::filesystem::path& path) {
         header.spacing_stated = true;
         header.notes.emplace_back("no ElementSpacing: ElementSize is taken as the spacing");
     }
+    if (!fields.contains("anatomicalorientation")) {
+        header.notes.emplace_back(
+            "the header states no AnatomicalOrientation: x, y, z are taken as left, posterior, "
+            "superior by its matrix");
+    }
     locate_data(path, fields, reader.offset_bytes(), header);
     check_stored_header(path, header);
     if (header.storage == Storage::compressed) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double half_angle_rad = 15.0 / 180.0 * glm::pi<double>();
 /// The sphere around a volume's box is larger than what is in it: fill the picture a little more.
-constexpr double fill = 1.2;
+constexpr double fill = 1.3;
 constexpr double depth_margin = 1.02;
 
 }  // namespace
