@@ -27,17 +27,6 @@ std::size_t slice_bytes(const Volume& volume) {
            size_bytes(volume.type);
 }
 
-bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, int count) {
-    const std::size_t size = slice_bytes(volume);
-    flatbuffers::FlatBufferBuilder builder(static_cast<std::size_t>(count) * size + 256);
-    const auto values =
-        builder.CreateVector(reinterpret_cast<const std::uint8_t*>(volume.values.data()) +
-                                 static_cast<std::size_t>(first) * size,
-                             static_cast<std::size_t>(count) * size);
-    return bus::finish(builder, schema::CreateSlices(builder, id, static_cast<std::uint32_t>(first),
-                                                     static_cast<std::uint32_t>(count), values));
-}
-
 }  // namespace
 
 std::vector<int> slices_for_gp(int slice_count, int gp_index, int gp_count) {
@@ -68,9 +57,24 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
     return bus::pack(header);
 }
 
+int slices_per_batch(const Volume& volume) {
+    return static_cast<int>(std::max<std::size_t>(1, batch_bytes / slice_bytes(volume)));
+}
+
+bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, int count) {
+    const std::size_t size = slice_bytes(volume);
+    flatbuffers::FlatBufferBuilder builder(static_cast<std::size_t>(count) * size + 256);
+    const auto values =
+        builder.CreateVector(reinterpret_cast<const std::uint8_t*>(volume.values.data()) +
+                                 static_cast<std::size_t>(first) * size,
+                             static_cast<std::size_t>(count) * size);
+    return bus::finish(builder, schema::CreateSlices(builder, id, static_cast<std::uint32_t>(first),
+                                                     static_cast<std::uint32_t>(count), values));
+}
+
 void for_each_slice_batch(const Volume& volume, std::uint32_t id, const std::vector<int>& slices,
                           const std::function<void(bus::Payload)>& send) {
-    const int most = static_cast<int>(std::max<std::size_t>(1, batch_bytes / slice_bytes(volume)));
+    const int most = slices_per_batch(volume);
     for (std::size_t i = 0; i < slices.size();) {
         int count = 1;
         while (count < most && i + static_cast<std::size_t>(count) < slices.size() &&

@@ -17,6 +17,12 @@ std::vector<int> slices_for_gp(int slice_count, int gp_index, int gp_count);
 /// VolumeHeader for `volume` with the given id.
 bus::Payload volume_header(const Volume& volume, std::uint32_t id);
 
+/// Whole slices that one Slices message holds: a few megabytes, at least one slice.
+int slices_per_batch(const Volume& volume);
+
+/// Slices with slices first .. first + count - 1 of the volume.
+bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, int count);
+
 /// Calls `send` with the Slices messages for one GP, each of a few megabytes of consecutive slices.
 void for_each_slice_batch(const Volume& volume, std::uint32_t id, const std::vector<int>& slices,
                           const std::function<void(bus::Payload)>& send);

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cassert>
-#include <memory>
 #include <utility>
 
 #include "host/io/import.hpp"
 #include "host/io/picture.hpp"
+#include "host/volume_transfer.hpp"
 
 namespace pxpl5::host::io {
 
@@ -22,50 +22,6 @@ bus::Payload failure(const std::string& reason, bool bad_data) {
     done.error = reason;
     done.bad_data = bad_data;
     return bus::pack(done);
-}
-
-schema::ScalarType wire_type(Scalar type) {
-    return static_cast<schema::ScalarType>(type);
-}
-static_assert(static_cast<int>(Scalar::float32) == static_cast<int>(schema::ScalarType::float32));
-static_assert(static_cast<int>(Scalar::uint16) == static_cast<int>(schema::ScalarType::uint16));
-
-bus::Payload header_message(const Volume& volume, std::uint32_t id) {
-    schema::VolumeHeaderT header;
-    header.volume = id;
-    header.name = volume.name;
-    header.nx = static_cast<std::uint32_t>(volume.nx);
-    header.ny = static_cast<std::uint32_t>(volume.ny);
-    header.nz = static_cast<std::uint32_t>(volume.nz);
-    header.type = wire_type(volume.type);
-    // Both are column-major.
-    const flatbuffers::span<const double, 16> columns(&volume.voxel_to_patient[0][0], 16);
-    header.voxel_to_patient = std::make_unique<schema::Matrix>(columns);
-    header.minimum = volume.minimum;
-    header.maximum = volume.maximum;
-    header.notes = volume.notes;
-    return bus::pack(header);
-}
-
-std::size_t slice_bytes(const Volume& volume) {
-    return static_cast<std::size_t>(volume.nx) * static_cast<std::size_t>(volume.ny) *
-           size_bytes(volume.type);
-}
-
-/// As many whole slices from `first` on as fit in batch_bytes, at least one.
-int batch_slices(const Volume& volume, int first) {
-    const std::size_t fitting = std::max<std::size_t>(batch_bytes / slice_bytes(volume), 1);
-    return std::min(static_cast<int>(std::min<std::size_t>(fitting, max_dim)), volume.nz - first);
-}
-
-bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, int count) {
-    const std::size_t bytes = slice_bytes(volume) * static_cast<std::size_t>(count);
-    const std::byte* from =
-        volume.values.data() + slice_bytes(volume) * static_cast<std::size_t>(first);
-    flatbuffers::FlatBufferBuilder builder(bytes + 1024);
-    const auto values = builder.CreateVector(reinterpret_cast<const std::uint8_t*>(from), bytes);
-    return bus::finish(builder, schema::CreateSlices(builder, id, static_cast<std::uint32_t>(first),
-                                                     static_cast<std::uint32_t>(count), values));
 }
 
 void export_picture(const bus::Message& request, bus::Outbox& out) {
@@ -127,14 +83,15 @@ void IoNode::begin_import(const bus::Message& request, bus::Outbox& out) {
     try {
         Volume volume = import_volume(request.as<schema::ImportVolume>()->path()->str());
         sending_ = Sending{request.source(), volumes_++, std::move(volume), 0};
-        out.send(sending_->to, header_message(sending_->volume, sending_->id));
+        out.send(sending_->to, volume_header(sending_->volume, sending_->id));
     } catch (const ImportError& error) {
         out.send(request.source(), failure(error.what(), true));
     }
 }
 
 void IoNode::send_slices(bus::Outbox& out) {
-    const int count = batch_slices(sending_->volume, sending_->next_slice);
+    const int left = sending_->volume.nz - sending_->next_slice;
+    const int count = std::min(left, slices_per_batch(sending_->volume));
     out.send(sending_->to,
              slices_message(sending_->volume, sending_->id, sending_->next_slice, count));
     sending_->next_slice += count;

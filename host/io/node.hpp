@@ -18,8 +18,7 @@
 
 namespace pxpl5::host::io {
 
-inline constexpr std::size_t max_requests = 64;                   ///< Waiting to be served.
-inline constexpr std::size_t batch_bytes = std::size_t{8} << 20;  ///< Of voxels in one message.
+inline constexpr std::size_t max_requests = 64;  ///< Waiting to be served.
 
 class IoNode final : public bus::Node {
   public:

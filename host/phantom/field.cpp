@@ -3,62 +3,11 @@
 #include <cassert>
 
 #include "host/phantom/noise.hpp"
+#include "host/phantom/shape_distance.hpp"
 
 namespace pxpl5::host::phantom {
 
 namespace {
-
-constexpr float tiny = 1e-4F;  ///< Keeps a division by zero out of the middle of an ellipsoid.
-
-/// Distance to a rod from a point relative to its first end.
-struct RodDistance {
-    glm::vec3 a, ab;
-    float inverse_square, a_radius, growth;
-
-    explicit RodDistance(const Rod& rod)
-        : a(rod.a_mm),
-          ab(rod.b_mm - rod.a_mm),
-          inverse_square(1 / std::max(ab.x * ab.x + ab.y * ab.y + ab.z * ab.z, tiny)),
-          a_radius(rod.a_radius_mm),
-          growth(rod.b_radius_mm - rod.a_radius_mm) {}
-
-    float operator()(float x, float y, float z) const {
-        const float px = x - a.x, py = y - a.y, pz = z - a.z;
-        const float along = (px * ab.x + py * ab.y + pz * ab.z) * inverse_square;
-        const float t = std::min(std::max(along, 0.0F), 1.0F);
-        const float qx = px - t * ab.x, qy = py - t * ab.y, qz = pz - t * ab.z;
-        return std::sqrt(qx * qx + qy * qy + qz * qz) - (a_radius + t * growth);
-    }
-};
-
-/// First-order distance to an ellipsoid: exact on the surface, right in sign.
-struct BallDistance {
-    glm::vec3 centre, inverse_radius;
-    glm::mat3 to_axes;  ///< Columns, as glm keeps them.
-    float least_radius;
-
-    explicit BallDistance(const Ball& ball)
-        : centre(ball.centre_mm),
-          inverse_radius(1.0F / ball.radius_mm.x, 1.0F / ball.radius_mm.y, 1.0F / ball.radius_mm.z),
-          to_axes(turned(ball.tilt_deg)),
-          least_radius(std::min({ball.radius_mm.x, ball.radius_mm.y, ball.radius_mm.z})) {}
-
-    float operator()(float x, float y, float z) const {
-        const float px = x - centre.x, py = y - centre.y, pz = z - centre.z;
-        // The transpose of a rotation is its inverse.
-        const float ax =
-            (to_axes[0].x * px + to_axes[0].y * py + to_axes[0].z * pz) * inverse_radius.x;
-        const float ay =
-            (to_axes[1].x * px + to_axes[1].y * py + to_axes[1].z * pz) * inverse_radius.y;
-        const float az =
-            (to_axes[2].x * px + to_axes[2].y * py + to_axes[2].z * pz) * inverse_radius.z;
-        const float bx = ax * inverse_radius.x, by = ay * inverse_radius.y,
-                    bz = az * inverse_radius.z;
-        const float reach = std::sqrt(ax * ax + ay * ay + az * az);
-        const float slope = std::sqrt(bx * bx + by * by + bz * bz);
-        return (reach - 1) * (reach + tiny * least_radius) / (slope + tiny);
-    }
-};
 
 /// Distance to a thick triangle: its three edges as rods, and the plate between them.
 struct PlateDistance {
@@ -114,40 +63,10 @@ int first_at_or_after(float p_mm, float first_mm, float spacing_mm, int count) {
     return std::clamp(i, 0, count);
 }
 
-Box box_around(const Grid& grid, const Ball& ball) {
-    const glm::mat3 m = turned(ball.tilt_deg);
-    const glm::vec3 r = ball.radius_mm;
-    glm::vec3 half(ball.blend_mm + margin_mm);
-    // Half the width of a turned ellipsoid along each axis of the patient.
-    for (int i = 0; i < 3; ++i) {
-        const float u = m[0][i] * r.x, v = m[1][i] * r.y, w = m[2][i] * r.z;
-        half[i] += std::sqrt(u * u + v * v + w * w);
-    }
-    return box_around(grid, ball.centre_mm - half, ball.centre_mm + half);
-}
-
 Box box_around(const Grid& grid, const Rod& rod) {
     const glm::vec3 reach(std::max(rod.a_radius_mm, rod.b_radius_mm) + rod.blend_mm + margin_mm);
     return box_around(grid, glm::min(rod.a_mm, rod.b_mm) - reach,
                       glm::max(rod.a_mm, rod.b_mm) + reach);
-}
-
-/// Sorts a shape's distance into the two nearest.
-template <class Distance>
-void add(Bellies& bellies, const Box& box, const Distance& distance_mm) {
-    const Grid& grid = bellies.first.grid;
-    for (int z = box.z0; z < box.z1; ++z) {
-        for (int y = box.y0; y < box.y1; ++y) {
-            float* first = bellies.first.distance_mm.data() + grid.row(y, z);
-            float* second = bellies.second.distance_mm.data() + grid.row(y, z);
-            const float py = grid.y_mm(y), pz = grid.z_mm(z);
-            for (int x = box.x0; x < box.x1; ++x) {
-                const float d = distance_mm(grid.x_mm(x), py, pz);
-                second[x] = std::min(second[x], std::max(first[x], d));
-                first[x] = std::min(first[x], d);
-            }
-        }
-    }
 }
 
 template <class Shape>
@@ -203,6 +122,18 @@ Box box_around(const Grid& g, glm::vec3 low_mm, glm::vec3 high_mm) {
             first_at_or_after(high_mm.z + g.spacing_mm.z, g.first_mm.z, g.spacing_mm.z, g.nz)};
 }
 
+Box box_around(const Grid& grid, const Ball& ball) {
+    const glm::mat3 m = turned(ball.tilt_deg);
+    const glm::vec3 r = ball.radius_mm;
+    glm::vec3 half(ball.blend_mm + margin_mm);
+    // Half the width of a turned ellipsoid along each axis of the patient.
+    for (int i = 0; i < 3; ++i) {
+        const float u = m[0][i] * r.x, v = m[1][i] * r.y, w = m[2][i] * r.z;
+        half[i] += std::sqrt(u * u + v * v + w * w);
+    }
+    return box_around(grid, ball.centre_mm - half, ball.centre_mm + half);
+}
+
 glm::mat3 turned(glm::vec3 tilt_deg) {
     const auto s = [](float deg) { return static_cast<float>(sine(deg / 360.0)); };
     const auto c = [](float deg) { return static_cast<float>(sine(deg / 360.0 + 0.25)); };
@@ -228,6 +159,23 @@ void add(Bellies& bellies, const Ball& ball) {
 
 void add(Bellies& bellies, const Rod& rod) {
     add(bellies, box_around(bellies.first.grid, rod), RodDistance(rod));
+}
+
+void add(Bellies& bellies, const Strand& strand) {
+    const RodDistance upper(
+        {strand.from.p_mm, strand.from.radius_mm, strand.belly.p_mm, strand.belly.radius_mm});
+    const RodDistance lower(
+        {strand.belly.p_mm, strand.belly.radius_mm, strand.to.p_mm, strand.to.radius_mm});
+    const glm::vec3 reach(
+        std::max({strand.from.radius_mm, strand.belly.radius_mm, strand.to.radius_mm}) + margin_mm +
+        strand_blend_mm / 4);
+    const glm::vec3 low = glm::min(glm::min(strand.from.p_mm, strand.belly.p_mm), strand.to.p_mm),
+                    high = glm::max(glm::max(strand.from.p_mm, strand.belly.p_mm), strand.to.p_mm);
+    add(bellies, box_around(bellies.first.grid, low - reach, high + reach),
+        [=](float x, float y, float z) {
+            return smooth_min(upper(x, y, z), lower(x, y, z), strand_blend_mm,
+                              0.25F / strand_blend_mm);
+        });
 }
 
 Field parted(const Bellies& bellies, float gap_mm) {

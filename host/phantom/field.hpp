@@ -73,6 +73,12 @@ struct Corner {
     float radius_mm;
 };
 
+/// A muscle that bends at its belly.
+struct Strand {
+    Corner from, belly, to;
+};
+inline constexpr float strand_blend_mm = 24;  ///< Rounds a strand's bend.
+
 /// A thick triangle between three corners, by index.
 struct Plate {
     int a, b, c;
@@ -87,11 +93,17 @@ struct Box {
 };
 
 Box box_around(const Grid& grid, glm::vec3 low_mm, glm::vec3 high_mm);
+Box box_around(const Grid& grid, const Ball& ball);
 
 /// The lesser of two distances, rounded over `blend_mm`.
 inline float smooth_min(float a, float b, float blend_mm, float quarter_blend) {
     const float h = std::max(blend_mm - std::abs(a - b), 0.0F);
     return std::min(a, b) - h * h * quarter_blend;
+}
+
+/// The greater of two distances, rounded over `blend_mm` > 0.
+inline float smooth_max(float a, float b, float blend_mm) {
+    return -smooth_min(-a, -b, blend_mm, 0.25F / blend_mm);
 }
 
 /// Joins a shape with the field.
@@ -139,6 +151,25 @@ struct Bellies {
 /// Adds a shape that stays apart from the others.
 void add(Bellies& bellies, const Ball& ball);
 void add(Bellies& bellies, const Rod& rod);
+void add(Bellies& bellies, const Strand& strand);
+
+/// Adds any shape: sorts its distance into the two nearest. Arguments as in join().
+template <class Distance>
+void add(Bellies& bellies, const Box& box, const Distance& distance_mm) {
+    const Grid& grid = bellies.first.grid;
+    for (int z = box.z0; z < box.z1; ++z) {
+        for (int y = box.y0; y < box.y1; ++y) {
+            float* first = bellies.first.distance_mm.data() + grid.row(y, z);
+            float* second = bellies.second.distance_mm.data() + grid.row(y, z);
+            const float py = grid.y_mm(y), pz = grid.z_mm(z);
+            for (int x = box.x0; x < box.x1; ++x) {
+                const float d = distance_mm(grid.x_mm(x), py, pz);
+                second[x] = std::min(second[x], std::max(first[x], d));
+                first[x] = std::min(first[x], d);
+            }
+        }
+    }
+}
 
 /// One field of all shapes, with a gap of `gap_mm` where two overlap.
 Field parted(const Bellies& bellies, float gap_mm);

@@ -4,6 +4,7 @@
 #include "host/phantom/catalogue.hpp"
 #include "host/phantom/noise.hpp"
 #include "host/phantom/pelvis_shapes.hpp"
+#include "host/phantom/shape_distance.hpp"
 
 namespace pxpl5::host::phantom {
 
@@ -12,18 +13,21 @@ namespace {
 // Hounsfield units.
 constexpr float air = -1000, fat = -105, muscle = 55, bladder_urine = 8, bowel_wall = 35;
 constexpr float cortex = 950, sponge = 420, marrow = 20;
-constexpr float scanner_noise = 9;
+constexpr float scanner_noise = 4;
 
-constexpr float cortex_mm = 3.5F;        ///< Where dense bone ends.
-constexpr float slice_blur_mm = 2.2F;    ///< Half the width over which a voxel mixes two tissues.
-constexpr float skin_blur_mm = 4;        ///< Wider: skin runs along the slices in places.
+// A surface is smooth if the values near it are linear in distance for as far as its cells and
+// their gradients reach: two voxels, or 8 mm, where there is room.
+constexpr float skin_surface = -300.5F, skin_per_mm = 26;  ///< Value at the skin, and its slope.
+constexpr float bone_surface = 250.5F, bone_per_mm = 50;
+constexpr float cortex_begin_mm = 4, cortex_mm = 8, sponge_mm = 12;  ///< Depths.
+constexpr float tissue_blur_mm = 4.5F;   ///< Half the width over which other tissues mix.
 constexpr float fat_under_skin_mm = 14;  ///< Least thickness.
 constexpr float fat_plane_mm = 3;        ///< Between two muscles.
 constexpr glm::vec3 centre_of_scan_mm(0, 12, 26);
 
 /// How much of a voxel at this distance is inside, 0 to 1.
-float inside_share(float distance_mm, float blur_mm = slice_blur_mm) {
-    return std::min(std::max(0.5F - distance_mm * (0.5F / blur_mm), 0.0F), 1.0F);
+float inside_share(float distance_mm) {
+    return std::min(std::max(0.5F - distance_mm * (0.5F / tissue_blur_mm), 0.0F), 1.0F);
 }
 
 float mixed_with(float old_value, float new_value, float share) {
@@ -82,9 +86,42 @@ Field skin(const Grid& grid) {
     Field field(grid);
     join_both(field, body_balls);
     join_both(field, body_rods);
-    join(field, gluteal_cleft, Join::carve);
+    join_both(field, body_hollows, Join::carve);
     join(field, navel, Join::carve);
     return field;
+}
+
+/// The wall of the belly: a shell that ends at the ligament of the groin, the iliac crest and the
+/// back. The straight muscle and the flat ones at its side are two bellies.
+void add_belly_wall(Bellies& bellies) {
+    using namespace pelvis;
+    const BallDistance middle(belly_wall);
+    const glm::vec3 along = groin_outer_mm - groin_inner_mm;
+    const float length = std::sqrt(along.x * along.x + along.z * along.z);
+    const float down_x = along.z / length, down_z = -along.x / length;
+    const auto wall = [=](float x, float y, float z) {
+        const float crest = groin_outer_mm.z + crest_rise * (y - groin_outer_mm.y) - z;
+        const float below =
+            std::max(down_x * (x - groin_outer_mm.x) + down_z * (z - groin_outer_mm.z),
+                     std::min(crest, y - groin_outer_mm.y));
+        const float shell = std::abs(middle(x, y, z)) - belly_wall_half_mm;
+        return smooth_max(shell, std::max(below, y - wall_back_mm), wall_edge_mm);
+    };
+    const auto rectus_edge = [](float x, float z) {
+        const float below = std::max(rectus_narrows_from_mm - z, 0.0F);
+        return x - (rectus_half_width_mm - rectus_narrowing * below);
+    };
+    const Box box = box_around(bellies.first.grid, belly_wall);
+    add(bellies, box, [=](float x, float y, float z) {
+        const float tendon = std::max(1 - std::abs(z - tendon_height_mm) / tendon_half_mm, 0.0F);
+        const float side = std::max(rectus_edge(x, z), white_line_half_mm - x);
+        return smooth_max(wall(x, y, z) + tendon_depth_mm * tendon, std::max(side, y),
+                          wall_edge_mm);
+    });
+    add(bellies, box, [=](float x, float y, float z) {
+        const float side = y < 0 ? -rectus_edge(x, z) : -rectus_half_width_mm;
+        return smooth_max(wall(x, y, z), side, wall_edge_mm);
+    });
 }
 
 /// Muscles under a layer of fat, parted by thin planes of fat.
@@ -93,8 +130,9 @@ Field muscles(const Grid& grid, const Field& skin_mm) {
     Bellies bellies(grid);
     for (const Ball& ball : muscle_balls) add(bellies, ball);
     for (const Rod& rod : muscle_rods) add(bellies, rod);
+    for (const Strand& strand : muscle_strands) add(bellies, strand);
+    add_belly_wall(bellies);
     Field field = parted(bellies, fat_plane_mm);
-    join_plates(field, wall_corners, wall_plates, 4);
     for (const Rod& rod : cartilage) join(field, rod);
     join(field, Ball{hip_centre_mm, glm::vec3(socket_radius_mm + 2)});
     for (std::size_t i = 0; i < field.distance_mm.size(); ++i) {
@@ -136,11 +174,19 @@ Half half_of(const Grid& grid) {
     return half;
 }
 
-/// Bone at a depth below its surface.
+float skin_value(float distance_mm) {
+    return std::min(std::max(skin_surface - skin_per_mm * distance_mm, air), fat);
+}
+
+/// Bone: linear about its surface, then dense, then spongy.
 float bone_value(float distance_mm, float marrow_mm, float texture) {
-    const float deep = ramp(-distance_mm, cortex_mm - 1.5F, cortex_mm + 1.5F);
+    const float depth = -distance_mm, at_cortex = bone_surface + bone_per_mm * cortex_begin_mm;
+    const float rise =
+        std::min(std::max((depth - cortex_begin_mm) / (cortex_mm - cortex_begin_mm), 0.0F), 1.0F);
+    const float shell = bone_surface + bone_per_mm * std::min(depth, cortex_begin_mm);
+    const float dense = shell + (cortex - at_cortex) * rise;
     const float spongy = mixed_with(sponge + 40 * texture, marrow, inside_share(marrow_mm));
-    return mixed_with(cortex, spongy, deep);
+    return mixed_with(dense, spongy, ramp(depth, cortex_mm, sponge_mm));
 }
 
 }  // namespace
@@ -171,16 +217,14 @@ Volume make_pelvis(const PhantomInfo& info) {
                 const std::size_t h = half_row + static_cast<std::size_t>(from_middle);
                 const std::size_t i = row + static_cast<std::size_t>(x);
                 const auto key = static_cast<std::uint32_t>(i);
-                float value =
-                    mixed_with(air, fat, inside_share(half.skin_mm.distance_mm[h], skin_blur_mm));
+                float value = skin_value(half.skin_mm.distance_mm[h]);
                 value = mixed_with(value, bowel_wall, inside_share(organ.distance_mm[i]));
                 value = mixed_with(value, air, inside_share(gas.distance_mm[i]));
                 value = mixed_with(value, muscle, inside_share(half.muscle_mm.distance_mm[h]));
-                const float bone_mm = half.bone_mm.distance_mm[h];
-                value = mixed_with(
-                    value,
-                    bone_value(bone_mm, half.marrow_mm.distance_mm[h], grain(key ^ 0x5bd1e995U)),
-                    inside_share(bone_mm));
+                // The greater, not a mixture: bone's surface must not depend on what is around it.
+                value = std::max(
+                    value, bone_value(half.bone_mm.distance_mm[h], half.marrow_mm.distance_mm[h],
+                                      grain(key ^ 0x5bd1e995U)));
                 voxels[i] = rounded<std::int16_t>(value + scanner_noise * grain(key));
             }
         }

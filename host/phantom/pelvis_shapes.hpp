@@ -135,51 +135,67 @@ inline constexpr Rod lumbar_arches[] = {{{17, 26, 118}, 7, {20, 48, 116}, 7, 4},
 inline constexpr Rod lumbar_spine = {{0, 66, 112}, 5, {0, 88, 104}, 5.5F, 5};
 
 // ---- the body's outline ----
-inline constexpr Ball body_balls[] = {{{0, 10, 150}, {150, 101, 150}, {0, 0, 0}, 30},
-                                      {{0, 10, 0}, {168, 99, 124}, {0, 0, 0}, 40},
-                                      {{62, 62, -28}, {82, 70, 86}, {0, 0, 8}, 26},
-                                      {{34, -34, 70}, {90, 64, 74}, {0, 0, 0}, 30}};
-inline constexpr Rod body_rods[] = {{{84, 8, -20}, 86, {82, 0, -200}, 80, 26}};
+inline constexpr Ball body_balls[] = {
+    {{0, 8, 150}, {159, 100, 150}, {0, 0, 0}, 30},  // waist
+    {{0, 8, 22}, {172, 88, 90}, {0, 0, 0}, 40},     // hips
+    {{0, -34, 74}, {112, 68, 66}, {0, 0, 0}, 30},   // belly
+    {{64, 66, -26}, {74, 64, 72}, {0, 0, 10}, 22},  // buttocks
+    {{0, -64, -22}, {34, 30, 36}, {0, 0, 0}, 24},   // mound over the symphysis
+    {{112, -46, 84}, {34, 34, 30}, {0, 0, 0}, 24},  // over the front spine of the ilium
+};
+inline constexpr Rod body_rods[] = {{{92, 4, -14}, 84, {90, -4, -200}, 74, 22}};  // thigh
 /// Where the navel is.
-inline constexpr Ball navel = {{0, -104, 112}, {7, 12, 9}, {0, 0, 0}, 6};
-inline constexpr Rod gluteal_cleft = {{0, 142, 20}, 4, {0, 110, -120}, 14, 18};
+inline constexpr Ball navel = {{0, -110, 104}, {7, 12, 9}, {0, 0, 0}, 6};
+/// Hollows: carved, each also on the other side.
+inline constexpr Rod body_hollows[] = {
+    {{124, -104, 62}, 12, {52, -112, -34}, 14, 26},  // groin
+    {{0, 142, 20}, 4, {0, 112, -120}, 14, 18},       // between the buttocks
+    {{0, 126, 136}, 8, {0, 130, 60}, 4, 24},         // over the spine
+};
 
 // ---- muscles ----
 inline constexpr Ball muscle_balls[] = {
     {{66, 84, 4}, {70, 30, 66}, {18, 34, -16}},   // gluteus maximus
-    {{128, 44, 64}, {22, 54, 62}, {-8, 10, 24}},  // gluteus medius
+    {{128, 40, 66}, {24, 52, 60}, {-8, 10, 24}},  // gluteus medius
     {{128, 8, 50}, {20, 38, 52}, {0, 14, 6}},     // gluteus minimus
     {{110, -12, 88}, {12, 42, 38}, {0, 8, -14}},  // iliacus
-    {{144, -18, 10}, {16, 34, 64}, {0, 6, 12}},   // tensor fasciae latae
     {{66, 48, -6}, {42, 14, 16}, {0, 0, -12}},    // piriformis and its neighbours
     {{48, -4, -34}, {13, 38, 30}, {0, 0, -20}},   // obturator
 };
 inline constexpr Rod muscle_rods[] = {
-    {{44, 10, 150}, 25, {62, -18, 60}, 23},
-    {{62, -18, 60}, 23, {90, -36, 4}, 18},  // psoas
-    {{90, -36, 4}, 16, {112, 6, -60}, 10},
     {{26, 76, 160}, 26, {24, 94, 60}, 16},
-    {{62, 70, 160}, 26, {54, 84, 104}, 14},      // back
-    {{108, -42, 66}, 11, {104, -48, -110}, 32},  // rectus femoris
-    {{140, -2, -40}, 20, {138, -10, -120}, 36},  // vastus
-    {{112, -46, 66}, 8, {60, -52, -110}, 15},    // sartorius
-    {{34, -38, -22}, 13, {74, -34, -120}, 34},   // adductor longus
-    {{46, 2, -66}, 17, {70, 10, -120}, 36},      // adductor magnus
-    {{60, 34, -66}, 16, {66, 50, -130}, 32},     // hamstrings
-    {{62, 40, -66}, 14, {104, 56, -130}, 34},
+    {{62, 70, 160}, 26, {54, 84, 104}, 14},   // back
     {{84, 32, -36}, 11, {124, 18, -46}, 11},  // quadratus femoris
 };
-/// The wall of the belly: corners of plates.
-inline constexpr Corner wall_corners[] = {
-    {{5, -78, 150}, 6},  {{44, -78, 150}, 7}, {{4, -72, 60}, 6},    {{40, -72, 60}, 7},
-    {{6, -52, -4}, 5},   {{22, -54, -4}, 5},  {{104, -54, 150}, 8}, {{84, -64, 70}, 7},
-    {{120, -46, 84}, 6}, {{136, 6, 150}, 9},  {{140, -10, 122}, 7}, {{112, 56, 150}, 8},
-    {{118, 44, 130}, 6},
+inline constexpr Strand muscle_strands[] = {
+    {{{44, 10, 150}, 25}, {{64, -20, 56}, 21}, {{104, -4, -50}, 11}},        // psoas
+    {{{124, -40, 76}, 8}, {{146, -30, 24}, 17}, {{152, -12, -70}, 8}},       // tensor fasciae latae
+    {{{106, -40, 46}, 8}, {{108, -54, -16}, 20}, {{106, -54, -120}, 25}},    // rectus femoris
+    {{{140, 6, -22}, 13}, {{142, -4, -64}, 28}, {{138, -12, -130}, 34}},     // vastus lateralis
+    {{{112, -10, -44}, 14}, {{108, -16, -80}, 26}, {{104, -20, -130}, 30}},  // vastus medialis
+    {{{116, -48, 72}, 7}, {{88, -62, -6}, 11}, {{52, -52, -110}, 14}},       // sartorius
+    {{{50, -44, 4}, 10}, {{80, -30, -26}, 15}, {{108, -8, -60}, 8}},         // pectineus
+    {{{28, -44, -12}, 8}, {{54, -42, -58}, 18}, {{84, -32, -130}, 24}},      // adductor longus
+    {{{20, -30, -44}, 8}, {{30, -8, -76}, 14}, {{40, 4, -140}, 15}},         // gracilis
+    {{{46, 0, -60}, 15}, {{62, 10, -92}, 30}, {{74, 14, -140}, 34}},         // adductor magnus
+    {{{60, 34, -62}, 13}, {{64, 50, -92}, 26}, {{70, 54, -140}, 27}},        // hamstrings
+    {{{68, 36, -62}, 11}, {{100, 54, -92}, 26}, {{110, 50, -140}, 28}},
 };
-inline constexpr Plate wall_plates[] = {
-    {0, 1, 2}, {1, 3, 2}, {2, 3, 4}, {3, 5, 4},  {1, 6, 3},   {6, 7, 3},    {6, 8, 7},
-    {7, 5, 3}, {7, 8, 5}, {6, 9, 8}, {9, 10, 8}, {9, 11, 10}, {11, 12, 10},
-};
+
+/// The middle of the belly's wall, and half its thickness.
+inline constexpr Ball belly_wall = {{0, 2, 130}, {138, 82, 172}};
+inline constexpr float belly_wall_half_mm = 7;
+/// Where the wall ends: the ligament of the groin from spine to tubercle, then the iliac crest.
+inline constexpr glm::vec3 groin_outer_mm(122, -48, 82), groin_inner_mm(24, -46, -10);
+inline constexpr float crest_rise = 0.75F;  ///< Of the crest, towards the back.
+inline constexpr float wall_back_mm = 54;
+/// The straight muscle of the belly, between the white line and its outer edge.
+inline constexpr float white_line_half_mm = 1.5F;
+inline constexpr float rectus_half_width_mm = 46, rectus_narrows_from_mm = 100;
+inline constexpr float rectus_narrowing = 0.26F;                    ///< Per mm downwards.
+inline constexpr float tendon_height_mm = 104, tendon_half_mm = 9;  ///< Thinner here.
+inline constexpr float tendon_depth_mm = 2.5F;
+inline constexpr float wall_edge_mm = 5;  ///< Rounds the edges of the wall.
 
 /// Cartilage, ligaments and nerves, which fill the gaps and canals of bone.
 inline constexpr Rod cartilage[] = {
@@ -203,6 +219,6 @@ inline constexpr Corner blind_gut[] = {{{-90, -22, 74}, 19}, {{-94, -10, 160}, 2
 inline constexpr Ball bowel_bulk[] = {{{0, -16, 124}, {112, 54, 46}, {0, 0, 0}, 12},
                                       {{0, -30, 70}, {84, 38, 44}, {-10, 0, 0}, 12}};
 /// Gas in the bowel, which only this side of the patient has.
-inline constexpr Ball gas[] = {{{99, -12, 122}, {9, 10, 17}}, {{3, 60, 8}, {8, 7, 13}}};
+inline constexpr Ball gas[] = {{{76, -28, 92}, {10, 10, 10}}, {{3, 60, 8}, {8, 7, 13}}};
 
 }  // namespace pxpl5::host::phantom::pelvis

@@ -12,7 +12,12 @@ namespace schema = pxpl5::bus::schema;
 namespace {
 
 Volume numbered_volume(int nx, int ny, int nz) {
-    Volume volume{"numbered", nx, ny, nz, Scalar::uint8};
+    Volume volume;
+    volume.name = "numbered";
+    volume.nx = nx;
+    volume.ny = ny;
+    volume.nz = nz;
+    volume.type = Scalar::uint8;
     volume.voxel_to_patient[3] = {4, 5, 6, 1};
     volume.notes = {"a note"};
     for (int i = 0; i < nx * ny * nz; ++i) {
