@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/commands.hpp"
 #include "host/error.hpp"
@@ -15,6 +16,7 @@ namespace pxpl5::host {
 
 namespace {
 
+constexpr double max_isovalue = std::numeric_limits<float>::max();
 constexpr double max_angle_deg = 36000;
 constexpr double min_zoom = 0.05, max_zoom = 100;
 constexpr int max_orbit_frames = 100'000;
@@ -72,7 +74,7 @@ Surface wished_surface(const Volume& volume, const std::optional<Surface>& known
         refuse(fmt::format("surface {} is new: give its isovalue, iso=V with V in {} .. {}",
                            wish.name, volume.minimum, volume.maximum));
     }
-    wish.isovalue = arguments.number("iso", wish.isovalue, -1e30, 1e30);
+    wish.isovalue = arguments.number("iso", wish.isovalue, -max_isovalue, max_isovalue);
     if (arguments.has("table")) {
         wish.table = parse_table(arguments.text("table", ""));
     }

@@ -47,6 +47,18 @@ Word read_word(std::string_view line, std::size_t& at) {
     return word;
 }
 
+/// As it is where that is safe, else in quotes; a quote itself goes into the other kind.
+std::string quoted(const std::string& word) {
+    if (!word.empty() && word.find_first_of(" \t\r\n;#'\"=") == std::string::npos) {
+        return word;
+    }
+    std::string text = "'";
+    for (const char c : word) {
+        text += c == '\'' ? "'\"'\"'" : std::string(1, c);
+    }
+    return text + "'";
+}
+
 struct NamedColour {
     std::string_view name;
     Colour colour;
@@ -106,6 +118,17 @@ Arguments parse_line(std::string_view line) {
         }
     }
     return arguments;
+}
+
+std::string to_line(const Arguments& arguments) {
+    std::string line = arguments.name;
+    for (const std::string& word : arguments.words) {
+        line += " " + quoted(word);
+    }
+    for (const auto& [key, value] : arguments.options) {
+        line += " " + key + "=" + quoted(value);
+    }
+    return line;
 }
 
 double parse_number(std::string_view what, std::string_view text, double low, double high) {

@@ -27,6 +27,9 @@ struct Arguments {
 /// or a repeated key.
 Arguments parse_line(std::string_view line);
 
+/// A line that parse_line() takes apart into `arguments` again, whatever is in them.
+std::string to_line(const Arguments& arguments);
+
 /// The whole of `text` as a number in [low, high]. Throws RequestError naming `what` and both.
 double parse_number(std::string_view what, std::string_view text, double low, double high);
 

@@ -59,7 +59,7 @@ std::span<const Command> command_table() {
         {"size", "WIDTHxHEIGHT", "Sets the size of pictures in pixels.", 1, 1, {}, run_size},
         {"snapshot",
          "FILE",
-         "Draws the scene and writes the picture (.png, .tif, .exr, ...).",
+         "Draws the scene and writes the picture (.png, .tif or .exr).",
          1,
          1,
          {},

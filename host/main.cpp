@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <iostream>
+#include <map>
 
 #include "host/error.hpp"
 #include "host/machine/machine.hpp"
@@ -26,6 +27,9 @@ struct MachineFlags {
         app.add_option("--topology", topology, "Machine to launch: a name or a file")
             ->capture_default_str();
         app.add_option("--set", overrides, "Change one value of the topology, e.g. gp.count=4");
+        add_folder_to(app);
+    }
+    void add_folder_to(CLI::App& app) {
         app.add_option("--run-folder", run_folder, "Where the folder of this run is made")
             ->capture_default_str();
     }
@@ -49,35 +53,52 @@ struct Flags {
     std::optional<double> isovalue;
 };
 
-std::string in_quotes(const std::string& word) {
-    return word.find('"') == std::string::npos ? '"' + word + '"' : '\'' + word + '\'';
+Arguments command(std::string name, std::vector<std::string> words,
+                  std::map<std::string, std::string> options = {}) {
+    return {std::move(name), std::move(words), std::move(options)};
+}
+
+LineSource lines_of_commands(std::vector<Arguments> commands) {
+    return [commands = std::move(commands), at = std::size_t{0}]() mutable {
+        return at < commands.size() ? std::optional(to_line(commands[at++])) : std::nullopt;
+    };
+}
+
+/// "name=isovalue[,colour]" of --surface.
+Arguments surface_command(const std::string& text) {
+    const std::size_t equals = text.find('='), comma = text.find(',');
+    if (equals == std::string::npos || equals == 0) {
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("--surface '{}' is not of the form name=isovalue[,colour]", text));
+    }
+    Arguments surface = command("surface", {text.substr(0, equals)});
+    surface.options["iso"] = text.substr(equals + 1, comma - equals - 1);
+    if (comma != std::string::npos) {
+        surface.options["color"] = text.substr(comma + 1);
+    }
+    return surface;
 }
 
 /// `render` is nothing but these commands.
-std::string render_script(const Flags& flags) {
-    std::string script = "load " + in_quotes(flags.volume) + "\n";
+std::vector<Arguments> render_commands(const Flags& flags) {
+    std::vector<Arguments> commands;
     if (!flags.size.empty()) {
-        script += "size " + flags.size + "\n";
+        commands.push_back(command("size", {flags.size}));
     }
     if (!flags.view.empty()) {
-        script += "view " + flags.view + "\n";
+        commands.push_back(parse_line("view " + flags.view));
     }
+    commands.push_back(command("load", {flags.volume}));
     if (flags.isovalue) {
-        script += fmt::format("surface surface iso={}\n", *flags.isovalue);
+        commands.push_back(
+            command("surface", {"surface"}, {{"iso", fmt::format("{}", *flags.isovalue)}}));
     }
     for (const std::string& surface : flags.surfaces) {
-        const std::size_t equals = surface.find('=');
-        if (equals == std::string::npos) {
-            throw RequestError(
-                ExitCode::usage,
-                fmt::format("--surface '{}' is not of the form name=isovalue", surface));
-        }
-        const std::size_t comma = surface.find(',');
-        script += fmt::format("surface {} iso={}", in_quotes(surface.substr(0, equals)),
-                              surface.substr(equals + 1, comma - equals - 1));
-        script += comma == std::string::npos ? "\n" : " color=" + surface.substr(comma + 1) + "\n";
+        commands.push_back(surface_command(surface));
     }
-    return script + "snapshot " + in_quotes(flags.output) + "\n";
+    commands.push_back(command("snapshot", {flags.output}));
+    return commands;
 }
 
 int run(const Flags& flags) {
@@ -118,8 +139,9 @@ int render(const Flags& flags) {
     if (!flags.isovalue && flags.surfaces.empty()) {
         throw RequestError(ExitCode::usage, "render needs --iso V or --surface name=V");
     }
+    const std::vector<Arguments> commands = render_commands(flags);
     return flags.machine.with_session([&](Session& session) {
-        return run_script(session, lines_of_text(render_script(flags)), {.json = flags.json});
+        return run_script(session, lines_of_commands(commands), {.json = flags.json});
     });
 }
 
@@ -127,7 +149,7 @@ int render(const Flags& flags) {
 int info(Flags flags) {
     flags.machine.topology = "one-of-each";
     return flags.machine.with_session([&](Session& session) {
-        return run_script(session, lines_of_text("info " + in_quotes(flags.volume)),
+        return run_script(session, lines_of_commands({command("info", {flags.volume})}),
                           {.json = flags.json});
     });
 }
@@ -163,6 +185,8 @@ void declare(CLI::App& app, Flags& flags) {
 
     CLI::App* info_app = app.add_subcommand("info", "Tell what is known of a volume");
     info_app->add_option("volume", flags.volume, "File, DICOM folder or phantom:NAME")->required();
+
+    flags.machine.add_folder_to(*info_app);
 
     CLI::App* report_app = app.add_subcommand("report", "Measure this machine");
     report_app->add_flag("--paper", flags.paper, "The paper's results table, run again");

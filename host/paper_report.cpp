@@ -42,11 +42,10 @@ PhantomSurface phantom_surface(const PaperRow& row) {
                        fmt::format("{} has no surface '{}'", row.volume, row.surface));
 }
 
-/// Extracts twice and reports the second: the first finds cold memory.
 SurfaceReport extract(Session& session, const PhantomSurface& surface) {
-    const Colour colour{surface.colour_rgb[0], surface.colour_rgb[1], surface.colour_rgb[2]};
-    session.set_surface(surface.name, surface.isovalue + 1, CaseTable::watertight, colour);
-    return session.set_surface(surface.name, surface.isovalue, CaseTable::watertight, colour);
+    return session.set_surface(
+        surface.name, surface.isovalue, CaseTable::watertight,
+        {surface.colour_rgb[0], surface.colour_rgb[1], surface.colour_rgb[2]});
 }
 
 std::string write_picture(Session& session, const PaperRow& row, const std::string& folder) {

@@ -3,14 +3,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <span>
+#include <utility>
 
 #include "host/digest.hpp"
 #include "host/error.hpp"
 #include "host/frame_request.hpp"
 #include "host/nearest.hpp"
-#include "host/phantom/phantom.hpp"
+#include "host/stopwatch.hpp"
 
 namespace pxpl5::host {
 
@@ -20,16 +20,6 @@ namespace schema = bus::schema;
 
 /// GPs prepare one frame while Renderers draw the other.
 constexpr std::size_t frames_in_flight = 2;
-
-std::int64_t now_ns() {
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(
-               std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
-
-double ms_since(std::int64_t start_ns) {
-    return static_cast<double>(now_ns() - start_ns) * 1e-6;
-}
 
 /// Sums in slab order, so that rounding does not depend on which GP held which slab.
 SurfaceReport sum_slabs(std::vector<schema::SlabCounts>& slabs) {
@@ -72,34 +62,26 @@ const Volume& Session::volume() const {
 }
 
 void Session::wait(const std::string& what, const std::function<bool()>& done) {
-    machine_.pump([this](const bus::Message& message) { on_message(message); },
-                  [&] { return fault_.has_value() || done(); });
+    machine_.pump([this](const bus::Message& message) { on_message(message); }, done);
     if (fault_) {
-        const std::string text = what + ": " + *fault_;
-        fault_.reset();
-        pending_.clear();
-        finished_.clear();
+        const std::string text = what + ": " + *std::exchange(fault_, std::nullopt);
         throw RequestError(ExitCode::failed, text);
     }
 }
 
+void Session::wait_for_gps(const std::string& what) {
+    wait(what, [this] {
+        return std::all_of(machine_.gp_ids().begin(), machine_.gp_ids().end(),
+                           [this](bus::NodeId gp) { return answered_.count(gp) != 0; });
+    });
+}
+
 void Session::on_message(const bus::Message& message) {
+    on_answer(message);
     if (const auto* fault = message.as<schema::Fault>()) {
         on_fault(*fault);
     } else if (const auto* frame = message.as<schema::FrameDone>()) {
         on_frame_done(*frame);
-    } else if (const auto* built = message.as<schema::SurfaceBuilt>()) {
-        on_surface_built(*built);
-    } else if (const auto* ready = message.as<schema::VolumeReady>()) {
-        if (ready->volume() == volume_id_) {
-            ++volume_ready_;
-            memory_bytes_ += static_cast<std::int64_t>(ready->memory_bytes());
-        }
-    } else if (const auto* part = message.as<schema::MeshPart>()) {
-        for (const auto* mesh : *part->slabs()) {
-            slab_digests_[mesh->slab()] = digest_of(*mesh);
-        }
-        ++mesh_parts_;
     } else if (const auto* header = message.as<schema::VolumeHeader>()) {
         receiver_.emplace().begin(*header);
     } else if (const auto* slices = message.as<schema::Slices>(); slices != nullptr && receiver_) {
@@ -116,74 +98,34 @@ void Session::on_message(const bus::Message& message) {
     }
 }
 
+/// A GP's word on the volume, surface or mesh that was asked for.
+void Session::on_answer(const bus::Message& message) {
+    bool is_answer = message.kind() == bus::Body::Fault;
+    if (const auto* ready = message.as<schema::VolumeReady>()) {
+        is_answer = ready->volume() == volume_id_;
+        memory_bytes_ += static_cast<std::int64_t>(ready->memory_bytes());
+    } else if (const auto* built = message.as<schema::SurfaceBuilt>()) {
+        is_answer = building_ != nullptr && built->surface() == building_->id &&
+                    built->revision() == building_->revision;
+        if (is_answer) {
+            on_surface_built(*built);
+        }
+    } else if (const auto* part = message.as<schema::MeshPart>()) {
+        is_answer = fetching_ != nullptr && part->surface() == fetching_->id &&
+                    part->revision() == fetching_->revision;
+        for (const auto* mesh : *part->slabs()) {
+            slab_digests_[mesh->slab()] = digest_of(*mesh);
+        }
+    }
+    if (is_answer) {
+        answered_.insert(message.source());
+    }
+}
+
 void Session::on_fault(const schema::Fault& fault) {
     if (!fault_) {  // The first cause is the one to tell.
         fault_ = fault.reason()->str();
     }
-}
-
-void Session::with_io(const std::string& what, bus::Payload request,
-                      const std::function<bool()>& done) {
-    struct Release {
-        MachinePort& machine;
-        ~Release() { machine.release_io(); }
-    };
-    const bus::NodeId io = machine_.start_io();
-    const Release release{machine_};
-    io_done_ = false;
-    received_.reset();
-    receiver_.reset();
-    machine_.send(io, std::move(request));
-    wait(what, done);
-}
-
-Volume Session::read(const std::string& source) {
-    if (is_phantom(source)) {
-        try {
-            return make_phantom(source);
-        } catch (const std::invalid_argument& error) {
-            throw RequestError(ExitCode::usage, error.what());
-        }
-    }
-    schema::ImportVolumeT request;
-    request.path = source;
-    with_io(source, bus::pack(request), [this] { return received_.has_value(); });
-    return std::move(*received_);
-}
-
-LoadReport Session::load(const std::string& source) {
-    LoadReport report{source};
-    std::int64_t start_ns = now_ns();
-    Volume volume = read(source);
-    report.read_ms = ms_since(start_ns);
-
-    start_ns = now_ns();
-    scene.surfaces.clear();
-    reports_.clear();
-    region_costs_.clear();
-    volume_ = std::move(volume);
-    ++volume_id_;
-    volume_ready_ = 0;
-    memory_bytes_ = 0;
-    const std::vector<bus::NodeId>& gps = machine_.gp_ids();
-    const bus::Payload header = volume_header(*volume_, volume_id_);
-    for (std::size_t i = 0; i < gps.size(); ++i) {
-        const std::vector<int> slices =
-            slices_for_gp(volume_->nz, static_cast<int>(i), static_cast<int>(gps.size()));
-        machine_.send(gps[i], header);
-        for_each_slice_batch(*volume_, volume_id_, slices,
-                             [&](bus::Payload batch) { machine_.send(gps[i], std::move(batch)); });
-        machine_.send(gps[i], bus::pack(schema::VolumeEndT{{}, volume_id_}));
-    }
-    try {
-        wait(source, [&] { return volume_ready_ == gps.size(); });
-    } catch (const RequestError&) {
-        volume_.reset();  // A GP could not hold its share: nothing is loaded.
-        throw;
-    }
-    report.distribute_ms = ms_since(start_ns);
-    report.memory_bytes = memory_bytes_;
-    return report;
 }
 
 Surface& Session::find_surface(const std::string& name) {
@@ -233,7 +175,7 @@ SurfaceReport Session::set_surface(const std::string& name, double isovalue, Cas
 
     const std::int64_t start_ns = now_ns();
     building_ = &*found;
-    surface_ready_ = 0;
+    begin_request();
     slab_counts_.clear();
     memory_bytes_ = 0;
     schema::SetSurfaceT request;
@@ -246,7 +188,7 @@ SurfaceReport Session::set_surface(const std::string& name, double isovalue, Cas
         machine_.send(gp, payload);
     }
     try {
-        wait("surface " + name, [&] { return surface_ready_ == machine_.gp_ids().size(); });
+        wait_for_gps("surface " + name);
     } catch (const RequestError&) {
         remove_surface(name);
         throw;
@@ -259,15 +201,10 @@ SurfaceReport Session::set_surface(const std::string& name, double isovalue, Cas
 }
 
 void Session::on_surface_built(const schema::SurfaceBuilt& built) {
-    if (building_ == nullptr || built.surface() != building_->id ||
-        built.revision() != building_->revision) {
-        return;  // An answer to an older wish.
-    }
     for (const schema::SlabCounts* slab : *built.slabs()) {
         slab_counts_.push_back(*slab);
     }
     memory_bytes_ += static_cast<std::int64_t>(built.memory_bytes());
-    ++surface_ready_;
 }
 
 void Session::remove_surface(const std::string& name) {
@@ -315,8 +252,18 @@ void Session::on_frame_done(const schema::FrameDone& done) {
     pending_.pop_front();
 }
 
+void Session::give_up_frames() {
+    pending_.clear();
+    finished_.clear();
+}
+
 Picture Session::take_frame() {
-    wait("frame", [this] { return !finished_.empty(); });
+    try {
+        wait("frame", [this] { return !finished_.empty() || fault_.has_value(); });
+    } catch (...) {
+        give_up_frames();  // What still comes of them is not what is asked for next.
+        throw;
+    }
     Picture picture = std::move(finished_.front());
     finished_.pop_front();
     return picture;
@@ -328,12 +275,16 @@ Picture Session::draw() {
 }
 
 OrbitReport Session::orbit(int frames, const std::function<void(int, const Picture&)>& take) {
+    // Whatever `take` throws, the camera is where it was and no frame of the orbit is left over.
     struct Restore {
-        Camera& camera;
-        const Camera before = camera;
-        ~Restore() { camera = before; }
+        Session& session;
+        const Camera before = session.scene.camera;
+        ~Restore() {
+            session.scene.camera = before;
+            session.give_up_frames();
+        }
     };
-    const Restore restore{scene.camera};
+    const Restore restore{*this};
     const std::int64_t start_ns = now_ns();
     for (int submitted = 0, taken = 0; taken < frames; ++taken) {
         for (; submitted < frames && pending_.size() + finished_.size() < frames_in_flight;
@@ -347,31 +298,17 @@ OrbitReport Session::orbit(int frames, const std::function<void(int, const Pictu
     return {frames, ms_since(start_ns)};
 }
 
-void Session::export_picture(const Picture& picture, const std::string& path,
-                             const std::string& description) {
-    flatbuffers::FlatBufferBuilder builder(picture.rgba.size() * 4 + 1024);
-    const auto rgba = builder.CreateVector(
-        reinterpret_cast<const std::uint8_t*>(picture.rgba.data()), picture.rgba.size() * 4);
-    const auto path_text = builder.CreateString(path);
-    const auto description_text = builder.CreateString(description);
-    with_io(path,
-            bus::finish(builder,
-                        schema::CreateExportPicture(
-                            builder, path_text, static_cast<std::uint32_t>(picture.width),
-                            static_cast<std::uint32_t>(picture.height), rgba, description_text)),
-            [this] { return io_done_; });
-}
-
 std::uint64_t Session::mesh_digest(const std::string& name) {
+    fetching_ = &find_surface(name);
     schema::FetchMeshT request;
-    request.surface = find_surface(name).id;
+    request.surface = fetching_->id;
     const bus::Payload payload = bus::pack(request);
     slab_digests_.clear();
-    mesh_parts_ = 0;
+    begin_request();
     for (const bus::NodeId gp : machine_.gp_ids()) {
         machine_.send(gp, payload);
     }
-    wait("mesh of " + name, [&] { return mesh_parts_ == machine_.gp_ids().size(); });
+    wait_for_gps("mesh of " + name);
     Digest digest;
     for (const auto& [slab, value] : slab_digests_) {
         digest.add(std::as_bytes(std::span(&value, 1)));

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -101,13 +102,19 @@ class Session {
 
     void on_message(const bus::Message& message);
     void on_fault(const bus::schema::Fault& fault);
+    void on_answer(const bus::Message& message);
     void on_frame_done(const bus::schema::FrameDone& done);
     void on_surface_built(const bus::schema::SurfaceBuilt& built);
-    /// Pumps until `done` or a fault; throws the fault.
+    /// Pumps until `done`; then throws the first fault that came meanwhile, if any.
     void wait(const std::string& what, const std::function<bool()>& done);
+    /// Waits until every GP has answered what begin_request() announced. A fault is an answer too,
+    /// so that none is left over for the next request.
+    void wait_for_gps(const std::string& what);
+    void begin_request() { answered_.clear(); }
+    void give_up_frames();
     Surface& find_surface(const std::string& name);
     std::uint32_t submit_frame();
-    Picture take_frame();
+    Picture take_frame();  ///< The oldest frame under way.
     /// Starts the io process, sends `request` to it and waits until `done`, then lets it go.
     void with_io(const std::string& what, bus::Payload request, const std::function<bool()>& done);
 
@@ -116,9 +123,8 @@ class Session {
     std::uint32_t volume_id_ = 0;
     std::uint16_t next_surface_id_ = 0;
     std::uint32_t next_frame_ = 0;
-    std::size_t volume_ready_ = 0;  ///< GPs that hold the newest volume.
+    std::set<bus::NodeId> answered_;  ///< GPs that have answered the request under way.
     std::int64_t memory_bytes_ = 0;
-    std::size_t surface_ready_ = 0;  ///< GPs that have built `building_`.
     std::vector<bus::schema::SlabCounts> slab_counts_;
     const Surface* building_ = nullptr;
     std::map<std::string, SurfaceReport, std::less<>> reports_;
@@ -130,7 +136,7 @@ class Session {
     std::optional<Volume> received_;
     bool io_done_ = false;
     std::map<std::uint32_t, std::uint64_t> slab_digests_;
-    std::size_t mesh_parts_ = 0;
+    const Surface* fetching_ = nullptr;
     std::optional<std::string> fault_;
 };
 

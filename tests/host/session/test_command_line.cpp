@@ -44,6 +44,16 @@ TEST_SUITE("host/command_line") {
         CHECK(a.options.empty());
     }
 
+    TEST_CASE("whatever is in a word or an option survives being made into a line") {
+        Arguments arguments{"snapshot",
+                            {"a b", "it's", "\"both\" 'kinds'", "x;quit\ny", "#", "k=v", ""},
+                            {{"iso", "5;quit"}, {"color", "#ffffff"}}};
+        const Arguments back = parse_line(to_line(arguments));
+        CHECK(back.name == arguments.name);
+        CHECK(back.words == arguments.words);
+        CHECK(back.options == arguments.options);
+    }
+
     TEST_CASE("blank lines and comments are nothing") {
         CHECK(parse_line("   ").name.empty());
         CHECK(parse_line("# all of it").name.empty());

@@ -1,0 +1,94 @@
+// What a session does with files: volumes in, pictures out, by the io process.
+#include <fmt/core.h>
+
+#include <stdexcept>
+
+#include "host/error.hpp"
+#include "host/phantom/phantom.hpp"
+#include "host/session.hpp"
+#include "host/stopwatch.hpp"
+
+namespace pxpl5::host {
+
+namespace schema = bus::schema;
+
+void Session::with_io(const std::string& what, bus::Payload request,
+                      const std::function<bool()>& done) {
+    struct Release {
+        MachinePort& machine;
+        ~Release() { machine.release_io(); }
+    };
+    const bus::NodeId io = machine_.start_io();
+    const Release release{machine_};
+    io_done_ = false;
+    received_.reset();
+    receiver_.reset();
+    machine_.send(io, std::move(request));
+    wait(what, [&] { return done() || fault_.has_value(); });
+}
+
+Volume Session::read(const std::string& source) {
+    if (is_phantom(source)) {
+        try {
+            return make_phantom(source);
+        } catch (const std::invalid_argument& error) {
+            throw RequestError(ExitCode::usage, error.what());
+        }
+    }
+    schema::ImportVolumeT request;
+    request.path = source;
+    with_io(source, bus::pack(request), [this] { return received_.has_value(); });
+    return std::move(*received_);
+}
+
+LoadReport Session::load(const std::string& source) {
+    LoadReport report{source};
+    std::int64_t start_ns = now_ns();
+    Volume volume = read(source);
+    report.read_ms = ms_since(start_ns);
+
+    start_ns = now_ns();
+    scene.surfaces.clear();
+    reports_.clear();
+    region_costs_.clear();
+    volume_ = std::move(volume);
+    ++volume_id_;
+    begin_request();
+    memory_bytes_ = 0;
+    const std::vector<bus::NodeId>& gps = machine_.gp_ids();
+    const bus::Payload header = volume_header(*volume_, volume_id_);
+    for (std::size_t i = 0; i < gps.size(); ++i) {
+        const std::vector<int> slices =
+            slices_for_gp(volume_->nz, static_cast<int>(i), static_cast<int>(gps.size()));
+        machine_.send(gps[i], header);
+        for_each_slice_batch(*volume_, volume_id_, slices,
+                             [&](bus::Payload batch) { machine_.send(gps[i], std::move(batch)); });
+        machine_.send(gps[i], bus::pack(schema::VolumeEndT{{}, volume_id_}));
+    }
+    try {
+        wait_for_gps(source);
+    } catch (const RequestError&) {
+        volume_.reset();  // A GP could not hold its share: nothing is loaded.
+        throw;
+    }
+    report.distribute_ms = ms_since(start_ns);
+    report.memory_bytes = memory_bytes_;
+    return report;
+}
+
+void Session::export_picture(const Picture& picture, const std::string& path,
+                             const std::string& description) {
+    flatbuffers::FlatBufferBuilder builder(picture.rgba.size() * 4 + 1024);
+    const auto rgba = builder.CreateVector(
+        reinterpret_cast<const std::uint8_t*>(picture.rgba.data()), picture.rgba.size() * 4);
+    const auto path_text = builder.CreateString(path);
+    const auto description_text = builder.CreateString(description);
+    with_io(path,
+            bus::finish(builder,
+                        schema::CreateExportPicture(
+                            builder, path_text, static_cast<std::uint32_t>(picture.width),
+                            static_cast<std::uint32_t>(picture.height), rgba, description_text)),
+            [this] { return io_done_; });
+}
+
+}  // namespace pxpl5::host
