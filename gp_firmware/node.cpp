@@ -59,6 +59,11 @@ void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
         throw NodeFault(FaultCode::bad_message,
                         bus::kind_name(message.kind()) + " came before Topology");
     }
+    if (jobs_.size() >= max_jobs) {
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("{} is refused: {} jobs wait, {} are the most",
+                                    bus::kind_name(message.kind()), jobs_.size(), max_jobs));
+    }
     switch (message.kind()) {
         case bus::Body::VolumeHeader:
             begin_volume(*message.as<schema::VolumeHeader>(), out);
@@ -351,29 +356,27 @@ bool GpNode::step(Fetch& job, bus::Outbox& out) {
 }
 
 bool GpNode::step(Draw& job, bus::Outbox& out) {
+    try {
+        return draw_piece(job, out);
+    } catch (...) {
+        send_nothing(job.request, out);  // Renderers wait for every GP's part.
+        throw;
+    }
+}
+
+bool GpNode::draw_piece(Draw& job, bus::Outbox& out) {
     if (!job.begun) {
         job.begun = true;
         const std::string missing = missing_surface(job.request, surfaces_);
         if (!missing.empty()) {
-            send_nothing(job.request, out);
             throw NodeFault(FaultCode::bad_input, missing);
         }
-        try {
-            drawing_.begin(job.request);
-        } catch (const std::invalid_argument&) {
-            send_nothing(job.request, out);
-            throw;
-        }
+        drawing_.begin(job.request);
     }
     if (drawing_.draw(surfaces_, triangles_per_piece)) {
         return false;
     }
-    try {
-        send_programs(job.request, out);
-    } catch (const NodeFault&) {
-        send_nothing(job.request, out);
-        throw;
-    }
+    send_programs(job.request, out);
     return true;
 }
 

@@ -31,6 +31,8 @@
 
 namespace pxpl5::gp {
 
+inline constexpr std::size_t max_jobs = 16384;  ///< Waiting at one GP; what comes then is refused.
+
 /// Work is done in the order in which it was asked for, but a newer revision of a surface takes the
 /// place of older work on it, and a new volume that of all work.
 class GpNode final : public bus::Node {
@@ -90,6 +92,7 @@ class GpNode final : public bus::Node {
     bool step(Remove& job, bus::Outbox& out);
     bool step(Fetch& job, bus::Outbox& out);
     bool step(Draw& job, bus::Outbox& out);
+    bool draw_piece(Draw& job, bus::Outbox& out);
 
     void extract_next(Extract& job, HeldSurface& surface);
     void drop_surface(std::uint16_t surface);
