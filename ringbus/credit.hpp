@@ -11,6 +11,14 @@ namespace pxpl5::bus {
 /// A sender's window towards one receiver. Two frames of the largest scenes fit.
 inline constexpr std::uint32_t window_messages = 1024;
 inline constexpr std::uint64_t window_bytes = std::uint64_t{512} << 20;
+/// The receiver tells of so much at once, because a message that wakes somebody costs more than
+/// what it says. Less than this may stay untold for ever.
+inline constexpr std::uint32_t batch_messages = window_messages / 4;
+inline constexpr std::uint64_t batch_bytes = window_bytes / 4;
+
+/// What a sender keeps for one receiver that gives no credit; more is a fault.
+inline constexpr std::size_t max_waiting_messages = std::size_t{1} << 20;
+inline constexpr std::uint64_t max_waiting_bytes = std::uint64_t{16} << 30;
 
 /// Messages that keep the machine itself going take no credit, or it could not be given back.
 constexpr bool needs_credit(Body kind) {
@@ -20,9 +28,11 @@ constexpr bool needs_credit(Body kind) {
 /// The sender's side: what is on its way.
 class Window {
   public:
-    /// One message larger than the whole window may go while nothing else is on its way.
+    /// A message of any size may go while less than a batch is on its way: the receiver may have
+    /// consumed all that, and will say so only after more has come.
     bool has_room(std::size_t bytes) const {
-        return messages_ == 0 || (messages_ < window_messages && bytes_ + bytes <= window_bytes);
+        return messages_ < window_messages &&
+               (bytes_ < batch_bytes || bytes_ + bytes <= window_bytes);
     }
     void take(std::size_t bytes) {
         ++messages_;
@@ -43,8 +53,7 @@ class Window {
     std::uint64_t bytes_ = 0;
 };
 
-/// The receiver's side: what it has consumed and not yet told, in batches, because a message that
-/// wakes somebody costs more than what it says.
+/// The receiver's side: what it has consumed and not yet told.
 struct Consumed {
     std::uint32_t messages = 0;
     std::uint64_t bytes = 0;
@@ -53,7 +62,7 @@ struct Consumed {
         ++messages;
         bytes += size;
     }
-    bool is_due() const { return messages >= window_messages / 4 || bytes >= window_bytes / 4; }
+    bool is_due() const { return messages >= batch_messages || bytes >= batch_bytes; }
 };
 
 }  // namespace pxpl5::bus

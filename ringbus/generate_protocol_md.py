@@ -49,8 +49,9 @@ def fields(body):
 def document():
     out = ["# The protocol of the ring", "",
            f"Generated from `schema/*.fbs`; rewrite with `{REWRITE}`.", "",
-           "A message is two ZeroMQ parts: the `Header` struct, and a FlatBuffer whose root is `Message` with one of "
-           "the tables below as its body. Both are verified before use, then ranges are checked (`ranges.cpp`).", ""]
+           "A message is two ZeroMQ parts: the `Header` struct, and a FlatBuffer whose root is "
+           "`Message` with one of the tables below as its body. Both are verified before use, then "
+           "ranges are checked (`ranges.cpp`).", ""]
     for name in FILES:
         lines = (HERE / "schema" / f"{name}.fbs").read_text().splitlines()
         head = []
@@ -67,7 +68,8 @@ def document():
                 out += [comment, ""]
             if kind == "enum":
                 values = "\n".join(body)
-                out += ["`" + " ".join(values[values.index("{") + 1:values.rindex("}")].split()) + "`", ""]
+                names = values[values.index("{") + 1:values.rindex("}")].split()
+                out += ["`" + " ".join(names) + "`", ""]
             elif fields(body):
                 out += ["| field | type | meaning |", "|---|---|---|"]
                 out += [f"| {n} | `{t}` | {c} |" for n, t, c in fields(body)] + [""]

@@ -17,19 +17,21 @@ class Link {
     /// Where others reach this node.
     virtual const std::string& endpoint() const = 0;
 
-    /// Makes `id` reachable. Messages sent to it before it listens are kept.
+    /// Makes `id`, which is no peer yet, reachable. Messages sent to it before it listens are kept.
     virtual void add_peer(NodeId id, const std::string& endpoint) = 0;
+    /// Drops what has not left yet. A later peer of this id counts its messages from 0 again.
     virtual void remove_peer(NodeId id) = 0;
 
     /// Sends, or queues while the peer has given no credit. Never blocks. `to` is a known peer.
+    /// Throws NodeFault if too much waits already or the payload is too large for any receiver.
     virtual void send(NodeId to, Payload payload) = 0;
 
     /// The next message, if one is here. Throws BadMessage for a message that cannot be trusted and
-    /// NodeFault for a lost one; the link goes on with the next.
+    /// WireFault (wire.hpp) for a lost one; the link goes on with the next.
     virtual std::optional<Message> receive() = 0;
 
-    /// Waits for input. Returns false after `timeout_ms` without any; a negative timeout never
-    /// ends.
+    /// Waits for input. Returns false after `timeout_ms` without any, or if a signal came first; a
+    /// negative timeout never ends.
     virtual bool wait(int timeout_ms) = 0;
 };
 

@@ -4,6 +4,7 @@
 
 #include <cassert>
 
+#include "ringbus/channel_model.hpp"
 #include "ringbus/ranges.hpp"
 #include "schema_hash.hpp"
 
@@ -13,24 +14,35 @@ namespace {
 
 constexpr std::size_t body_alignment = 8;
 
-void check(bool good, NodeId source, std::string_view field, std::uint64_t got,
+void check(bool good, const schema::Header& header, std::string_view field, std::uint64_t got,
            std::uint64_t wanted) {
     if (!good) {
-        throw BadMessage(
-            fmt::format("message from node {}: {} is {}, expected {}", source, field, got, wanted));
+        throw BadMessage(header, fmt::format("message from node {}: {} is {}, expected {}",
+                                             header.source(), field, got, wanted));
     }
 }
 
 /// Everything that the header says about itself and the body's size.
 void check_header(const schema::Header& header, std::size_t body_bytes) {
-    const NodeId source = header.source();
-    check(header.magic() == header_magic, source, "magic", header.magic(), header_magic);
-    check(header.version() == protocol_version, source, "protocol version", header.version(),
+    constexpr auto last_kind = static_cast<std::uint16_t>(Body::MAX);
+    check(header.magic() == header_magic, header, "magic", header.magic(), header_magic);
+    check(header.version() == protocol_version, header, "protocol version", header.version(),
           protocol_version);
-    check(header.body_bytes() == body_bytes, source, "body size", body_bytes, header.body_bytes());
-    check(body_bytes <= max_body_bytes, source, "body size", body_bytes, max_body_bytes);
-    check(header.kind() > 0 && header.kind() <= static_cast<std::uint16_t>(Body::MAX), source,
-          "kind", header.kind(), static_cast<std::uint16_t>(Body::MAX));
+    check(header.kind() >= 1, header, "kind", header.kind(), 1);
+    check(header.kind() <= last_kind, header, "kind", header.kind(), last_kind);
+    check(header.reserved() == 0, header, "reserved field", header.reserved(), 0);
+    check(header.channel() < max_channels, header, "channel", header.channel(), max_channels - 1);
+    check(header.departure_ns() <= header.arrival_ns(), header, "departure", header.departure_ns(),
+          header.arrival_ns());
+    check(header.body_bytes() == body_bytes, header, "body size", body_bytes, header.body_bytes());
+    check(body_bytes <= max_body_bytes, header, "body size", body_bytes, max_body_bytes);
+}
+
+/// Whether the bytes are a message at all: nothing in them points outside them.
+bool is_well_formed(std::span<const std::uint8_t> body) {
+    flatbuffers::Verifier verifier(body.data(), body.size(), max_body_depth, max_body_tables);
+    return body.size() >= 2 * sizeof(flatbuffers::uoffset_t) &&
+           schema::MessageBufferHasIdentifier(body.data()) && schema::VerifyMessageBuffer(verifier);
 }
 
 }  // namespace
@@ -40,23 +52,20 @@ Message::Message(const schema::Header& header, std::span<const std::uint8_t> bod
     : header_(header), body_(body), owner_(std::move(owner)) {
     assert(reinterpret_cast<std::uintptr_t>(body.data()) % body_alignment == 0);
     check_header(header, body.size());
-    flatbuffers::Verifier verifier(body.data(), body.size(), max_body_depth, max_body_tables);
-    if (body.size() < 2 * sizeof(flatbuffers::uoffset_t) ||
-        !schema::MessageBufferHasIdentifier(body.data()) ||
-        !schema::VerifyMessageBuffer(verifier)) {
-        throw BadMessage(fmt::format("message {} of {} bytes from node {} is not a valid {} body",
-                                     header.sequence(), body.size(), source(), kind_name(kind())));
+    const auto refuse = [&](const std::string& reason) {
+        throw BadMessage(header, fmt::format("{} {} from node {}: {}", kind_name(kind()),
+                                             header.sequence(), source(), reason));
+    };
+    if (!is_well_formed(body)) {
+        refuse(fmt::format("its {} bytes are not a valid message", body.size()));
     }
-    const Body found = schema::GetMessage(body.data())->body_type();
-    if (found != kind()) {
-        throw BadMessage(fmt::format("message {} from node {}: the header says {}, the body is {}",
-                                     header.sequence(), source(), kind_name(kind()),
-                                     kind_name(found)));
+    const schema::Message& message = *schema::GetMessage(body.data());
+    if (message.body_type() != kind()) {
+        refuse(fmt::format("the header says {}, the body is {}", kind_name(kind()),
+                           kind_name(message.body_type())));
     }
-    if (const std::string reason = out_of_range(*schema::GetMessage(body.data()));
-        !reason.empty()) {
-        throw BadMessage(fmt::format("{} {} from node {}: {}", kind_name(kind()), header.sequence(),
-                                     source(), reason));
+    if (const std::string reason = out_of_range(message); !reason.empty()) {
+        refuse(reason);
     }
 }
 

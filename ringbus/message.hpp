@@ -56,6 +56,10 @@ Payload pack(const ObjectT& object) {
 /// verifiable FlatBuffer. `what` names the sender, the field and both values.
 struct BadMessage : std::runtime_error {
     using std::runtime_error::runtime_error;
+    BadMessage(const schema::Header& header, const std::string& reason)
+        : std::runtime_error(reason), source(header.source()), sequence(header.sequence()) {}
+    NodeId source = host_id;     ///< As far as the header says.
+    std::uint64_t sequence = 0;  ///< Likewise.
 };
 
 /// A received, verified message. Copies share the bytes.

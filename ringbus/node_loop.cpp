@@ -2,6 +2,8 @@
 
 #include <new>
 
+#include "ringbus/wire.hpp"
+
 namespace pxpl5::bus {
 
 namespace {
@@ -9,19 +11,6 @@ namespace {
 constexpr int quiet_ms = 1000;
 
 using schema::FaultCode;
-
-/// Receives what is there. Messages that cannot be trusted become Faults.
-std::optional<Message> receive_or_report(Link& link, Outbox& out) {
-    while (true) {
-        try {
-            return link.receive();
-        } catch (const BadMessage& bad) {
-            out.send(host_id, fault_message(link.id(), 0, 0, FaultCode::bad_message, bad.what()));
-        } catch (const NodeFault& fault) {
-            out.send(host_id, fault_message(link.id(), 0, 0, fault.code, fault.what()));
-        }
-    }
-}
 
 /// Runs `act`; what it throws goes to the host.
 template <typename Act>
@@ -47,6 +36,21 @@ Payload fault_message(NodeId node, NodeId source, std::uint64_t sequence, FaultC
     fault.sequence = sequence;
     fault.reason = reason;
     return pack(fault);
+}
+
+std::optional<Message> receive_or_report(Link& link, Outbox& out) {
+    const auto report = [&](const auto& bad, FaultCode code) {
+        out.send(host_id, fault_message(link.id(), bad.source, bad.sequence, code, bad.what()));
+    };
+    while (true) {
+        try {
+            return link.receive();
+        } catch (const BadMessage& bad) {
+            report(bad, FaultCode::bad_message);
+        } catch (const WireFault& fault) {
+            report(fault, fault.code);
+        }
+    }
 }
 
 void deliver(Node& node, NodeId self, const Message& message, Outbox& out) {

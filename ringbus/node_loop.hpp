@@ -24,6 +24,9 @@ class LinkOutbox final : public Outbox {
 Payload fault_message(NodeId node, NodeId source, std::uint64_t sequence, schema::FaultCode code,
                       const std::string& reason);
 
+/// The next message, if one is here; those that cannot be trusted become Faults to the host.
+std::optional<Message> receive_or_report(Link& link, Outbox& out);
+
 /// Hands `message` to the node; what it throws goes to the host as a Fault.
 void deliver(Node& node, NodeId self, const Message& message, Outbox& out);
 

@@ -21,6 +21,7 @@ namespace {
 enum ExitCode : int { done = 0, usage = 64, unavailable = 69, internal = 70 };
 
 constexpr int handshake_quiet_ms = 1000;
+constexpr int last_words_ms = 500;  ///< For what a node still has to say to the host at its end.
 
 int parse_whole(std::string_view flag, std::string_view text, int low, int high) {
     int value = 0;
@@ -72,7 +73,7 @@ void connect_to_all(ZmqLink& link, const schema::Topology& topology) {
 bool join(ZmqLink& link, Node& node, LinkOutbox& out, const std::function<bool()>& alive,
           std::deque<Message>& early) {
     while (true) {
-        const std::optional<Message> message = link.receive();
+        const std::optional<Message> message = receive_or_report(link, out);
         if (!message) {
             if (!link.wait(handshake_quiet_ms) && !alive()) {
                 return false;
@@ -97,6 +98,7 @@ int run(const ProcessFlags& flags, schema::Role role, const NodeFactory& make_no
     const auto alive = [&flags] { return flags.parent_pid == 0 || getppid() == flags.parent_pid; };
     ZmqLink link(flags.node_id, flags.bind);
     link.add_peer(host_id, flags.host_endpoint);
+    link.linger(host_id, last_words_ms);
     const std::unique_ptr<Node> node = make_node();
     LinkOutbox out(link);
     link.send(host_id, hello_message(role, flags, link.endpoint()));

@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "ringbus/channel_model.hpp"
 
@@ -49,6 +51,18 @@ class Check {
         }
         return *this;
     }
+    template <typename Enum>
+    Check& known(const char* field, Enum value) {
+        return within(field, static_cast<int>(value), static_cast<int>(Enum::MIN),
+                      static_cast<int>(Enum::MAX));
+    }
+    template <typename Value>
+    Check& at_most(const char* field, Value value, Value limit) {
+        if (!(value <= limit)) {
+            fail(fmt::format("{} is {}, allowed are at most {}", field, value, limit));
+        }
+        return *this;
+    }
     const std::string& reason() const { return reason_; }
 
   private:
@@ -65,12 +79,28 @@ std::size_t size_of(const Vector* vector) {
     return vector == nullptr ? 0 : vector->size();
 }
 
+std::string range_of(const schema::Hello& hello) {
+    return Check().known("role", hello.role()).reason();
+}
+
 std::string range_of(const schema::Topology& topology) {
-    return Check()
+    Check check;
+    check
         .within("number of nodes", std::size_t{topology.nodes()->size()}, std::size_t{1}, max_nodes)
         .within("ring channels", std::size_t{topology.ring_channels()}, std::size_t{1},
-                max_channels)
-        .reason();
+                max_channels);
+    std::set<NodeId> seen;
+    for (const auto* node : *topology.nodes()) {
+        check.known("role", node->role());
+        if (!seen.insert(node->id()).second) {
+            check.add(fmt::format("node {} is there twice", node->id()));
+        }
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::Fault& fault) {
+    return Check().known("code", fault.code()).reason();
 }
 
 std::string range_of(const schema::VolumeHeader& header) {
@@ -78,19 +108,23 @@ std::string range_of(const schema::VolumeHeader& header) {
         .within("nx", header.nx(), min_volume_voxels, max_volume_voxels)
         .within("ny", header.ny(), min_volume_voxels, max_volume_voxels)
         .within("nz", header.nz(), min_volume_voxels, max_volume_voxels)
-        .within("type", static_cast<int>(header.type()), 0,
-                static_cast<int>(schema::ScalarType::MAX))
+        .known("type", header.type())
         .finite("voxel_to_patient", *header.voxel_to_patient())
         .finite("minimum", header.minimum())
         .finite("maximum", header.maximum())
+        .at_most("minimum", header.minimum(), header.maximum())
         .reason();
 }
 
 std::string range_of(const schema::Slices& slices) {
-    return Check()
-        .within("slice_count", slices.slice_count(), 1U, max_volume_voxels)
-        .within("first_slice", slices.first_slice(), 0U, max_volume_voxels - 1)
-        .equal("bytes beyond whole slices", slices.values()->size() % slices.slice_count(), 0U)
+    const std::uint32_t count = slices.slice_count();
+    Check check;
+    check.within("slice_count", count, 1U, max_volume_voxels);
+    if (!check.reason().empty()) {
+        return check.reason();  // What follows divides by it and subtracts it.
+    }
+    return check.within("first_slice", slices.first_slice(), 0U, max_volume_voxels - count)
+        .equal("bytes beyond whole slices", slices.values()->size() % count, 0U)
         .reason();
 }
 
@@ -104,30 +138,52 @@ std::string range_of(const schema::ExportPicture& picture) {
 }
 
 std::string range_of(const schema::SetSurface& surface) {
-    return Check()
-        .finite("isovalue", surface.isovalue())
-        .within("table", static_cast<int>(surface.table()), 0,
-                static_cast<int>(schema::CaseTable::MAX))
-        .reason();
+    return Check().finite("isovalue", surface.isovalue()).known("table", surface.table()).reason();
+}
+
+std::string range_of(const schema::SurfaceBuilt& built) {
+    Check check;
+    const schema::SlabCounts* last = nullptr;
+    for (const auto* slab : *built.slabs()) {
+        check.within("slab", slab->slab(), last == nullptr ? 0U : last->slab() + 1, max_slab)
+            .finite("area_mm2", slab->area_mm2())
+            .finite("volume_mm3", slab->volume_mm3());
+        last = slab;
+    }
+    return check.reason();
+}
+
+bool is_finite(const schema::MeshVertex& v) {
+    return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()) &&
+           std::isfinite(v.nx()) && std::isfinite(v.ny()) && std::isfinite(v.nz());
+}
+
+std::string range_of(const schema::SlabMesh& mesh) {
+    const auto& vertices = *mesh.vertices();
+    const auto& indices = *mesh.indices();
+    Check check;
+    check.at_most("slab", mesh.slab(), max_slab)
+        .equal("number of keys", mesh.keys()->size(), vertices.size())
+        .equal("indices beyond whole triangles", indices.size() % 3, 0U);
+    const auto outside = std::find_if(indices.begin(), indices.end(),
+                                      [&](std::uint32_t i) { return i >= vertices.size(); });
+    if (outside != indices.end()) {
+        check.add(fmt::format("index {} of {} vertices", *outside, vertices.size()));
+    }
+    for (flatbuffers::uoffset_t i = 0; i < vertices.size(); ++i) {
+        if (!is_finite(*vertices.Get(i))) {
+            check.add(fmt::format("vertex {} is not finite", i));
+        }
+    }
+    return check.reason();
 }
 
 std::string range_of(const schema::MeshPart& part) {
+    Check check;
     for (const auto* slab : *part.slabs()) {
-        const std::size_t vertices = slab->vertices()->size();
-        Check check;
-        check.equal("number of keys", std::size_t{slab->keys()->size()}, vertices)
-            .equal("indices beyond whole triangles", slab->indices()->size() % 3, 0U);
-        for (const std::uint32_t index : *slab->indices()) {
-            if (index >= vertices) {
-                check.add(fmt::format("index {} of {} vertices", index, vertices));
-                break;
-            }
-        }
-        if (!check.reason().empty()) {
-            return check.reason();
-        }
+        check.add(range_of(*slab));
     }
-    return {};
+    return check.reason();
 }
 
 std::string range_of(const schema::DrawFrame& draw) {
@@ -163,39 +219,57 @@ std::string range_of(const schema::DrawFrame& draw) {
 
 std::string range_of(const schema::BeginFrame& begin) {
     const schema::DrawFrame& draw = *begin.draw();
-    return Check()
-        .add(range_of(draw))
+    Check check;
+    check.add(range_of(draw))
         .equal("size of assignment", std::size_t{begin.assignment()->size()},
-               region_count(draw.width(), draw.height(), draw.views()->size()))
-        .reason();
+               region_count(draw.width(), draw.height(), draw.views()->size()));
+    for (const std::uint16_t renderer : *begin.assignment()) {
+        check.at_most("assigned Renderer", std::size_t{renderer}, max_nodes - 1);
+    }
+    return check.reason();
 }
 
-std::string range_of(const schema::RegionPrograms& programs) {
-    for (const auto* region : *programs.regions()) {
-        const std::uint64_t words = region->words()->size();
-        for (const auto* segment : *region->segments()) {
-            const std::uint64_t end = std::uint64_t{segment->first_word()} + segment->word_count();
-            if (end > words) {
-                return fmt::format("region {}: segment of slab {} ends at word {} of {}",
-                                   region->region(), segment->slab(), end, words);
-            }
+/// The order of segments is left to the Renderer, which can leave one out and finish the frame.
+std::string range_of(const schema::RegionProgram& program) {
+    const std::uint64_t words = program.words()->size();
+    for (const auto* segment : *program.segments()) {
+        const std::uint64_t end = std::uint64_t{segment->first_word()} + segment->word_count();
+        if (end > words) {
+            return fmt::format("region {}: segment of slab {} ends at word {} of {}",
+                               program.region(), segment->slab(), end, words);
         }
     }
     return {};
 }
 
+std::string range_of(const schema::RegionPrograms& programs) {
+    Check check;
+    check.at_most("gp", std::size_t{programs.gp()}, max_nodes - 1);
+    for (const auto* region : *programs.regions()) {
+        check.at_most("region", std::size_t{region->region()}, max_regions - 1);
+        check.add(range_of(*region));
+    }
+    return check.reason();
+}
+
 std::string range_of(const schema::RegionPixels& pixels) {
-    return Check()
+    Check check;
+    check.at_most("renderer", std::size_t{pixels.renderer()}, max_nodes - 1)
         .equal("number of pixels", std::size_t{pixels.pixels()->size()},
-               std::size_t{pixels.tiles()->size()} * region_pixels)
-        .reason();
+               std::size_t{pixels.tiles()->size()} * region_pixels);
+    for (const auto* tile : *pixels.tiles()) {
+        check.at_most("region", std::size_t{tile->region()}, max_regions - 1);
+    }
+    return check.reason();
 }
 
 std::string range_of(const schema::FrameDone& done) {
     Check check;
     check.within("width", done.width(), 1U, max_picture_px)
         .within("height", done.height(), 1U, max_picture_px)
-        .within("views", std::size_t{done.views()}, std::size_t{1}, max_views);
+        .within("views", std::size_t{done.views()}, std::size_t{1}, max_views)
+        .equal("number of region_cycles", std::size_t{done.region_cycles()->size()},
+               region_count(done.width(), done.height(), done.views()));
     if (done.pixels() != nullptr) {
         check.equal("number of pixels", std::size_t{done.pixels()->size()},
                     std::size_t{done.width()} * done.height() * done.views());
@@ -207,8 +281,12 @@ std::string range_of(const schema::FrameDone& done) {
 
 std::string out_of_range(const schema::Message& message) {
     switch (message.body_type()) {
+        case Body::Hello:
+            return range_of(*message.body_as_Hello());
         case Body::Topology:
             return range_of(*message.body_as_Topology());
+        case Body::Fault:
+            return range_of(*message.body_as_Fault());
         case Body::VolumeHeader:
             return range_of(*message.body_as_VolumeHeader());
         case Body::Slices:
@@ -217,6 +295,8 @@ std::string out_of_range(const schema::Message& message) {
             return range_of(*message.body_as_ExportPicture());
         case Body::SetSurface:
             return range_of(*message.body_as_SetSurface());
+        case Body::SurfaceBuilt:
+            return range_of(*message.body_as_SurfaceBuilt());
         case Body::MeshPart:
             return range_of(*message.body_as_MeshPart());
         case Body::DrawFrame:

@@ -23,6 +23,9 @@ constexpr std::size_t region_count(std::uint32_t width, std::uint32_t height, st
     return std::size_t{across(width)} * across(height) * views;
 }
 
+inline constexpr std::uint32_t max_slab = max_volume_voxels - 2;  ///< Between the last two slices.
+inline constexpr std::size_t max_regions = region_count(max_picture_px, max_picture_px, max_views);
+
 /// Empty if all is well, else which field is wrong, with both values.
 std::string out_of_range(const schema::Message& message);
 

@@ -6,5 +6,8 @@ foreach(file ${FILES})
 endforeach()
 string(SHA256 hash "${text}")
 string(SUBSTRING "${hash}" 0 16 hash)
-file(WRITE ${OUTPUT} "// Generated from the schema files.\n#pragma once\n\n#include <cstdint>\n\n"
-    "namespace pxpl5::bus {\ninline constexpr std::uint64_t generated_schema_hash = 0x${hash}U;\n}\n")
+file(WRITE ${OUTPUT}
+    "// Generated from the schema files.\n#pragma once\n\n#include <cstdint>\n\n"
+    "namespace pxpl5::bus {\n"
+    "inline constexpr std::uint64_t generated_schema_hash = 0x${hash}U;\n"
+    "}\n")

@@ -34,6 +34,12 @@ void SimulatedRing::add(NodeId id, Node& node) {
     members_[id] = {&node, std::make_unique<Wire>(id), false};
 }
 
+void SimulatedRing::set_model(const ChannelModel& model) {
+    for (auto& [id, member] : members_) {
+        member.wire->set_model(model);
+    }
+}
+
 void SimulatedRing::send(NodeId from, NodeId to, const Payload& payload) {
     assert(members_.count(from) == 1);
     assert(members_.count(to) == 1);
@@ -63,6 +69,15 @@ void SimulatedRing::damage(std::deque<InFlight>& queue) {
             // that.
             const std::uint64_t bit = random_() % 64;
             queue.back().body.front() ^= std::uint64_t{1} << bit;
+            break;
+        }
+        case Damage::flip_header_bit: {
+            // The channel and the two times at the end may have other values: they are left alone.
+            constexpr std::size_t channel_at = 12, after_channel = 14, times_at = 32;
+            std::size_t byte = random_() % (times_at - (after_channel - channel_at));
+            byte += byte >= channel_at ? after_channel - channel_at : 0;
+            reinterpret_cast<std::uint8_t*>(&queue.back().header)[byte] ^=
+                static_cast<std::uint8_t>(1U << random_() % 8);
             break;
         }
     }

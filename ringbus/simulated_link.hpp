@@ -17,7 +17,7 @@
 namespace pxpl5::bus {
 
 /// A fault that the simulated ring plants in one message, to show that it is noticed.
-enum class Damage : std::uint8_t { none, drop, repeat, flip_bit };
+enum class Damage : std::uint8_t { none, drop, repeat, flip_bit, flip_header_bit };
 
 struct SimulatedFault {
     Damage damage = Damage::none;
@@ -39,6 +39,8 @@ class SimulatedRing {
 
     /// The node is not owned and outlives the ring's run.
     void add(NodeId id, Node& node);
+    /// Ring order and parameters for the stamps of every node added so far.
+    void set_model(const ChannelModel& model);
     /// Puts a message on the ring as if `from` had sent it.
     void send(NodeId from, NodeId to, const Payload& payload);
 

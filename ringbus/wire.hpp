@@ -10,6 +10,14 @@
 
 namespace pxpl5::bus {
 
+/// A message that did not come as its sender numbered it, or came to the wrong node.
+struct WireFault : NodeFault {
+    WireFault(const schema::Header& header, schema::FaultCode fault_code, const std::string& reason)
+        : NodeFault(fault_code, reason), source(header.source()), sequence(header.sequence()) {}
+    NodeId source;
+    std::uint64_t sequence;
+};
+
 /// Makes headers of outgoing messages and checks the numbers of incoming ones.
 class Wire {
   public:
@@ -17,7 +25,13 @@ class Wire {
 
     void set_model(const ChannelModel& model) { model_ = model; }
 
+    /// Throws NodeFault for a body that no receiver would take.
     schema::Header header_for(NodeId to, Body kind, std::size_t body_bytes) {
+        if (body_bytes > max_body_bytes) {
+            throw NodeFault(schema::FaultCode::bad_input,
+                            fmt::format("{} for node {} has {} bytes, a message holds {} at most",
+                                        kind_name(kind), to, body_bytes, max_body_bytes));
+        }
         const Stamp stamp = model_.place(self_, to, body_bytes);
         return {header_magic,
                 protocol_version,
@@ -32,11 +46,19 @@ class Wire {
                 stamp.arrival_ns};
     }
 
-    /// Throws NodeFault if messages from this sender are missing, repeated or meant for another
+    /// Whether the other fields can be believed; Message's constructor says why not.
+    static bool is_ours(const schema::Header& header) {
+        return header.magic() == header_magic && header.version() == protocol_version;
+    }
+
+    /// Throws WireFault if messages from this sender are missing, repeated or meant for another
     /// node.
     void accept(const schema::Header& header) {
+        if (!is_ours(header)) {
+            return;
+        }
         if (header.destination() != self_) {
-            throw NodeFault(schema::FaultCode::bad_message,
+            throw WireFault(header, schema::FaultCode::bad_message,
                             fmt::format("message from node {} for node {} came to node {}",
                                         header.source(), header.destination(), self_));
         }
@@ -44,7 +66,7 @@ class Wire {
         const std::uint64_t wanted = expected;
         expected = header.sequence() + 1;
         if (header.sequence() != wanted) {
-            throw NodeFault(schema::FaultCode::lost_message,
+            throw WireFault(header, schema::FaultCode::lost_message,
                             fmt::format("message {} from node {} came where {} was due",
                                         header.sequence(), header.source(), wanted));
         }

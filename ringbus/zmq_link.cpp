@@ -42,10 +42,12 @@ void check_address(const std::string& bind) {
     const auto starts_with = [&](std::string_view prefix) {
         return bind.compare(0, prefix.size(), prefix) == 0;
     };
-    if (!starts_with("ipc://") && !starts_with("tcp://127.0.0.1:")) {
+    // The file system guards who reaches an ipc path; nobody guards an abstract name, ipc://@...
+    const bool is_private = starts_with("ipc:///") || starts_with("tcp://127.0.0.1:");
+    if (!is_private) {
         throw std::invalid_argument(fmt::format(
-            "refusing to listen at {}: messages are not encrypted, so only ipc://... and "
-            "tcp://127.0.0.1:... are allowed",
+            "refusing to listen at {}: messages are not encrypted, so only ipc:///path and "
+            "tcp://127.0.0.1:port are allowed",
             bind));
     }
 }
@@ -60,6 +62,20 @@ zmq::message_t part_of(const Payload& payload) {
     const auto bytes = hint->bytes();
     return zmq::message_t(const_cast<std::uint8_t*>(bytes.data()), bytes.size(), &release_payload,
                           hint);
+}
+
+/// Calls ZeroMQ again if only a signal came between.
+template <typename Call>
+auto uninterrupted(const Call& call) {
+    while (true) {
+        try {
+            return call();
+        } catch (const zmq::error_t& error) {
+            if (error.num() != EINTR) {
+                throw;
+            }
+        }
+    }
 }
 
 /// The verified message. Very small parts live unaligned inside ZeroMQ's own struct: copied.
@@ -77,7 +93,12 @@ struct Peer {
     zmq::socket_t socket;
     Window window;
     std::deque<Payload> waiting;  ///< For credit.
-    Consumed consumed;            ///< Of what it sent, not yet given back.
+    std::uint64_t waiting_bytes = 0;
+    Consumed consumed;  ///< Of what it sent, not yet given back.
+
+    bool is_full() const {
+        return waiting.size() >= max_waiting_messages || waiting_bytes >= max_waiting_bytes;
+    }
 };
 
 }  // namespace
@@ -95,15 +116,17 @@ struct ZmqLink::Parts {
     void transmit(NodeId to, Peer& peer, const Payload& payload) {
         const schema::Header header = wire.header_for(to, payload.kind(), payload.bytes().size());
         zmq::message_t head(&header, sizeof header), body = part_of(payload);
-        peer.socket.send(head, zmq::send_flags::sndmore);
-        peer.socket.send(body, zmq::send_flags::none);
+        uninterrupted([&] { return peer.socket.send(head, zmq::send_flags::sndmore); });
+        uninterrupted([&] { return peer.socket.send(body, zmq::send_flags::none); });
     }
 
     void flush(NodeId to, Peer& peer) {
         while (!peer.waiting.empty() && peer.window.has_room(peer.waiting.front().bytes().size())) {
-            peer.window.take(peer.waiting.front().bytes().size());
-            transmit(to, peer, peer.waiting.front());
+            const Payload payload = std::move(peer.waiting.front());
             peer.waiting.pop_front();
+            peer.waiting_bytes -= payload.bytes().size();
+            peer.window.take(payload.bytes().size());
+            transmit(to, peer, payload);
         }
     }
 
@@ -112,7 +135,8 @@ struct ZmqLink::Parts {
         const std::size_t size = head.size();
         int parts = 1;
         for (bool more = head.more(); more; ++parts) {
-            static_cast<void>(inbound.recv(body, zmq::recv_flags::none));
+            static_cast<void>(
+                uninterrupted([&] { return inbound.recv(body, zmq::recv_flags::none); }));
             more = body.more();
         }
         if (parts != 2 || size != sizeof(schema::Header)) {
@@ -126,32 +150,35 @@ struct ZmqLink::Parts {
         return header;
     }
 
-    /// Bookkeeping of credit for a message that came from `source`.
-    void settle(const Message& message) {
+    /// Counts what `header` brought, whether it can be trusted or not: its sender's window would
+    /// shrink for ever otherwise. Nothing is owed to a node that is not connected yet.
+    void count_consumed(const schema::Header& header, std::size_t body_bytes) {
+        const auto found = peers.find(header.source());
+        if (!Wire::is_ours(header) || found == peers.end() ||
+            !needs_credit(static_cast<Body>(header.kind()))) {
+            return;
+        }
+        Consumed& consumed = found->second.consumed;
+        consumed.add(body_bytes);
+        if (consumed.is_due()) {
+            schema::CreditT returned;
+            returned.messages = consumed.messages;
+            returned.bytes = consumed.bytes;
+            consumed = {};
+            transmit(found->first, found->second, pack(returned));
+        }
+    }
+
+    void take_back(const Message& message, const schema::Credit& credit) {
         const auto found = peers.find(message.source());
-        if (found == peers.end()) {
-            return;  // A node that has introduced itself but is not connected yet.
+        if (found == peers.end() ||
+            !found->second.window.give_back(credit.messages(), credit.bytes())) {
+            throw WireFault(message.header(), schema::FaultCode::bad_message,
+                            fmt::format("node {} gives back {} messages and {} bytes, more than "
+                                        "it was sent",
+                                        message.source(), credit.messages(), credit.bytes()));
         }
-        Peer& peer = found->second;
-        if (const auto* credit = message.as<schema::Credit>()) {
-            if (!peer.window.give_back(credit->messages(), credit->bytes())) {
-                throw NodeFault(
-                    schema::FaultCode::bad_message,
-                    fmt::format("node {} gives back {} messages and {} bytes, more than "
-                                "it was sent",
-                                message.source(), credit->messages(), credit->bytes()));
-            }
-            flush(found->first, peer);
-        } else if (needs_credit(message.kind())) {
-            peer.consumed.add(message.bytes().size());
-            if (peer.consumed.is_due()) {
-                schema::CreditT returned;
-                returned.messages = peer.consumed.messages;
-                returned.bytes = peer.consumed.bytes;
-                peer.consumed = {};
-                transmit(found->first, peer, pack(returned));
-            }
-        }
+        flush(found->first, found->second);
     }
 };
 
@@ -180,7 +207,9 @@ void ZmqLink::set_model(const ChannelModel& model) {
 }
 
 void ZmqLink::add_peer(NodeId id, const std::string& endpoint) {
-    Peer peer{zmq::socket_t(parts_->context, zmq::socket_type::push), {}, {}, {}};
+    assert(parts_->peers.count(id) == 0);
+    Peer peer;
+    peer.socket = zmq::socket_t(parts_->context, zmq::socket_type::push);
     prepare(peer.socket);
     peer.socket.connect(endpoint);
     parts_->peers.insert_or_assign(id, std::move(peer));
@@ -198,24 +227,41 @@ void ZmqLink::send(NodeId to, Payload payload) {
         parts_->transmit(to, found->second, payload);
         return;
     }
-    found->second.waiting.push_back(std::move(payload));
-    parts_->flush(to, found->second);
+    Peer& peer = found->second;
+    if (peer.is_full()) {
+        throw NodeFault(schema::FaultCode::out_of_memory,
+                        fmt::format("node {} takes nothing: {} messages of {} bytes wait for it",
+                                    to, peer.waiting.size(), peer.waiting_bytes));
+    }
+    peer.waiting_bytes += payload.bytes().size();
+    peer.waiting.push_back(std::move(payload));
+    parts_->flush(to, peer);
+}
+
+void ZmqLink::linger(NodeId peer, int patience_ms) {
+    const auto found = parts_->peers.find(peer);
+    assert(found != parts_->peers.end());
+    found->second.socket.set(zmq::sockopt::linger, patience_ms);
 }
 
 std::optional<Message> ZmqLink::receive() {
     while (true) {
         zmq::message_t head;
-        if (!parts_->inbound.recv(head, zmq::recv_flags::dontwait)) {
+        if (!uninterrupted([&] {
+                return parts_->inbound.recv(head, zmq::recv_flags::dontwait).has_value();
+            })) {
             return std::nullopt;
         }
         auto body = std::make_shared<zmq::message_t>();
         const schema::Header header = parts_->receive_parts(head, *body);
+        parts_->count_consumed(header, body->size());
         parts_->wire.accept(header);
         Message message = message_of(header, body);
-        parts_->settle(message);
-        if (message.kind() != Body::Credit) {
+        const auto* credit = message.as<schema::Credit>();
+        if (credit == nullptr) {
             return message;
         }
+        parts_->take_back(message, *credit);
     }
 }
 

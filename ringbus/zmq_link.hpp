@@ -13,11 +13,9 @@ class ZmqLink final : public Link {
   public:
     /// Binds the inbound socket of node `id`.
     ///
-    /// bind     "ipc:///path/name" or "tcp://127.0.0.1:*"; other hosts' networks are refused,
-    /// because
-    ///          nothing here is encrypted.
+    /// bind     "ipc:///path/name" or "tcp://127.0.0.1:*"; nothing here is encrypted.
     /// Throws   std::invalid_argument for any other address, std::runtime_error if it cannot be
-    /// bound.
+    ///          bound.
     ZmqLink(NodeId id, const std::string& bind);
     ~ZmqLink() override;
     ZmqLink(const ZmqLink&) = delete;
@@ -31,8 +29,12 @@ class ZmqLink final : public Link {
     std::optional<Message> receive() override;
     bool wait(int timeout_ms) override;
 
-    /// Becomes readable when input may have come (edge-triggered: call receive() until it has
-    /// none).
+    /// What was sent to `peer` may take so long to leave when the link is destroyed; without this
+    /// it is dropped then.
+    void linger(NodeId peer, int patience_ms);
+
+    /// Becomes readable when input may have come. Edge-triggered: call receive() until it has none
+    /// before waiting.
     int poll_fd() const;
     /// Messages queued here because their receivers have given no credit.
     std::size_t queued() const;

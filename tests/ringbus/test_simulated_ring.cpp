@@ -9,12 +9,14 @@ using namespace pxpl5::bus;
 
 namespace {
 
-/// Remembers what comes, and answers each Credit-free message with one to the host if asked.
+/// Remembers what comes.
 struct Recorder final : Node {
     std::vector<std::pair<NodeId, std::uint32_t>> got;
     std::vector<std::string> faults;
+    std::uint64_t arrival_ns = 0;  ///< Of the last message.
 
     void receive(const Message& message, Outbox&) override {
+        arrival_ns = message.header().arrival_ns();
         if (const auto* surface = message.as<schema::RemoveSurface>()) {
             got.emplace_back(message.source(), surface->surface());
         } else if (const auto* fault = message.as<schema::Fault>()) {
@@ -81,17 +83,32 @@ TEST_SUITE("ringbus/simulated_ring") {
 
     TEST_CASE("each kind of damage to a message is noticed and named") {
         for (const auto& [damage, text] :
-             {std::pair{Damage::drop, "where"}, std::pair{Damage::repeat, "where"},
-              std::pair{Damage::flip_bit, "message"}}) {
-            Trio trio(3, {damage, 4});
-            trio.ring.run_until_idle();
-            REQUIRE(!trio.host.faults.empty());
-            CHECK(trio.host.faults[0].find(text) != std::string::npos);
-            CHECK(trio.host.got.size() >= 18);
+             {std::pair{Damage::drop, "message 3 from node 1 came where 2 was due"},
+              std::pair{Damage::repeat, "message 2 from node 1 came where 3 was due"},
+              std::pair{Damage::flip_bit, "RemoveSurface 2 from node 1: its"},
+              std::pair{Damage::flip_header_bit, "from node"}}) {
+            for (std::uint64_t seed = 0; seed < 200; ++seed) {
+                CAPTURE(seed);
+                CAPTURE(text);
+                Trio trio(seed, {damage, 4});  // The third from node 1.
+                trio.ring.run_until_idle();
+                REQUIRE(!trio.host.faults.empty());
+                CHECK(trio.host.faults[0].find(text) != std::string::npos);
+                CHECK(trio.host.got.size() >= 17);
+            }
         }
         Trio sound(3);
         sound.ring.run_until_idle();
         CHECK(sound.host.faults.empty());
+    }
+
+    TEST_CASE("stamps come from the model that the ring was given") {
+        Trio trio(1);
+        // One nanosecond a byte, one hop a second long: only the hops matter here.
+        trio.ring.set_model(ChannelModel({8, 1'000'000'000, 1'000'000'000, 2, 4}, {0, 1, 2}));
+        trio.ring.send(0, 2, numbered(1));
+        trio.ring.run_until_idle();
+        CHECK(trio.b.arrival_ns / 1'000'000'000 == 2);
     }
 
     TEST_CASE("what a node throws reaches the host as a fault") {

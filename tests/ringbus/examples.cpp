@@ -1,0 +1,222 @@
+#include "tests/ringbus/examples.hpp"
+
+#include <array>
+
+#include "ringbus/ranges.hpp"
+
+namespace pxpl5::test {
+
+namespace schema = bus::schema;
+using bus::pack;
+using bus::Payload;
+
+namespace {
+
+std::vector<Payload> control_examples() {
+    schema::HelloT hello;
+    hello.role = schema::Role::renderer;
+    hello.index = 3;
+    hello.pid = 4711;
+    hello.endpoint = "ipc:///run/renderer-3";
+    hello.build = "pxpl5 0.1.0";
+    hello.schema_hash = 0x123456789abcdef0;
+    schema::TopologyT topology;
+    for (std::uint16_t id = 0; id < 3; ++id) {
+        auto node = std::make_unique<schema::NodeInfoT>();
+        node->id = id;
+        node->role = static_cast<schema::Role>(id);
+        node->endpoint = "tcp://127.0.0.1:4000" + std::to_string(id);
+        topology.nodes.push_back(std::move(node));
+    }
+    topology.gp_memory_bytes = 8 << 20;
+    topology.ring_bytes_per_s = 80'000'000;
+    topology.ring_hop_ns = 50;
+    schema::ShutdownT shutdown;
+    shutdown.reason = "the user said quit";
+    schema::CreditT credit;
+    credit.messages = 256;
+    credit.bytes = 123'456'789'012;
+    schema::FaultT fault;
+    fault.code = schema::FaultCode::lost_message;
+    fault.node = 5;
+    fault.source = 2;
+    fault.sequence = 77;
+    fault.reason = "message 77 is missing";
+    return {pack(hello),         pack(topology), pack(schema::ConnectedT{}),
+            pack(schema::GoT{}), pack(shutdown), pack(credit),
+            pack(fault)};
+}
+
+std::vector<Payload> volume_examples() {
+    schema::ImportVolumeT import;
+    import.path = "pelvis.nrrd";
+    schema::SlicesT slices;
+    slices.volume = 9;
+    slices.first_slice = 4;
+    slices.slice_count = 2;
+    slices.values = {1, 2, 3, 4, 5, 6, 7, 8};
+    schema::VolumeEndT end;
+    end.volume = 9;
+    schema::VolumeReadyT ready;
+    ready.volume = 9;
+    ready.slabs = 12;
+    ready.memory_bytes = 1 << 20;
+    ready.elapsed_us = 999;
+    schema::ExportPictureT picture;
+    picture.path = "skin.png";
+    picture.width = 2;
+    picture.height = 1;
+    picture.rgba = {1, 2, 3, 4, 5, 6, 7, 8};
+    picture.description = "skin";
+    schema::IoDoneT done;
+    done.error = "no such file";
+    done.bad_data = true;
+    return {pack(import), pack(example_header()), pack(slices), pack(end),
+            pack(ready),  pack(picture),          pack(done)};
+}
+
+std::vector<Payload> surface_examples() {
+    schema::SetSurfaceT set;
+    set.surface = 2;
+    set.revision = 8;
+    set.isovalue = 300.5;
+    set.table = schema::CaseTable::lorensen1987;
+    schema::RemoveSurfaceT remove;
+    remove.surface = 2;
+    schema::SurfaceBuiltT built;
+    built.surface = 2;
+    built.revision = 8;
+    built.slabs = {schema::SlabCounts(0, 10, 11, 12, 1, 2, 3.5, -4.5),
+                   schema::SlabCounts(5, 20, 21, 22, 2, 3, 4.5, 5.5)};
+    built.memory_bytes = 1234;
+    built.elapsed_us = 5678;
+    schema::FetchMeshT fetch;
+    fetch.surface = 2;
+    schema::MeshPartT part;
+    part.surface = 2;
+    part.revision = 8;
+    auto slab = std::make_unique<schema::SlabMeshT>();
+    slab->slab = 5;
+    slab->vertices.assign(3, schema::MeshVertex(1, 2, 3, 0, 0, 1));
+    slab->keys = {4, 8, 13};
+    slab->indices = {0, 1, 2};
+    part.slabs.push_back(std::move(slab));
+    return {pack(set), pack(remove), pack(built), pack(fetch), pack(part)};
+}
+
+std::vector<Payload> frame_examples() {
+    schema::BeginFrameT begin;
+    begin.draw = std::make_unique<schema::DrawFrameT>(example_draw());
+    begin.assignment = {0, 1, 0, 1, 0, 1};  // 300 x 200 pixels: 3 x 2 regions.
+    schema::RegionPixelsT pixels;
+    pixels.frame = 4;
+    pixels.renderer = 1;
+    pixels.tiles = {schema::RegionTile(3, 20'000, 1500)};
+    pixels.pixels.assign(bus::region_pixels, 0xff336699);
+    schema::FrameDoneT done;
+    done.frame = 4;
+    done.width = 4;
+    done.height = 2;
+    done.views = 1;
+    done.region_cycles = {12'345};
+    done.instructions = 678;
+    done.pixels = {1, 2, 3, 4, 5, 6, 7, 8};
+    return {pack(example_draw()), pack(begin), pack(example_programs()), pack(pixels), pack(done)};
+}
+
+/// Unpacks and packs table T if that is the message's kind.
+template <typename T>
+void repack_if(const bus::Message& message, Payload& result) {
+    if (const T* body = message.as<T>()) {
+        typename T::NativeTableType object;
+        body->UnPackTo(&object);
+        result = pack(object);
+    }
+}
+
+template <typename... Ts>
+Payload repacked_as_one_of(const bus::Message& message) {
+    Payload result;
+    (repack_if<Ts>(message, result), ...);
+    return result;
+}
+
+}  // namespace
+
+schema::Matrix identity() {
+    std::array<double, 16> m{};
+    for (std::size_t i = 0; i < 16; i += 5) {
+        m[i] = 1;
+    }
+    return schema::Matrix(flatbuffers::make_span(m));
+}
+
+schema::DrawFrameT example_draw() {
+    schema::DrawFrameT draw;
+    draw.frame = 4;
+    draw.width = 300;
+    draw.height = 200;
+    auto view = std::make_unique<schema::ViewT>();
+    view->voxel_to_eye = std::make_unique<schema::Matrix>(identity());
+    view->projection = std::make_unique<schema::Matrix>(identity());
+    draw.views.push_back(std::move(view));
+    draw.lights.push_back(schema::Light(schema::Vec3(0, 0, 1), 0.8F));
+    draw.ambient = 0.25F;
+    draw.specular = 0.5F;
+    draw.specular_power = 20;
+    draw.background = std::make_unique<schema::Rgb>(1, 2, 3);
+    draw.surfaces.push_back(schema::SurfaceDraw(1, 2, schema::Rgb(9, 8, 7), true));
+    draw.clip_planes.push_back(schema::ClipPlane(1, 0, 0, -5));
+    draw.read_back = true;
+    draw.region_costs = {5, 4, 3, 2, 1, 0};
+    return draw;
+}
+
+schema::VolumeHeaderT example_header() {
+    schema::VolumeHeaderT header;
+    header.volume = 9;
+    header.name = "pelvis";
+    header.nx = 4;
+    header.ny = 5;
+    header.nz = 6;
+    header.type = schema::ScalarType::float32;
+    header.voxel_to_patient = std::make_unique<schema::Matrix>(identity());
+    header.minimum = -1000;
+    header.maximum = 3000;
+    header.notes = {"one slice is missing", "rescaled"};
+    return header;
+}
+
+schema::RegionProgramsT example_programs() {
+    schema::RegionProgramsT programs;
+    programs.frame = 4;
+    programs.gp = 1;
+    auto region = std::make_unique<schema::RegionProgramT>();
+    region->region = 5;
+    region->words = {1, 2, 3, 4};
+    region->segments = {schema::Segment(0, 7, 0, 2), schema::Segment(1, 3, 2, 2)};
+    programs.regions.push_back(std::move(region));
+    programs.triangles_in = 100;
+    programs.triangles_out = 60;
+    return programs;
+}
+
+std::vector<Payload> one_of_each_kind() {
+    std::vector<Payload> all;
+    for (const auto& group :
+         {control_examples(), volume_examples(), surface_examples(), frame_examples()}) {
+        all.insert(all.end(), group.begin(), group.end());
+    }
+    return all;
+}
+
+Payload repacked(const bus::Message& message) {
+    using namespace bus::schema;
+    return repacked_as_one_of<Hello, Topology, Connected, Go, Shutdown, Credit, Fault, ImportVolume,
+                              VolumeHeader, Slices, VolumeEnd, VolumeReady, ExportPicture, IoDone,
+                              SetSurface, RemoveSurface, SurfaceBuilt, FetchMesh, MeshPart,
+                              DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone>(
+        message);
+}
+
+}  // namespace pxpl5::test

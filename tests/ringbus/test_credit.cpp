@@ -1,0 +1,79 @@
+#include "ringbus/credit.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <deque>
+#include <random>
+
+#include "ringbus/wire.hpp"
+
+using namespace pxpl5::bus;
+
+TEST_SUITE("ringbus/credit") {
+    TEST_CASE("bytes and messages on their way are bounded") {
+        Window bytes;
+        bytes.take(batch_bytes);
+        CHECK(bytes.has_room(window_bytes - batch_bytes));
+        CHECK(!bytes.has_room(window_bytes - batch_bytes + 1));
+        Window messages;
+        for (std::uint32_t i = 0; i < window_messages; ++i) {
+            REQUIRE(messages.has_room(1));
+            messages.take(1);
+        }
+        CHECK(!messages.has_room(1));
+        CHECK(messages.give_back(1, 1));
+        CHECK(messages.has_room(1));
+    }
+
+    TEST_CASE("no more comes back than was taken") {
+        Window window;
+        window.take(10);
+        CHECK(!window.give_back(2, 5));
+        CHECK(!window.give_back(1, 11));
+        CHECK(window.give_back(1, 10));
+    }
+
+    TEST_CASE("a message of any size leaves in the end, whatever was consumed and not told") {
+        std::mt19937_64 random(7);
+        for (int round = 0; round < 2000; ++round) {
+            Window window;
+            Consumed consumed;
+            std::uint64_t most = 0, on_its_way = 0;
+            for (int i = 0; i < 300; ++i) {
+                const std::size_t size = random() % (max_body_bytes >> (random() % 31)) + 1;
+                // The receiver consumes all that has come.
+                REQUIRE(window.has_room(size));
+                window.take(size);
+                on_its_way += size;
+                most = std::max(most, on_its_way);
+                consumed.add(size);
+                if (consumed.is_due()) {
+                    REQUIRE(window.give_back(consumed.messages, consumed.bytes));
+                    on_its_way -= consumed.bytes;
+                    consumed = {};
+                }
+            }
+            CHECK(most <= batch_bytes + max_body_bytes);
+        }
+    }
+
+    TEST_CASE("what keeps the machine going needs no credit") {
+        for (const Body kind : {Body::Hello, Body::Topology, Body::Connected, Body::Go,
+                                Body::Shutdown, Body::Credit, Body::Fault}) {
+            CHECK(!needs_credit(kind));
+        }
+        CHECK(needs_credit(Body::ImportVolume));
+        CHECK(needs_credit(Body::RegionPrograms));
+    }
+
+    TEST_CASE("a body that no receiver would take is refused before it leaves") {
+        Wire wire(3);
+        CHECK(wire.header_for(4, Body::Slices, max_body_bytes).body_bytes() == max_body_bytes);
+        CHECK_THROWS_WITH_AS(wire.header_for(4, Body::Slices, max_body_bytes + 1),
+                             "Slices for node 4 has 1073741825 bytes, a message holds 1073741824 "
+                             "at most",
+                             NodeFault);
+        CHECK(wire.header_for(4, Body::Slices, 1).sequence() == 1);  // No number was lost.
+    }
+}

@@ -1,0 +1,187 @@
+#include "ringbus/node_loop.hpp"
+
+#include <doctest/doctest.h>
+
+#include <deque>
+#include <new>
+#include <variant>
+
+#include "ringbus/wire.hpp"
+#include "tests/ringbus/wire_bytes.hpp"
+
+using namespace pxpl5::bus;
+using pxpl5::test::WireBytes;
+
+namespace {
+
+Payload numbered(std::uint16_t number) {
+    schema::RemoveSurfaceT body;
+    body.surface = number;
+    return pack(body);
+}
+
+Payload shutdown() {
+    return pack(schema::ShutdownT{});
+}
+
+/// A link whose input is a script: messages, quiet moments, and messages that are refused.
+class ScriptedLink final : public Link {
+  public:
+    struct Lost {};
+    struct Bad {};
+    struct Quiet {};  ///< Nothing is here until the node waits.
+    using Event = std::variant<Payload, Lost, Bad, Quiet>;
+
+    explicit ScriptedLink(std::deque<Event> events) : events_(std::move(events)) {}
+
+    NodeId id() const override { return 5; }
+    const std::string& endpoint() const override { return endpoint_; }
+    void add_peer(NodeId, const std::string&) override {}
+    void remove_peer(NodeId) override {}
+    void send(NodeId to, Payload payload) override {
+        REQUIRE(to == host_id);
+        sent.push_back(WireBytes(payload).read());
+    }
+
+    std::optional<Message> receive() override {
+        if (events_.empty() || std::holds_alternative<Quiet>(events_.front())) {
+            return std::nullopt;
+        }
+        const Event event = std::move(events_.front());
+        events_.pop_front();
+        const schema::Header header = WireBytes(numbered(0)).header;  // From node 3, number 7.
+        if (std::holds_alternative<Lost>(event)) {
+            throw WireFault(header, schema::FaultCode::lost_message, "6 is missing");
+        }
+        if (std::holds_alternative<Bad>(event)) {
+            throw BadMessage(header, "no good");
+        }
+        return WireBytes(std::get<Payload>(event)).read();
+    }
+
+    bool wait(int) override {
+        ++waits;
+        if (!events_.empty()) {
+            events_.pop_front();
+        }
+        return !events_.empty();
+    }
+
+    std::vector<Message> sent;
+    int waits = 0;
+
+  private:
+    std::deque<Event> events_;
+    std::string endpoint_ = "scripted";
+};
+
+/// Each message makes one piece of work; writes down in which order things happen.
+struct Diary final : Node {
+    std::string text;
+    int pieces = 0;
+
+    void receive(const Message& message, Outbox&) override {
+        const std::uint16_t number = message.as<schema::RemoveSurface>()->surface();
+        text += 'r';
+        if (number == 66) {
+            throw NodeFault(schema::FaultCode::bad_input, "sixty-six");
+        }
+        if (number == 67) {
+            throw std::bad_alloc();
+        }
+        ++pieces;
+    }
+    bool work(Outbox&) override {
+        if (pieces == 0) {
+            return false;
+        }
+        text += 'w';
+        if (--pieces == 41) {
+            throw NodeFault(schema::FaultCode::internal, "in the middle of work");
+        }
+        return pieces > 0;
+    }
+};
+
+const auto always = [] { return true; };
+
+const schema::Fault& fault(const ScriptedLink& link, std::size_t index) {
+    REQUIRE(index < link.sent.size());
+    REQUIRE(link.sent[index].kind() == Body::Fault);
+    return *link.sent[index].as<schema::Fault>();
+}
+
+}  // namespace
+
+TEST_SUITE("ringbus/node_loop") {
+    using Lost = ScriptedLink::Lost;
+    using Bad = ScriptedLink::Bad;
+    using Quiet = ScriptedLink::Quiet;
+
+    TEST_CASE("all waiting messages are read before the next piece of work") {
+        ScriptedLink link(
+            {numbered(1), numbered(2), numbered(3), Quiet{}, numbered(4), Quiet{}, shutdown()});
+        Diary node;
+        CHECK(run_node(node, link, always));
+        CHECK(node.text == "rrrwwwrw");
+        CHECK(link.waits == 2);
+        CHECK(link.sent.empty());
+    }
+
+    TEST_CASE("nothing after Shutdown is looked at") {
+        ScriptedLink link({shutdown(), numbered(1)});
+        Diary node;
+        CHECK(run_node(node, link, always));
+        CHECK(node.text.empty());
+    }
+
+    TEST_CASE("a node whose parent is gone ends after a quiet moment") {
+        ScriptedLink link({numbered(1), Quiet{}});
+        Diary node;
+        CHECK(!run_node(node, link, [] { return false; }));
+        CHECK(node.text == "rw");
+    }
+
+    TEST_CASE("what the link refuses becomes a Fault that says whose message it was") {
+        ScriptedLink link({Lost{}, Bad{}, numbered(1), shutdown()});
+        Diary node;
+        CHECK(run_node(node, link, always));
+        CHECK(node.text == "r");
+        REQUIRE(link.sent.size() == 2);
+        const schema::FaultCode codes[] = {schema::FaultCode::lost_message,
+                                           schema::FaultCode::bad_message};
+        const char* const reasons[] = {"6 is missing", "no good"};
+        for (std::size_t i = 0; i < 2; ++i) {
+            CHECK(fault(link, i).code() == codes[i]);
+            CHECK(fault(link, i).reason()->str() == reasons[i]);
+            CHECK(fault(link, i).node() == 5);
+            CHECK(fault(link, i).source() == 3);
+            CHECK(fault(link, i).sequence() == 7);
+        }
+    }
+
+    TEST_CASE("what the node throws becomes a Fault, and the node goes on") {
+        ScriptedLink link({numbered(66), numbered(67), numbered(1), Quiet{}, shutdown()});
+        Diary node;
+        CHECK(run_node(node, link, always));
+        CHECK(node.text == "rrrw");
+        REQUIRE(link.sent.size() == 2);
+        CHECK(fault(link, 0).code() == schema::FaultCode::bad_input);
+        CHECK(fault(link, 0).reason()->str() == "sixty-six");
+        CHECK(fault(link, 0).source() == 3);
+        CHECK(fault(link, 1).code() == schema::FaultCode::out_of_memory);
+    }
+
+    TEST_CASE("a fault in one piece of work does not stop the others") {
+        std::deque<ScriptedLink::Event> events(42, numbered(1));
+        events.push_back(Quiet{});
+        events.push_back(shutdown());
+        ScriptedLink link(events);
+        Diary node;
+        CHECK(run_node(node, link, always));
+        CHECK(node.text == std::string(42, 'r') + std::string(42, 'w'));
+        REQUIRE(link.sent.size() == 1);
+        CHECK(fault(link, 0).reason()->str() == "in the middle of work");
+        CHECK(fault(link, 0).source() == 5);
+    }
+}

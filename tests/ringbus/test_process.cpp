@@ -1,0 +1,275 @@
+#include "ringbus/process.hpp"
+
+#include <doctest/doctest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+
+#include "ringbus/zmq_link.hpp"
+#include "tests/ringbus/ipc_address.hpp"
+#include "tests/ringbus/wire_bytes.hpp"
+
+using namespace pxpl5::bus;
+using pxpl5::test::contains;
+using pxpl5::test::ipc_address;
+
+namespace {
+
+constexpr int patience_ms = 30000;
+
+std::vector<char*> pointers(std::vector<std::string>& words) {
+    std::vector<char*> argv;
+    for (std::string& word : words) {
+        argv.push_back(word.data());
+    }
+    argv.push_back(nullptr);
+    return argv;
+}
+
+/// Starts the echo node; its exit code comes from wait_for.
+pid_t start(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), PXPL5_ECHO_NODE);
+    pid_t pid = 0;
+    REQUIRE(posix_spawn(&pid, PXPL5_ECHO_NODE, nullptr, nullptr, pointers(arguments).data(),
+                        environ) == 0);
+    return pid;
+}
+
+/// The exit code, or 128 and the signal.
+int wait_for(pid_t pid) {
+    int status = 0;
+    while (waitpid(pid, &status, 0) < 0) {
+        REQUIRE(errno == EINTR);
+    }
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+Message next(ZmqLink& link) {
+    while (true) {
+        if (auto message = link.receive()) {
+            return *message;
+        }
+        REQUIRE(link.wait(patience_ms));
+    }
+}
+
+Payload order(std::uint16_t number) {
+    schema::RemoveSurfaceT body;
+    body.surface = number;
+    return pack(body);
+}
+
+/// The host's side of one echo node's handshake. Node 2 is this test as well.
+struct EchoMachine {
+    ZmqLink host{host_id, ipc_address("host")};
+    ZmqLink other{2, ipc_address("other")};
+    pid_t pid = 0;
+    std::string endpoint;
+
+    EchoMachine() {
+        ProcessFlags flags{host.endpoint(), ipc_address("echo"), 1, 4, getpid()};
+        pid = start(to_arguments(flags));
+        const Message message = next(host);
+        const auto* hello = message.as<schema::Hello>();
+        REQUIRE(hello != nullptr);
+        CHECK(message.source() == 1);
+        CHECK(hello->role() == schema::Role::gp);
+        CHECK(hello->index() == 4);
+        CHECK(hello->pid() == static_cast<std::uint32_t>(pid));
+        CHECK(refuse_hello(*hello).empty());
+        endpoint = hello->endpoint()->str();
+    }
+
+    /// Topology, and Connected in answer.
+    void connect() {
+        schema::TopologyT topology;
+        const std::string endpoints[] = {host.endpoint(), endpoint, other.endpoint()};
+        for (std::uint16_t id = 0; id < 3; ++id) {
+            topology.nodes.push_back(std::make_unique<schema::NodeInfoT>());
+            topology.nodes.back()->id = id;
+            topology.nodes.back()->endpoint = endpoints[id];
+        }
+        topology.ring_bytes_per_s = 1'000'000'000;
+        topology.ring_hop_ns = 7;
+        host.add_peer(1, endpoint);
+        host.send(1, pack(topology));
+        CHECK(next(host).kind() == Body::Connected);
+    }
+
+    void check_answer(std::uint16_t number) {
+        const Message message = next(host);
+        REQUIRE(message.kind() == Body::SetSurface);
+        CHECK(message.as<schema::SetSurface>()->surface() == number);
+        CHECK(message.as<schema::SetSurface>()->revision() == 3);
+    }
+};
+
+}  // namespace
+
+TEST_SUITE("ringbus/process") {
+    TEST_CASE("a node says Hello, connects, works from Go on, and ends at Shutdown") {
+        EchoMachine machine;
+        machine.connect();
+        machine.host.send(1, pack(schema::GoT{}));
+        machine.host.send(1, order(3));
+        machine.check_answer(3);
+        machine.host.send(1, pack(schema::ShutdownT{}));
+        CHECK(wait_for(machine.pid) == 0);
+    }
+
+    TEST_CASE("what peers send before Go is kept, in order") {
+        EchoMachine machine;
+        machine.other.add_peer(1, machine.endpoint);
+        machine.other.send(1, order(10));
+        machine.connect();
+        for (std::uint16_t i = 11; i < 40; ++i) {
+            machine.other.send(1, order(i));
+        }
+        machine.host.send(1, pack(schema::GoT{}));
+        for (std::uint16_t i = 10; i < 40; ++i) {
+            machine.check_answer(i);
+        }
+        machine.host.send(1, pack(schema::ShutdownT{}));
+        CHECK(wait_for(machine.pid) == 0);
+    }
+
+    TEST_CASE("the topology's ring times the messages of its nodes") {
+        EchoMachine machine;
+        machine.connect();
+        machine.host.send(1, pack(schema::GoT{}));
+        machine.host.send(1, order(3));
+        const Message message = next(machine.host);
+        const schema::Header& header = message.header();
+        // Two hops from node 1 over node 2 to the host, and a nanosecond a byte.
+        const std::uint64_t bytes = 8 + (message.bytes().size() + 3) / 4 * 4;
+        CHECK(header.arrival_ns() - header.departure_ns() == 2 * 7 + bytes);
+        machine.host.send(1, pack(schema::ShutdownT{}));
+        CHECK(wait_for(machine.pid) == 0);
+    }
+
+    TEST_CASE("Shutdown before Go ends a node too") {
+        EchoMachine machine;
+        machine.host.add_peer(1, machine.endpoint);
+        machine.host.send(1, pack(schema::ShutdownT{}));
+        CHECK(wait_for(machine.pid) == 0);
+    }
+
+    TEST_CASE("a bad message during the handshake is told to the host") {
+        EchoMachine machine;
+        machine.host.add_peer(1, machine.endpoint);
+        machine.host.send(1, pack(schema::TopologyT{}));
+        const Message message = next(machine.host);
+        REQUIRE(message.kind() == Body::Fault);
+        CHECK(contains(message.as<schema::Fault>()->reason()->str(), "number of nodes is 0"));
+        machine.host.send(1, pack(schema::ShutdownT{}));
+        CHECK(wait_for(machine.pid) == 0);
+    }
+
+    TEST_CASE("an error that is no fault of the input ends the node with code 70") {
+        EchoMachine machine;
+        machine.connect();
+        machine.host.send(1, pack(schema::GoT{}));
+        machine.host.send(1, order(0xffff));
+        CHECK(wait_for(machine.pid) == 70);
+    }
+
+    TEST_CASE("a node that is not its parent's child ends with code 69") {
+        ProcessFlags flags{ipc_address("nobody"), ipc_address("orphan"), 1, 0, getpid() + 1};
+        CHECK(wait_for(start(to_arguments(flags))) == 69);
+    }
+
+    TEST_CASE("a bad command line ends with code 64") {
+        CHECK(wait_for(start({"--index", "x"})) == 64);
+        CHECK(wait_for(start({"--host-endpoint", "ipc:///h", "--node-id", "1", "--bind",
+                              "tcp://0.0.0.0:*"})) == 64);
+        CHECK(wait_for(start({"--version"})) == 0);
+    }
+
+    TEST_CASE("Ctrl-C is left to the launcher") {
+        EchoMachine machine;
+        kill(machine.pid, SIGINT);
+        machine.connect();
+        machine.host.send(1, pack(schema::ShutdownT{}));
+        CHECK(wait_for(machine.pid) == 0);
+    }
+
+    TEST_CASE("a launcher that is killed takes its nodes with it") {
+        ZmqLink host(host_id, ipc_address("doomed"));
+        int alive[2];
+        REQUIRE(pipe(alive) == 0);
+        std::vector<std::string> words =
+            to_arguments({host.endpoint(), ipc_address("taken"), 1, 0, 0});
+        words.insert(words.begin(), PXPL5_ECHO_NODE);
+        const std::vector<char*> argv = pointers(words);
+        const pid_t launcher = fork();
+        REQUIRE(launcher >= 0);
+        if (launcher == 0) {
+            pid_t child = 0;
+            posix_spawn(&child, PXPL5_ECHO_NODE, nullptr, nullptr, argv.data(), environ);
+            pause();
+            _exit(1);
+        }
+        close(alive[1]);
+        CHECK(next(host).kind() == Body::Hello);  // The node holds the pipe's other end.
+        kill(launcher, SIGKILL);
+        CHECK(wait_for(launcher) == 128 + SIGKILL);
+        char byte = 0;
+        CHECK(read(alive[0], &byte, 1) == 0);  // Returns when nobody holds it any more.
+        close(alive[0]);
+    }
+
+    TEST_CASE("flags survive the command line") {
+        const ProcessFlags flags{"ipc://h", "ipc://b", 7, 3, 4242};
+        std::vector<std::string> words = to_arguments(flags);
+        words.insert(words.begin(), "program");
+        words.emplace_back("--memory-mib");  // For the program's own main.
+        words.emplace_back("5");
+        std::vector<char*> argv;
+        for (std::string& word : words) {
+            argv.push_back(word.data());
+        }
+        const ProcessFlags back = parse_flags(static_cast<int>(argv.size()), argv.data());
+        CHECK(back.host_endpoint == flags.host_endpoint);
+        CHECK(back.bind == flags.bind);
+        CHECK(back.node_id == 7);
+        CHECK(back.index == 3);
+        CHECK(back.parent_pid == 4242);
+    }
+
+    TEST_CASE("missing and malformed flags are named") {
+        const auto error = [](std::vector<std::string> words) {
+            words.insert(words.begin(), "program");
+            std::vector<char*> argv;
+            for (std::string& word : words) {
+                argv.push_back(word.data());
+            }
+            try {
+                parse_flags(static_cast<int>(argv.size()), argv.data());
+            } catch (const std::invalid_argument& bad) {
+                return std::string(bad.what());
+            }
+            return std::string();
+        };
+        CHECK(contains(error({}), "--host-endpoint"));
+        CHECK(contains(error({"--node-id"}), "--node-id needs a value"));
+        CHECK(contains(error({"--node-id", "0"}), "--node-id is '0'"));
+        CHECK(contains(error({"--index", "x"}), "--index is 'x'"));
+    }
+
+    TEST_CASE("a child of another build or schema is refused with both values") {
+        const auto answer = [](const std::string& build, std::uint64_t hash) {
+            schema::HelloT hello;
+            hello.endpoint = "ipc://x";
+            hello.build = build;
+            hello.schema_hash = hash;
+            const Payload payload = pack(hello);
+            return refuse_hello(*schema::GetMessage(payload.bytes().data())->body_as_Hello());
+        };
+        CHECK(answer(build_id(), schema_hash()).empty());
+        CHECK(contains(answer("pxpl5 0.0.9", schema_hash()), "pxpl5 0.0.9"));
+        CHECK(contains(answer(build_id(), 1), "0000000000000001"));
+    }
+}

@@ -1,0 +1,127 @@
+#include "ringbus/ranges.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/wire_bytes.hpp"
+
+using namespace pxpl5::bus;
+using namespace pxpl5::test;
+
+namespace {
+
+constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+
+/// The refusal of an otherwise valid T after `spoil` changed it. The valid one must be accepted.
+template <typename T, typename Spoil>
+std::string refusal_of(const Spoil& spoil) {
+    for (const Payload& payload : one_of_each_kind()) {
+        const Message message = WireBytes(payload).read();
+        if (const auto* body = message.as<typename T::TableType>()) {
+            T object;
+            body->UnPackTo(&object);
+            REQUIRE(refusal(pack(object)) == "");
+            spoil(object);
+            return refusal(pack(object));
+        }
+    }
+    return "no example";
+}
+
+#define CHECK_REFUSED(Type, change, text)                                           \
+    do {                                                                            \
+        const std::string said = refusal_of<schema::Type>([](auto& m) { change; }); \
+        CHECK_MESSAGE(contains(said, text), said);                                  \
+    } while (false)
+
+}  // namespace
+
+TEST_SUITE("ringbus/ranges") {
+    TEST_CASE("a node's introduction and the topology") {
+        CHECK_REFUSED(HelloT, m.role = static_cast<schema::Role>(99),
+                      "role is 99, allowed are 0 .. 4");
+        CHECK_REFUSED(TopologyT, m.nodes.clear(), "number of nodes is 0");
+        CHECK_REFUSED(TopologyT, m.nodes[2]->id = 1, "node 1 is there twice");
+        CHECK_REFUSED(TopologyT, m.nodes[2]->role = static_cast<schema::Role>(99), "role is 99");
+        CHECK_REFUSED(TopologyT, m.ring_channels = 0, "ring channels is 0, allowed are 1 .. 64");
+        CHECK_REFUSED(FaultT, m.code = static_cast<schema::FaultCode>(99), "code is 99");
+    }
+
+    TEST_CASE("a volume") {
+        CHECK_REFUSED(VolumeHeaderT, m.nx = 1, "nx is 1, allowed are 2 .. 4096");
+        CHECK_REFUSED(VolumeHeaderT, m.ny = 4097, "ny is 4097");
+        CHECK_REFUSED(VolumeHeaderT, m.nz = 0, "nz is 0");
+        CHECK_REFUSED(VolumeHeaderT, m.type = static_cast<schema::ScalarType>(99), "type is 99");
+        CHECK_REFUSED(VolumeHeaderT, m.minimum = 3001, "minimum is 3001, allowed are at most 3000");
+        CHECK_REFUSED(VolumeHeaderT, m.maximum = nan_value, "maximum is nan");
+        CHECK_REFUSED(VolumeHeaderT, m.voxel_to_patient->mutable_m()->Mutate(7, nan_value),
+                      "voxel_to_patient holds nan");
+        CHECK_REFUSED(SlicesT, m.slice_count = 0, "slice_count is 0");
+        CHECK_REFUSED(SlicesT, m.first_slice = 4095, "first_slice is 4095, allowed are 0 .. 4094");
+        CHECK_REFUSED(SlicesT, m.slice_count = 3, "bytes beyond whole slices is 2, expected 0");
+        CHECK_REFUSED(ExportPictureT, m.width = 0, "width is 0");
+        CHECK_REFUSED(ExportPictureT, m.rgba.pop_back(), "size of rgba is 7, expected 8");
+    }
+
+    TEST_CASE("a surface and its mesh") {
+        CHECK_REFUSED(SetSurfaceT, m.isovalue = nan_value, "isovalue is nan");
+        CHECK_REFUSED(SetSurfaceT, m.table = static_cast<schema::CaseTable>(99), "table is 99");
+        CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_slab(0), "slab is 0, allowed are 1 .. 4094");
+        CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_slab(4095), "slab is 4095");
+        CHECK_REFUSED(SurfaceBuiltT, m.slabs[0].mutate_area_mm2(nan_value), "area_mm2 is nan");
+        CHECK_REFUSED(MeshPartT, m.slabs[0]->slab = 4095, "slab is 4095");
+        CHECK_REFUSED(MeshPartT, m.slabs[0]->keys.pop_back(), "number of keys is 2, expected 3");
+        CHECK_REFUSED(MeshPartT, m.slabs[0]->indices[1] = 3, "index 3 of 3 vertices");
+        CHECK_REFUSED(MeshPartT, m.slabs[0]->indices.push_back(0), "whole triangles is 1");
+        CHECK_REFUSED(MeshPartT, m.slabs[0]->vertices[2].mutate_nz(INFINITY),
+                      "vertex 2 is not finite");
+    }
+
+    TEST_CASE("what shall be drawn") {
+        CHECK_REFUSED(DrawFrameT, m.width = 0, "width is 0, allowed are 1 .. 8192");
+        CHECK_REFUSED(DrawFrameT, m.height = 8193, "height is 8193");
+        CHECK_REFUSED(DrawFrameT, m.views.clear(), "number of views is 0, allowed are 1 .. 2");
+        CHECK_REFUSED(DrawFrameT, m.lights.assign(5, m.lights[0]), "number of lights is 5");
+        CHECK_REFUSED(DrawFrameT, m.lights[0].mutable_direction().mutate_z(2), "direction is 2");
+        CHECK_REFUSED(DrawFrameT, m.lights[0].mutate_intensity(-1), "intensity is -1");
+        CHECK_REFUSED(DrawFrameT, m.surfaces.resize(256, m.surfaces[0]), "surfaces is 256");
+        CHECK_REFUSED(DrawFrameT, m.clip_planes.resize(17), "number of clip planes is 17");
+        CHECK_REFUSED(DrawFrameT, m.clip_planes[0] = schema::ClipPlane(0, 0, INFINITY, 0),
+                      "clip plane is inf");
+        CHECK_REFUSED(DrawFrameT, m.specular_power = 129, "specular_power is 129");
+        CHECK_REFUSED(DrawFrameT, m.ambient = NAN, "ambient is nan");
+        CHECK_REFUSED(DrawFrameT, m.specular = 1.5F, "specular is 1.5");
+        CHECK_REFUSED(DrawFrameT, m.views[0]->projection->mutable_m()->Mutate(3, nan_value),
+                      "projection holds nan");
+        CHECK_REFUSED(BeginFrameT, m.assignment.pop_back(), "size of assignment is 5, expected 6");
+        CHECK_REFUSED(BeginFrameT, m.assignment[2] = 256, "assigned Renderer is 256");
+        CHECK_REFUSED(BeginFrameT, m.draw->width = 0, "width is 0");
+    }
+
+    TEST_CASE("programs, pixels and finished frames") {
+        CHECK_REFUSED(RegionProgramsT, m.gp = 256, "gp is 256");
+        CHECK_REFUSED(RegionProgramsT, m.regions[0]->region = 8192, "region is 8192");
+        CHECK_REFUSED(RegionProgramsT, m.regions[0]->segments[1].mutate_word_count(3),
+                      "region 5: segment of slab 3 ends at word 5 of 4");
+        CHECK_REFUSED(RegionProgramsT,
+                      m.regions[0]->segments[0] = schema::Segment(0, 0, 0xffffffff, 0xffffffff),
+                      "ends at word 8589934590 of 4");
+        CHECK_REFUSED(RegionPixelsT, m.renderer = 256, "renderer is 256");
+        CHECK_REFUSED(RegionPixelsT, m.pixels.pop_back(), "is 16383, expected 16384");
+        CHECK_REFUSED(RegionPixelsT, m.tiles[0].mutate_region(9000), "region is 9000");
+        CHECK_REFUSED(FrameDoneT, m.views = 3, "views is 3");
+        CHECK_REFUSED(FrameDoneT, m.pixels.pop_back(), "number of pixels is 7, expected 8");
+        CHECK_REFUSED(FrameDoneT, m.region_cycles.clear(), "region_cycles is 0, expected 1");
+    }
+
+    TEST_CASE("regions are counted over both views") {
+        CHECK(region_count(128, 128, 1) == 1);
+        CHECK(region_count(129, 128, 1) == 2);
+        CHECK(region_count(1280, 1024, 1) == 80);
+        CHECK(region_count(640, 512, 2) == 40);
+        CHECK(max_regions == 8192);
+    }
+}
