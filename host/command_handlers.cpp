@@ -61,6 +61,9 @@ Surface wished_surface(const Volume& volume, const std::optional<Surface>& known
                        const Arguments& arguments) {
     Surface wish = known.value_or(Surface{});
     wish.name = arguments.words[0];
+    if (wish.name.empty()) {
+        refuse("a surface needs a name; it is empty");
+    }
     bool has_isovalue = known.has_value();
     for (const PhantomSurface& suggested : suggested_surfaces(volume.name)) {
         if (!known && suggested.name == wish.name) {

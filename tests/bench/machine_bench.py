@@ -43,7 +43,7 @@ def isovalues(program):
 
 
 def one_run(program, args, values):
-    """Milliseconds of extraction and frames per second of every surface, from one machine."""
+    """Triangles, both extractions' milliseconds and frames/s of every surface, on one machine."""
     commands, loaded = [f"size {args.size}"], None
     for volume, name in SURFACES:
         if volume != loaded:
@@ -51,15 +51,16 @@ def one_run(program, args, values):
             loaded = volume
         iso = values[volume, name]
         # The first extraction finds cold memory; the second is what a person at the slider sees.
-        commands += [f"surface {name} iso={iso + 1}", f"surface {name} iso={iso}",
+        commands += [f"surface {name} iso={iso}", f"surface {name} iso={iso}",
                      "orbit 10", f"orbit {args.frames}", f"remove {name}"]
     answer = output_of([program, "run", "--json", "--topology", args.topology,
                         "-c", ";".join(commands)])
     lines = [json.loads(line) for line in answer.splitlines()]
-    surfaces = [line for line in lines if line["command"].startswith("surface")][1::2]
+    surfaces = [line for line in lines if line["command"].startswith("surface")]
     orbits = [line for line in lines if line["command"].startswith("orbit")][1::2]
-    return [(s["result"]["triangles"], s["result"]["extraction_ms"],
-             o["result"]["frames_per_s"]) for s, o in zip(surfaces, orbits, strict=True)]
+    return [(warm["result"]["triangles"], cold["result"]["extraction_ms"],
+             warm["result"]["extraction_ms"], orbit["result"]["frames_per_s"])
+            for cold, warm, orbit in zip(surfaces[::2], surfaces[1::2], orbits, strict=True)]
 
 
 def main():
@@ -80,13 +81,14 @@ def main():
     for k, (volume, name) in enumerate(SURFACES):
         report["surfaces"].append({
             "volume": volume, "surface": name, "triangles": runs[0][k][0],
-            "extraction_ms": round(statistics.median(run[k][1] for run in runs), 2),
-            "frames_per_s": round(statistics.median(run[k][2] for run in runs), 1)})
+            "first_extraction_ms": round(statistics.median(run[k][1] for run in runs), 2),
+            "extraction_ms": round(statistics.median(run[k][2] for run in runs), 2),
+            "frames_per_s": round(statistics.median(run[k][3] for run in runs), 1)})
     print(json.dumps(report))
 
-    missed = [f"{s['volume']} {s['surface']}: extraction {s['extraction_ms']} ms, "
+    missed = [f"{s['volume']} {s['surface']}: extraction {s['first_extraction_ms']} ms, "
               f"the goal is {EXTRACTION_GOAL_MS}"
-              for s in report["surfaces"] if s["extraction_ms"] > EXTRACTION_GOAL_MS]
+              for s in report["surfaces"] if s["first_extraction_ms"] > EXTRACTION_GOAL_MS]
     skin = report["surfaces"][0]
     if skin["frames_per_s"] < SKIN_RATE_GOAL:
         missed.append(f"{skin['volume']} skin: {skin['frames_per_s']} frames/s, "

@@ -60,7 +60,10 @@ class SimulatedMachine final : public host::MachinePort {
         }
     }
 
-    bus::NodeId start_io() override {
+    /// Its nodes cannot die by themselves: whoever reads may wait in read().
+    void wait_readable(int) override {}
+
+    bus::NodeId start_io(host::ExitCode) override {
         throw host::RequestError(host::ExitCode::unavailable,
                                  "a simulated machine has no io process");
     }

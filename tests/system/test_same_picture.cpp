@@ -110,6 +110,24 @@ TEST_CASE("meshes and pictures are the same for any machine and any order of arr
     }
 }
 
+TEST_CASE("a large picture from near by is the same for any machine") {
+    const auto picture_of = [](const Topology& topology) {
+        test::SimulatedMachine machine(topology);
+        Session session(machine);
+        session.load("phantom:pelvis");
+        session.scene.size = {700, 530};
+        session.scene.camera = {{40, 25}, 3};
+        session.scene.lights = {{-28, 32, 0.7}, {50, -10, 0.3}, {0, 80, 0.2}};
+        session.set_surface("bone", 250.5, CaseTable::asymptotic, {230, 220, 200});
+        return session.draw().rgba;
+    };
+    const auto least = picture_of(plan(1, 1, 0));
+    for (const auto& [gps, renderers] : {std::pair{2, 2}, {3, 5}, {36, 16}}) {
+        CAPTURE(gps);
+        CHECK(picture_of(plan(gps, renderers, first_seed())) == least);
+    }
+}
+
 TEST_CASE("meshes and pictures are the same from real processes, over ipc and tcp") {
     for (const Transport transport : {Transport::ipc, Transport::tcp}) {
         for (const auto& [gps, renderers] : {std::pair{1, 1}, {2, 2}, {3, 5}, {36, 16}}) {
