@@ -134,6 +134,14 @@ Box box_around(const Grid& grid, const Ball& ball) {
     return box_around(grid, ball.centre_mm - half, ball.centre_mm + half);
 }
 
+Box box_around(const Grid& grid, const Strand& strand) {
+    const auto& [a, b, c] = strand;
+    const glm::vec3 reach(std::max({a.radius_mm, b.radius_mm, c.radius_mm}) + margin_mm +
+                          strand_blend_mm / 4);
+    return box_around(grid, glm::min(glm::min(a.p_mm, b.p_mm), c.p_mm) - reach,
+                      glm::max(glm::max(a.p_mm, b.p_mm), c.p_mm) + reach);
+}
+
 glm::mat3 turned(glm::vec3 tilt_deg) {
     const auto s = [](float deg) { return static_cast<float>(sine(deg / 360.0)); };
     const auto c = [](float deg) { return static_cast<float>(sine(deg / 360.0 + 0.25)); };
@@ -162,20 +170,7 @@ void add(Bellies& bellies, const Rod& rod) {
 }
 
 void add(Bellies& bellies, const Strand& strand) {
-    const RodDistance upper(
-        {strand.from.p_mm, strand.from.radius_mm, strand.belly.p_mm, strand.belly.radius_mm});
-    const RodDistance lower(
-        {strand.belly.p_mm, strand.belly.radius_mm, strand.to.p_mm, strand.to.radius_mm});
-    const glm::vec3 reach(
-        std::max({strand.from.radius_mm, strand.belly.radius_mm, strand.to.radius_mm}) + margin_mm +
-        strand_blend_mm / 4);
-    const glm::vec3 low = glm::min(glm::min(strand.from.p_mm, strand.belly.p_mm), strand.to.p_mm),
-                    high = glm::max(glm::max(strand.from.p_mm, strand.belly.p_mm), strand.to.p_mm);
-    add(bellies, box_around(bellies.first.grid, low - reach, high + reach),
-        [=](float x, float y, float z) {
-            return smooth_min(upper(x, y, z), lower(x, y, z), strand_blend_mm,
-                              0.25F / strand_blend_mm);
-        });
+    add(bellies, box_around(bellies.first.grid, strand), StrandDistance(strand));
 }
 
 Field parted(const Bellies& bellies, float gap_mm) {

@@ -94,6 +94,7 @@ struct Box {
 
 Box box_around(const Grid& grid, glm::vec3 low_mm, glm::vec3 high_mm);
 Box box_around(const Grid& grid, const Ball& ball);
+Box box_around(const Grid& grid, const Strand& strand);
 
 /// The lesser of two distances, rounded over `blend_mm`.
 inline float smooth_min(float a, float b, float blend_mm, float quarter_blend) {

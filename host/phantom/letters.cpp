@@ -35,8 +35,8 @@ struct Letter {
 constexpr glm::vec3 stem_middle(-22, 0, 0), stem_half(22, 20, 46);
 constexpr glm::vec3 foot_middle(0, 0, -24), foot_half(44, 20, 22);
 
-constexpr float stroke_radius_mm = 2.75F;
-constexpr float density_per_mm = 200, surface_density = 500;
+constexpr float stroke_radius_mm = 2.75F, foot_blend_mm = 1.5F;
+constexpr float density_per_mm = 100, surface_density = 500;
 
 // Looking along d with `up` upwards, the right hand is d x up. Superior and inferior have the
 // patient's front upwards.
@@ -89,7 +89,13 @@ Volume make_letters(const PhantomInfo& info) {
     Field block(grid_of(info));
     join_block(block, stem_middle, stem_half);
     join_block(block, foot_middle, foot_half);
-    for (const Letter& letter : letters) join_letter(block, letter);
+    Field ink(block.grid);
+    for (const Letter& letter : letters) join_letter(ink, letter);
+    // Rounded where they meet the block, sharp among themselves, where rounding would be a knot.
+    for (std::size_t i = 0; i < block.distance_mm.size(); ++i) {
+        block.distance_mm[i] = smooth_min(block.distance_mm[i], ink.distance_mm[i], foot_blend_mm,
+                                          0.25F / foot_blend_mm);
+    }
     std::vector<std::int16_t> voxels;
     voxels.reserve(block.distance_mm.size());
     for (const float d : block.distance_mm) {

@@ -11,7 +11,7 @@ namespace pxpl5::host::phantom {
 namespace {
 
 // Hounsfield units.
-constexpr float air = -1000, fat = -105, muscle = 55, bladder_urine = 8, bowel_wall = 35;
+constexpr float air = -1000, fat = -105, muscle = 55, bowel_wall = 35;
 constexpr float cortex = 950, sponge = 420, marrow = 20;
 constexpr float scanner_noise = 4;
 
@@ -19,10 +19,11 @@ constexpr float scanner_noise = 4;
 // their gradients reach: two voxels, or 8 mm, where there is room.
 constexpr float skin_surface = -300.5F, skin_per_mm = 26;  ///< Value at the skin, and its slope.
 constexpr float bone_surface = 250.5F, bone_per_mm = 50;
-constexpr float cortex_begin_mm = 4, cortex_mm = 8, sponge_mm = 12;  ///< Depths.
+constexpr float bone_reach_mm = 4.5F;                                ///< Outwards.
+constexpr float cortex_begin_mm = 4, cortex_mm = 7, sponge_mm = 10;  ///< Depths.
 constexpr float tissue_blur_mm = 4.5F;   ///< Half the width over which other tissues mix.
-constexpr float fat_under_skin_mm = 14;  ///< Least thickness.
-constexpr float fat_plane_mm = 3;        ///< Between two muscles.
+constexpr float fat_under_skin_mm = 12;  ///< Least thickness.
+constexpr float fat_plane_mm = 4;        ///< Between two muscles.
 constexpr glm::vec3 centre_of_scan_mm(0, 12, 26);
 
 /// How much of a voxel at this distance is inside, 0 to 1.
@@ -124,6 +125,20 @@ void add_belly_wall(Bellies& bellies) {
     });
 }
 
+void add_gluteus_maximus(Bellies& bellies) {
+    using namespace pelvis;
+    const StrandDistance a(gluteus_maximus[0]), b(gluteus_maximus[1]), c(gluteus_maximus[2]);
+    const Grid& grid = bellies.first.grid;
+    const Box first = box_around(grid, gluteus_maximus[0]);
+    const Box last = box_around(grid, gluteus_maximus[2]);
+    const Box box{0, grid.nx, std::min(first.y0, last.y0), grid.ny, last.z0, first.z1};
+    add(bellies, box, [=](float x, float y, float z) {
+        const float quarter = 0.25F / bundle_blend_mm;
+        const float ab = smooth_min(a(x, y, z), b(x, y, z), bundle_blend_mm, quarter);
+        return smooth_min(ab, c(x, y, z), bundle_blend_mm, quarter);
+    });
+}
+
 /// Muscles under a layer of fat, parted by thin planes of fat.
 Field muscles(const Grid& grid, const Field& skin_mm) {
     using namespace pelvis;
@@ -131,6 +146,7 @@ Field muscles(const Grid& grid, const Field& skin_mm) {
     for (const Ball& ball : muscle_balls) add(bellies, ball);
     for (const Rod& rod : muscle_rods) add(bellies, rod);
     for (const Strand& strand : muscle_strands) add(bellies, strand);
+    add_gluteus_maximus(bellies);
     add_belly_wall(bellies);
     Field field = parted(bellies, fat_plane_mm);
     for (const Rod& rod : cartilage) join(field, rod);
@@ -183,7 +199,9 @@ float bone_value(float distance_mm, float marrow_mm, float texture) {
     const float depth = -distance_mm, at_cortex = bone_surface + bone_per_mm * cortex_begin_mm;
     const float rise =
         std::min(std::max((depth - cortex_begin_mm) / (cortex_mm - cortex_begin_mm), 0.0F), 1.0F);
-    const float shell = bone_surface + bone_per_mm * std::min(depth, cortex_begin_mm);
+    // Further out the distance is no longer right, and nothing of bone may be left.
+    const float gone = (air - cortex) * std::max(-depth - bone_reach_mm, 0.0F);
+    const float shell = bone_surface + bone_per_mm * std::min(depth, cortex_begin_mm) + gone;
     const float dense = shell + (cortex - at_cortex) * rise;
     const float spongy = mixed_with(sponge + 40 * texture, marrow, inside_share(marrow_mm));
     return mixed_with(dense, spongy, ramp(depth, cortex_mm, sponge_mm));

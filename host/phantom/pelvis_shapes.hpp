@@ -8,7 +8,7 @@ namespace pxpl5::host::phantom::pelvis {
 
 // The hip joint.
 inline constexpr glm::vec3 hip_centre_mm(86, 0, 0);
-inline constexpr float femur_head_radius_mm = 23.5F, socket_radius_mm = 28, cup_radius_mm = 33;
+inline constexpr float femur_head_radius_mm = 23.5F, socket_radius_mm = 28, cup_radius_mm = 34.5F;
 
 // ---- hip bone: corners of plates, with half the thickness ----
 inline constexpr Corner hip_corners[] = {
@@ -84,7 +84,7 @@ inline constexpr Rod femur_rods[] = {
     {{130, 20, -14}, 8, {134, 14, -26}, 12, 6},
     {{104, 22, -58}, 6, {117, 12, -58}, 11, 6},  // lesser trochanter
 };
-inline constexpr Rod femur_marrow = {{125, 5, -62}, 5, {120, 2, -110}, 8, 4};
+inline constexpr Rod femur_marrow = {{125, 5, -62}, 8, {120, 2, -110}, 9.5F, 4};
 
 // ---- sacrum and coccyx ----
 inline constexpr Ball sacrum_bodies[] = {
@@ -136,26 +136,25 @@ inline constexpr Rod lumbar_spine = {{0, 66, 112}, 5, {0, 88, 104}, 5.5F, 5};
 
 // ---- the body's outline ----
 inline constexpr Ball body_balls[] = {
-    {{0, 8, 150}, {159, 100, 150}, {0, 0, 0}, 30},  // waist
-    {{0, 8, 22}, {172, 88, 90}, {0, 0, 0}, 40},     // hips
-    {{0, -34, 74}, {112, 68, 66}, {0, 0, 0}, 30},   // belly
-    {{64, 66, -26}, {74, 64, 72}, {0, 0, 10}, 22},  // buttocks
-    {{0, -64, -22}, {34, 30, 36}, {0, 0, 0}, 24},   // mound over the symphysis
-    {{112, -46, 84}, {34, 34, 30}, {0, 0, 0}, 24},  // over the front spine of the ilium
+    {{0, 8, 150}, {157, 97, 150}, {0, 0, 0}, 30},   // waist
+    {{0, 20, 24}, {162, 98, 86}, {0, 0, 0}, 40},    // hips
+    {{0, -34, 78}, {104, 62, 70}, {0, 0, 0}, 30},   // belly
+    {{62, 66, -24}, {70, 56, 70}, {0, 0, 10}, 22},  // buttocks
+    {{0, -54, -22}, {36, 26, 40}, {0, 0, 0}, 36},   // mound over the symphysis
+    {{106, -40, 84}, {34, 34, 34}, {0, 0, 0}, 40},  // over the front spine of the ilium
 };
-inline constexpr Rod body_rods[] = {{{92, 4, -14}, 84, {90, -4, -200}, 74, 22}};  // thigh
+inline constexpr Rod body_rods[] = {{{88, 4, -14}, 76, {85, -4, -200}, 66, 22}};  // thigh
 /// Where the navel is.
-inline constexpr Ball navel = {{0, -110, 104}, {7, 12, 9}, {0, 0, 0}, 6};
+inline constexpr Ball navel = {{0, -108, 104}, {8, 12, 10}, {0, 0, 0}, 10};
 /// Hollows: carved, each also on the other side.
 inline constexpr Rod body_hollows[] = {
     {{124, -104, 62}, 12, {52, -112, -34}, 14, 26},  // groin
-    {{0, 142, 20}, 4, {0, 112, -120}, 14, 18},       // between the buttocks
-    {{0, 126, 136}, 8, {0, 130, 60}, 4, 24},         // over the spine
+    {{0, 154, 4}, 4, {0, 112, -120}, 14, 22},        // between the buttocks
+    {{0, 125, 136}, 8, {0, 142, 40}, 4, 22},         // over the spine
 };
 
 // ---- muscles ----
 inline constexpr Ball muscle_balls[] = {
-    {{66, 84, 4}, {70, 30, 66}, {18, 34, -16}},   // gluteus maximus
     {{128, 40, 66}, {24, 52, 60}, {-8, 10, 24}},  // gluteus medius
     {{128, 8, 50}, {20, 38, 52}, {0, 14, 6}},     // gluteus minimus
     {{110, -12, 88}, {12, 42, 38}, {0, 8, -14}},  // iliacus
@@ -167,23 +166,28 @@ inline constexpr Rod muscle_rods[] = {
     {{62, 70, 160}, 26, {54, 84, 104}, 14},   // back
     {{84, 32, -36}, 11, {124, 18, -46}, 11},  // quadratus femoris
 };
+/// Bundles of gluteus maximus, which no fat parts.
+inline constexpr Strand gluteus_maximus[] = {
+    {{{56, 86, 74}, 13}, {{104, 70, 30}, 24}, {{140, 28, -30}, 10}},
+    {{{36, 92, 44}, 14}, {{80, 86, 2}, 30}, {{136, 34, -48}, 12}},
+    {{{18, 92, 8}, 11}, {{54, 84, -30}, 29}, {{122, 40, -80}, 16}},
+};
+inline constexpr float bundle_blend_mm = 8;
 inline constexpr Strand muscle_strands[] = {
-    {{{44, 10, 150}, 25}, {{64, -20, 56}, 21}, {{104, -4, -50}, 11}},        // psoas
-    {{{124, -40, 76}, 8}, {{146, -30, 24}, 17}, {{152, -12, -70}, 8}},       // tensor fasciae latae
-    {{{106, -40, 46}, 8}, {{108, -54, -16}, 20}, {{106, -54, -120}, 25}},    // rectus femoris
-    {{{140, 6, -22}, 13}, {{142, -4, -64}, 28}, {{138, -12, -130}, 34}},     // vastus lateralis
-    {{{112, -10, -44}, 14}, {{108, -16, -80}, 26}, {{104, -20, -130}, 30}},  // vastus medialis
-    {{{116, -48, 72}, 7}, {{88, -62, -6}, 11}, {{52, -52, -110}, 14}},       // sartorius
-    {{{50, -44, 4}, 10}, {{80, -30, -26}, 15}, {{108, -8, -60}, 8}},         // pectineus
-    {{{28, -44, -12}, 8}, {{54, -42, -58}, 18}, {{84, -32, -130}, 24}},      // adductor longus
-    {{{20, -30, -44}, 8}, {{30, -8, -76}, 14}, {{40, 4, -140}, 15}},         // gracilis
-    {{{46, 0, -60}, 15}, {{62, 10, -92}, 30}, {{74, 14, -140}, 34}},         // adductor magnus
-    {{{60, 34, -62}, 13}, {{64, 50, -92}, 26}, {{70, 54, -140}, 27}},        // hamstrings
-    {{{68, 36, -62}, 11}, {{100, 54, -92}, 26}, {{110, 50, -140}, 28}},
+    {{{44, 10, 150}, 25}, {{64, -20, 56}, 21}, {{104, -4, -50}, 11}},      // psoas
+    {{{124, -40, 76}, 8}, {{146, -30, 24}, 17}, {{152, -12, -70}, 8}},     // tensor fasciae latae
+    {{{106, -40, 46}, 8}, {{108, -54, -16}, 20}, {{106, -54, -120}, 25}},  // rectus femoris
+    {{{138, 4, -22}, 13}, {{132, -8, -66}, 34}, {{122, -14, -130}, 42}},   // vasti
+    {{{116, -48, 72}, 7}, {{88, -62, -6}, 11}, {{52, -52, -110}, 14}},     // sartorius
+    {{{50, -44, 4}, 10}, {{80, -30, -26}, 15}, {{108, -8, -60}, 8}},       // pectineus
+    {{{28, -44, -12}, 8}, {{54, -42, -58}, 18}, {{84, -32, -130}, 24}},    // adductor longus
+    {{{20, -30, -44}, 8}, {{30, -8, -76}, 14}, {{40, 4, -140}, 15}},       // gracilis
+    {{{46, 0, -60}, 15}, {{62, 10, -92}, 30}, {{74, 14, -140}, 34}},       // adductor magnus
+    {{{64, 36, -62}, 13}, {{82, 54, -92}, 34}, {{90, 54, -140}, 36}},      // hamstrings
 };
 
 /// The middle of the belly's wall, and half its thickness.
-inline constexpr Ball belly_wall = {{0, 2, 130}, {138, 82, 172}};
+inline constexpr Ball belly_wall = {{0, 2, 130}, {138, 75, 172}};
 inline constexpr float belly_wall_half_mm = 7;
 /// Where the wall ends: the ligament of the groin from spine to tubercle, then the iliac crest.
 inline constexpr glm::vec3 groin_outer_mm(122, -48, 82), groin_inner_mm(24, -46, -10);
@@ -219,6 +223,6 @@ inline constexpr Corner blind_gut[] = {{{-90, -22, 74}, 19}, {{-94, -10, 160}, 2
 inline constexpr Ball bowel_bulk[] = {{{0, -16, 124}, {112, 54, 46}, {0, 0, 0}, 12},
                                       {{0, -30, 70}, {84, 38, 44}, {-10, 0, 0}, 12}};
 /// Gas in the bowel, which only this side of the patient has.
-inline constexpr Ball gas[] = {{{76, -28, 92}, {10, 10, 10}}, {{3, 60, 8}, {8, 7, 13}}};
+inline constexpr Ball gas[] = {{{70, -40, 98}, {10, 10, 10}}, {{3, 60, 8}, {8, 7, 13}}};
 
 }  // namespace pxpl5::host::phantom::pelvis

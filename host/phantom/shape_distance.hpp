@@ -61,4 +61,17 @@ struct BallDistance {
     }
 };
 
+/// Distance to a strand: its two halves, rounded where they meet.
+struct StrandDistance {
+    RodDistance upper, lower;
+
+    explicit StrandDistance(const Strand& s)
+        : upper({s.from.p_mm, s.from.radius_mm, s.belly.p_mm, s.belly.radius_mm}),
+          lower({s.belly.p_mm, s.belly.radius_mm, s.to.p_mm, s.to.radius_mm}) {}
+
+    float operator()(float x, float y, float z) const {
+        return smooth_min(upper(x, y, z), lower(x, y, z), strand_blend_mm, 0.25F / strand_blend_mm);
+    }
+};
+
 }  // namespace pxpl5::host::phantom
