@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/command_line.hpp"
+#include "host/machine/port.hpp"
 #include "host/session.hpp"
 
 namespace pxpl5::host {
@@ -22,17 +23,29 @@ struct ScriptOptions {
 /// Gives the next command line, or nothing at the end.
 using LineSource = std::function<std::optional<std::string>()>;
 
+/// Longest line that is read: more without a newline is not a script.
+inline constexpr std::size_t max_line_bytes = std::size_t{1} << 20;
+
+/// Lines of `fd`, which may be a pipe: while none is here, the machine is looked after. The source
+/// throws MachineError as MachinePort::wait_readable(), and RequestError (usage) if reading fails
+/// or a line is longer than max_line_bytes.
+LineSource lines_of(int fd, MachinePort& machine);
+/// Lines of a file or named pipe. Throws RequestError (usage) if it cannot be opened.
+LineSource lines_of_file(const std::string& path, MachinePort& machine);
+/// As the others, but a wait for `stream` cannot be cut short.
 LineSource lines_of(std::istream& stream);
 /// Lines of `text`, which are separated by ';' or newlines outside quotes.
 LineSource lines_of_text(const std::string& text);
-/// Asks at the terminal, with history and editing.
-LineSource lines_of_prompt();
+/// Asks at the terminal, with history and editing. While nothing is typed, `machine` is looked
+/// after if it is given: Ctrl-C and deaths then end the run, as they do during a command.
+LineSource lines_of_prompt(MachinePort* machine = nullptr);
 
 /// Runs until the lines end or "quit". Answers go to standard output, errors to standard error
 /// (with json both to standard output).
 ///
 /// Returns   0, or the exit code of the first command that failed.
-/// Throws    MachineError if the machine ends.
+/// Throws    MachineError if the machine ends, RequestError (failed) if standard output cannot be
+///           written.
 int run_script(Session& session, const LineSource& next_line, const ScriptOptions& options);
 
 }  // namespace pxpl5::host

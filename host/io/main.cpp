@@ -1,5 +1,6 @@
 // The io process: decodes volumes and writes pictures, under limits, so that the host survives
 // what broken files do to third-party decoders.
+#include <csignal>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -18,6 +19,9 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "pxpl5-io: %s\n", error.what());
         return 64;
     }
+    // A full disk, or a file size limit, is an error of the call that writes.
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::signal(SIGPIPE, SIG_IGN);
     host::io::limit_memory(limits);
     std::vector<char*> rest;
     for (std::string& argument : arguments) {

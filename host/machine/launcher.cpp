@@ -33,6 +33,25 @@ std::string bind_address(Transport transport, const SocketFolder& sockets,
 
 }  // namespace
 
+HeldSignals::HeldSignals() {
+    pthread_sigmask(SIG_BLOCK, nullptr, &before_);
+    hold();
+}
+HeldSignals::~HeldSignals() {
+    release();
+}
+void HeldSignals::hold() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        sigaddset(&signals, signal);
+    }
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+void HeldSignals::release() {
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
+
 Launcher::Launcher(const Topology& topology, const MachineOptions& options)
     : topology_(topology),
       options_(options),
@@ -49,6 +68,11 @@ Launcher::Launcher(const Topology& topology, const MachineOptions& options)
     std::vector<bus::NodeId> order(roster_.size());
     std::iota(order.begin(), order.end(), bus::host_id);
     link_.set_model(bus::ChannelModel(ring, order));
+    signals_.release();  // The supervisor has them now.
+}
+
+Launcher::~Launcher() {
+    signals_.hold();  // The supervisor gives them up before the sockets are gone.
 }
 
 void Launcher::launch() {
@@ -129,16 +153,34 @@ void Launcher::take_control(const bus::Message& message, Handshake& handshake) {
         } else if (message.kind() == schema::Body::Connected) {
             handshake.connected(message.source());
         } else {
-            backlog_.push_back(message);
+            keep(message);
         }
     } catch (const MachineError& error) {
         fail(error.code, error.what());
     }
 }
 
+void Launcher::keep(const bus::Message& message) {
+    backlog_bytes_ += message.bytes().size();
+    if (backlog_.size() == max_backlog_messages || backlog_bytes_ > max_backlog_bytes) {
+        fail(failed_code,
+             fmt::format("{} of {} bytes came from {} although {} messages of {} bytes wait "
+                         "already; at most {} of {} bytes may",
+                         bus::kind_name(message.kind()), message.bytes().size(),
+                         name_of(message.source()), backlog_.size(),
+                         backlog_bytes_ - message.bytes().size(), max_backlog_messages,
+                         max_backlog_bytes));
+    }
+    backlog_.push_back(message);
+}
+
 std::optional<bus::Message> Launcher::take_from_link() {
     try {
-        return link_.receive();
+        std::optional<bus::Message> message = link_.receive();
+        while (message && dismissed_.count(message->source()) != 0) {
+            message = link_.receive();
+        }
+        return message;
     } catch (
         const std::runtime_error& error) {  // BadMessage, or a gap: nothing can be trusted now.
         fail(failed_code, error.what());
@@ -149,15 +191,12 @@ std::optional<bus::Message> Launcher::receive() {
     if (over_) {
         throw *over_;
     }
-    if (!backlog_.empty()) {
-        const bus::Message message = backlog_.front();
-        backlog_.pop_front();
-        return message;
+    if (backlog_.empty()) {
+        return take_from_link();
     }
-    std::optional<bus::Message> message = take_from_link();
-    while (message && dismissed_.count(message->source()) != 0) {
-        message = take_from_link();
-    }
+    const bus::Message message = backlog_.front();
+    backlog_.pop_front();
+    backlog_bytes_ -= message.bytes().size();
     return message;
 }
 
@@ -170,6 +209,19 @@ void Launcher::send(bus::NodeId to, bus::Payload payload) {
 
 void Launcher::wait() {
     supervisor_.wait(link_.poll_fd(), -1);
+}
+
+void Launcher::wait_readable(int fd) {
+    if (over_) {
+        throw *over_;
+    }
+    for (bool readable = false; !readable;) {
+        while (const auto message = take_from_link()) {
+            keep(*message);
+        }
+        readable = supervisor_.wait_input(link_.poll_fd(), fd);
+        check_health();
+    }
 }
 
 std::string Launcher::name_of(bus::NodeId id) const {

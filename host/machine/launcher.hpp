@@ -1,6 +1,7 @@
 // Brings the processes of a machine up, watches them, and brings them down.
 #pragma once
 
+#include <csignal>
 #include <deque>
 #include <filesystem>
 #include <functional>
@@ -19,18 +20,40 @@
 
 namespace pxpl5::host {
 
+/// What may wait for the session while it does not pump; more is a node gone wild.
+inline constexpr std::size_t max_backlog_messages = std::size_t{1} << 14;
+inline constexpr std::size_t max_backlog_bytes = 2 * bus::max_body_bytes;
+
+/// Keeps signals away from this thread: who is born or dies under it cannot be cut short.
+class HeldSignals {
+  public:
+    HeldSignals();
+    ~HeldSignals();
+    HeldSignals(const HeldSignals&) = delete;
+    HeldSignals& operator=(const HeldSignals&) = delete;
+    void hold();
+    void release();
+
+  private:
+    sigset_t before_{};
+};
+
 /// What Machine is made of. Every failure ends the machine first and is thrown then.
 class Launcher {
   public:
     /// Prepares folders and the host's own address; starts nothing.
     Launcher(const Topology& topology, const MachineOptions& options);
 
+    ~Launcher();
+    Launcher(const Launcher&) = delete;
+    Launcher& operator=(const Launcher&) = delete;
+
     /// Starts all nodes and takes them through the barriers. Throws MachineError.
     void launch();
 
     /// Starts one more process, which knows the host alone. Throws RequestError if it ends early,
-    /// MachineError as check_health().
-    bus::NodeId start_io();
+    /// with the code `on_death`, as check_health() does later; MachineError as check_health().
+    bus::NodeId start_io(ExitCode on_death);
     /// Tells it to end; it goes on its own, and is killed if it is still there at the next one.
     void release_io();
 
@@ -40,11 +63,15 @@ class Launcher {
     /// Waits for a message or for something that check_health() tells of.
     void wait();
 
-    /// Throws MachineError if a node has died or a signal came, RequestError (bad data) if the io
-    /// process has died.
+    /// As MachinePort::wait_readable().
+    void wait_readable(int fd);
+
+    /// Throws MachineError if a node has died or a signal came, RequestError if the io process has
+    /// died.
     void check_health();
 
-    /// Orderly end. Throws MachineError if a node does not end by itself, or not with 0.
+    /// Orderly end. Throws MachineError if a node has died, does not end by itself, or not with 0,
+    /// or if a signal came.
     void shutdown();
 
     const Roster& roster() const { return roster_; }
@@ -58,29 +85,36 @@ class Launcher {
     using Missing = std::function<std::vector<std::string>()>;
     void await(const std::string& what, Handshake& handshake, const Missing& missing);
     void take_control(const bus::Message& message, Handshake& handshake);
+    /// Adds to the backlog. Throws MachineError if it is full.
+    void keep(const bus::Message& message);
+    /// The next message that is here, unless an io process of the past sent it.
     std::optional<bus::Message> take_from_link();
     /// Forgets io processes that have ended; kills those that have not.
     void bury_dismissed();
     void dismiss_io();
     std::string describe(const Death& death) const;
     [[noreturn]] void fail(int code, const std::string& text);
-    /// Ends everyone. Returns the first death that was not an orderly one.
-    std::optional<Death> bring_down(int grace_ms);
+    /// Ends everyone. Returns the first cause if that was not orderly: a death, or a signal to us.
+    std::optional<MachineError> bring_down(int grace_ms);
     void discard_messages();
 
     Topology topology_;
     MachineOptions options_;
     std::filesystem::path folder_;
+    HeldSignals signals_;  // Around the sockets, which are removed even if one comes at the end.
     SocketFolder sockets_;
     bus::ZmqLink link_;
     Supervisor supervisor_;  // Behind the link: children end before the socket that they know.
     Roster roster_;          ///< Host first.
     std::optional<RosterEntry> io_;
     int io_count_ = 0;
+    ExitCode io_death_code_ = ExitCode::bad_data;
     bool launched_ = false;                         ///< All nodes have been told Go.
     std::map<bus::NodeId, std::string> dismissed_;  ///< io processes of the past, by name.
-    std::deque<bus::Message> backlog_;              ///< Came while a handshake was going on.
-    std::optional<MachineError> over_;              ///< Why nothing works any more.
+    /// Came while a handshake was going on, or while the host waited for its input.
+    std::deque<bus::Message> backlog_;
+    std::size_t backlog_bytes_ = 0;
+    std::optional<MachineError> over_;  ///< Why nothing works any more.
 };
 
 }  // namespace pxpl5::host

@@ -44,9 +44,13 @@ struct Step {
 };
 constexpr std::array steps = {Step{SIGTERM, terminate_ms}, Step{SIGKILL, -1}};
 
+MachineError interruption(int signal) {
+    return {128 + signal, fmt::format("interrupted by SIG{}", sigabbrev_np(signal))};
+}
+
 }  // namespace
 
-bus::NodeId Launcher::start_io() {
+bus::NodeId Launcher::start_io(ExitCode on_death) {
     bury_dismissed();
     dismiss_io();
     RosterEntry node;
@@ -60,6 +64,7 @@ bus::NodeId Launcher::start_io() {
     } catch (const MachineError& error) {
         throw RequestError(ExitCode::unavailable, error.what());
     }
+    io_death_code_ = on_death;
     io_ = node;
     io_ = bring_up({node}).front();
     return node.id;
@@ -77,6 +82,11 @@ void Launcher::dismiss_io() {
         link_.send(io_->id, shutdown_message());
     }
     dismissed_.emplace(io_->id, io_->name());
+    std::erase_if(backlog_, [this](const bus::Message& message) {
+        const bool is_its_own = message.source() == io_->id;
+        backlog_bytes_ -= is_its_own ? message.bytes().size() : 0;
+        return is_its_own;
+    });
     io_.reset();
 }
 
@@ -117,12 +127,13 @@ void Launcher::check_health() {
         }
     }
     if (const int signal = supervisor_.take_interrupt(); signal != 0) {
-        fail(128 + signal, fmt::format("interrupted by SIG{}", sigabbrev_np(signal)));
+        const MachineError error = interruption(signal);
+        fail(error.code, error.what());
     }
     if (io_death) {
         io_->endpoint.clear();
         dismiss_io();
-        throw RequestError(ExitCode::bad_data, describe(*io_death));
+        throw RequestError(io_death_code_, describe(*io_death));
     }
 }
 
@@ -137,19 +148,20 @@ void Launcher::shutdown() {
         throw *over_;
     }
     dismiss_io();
+    check_health();  // What came before is a cause, and not a second press.
     over_.emplace(1, "the machine has been shut down");
-    if (const std::optional<Death> bad = bring_down(options_.drain_ms)) {
-        throw MachineError(bad->code(), describe(*bad));
+    if (const std::optional<MachineError> cause = bring_down(options_.drain_ms)) {
+        throw *cause;
     }
 }
 
-std::optional<Death> Launcher::bring_down(int grace_ms) {
+std::optional<MachineError> Launcher::bring_down(int grace_ms) {
     for (const RosterEntry& node : roster_) {
         if (node.id != bus::host_id && !node.endpoint.empty()) {
             link_.send(node.id, shutdown_message());
         }
     }
-    std::optional<Death> bad;
+    std::optional<MachineError> cause;
     std::size_t step = 0;
     std::int64_t deadline_ms = now_ms() + grace_ms;
     for (std::vector<std::string> left; !(left = supervisor_.running()).empty();) {
@@ -160,11 +172,16 @@ std::optional<Death> Launcher::bring_down(int grace_ms) {
         discard_messages();
         for (const Death& death : supervisor_.take_deaths()) {
             const bool expected = death.signal == 0 && death.exit_code == 0;
-            bad = !bad && !expected ? std::optional(death) : bad;
+            if (!cause && !expected) {
+                cause.emplace(death.code(), describe(death));
+            }
         }
         left = supervisor_.running();
-        const bool pressed = supervisor_.take_interrupt() != 0;
-        if (!patient && !left.empty() && (pressed || now_ms() >= deadline_ms)) {
+        const int signal = supervisor_.take_interrupt();
+        if (!patient && !left.empty() && (signal != 0 || now_ms() >= deadline_ms)) {
+            if (!cause && signal != 0) {
+                cause = interruption(signal);  // The deaths that it leads to are its consequences.
+            }
             if (launched_ || step > 0) {
                 fmt::print(stderr, "still running: {}; sending SIG{}\n", fmt::join(left, ", "),
                            sigabbrev_np(steps[step].signal));
@@ -174,7 +191,7 @@ std::optional<Death> Launcher::bring_down(int grace_ms) {
             ++step;
         }
     }
-    return bad;
+    return cause;
 }
 
 void Launcher::discard_messages() {

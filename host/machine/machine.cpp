@@ -53,8 +53,11 @@ void Machine::pump(const std::function<void(const bus::Message&)>& take,
     }
 }
 
-bus::NodeId Machine::start_io() {
-    return parts_->launcher.start_io();
+void Machine::wait_readable(int fd) {
+    parts_->launcher.wait_readable(fd);
+}
+bus::NodeId Machine::start_io(ExitCode on_death) {
+    return parts_->launcher.start_io(on_death);
 }
 void Machine::release_io() {
     parts_->launcher.release_io();

@@ -21,7 +21,9 @@ struct MachineOptions {
 /// Launches, supervises and ends the processes of one machine. Use it from the main thread: the
 /// kernel ends the children when the thread that started them ends.
 ///
-/// While it lives, SIGINT and SIGTERM end the machine: pump() throws MachineError (128 + signal).
+/// While it lives, SIGINT, SIGTERM and SIGHUP end the machine: pump() and wait_readable() throw
+/// MachineError (128 + signal). SIGPIPE and SIGXFSZ are ignored from then on: who writes sees the
+/// error.
 class Machine final : public MachinePort {
   public:
     /// Returns when every node is connected to every other.
@@ -38,7 +40,8 @@ class Machine final : public MachinePort {
     void send(bus::NodeId to, bus::Payload payload) override;
     void pump(const std::function<void(const bus::Message&)>& take,
               const std::function<bool()>& done) override;
-    bus::NodeId start_io() override;
+    void wait_readable(int fd) override;
+    bus::NodeId start_io(ExitCode on_death = ExitCode::bad_data) override;
     void release_io() override;
 
     /// Says Shutdown to every node and waits until all have ended. Throws MachineError naming the

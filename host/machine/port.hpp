@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/error.hpp"
 #include "ringbus/message.hpp"
 
 namespace pxpl5::host {
@@ -34,9 +35,16 @@ class MachinePort {
     virtual void pump(const std::function<void(const bus::Message&)>& take,
                       const std::function<bool()>& done) = 0;
 
+    /// Waits until reading `fd` would not block; files on disk never do. Messages that come
+    /// meanwhile are kept for the next pump(). Throws MachineError as pump() does.
+    virtual void wait_readable(int fd) = 0;
+
     /// Starts a pxpl5-io process and returns its id. Its death before release_io() is a
-    /// RequestError (bad data) thrown by pump(), and leaves the machine running.
-    virtual bus::NodeId start_io() = 0;
+    /// RequestError thrown by pump(), and leaves the machine running.
+    ///
+    /// on_death  The error's code: bad_data if the process is to decode what somebody else wrote,
+    ///           failed if it is to write.
+    virtual bus::NodeId start_io(ExitCode on_death = ExitCode::bad_data) = 0;
     /// Ends the io process.
     virtual void release_io() = 0;
 };

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sched.h>
+#include <sys/epoll.h>
 #include <unistd.h>
 #include <uv.h>
 
@@ -88,16 +89,22 @@ int Death::code() const {
 
 struct Supervisor::Parts {
     uv_loop_t loop{};
-    std::array<uv_signal_t, 2> signals{};
+    std::array<uv_signal_t, 3> signals{};
     uv_timer_t timer{};
     uv_poll_t poll{};
     int poll_fd = -1;
+    /// Holds the input that is waited for, and is watched in its place: libuv would make the input
+    /// itself non-blocking, and with it the terminal that stdout and other programs share.
+    int input_set = epoll_create1(EPOLL_CLOEXEC);
+    uv_poll_t input_poll{};
     std::vector<std::unique_ptr<Child>> children;
     std::vector<Death> deaths;
     int interrupt = 0;
-    bool timer_fired = false, fd_readable = false;
+    bool timer_fired = false, fd_readable = false, input_readable = false;
 
     void watch(int fd);
+    void watch_signals();
+    void run_until_event();
     void on_exit(Child& child, int exit_code, int signal);
 };
 
@@ -112,6 +119,33 @@ void Supervisor::Parts::watch(int fd) {
     uv_poll_start(&poll, UV_READABLE, [](uv_poll_t* handle, int, int) {
         static_cast<Parts*>(handle->data)->fd_readable = true;
     });
+}
+
+void Supervisor::Parts::watch_signals() {
+    std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);
+    constexpr std::array numbers = {SIGINT, SIGTERM, SIGHUP};
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        struct sigaction before {};
+        sigaction(numbers[i], nullptr, &before);
+        if (numbers[i] == SIGHUP && before.sa_handler == SIG_IGN) {
+            continue;  // nohup: the run is to outlive its terminal.
+        }
+        uv_signal_init(&loop, &signals[i]);
+        signals[i].data = this;
+        uv_signal_start(
+            &signals[i],
+            [](uv_signal_t* handle, int number) {
+                static_cast<Parts*>(handle->data)->interrupt = number;
+            },
+            numbers[i]);
+    }
+}
+
+void Supervisor::Parts::run_until_event() {
+    while (!timer_fired && !fd_readable && !input_readable && deaths.empty() && interrupt == 0) {
+        uv_run(&loop, UV_RUN_ONCE);
+    }
 }
 
 void Supervisor::Parts::on_exit(Child& child, int exit_code, int signal) {
@@ -130,17 +164,12 @@ Supervisor::Supervisor() : parts_(std::make_unique<Parts>()) {
     parts_->loop.data = parts_.get();
     uv_timer_init(&parts_->loop, &parts_->timer);
     parts_->timer.data = parts_.get();
-    constexpr std::array numbers = {SIGINT, SIGTERM};
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        uv_signal_init(&parts_->loop, &parts_->signals[i]);
-        parts_->signals[i].data = parts_.get();
-        uv_signal_start(
-            &parts_->signals[i],
-            [](uv_signal_t* handle, int number) {
-                static_cast<Parts*>(handle->data)->interrupt = number;
-            },
-            numbers[i]);
+    if (uv_poll_init(&parts_->loop, &parts_->input_poll, parts_->input_set) != 0) {
+        throw MachineError(unavailable,
+                           fmt::format("cannot watch the input: {}", std::strerror(errno)));
     }
+    parts_->input_poll.data = parts_.get();
+    parts_->watch_signals();
 }
 
 Supervisor::~Supervisor() {
@@ -159,6 +188,7 @@ Supervisor::~Supervisor() {
     uv_run(&parts_->loop, UV_RUN_DEFAULT);
     [[maybe_unused]] const int closed = uv_loop_close(&parts_->loop);
     assert(closed == 0);
+    close(parts_->input_set);
 }
 
 int Supervisor::spawn(const Command& command) {
@@ -217,7 +247,7 @@ int Supervisor::spawn(const Command& command) {
 
 void Supervisor::wait(int fd, int timeout_ms) {
     parts_->watch(fd);
-    parts_->timer_fired = parts_->fd_readable = false;
+    parts_->timer_fired = parts_->fd_readable = parts_->input_readable = false;
     if (timeout_ms == 0) {
         uv_run(&parts_->loop, UV_RUN_NOWAIT);
         return;
@@ -233,11 +263,25 @@ void Supervisor::wait(int fd, int timeout_ms) {
             },
             static_cast<std::uint64_t>(timeout_ms), 0);
     }
-    while (!parts_->timer_fired && !parts_->fd_readable && parts_->deaths.empty() &&
-           parts_->interrupt == 0) {
-        uv_run(&parts_->loop, UV_RUN_ONCE);
-    }
+    parts_->run_until_event();
     uv_timer_stop(&parts_->timer);
+}
+
+bool Supervisor::wait_input(int fd, int input) {
+    parts_->watch(fd);
+    parts_->timer_fired = parts_->fd_readable = parts_->input_readable = false;
+    epoll_event event{};
+    event.events = EPOLLIN;
+    if (epoll_ctl(parts_->input_set, EPOLL_CTL_ADD, input, &event) != 0) {
+        return true;  // EPERM: a file on disk, or /dev/null; EBADF: closed.
+    }
+    uv_poll_start(&parts_->input_poll, UV_READABLE, [](uv_poll_t* handle, int, int) {
+        static_cast<Parts*>(handle->data)->input_readable = true;
+    });
+    parts_->run_until_event();
+    uv_poll_stop(&parts_->input_poll);
+    epoll_ctl(parts_->input_set, EPOLL_CTL_DEL, input, &event);
+    return parts_->input_readable;
 }
 
 std::vector<Death> Supervisor::take_deaths() {

@@ -35,7 +35,8 @@ struct Command {
 /// One thread uses it: the one that must outlive the children, since the kernel ends them with it.
 class Supervisor {
   public:
-    /// From here on SIGINT and SIGTERM to this process are counted instead of ending it.
+    /// From here on SIGINT, SIGTERM and SIGHUP (unless it is ignored, as under nohup) to this
+    /// process are counted instead of ending it; SIGPIPE and SIGXFSZ are ignored for good.
     Supervisor();
     /// Kills what still runs, and waits for it.
     ~Supervisor();
@@ -50,9 +51,14 @@ class Supervisor {
     /// never). Returns at once if one of the first two has happened since the last call.
     void wait(int fd, int timeout_ms);
 
+    /// As wait() without a limit, and until `input` is readable, whose flags are left alone: other
+    /// programs may share it. Returns whether it is; so are files on disk, always, and what is not
+    /// open, since reading it would not block.
+    bool wait_input(int fd, int input);
+
     /// Deaths since the last call, in the order in which they were noticed.
     std::vector<Death> take_deaths();
-    /// SIGINT or SIGTERM, whichever came since the last call; 0 if none.
+    /// SIGINT, SIGTERM or SIGHUP, whichever came last since the last call; 0 if none.
     int take_interrupt();
 
     /// Names of the processes that have not ended.

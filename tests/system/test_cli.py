@@ -6,6 +6,9 @@ usage: test_cli.py BIN_DIR [unittest arguments]
 import json
 import os
 import pathlib
+import pty
+import resource
+import select
 import signal
 import subprocess
 import sys
@@ -123,7 +126,7 @@ class Cli(unittest.TestCase):
         child = subprocess.Popen(
             [BIN / "pxpl5", "run", "-", "--run-folder", self.path("run"), "--topology", topology],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            cwd=self.folder.name)
+            cwd=self.folder.name, env={**os.environ, "XDG_RUNTIME_DIR": self.folder.name})
         child.stdin.write("load phantom:sphere\n")
         child.stdin.flush()
         self.wait_for(child, "distributed in")
@@ -179,6 +182,130 @@ class Cli(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             digests.add(json.dumps(json.loads(done.stdout.splitlines()[-1])["result"]))
         self.assertEqual(len(digests), 1)
+
+    def assert_killed_by_the_host(self, child, nodes, code, text):
+        """The program, whose input stays open, has ended by itself for that reason."""
+        child.wait(timeout=LIMIT_S)
+        error = child.stderr.read()
+        self.assertEqual(child.returncode, code, error)
+        self.assertIn(text, error)
+        self.assertNotIn("still running", error)
+        self.assert_all_ended(child, nodes)
+        self.assertEqual(list(pathlib.Path(self.folder.name).glob("pxpl5-*")), [], "sockets")
+        for stream in (child.stdin, child.stdout, child.stderr):
+            stream.close()
+
+    def test_a_signal_ends_a_host_that_waits_for_a_line(self):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            child, nodes = self.start("one-of-each")
+            child.send_signal(number)
+            self.assert_killed_by_the_host(child, nodes, 128 + number, "interrupted by " +
+                                           signal.Signals(number).name)
+
+    def test_a_node_killed_while_the_host_waits_for_a_line_ends_the_run(self):
+        child, nodes = self.start("one-of-each")
+        os.kill(next(pid for pid in nodes if self.name_of(pid) == "pxpl5-gp"), signal.SIGKILL)
+        self.assert_killed_by_the_host(child, nodes, 128 + 9, "gp-0 was killed by signal 9")
+
+    def name_of(self, pid):
+        return pathlib.Path(f"/proc/{pid}/comm").read_text().strip()
+
+    def at_a_terminal(self, act):
+        """Runs the prompt and act(terminal, pid) when it is there. Returns exit code and screen."""
+        pid, terminal = pty.fork()
+        if pid == 0:
+            os.chdir(self.folder.name)
+            os.execve(BIN / "pxpl5", ["pxpl5", "run", "--topology", "one-of-each"],
+                      {**os.environ, "TERM": "dumb", "XDG_RUNTIME_DIR": self.folder.name})
+        screen = self.read_until(terminal, b"pxpl5> ")
+        act(terminal, pid)
+        screen += self.read_until(terminal, None)
+        os.close(terminal)
+        code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+        self.assertEqual(list(pathlib.Path(self.folder.name).glob("pxpl5-*")), [], "sockets")
+        return code, screen.decode()
+
+    def read_until(self, terminal, text):
+        """What appears up to `text`, or to the end."""
+        screen = b""
+        try:
+            while text is None or text not in screen:
+                self.assertTrue(select.select([terminal], [], [], LIMIT_S)[0], screen)
+                part = os.read(terminal, 4096)
+                if not part:
+                    break
+                screen += part
+        except OSError:
+            pass  # Linux says EIO when the other side is gone.
+        self.assertTrue(text is None or text in screen, screen)
+        return screen
+
+    def test_the_prompt_takes_commands_and_quit(self):
+        code, screen = self.at_a_terminal(
+            lambda terminal, _: os.write(terminal, b"load phantom:sphere\nquit\n"))
+        self.assertEqual(code, 0, screen)
+        self.assertIn("distributed in", screen)
+
+    def test_ctrl_c_at_the_prompt_ends_the_program_as_an_interrupt(self):
+        code, screen = self.at_a_terminal(lambda terminal, _: os.write(terminal, b"\x03"))
+        self.assertEqual(code, 128 + 2, screen)
+        self.assertIn("interrupted by SIGINT", screen)
+        self.assertNotIn("still running", screen)
+
+    def test_a_node_killed_at_the_prompt_ends_the_program(self):
+        def kill(_, pid):
+            os.kill(next(node for node in children_of(pid) if
+                         self.name_of(node) == "pxpl5-renderer"), signal.SIGKILL)
+        code, screen = self.at_a_terminal(kill)
+        self.assertEqual(code, 128 + 9, screen)
+        self.assertIn("renderer-0 was killed by signal 9", screen)
+
+    def test_a_script_may_come_through_a_named_pipe(self):
+        os.mkfifo(self.path("script"))
+        child = subprocess.Popen(
+            [BIN / "pxpl5", "run", self.path("script"), "--topology", "one-of-each"],
+            stdout=subprocess.PIPE, text=True, cwd=self.folder.name)
+        with open(self.path("script"), "w") as script:
+            script.write("load phantom:sphere\nload phantom:")
+            script.flush()
+            self.wait_for(child, "distributed in")
+            script.write("sphere")  # The last line needs no newline.
+        output, _ = child.communicate(timeout=LIMIT_S)
+        self.assertEqual(child.returncode, 0, output)
+        self.assertIn("distributed in", output)
+
+    def test_a_line_without_an_end_is_refused(self):
+        done = subprocess.run([BIN / "pxpl5", "run", "--topology", "one-of-each"],
+                              input="x" * 2000000, capture_output=True, text=True,
+                              timeout=LIMIT_S, cwd=self.folder.name)
+        self.assertEqual(done.returncode, 64, done.stderr[-200:])
+        self.assertIn("a line has more than 1048576 bytes", done.stderr[-200:])
+
+    def test_output_that_cannot_be_written_is_an_error(self):
+        for flags in ([], ["--json"], ["--keep-going"]):
+            with open("/dev/full", "w") as full:
+                done = subprocess.run(
+                    [BIN / "pxpl5", "run", "-c", "load phantom:sphere; stats", "--topology",
+                     "one-of-each", *flags], stdout=full, stderr=subprocess.PIPE, text=True,
+                    timeout=LIMIT_S, cwd=self.folder.name)
+            self.assertEqual(done.returncode, 1, (flags, done))
+            self.assertEqual(done.stderr, "error: standard output cannot be written: "
+                             "No space left on device\n")
+
+    def test_a_picture_beyond_the_file_size_limit_is_an_error_that_leaves_no_file(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20 * 1024, 20 * 1024))
+        pathlib.Path(self.path("pictures")).mkdir()
+        for suffix in ("png", "tif", "exr"):
+            done = subprocess.run(
+                [BIN / "pxpl5", "run", "--topology", "one-of-each", "-c",
+                 "load phantom:pelvis; surface bone; size 1024x1024; "
+                 f"snapshot '{self.path('pictures/p.' + suffix)}'"],
+                capture_output=True, text=True, timeout=LIMIT_S, cwd=self.folder.name,
+                preexec_fn=limit)
+            self.assertEqual(done.returncode, 1, (suffix, done))
+            self.assertIn("p." + suffix + ": cannot be written", done.stderr)
+            self.assertEqual(os.listdir(self.path("pictures")), [])
 
 
 if __name__ == "__main__":
