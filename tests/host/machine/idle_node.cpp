@@ -37,6 +37,11 @@ class IdleNode final : public bus::Node {
             case test::Order::answer:
                 out.send(bus::host_id, bus::pack(schema::VolumeReadyT{}));
                 return;
+            case test::Order::chatter:
+                for (int i = 0; i < test::chatter_messages; ++i) {
+                    out.send(bus::host_id, bus::pack(schema::VolumeReadyT{}));
+                }
+                return;
             case test::Order::fault:
                 throw bus::NodeFault(schema::FaultCode::bad_input, "as ordered");
             case test::Order::exit_70:

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/error.hpp"
+#include "host/machine/launcher.hpp"
 #include "host/machine/machine.hpp"
 #include "ringbus/process.hpp"
 #include "tests/host/machine/idle_node.hpp"
@@ -264,4 +265,37 @@ TEST_CASE("the paper's 54 processes come up, answer and go down") {
     ask_all(machine);
     machine.shutdown();
     check_all_ended(nodes);
+}
+
+TEST_CASE("a node that talks without end while nobody listens ends the machine") {
+    static_assert(chatter_messages > host::max_backlog_messages);
+    Bench bench;
+    Machine machine(bench.topology, bench.options);
+    machine.send(machine.gp_ids()[1], order(Order::chatter));
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    std::string text;
+    try {
+        machine.wait_readable(ends[0]);
+    } catch (const MachineError& error) {
+        CHECK(error.code == 1);
+        text = error.what();
+    }
+    CHECK_MESSAGE(has(text, "came from gp-1 although 16384 messages"), text);
+    close(ends[0]);
+    close(ends[1]);
+}
+
+TEST_CASE("who starts an io process says what its death means") {
+    Bench bench;
+    Machine machine(bench.topology, bench.options);
+    for (const ExitCode code : {ExitCode::failed, ExitCode::bad_data}) {
+        machine.send(machine.start_io(code), order(Order::abort));
+        try {
+            machine.pump([](const bus::Message&) {}, [] { return false; });
+        } catch (const RequestError& error) {
+            CHECK(error.code == code);
+        }
+    }
+    machine.shutdown();
 }

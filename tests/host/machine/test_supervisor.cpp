@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -130,10 +131,10 @@ TEST_CASE("the supervisor takes its processes along") {
     CHECK_FALSE(exists(pid));
 }
 
-TEST_CASE("SIGINT and SIGTERM are counted, not obeyed") {
+TEST_CASE("SIGINT, SIGTERM and SIGHUP are counted, not obeyed") {
     Bench bench;
     CHECK(bench.supervisor.take_interrupt() == 0);
-    for (const int signal : {SIGINT, SIGTERM}) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         ::kill(getpid(), signal);
         bench.supervisor.wait(-1, -1);
         CHECK(bench.supervisor.take_interrupt() == signal);
@@ -151,4 +152,29 @@ TEST_CASE("waiting ends when the descriptor is readable, or in time") {
     bench.supervisor.wait(ends[0], -1);
     close(ends[0]);
     close(ends[1]);
+}
+
+TEST_CASE("a wait for input ends with the input, with its end, and with a death") {
+    Bench bench;
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    bench.shell("gp-0", "exit 1");
+    CHECK_FALSE(bench.supervisor.wait_input(-1, ends[0]));
+    CHECK(bench.supervisor.take_deaths().size() == 1);
+    REQUIRE(write(ends[1], "x", 1) == 1);
+    CHECK(bench.supervisor.wait_input(-1, ends[0]));
+    char byte = 0;
+    REQUIRE(read(ends[0], &byte, 1) == 1);
+    CHECK((fcntl(ends[0], F_GETFL) & O_NONBLOCK) == 0);  // It is shared with others.
+    close(ends[1]);
+    CHECK(bench.supervisor.wait_input(-1, ends[0]));
+    close(ends[0]);
+    CHECK(bench.supervisor.wait_input(-1, ends[0]));  // Closed.
+}
+
+TEST_CASE("files on disk are always readable") {
+    Bench bench;
+    const int file = open("/proc/self/exe", O_RDONLY);
+    CHECK(bench.supervisor.wait_input(-1, file));
+    close(file);
 }
