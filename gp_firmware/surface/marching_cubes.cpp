@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "gp_firmware/surface/border.hpp"
 #include "gp_firmware/surface/classify.hpp"
 #include "gp_firmware/surface/edge_vertex.hpp"
 #include "gp_firmware/surface/measure.hpp"
@@ -321,11 +322,11 @@ void extract_slab(const SliceStore& store, int slab, double isovalue, const Case
         out.vertices.clear();
         out.keys.clear();
         out.indices.clear();
-        return;
+    } else {
+        with_scalar(store.shape().type,
+                    [&]<class T>(T) { SlabWalk<T>(store, slab, isovalue, table, out).run(); });
     }
-    with_scalar(store.shape().type,
-                [&]<class T>(T) { SlabWalk<T>(store, slab, isovalue, table, out).run(); });
-    measure(store.shape().voxel_to_patient, out);
+    measure(store.shape(), inside_of_last_face(store, slab, isovalue), out);
 }
 
 std::size_t size_bytes(const SlabMesh& mesh) {

@@ -1,15 +1,18 @@
 // Area and enclosed volume of a slab's triangles, in the patient.
 #pragma once
 
-#include <glm/mat4x4.hpp>
-
 #include "gp_firmware/surface/mesh.hpp"
+#include "gp_firmware/volume/slice.hpp"
 
 namespace pxpl5::gp {
 
 /// Sets mesh.counts.area_mm2 and .volume_mm3, summed in the order of the triangles.
-/// The volume is the slab's part of the sum over cones from the patient's origin: only the total
-/// of a closed surface is its enclosed volume.
-void measure(const glm::dmat4& voxel_to_patient, SlabMesh& mesh);
+///
+/// The volume is that of the inside between the two slices, closed by the volume's own faces where
+/// the surface leaves it: by Gauss's theorem the flux of (x, 0, 0) through the triangles, and
+/// through the one face of the volume where that flux is not zero.
+///
+/// inside_of_last_face   As of border.hpp.
+void measure(const VolumeShape& shape, double inside_of_last_face, SlabMesh& mesh);
 
 }  // namespace pxpl5::gp

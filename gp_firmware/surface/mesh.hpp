@@ -25,7 +25,7 @@ struct SlabCounts {
     std::uint32_t cells_ambiguous = 0;
     std::uint32_t rows_skipped = 0;
     double area_mm2 = 0;
-    double volume_mm3 = 0;
+    double volume_mm3 = 0;  ///< Of the inside, closed by the volume's faces where it leaves it.
 };
 
 /// Slab `slab` is the layer of cells between slices slab and slab + 1.

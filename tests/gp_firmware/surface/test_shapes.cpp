@@ -125,6 +125,48 @@ TEST_SUITE("gp/shapes") {
               doctest::Approx(2 * pi * pi * ring_mm * tube_mm * tube_mm).epsilon(0.01));
     }
 
+    TEST_CASE("a ball cut by the volume's faces has the volume of what lies within") {
+        // Centred on a face, an edge or a corner of the volume: a half, a quarter, an eighth.
+        const Size size{30, 26, 22};
+        const glm::dvec3 last(size.nx - 1, size.ny - 1, size.nz - 1);
+        const double radius = 9, whole = 4 * pi / 3 * radius * radius * radius;
+        for (const glm::dvec3 place_of_centre : {glm::dvec3(0, 0.5, 0.5),
+                                                 {1, 0.5, 0.5},
+                                                 {0.5, 0, 0.5},
+                                                 {0.5, 1, 0.5},
+                                                 {0.5, 0.5, 0},
+                                                 {0.5, 0.5, 1},
+                                                 {1, 1, 0.5},
+                                                 {0, 1, 0.5},
+                                                 {1, 1, 1},
+                                                 {0, 0, 0},
+                                                 {1, 0, 1}}) {
+            double part = 1;
+            for (int axis = 0; axis < 3; ++axis) part *= place_of_centre[axis] == 0.5 ? 1 : 0.5;
+            for (const glm::dmat3& steps : {glm::dmat3(1.0), mirrored()}) {
+                const glm::dvec3 centre = place_of_centre * last;
+                const auto volume = make_volume(size, Scalar::float32, [&](int x, int y, int z) {
+                    return 100 - glm::distance(glm::dvec3(x, y, z), centre);
+                });
+                Volume placed = volume;
+                placed.shape.voxel_to_patient = glm::dmat4(steps);
+                double enclosed = 0;
+                for (const SlabMesh& mesh : extract_all(placed, 100 - radius))
+                    enclosed += mesh.counts.volume_mm3;
+                INFO(place_of_centre.x, " ", place_of_centre.y, " ", place_of_centre.z);
+                CHECK(enclosed == doctest::Approx(part * whole * std::abs(glm::determinant(steps)))
+                                      .epsilon(0.02));
+            }
+        }
+    }
+
+    TEST_CASE("where everything is inside, the volume is the box") {
+        const auto volume = make_volume({5, 4, 3}, Scalar::int16, [](int, int, int) { return 9; });
+        double enclosed = 0;
+        for (const SlabMesh& mesh : extract_all(volume, 1)) enclosed += mesh.counts.volume_mm3;
+        CHECK(enclosed == doctest::Approx(4 * 3 * 2));
+    }
+
     TEST_CASE("two spheres are two components") {
         const Size size{48, 24, 24};
         const auto volume = place(size, grid(size, glm::dmat3(1.0), {0, 0, 0}), [](glm::dvec3 p) {
