@@ -3,9 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <functional>
-#include <iostream>
 #include <map>
 
 #include "host/error.hpp"
@@ -34,12 +32,12 @@ struct MachineFlags {
             ->capture_default_str();
     }
     /// Launches the machine, hands it a session, and takes it down again.
-    int with_session(const std::function<int(Session&)>& use) const {
+    int with_session(const std::function<int(Session&, MachinePort&)>& use) const {
         MachineOptions options;
         options.run_base = run_folder;
         Machine machine(load_topology(topology, overrides), options);
         Session session(machine);
-        const int code = use(session);
+        const int code = use(session, machine);
         machine.shutdown();
         return code;
     }
@@ -107,7 +105,7 @@ int run(const Flags& flags) {
                    resolved_json(load_topology(flags.machine.topology, flags.machine.overrides)));
         return 0;
     }
-    return flags.machine.with_session([&](Session& session) {
+    return flags.machine.with_session([&](Session& session, MachinePort& machine) {
         ScriptOptions options{.json = flags.json, .keep_going = flags.keep_going};
         if (!flags.commands.empty()) {
             std::string text;
@@ -117,21 +115,17 @@ int run(const Flags& flags) {
             return run_script(session, lines_of_text(text), options);
         }
         if (!flags.script.empty() && flags.script != "-") {
-            std::ifstream file(flags.script);
-            if (!file) {
-                throw RequestError(ExitCode::usage, flags.script + ": cannot be opened");
-            }
             options.echo = true;
-            return run_script(session, lines_of(file), options);
+            return run_script(session, lines_of_file(flags.script, machine), options);
         }
         if (isatty(STDIN_FILENO) != 0) {
             options.keep_going = true;
             fmt::print("pxpl5 {}: {} GPs, {} Renderers; 'help' lists the commands\n", version,
                        session.gp_count(), session.renderer_count());
-            run_script(session, lines_of_prompt(), options);
+            run_script(session, lines_of_prompt(&machine), options);
             return 0;
         }
-        return run_script(session, lines_of(std::cin), options);
+        return run_script(session, lines_of(STDIN_FILENO, machine), options);
     });
 }
 
@@ -140,7 +134,7 @@ int render(const Flags& flags) {
         throw RequestError(ExitCode::usage, "render needs --iso V or --surface name=V");
     }
     const std::vector<Arguments> commands = render_commands(flags);
-    return flags.machine.with_session([&](Session& session) {
+    return flags.machine.with_session([&](Session& session, MachinePort&) {
         return run_script(session, lines_of_commands(commands), {.json = flags.json});
     });
 }
@@ -148,7 +142,7 @@ int render(const Flags& flags) {
 /// Reading needs no more machine than the smallest.
 int info(Flags flags) {
     flags.machine.topology = "one-of-each";
-    return flags.machine.with_session([&](Session& session) {
+    return flags.machine.with_session([&](Session& session, MachinePort&) {
         return run_script(session, lines_of_commands({command("info", {flags.volume})}),
                           {.json = flags.json});
     });
@@ -158,7 +152,7 @@ int report(const Flags& flags) {
     if (!flags.paper) {
         throw RequestError(ExitCode::usage, "report needs --paper: there is no other report");
     }
-    return flags.machine.with_session([&](Session& session) {
+    return flags.machine.with_session([&](Session& session, MachinePort&) {
         report_paper(session, flags.pictures);
         return 0;
     });

@@ -192,13 +192,6 @@ void print(const std::string& text) {
 
 }  // namespace
 
-LineSource lines_of(std::istream& stream) {
-    return [&stream]() -> std::optional<std::string> {
-        std::string line;
-        return std::getline(stream, line) ? std::optional(line) : std::nullopt;
-    };
-}
-
 LineSource lines_of(int fd, MachinePort& machine) {
     return [reader = LineReader(fd, "standard input", machine)]() mutable { return reader.next(); };
 }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <istream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,8 +31,6 @@ inline constexpr std::size_t max_line_bytes = std::size_t{1} << 20;
 LineSource lines_of(int fd, MachinePort& machine);
 /// Lines of a file or named pipe. Throws RequestError (usage) if it cannot be opened.
 LineSource lines_of_file(const std::string& path, MachinePort& machine);
-/// As the others, but a wait for `stream` cannot be cut short.
-LineSource lines_of(std::istream& stream);
 /// Lines of `text`, which are separated by ';' or newlines outside quotes.
 LineSource lines_of_text(const std::string& text);
 /// Asks at the terminal, with history and editing. While nothing is typed, `machine` is looked

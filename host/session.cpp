@@ -228,11 +228,10 @@ const SurfaceReport& Session::report_of(const std::string& name) const {
     return found->second;
 }
 
-std::uint32_t Session::submit_frame() {
-    const std::uint32_t frame = next_frame_++;
-    pending_.push_back({frame, now_ns()});
-    machine_.send(machine_.gp_ids().front(), frame_request(scene, volume(), frame, region_costs_));
-    return frame;
+void Session::submit_frame() {
+    const bus::Payload request = frame_request(scene, volume(), next_frame_, region_costs_);
+    pending_.push_back({next_frame_++, now_ns()});
+    machine_.send(machine_.gp_ids().front(), request);
 }
 
 void Session::on_frame_done(const schema::FrameDone& done) {

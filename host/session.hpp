@@ -28,7 +28,7 @@ struct SurfaceReport {
     std::int64_t triangles = 0, vertices = 0;
     std::int64_t cells_active = 0, cells_ambiguous = 0, rows_skipped = 0;
     double area_mm2 = 0;
-    double volume_mm3 = 0;          ///< Meaningful where the surface is closed.
+    double volume_mm3 = 0;          ///< Of the inside, closed by the volume's faces.
     double elapsed_ms = 0;          ///< Command to the last GP's acknowledgement.
     std::int64_t memory_bytes = 0;  ///< In use over all GPs afterwards.
 };
@@ -113,10 +113,11 @@ class Session {
     void begin_request() { answered_.clear(); }
     void give_up_frames();
     Surface& find_surface(const std::string& name);
-    std::uint32_t submit_frame();
+    void submit_frame();
     Picture take_frame();  ///< The oldest frame under way.
     /// Starts the io process, sends `request` to it and waits until `done`, then lets it go.
-    void with_io(const std::string& what, bus::Payload request, const std::function<bool()>& done);
+    void with_io(const std::string& what, ExitCode on_death, bus::Payload request,
+                 const std::function<bool()>& done);
 
     MachinePort& machine_;
     std::optional<Volume> volume_;

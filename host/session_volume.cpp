@@ -12,13 +12,13 @@ namespace pxpl5::host {
 
 namespace schema = bus::schema;
 
-void Session::with_io(const std::string& what, bus::Payload request,
+void Session::with_io(const std::string& what, ExitCode on_death, bus::Payload request,
                       const std::function<bool()>& done) {
     struct Release {
         MachinePort& machine;
         ~Release() { machine.release_io(); }
     };
-    const bus::NodeId io = machine_.start_io();
+    const bus::NodeId io = machine_.start_io(on_death);
     const Release release{machine_};
     io_done_ = false;
     received_.reset();
@@ -37,7 +37,8 @@ Volume Session::read(const std::string& source) {
     }
     schema::ImportVolumeT request;
     request.path = source;
-    with_io(source, bus::pack(request), [this] { return received_.has_value(); });
+    with_io(source, ExitCode::bad_data, bus::pack(request),
+            [this] { return received_.has_value(); });
     return std::move(*received_);
 }
 
@@ -83,7 +84,7 @@ void Session::export_picture(const Picture& picture, const std::string& path,
         reinterpret_cast<const std::uint8_t*>(picture.rgba.data()), picture.rgba.size() * 4);
     const auto path_text = builder.CreateString(path);
     const auto description_text = builder.CreateString(description);
-    with_io(path,
+    with_io(path, ExitCode::failed,
             bus::finish(builder,
                         schema::CreateExportPicture(
                             builder, path_text, static_cast<std::uint32_t>(picture.width),

@@ -78,7 +78,8 @@ void write_file(const fs::path& path, const Picture& picture) {
     const bool written = output->open(path.string(), spec) &&
                          output->write_image(OIIO::TypeDesc::UINT8, picture.rgba.data(), 4,
                                              OIIO::AutoStride, OIIO::AutoStride);
-    if (!written || !output->close()) {
+    // A PNG that the disk has no room for is told of by has_error() alone.
+    if (!written || output->has_error() || !output->close() || output->has_error()) {
         throw PictureError(fmt::format("{}: {}", path.string(), output->geterror()));
     }
 }
