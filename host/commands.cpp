@@ -95,8 +95,8 @@ Reply run_command(Session& session, const Arguments& arguments) {
     const Command& command = find_command(arguments.name);
     if (arguments.words.size() < command.min_words || arguments.words.size() > command.max_words) {
         throw RequestError(ExitCode::usage,
-                           fmt::format("{} takes {}{} words, {} given; usage: {} {}", command.name,
-                                       command.min_words,
+                           fmt::format("{} takes {}{} word(s), {} given; usage: {} {}",
+                                       command.name, command.min_words,
                                        command.max_words == command.min_words
                                            ? std::string()
                                            : fmt::format(" to {}", command.max_words),

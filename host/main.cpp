@@ -9,6 +9,7 @@
 #include "host/error.hpp"
 #include "host/machine/machine.hpp"
 #include "host/paper_report.hpp"
+#include "host/phantom/phantom.hpp"
 #include "host/script.hpp"
 #include "host/version.hpp"
 
@@ -92,6 +93,10 @@ std::vector<Arguments> render_commands(const Flags& flags) {
         commands.push_back(
             command("surface", {"surface"}, {{"iso", fmt::format("{}", *flags.isovalue)}}));
     }
+    const std::vector<PhantomSurface> suggested = suggested_surfaces(flags.volume);
+    if (!flags.isovalue && flags.surfaces.empty() && !suggested.empty()) {
+        commands.push_back(command("surface", {suggested.front().name}));
+    }
     for (const std::string& surface : flags.surfaces) {
         commands.push_back(surface_command(surface));
     }
@@ -130,8 +135,11 @@ int run(const Flags& flags) {
 }
 
 int render(const Flags& flags) {
-    if (!flags.isovalue && flags.surfaces.empty()) {
-        throw RequestError(ExitCode::usage, "render needs --iso V or --surface name=V");
+    if (!flags.isovalue && flags.surfaces.empty() && !is_phantom(flags.volume)) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("render needs --iso V or --surface name=V; 'pxpl5 info {}' "
+                                       "tells which values the volume has",
+                                       flags.volume));
     }
     const std::vector<Arguments> commands = render_commands(flags);
     return flags.machine.with_session([&](Session& session, MachinePort&) {
@@ -214,6 +222,10 @@ int main(int argc, char** argv) {
     CLI::App app("pxpl5: surfaces of medical volumes, drawn by a working Pixel-Planes 5");
     Flags flags;
     declare(app, flags);
+    if (argc < 2 || std::string_view(argv[1]) == "help") {
+        fmt::print("{}", app.help());
+        return 0;
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

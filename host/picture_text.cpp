@@ -2,8 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <span>
 
@@ -19,6 +21,49 @@ constexpr std::array<std::string_view, 4> scalar_names = {"uint8", "int16", "uin
 
 glm::dvec3 axis_mm(const Volume& volume, int axis) {
     return glm::dvec3(volume.voxel_to_patient[axis]);
+}
+
+constexpr std::array<int, 5> quantile_percent = {5, 25, 50, 75, 95};
+constexpr std::size_t max_sampled = 200'000;
+
+template <typename T>
+std::vector<double> quantiles_of(std::span<const std::byte> bytes) {
+    const std::size_t count = bytes.size() / sizeof(T);
+    const std::size_t step = count / max_sampled + 1;
+    std::vector<T> sample;
+    for (std::size_t i = 0; i < count; i += step) {
+        T value;
+        std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
+        if (value == value) {  // Not a number has no place in an order.
+            sample.push_back(value);
+        }
+    }
+    std::sort(sample.begin(), sample.end());
+    std::vector<double> values;
+    for (const int percent : quantile_percent) {
+        if (!sample.empty()) {
+            const std::size_t last = sample.size() - 1;
+            values.push_back(
+                static_cast<double>(sample[last * static_cast<std::size_t>(percent) / 100]));
+        }
+    }
+    return values;
+}
+
+/// Values that so many percent of the voxels do not exceed, from every n-th voxel: where isovalues
+/// are worth trying.
+std::vector<double> quantiles(const Volume& volume) {
+    switch (volume.type) {
+        case Scalar::uint8:
+            return quantiles_of<std::uint8_t>(volume.values);
+        case Scalar::int16:
+            return quantiles_of<std::int16_t>(volume.values);
+        case Scalar::uint16:
+            return quantiles_of<std::uint16_t>(volume.values);
+        case Scalar::float32:
+            return quantiles_of<float>(volume.values);
+    }
+    return {};
 }
 
 }  // namespace
@@ -72,6 +117,12 @@ Reply describe_volume(const Volume& volume) {
         volume.name, volume.nx, volume.ny, volume.nz, type, spacing.x, spacing.y, spacing.z,
         extent.x, extent.y, extent.z, volume.minimum, volume.maximum, letters, origin.x, origin.y,
         origin.z);
+    const std::vector<double> shares = quantiles(volume);
+    reply.text += "\nof the voxels";
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+        reply.text += fmt::format("{} {} % are up to {:.6g}", i == 0 ? "" : ",",
+                                  quantile_percent[i], shares[i]);
+    }
     std::vector<Fields> notes;
     for (const std::string& note : volume.notes) {
         reply.text += "\nnote: " + note;
@@ -92,6 +143,7 @@ Reply describe_volume(const Volume& volume) {
         {"orientation", letters},
         {"minimum", volume.minimum},
         {"maximum", volume.maximum},
+        {"quantiles", shares},
         {"notes", notes},
         {"surfaces", surfaces}};
     return reply;

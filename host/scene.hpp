@@ -43,7 +43,8 @@ struct Material {
 
 struct Scene {
     Camera camera;
-    std::vector<Light> lights = {{-28, 32, 0.82}};
+    /// From above left, and a weaker one from the right, so that no side is without shape.
+    std::vector<Light> lights = {{-28, 32, 0.72}, {55, -8, 0.26}};
     Material material;
     Colour background{18, 22, 30};
     Size size{512, 512};

@@ -54,6 +54,15 @@ TEST_CASE("an orbit that is broken off leaves no frame and no turned camera behi
     CHECK(session.draw().rgba.size() == 64 * 64);
 }
 
+TEST_CASE("a frame asked for too early does not stand in the way of later ones") {
+    test::SimulatedMachine machine(machine_of(1, 1));
+    Session session(machine);
+    CHECK(error_of([&] { session.draw(); }).find("no volume is loaded") == 0);
+    CHECK(error_of([&] { session.orbit(3, [](int, const Picture&) {}); }).find("no volume") == 0);
+    session.load("phantom:sphere");
+    CHECK(session.draw().rgba.size() == 512 * 512);
+}
+
 TEST_CASE("when all GPs refuse a volume, the next volume is not blamed for it") {
     test::SimulatedMachine machine(machine_of(4, 1, 1));
     Session session(machine);
