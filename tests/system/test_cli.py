@@ -88,7 +88,7 @@ class Cli(unittest.TestCase):
                                 (["run", "-c", "load phantom:pelvix"], "phantom:pelvis"),
                                 (["run", "-c", "surface a iso=1"], "no volume is loaded"),
                                 (["run", "-c", "size 0x5"], "0 is outside 1"),
-                                (["render", "phantom:sphere", "-o", "x.png"], "--iso"),
+                                (["render", "scan.nrrd", "-o", "x.png"], "--iso"),
                                 (["run", "--set", "gp.count=65"], "65"),
                                 (["run", "--set", "gp.cout=2"], "count")):
             done = self.pxpl5(*arguments)

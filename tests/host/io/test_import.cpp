@@ -51,7 +51,7 @@ void check_kept(const std::string& meta_type, Scalar type) {
         CAPTURE(meta_type);
         CAPTURE(big_endian);
         const std::string order = std::string("BinaryDataByteOrderMSB = ") +
-                                  (big_endian ? "True\n" : "False\n") + "ElementSpacing = 1 1 1\n";
+                                  (big_endian ? "True\n" : "False\n") + "ElementSpacing = 1 1 1\nAnatomicalOrientation = RAI\n";
         const Volume volume = import_volume(
             folder.write("kept.mha", meta_image(meta_type, order, bytes_of(values, big_endian))));
         CHECK(volume.type == type);
@@ -161,7 +161,8 @@ TEST_SUITE("host/io/import") {
         CHECK(volume.ny == 3);
         CHECK(volume.nz == 2);
         CHECK(volume.name == "place");
-        CHECK(volume.notes.empty());
+        CHECK(volume.notes.size() == 1);
+        CHECK(notes_say(volume, "no AnatomicalOrientation"));
     }
 
     TEST_CASE("an oblique RAS NRRD is turned to LPS, in ascii too") {
