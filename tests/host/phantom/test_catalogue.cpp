@@ -1,12 +1,11 @@
 #include <doctest/doctest.h>
 
-#include <cstdlib>
-#include <fstream>
 #include <iomanip>
 #include <set>
 #include <sstream>
 
 #include "host/digest.hpp"
+#include "tests/golden.hpp"
 #include "tests/host/phantom/phantom_probe.hpp"
 
 using namespace pxpl5;
@@ -97,15 +96,6 @@ TEST_SUITE("host/phantom/catalogue") {
             got << info.name << ' ' << std::hex << std::setw(16) << std::setfill('0')
                 << digest.value() << '\n';
         }
-        const std::string path = std::string(PXPL5_GOLDEN_DIR) + "/phantom.txt";
-        if (std::getenv("PXPL5_UPDATE_GOLDEN") != nullptr) {
-            std::ofstream(path) << got.str();
-            return;
-        }
-        std::ostringstream want;
-        want << std::ifstream(path).rdbuf();
-        CHECK_MESSAGE(got.str() == want.str(), path,
-                      " differs; if the shapes changed on purpose, rewrite it with: "
-                      "PXPL5_UPDATE_GOLDEN=1 ctest -R host_phantom");
+        check_golden("phantom.txt", got.str(), "ctest --preset release -R host_phantom");
     }
 }
