@@ -11,7 +11,7 @@ HERE = ("tests", "tidy")
 ANYWHERE = {
     r"\b(TODO|FIXME|XXX)\b": "unfinished work belongs in an issue",
     r"(?i)\b(stub(s|bed)?|placeholders?)\b": "nothing stands in for something else",
-    r"(?<![\w.])/work/": "a path of one machine",
+    r"(?<![\w.])/w[o]rk/": "a path of one machine",
 }
 IN_CODE = {
     r"\b(sleep_for|sleep_until|usleep|nanosleep)\b|(?<![\w.])sleep\s*\(": "wait for an event",

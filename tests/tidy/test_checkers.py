@@ -132,7 +132,7 @@ class Planted(unittest.TestCase):
                 ("isa/a.py", "time.sleep(3)\n", "wait for an event"),
                 ("isa/a.cpp", "x = hn::MulAdd(a, b, c);\n", "fuses"),
                 ("isa/CMakeLists.txt", "add_compile_options(-march=native)\n", "between machines"),
-                ("README.md", "see /work/x\n", "one machine")):
+                ("README.md", "see /" + "work/x\n", "one machine")):
             self.finds(check_words, name, text, words)
 
     def test_links(self):
