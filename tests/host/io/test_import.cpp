@@ -51,7 +51,8 @@ void check_kept(const std::string& meta_type, Scalar type) {
         CAPTURE(meta_type);
         CAPTURE(big_endian);
         const std::string order = std::string("BinaryDataByteOrderMSB = ") +
-                                  (big_endian ? "True\n" : "False\n") + "ElementSpacing = 1 1 1\nAnatomicalOrientation = RAI\n";
+                                  (big_endian ? "True\n" : "False\n") +
+                                  "ElementSpacing = 1 1 1\nAnatomicalOrientation = RAI\n";
         const Volume volume = import_volume(
             folder.write("kept.mha", meta_image(meta_type, order, bytes_of(values, big_endian))));
         CHECK(volume.type == type);
