@@ -186,7 +186,7 @@ ZmqLink::ZmqLink(NodeId id, const std::string& bind) : parts_(std::make_unique<P
     check_address(bind);
     prepare(parts_->inbound);
     try {
-        parts_->inbound.bind(bind);
+        uninterrupted([&] { parts_->inbound.bind(bind); });
     } catch (const zmq::error_t& error) {
         throw std::runtime_error(fmt::format("cannot listen at {}: {}", bind, error.what()));
     }
@@ -211,7 +211,7 @@ void ZmqLink::add_peer(NodeId id, const std::string& endpoint) {
     Peer peer;
     peer.socket = zmq::socket_t(parts_->context, zmq::socket_type::push);
     prepare(peer.socket);
-    peer.socket.connect(endpoint);
+    uninterrupted([&] { peer.socket.connect(endpoint); });
     parts_->peers.insert_or_assign(id, std::move(peer));
 }
 

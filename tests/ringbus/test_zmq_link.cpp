@@ -262,6 +262,7 @@ TEST_SUITE("ringbus/zmq_link") {
         struct sigaction before {};
         sigaction(SIGUSR1, &action, &before);
         const pthread_t self = pthread_self();
+        Pair pair = ipc_pair();
         std::atomic<bool> over{false};
         std::thread disturber([&] {
             while (!over) {
@@ -272,7 +273,6 @@ TEST_SUITE("ringbus/zmq_link") {
                 }
             }
         });
-        Pair pair = ipc_pair();
         std::uint32_t good = 0, sent = 0;
         while (sent < 2000 || signals < 200) {
             pair.a.send(2, slices(100, sent % 4096));
