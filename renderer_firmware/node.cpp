@@ -6,7 +6,6 @@
 #include <cassert>
 #include <utility>
 
-#include "renderer_firmware/igc/region_program.hpp"
 #include "ringbus/ranges.hpp"
 
 namespace pxpl5::renderer {
@@ -20,62 +19,25 @@ using schema::FaultCode;
 /// Two frames are in flight on the machine; as many again may have lost a message.
 constexpr std::size_t max_waiting_frames = 4;
 
-/// No GP has this index.
-constexpr std::uint32_t no_gp = 0xFFFF'FFFF;
-
 /// Faults of one frame that are told; a flood of them would say no more.
 constexpr std::size_t max_faults = 16;
 
-std::string place(std::uint32_t gp, std::uint32_t region, std::uint32_t surface,
-                  std::uint32_t slab) {
-    return fmt::format("GP {}, region {}, surface {}, slab {}", gp, region, surface, slab);
-}
-
 [[noreturn]] void refuse(FaultCode code, const std::string& reason) {
     throw NodeFault(code, reason);
-}
-
-Shading shading_of(const schema::DrawFrame& draw) {
-    Shading shading;
-    for (const schema::Light* light : *draw.lights()) {
-        const schema::Vec3& d = light->direction();
-        shading.lights.push_back({{d.x(), d.y(), d.z()}, light->intensity()});
-    }
-    for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
-        const schema::Rgb& c = surface->colour();
-        shading.surfaces.push_back({c.r(), c.g(), c.b()});
-    }
-    shading.ambient = draw.ambient();
-    shading.specular = draw.specular();
-    shading.specular_power = draw.specular_power();
-    if (const schema::Rgb* c = draw.background()) {
-        shading.background = {c->r(), c->g(), c->b()};
-    }
-    return shading;
 }
 
 }  // namespace
 
 /// A frame of which everything is here.
 struct RendererNode::Drawing {
-    struct Region {
-        std::uint32_t number;
-        std::vector<Segment> segments;
-    };
-
-    Inputs inputs;  ///< Keeps the messages that segments point into.
-    std::uint32_t frame = 0;
-    RegionPrograms programs;
-    std::vector<Region> regions;  ///< This Renderer's own, ascending.
+    FrameMessages inputs;  ///< Keeps the messages that the plan points into.
+    FramePlan plan;
     std::size_t next_region = 0;
     std::vector<schema::RegionTile> tiles;  ///< Of the regions drawn so far.
     std::vector<schema::FaultT> faults;     ///< Not yet told.
     std::size_t fault_count = 0;
 
     void note(FaultCode code, std::uint32_t gp, const std::string& reason);
-    void take_assignment(std::uint32_t renderer);
-    void take_programs();
-    void take_region(std::uint32_t gp, const schema::RegionProgram& program);
 };
 
 /// Notes a fault for the host: something in what `gp` has sent.
@@ -89,53 +51,9 @@ void RendererNode::Drawing::note(FaultCode code, std::uint32_t gp, const std::st
         fault.source = from->second.source();
         fault.sequence = from->second.header().sequence();
     }
-    fault.reason = fmt::format("frame {}, {}{}", frame, reason,
+    fault.reason = fmt::format("frame {}, {}{}", plan.frame, reason,
                                fault_count == max_faults ? "; further faults are not told" : "");
     faults.push_back(std::move(fault));
-}
-
-/// Notes which regions are this Renderer's.
-void RendererNode::Drawing::take_assignment(std::uint32_t renderer) {
-    const auto& assignment = *inputs.begin->as<schema::BeginFrame>()->assignment();
-    for (std::uint32_t r = 0; r < assignment.size(); ++r) {
-        if (assignment[r] == renderer) {
-            regions.push_back({r, {}});
-        }
-    }
-}
-
-/// Sorts every GP's segments to their regions.
-void RendererNode::Drawing::take_programs() {
-    for (const auto& [gp, message] : inputs.programs) {
-        for (const auto* program : *message.as<schema::RegionPrograms>()->regions()) {
-            take_region(gp, *program);
-        }
-    }
-}
-
-void RendererNode::Drawing::take_region(std::uint32_t gp, const schema::RegionProgram& program) {
-    const auto region = std::find_if(regions.begin(), regions.end(),
-                                     [&](const Region& r) { return r.number == program.region(); });
-    if (region == regions.end()) {
-        note(FaultCode::bad_message, gp,
-             fmt::format("GP {}: region {} is not this Renderer's", gp, program.region()));
-        return;
-    }
-    const Words words(program.words()->data(), program.words()->size());
-    const std::uint32_t surfaces =
-        inputs.begin->as<schema::BeginFrame>()->draw()->surfaces()->size();
-    for (const schema::Segment* s : *program.segments()) {
-        // Message has checked that segments end within the words.
-        assert(std::size_t{s->first_word()} + s->word_count() <= words.size());
-        if (s->surface() >= surfaces) {
-            note(FaultCode::bad_message, gp,
-                 fmt::format("{}: the frame has {} surfaces",
-                             place(gp, region->number, s->surface(), s->slab()), surfaces));
-        } else {
-            region->segments.push_back(
-                {s->surface(), s->slab(), gp, words.subspan(s->first_word(), s->word_count())});
-        }
-    }
 }
 
 RendererNode::RendererNode() {
@@ -183,7 +101,7 @@ void RendererNode::on_topology(const bus::Message& message) {
 }
 
 /// The inputs of `frame`, opened if need be. Throws NodeFault if the frame is over.
-RendererNode::Inputs& RendererNode::inputs_of(std::uint32_t frame) {
+FrameMessages& RendererNode::inputs_of(std::uint32_t frame) {
     if (newest_drawn_ && frame <= *newest_drawn_) {
         refuse(FaultCode::bad_message,
                fmt::format("frame {}: it is over, frame {} was drawn", frame, *newest_drawn_));
@@ -206,7 +124,7 @@ void RendererNode::on_begin(const bus::Message& message) {
                fmt::format("frame {}: the assignment is for {} regions, the frame has {}",
                            draw.frame(), begin.assignment()->size(), regions));
     }
-    Inputs& inputs = inputs_of(draw.frame());
+    FrameMessages& inputs = inputs_of(draw.frame());
     if (inputs.begin) {
         refuse(FaultCode::bad_message, fmt::format("frame {} begins twice", draw.frame()));
     }
@@ -234,11 +152,11 @@ bool RendererNode::work(bus::Outbox& out) {
     if (!drawing_) {
         return false;
     }
-    if (drawing_->next_region < drawing_->regions.size()) {
+    if (drawing_->next_region < drawing_->plan.regions.size()) {
         draw_next_region();
     }
     tell_faults(out);
-    if (drawing_->next_region == drawing_->regions.size()) {
+    if (drawing_->next_region == drawing_->plan.regions.size()) {
         send_pixels(out);
     }
     return true;
@@ -253,7 +171,7 @@ void RendererNode::start_next() {
         return;
     }
     auto drawing = std::make_unique<Drawing>();
-    drawing->frame = complete->first;
+    drawing->plan.frame = complete->first;
     drawing->inputs = std::move(complete->second);
     newest_drawn_ = complete->first;
     // Senders keep their order, so what an older frame still lacks is lost for good.
@@ -265,17 +183,18 @@ void RendererNode::start_next() {
                                   old->second.programs.size(), gp_ids_.size()));
     }
     waiting_.erase(waiting_.begin(), std::next(complete));
-    drawing->take_assignment(index_);
-    drawing->take_programs();
-    drawing->programs =
-        region_programs(shading_of(*drawing->inputs.begin->as<schema::BeginFrame>()->draw()));
+    drawing->plan = plan_frame(drawing->inputs, index_);
+    for (const FrameFault& fault : drawing->plan.faults) {
+        drawing->note(fault.code, fault.gp, fault.reason);
+    }
     pixels_.clear();
     drawing_ = std::move(drawing);
 }
 
 void RendererNode::draw_next_region() {
-    Drawing::Region& region = drawing_->regions[drawing_->next_region++];
-    const RegionFrame frame{drawing_->programs.prologue, drawing_->programs.end_of_region};
+    FramePlan::Region& region = drawing_->plan.regions[drawing_->next_region++];
+    const RegionPrograms& own = drawing_->plan.programs;
+    const RegionFrame frame{own.prologue, own.end_of_region};
     executor_.reset();
     const RegionResult result = draw_region(executor_, frame, std::move(region.segments));
     drawing_->tiles.emplace_back(static_cast<std::uint16_t>(region.number), result.counts.cycles,
@@ -283,7 +202,7 @@ void RendererNode::draw_next_region() {
     for (const SegmentFault& fault : result.faults) {
         drawing_->note(
             FaultCode::bad_instruction, fault.gp,
-            fmt::format("{}: {}", place(fault.gp, region.number, fault.surface, fault.slab),
+            fmt::format("{}: {}", place_of(fault.gp, region.number, fault.surface, fault.slab),
                         fault.reason));
     }
 }
@@ -301,7 +220,7 @@ void RendererNode::send_pixels(bus::Outbox& out) {
     const auto tiles = builder.CreateVectorOfStructs(drawing_->tiles);
     const auto pixels = builder.CreateVector(pixels_);
     out.send(frame_buffer_,
-             bus::finish(builder, schema::CreateRegionPixels(builder, drawing_->frame,
+             bus::finish(builder, schema::CreateRegionPixels(builder, drawing_->plan.frame,
                                                              static_cast<std::uint16_t>(index_),
                                                              tiles, pixels)));
     drawing_.reset();

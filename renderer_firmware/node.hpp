@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "renderer_firmware/fast/fast.hpp"
-#include "renderer_firmware/igc/region.hpp"
+#include "renderer_firmware/node_frame.hpp"
 #include "ringbus/node.hpp"
 
 namespace pxpl5::renderer {
@@ -30,27 +30,22 @@ class RendererNode final : public bus::Node {
     bool work(bus::Outbox& out) override;
 
   private:
-    /// What has come for a frame that is not yet drawn.
-    struct Inputs {
-        std::optional<bus::Message> begin;
-        std::map<std::uint32_t, bus::Message> programs;  ///< By GP.
-    };
     struct Drawing;
 
     void on_topology(const bus::Message& message);
     void on_begin(const bus::Message& message);
     void on_programs(const bus::Message& message);
-    Inputs& inputs_of(std::uint32_t frame);
+    FrameMessages& inputs_of(std::uint32_t frame);
     void start_next();
     void draw_next_region();
     void send_pixels(bus::Outbox& out);
     void tell_faults(bus::Outbox& out);
 
     bus::NodeId self_ = 0, frame_buffer_ = 0;
-    std::uint32_t index_ = 0;                      ///< Of this Renderer.
-    std::map<std::uint32_t, bus::NodeId> gp_ids_;  ///< By index.
-    std::map<std::uint32_t, Inputs> waiting_;      ///< By frame.
-    std::optional<std::uint32_t> newest_drawn_;    ///< Frames up to it are over.
+    std::uint32_t index_ = 0;                         ///< Of this Renderer.
+    std::map<std::uint32_t, bus::NodeId> gp_ids_;     ///< By index.
+    std::map<std::uint32_t, FrameMessages> waiting_;  ///< By frame, those not yet drawn.
+    std::optional<std::uint32_t> newest_drawn_;       ///< Frames up to it are over.
     fast::Fast executor_;
     std::unique_ptr<Drawing> drawing_;   ///< The frame being drawn.
     std::vector<std::uint32_t> pixels_;  ///< Its finished regions, 128 x 128 words each.

@@ -96,6 +96,7 @@ std::string range_of(const schema::Topology& topology) {
             check.add(fmt::format("node {} is there twice", node->id()));
         }
     }
+    check.known("recording", topology.recording());
     return check.reason();
 }
 
@@ -239,7 +240,8 @@ std::string range_of(const schema::RegionProgram& program) {
                                program.region(), segment->slab(), end, words);
         }
     }
-    return {};
+    // Each primitive has one word at least.
+    return Check().at_most("number of origins", size_of(program.origins()), words).reason();
 }
 
 std::string range_of(const schema::RegionPrograms& programs) {

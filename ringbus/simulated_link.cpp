@@ -72,7 +72,7 @@ void SimulatedRing::damage(std::deque<InFlight>& queue) {
             break;
         }
         case Damage::flip_header_bit: {
-            // The channel and the two times at the end may have other values: they are left alone.
+            // The channel and the three times at the end may have other values: they are left alone.
             constexpr std::size_t channel_at = 12, after_channel = 14, times_at = 32;
             std::size_t byte = random_() % (times_at - (after_channel - channel_at));
             byte += byte >= channel_at ? after_channel - channel_at : 0;

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <map>
 
 #include "ringbus/channel_model.hpp"
@@ -43,7 +44,8 @@ class Wire {
                 sent_[to]++,
                 body_bytes,
                 stamp.departure_ns,
-                stamp.arrival_ns};
+                stamp.arrival_ns,
+                ++clock_};
     }
 
     /// Whether the other fields can be believed; Message's constructor says why not.
@@ -70,6 +72,7 @@ class Wire {
                             fmt::format("message {} from node {} came where {} was due",
                                         header.sequence(), header.source(), wanted));
         }
+        clock_ = std::max(clock_, header.clock()) + 1;
         model_.advance_to(header.arrival_ns());
     }
 
@@ -81,6 +84,7 @@ class Wire {
 
   private:
     NodeId self_;
+    std::uint64_t clock_ = 0;  ///< Lamport's: later than all that this node has seen.
     ChannelModel model_{RingParameters{}, {}};
     std::map<NodeId, std::uint64_t> sent_, received_;
 };

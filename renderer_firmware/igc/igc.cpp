@@ -16,14 +16,12 @@ bool only_triangles(std::span<const std::uint32_t> words) {
     return true;
 }
 
-Outcome Igc::run(std::span<const std::uint32_t> words) {
+std::optional<isa::ProgramError> Igc::check(std::span<const std::uint32_t> words) {
+    return only_triangles(words) ? std::nullopt : isa::check(words).error;
+}
+
+Outcome Igc::run_checked(std::span<const std::uint32_t> words) {
     Outcome outcome;
-    if (!only_triangles(words)) {
-        outcome.error = isa::check(words).error;
-        if (outcome.error) {
-            return outcome;
-        }
-    }
     isa::Sequencer sequencer(words, executor_, controller_);
     try {
         sequencer.run();
@@ -32,6 +30,13 @@ Outcome Igc::run(std::span<const std::uint32_t> words) {
     }
     outcome.counts = sequencer.counts();
     return outcome;
+}
+
+Outcome Igc::run(std::span<const std::uint32_t> words) {
+    if (const std::optional<isa::ProgramError> error = check(words)) {
+        return {{}, error};
+    }
+    return run_checked(words);
 }
 
 }  // namespace pxpl5::renderer

@@ -20,6 +20,12 @@ class Igc {
     /// `executor` outlives the controller.
     explicit Igc(isa::Executor& executor) : executor_(executor) {}
 
+    /// What is wrong with `words`, if anything. Nothing but triangles needs no walk through them.
+    static std::optional<isa::ProgramError> check(std::span<const std::uint32_t> words);
+
+    /// Runs `words`, which have passed check(), to their end.
+    Outcome run_checked(std::span<const std::uint32_t> words);
+
     /// Checks `words` and, if they are a program, runs them to their end. Nothing runs otherwise.
     Outcome run(std::span<const std::uint32_t> words);
 

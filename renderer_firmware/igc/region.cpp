@@ -15,13 +15,14 @@ void add(isa::RunCounts& sum, const isa::RunCounts& more) {
     sum.cycles += more.cycles;
 }
 
-void run_own(Igc& igc, Words words, const char* name, isa::RunCounts& sum) {
-    const Outcome outcome = igc.run(words);
-    if (outcome.error) {
-        throw std::logic_error(
-            fmt::format("{}, word {}: {}", name, outcome.error->word, outcome.error->text));
+RegionPlan::Part own_part(RegionPlan::Kind kind, Words words, const char* name) {
+    if (const std::optional<isa::ProgramError> error = Igc::check(words)) {
+        throw std::logic_error(fmt::format("{}, word {}: {}", name, error->word, error->text));
     }
-    add(sum, outcome.counts);
+    RegionPlan::Part part;
+    part.kind = kind;
+    part.segment.words = words;
+    return part;
 }
 
 auto place(const Segment& s) {
@@ -34,30 +35,44 @@ SegmentFault fault(const Segment& s, std::string reason) {
 
 }  // namespace
 
-RegionResult draw_region(isa::Executor& executor, const RegionFrame& frame,
-                         std::vector<Segment> segments) {
-    Igc igc(executor);
+RegionPlan plan_region(const RegionFrame& frame, std::vector<Segment> segments) {
     std::sort(segments.begin(), segments.end(), [](const Segment& p, const Segment& q) {
         return std::tie(p.surface, p.slab, p.gp) < std::tie(q.surface, q.slab, q.gp);
     });
-    RegionResult result;
-    run_own(igc, frame.prologue, "prologue", result.counts);
+    RegionPlan plan;
+    using Kind = RegionPlan::Kind;
+    plan.parts.push_back(own_part(Kind::prologue, frame.prologue, "prologue"));
     for (std::size_t i = 0; i < segments.size(); ++i) {
         const Segment& s = segments[i];
         if (i > 0 && place(segments[i - 1]) == place(s)) {
-            result.faults.push_back(fault(
+            plan.faults.push_back(fault(
                 s,
                 fmt::format("GP {} has drawn this surface and slab already", segments[i - 1].gp)));
-            continue;
+        } else if (const std::optional<isa::ProgramError> error = Igc::check(s.words)) {
+            plan.faults.push_back(fault(s, fmt::format("word {}: {}", error->word, error->text)));
+        } else {
+            plan.parts.push_back({Kind::segment, s});
         }
-        const Outcome outcome = igc.run(s.words);
+    }
+    plan.parts.push_back(
+        own_part(Kind::end_of_region, frame.end_of_region, "end-of-region program"));
+    return plan;
+}
+
+RegionResult draw_region(isa::Executor& executor, const RegionFrame& frame,
+                         std::vector<Segment> segments) {
+    RegionPlan plan = plan_region(frame, std::move(segments));
+    RegionResult result{{}, std::move(plan.faults)};
+    Igc igc(executor);
+    for (const RegionPlan::Part& part : plan.parts) {
+        const Outcome outcome = igc.run_checked(part.segment.words);
         add(result.counts, outcome.counts);
         if (outcome.error) {
             result.faults.push_back(
-                fault(s, fmt::format("word {}: {}", outcome.error->word, outcome.error->text)));
+                fault(part.segment,
+                      fmt::format("word {}: {}", outcome.error->word, outcome.error->text)));
         }
     }
-    run_own(igc, frame.end_of_region, "end-of-region program", result.counts);
     return result;
 }
 

@@ -20,6 +20,7 @@ struct Segment {
     std::uint32_t surface = 0;  ///< Index into the frame's list of surfaces.
     std::uint32_t slab = 0;
     std::uint32_t gp = 0;
+    std::uint32_t first_word = 0;  ///< Where `words` begin in the GP's stream for the region.
     Words words;
 };
 
@@ -39,11 +40,26 @@ struct RegionFrame {
     Words prologue, end_of_region;
 };
 
-/// Draws a region on `executor`, with a fresh controller. Segments may come in any order: they run
-/// by surface, then slab, so that ties of depth do not depend on arrival. Of two segments of one
-/// surface and slab the one of the lower GP is run. A segment that is no program is left out; the
-/// rest of the region is drawn. The pixels leave through the executor's readout.
+/// What a region runs, in order: prologue, segments, end-of-region program.
+struct RegionPlan {
+    enum class Kind : std::uint8_t { prologue, segment, end_of_region };
+    struct Part {
+        Kind kind = Kind::segment;
+        Segment segment;  ///< Its words alone count for the other kinds.
+    };
+    std::vector<Part> parts;           ///< All of them valid programs.
+    std::vector<SegmentFault> faults;  ///< Segments that are left out.
+};
+
+/// Segments may come in any order: they run by surface, then slab, so that ties of depth do not
+/// depend on arrival. Of two segments of one surface and slab the one of the lower GP is run. A
+/// segment that is no program is left out.
 /// Throws std::logic_error if prologue or end-of-region program are no programs (a bug of ours).
+RegionPlan plan_region(const RegionFrame& frame, std::vector<Segment> segments);
+
+/// Draws a region as planned on `executor`, with a fresh controller. A segment that cannot run to
+/// its end is left where it stopped; the rest of the region is drawn. The pixels leave through the
+/// executor's readout.
 RegionResult draw_region(isa::Executor& executor, const RegionFrame& frame,
                          std::vector<Segment> segments);
 

@@ -58,7 +58,7 @@ inline bus::Message message(const bus::Payload& payload, NodeId from, NodeId to)
     std::memcpy(words->data(), bytes.data(), bytes.size());
     const schema::Header header(bus::header_magic, bus::protocol_version,
                                 static_cast<std::uint16_t>(payload.kind()), from, to, 0, 0, 0,
-                                bytes.size(), 0, 0);
+                                bytes.size(), 0, 0, 0);
     return {header, {reinterpret_cast<const std::uint8_t*>(words->data()), bytes.size()}, words};
 }
 

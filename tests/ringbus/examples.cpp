@@ -31,6 +31,7 @@ std::vector<Payload> control_examples() {
     topology.gp_memory_bytes = 8 << 20;
     topology.ring_bytes_per_s = 80'000'000;
     topology.ring_hop_ns = 50;
+    topology.recording = schema::Recording::flight;
     schema::ShutdownT shutdown;
     shutdown.reason = "the user said quit";
     schema::CreditT credit;
@@ -42,9 +43,13 @@ std::vector<Payload> control_examples() {
     fault.source = 2;
     fault.sequence = 77;
     fault.reason = "message 77 is missing";
+    schema::TraceSavedT saved;
+    saved.messages = 12;
+    saved.bytes = 34'567;
+    saved.error = "no space left on device";
     return {pack(hello),         pack(topology), pack(schema::ConnectedT{}),
             pack(schema::GoT{}), pack(shutdown), pack(credit),
-            pack(fault)};
+            pack(fault),         pack(schema::SaveTraceT{}), pack(saved)};
 }
 
 std::vector<Payload> volume_examples() {

@@ -163,7 +163,7 @@ TEST_SUITE("ringbus/zmq_link") {
         for (const std::uint64_t sequence : {0U, 2U, 3U}) {
             const schema::Header header(header_magic, protocol_version,
                                         static_cast<std::uint16_t>(payload.kind()), 1, 2, 0, 0,
-                                        sequence, payload.bytes().size(), 0, 0);
+                                        sequence, payload.bytes().size(), 0, 0, sequence);
             socket.send(zmq::buffer(&header, sizeof header), zmq::send_flags::sndmore);
             socket.send(zmq::buffer(payload.bytes().data(), payload.bytes().size()));
         }

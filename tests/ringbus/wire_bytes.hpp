@@ -20,7 +20,7 @@ struct WireBytes {
     explicit WireBytes(const bus::Payload& payload)
         : header(bus::header_magic, bus::protocol_version,
                  static_cast<std::uint16_t>(payload.kind()), 3, 5, 0, 0, 7, payload.bytes().size(),
-                 0, 0),
+                 0, 0, 1),
           body(std::make_shared<std::vector<std::uint64_t>>(payload.bytes().size() / 8 + 1)),
           size(payload.bytes().size()) {
         std::memcpy(body->data(), payload.bytes().data(), size);

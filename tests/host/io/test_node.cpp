@@ -24,7 +24,7 @@ bus::Message received(const bus::Payload& payload, bus::NodeId from) {
     std::memcpy(copy->data(), bytes.data(), bytes.size());
     const schema::Header header(bus::header_magic, bus::protocol_version,
                                 static_cast<std::uint16_t>(payload.kind()), from, 0, 0, 0, 0,
-                                bytes.size(), 0, 0);
+                                bytes.size(), 0, 0, 0);
     return {header, {reinterpret_cast<const std::uint8_t*>(copy->data()), bytes.size()}, copy};
 }
 

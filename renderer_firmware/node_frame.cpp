@@ -1,0 +1,88 @@
+#include "renderer_firmware/node_frame.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+
+namespace pxpl5::renderer {
+
+namespace {
+
+namespace schema = bus::schema;
+using schema::FaultCode;
+
+/// Sorts the segments of one GP for one region to the plan's.
+void take_region(FramePlan& plan, std::uint32_t surfaces, std::uint32_t gp,
+                 const schema::RegionProgram& program) {
+    const auto region =
+        std::find_if(plan.regions.begin(), plan.regions.end(),
+                     [&](const FramePlan::Region& r) { return r.number == program.region(); });
+    if (region == plan.regions.end()) {
+        plan.faults.push_back(
+            {FaultCode::bad_message, gp,
+             fmt::format("GP {}: region {} is not this Renderer's", gp, program.region())});
+        return;
+    }
+    const Words words(program.words()->data(), program.words()->size());
+    for (const schema::Segment* s : *program.segments()) {
+        // Message has checked that segments end within the words.
+        assert(std::size_t{s->first_word()} + s->word_count() <= words.size());
+        if (s->surface() >= surfaces) {
+            plan.faults.push_back(
+                {FaultCode::bad_message, gp,
+                 fmt::format("{}: the frame has {} surfaces",
+                             place_of(gp, region->number, s->surface(), s->slab()), surfaces)});
+        } else {
+            region->segments.push_back({s->surface(), s->slab(), gp, s->first_word(),
+                                        words.subspan(s->first_word(), s->word_count())});
+        }
+    }
+}
+
+}  // namespace
+
+Shading shading_of(const schema::DrawFrame& draw) {
+    Shading shading;
+    for (const schema::Light* light : *draw.lights()) {
+        const schema::Vec3& d = light->direction();
+        shading.lights.push_back({{d.x(), d.y(), d.z()}, light->intensity()});
+    }
+    for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
+        const schema::Rgb& c = surface->colour();
+        shading.surfaces.push_back({c.r(), c.g(), c.b()});
+    }
+    shading.ambient = draw.ambient();
+    shading.specular = draw.specular();
+    shading.specular_power = draw.specular_power();
+    if (const schema::Rgb* c = draw.background()) {
+        shading.background = {c->r(), c->g(), c->b()};
+    }
+    return shading;
+}
+
+std::string place_of(std::uint32_t gp, std::uint32_t region, std::uint32_t surface,
+                     std::uint32_t slab) {
+    return fmt::format("GP {}, region {}, surface {}, slab {}", gp, region, surface, slab);
+}
+
+FramePlan plan_frame(const FrameMessages& messages, std::uint32_t renderer) {
+    const auto& begin = *messages.begin->as<schema::BeginFrame>();
+    FramePlan plan;
+    plan.frame = begin.draw()->frame();
+    plan.programs = region_programs(shading_of(*begin.draw()));
+    const auto& assignment = *begin.assignment();
+    for (std::uint32_t r = 0; r < assignment.size(); ++r) {
+        if (assignment[r] == renderer) {
+            plan.regions.push_back({r, {}});
+        }
+    }
+    for (const auto& [gp, message] : messages.programs) {
+        for (const auto* program : *message.as<schema::RegionPrograms>()->regions()) {
+            take_region(plan, begin.draw()->surfaces()->size(), gp, *program);
+        }
+    }
+    return plan;
+}
+
+}  // namespace pxpl5::renderer

@@ -1,0 +1,56 @@
+// One Renderer's part of a frame, put together from the messages that it received.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderer_firmware/igc/region.hpp"
+#include "renderer_firmware/igc/region_program.hpp"
+#include "ringbus/message.hpp"
+
+namespace pxpl5::renderer {
+
+/// No GP has this index.
+inline constexpr std::uint32_t no_gp = 0xFFFF'FFFF;
+
+/// What has come for one frame.
+struct FrameMessages {
+    std::optional<bus::Message> begin;               ///< BeginFrame.
+    std::map<std::uint32_t, bus::Message> programs;  ///< RegionPrograms by GP.
+};
+
+/// Something in what a GP has sent for a frame.
+struct FrameFault {
+    bus::schema::FaultCode code{};
+    std::uint32_t gp = no_gp;
+    std::string reason;
+};
+
+/// What one Renderer does for a frame. Segments point into the messages, which outlive the plan.
+struct FramePlan {
+    struct Region {
+        std::uint32_t number = 0;
+        std::vector<Segment> segments;  ///< Of all GPs, as they came.
+    };
+    std::uint32_t frame = 0;
+    RegionPrograms programs;
+    std::vector<Region> regions;  ///< This Renderer's own, ascending.
+    std::vector<FrameFault> faults;
+};
+
+/// How the frame is lit.
+Shading shading_of(const bus::schema::DrawFrame& draw);
+
+/// "GP 3, region 5, surface 0, slab 17", for texts.
+std::string place_of(std::uint32_t gp, std::uint32_t region, std::uint32_t surface,
+                     std::uint32_t slab);
+
+/// messages  Hold `begin`; programs of other regions than the Renderer's are a fault.
+/// renderer  Index of the Renderer.
+FramePlan plan_frame(const FrameMessages& messages, std::uint32_t renderer);
+
+}  // namespace pxpl5::renderer
