@@ -20,8 +20,8 @@ struct Segment {
     std::uint32_t surface = 0;  ///< Index into the frame's list of surfaces.
     std::uint32_t slab = 0;
     std::uint32_t gp = 0;
-    std::uint32_t first_word = 0;  ///< Where `words` begin in the GP's stream for the region.
     Words words;
+    std::uint32_t first_word = 0;  ///< Where `words` begin in the GP's stream for the region.
 };
 
 /// A segment that was left out, and why.
