@@ -34,8 +34,9 @@ void take_region(FramePlan& plan, std::uint32_t surfaces, std::uint32_t gp,
                  fmt::format("{}: the frame has {} surfaces",
                              place_of(gp, region->number, s->surface(), s->slab()), surfaces)});
         } else {
-            region->segments.push_back({s->surface(), s->slab(), gp, s->first_word(),
-                                        words.subspan(s->first_word(), s->word_count())});
+            region->segments.push_back({s->surface(), s->slab(), gp,
+                                        words.subspan(s->first_word(), s->word_count()),
+                                        s->first_word()});
         }
     }
 }
