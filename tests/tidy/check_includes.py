@@ -22,6 +22,10 @@ CODECS = re.compile(r"^(itk|OpenImageIO/|assimp/|gdcm|nifti|vnl/)")
 MESSAGES = re.compile(r"^(.*_generated\.h|flatbuffers/.*|ringbus/(message|node|process)\.hpp)$")
 
 
+# Inspection executes the firmware again, so it alone of the host may include it.
+INSPECT = ("host", "inspect")
+
+
 def _is_node_or_main(path: pathlib.PurePath) -> bool:
     return path.name == "main.cpp" or bool(re.match(r"node(_\w+)?\.[ch]pp$", path.name))
 
@@ -32,7 +36,7 @@ def may_use_messages(path: pathlib.PurePath) -> bool:
     if parts[0] in {"ringbus", "tests"} or _is_node_or_main(path):
         return True
     return parts[0] == "host" and (
-        len(parts) == 2 or parts[1] in {"machine", "io", "frame_buffer", "session"})
+        len(parts) == 2 or parts[1] in {"machine", "io", "frame_buffer", "session", "inspect"})
 
 
 def _layer_error(path: pathlib.PurePath, included: str) -> str:
@@ -53,7 +57,8 @@ def _layer_error(path: pathlib.PurePath, included: str) -> str:
 def error_of(path: pathlib.PurePath, quote: str, included: str) -> str:
     """What is wrong with `path` including `included`, or ''."""
     owner, target = path.parts[0], included.split("/")[0]
-    if quote == '"' and target in MAY_INCLUDE and target not in MAY_INCLUDE.get(owner, set()):
+    allowed = MAY_INCLUDE.get(owner, set()) | (FIRMWARE if path.parts[:2] == INSPECT else set())
+    if quote == '"' and target in MAY_INCLUDE and target not in allowed:
         return f"{owner} may not include {target}"
     is_rooted = "/" in included and target in MAY_INCLUDE
     if quote == '"' and not is_rooted and not GENERATED.match(included):

@@ -33,6 +33,8 @@ CLEAN = {
     "renderer_firmware/main.cpp": '#include "ringbus/process.hpp"\n',
     "host/README.md": "host\n",
     "host/session.cpp": '#include "ringbus/message.hpp"\n',
+    "host/inspect/README.md": "inspect\n",
+    "host/inspect/walk.cpp": '#include "renderer_firmware/igc/region.hpp"\n',
     "host/io/README.md": "io\n",
     "host/io/import.cpp": "#include <itkImageIOBase.h>\n",
     "host/phantom/README.md": "phantom\n",

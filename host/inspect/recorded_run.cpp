@@ -1,0 +1,336 @@
+#include "host/inspect/recorded_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "host/error.hpp"
+#include "isa/region_layout.hpp"
+
+namespace pxpl5::host::inspect {
+
+namespace {
+
+namespace fs = std::filesystem;
+namespace schema = bus::schema;
+using bus::Body;
+
+constexpr int size_px = isa::region::size_px;
+constexpr std::size_t frames_named = 8;  ///< In an error; then the last one.
+
+int regions_along(std::uint32_t length_px) {
+    return (static_cast<int>(length_px) + size_px - 1) / size_px;
+}
+
+NodeTrace open_trace(const fs::path& path) {
+    try {
+        auto file = std::make_shared<bus::trace::TraceFile>(path);
+        NodeTrace node{file->info(), file->entries(), {}, file->cut()};
+        node.load = [file](const bus::trace::Entry& entry) { return file->load(entry); };
+        return node;
+    } catch (const bus::trace::TraceError& error) {
+        throw RequestError(ExitCode::bad_data, error.what());
+    }
+}
+
+std::vector<fs::path> trace_files(const fs::path& path) {
+    if (fs::is_regular_file(path)) {
+        return {path};
+    }
+    const fs::path folder = fs::is_directory(path / "traces") ? path / "traces" : path;
+    std::vector<fs::path> files;
+    if (fs::is_directory(folder)) {
+        for (const auto& entry : fs::directory_iterator(folder)) {
+            if (entry.path().extension() == ".mcap") {
+                files.push_back(entry.path());
+            }
+        }
+    }
+    std::ranges::sort(files);
+    return files;
+}
+
+/// "3, 4, 5", the middle of a long list left out.
+std::string list_of(const std::vector<std::uint32_t>& frames) {
+    std::string text;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        if (i < frames_named || i + 1 == frames.size()) {
+            text += fmt::format("{}{}", i == 0 ? "" : ", ", frames[i]);
+        } else if (i == frames_named) {
+            text += ", ...";
+        }
+    }
+    return frames.empty() ? "none" : text;
+}
+
+}  // namespace
+
+RegionPlace RecordedFrame::place(std::uint32_t region) const {
+    const int columns = regions_along(draw().width()), rows = regions_along(draw().height());
+    const int at = static_cast<int>(region);
+    RegionPlace place;
+    place.number = region;
+    place.view = at / (columns * rows);
+    place.row = at % (columns * rows) / columns;
+    place.column = at % columns;
+    place.x0_px = place.column * size_px;
+    place.y0_px = place.view * static_cast<int>(draw().height()) + place.row * size_px;
+    return place;
+}
+
+RegionPlace RecordedFrame::region_at(int x, int y) const {
+    const int width = static_cast<int>(draw().width()), height = static_cast<int>(draw().height());
+    const int views = static_cast<int>(draw().views()->size());
+    if (x < 0 || x >= width || y < 0 || y >= height * views) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("pixel ({}, {}) is outside of frame {}, which has {} x {}",
+                                       x, y, number, width, height * views));
+    }
+    const int columns = regions_along(draw().width()), rows = regions_along(draw().height());
+    const int view = y / height, row = y % height / size_px;
+    return place(static_cast<std::uint32_t>((view * rows + row) * columns + x / size_px));
+}
+
+RecordedRun RecordedRun::open(const fs::path& path) {
+    const std::vector<fs::path> files = trace_files(path);
+    if (files.empty()) {
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("{}: {}", path.string(),
+                        fs::exists(path) ? "holds no trace (*.mcap); record with --record full"
+                                         : "there is no such run"));
+    }
+    std::vector<NodeTrace> nodes;
+    for (const fs::path& file : files) {
+        nodes.push_back(open_trace(file));
+    }
+    return RecordedRun(std::move(nodes));
+}
+
+RecordedRun::RecordedRun(std::vector<NodeTrace> nodes) {
+    for (NodeTrace& node : nodes) {
+        const bus::NodeId id = node.info.node;
+        roles_[id] = {node.info.role, node.info.index};
+        nodes_.insert_or_assign(id, std::move(node));
+    }
+    for (const auto& [id, node] : nodes_) {
+        index_node(id, node);
+    }
+    if (gp_count_ == 0 || renderer_count_ == 0) {
+        throw RequestError(
+            ExitCode::bad_data,
+            fmt::format("none of {} traces tells the machine (a Topology message)", nodes_.size()));
+    }
+}
+
+void RecordedRun::index_node(bus::NodeId id, const NodeTrace& node) {
+    for (std::size_t i = 0; i < node.entries.size(); ++i) {
+        switch (node.entries[i].kind()) {
+            case Body::Topology:
+            case Body::DrawFrame:
+            case Body::BeginFrame:
+            case Body::RegionPrograms:
+            case Body::RegionPixels:
+            case Body::FrameDone:
+                index_entry({id, i}, node.load(node.entries[i]));
+                break;
+            default:
+                break;  // Found by kind when it is asked for.
+        }
+    }
+}
+
+void RecordedRun::index_entry(FrameIndex::At at, const bus::Message& message) {
+    const std::uint32_t node = index_of(at.node);
+    const bool at_renderer = roles_[at.node].first == schema::Role::renderer;
+    if (const auto* topology = message.as<schema::Topology>()) {
+        gp_count_ = renderer_count_ = 0;
+        for (const schema::NodeInfo* info : *topology->nodes()) {
+            roles_[info->id()] = {info->role(), info->index()};
+            gp_count_ += info->role() == schema::Role::gp ? 1 : 0;
+            renderer_count_ += info->role() == schema::Role::renderer ? 1 : 0;
+        }
+    } else if (const auto* begin = message.as<schema::BeginFrame>()) {
+        FrameIndex& frame = frames_[begin->draw()->frame()];
+        if (at_renderer) {
+            frame.begins[node] = at;
+        }
+        frame.begin = at;
+    } else if (const auto* programs = message.as<schema::RegionPrograms>()) {
+        frames_[programs->frame()].programs[node][programs->gp()] = at;
+    } else if (const auto* pixels = message.as<schema::RegionPixels>()) {
+        frames_[pixels->frame()].pixels[pixels->renderer()] = at;
+    } else if (const auto* done = message.as<schema::FrameDone>()) {
+        frames_[done->frame()].done = at;
+    }
+}
+
+std::uint32_t RecordedRun::index_of(bus::NodeId id) const {
+    const auto found = roles_.find(id);
+    return found == roles_.end() ? 0 : found->second.second;
+}
+
+const NodeTrace* RecordedRun::find(schema::Role role, std::uint32_t index) const {
+    for (const auto& [id, node] : nodes_) {
+        if (node.info.role == role && node.info.index == index) {
+            return &node;
+        }
+    }
+    return nullptr;
+}
+
+std::string RecordedRun::node_name(bus::NodeId id) const {
+    const auto found = roles_.find(id);
+    if (found == roles_.end()) {
+        return fmt::format("node-{}", id);
+    }
+    bus::trace::Info info;
+    info.role = found->second.first;
+    info.index = static_cast<std::uint16_t>(found->second.second);
+    return info.node_name();
+}
+
+std::vector<std::uint32_t> RecordedRun::frames() const {
+    std::vector<std::uint32_t> numbers;
+    for (const auto& [number, frame] : frames_) {
+        if (frame.begin) {
+            numbers.push_back(number);
+        }
+    }
+    return numbers;
+}
+
+bus::Message RecordedRun::load(FrameIndex::At at) const {
+    const NodeTrace& node = nodes_.at(at.node);
+    return node.load(node.entries[at.entry]);
+}
+
+RecordedFrame RecordedRun::frame(std::uint32_t number) const {
+    const auto found = frames_.find(number);
+    if (found == frames_.end() || !found->second.begin) {
+        throw RequestError(ExitCode::usage, fmt::format("frame {} is not in this run; it has {}",
+                                                        number, list_of(frames())));
+    }
+    const FrameIndex& index = found->second;
+    RecordedFrame frame;
+    frame.number = number;
+    frame.begin = load(*index.begin);
+    if (index.done) {
+        frame.done = load(*index.done);
+    }
+    for (const auto& [renderer, at] : index.pixels) {
+        frame.pixels.emplace(renderer, load(at));
+    }
+    for (std::uint32_t renderer = 0; renderer < renderer_count_; ++renderer) {
+        const auto programs = index.programs.find(renderer);
+        const std::size_t came = programs == index.programs.end() ? 0 : programs->second.size();
+        if (index.begins.count(renderer) == 0 || came < gp_count_) {
+            frame.missing.push_back(
+                fmt::format("renderer-{}: {} recorded, programs of {} of {} GPs", renderer,
+                            index.begins.count(renderer) == 0 ? "no BeginFrame" : "BeginFrame",
+                            came, gp_count_));
+            continue;
+        }
+        renderer::FrameMessages& inputs = frame.inputs[renderer];
+        inputs.begin = load(index.begins.at(renderer));
+        for (const auto& [gp, at] : programs->second) {
+            inputs.programs.emplace(gp, load(at));
+        }
+        renderer::FramePlan& plan = frame.plans[renderer];
+        plan = renderer::plan_frame(inputs, renderer);
+        for (const renderer::FramePlan::Region& region : plan.regions) {
+            frame.regions[region.number] = {
+                frame.place(region.number), renderer,
+                renderer::plan_region({plan.programs.prologue, plan.programs.end_of_region},
+                                      region.segments)};
+        }
+    }
+    return frame;
+}
+
+std::optional<RecordedVolume> RecordedRun::volume(std::uint32_t frame) const {
+    // The newest header that GP 0 had when the frame was asked for.
+    const NodeTrace* master = find(schema::Role::gp, 0);
+    if (master == nullptr) {
+        return std::nullopt;
+    }
+    std::optional<bus::Message> header;
+    for (const bus::trace::Entry& entry : master->entries) {
+        if (entry.kind() == Body::VolumeHeader) {
+            header = master->load(entry);
+        } else if (entry.kind() == Body::DrawFrame &&
+                   master->load(entry).as<schema::DrawFrame>()->frame() == frame) {
+            break;
+        }
+    }
+    if (!header) {
+        return std::nullopt;
+    }
+    const auto& shape = *header->as<schema::VolumeHeader>();
+    RecordedVolume volume{*header, {}, std::vector<const std::uint8_t*>(shape.nz(), nullptr)};
+    for (const auto& [id, node] : nodes_) {
+        for (const bus::trace::Entry& entry : node.entries) {
+            if (entry.kind() != Body::Slices) {
+                continue;
+            }
+            const bus::Message message = node.load(entry);
+            const auto& slices = *message.as<schema::Slices>();
+            if (slices.volume() != shape.volume()) {
+                continue;
+            }
+            const std::size_t size = slices.values()->size() / slices.slice_count();
+            for (std::uint32_t n = 0; n < slices.slice_count(); ++n) {
+                if (slices.first_slice() + n < shape.nz()) {
+                    volume.slice[slices.first_slice() + n] = slices.values()->data() + n * size;
+                }
+            }
+            volume.slices.push_back(message);
+        }
+    }
+    return volume;
+}
+
+std::optional<bus::Message> RecordedRun::surface(std::uint16_t surface,
+                                                 std::uint32_t revision) const {
+    for (const auto& [id, node] : nodes_) {
+        for (const bus::trace::Entry& entry : node.entries) {
+            if (entry.kind() != Body::SetSurface) {
+                continue;
+            }
+            const bus::Message message = node.load(entry);
+            const auto& set = *message.as<schema::SetSurface>();
+            if (set.surface() == surface && set.revision() == revision) {
+                return message;
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+std::optional<double> RecordedVolume::value(int x, int y, int z) const {
+    const auto& shape = *header.as<schema::VolumeHeader>();
+    const std::uint8_t* values = slice[static_cast<std::size_t>(z)];
+    if (values == nullptr) {
+        return std::nullopt;
+    }
+    const std::size_t voxel =
+        static_cast<std::size_t>(y) * shape.nx() + static_cast<std::size_t>(x);
+    const auto read = [&]<typename T>(T one) -> double {
+        std::memcpy(&one, values + voxel * sizeof one, sizeof one);
+        return static_cast<double>(one);
+    };
+    switch (shape.type()) {
+        case schema::ScalarType::uint8:
+            return read(std::uint8_t{});
+        case schema::ScalarType::int16:
+            return read(std::int16_t{});
+        case schema::ScalarType::uint16:
+            return read(std::uint16_t{});
+        case schema::ScalarType::float32:
+            return read(float{});
+    }
+    return std::nullopt;
+}
+
+}  // namespace pxpl5::host::inspect

@@ -1,0 +1,71 @@
+// Walks through a region's programs one instruction at a time, as its Renderer did.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/inspect/recorded_run.hpp"
+#include "isa/sequencer.hpp"
+
+namespace pxpl5::host::inspect {
+
+/// Address of an instruction in a region's programs.
+struct Address {
+    std::size_t part = 0;  ///< Index into the plan's parts.
+    std::size_t word = 0;  ///< Within the part's words.
+    auto operator<=>(const Address&) const = default;
+};
+
+/// "prologue+4", "gp 3 slab 17 surface 0 +34 (word 578 of its stream)", "end+12".
+std::string to_text(const renderer::RegionPlan& plan, Address address);
+
+/// One primitive of a segment: what lies between one SETENABS and the next.
+struct Primitive {
+    std::size_t part = 0;
+    std::size_t number = 0;                      ///< In the region, over all segments, from 0.
+    std::size_t first_word = 0, word_count = 0;  ///< Within the part.
+    std::optional<bus::schema::Origin> origin;   ///< If it was recorded.
+    Address address() const { return {part, first_word}; }
+};
+
+/// All primitives of a region, in the order in which they run.
+std::vector<Primitive> primitives_of(const RecordedFrame& frame, const RecordedRegion& region);
+
+/// The primitive that holds the address; null for prologue and end of region.
+const Primitive* primitive_at(std::span<const Primitive> primitives, Address address);
+
+class RegionWalk {
+  public:
+    /// Both outlive the walk; `executor` is as new.
+    RegionWalk(const renderer::RegionPlan& plan, isa::Executor& executor);
+
+    bool done() const { return part_ == plan_.parts.size(); }
+    /// Of the next instruction. Not when done().
+    Address at() const;
+    isa::Instruction next() const;
+    isa::Coefficients coefficients() const;
+
+    /// Runs one instruction. A part that cannot go on (isa::RunError) is left, as the Renderer
+    /// does.
+    void step();
+    /// Runs to the end of the part under way, letting the executor run ahead.
+    void run_part();
+
+    const isa::RunCounts& counts() const { return counts_; }  ///< Of all that ran.
+
+  private:
+    void enter();
+
+    const renderer::RegionPlan& plan_;
+    isa::Executor& executor_;
+    isa::Controller controller_;
+    std::size_t part_ = 0;
+    std::optional<isa::Sequencer> sequencer_;  ///< Of the part under way.
+    isa::RunCounts counts_;
+};
+
+}  // namespace pxpl5::host::inspect
