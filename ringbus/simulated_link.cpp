@@ -72,7 +72,8 @@ void SimulatedRing::damage(std::deque<InFlight>& queue) {
             break;
         }
         case Damage::flip_header_bit: {
-            // The channel and the three times at the end may have other values: they are left alone.
+            // The channel and the three times at the end may have other values: they are left
+            // alone.
             constexpr std::size_t channel_at = 12, after_channel = 14, times_at = 32;
             std::size_t byte = random_() % (times_at - (after_channel - channel_at));
             byte += byte >= channel_at ? after_channel - channel_at : 0;
@@ -118,6 +119,9 @@ void SimulatedRing::deliver_front(std::pair<NodeId, NodeId> route) {
         member.wire->accept(message->header);
         const auto* bytes = reinterpret_cast<const std::uint8_t*>(message->body.data());
         const Message verified(message->header, {bytes, message->size}, message);
+        if (tap_) {
+            tap_(route.second, verified);
+        }
         deliver(*member.node, route.second, verified, out);
         member.busy = true;
     } catch (const NodeFault& fault) {

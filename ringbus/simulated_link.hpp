@@ -41,6 +41,9 @@ class SimulatedRing {
     void add(NodeId id, Node& node);
     /// Ring order and parameters for the stamps of every node added so far.
     void set_model(const ChannelModel& model);
+    /// From here on `tap` sees every message that is about to be handed to node `to`.
+    using Tap = std::function<void(NodeId to, const Message&)>;
+    void on_delivery(Tap tap) { tap_ = std::move(tap); }
     /// Puts a message on the ring as if `from` had sent it.
     void send(NodeId from, NodeId to, const Payload& payload);
 
@@ -79,6 +82,7 @@ class SimulatedRing {
     std::map<NodeId, Member> members_;
     std::map<std::pair<NodeId, NodeId>, std::deque<InFlight>> queues_;
     std::vector<std::pair<NodeId, NodeId>> log_;
+    Tap tap_;
 };
 
 }  // namespace pxpl5::bus

@@ -111,6 +111,19 @@ TEST_SUITE("ringbus/simulated_ring") {
         CHECK(trio.b.arrival_ns / 1'000'000'000 == 2);
     }
 
+    TEST_CASE("a tap sees what each node is handed, in order, before the node") {
+        Trio trio(5);
+        std::vector<std::pair<NodeId, std::uint32_t>> seen;
+        trio.ring.on_delivery([&](NodeId to, const Message& message) {
+            CHECK(to == host_id);
+            CHECK(trio.host.got.size() == seen.size());
+            seen.emplace_back(message.source(), message.as<schema::RemoveSurface>()->surface());
+        });
+        trio.ring.run_until_idle();
+        CHECK(seen.size() == 20);
+        CHECK(seen == trio.host.got);
+    }
+
     TEST_CASE("what a node throws reaches the host as a fault") {
         SimulatedRing ring(1);
         Recorder host;
