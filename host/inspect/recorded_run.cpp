@@ -12,7 +12,6 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-namespace fs = std::filesystem;
 namespace schema = bus::schema;
 using bus::Body;
 
@@ -21,34 +20,6 @@ constexpr std::size_t frames_named = 8;  ///< In an error; then the last one.
 
 int regions_along(std::uint32_t length_px) {
     return (static_cast<int>(length_px) + size_px - 1) / size_px;
-}
-
-NodeTrace open_trace(const fs::path& path) {
-    try {
-        auto file = std::make_shared<bus::trace::TraceFile>(path);
-        NodeTrace node{file->info(), file->entries(), {}, file->cut()};
-        node.load = [file](const bus::trace::Entry& entry) { return file->load(entry); };
-        return node;
-    } catch (const bus::trace::TraceError& error) {
-        throw RequestError(ExitCode::bad_data, error.what());
-    }
-}
-
-std::vector<fs::path> trace_files(const fs::path& path) {
-    if (fs::is_regular_file(path)) {
-        return {path};
-    }
-    const fs::path folder = fs::is_directory(path / "traces") ? path / "traces" : path;
-    std::vector<fs::path> files;
-    if (fs::is_directory(folder)) {
-        for (const auto& entry : fs::directory_iterator(folder)) {
-            if (entry.path().extension() == ".mcap") {
-                files.push_back(entry.path());
-            }
-        }
-    }
-    std::ranges::sort(files);
-    return files;
 }
 
 /// "3, 4, 5", the middle of a long list left out.
@@ -90,22 +61,6 @@ RegionPlace RecordedFrame::region_at(int x, int y) const {
     const int columns = regions_along(draw().width()), rows = regions_along(draw().height());
     const int view = y / height, row = y % height / size_px;
     return place(static_cast<std::uint32_t>((view * rows + row) * columns + x / size_px));
-}
-
-RecordedRun RecordedRun::open(const fs::path& path) {
-    const std::vector<fs::path> files = trace_files(path);
-    if (files.empty()) {
-        throw RequestError(
-            ExitCode::usage,
-            fmt::format("{}: {}", path.string(),
-                        fs::exists(path) ? "holds no trace (*.mcap); record with --record full"
-                                         : "there is no such run"));
-    }
-    std::vector<NodeTrace> nodes;
-    for (const fs::path& file : files) {
-        nodes.push_back(open_trace(file));
-    }
-    return RecordedRun(std::move(nodes));
 }
 
 RecordedRun::RecordedRun(std::vector<NodeTrace> nodes) {
@@ -185,10 +140,8 @@ std::string RecordedRun::node_name(bus::NodeId id) const {
     if (found == roles_.end()) {
         return fmt::format("node-{}", id);
     }
-    bus::trace::Info info;
-    info.role = found->second.first;
-    info.index = static_cast<std::uint16_t>(found->second.second);
-    return info.node_name();
+    const std::string_view role = schema::EnumNameRole(found->second.first);
+    return fmt::format("{}-{}", role, found->second.second);
 }
 
 std::vector<std::uint32_t> RecordedRun::frames() const {

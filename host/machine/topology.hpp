@@ -13,6 +13,9 @@ inline constexpr int max_nodes_per_role = 64;
 
 enum class Transport : std::uint8_t { ipc, tcp };
 
+/// What nodes keep of the messages that they receive: nothing, the newest, or all. As on the ring.
+enum class Record : std::uint8_t { off, flight, full };
+
 /// All nodes of one role.
 struct RoleSettings {
     int count = 0;                 ///< 1..64; in a file, 0 means as many as this process has cores.
@@ -33,6 +36,7 @@ struct Topology {
     RoleSettings gp, renderer, frame_buffer;
     int gp_memory_mib = 4096;  ///< Local memory of each GP.
     RingSettings ring;
+    Record record = Record::off;
     std::uint64_t seed = 0;  ///< For everything that is random on purpose: simulated arrival order.
 };
 

@@ -20,8 +20,11 @@ namespace pxpl5::test {
 /// topology's seed. Volumes come from phantoms: there is no io process.
 class SimulatedMachine final : public host::MachinePort {
   public:
-    explicit SimulatedMachine(const host::Topology& topology, bus::SimulatedFault fault = {})
+    /// tap  Sees every delivery, from the first Topology on.
+    explicit SimulatedMachine(const host::Topology& topology, bus::SimulatedFault fault = {},
+                              bus::SimulatedRing::Tap tap = {})
         : ring_(topology.seed, fault), roster_(host::roster_of(topology)) {
+        ring_.on_delivery(std::move(tap));
         for (host::RosterEntry& entry : roster_) {
             entry.endpoint = "simulated";
             if (entry.id == bus::host_id) {

@@ -55,8 +55,8 @@ class MemoryTraces {
 struct RecordedMachine {
     explicit RecordedMachine(host::Topology topology)
         : traces(topology),
-          machine(recording(std::move(topology)),
-                  {}, [this](bus::NodeId to, const bus::Message& m) { traces.note(to, m); }),
+          machine(recording(std::move(topology)), {},
+                  [this](bus::NodeId to, const bus::Message& m) { traces.note(to, m); }),
           session(machine) {}
 
     host::inspect::RecordedRun run() const { return host::inspect::RecordedRun(traces.traces()); }
