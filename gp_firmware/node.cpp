@@ -4,12 +4,9 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstring>
-#include <stdexcept>
 #include <utility>
 
 #include "gp_firmware/node_messages.hpp"
-#include "gp_firmware/render/assignment.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
 
 namespace pxpl5::gp {
@@ -19,20 +16,6 @@ namespace {
 namespace schema = bus::schema;
 using bus::NodeFault;
 using schema::FaultCode;
-
-/// About 2 ms of work: new messages are looked for between pieces.
-constexpr std::size_t triangles_per_piece = 50'000;
-
-/// What the stages throw, as what the bus knows.
-[[noreturn]] void rethrow_as_fault() {
-    try {
-        throw;
-    } catch (const OutOfLocalMemory& e) {
-        throw NodeFault(FaultCode::out_of_memory, e.what());
-    } catch (const std::invalid_argument& e) {
-        throw NodeFault(FaultCode::bad_input, e.what());
-    }
-}
 
 template <typename Duration>
 std::uint64_t to_us(Duration elapsed) {
@@ -119,6 +102,7 @@ void GpNode::set_machine(const bus::Message& message) {
     const auto& topology = *message.as<schema::Topology>();
     Machine machine;
     machine.memory_bytes = topology.gp_memory_bytes();
+    machine.origins = topology.recording() != schema::Recording::off;
     machine.gps = nodes_of(topology, schema::Role::gp);
     machine.renderers = nodes_of(topology, schema::Role::renderer);
     machine.frame_buffers = nodes_of(topology, schema::Role::frame_buffer);
@@ -199,60 +183,6 @@ void GpNode::note_surface(const schema::SetSurface& set) {
                             static_cast<CaseRule>(set.table()), Clock::now()});
 }
 
-void GpNode::begin_frame(const bus::Message& message, bus::Outbox& out) {
-    if (machine_->share.gp_index != 0) {
-        throw NodeFault(
-            FaultCode::bad_message,
-            fmt::format("DrawFrame came to GP {}; GP 0 is the Master", machine_->share.gp_index));
-    }
-    if (machine_->renderers.empty()) {
-        throw NodeFault(FaultCode::bad_input, "the topology has no Renderer");
-    }
-    const auto& draw = *message.as<schema::DrawFrame>();
-    const FrameRequest request = request_of(draw);
-    if (!request.surfaces.empty()) {
-        try {
-            // A camera that cannot be used is refused before anybody waits for the frame.
-            std::ranges::for_each(request.views, [](const Camera& c) { prepare(c); });
-        } catch (const std::exception&) {
-            rethrow_as_fault();
-        }
-    }
-    const bus::Payload begin = begin_frame_message(
-        draw, assign_regions(region_count(request), machine_->renderers.size(), costs_of(draw)));
-    for (const bus::NodeId gp : machine_->gps) {
-        if (gp != message.header().destination()) {
-            out.send(gp, begin);
-        }
-    }
-    out.send(std::span<const bus::NodeId>(machine_->renderers), begin);
-    out.send(std::span<const bus::NodeId>(machine_->frame_buffers), begin);
-    note_frame(*schema::GetMessage(begin.bytes().data())->body_as_BeginFrame());
-}
-
-void GpNode::note_frame(const schema::BeginFrame& begin) {
-    FrameRequest request = request_of(*begin.draw());
-    const auto* assignment = begin.assignment();
-    request.assignment.assign(assignment->begin(), assignment->end());
-    if (request.assignment.size() != region_count(request)) {
-        throw NodeFault(FaultCode::bad_message,
-                        fmt::format("frame {} assigns {} regions, it has {}", request.frame,
-                                    request.assignment.size(), region_count(request)));
-    }
-    for (const std::uint16_t renderer : request.assignment) {
-        if (renderer >= machine_->renderers.size()) {
-            throw NodeFault(FaultCode::bad_message,
-                            fmt::format("frame {} assigns a region to Renderer {} of {}",
-                                        request.frame, renderer, machine_->renderers.size()));
-        }
-    }
-    jobs_.push_back(Draw{std::move(request)});
-}
-
-FrameRequest GpNode::request_of(const schema::DrawFrame& draw) const {
-    return frame_request(draw, store_ ? store_->shape().voxel_to_patient : glm::dmat4(1.0));
-}
-
 bool GpNode::step(TakeSlices& job, bus::Outbox&) {
     const auto& slices = *job.message.as<schema::Slices>();
     const std::size_t size = slices.values()->size() / slices.slice_count();
@@ -308,7 +238,8 @@ bool GpNode::step(Extract& job, bus::Outbox& out) {
 void GpNode::extract_next(Extract& job, HeldSurface& surface) {
     SlabMesh& mesh = surface.slabs[job.next_slab];
     const std::size_t before = size_bytes(mesh);
-    extract_slab(*store_, store_->slabs()[job.next_slab], job.isovalue, case_table(job.rule), mesh);
+    extract_slab(*store_, store_->slabs()[job.next_slab], job.isovalue, case_table(job.rule), mesh,
+                 machine_->origins);
     ++job.next_slab;
     memory_->release(before);
     try {
@@ -353,47 +284,6 @@ bool GpNode::step(Fetch& job, bus::Outbox& out) {
     }
     out.send(job.to, mesh_part_message(job.surface, held->second));
     return true;
-}
-
-bool GpNode::step(Draw& job, bus::Outbox& out) {
-    try {
-        return draw_piece(job, out);
-    } catch (...) {
-        send_nothing(job.request, out);  // Renderers wait for every GP's part.
-        throw;
-    }
-}
-
-bool GpNode::draw_piece(Draw& job, bus::Outbox& out) {
-    if (!job.begun) {
-        job.begun = true;
-        const std::string missing = missing_surface(job.request, surfaces_);
-        if (!missing.empty()) {
-            throw NodeFault(FaultCode::bad_input, missing);
-        }
-        drawing_.begin(job.request);
-    }
-    if (drawing_.draw(surfaces_, triangles_per_piece)) {
-        return false;
-    }
-    send_programs(job.request, out);
-    return true;
-}
-
-void GpNode::send_programs(const FrameRequest& request, bus::Outbox& out) {
-    const auto gp = static_cast<std::uint16_t>(machine_->share.gp_index);
-    const auto programs = programs_messages(request, gp, machine_->renderers.size(), drawing_);
-    for (std::size_t r = 0; r < programs.size(); ++r) {
-        out.send(machine_->renderers[r], programs[r]);
-    }
-}
-
-/// The frame without anything of this GP's: Renderers wait for every GP's part.
-void GpNode::send_nothing(const FrameRequest& request, bus::Outbox& out) {
-    FrameRequest empty = request;
-    empty.surfaces.clear();
-    drawing_.begin(empty);
-    send_programs(empty, out);
 }
 
 }  // namespace pxpl5::gp

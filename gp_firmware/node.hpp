@@ -48,6 +48,7 @@ class GpNode final : public bus::Node {
         Share share;
         std::vector<bus::NodeId> gps, renderers, frame_buffers;  ///< Each by index.
         std::size_t memory_bytes = 0;
+        bool origins = false;  ///< Recording: keep where triangles come from.
     };
 
     // What work() has to do.

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <stdexcept>
 #include <utility>
 
+#include "gp_firmware/hal/local_memory.hpp"
 #include "gp_firmware/surface/case_tables.hpp"
 #include "ringbus/node.hpp"
 
@@ -60,6 +62,21 @@ flatbuffers::Offset<schema::SlabMesh> to_wire(flatbuffers::FlatBufferBuilder& bu
 // What a table, a vector and a segment add to the words, with room for alignment.
 constexpr std::size_t message_overhead_bytes = 256, region_overhead_bytes = 64;
 
+static_assert(sizeof(Origin) == sizeof(schema::Origin) && alignof(Origin) == 2);
+
+/// None if nobody asked for origins. Fields lie as in the message: they are copied as they are.
+flatbuffers::Offset<flatbuffers::Vector<const schema::Origin*>> origins_to_wire(
+    flatbuffers::FlatBufferBuilder& builder, std::span<const Origin> origins) {
+    if (origins.empty()) {
+        return 0;
+    }
+    static_assert(FLATBUFFERS_LITTLEENDIAN);
+    schema::Origin* out = nullptr;
+    const auto at = builder.CreateUninitializedVectorOfStructs(origins.size(), &out);
+    std::memcpy(static_cast<void*>(out), origins.data(), origins.size_bytes());
+    return at;
+}
+
 /// A region's program as part of a message. Its words are copied once.
 flatbuffers::Offset<schema::RegionProgram> to_wire(flatbuffers::FlatBufferBuilder& builder,
                                                    std::size_t region,
@@ -77,7 +94,8 @@ flatbuffers::Offset<schema::RegionProgram> to_wire(flatbuffers::FlatBufferBuilde
     });
     return schema::CreateRegionProgram(
         builder, static_cast<std::uint16_t>(region), segments_at,
-        flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>(words_at));
+        flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>(words_at),
+        origins_to_wire(builder, program.origins));
 }
 
 /// What a Renderer's message takes, at most.
@@ -86,12 +104,23 @@ std::size_t size_bytes(std::span<const RegionProgram> regions,
     std::size_t bytes = message_overhead_bytes;
     for (const std::size_t region : mine) {
         bytes += regions[region].words.words().size_bytes() + region_overhead_bytes +
-                 regions[region].segments.size() * sizeof(schema::Segment);
+                 regions[region].segments.size() * sizeof(schema::Segment) +
+                 regions[region].origins.size() * sizeof(schema::Origin);
     }
     return bytes;
 }
 
 }  // namespace
+
+void rethrow_as_fault() {
+    try {
+        throw;
+    } catch (const OutOfLocalMemory& e) {
+        throw bus::NodeFault(schema::FaultCode::out_of_memory, e.what());
+    } catch (const std::invalid_argument& e) {
+        throw bus::NodeFault(schema::FaultCode::bad_input, e.what());
+    }
+}
 
 std::vector<bus::NodeId> nodes_of(const schema::Topology& topology, schema::Role role) {
     std::vector<std::pair<std::uint16_t, bus::NodeId>> found;

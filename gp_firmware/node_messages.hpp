@@ -12,6 +12,9 @@
 
 namespace pxpl5::gp {
 
+/// Throws what a stage has thrown as what the bus knows: call it where an exception is caught.
+[[noreturn]] void rethrow_as_fault();
+
 /// Ids of all nodes of one role, by index.
 std::vector<bus::NodeId> nodes_of(const bus::schema::Topology& topology, bus::schema::Role role);
 

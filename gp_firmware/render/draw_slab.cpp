@@ -103,11 +103,15 @@ DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const R
                         style.cull_back};
     DrawCounts counts;
     counts.triangles_in = static_cast<std::uint32_t>(mesh.indices.size() / 3);
+    const bool origins = programs.keeps_origins() && !mesh.origins.empty();
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
         const std::uint32_t* index = &mesh.indices[i];
         const ScreenVertex& a = scratch.vertices[index[0]];
         const ScreenVertex& b = scratch.vertices[index[1]];
         const ScreenVertex& c = scratch.vertices[index[2]];
+        if (origins) {
+            programs.set_origin(mesh.origins[i / 3]);
+        }
         if ((a.outside | b.outside | c.outside) == 0) [[likely]] {
             counts.triangles_out += draw_triangle(a, b, c, target);
             continue;
@@ -118,6 +122,11 @@ DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const R
         const auto vertex = [&](std::size_t k) { return &mesh.vertices[index[k]]; };
         clip_triangle({vertex(0), vertex(1), vertex(2)}, {&a, &b, &c}, projection, scratch.polygon);
         for (std::size_t k = 2; k < scratch.polygon.size(); ++k) {
+            if (origins) {
+                Origin origin = mesh.origins[i / 3];
+                origin.piece = static_cast<std::uint8_t>(k - 2);
+                programs.set_origin(origin);
+            }
             counts.triangles_out += draw_triangle(scratch.polygon[0], scratch.polygon[k - 1],
                                                   scratch.polygon[k], target);
         }

@@ -33,7 +33,7 @@ std::string missing_surface(const FrameRequest& request, const Surfaces& surface
 }
 
 void FrameDrawing::begin(const FrameRequest& request) {
-    programs_.begin_frame(request.assignment.size());
+    programs_.begin_frame(request.assignment.size(), request.origins);
     counts_ = {};
     next_surface_ = next_slab_ = 0;
     wanted_.clear();

@@ -37,6 +37,7 @@ struct FrameRequest {
     std::vector<Camera> views;
     std::vector<SurfaceWanted> surfaces;    ///< In the order in which they are drawn.
     std::vector<std::uint16_t> assignment;  ///< Renderer of each region.
+    bool origins = false;                   ///< Programs tell where each primitive comes from.
 };
 
 /// Regions of the picture, over all views.

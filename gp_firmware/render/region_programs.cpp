@@ -22,20 +22,23 @@ void WordBuffer::grow(std::size_t count) {
     capacity_ = capacity;
 }
 
-void RegionPrograms::begin_frame(std::size_t region_count) {
+void RegionPrograms::begin_frame(std::size_t region_count, bool origins) {
     if (regions_.size() < region_count) {
         regions_.resize(region_count);
     }
     region_count_ = region_count;
+    keeps_origins_ = origins;
     for (RegionProgram& region : regions_) {
         region.words.clear();
         region.segments.clear();
+        region.origins.clear();
     }
 }
 
 void RegionPrograms::begin_slab(std::uint16_t surface, std::uint32_t slab) {
     surface_ = surface;
     slab_ = slab;
+    origin_ = {};
 }
 
 std::uint32_t* RegionPrograms::append(std::size_t region, std::size_t word_count) {
@@ -44,6 +47,9 @@ std::uint32_t* RegionPrograms::append(std::size_t region, std::size_t word_count
     std::vector<Segment>& segments = program.segments;
     if (segments.empty() || segments.back().slab != slab_ || segments.back().surface != surface_) {
         segments.push_back({surface_, slab_, static_cast<std::uint32_t>(program.words.size()), 0});
+    }
+    if (keeps_origins_) {
+        program.origins.push_back(origin_);
     }
     segments.back().word_count += static_cast<std::uint32_t>(word_count);
     return program.words.append(word_count);

@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "gp_firmware/surface/mesh.hpp"
+
 namespace pxpl5::gp {
 
 /// The words of one slab of one surface within a region's stream.
@@ -43,18 +45,25 @@ class WordBuffer {
 struct RegionProgram {
     WordBuffer words;
     std::vector<Segment> segments;  ///< In the order in which they were begun.
+    std::vector<Origin> origins;    ///< Of each primitive, if they are kept.
 };
 
 /// The programs of all regions of one frame.
 class RegionPrograms {
   public:
     /// Empties all programs and makes `region_count` of them.
-    void begin_frame(std::size_t region_count);
+    /// origins  Whether each region keeps its primitives' origins.
+    void begin_frame(std::size_t region_count, bool origins = false);
+    bool keeps_origins() const { return keeps_origins_; }
 
     /// What follows belongs to this slab. Segments of regions that get no word are not made.
     void begin_slab(std::uint16_t surface, std::uint32_t slab);
 
-    /// Room for `word_count` words of `region`, in the slab's segment.
+    /// The primitives that follow come from here. begin_slab() forgets it.
+    void set_origin(const Origin& origin) { origin_ = origin; }
+
+    /// Room for `word_count` words of `region`, in the slab's segment: one primitive, which begins
+    /// with SETENABS.
     std::uint32_t* append(std::size_t region, std::size_t word_count);
 
     std::span<const RegionProgram> regions() const { return {regions_.data(), region_count_}; }
@@ -64,6 +73,8 @@ class RegionPrograms {
     std::size_t region_count_ = 0;
     std::uint16_t surface_ = 0;
     std::uint32_t slab_ = 0;
+    Origin origin_;
+    bool keeps_origins_ = false;
 };
 
 }  // namespace pxpl5::gp

@@ -37,7 +37,7 @@ template <class T>
 class SlabWalk {
   public:
     SlabWalk(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-             SlabMesh& out)
+             SlabMesh& out, bool origins)
         : shape_(store.shape()),
           isovalue_(isovalue),
           table_(table),
@@ -45,7 +45,8 @@ class SlabWalk {
           frame_(shape_.voxel_to_patient),
           flip_(glm::determinant(glm::dmat3(shape_.voxel_to_patient)) < 0 ? 1 : 0),
           words_(mask_words(shape_.nx)),
-          slab_(slab) {
+          slab_(slab),
+          origins_(origins) {
         for (const int s : {0, 1}) {
             slices_[at(s)] = &store.slice(slab + s);
             values_[at(s)] = typed<T>(slices_[at(s)]->values);
@@ -74,6 +75,7 @@ class SlabWalk {
         out_.vertices.resize(vertex_count_);
         out_.keys.resize(vertex_count_);
         out_.indices.resize(index_count_);
+        out_.origins.resize(origins_ ? index_count_ / 3 : 0);
         out_.counts.triangles = static_cast<std::uint32_t>(index_count_ / 3);
         const bool top = slab_ == shape_.slab_count() - 1;
         out_.counts.vertices = static_cast<std::uint32_t>(vertex_count_ - (top ? 0 : upper_count_));
@@ -200,6 +202,7 @@ class SlabWalk {
             const auto cells = static_cast<std::size_t>(std::popcount(active));
             out_.counts.cells_active += static_cast<std::uint32_t>(cells);
             make_room(out_.indices, index_count_ + 3 * max_triangles_per_cell * cells);
+            if (origins_) make_room(out_.origins, out_.indices.size() / 3 + 1);
             for (; active != 0; active &= active - 1) {
                 const int bit = std::countr_zero(active);
                 std::uint64_t inside = 0;
@@ -232,7 +235,17 @@ class SlabWalk {
             indices[i + 1] = vertex(i + 1 + flip_);
             indices[i + 2] = vertex(i + 2 - flip_);
         }
+        if (origins_)
+            note_origins({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), inside,
+                          joined, 0, 0},
+                         entry.triangle_count);
         index_count_ += count;
+    }
+
+    /// Of a cell's triangles, which begin at index_count_.
+    void note_origins(Origin origin, std::uint8_t triangle_count) {
+        Origin* to = out_.origins.data() + index_count_ / 3;
+        for (; origin.triangle < triangle_count; ++origin.triangle) to[origin.triangle] = origin;
     }
 
     /// On which ambiguous faces the inside corners are joined: where the bilinear interpolation
@@ -288,6 +301,7 @@ class SlabWalk {
     std::size_t flip_;  ///< 1 where voxel_to_patient mirrors, so that triangles must turn too.
     std::size_t words_;
     int slab_;
+    bool origins_;
     std::array<const HeldSlice*, 2> slices_{};
     std::array<const T*, 2> values_{};
     std::array<std::array<std::vector<std::uint64_t>, 2>, 2> masks_;    ///< [parity][slice]
@@ -309,7 +323,7 @@ bool is_empty(const SliceStore& store, int slab, double isovalue) {
 }  // namespace
 
 void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-                  SlabMesh& out) {
+                  SlabMesh& out, bool origins) {
     if (!std::isfinite(isovalue))
         throw std::invalid_argument("an isovalue is a finite number, not " +
                                     std::to_string(isovalue));
@@ -322,9 +336,11 @@ void extract_slab(const SliceStore& store, int slab, double isovalue, const Case
         out.vertices.clear();
         out.keys.clear();
         out.indices.clear();
+        out.origins.clear();
     } else {
-        with_scalar(store.shape().type,
-                    [&]<class T>(T) { SlabWalk<T>(store, slab, isovalue, table, out).run(); });
+        with_scalar(store.shape().type, [&]<class T>(T) {
+            SlabWalk<T>(store, slab, isovalue, table, out, origins).run();
+        });
     }
     measure(store.shape(), inside_of_last_face(store, slab, isovalue), out);
 }

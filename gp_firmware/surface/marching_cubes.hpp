@@ -14,12 +14,14 @@ namespace pxpl5::gp {
 /// store     Complete; owns the slab (both are asserted).
 /// isovalue  In the volume's unit.
 /// out       Overwritten; its capacity is reused.
+/// origins   Whether out.origins is filled, too; else it is left empty.
 /// Throws    std::invalid_argument if isovalue is not finite.
 /// Source    Lorensen & Cline 1987; Yoo & Chen, section V. Masks of 64 voxels are ours.
 void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-                  SlabMesh& out);
+                  SlabMesh& out, bool origins = false);
 
-/// Local memory that a slab's mesh takes.
+/// Local memory that a slab's mesh takes. Origins do not count: recording must not decide what
+/// fits, and the board had none.
 std::size_t size_bytes(const SlabMesh& mesh);
 
 }  // namespace pxpl5::gp

@@ -28,12 +28,25 @@ struct SlabCounts {
     double volume_mm3 = 0;  ///< Of the inside, closed by the volume's faces where it leaves it.
 };
 
+/// Where a triangle comes from: kept while recording, for whoever asks a picture where a pixel's
+/// triangle comes from. The cell's k is the slab. In a message it is a schema::Origin.
+struct Origin {
+    std::uint16_t i = 0, j = 0;  ///< Cell.
+    std::uint8_t inside = 0;     ///< Case: bit c is set if corner c of the cell is inside.
+    std::uint8_t joined = 0;     ///< Bit f: on ambiguous face f the inside corners are joined.
+    std::uint8_t triangle = 0;   ///< In the case, from 0.
+    std::uint8_t piece = 0;      ///< Of the triangle after clipping, from 0; in a mesh always 0.
+    friend bool operator==(const Origin&, const Origin&) = default;
+};
+static_assert(sizeof(Origin) == 8);
+
 /// Slab `slab` is the layer of cells between slices slab and slab + 1.
 struct SlabMesh {
     int slab = 0;
     std::vector<Vertex> vertices;
     std::vector<std::uint64_t> keys;  ///< Per vertex: 4 * voxel index + axis; axis 3 = cell centre.
     std::vector<std::uint32_t> indices;  ///< 3 per triangle, counter-clockwise seen from outside.
+    std::vector<Origin> origins;         ///< Of each triangle; empty if nobody asked for them.
     SlabCounts counts;
 };
 

@@ -71,6 +71,7 @@ inline schema::Matrix to_wire(const glm::dmat4& m) {
 struct MachineSize {
     int gps = 1, renderers = 1;
     std::uint64_t memory_bytes = plenty_bytes;
+    schema::Recording recording = schema::Recording::off;
 };
 
 inline bus::Payload topology(MachineSize size) {
@@ -92,6 +93,7 @@ inline bus::Payload topology(MachineSize size) {
     add(frame_buffer, schema::Role::frame_buffer, 0);
     t.gp_memory_bytes = size.memory_bytes;
     t.ring_channels = 8;
+    t.recording = size.recording;
     return bus::pack(t);
 }
 

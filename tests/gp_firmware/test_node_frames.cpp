@@ -67,6 +67,34 @@ TEST_SUITE("gp/node frames") {
         }
     }
 
+    TEST_CASE("only while recording, programs tell where each primitive comes from") {
+        const MachineSize recorded{2, 2, plenty_bytes, schema::Recording::flight};
+        const auto plain = run_machine({2, 2}, draw_frame(9, 1));
+        const auto gps = run_machine(recorded, draw_frame(9, 1));
+        CHECK(streams(gps) == streams(plain));
+        std::size_t primitives = 0;
+        for (const auto& gp : gps) {
+            for (const auto* programs : gp->box.of<schema::RegionPrograms>()) {
+                for (const auto* region : *programs->regions()) {
+                    REQUIRE(region->origins() != nullptr);
+                    CHECK(region->origins()->size() * isa::triangle::word_count ==
+                          region->words()->size());
+                    primitives += region->origins()->size();
+                    CHECK(region->origins()->Get(0)->inside() != 0);
+                }
+            }
+        }
+        CHECK(primitives > 100);
+        for (const auto* programs : plain[0]->box.of<schema::RegionPrograms>()) {
+            for (const auto* region : *programs->regions()) {
+                CHECK(region->origins() == nullptr);
+            }
+        }
+        // What fits does not depend on recording.
+        CHECK(gps[0]->box.of<schema::SurfaceBuilt>()[0]->memory_bytes() ==
+              plain[0]->box.of<schema::SurfaceBuilt>()[0]->memory_bytes());
+    }
+
     TEST_CASE("a frame waits for the surfaces asked for before it") {
         Gp gp({1, 1}, 0);
         load(gp);

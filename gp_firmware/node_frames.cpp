@@ -1,0 +1,120 @@
+// A GP's part of frames: the Master's beginning of one, and everybody's drawing.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "gp_firmware/node.hpp"
+#include "gp_firmware/node_messages.hpp"
+#include "gp_firmware/render/assignment.hpp"
+
+namespace pxpl5::gp {
+
+namespace {
+
+namespace schema = bus::schema;
+using bus::NodeFault;
+using schema::FaultCode;
+
+/// About 2 ms of work: new messages are looked for between pieces.
+constexpr std::size_t triangles_per_piece = 50'000;
+
+}  // namespace
+
+void GpNode::begin_frame(const bus::Message& message, bus::Outbox& out) {
+    if (machine_->share.gp_index != 0) {
+        throw NodeFault(
+            FaultCode::bad_message,
+            fmt::format("DrawFrame came to GP {}; GP 0 is the Master", machine_->share.gp_index));
+    }
+    if (machine_->renderers.empty()) {
+        throw NodeFault(FaultCode::bad_input, "the topology has no Renderer");
+    }
+    const auto& draw = *message.as<schema::DrawFrame>();
+    const FrameRequest request = request_of(draw);
+    if (!request.surfaces.empty()) {
+        try {
+            // A camera that cannot be used is refused before anybody waits for the frame.
+            std::ranges::for_each(request.views, [](const Camera& c) { prepare(c); });
+        } catch (const std::exception&) {
+            rethrow_as_fault();
+        }
+    }
+    const bus::Payload begin = begin_frame_message(
+        draw, assign_regions(region_count(request), machine_->renderers.size(), costs_of(draw)));
+    for (const bus::NodeId gp : machine_->gps) {
+        if (gp != message.header().destination()) {
+            out.send(gp, begin);
+        }
+    }
+    out.send(std::span<const bus::NodeId>(machine_->renderers), begin);
+    out.send(std::span<const bus::NodeId>(machine_->frame_buffers), begin);
+    note_frame(*schema::GetMessage(begin.bytes().data())->body_as_BeginFrame());
+}
+
+void GpNode::note_frame(const schema::BeginFrame& begin) {
+    FrameRequest request = request_of(*begin.draw());
+    request.origins = machine_->origins;
+    const auto* assignment = begin.assignment();
+    request.assignment.assign(assignment->begin(), assignment->end());
+    if (request.assignment.size() != region_count(request)) {
+        throw NodeFault(FaultCode::bad_message,
+                        fmt::format("frame {} assigns {} regions, it has {}", request.frame,
+                                    request.assignment.size(), region_count(request)));
+    }
+    for (const std::uint16_t renderer : request.assignment) {
+        if (renderer >= machine_->renderers.size()) {
+            throw NodeFault(FaultCode::bad_message,
+                            fmt::format("frame {} assigns a region to Renderer {} of {}",
+                                        request.frame, renderer, machine_->renderers.size()));
+        }
+    }
+    jobs_.push_back(Draw{std::move(request)});
+}
+
+FrameRequest GpNode::request_of(const schema::DrawFrame& draw) const {
+    return frame_request(draw, store_ ? store_->shape().voxel_to_patient : glm::dmat4(1.0));
+}
+
+bool GpNode::step(Draw& job, bus::Outbox& out) {
+    try {
+        return draw_piece(job, out);
+    } catch (...) {
+        send_nothing(job.request, out);  // Renderers wait for every GP's part.
+        throw;
+    }
+}
+
+bool GpNode::draw_piece(Draw& job, bus::Outbox& out) {
+    if (!job.begun) {
+        job.begun = true;
+        const std::string missing = missing_surface(job.request, surfaces_);
+        if (!missing.empty()) {
+            throw NodeFault(FaultCode::bad_input, missing);
+        }
+        drawing_.begin(job.request);
+    }
+    if (drawing_.draw(surfaces_, triangles_per_piece)) {
+        return false;
+    }
+    send_programs(job.request, out);
+    return true;
+}
+
+void GpNode::send_programs(const FrameRequest& request, bus::Outbox& out) {
+    const auto gp = static_cast<std::uint16_t>(machine_->share.gp_index);
+    const auto programs = programs_messages(request, gp, machine_->renderers.size(), drawing_);
+    for (std::size_t r = 0; r < programs.size(); ++r) {
+        out.send(machine_->renderers[r], programs[r]);
+    }
+}
+
+/// The frame without anything of this GP's: Renderers wait for every GP's part.
+void GpNode::send_nothing(const FrameRequest& request, bus::Outbox& out) {
+    FrameRequest empty = request;
+    empty.surfaces.clear();
+    drawing_.begin(empty);
+    send_programs(empty, out);
+}
+
+}  // namespace pxpl5::gp
