@@ -4,6 +4,7 @@
 //             (control rows)  (all other rows)
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -75,6 +76,14 @@ class Executor {
 
   private:
     ReadoutSink readout_;
+};
+
+/// An executor whose pixels can be kept and brought back, everything that an instruction could
+/// ever see: memory, enables, carries, backing store.
+template <typename E>
+concept Restorable = std::derived_from<E, Executor> && requires(E executor, const E& constant) {
+    { constant.save() } -> std::same_as<typename E::State>;
+    executor.restore(constant.save());
 };
 
 }  // namespace pxpl5::isa

@@ -17,23 +17,23 @@ Coefficients signed_words(std::span<const std::uint32_t> words) {
 }  // namespace
 
 void Sequencer::count(std::uint64_t instructions, std::uint64_t cycles) {
-    counts_.instructions += instructions;
-    counts_.cycles += cycles;
-    if (counts_.instructions > controller_.step_limit) {
-        throw RunError(fmt::format("word {}: stopped after {} instructions; the limit is {}", at_,
-                                   counts_.instructions, controller_.step_limit));
+    state_.counts.instructions += instructions;
+    state_.counts.cycles += cycles;
+    if (state_.counts.instructions > controller_.step_limit) {
+        throw RunError(fmt::format("word {}: stopped after {} instructions; the limit is {}",
+                                   state_.at, state_.counts.instructions, controller_.step_limit));
     }
 }
 
 void Sequencer::step() {
     assert(!done());
-    const std::optional<Instruction> in = decode(words_[at_]);
+    const std::optional<Instruction> in = decode(words_[state_.at]);
     assert(in);
     const OpInfo& row = info(in->op);
     count(1, row.cycles(in->operands));
     const auto words = static_cast<std::size_t>(row.words);
-    const std::span<const std::uint32_t> coefficients = words_.subspan(at_ + 1, words);
-    at_ += 1 + words;
+    const std::span<const std::uint32_t> coefficients = words_.subspan(state_.at + 1, words);
+    state_.at += 1 + words;
     if (row.is_control()) {
         control(*in, coefficients);
     } else {
@@ -43,15 +43,15 @@ void Sequencer::step() {
 
 const RunCounts& Sequencer::run() {
     while (!done()) {
-        const Taken taken = executor_.execute_ahead(words_.subspan(at_));
+        const Taken taken = executor_.execute_ahead(words_.subspan(state_.at));
         if (taken.words == 0) {
             step();
         } else {
-            at_ += taken.words;
+            state_.at += taken.words;
             count(taken.instructions, taken.cycles);
         }
     }
-    return counts_;
+    return state_.counts;
 }
 
 void Sequencer::control(Instruction in, std::span<const std::uint32_t> coefficients) {
@@ -64,7 +64,7 @@ void Sequencer::control(Instruction in, std::span<const std::uint32_t> coefficie
         case Op::nop:
             break;
         case Op::eor:
-            at_ = words_.size();
+            state_.at = words_.size();
             break;
         case Op::call:
             call(coefficients[0]);
@@ -79,7 +79,7 @@ void Sequencer::control(Instruction in, std::span<const std::uint32_t> coefficie
             close_loop();
             break;
         case Op::skip_if_none:
-            at_ = controller_.flag ? at_ : coefficients[0];
+            state_.at = controller_.flag ? state_.at : coefficients[0];
             break;
         case Op::signal:
             signal(in.operands.b);
@@ -96,46 +96,46 @@ void Sequencer::signal(std::uint32_t number) {
 }
 
 void Sequencer::call(std::size_t target) {
-    if (returns_.size() == max_call_depth) {
-        throw RunError(fmt::format("word {}: CALL at depth {}; the limit is {}", at_ - 2,
-                                   returns_.size() + 1, max_call_depth));
+    if (state_.returns.size() == max_call_depth) {
+        throw RunError(fmt::format("word {}: CALL at depth {}; the limit is {}", state_.at - 2,
+                                   state_.returns.size() + 1, max_call_depth));
     }
-    returns_.push_back(at_);
-    at_ = target;
+    state_.returns.push_back(state_.at);
+    state_.at = target;
 }
 
 void Sequencer::return_from_call() {
-    if (returns_.empty()) {
-        throw RunError(fmt::format("word {}: RET without a CALL", at_ - 1));
+    if (state_.returns.empty()) {
+        throw RunError(fmt::format("word {}: RET without a CALL", state_.at - 1));
     }
-    at_ = returns_.back();
-    returns_.pop_back();
+    state_.at = state_.returns.back();
+    state_.returns.pop_back();
 }
 
 void Sequencer::open_loop(std::uint32_t rounds) {
     if (rounds == 0) {
-        at_ = behind_matching_end_loop();
+        state_.at = behind_matching_end_loop();
         return;
     }
-    if (loops_.size() == max_loop_depth) {
+    if (state_.loops.size() == max_loop_depth) {
         throw RunError(fmt::format("word {}: LOOP at depth {}, calls included; the limit is {}",
-                                   at_ - 1, loops_.size() + 1, max_loop_depth));
+                                   state_.at - 1, state_.loops.size() + 1, max_loop_depth));
     }
-    loops_.push_back({at_, rounds});
+    state_.loops.push_back({state_.at, rounds});
 }
 
 void Sequencer::close_loop() {
-    assert(!loops_.empty());
-    if (--loops_.back().left != 0) {
-        at_ = loops_.back().body;
+    assert(!state_.loops.empty());
+    if (--state_.loops.back().left != 0) {
+        state_.at = state_.loops.back().body;
     } else {
-        loops_.pop_back();
+        state_.loops.pop_back();
     }
 }
 
 std::size_t Sequencer::behind_matching_end_loop() const {
     std::size_t depth = 1;
-    std::size_t at = at_;
+    std::size_t at = state_.at;
     while (depth != 0) {
         assert(at < words_.size());
         const Op op = decode(words_[at])->op;

@@ -7,6 +7,7 @@
 #include <functional>
 #include <span>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "isa/executor.hpp"
@@ -42,9 +43,24 @@ class Sequencer {
     Sequencer(std::span<const std::uint32_t> words, Executor& executor, Controller& controller)
         : words_(words), executor_(executor), controller_(controller) {}
 
-    bool done() const { return at_ >= words_.size(); }
-    std::size_t at() const { return at_; }  ///< Word offset of the next instruction.
-    const RunCounts& counts() const { return counts_; }
+    bool done() const { return state_.at >= words_.size(); }
+    std::size_t at() const { return state_.at; }  ///< Word offset of the next instruction.
+    const RunCounts& counts() const { return state_.counts; }
+
+    struct OpenLoop {
+        std::size_t body;    ///< Word offset behind the LOOP.
+        std::uint32_t left;  ///< Rounds left, this one included.
+    };
+    /// Where a run stands. The executor's pixels and the controller's flag are kept by others.
+    struct State {
+        std::size_t at = 0;
+        std::vector<std::size_t> returns;
+        std::vector<OpenLoop> loops;
+        RunCounts counts;
+    };
+    const State& state() const { return state_; }
+    /// Goes on from a state of a run of the same words.
+    void restore(State state) { state_ = std::move(state); }
 
     /// Runs one instruction. Throws RunError. Must not be done().
     void step();
@@ -53,11 +69,6 @@ class Sequencer {
     const RunCounts& run();
 
   private:
-    struct OpenLoop {
-        std::size_t body;    ///< Word offset behind the LOOP.
-        std::uint32_t left;  ///< Rounds left, this one included.
-    };
-
     void control(Instruction in, std::span<const std::uint32_t> coefficients);
     void open_loop(std::uint32_t rounds);
     void close_loop();
@@ -70,10 +81,7 @@ class Sequencer {
     std::span<const std::uint32_t> words_;
     Executor& executor_;
     Controller& controller_;
-    std::size_t at_ = 0;
-    std::vector<std::size_t> returns_;
-    std::vector<OpenLoop> loops_;
-    RunCounts counts_;
+    State state_;
 };
 
 /// Runs checked `words` on `executor` to their end. Throws RunError.

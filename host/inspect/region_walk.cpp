@@ -120,6 +120,21 @@ void RegionWalk::enter() {
     sequencer_.reset();
 }
 
+RegionWalk::State RegionWalk::save() const {
+    return {part_, controller_.flag, sequencer_ ? sequencer_->state() : isa::Sequencer::State{},
+            counts_};
+}
+
+void RegionWalk::restore(const State& state) {
+    part_ = state.part;
+    controller_.flag = state.flag;
+    counts_ = state.counts;
+    enter();  // Stays at this part, which has an instruction, unless all is done.
+    if (sequencer_) {
+        sequencer_->restore(state.sequencer);
+    }
+}
+
 Address RegionWalk::at() const {
     assert(!done());
     return {part_, sequencer_->at()};

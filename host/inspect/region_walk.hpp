@@ -57,6 +57,17 @@ class RegionWalk {
 
     const isa::RunCounts& counts() const { return counts_; }  ///< Of all that ran.
 
+    /// Where the walk stands. The executor's pixels are kept apart.
+    struct State {
+        std::size_t part = 0;
+        bool flag = true;  ///< The controller's.
+        isa::Sequencer::State sequencer;
+        isa::RunCounts counts;
+    };
+    State save() const;
+    /// Goes on from a state of a walk of the same plan.
+    void restore(const State& state);
+
   private:
     void enter();
 

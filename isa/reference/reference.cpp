@@ -71,6 +71,11 @@ std::uint32_t Reference::backing_block(int x, int y, std::uint32_t block) const 
     return pixels_.at(x, y).blocks[block];
 }
 
+void Reference::restore(const State& state) {
+    assert(state.size() == pixels_.pixels.size());
+    pixels_.pixels = state;
+}
+
 void Reference::set_field(int x, int y, std::uint32_t a, std::uint32_t n, std::uint64_t value) {
     assert(n >= 1 && n <= 64 && a + n <= memory_bits);
     write(pixels_.at(x, y), a, low_bits(static_cast<std::int64_t>(value), n));

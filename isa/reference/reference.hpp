@@ -30,6 +30,11 @@ class Reference final : public Executor {
 
     const Window& window() const { return pixels_.window; }
 
+    using State = std::vector<Pixel>;
+    State save() const { return pixels_.pixels; }
+    /// `state` was saved by an executor of the same window.
+    void restore(const State& state);
+
     /// Sets field m[a : a+n) of pixel (x, y) in the window: for tests and tools that start from a
     /// given state.
     void set_field(int x, int y, std::uint32_t a, std::uint32_t n, std::uint64_t value);
@@ -37,5 +42,6 @@ class Reference final : public Executor {
   private:
     PixelArray pixels_;
 };
+static_assert(Restorable<Reference>);
 
 }  // namespace pxpl5::isa::reference

@@ -37,6 +37,28 @@ void Fast::reset() {
     board_->store.clear();
 }
 
+std::size_t Fast::State::bytes() const {
+    return sizeof *pixels + blocks.size() * sizeof(hal::BackingStore::Words);
+}
+
+Fast::State Fast::save() const {
+    State state{std::make_unique<const hal::PixelArray>(board_->pixels), {}};
+    for (std::uint32_t number = 0; number < isa::backing_blocks; ++number) {
+        if (const hal::BackingStore::Words* words = board_->store.find(number)) {
+            state.blocks.emplace_back(number, *words);
+        }
+    }
+    return state;
+}
+
+void Fast::restore(const State& state) {
+    board_->pixels = *state.pixels;
+    board_->store.clear();
+    for (const auto& [number, words] : state.blocks) {
+        board_->store.open(number) = words;
+    }
+}
+
 void Fast::execute(isa::Instruction in, isa::Coefficients coefficients) {
     const Handler handler = code_.handlers[static_cast<std::size_t>(in.op)];
     assert(handler != nullptr);

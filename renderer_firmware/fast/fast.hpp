@@ -2,7 +2,10 @@
 // time.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "renderer_firmware/fast/handlers.hpp"
@@ -21,6 +24,19 @@ class Fast final : public isa::Executor {
     /// Back to the state of a new executor. What a region leaves must not reach the next one, or
     /// the picture would depend on which Renderer draws which region.
     void reset();
+
+    /// All that instructions act on, 460 KB and 64 KB a backing-store block in use. What the port
+    /// held is no part of it: PIXELSTOFB writes all of it before anybody reads.
+    struct State {
+        std::unique_ptr<const hal::PixelArray> pixels;
+        std::vector<std::pair<std::uint32_t, hal::BackingStore::Words>> blocks;
+        std::size_t bytes() const;
+    };
+    State save() const;
+    void restore(const State& state);
+
+    /// For tools that look at all pixels at once.
+    const hal::PixelArray& pixels() const { return board_->pixels; }
 
     void execute(isa::Instruction in, isa::Coefficients coefficients) override;
 
@@ -47,5 +63,6 @@ class Fast final : public isa::Executor {
     std::unique_ptr<hal::Board> board_;
     std::vector<Step> steps_;  ///< The stretch being run.
 };
+static_assert(isa::Restorable<Fast>);
 
 }  // namespace pxpl5::renderer::fast
