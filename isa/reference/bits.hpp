@@ -125,20 +125,24 @@ inline Bits product(const Bits& p, const Bits& q, bool is_signed) {
     return sum;
 }
 
+/// All pixels of the scope.
 template <typename Action>
 void each(PixelArray& pixels, Action action) {
-    for (Pixel& pixel : pixels.pixels) {
-        action(pixel);
+    const Window& scope = pixels.scope;
+    for (int y = scope.y0; y < scope.y0 + scope.height; ++y) {
+        for (int x = scope.x0; x < scope.x0 + scope.width; ++x) {
+            action(pixels.at(x, y));
+        }
     }
 }
 
 template <typename Action>
 void each_enabled(PixelArray& pixels, Action action) {
-    for (Pixel& pixel : pixels.pixels) {
+    each(pixels, [&](Pixel& pixel) {
         if (pixel.enable) {
             action(pixel);
         }
-    }
+    });
 }
 
 /// Clears the enable bit where `test` fails.

@@ -32,7 +32,7 @@ struct Pixel {
 
 /// The pixels of a window, row by row.
 struct PixelArray {
-    explicit PixelArray(Window w) : window(w) {
+    explicit PixelArray(Window w) : window(w), scope(w) {
         assert(w.width > 0 && w.x0 >= 0 && w.x0 + w.width <= region::size_px);
         assert(w.height > 0 && w.y0 >= 0 && w.y0 + w.height <= region::size_px);
         pixels.resize(static_cast<std::size_t>(w.width) * static_cast<std::size_t>(w.height));
@@ -50,6 +50,7 @@ struct PixelArray {
     const Pixel& at(int x, int y) const { return const_cast<PixelArray*>(this)->at(x, y); }
 
     Window window;
+    Window scope;  ///< Part of the window, may be empty: the pixels that instructions act on.
     std::vector<Pixel> pixels;
     std::function<void(std::span<const std::uint32_t>)> readout;  ///< Where PIXELSTOFB sends.
 };

@@ -40,6 +40,13 @@ void Reference::execute(Instruction in, Coefficients coefficients) {
     handler(pixels_, in.operands, coefficients);
 }
 
+void Reference::set_scope(const Window& scope) {
+    [[maybe_unused]] const Window& w = pixels_.window;
+    assert(scope.x0 >= w.x0 && scope.x0 + scope.width <= w.x0 + w.width);
+    assert(scope.y0 >= w.y0 && scope.y0 + scope.height <= w.y0 + w.height);
+    pixels_.scope = scope;
+}
+
 bool Reference::any_enabled() const {
     return std::ranges::any_of(pixels_.pixels, &Pixel::enable);
 }

@@ -30,6 +30,10 @@ class Reference final : public Executor {
 
     const Window& window() const { return pixels_.window; }
 
+    /// From now on instructions act on the pixels of `scope` alone, a part of the window; the
+    /// others keep what they have, and PIXELSTOFB sends 0 for them.
+    void set_scope(const Window& scope);
+
     using State = std::vector<Pixel>;
     State save() const { return pixels_.pixels; }
     /// `state` was saved by an executor of the same window.
