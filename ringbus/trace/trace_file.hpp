@@ -11,18 +11,13 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "ringbus/message.hpp"
+#include "ringbus/trace/error.hpp"
 
 namespace pxpl5::bus::trace {
-
-/// Thrown for a file that cannot be written or read; `what` names file, place and reason.
-struct TraceError : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
 
 /// What makes a trace self-contained; an MCAP metadata record named "pxpl5".
 struct Info {
@@ -43,7 +38,7 @@ class TraceWriter {
   public:
     /// Creates or replaces `path`. Throws TraceError.
     TraceWriter(const std::filesystem::path& path, const Info& info);
-    /// Closes the file if close() has not; errors are lost then.
+    /// Leaves the file without its end, but readable, if close() has not been called.
     ~TraceWriter();
     TraceWriter(const TraceWriter&) = delete;
     TraceWriter& operator=(const TraceWriter&) = delete;
@@ -77,7 +72,8 @@ struct Entry {
 class TraceFile {
   public:
     /// Reads everything once and keeps the entries, not the bodies.
-    /// Throws TraceError if `path` is no MCAP file of ours, or of another schema hash.
+    /// Throws TraceError if `path` is no MCAP file of ours, or of another schema hash, or ends
+    /// before it says what it is.
     explicit TraceFile(const std::filesystem::path& path);
     ~TraceFile();
     TraceFile(TraceFile&&) noexcept;

@@ -1,0 +1,127 @@
+// MCAP container files: the records, their fields, and how both are put into bytes.
+//
+// A file is <magic> Header Metadata Schema (Chunk MessageIndex...)... DataEnd
+//           <summary> <summary offsets> Footer <magic>
+// A record is an opcode, the length of its content, and the content; numbers are little endian.
+// Source: MCAP format specification, https://mcap.dev/spec.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pxpl5::bus::trace::mcap {
+
+inline constexpr std::array<std::uint8_t, 8> magic = {0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+
+enum class Op : std::uint8_t {
+    header = 1,
+    footer = 2,
+    schema = 3,
+    channel = 4,
+    message = 5,
+    chunk = 6,
+    message_index = 7,
+    chunk_index = 8,
+    statistics = 11,
+    metadata = 12,
+    metadata_index = 13,
+    summary_offset = 14,
+    data_end = 15,
+};
+
+inline constexpr std::size_t record_head_bytes = 9;    ///< Opcode and length.
+inline constexpr std::size_t message_head_bytes = 22;  ///< Of a message's content, before its data.
+inline constexpr std::size_t footer_bytes = 20;        ///< Of the footer's content.
+/// A chunk holds whole messages, and a message is at most 1 GiB with some bytes around it.
+inline constexpr std::uint64_t max_chunk_bytes =
+    (std::uint64_t{1} << 30) + (std::uint64_t{8} << 20);
+/// Of every other record.
+inline constexpr std::uint64_t max_record_bytes = std::uint64_t{64} << 20;
+
+using Bytes = std::vector<std::uint8_t>;
+using Metadata = std::map<std::string, std::string>;
+
+/// CRC-32 of what came before, whose CRC is `before`, and of `bytes`.
+std::uint32_t crc_of(std::span<const std::uint8_t> bytes, std::uint32_t before = 0);
+
+/// Appends fields to `to`.
+class Out {
+  public:
+    explicit Out(Bytes& to) : to_(to) {}
+    template <typename Number>
+    Out& number(Number value) {
+        for (std::size_t i = 0; i < sizeof value; ++i) {
+            to_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+        }
+        return *this;
+    }
+    Out& op(Op value) { return number(static_cast<std::uint8_t>(value)); }
+    Out& raw(std::span<const std::uint8_t> bytes);
+    Out& text(std::string_view value);
+    Out& texts(const Metadata& values);
+
+    /// Appends a list or map: its length in bytes, then what `fill` appends.
+    template <typename Fill>
+    Out& counted(const Fill& fill) {
+        return measured<std::uint32_t>(fill);
+    }
+    /// Appends a record whose content `fill` appends.
+    template <typename Fill>
+    Out& record(Op opcode, const Fill& fill) {
+        op(opcode);
+        return measured<std::uint64_t>(fill);
+    }
+
+  private:
+    template <typename Length, typename Fill>
+    Out& measured(const Fill& fill) {
+        const std::size_t at = to_.size();
+        number(Length{0});
+        fill();
+        const auto length = static_cast<Length>(to_.size() - at - sizeof(Length));
+        for (std::size_t i = 0; i < sizeof(Length); ++i) {
+            to_[at + i] = static_cast<std::uint8_t>(length >> (8 * i));
+        }
+        return *this;
+    }
+
+    Bytes& to_;
+};
+
+/// Thrown for bytes that are not what they should be. `what` is for behind "at offset N: ".
+struct Damage : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// Takes fields from the front of bytes. Throws Damage if a field is not there.
+class In {
+  public:
+    explicit In(std::span<const std::uint8_t> bytes) : left_(bytes) {}
+    bool empty() const { return left_.empty(); }
+    std::size_t size() const { return left_.size(); }
+    template <typename Number>
+    Number number() {
+        Number value = 0;
+        const auto bytes = raw(sizeof value);
+        for (std::size_t i = 0; i < sizeof value; ++i) {
+            value = static_cast<Number>(value | static_cast<Number>(bytes[i]) << (8 * i));
+        }
+        return value;
+    }
+    std::span<const std::uint8_t> raw(std::uint64_t count);
+    std::span<const std::uint8_t> rest() { return raw(left_.size()); }
+    std::string text();
+    Metadata texts();
+
+  private:
+    std::span<const std::uint8_t> left_;
+};
+
+}  // namespace pxpl5::bus::trace::mcap
