@@ -1,0 +1,371 @@
+#include "isa/conformance_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <bitset>
+#include <map>
+
+#include "isa/sequencer.hpp"
+
+namespace pxpl5::isa {
+namespace {
+
+using Kind = StateColumn::Kind;
+
+// Set-up.
+
+/// Writes a program that sets the pixels up. Memory is scratch until the fields are set.
+class SetUp {
+  public:
+    std::vector<std::uint32_t> words(const std::vector<StateTable>& given) {
+        for (const Kind kind : {Kind::block, Kind::carry}) {
+            each_value(given, kind, [&](const StateColumn& column, const Quadratic& value) {
+                store(0, backing_block_bits, value);
+                if (kind == Kind::carry) {
+                    put({Op::mem_plus_mem, {0, 0, 1}});  // A bit plus itself carries the bit.
+                } else {
+                    put({Op::bs_write, {0, column.a, 0}});
+                    put({Op::bs_wait, {}});
+                }
+            });
+        }
+        put({Op::set_enabs, {}});
+        put({Op::clear_mem, {0, 0, backing_block_bits}});
+        each_value(given, Kind::field, [&](const StateColumn& column, const Quadratic& value) {
+            store(column.a, column.n, value);
+        });
+        enables(given);
+        return std::move(words_);
+    }
+
+  private:
+    void put(Instruction in, const std::array<std::uint64_t, 6>& coefficients = {}) {
+        words_.push_back(encode(in));
+        for (int i = 0; i < info(in.op).words; ++i) {
+            words_.push_back(static_cast<std::uint32_t>(coefficients[static_cast<std::size_t>(i)]));
+        }
+    }
+
+    /// Enables the pixels that a row speaks of.
+    void select(const PixelSelector& where) {
+        const PixelRectangle& r = where.rectangle;
+        const auto minus = [](int v) { return static_cast<std::uint64_t>(-std::int64_t{v}); };
+        const auto plus = [](int v) { return static_cast<std::uint64_t>(v); };
+        put({Op::set_enabs, {}});
+        if (r != PixelRectangle{}) {
+            put({Op::tree_ge_zero, {0, 0, 16}}, {1, 0, minus(r.x0)});
+            put({Op::tree_lt_zero, {0, 0, 16}}, {1, 0, minus(r.x1 + 1)});
+            put({Op::tree_ge_zero, {0, 0, 16}}, {0, 1, minus(r.y0)});
+            put({Op::tree_ge_zero, {0, 0, 16}}, {0, minus(1), plus(r.y1)});
+        }
+        if (where.at_least_zero) {
+            put({Op::quad_ge_zero, {0, 0, 64}}, where.at_least_zero->k);
+        }
+    }
+
+    /// Stores the low n bits of `value` at m[a] of the enabled pixels.
+    void store(std::uint32_t a, std::uint32_t n, const Quadratic& value) {
+        if (!value.is_constant()) {
+            return put({Op::quad_into_mem, {a, 0, n}}, value.k);
+        }
+        put({Op::const_into_mem, {a, 0, std::min(n, 32U)}}, {value.k[2]});
+        if (n > 32) {
+            put({Op::const_into_mem, {a + 32, 0, n - 32}}, {value.k[2] >> 32U});
+        }
+    }
+
+    template <typename Action>
+    void each_value(const std::vector<StateTable>& given, Kind kind, const Action& action) {
+        for (const StateTable& table : given) {
+            for (const StateTable::Row& row : table.rows) {
+                bool is_selected = false;
+                for (std::size_t i = 0; i < table.columns.size(); ++i) {
+                    if (table.columns[i].kind == kind && row.values[i]) {
+                        is_selected ? void() : select(row.where);
+                        is_selected = true;
+                        action(table.columns[i], *row.values[i]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Comes last. Enables that differ are gathered in a free bit, which reads 0 before and after:
+    /// the pixels that MEMintoENAB enables are the ones whose bit CLEARMEM clears.
+    void enables(const std::vector<StateTable>& given) {
+        std::bitset<memory_bits> used;
+        for (const StateTable& table : given) {
+            for (const StateColumn& column : table.columns) {
+                for (std::uint32_t i = 0; column.kind == Kind::field && i < column.n; ++i) {
+                    used.set(column.a + i);
+                }
+            }
+        }
+        std::uint32_t bit = memory_bits;
+        while (bit > 0 && used.test(bit - 1)) {
+            --bit;
+        }
+        if (bit == 0) {
+            throw std::invalid_argument(fmt::format(
+                "the fields given leave none of {} bits of memory free to set enables up",
+                memory_bits));
+        }
+        --bit;
+        each_value(given, Kind::enable,
+                   [&](const StateColumn&, const Quadratic& value) { store(bit, 1, value); });
+        put({Op::mem_into_enab, {bit, 0, 0}});
+        put({Op::clear_mem, {bit, 0, 1}});
+    }
+
+    std::vector<std::uint32_t> words_;
+};
+
+// Comparison.
+
+/// What one pixel holds.
+struct Pixel {
+    std::bitset<memory_bits> memory;
+    bool enable = false, carry = false;
+    std::map<std::uint32_t, std::uint32_t> blocks;  ///< Those that a case speaks of.
+    std::uint32_t readout = 0;
+};
+
+void apply(const std::vector<StateTable>& tables, int x, int y, Pixel& pixel) {
+    const auto set = [&](const StateColumn& column, std::uint64_t value) {
+        switch (column.kind) {
+            case Kind::field:
+                for (std::uint32_t i = 0; i < column.n; ++i) {
+                    pixel.memory[column.a + i] = (value >> i & 1) != 0;
+                }
+                break;
+            case Kind::enable:
+                pixel.enable = (value & 1) != 0;
+                break;
+            case Kind::carry:
+                pixel.carry = (value & 1) != 0;
+                break;
+            case Kind::block:
+                pixel.blocks[column.a] = static_cast<std::uint32_t>(value);
+                break;
+            case Kind::readout:
+                pixel.readout = static_cast<std::uint32_t>(value);
+                break;
+        }
+    };
+    for (const StateTable& table : tables) {
+        for (const StateTable::Row& row : table.rows) {
+            for (std::size_t i = 0; row.where.selects(x, y) && i < row.values.size(); ++i) {
+                if (row.values[i]) {
+                    set(table.columns[i], row.values[i]->at(x, y));
+                }
+            }
+        }
+    }
+}
+
+/// Blocks of the backing store that the case or its program speaks of.
+std::vector<std::uint32_t> blocks_of(const ConformanceCase& test) {
+    std::vector<std::uint32_t> blocks;
+    for (const std::vector<StateTable>* tables : {&test.given, &test.expect}) {
+        for (const StateTable& table : *tables) {
+            for (const StateColumn& column : table.columns) {
+                if (column.kind == Kind::block) {
+                    blocks.push_back(column.a);
+                }
+            }
+        }
+    }
+    const std::vector<std::uint32_t>& words = test.program.words;
+    for (std::size_t at = 0; at < words.size(); at += instruction_words(words[at])) {
+        const Instruction in = *decode(words[at]);
+        if (info(in.op).b_role == Role::block) {
+            blocks.push_back(in.operands.b);
+        }
+    }
+    std::ranges::sort(blocks);
+    blocks.erase(std::ranges::unique(blocks).begin(), blocks.end());
+    return blocks;
+}
+
+bool has_readout(const std::vector<StateTable>& tables) {
+    return std::ranges::any_of(tables, [](const StateTable& table) {
+        return std::ranges::any_of(table.columns,
+                                   [](const StateColumn& c) { return c.kind == Kind::readout; });
+    });
+}
+
+class Comparison {
+  public:
+    Comparison(const ConformanceCase& test, Executor& executor, PixelRectangle area)
+        : test_(test), executor_(executor), area_(area), blocks_(blocks_of(test)) {
+        executor_.set_readout([this](std::span<const std::uint32_t> words) {
+            readout_.assign(words.begin(), words.end());
+        });
+    }
+    Comparison(const Comparison&) = delete;
+    Comparison& operator=(const Comparison&) = delete;
+    ~Comparison() { executor_.set_readout({}); }
+
+    std::string first_difference(const std::function<void()>& before_run) {
+        set_up(test_.given, executor_);
+        if (std::string found = pixels(false); !found.empty()) {
+            return "before the run " + found;
+        }
+        if (before_run) {
+            before_run();
+        }
+        const std::string stopped = run();
+        const std::string found = controller(stopped);
+        return found.empty() ? pixels(true) : found;
+    }
+
+  private:
+    /// Why the run stopped; empty if it ran to its end.
+    std::string run() {
+        controller_.on_signal = [this](std::uint32_t number) { signals_.push_back(number); };
+        controller_.step_limit = 1'000'000;
+        Sequencer sequencer(test_.program.words, executor_, controller_);
+        std::string stopped;
+        try {
+            sequencer.run();
+        } catch (const RunError& error) {
+            stopped = error.what();
+        }
+        counts_ = sequencer.counts();
+        return stopped;
+    }
+
+    std::string controller(const std::string& stopped) const {
+        if (stopped.empty() != test_.stops.empty() ||
+            stopped.find(test_.stops) == std::string::npos) {
+            return fmt::format("the run ends '{}', expected '{}'", stopped, test_.stops);
+        }
+        if (signals_ != test_.signals) {
+            return fmt::format("signals are [{}], expected [{}]", fmt::join(signals_, " "),
+                               fmt::join(test_.signals, " "));
+        }
+        if (controller_.flag != test_.flag) {
+            return fmt::format("flag is {:d}, expected {:d}", controller_.flag, test_.flag);
+        }
+        if (readout_.empty() == has_readout(test_.expect)) {
+            return readout_.empty() ? "nothing was read out, expected a readout"
+                                    : "pixels were read out, expected none";
+        }
+        if (test_.instructions.value_or(counts_.instructions) != counts_.instructions) {
+            return fmt::format("the run took {} instructions, expected {}", counts_.instructions,
+                               *test_.instructions);
+        }
+        if (test_.cycles.value_or(counts_.cycles) != counts_.cycles) {
+            return fmt::format("the run took {} cycles, expected {}", counts_.cycles,
+                               *test_.cycles);
+        }
+        return {};
+    }
+
+    std::string pixels(bool after) const {
+        for (const PixelRectangle& r : compared_pixels(test_)) {
+            for (int y = std::max(r.y0, area_.y0); y <= std::min(r.y1, area_.y1); ++y) {
+                for (int x = std::max(r.x0, area_.x0); x <= std::min(r.x1, area_.x1); ++x) {
+                    if (std::string found = pixel(x, y, after); !found.empty()) {
+                        return fmt::format("pixel ({}, {}): {}", x, y, found);
+                    }
+                }
+            }
+        }
+        return {};
+    }
+
+    std::string pixel(int x, int y, bool after) const {
+        Pixel want;
+        apply(test_.given, x, y, want);
+        if (after) {
+            apply(test_.expect, x, y, want);
+        }
+        if (std::string found = memory(x, y, want); !found.empty()) {
+            return found;
+        }
+        if (executor_.enabled(x, y) != want.enable) {
+            return fmt::format("enable is {:d}, expected {:d}", !want.enable, want.enable);
+        }
+        if (executor_.carry(x, y) != want.carry) {
+            return fmt::format("carry is {:d}, expected {:d}", !want.carry, want.carry);
+        }
+        for (const std::uint32_t block : blocks_) {
+            const std::uint32_t found = executor_.backing_block(x, y, block);
+            if (found != want.blocks[block]) {
+                return fmt::format("bs{} is 0x{:x}, expected 0x{:x}", block, found,
+                                   want.blocks[block]);
+            }
+        }
+        const auto index = static_cast<std::size_t>(y * region::size_px + x);
+        if (after && !readout_.empty() && readout_[index] != want.readout) {
+            return fmt::format("readout is 0x{:x}, expected 0x{:x}", readout_[index], want.readout);
+        }
+        return {};
+    }
+
+    /// Fields that the case speaks of come first, so that its own names appear in a difference.
+    std::string memory(int x, int y, const Pixel& want) const {
+        constexpr std::uint32_t part = 52;
+        for (std::uint32_t a = 0; a < memory_bits; a += part) {
+            const std::uint64_t found = executor_.field(x, y, a, part);
+            const std::uint64_t expected = bits(want, a, part);
+            if (found != expected) {
+                const auto offset = static_cast<std::uint32_t>(std::countr_zero(found ^ expected));
+                return named_field(x, y, want, a + offset);
+            }
+        }
+        return {};
+    }
+
+    static std::uint64_t bits(const Pixel& pixel, std::uint32_t a, std::uint32_t n) {
+        std::uint64_t value = 0;
+        for (std::uint32_t i = 0; i < n; ++i) {
+            value |= static_cast<std::uint64_t>(pixel.memory[a + i]) << i;
+        }
+        return value;
+    }
+
+    /// The difference at `bit`, told of the field that the case names there, or of the bit.
+    std::string named_field(int x, int y, const Pixel& want, std::uint32_t bit) const {
+        StateColumn field{Kind::field, bit, 1};
+        for (const std::vector<StateTable>* tables : {&test_.given, &test_.expect}) {
+            for (const StateTable& table : *tables) {
+                for (const StateColumn& c : table.columns) {
+                    field = c.kind == Kind::field && bit >= c.a && bit < c.a + c.n ? c : field;
+                }
+            }
+        }
+        return fmt::format("m{}:{} is 0x{:x}, expected 0x{:x}", field.a, field.n,
+                           executor_.field(x, y, field.a, field.n), bits(want, field.a, field.n));
+    }
+
+    const ConformanceCase& test_;
+    Executor& executor_;
+    PixelRectangle area_;
+    std::vector<std::uint32_t> blocks_;
+    Controller controller_;
+    RunCounts counts_;
+    std::vector<std::uint32_t> signals_, readout_;
+};
+
+}  // namespace
+
+std::vector<PixelRectangle> compared_pixels(const ConformanceCase& test) {
+    return test.watch.empty() ? std::vector<PixelRectangle>{PixelRectangle{}} : test.watch;
+}
+
+void set_up(const std::vector<StateTable>& given, Executor& executor) {
+    const std::vector<std::uint32_t> words = SetUp().words(given);
+    Controller controller;
+    run(words, executor, controller);
+}
+
+std::string first_difference(const ConformanceCase& test, Executor& executor,
+                             const PixelRectangle& area, const std::function<void()>& before_run) {
+    return Comparison(test, executor, area).first_difference(before_run);
+}
+
+}  // namespace pxpl5::isa

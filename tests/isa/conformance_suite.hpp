@@ -1,0 +1,73 @@
+// The conformance cases of tests/isa/conformance, and how an executor is put through them.
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "isa/conformance_run.hpp"
+#include "isa/reference/reference.hpp"
+
+namespace pxpl5::test {
+
+/// A case and the file it was read from.
+struct ConformanceFile {
+    std::string name;  ///< Below tests/isa/conformance.
+    isa::ConformanceCase test;
+
+    bool names(isa::Op op) const {
+        const std::vector<std::uint32_t>& words = test.program.words;
+        for (std::size_t at = 0; at < words.size(); at += isa::instruction_words(words[at])) {
+            if (isa::decode(words[at])->op == op) {
+                return true;
+            }
+        }
+        return false;
+    }
+};
+
+/// All cases, by name. Throws std::runtime_error that names the file that is no case.
+inline const std::vector<ConformanceFile>& conformance_suite() {
+    static const std::vector<ConformanceFile> suite = [] {
+        const std::filesystem::path folder = PXPL5_SOURCE_DIR "/tests/isa/conformance";
+        std::vector<ConformanceFile> files;
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+            if (entry.path().extension() != ".pxt") {
+                continue;
+            }
+            std::ostringstream text;
+            text << std::ifstream(entry.path(), std::ios::binary).rdbuf();
+            const std::string name = entry.path().lexically_relative(folder).string();
+            try {
+                files.push_back({name, isa::parse_conformance(text.str())});
+            } catch (const isa::ConformanceError& error) {
+                throw std::runtime_error(name + ": " + error.what());
+            }
+        }
+        std::ranges::sort(files, {}, &ConformanceFile::name);
+        return files;
+    }();
+    return suite;
+}
+
+/// The first difference on the reference. It emulates what is watched, a rectangle at a time,
+/// unless the program asks for the OR of all enables: then it needs the whole region.
+inline std::string difference_on_reference(const ConformanceFile& file) {
+    std::vector<isa::PixelRectangle> windows = isa::compared_pixels(file.test);
+    if (file.names(isa::Op::any_enab)) {
+        windows = {isa::PixelRectangle{}};
+    }
+    for (const isa::PixelRectangle& r : windows) {
+        isa::reference::Reference reference({r.x0, r.y0, r.x1 - r.x0 + 1, r.y1 - r.y0 + 1});
+        if (std::string found = first_difference(file.test, reference, r); !found.empty()) {
+            return found;
+        }
+    }
+    return {};
+}
+
+}  // namespace pxpl5::test
