@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "ringbus/node_loop.hpp"
+#include "ringbus/trace/recorder.hpp"
 #include "ringbus/zmq_link.hpp"
 
 namespace pxpl5::bus {
@@ -31,6 +32,16 @@ int parse_whole(std::string_view flag, std::string_view text, int low, int high)
             fmt::format("{} is '{}', expected a whole number in {} .. {}", flag, text, low, high));
     }
     return value;
+}
+
+schema::Recording parse_recording(std::string_view flag, std::string_view text) {
+    for (const schema::Recording value : schema::EnumValuesRecording()) {
+        if (text == schema::EnumNameRecording(value)) {
+            return value;
+        }
+    }
+    throw std::invalid_argument(
+        fmt::format("{} is '{}', expected off, flight or full", flag, text));
 }
 
 /// Children must not outlive their launcher, however it ends.
@@ -70,8 +81,8 @@ void connect_to_all(ZmqLink& link, const schema::Topology& topology) {
 
 /// Hello, Topology, Connected, Go. What others send before Go comes into `early`, in order.
 /// Returns false after Shutdown or when the parent is gone.
-bool join(ZmqLink& link, Node& node, LinkOutbox& out, const std::function<bool()>& alive,
-          std::deque<Message>& early) {
+bool join(ZmqLink& ring, Link& link, Node& node, LinkOutbox& out,
+          const std::function<bool()>& alive, std::deque<Message>& early) {
     while (true) {
         const std::optional<Message> message = receive_or_report(link, out);
         if (!message) {
@@ -81,7 +92,7 @@ bool join(ZmqLink& link, Node& node, LinkOutbox& out, const std::function<bool()
             continue;
         }
         if (const auto* topology = message->as<schema::Topology>()) {
-            connect_to_all(link, *topology);
+            connect_to_all(ring, *topology);
             deliver(node, link.id(), *message, out);
             link.send(host_id, pack(schema::ConnectedT{}));
         } else if (message->kind() == Body::Go) {
@@ -94,33 +105,78 @@ bool join(ZmqLink& link, Node& node, LinkOutbox& out, const std::function<bool()
     }
 }
 
+/// Drives `node` over `link`, which may be `ring` itself, from Hello to Shutdown.
+int drive(ZmqLink& ring, Link& link, Node& node, const std::function<bool()>& alive) {
+    LinkOutbox out(link);
+    std::deque<Message> early;
+    if (!join(ring, link, node, out, alive, early)) {
+        return alive() ? done : unavailable;
+    }
+    for (const Message& message : early) {
+        deliver(node, link.id(), message, out);
+    }
+    early.clear();
+    return run_node(node, link, alive) ? done : unavailable;
+}
+
+trace::Info trace_info(const ProcessFlags& flags, schema::Role role) {
+    trace::Info info;
+    info.build = build_id();
+    info.schema_hash = schema_hash();
+    info.node = flags.node_id;
+    info.role = role;
+    info.index = flags.index;
+    info.recording = flags.record;
+    return info;
+}
+
+void save_at_failure(trace::Recorder& recorder) {
+    try {
+        recorder.save();
+    } catch (const trace::TraceError& error) {
+        fmt::print(stderr, "error: {}\n", error.what());  // The cause itself comes after it.
+    }
+}
+
+/// The same, recording. What a flight holds is written if the node ends by an exception.
+int drive_recorded(ZmqLink& ring, const ProcessFlags& flags, schema::Role role, Node& node,
+                   const std::function<bool()>& alive) {
+    trace::Recorder recorder(flags.trace_file, trace_info(flags, role));
+    trace::RecordingLink link(ring, recorder);
+    try {
+        const int code = drive(ring, link, node, alive);
+        recorder.close();
+        return code;
+    } catch (const std::exception&) {
+        save_at_failure(recorder);
+        throw;
+    }
+}
+
 int run(const ProcessFlags& flags, schema::Role role, const NodeFactory& make_node) {
     const auto alive = [&flags] { return flags.parent_pid == 0 || getppid() == flags.parent_pid; };
     ZmqLink link(flags.node_id, flags.bind);
     link.add_peer(host_id, flags.host_endpoint);
     link.linger(host_id, last_words_ms);
     const std::unique_ptr<Node> node = make_node();
-    LinkOutbox out(link);
     link.send(host_id, hello_message(role, flags, link.endpoint()));
-    std::deque<Message> early;
-    if (!join(link, *node, out, alive, early)) {
-        return alive() ? done : unavailable;
-    }
-    for (const Message& message : early) {
-        deliver(*node, link.id(), message, out);
-    }
-    early.clear();
-    return run_node(*node, link, alive) ? done : unavailable;
+    return flags.record == schema::Recording::off ? drive(link, link, *node, alive)
+                                                  : drive_recorded(link, flags, role, *node, alive);
 }
 
 }  // namespace
 
 std::vector<std::string> to_arguments(const ProcessFlags& flags) {
-    return {"--host-endpoint", flags.host_endpoint,
-            "--bind",          flags.bind,
-            "--node-id",       std::to_string(flags.node_id),
-            "--index",         std::to_string(flags.index),
-            "--parent-pid",    std::to_string(flags.parent_pid)};
+    std::vector<std::string> arguments = {"--host-endpoint", flags.host_endpoint,
+                                          "--bind",          flags.bind,
+                                          "--node-id",       std::to_string(flags.node_id),
+                                          "--index",         std::to_string(flags.index),
+                                          "--parent-pid",    std::to_string(flags.parent_pid)};
+    if (flags.record != schema::Recording::off) {
+        arguments.insert(arguments.end(), {"--record", schema::EnumNameRecording(flags.record),
+                                           "--trace-file", flags.trace_file});
+    }
+    return arguments;
 }
 
 ProcessFlags parse_flags(int argc, char** argv) {
@@ -143,11 +199,18 @@ ProcessFlags parse_flags(int argc, char** argv) {
             flags.index = static_cast<std::uint16_t>(parse_whole(flag, value(), 0, 0xffff));
         } else if (flag == "--parent-pid") {
             flags.parent_pid = parse_whole(flag, value(), 0, 1 << 30);
+        } else if (flag == "--record") {
+            flags.record = parse_recording(flag, value());
+        } else if (flag == "--trace-file") {
+            flags.trace_file = value();
         }
     }
     if (flags.host_endpoint.empty() || flags.bind.empty() || flags.node_id == 0) {
         throw std::invalid_argument(
             "--host-endpoint, --bind and --node-id are needed; pxpl5 starts this program itself");
+    }
+    if (flags.record != schema::Recording::off && flags.trace_file.empty()) {
+        throw std::invalid_argument("--record needs --trace-file: where the recording goes");
     }
     return flags;
 }
@@ -176,6 +239,7 @@ int run_process(int argc, char** argv, schema::Role role, const NodeFactory& mak
         const ProcessFlags flags = parse_flags(argc, argv);
         // Ctrl-C reaches the whole terminal; the host decides what it means.
         std::signal(SIGINT, SIG_IGN);
+        std::signal(SIGXFSZ, SIG_IGN);  // A trace that grows too large is an error of its writer.
         return tie_to_parent(flags.parent_pid) ? run(flags, role, make_node) : unavailable;
     } catch (const std::invalid_argument& error) {
         fmt::print(stderr, "error: {}\n", error.what());

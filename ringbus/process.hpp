@@ -19,6 +19,8 @@ struct ProcessFlags {
     NodeId node_id = 0;         ///< --node-id: its number on the ring, 1 or more.
     std::uint16_t index = 0;    ///< --index: counts from 0 within the role.
     int parent_pid = 0;         ///< --parent-pid: ends when that process is no longer its parent.
+    schema::Recording record = schema::Recording::off;  ///< --record: off, flight or full.
+    std::string trace_file{};                           ///< --trace-file: where to; then needed.
 };
 
 /// The flags as a command line that parse_flags reads back.

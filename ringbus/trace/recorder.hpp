@@ -4,9 +4,10 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
+#include <memory>
 #include <optional>
+#include <string>
 
 #include "ringbus/link.hpp"
 #include "ringbus/trace/trace_file.hpp"
@@ -20,29 +21,47 @@ struct FlightLimits {
     std::size_t setup_bytes = std::size_t{64} << 20;   ///< Of what came before and still holds.
 };
 
-/// Keeps received messages by the mode: nothing, the newest, or all (straight into the file).
+/// When something happened: by the calendar, and by a clock that is never set.
+struct Instant {
+    std::uint64_t wall_ns = 0;
+    std::chrono::steady_clock::time_point steady;
+    static Instant now();
+};
+
+/// Keeps received messages by the mode: the newest, or all (straight into the file).
 ///
 /// A flight recorder keeps beside the newest messages those of set-up that still hold: Topology,
-/// the current volume, the newest SetSurface of each surface. So its file can be replayed from its
-/// first whole frame. Slices beyond `setup_bytes` are given up; VolumeHeader says where they came
-/// from.
+/// the current volume, the newest SetSurface of each surface (held.cpp). So its file can be
+/// replayed from its first whole frame. Slices beyond `setup_bytes` are given up; VolumeHeader says
+/// where they came from.
 class Recorder {
   public:
-    /// `path` is written at once when recording everything, else at save(). Throws TraceError.
+    /// How long messages of a full recording may wait for their file.
+    static constexpr std::chrono::milliseconds patience{250};
+
+    /// `info.recording` is flight or full. A full recording creates `path` at once, in a folder
+    /// that is there, a flight at save(). Throws TraceError.
     Recorder(std::filesystem::path path, const Info& info, FlightLimits limits = {});
     ~Recorder();
+    Recorder(const Recorder&) = delete;
+    Recorder& operator=(const Recorder&) = delete;
 
-    /// Notes a received message. Costs no copy of its body while flying. Throws TraceError.
-    void note(const Message& message);
-    /// Nothing is waiting for the node: a good time to flush a file.
+    /// Notes a received message. Costs no copy of its body while flying.
+    ///
+    /// Throws TraceError when the file takes no more: once, and nothing is noted from then on.
+    void note(const Message& message, Instant when = Instant::now());
+    /// Whether messages wait for their file, so that idle() has something to do.
+    bool has_unwritten() const;
+    /// Nothing has come for a while: writes what waits. Throws TraceError as note() does.
     void idle();
 
     struct Saved {
         std::uint64_t messages = 0, bytes = 0;
     };
-    /// Writes what is held, under a temporary name first. The recorder goes on. Throws TraceError.
+    /// Writes what is held, a flight under a temporary name first. The recorder goes on.
+    /// Throws TraceError, also for a recording that had to stop.
     Saved save();
-    /// Ends a full recording in order; a flight is not saved.
+    /// Ends a full recording in order; a flight is not saved. Throws TraceError.
     void close();
 
   private:
@@ -50,7 +69,8 @@ class Recorder {
     std::unique_ptr<Parts> parts_;
 };
 
-/// A link that records what it hands on, and obeys SaveTrace by itself.
+/// A link that records what it hands on, and obeys SaveTrace by itself. When recording fails, the
+/// host gets a Fault, and the node goes on.
 class RecordingLink final : public Link {
   public:
     /// Both outlive it.
@@ -65,6 +85,10 @@ class RecordingLink final : public Link {
     bool wait(int timeout_ms) override;
 
   private:
+    template <typename Act>
+    void reporting(const Act& act);
+    void answer(NodeId who);
+
     Link& link_;
     Recorder& recorder_;
 };

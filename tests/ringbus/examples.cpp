@@ -47,9 +47,15 @@ std::vector<Payload> control_examples() {
     saved.messages = 12;
     saved.bytes = 34'567;
     saved.error = "no space left on device";
-    return {pack(hello),         pack(topology), pack(schema::ConnectedT{}),
-            pack(schema::GoT{}), pack(shutdown), pack(credit),
-            pack(fault),         pack(schema::SaveTraceT{}), pack(saved)};
+    return {pack(hello),
+            pack(topology),
+            pack(schema::ConnectedT{}),
+            pack(schema::GoT{}),
+            pack(shutdown),
+            pack(credit),
+            pack(fault),
+            pack(schema::SaveTraceT{}),
+            pack(saved)};
 }
 
 std::vector<Payload> volume_examples() {

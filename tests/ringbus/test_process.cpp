@@ -222,7 +222,8 @@ TEST_SUITE("ringbus/process") {
     }
 
     TEST_CASE("flags survive the command line") {
-        const ProcessFlags flags{"ipc://h", "ipc://b", 7, 3, 4242};
+        const ProcessFlags flags{"ipc://h",    "ipc://b", 7, 3, 4242, schema::Recording::full,
+                                 "t/gp-3.mcap"};
         std::vector<std::string> words = to_arguments(flags);
         words.insert(words.begin(), "program");
         words.emplace_back("--memory-mib");  // For the program's own main.
@@ -237,6 +238,8 @@ TEST_SUITE("ringbus/process") {
         CHECK(back.node_id == 7);
         CHECK(back.index == 3);
         CHECK(back.parent_pid == 4242);
+        CHECK(back.record == schema::Recording::full);
+        CHECK(back.trace_file == "t/gp-3.mcap");
     }
 
     TEST_CASE("missing and malformed flags are named") {
@@ -257,6 +260,10 @@ TEST_SUITE("ringbus/process") {
         CHECK(contains(error({"--node-id"}), "--node-id needs a value"));
         CHECK(contains(error({"--node-id", "0"}), "--node-id is '0'"));
         CHECK(contains(error({"--index", "x"}), "--index is 'x'"));
+        CHECK(contains(error({"--record", "some"}), "--record is 'some', expected off, flight"));
+        CHECK(contains(
+            error({"--host-endpoint", "h", "--bind", "b", "--node-id", "1", "--record", "full"}),
+            "--record needs --trace-file"));
     }
 
     TEST_CASE("a child of another build or schema is refused with both values") {

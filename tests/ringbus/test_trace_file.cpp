@@ -198,7 +198,8 @@ TEST_SUITE("ringbus/trace_file") {
         std::vector<Message> messages = example_messages();
         write_example(path, messages);
         std::vector<std::uint64_t> chunks;  // Where each message's chunk begins.
-        for (const trace::Entry& entry : TraceFile(path).entries()) {
+        const std::vector<trace::Entry> entries = TraceFile(path).entries();
+        for (const trace::Entry& entry : entries) {
             chunks.push_back(entry.chunk);
         }
         int before = static_cast<int>(messages.size());

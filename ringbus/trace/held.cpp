@@ -1,0 +1,109 @@
+#include "ringbus/trace/held.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace pxpl5::bus::trace {
+
+namespace {
+
+/// What replaces what: groups are given up as a whole when one of them begins anew.
+enum class Group : std::uint8_t { machine, model, surfaces };
+
+enum class Does : std::uint8_t {
+    stays,     ///< Besides all others of its kind.
+    replaces,  ///< The former of its kind and key.
+    begins,    ///< Gives up model and surfaces, then stays.
+    removes,   ///< Those of its group with its key, and itself.
+};
+
+struct Rule {
+    Body kind;
+    Group group;
+    Does does;
+    bool bulk;                             ///< Counts against the limit.
+    std::uint32_t (*key)(const Message&);  ///< Null if there is only one.
+};
+
+std::uint32_t source_of(const Message& message) {
+    return message.source();
+}
+template <typename Table>
+std::uint32_t surface_of(const Message& message) {
+    return message.as<Table>()->surface();
+}
+
+/// All that a node goes by until it is told otherwise. Of other kinds nothing is held.
+constexpr std::array rules = {
+    Rule{Body::Hello, Group::machine, Does::replaces, false, source_of},
+    Rule{Body::Topology, Group::machine, Does::replaces, false, nullptr},
+    Rule{Body::VolumeHeader, Group::model, Does::begins, false, nullptr},
+    Rule{Body::Slices, Group::model, Does::stays, true, nullptr},
+    Rule{Body::VolumeEnd, Group::model, Does::stays, false, nullptr},
+    Rule{Body::SetSurface, Group::surfaces, Does::replaces, false, surface_of<schema::SetSurface>},
+    Rule{Body::RemoveSurface, Group::surfaces, Does::removes, false,
+         surface_of<schema::RemoveSurface>},
+};
+
+const Rule* rule_of(Body kind) {
+    const auto* rule =
+        std::find_if(rules.begin(), rules.end(), [kind](const Rule& r) { return r.kind == kind; });
+    return rule == rules.end() ? nullptr : rule;
+}
+
+std::uint32_t key_of(const Rule& rule, const Message& message) {
+    return rule.key == nullptr ? 0 : rule.key(message);
+}
+
+/// Whether `older` no longer holds once `message` has come.
+bool ends(const Rule& rule, const Message& message, const Message& older) {
+    const Rule& its = *rule_of(older.kind());
+    switch (rule.does) {
+        case Does::stays:
+            return false;
+        case Does::replaces:
+            return its.kind == rule.kind && key_of(its, older) == key_of(rule, message);
+        case Does::begins:
+            return its.group != Group::machine;
+        case Does::removes:
+            return its.group == rule.group && key_of(its, older) == key_of(rule, message);
+    }
+    return false;
+}
+
+}  // namespace
+
+template <typename Test>
+void HeldSetup::drop(const Test& test) {
+    std::erase_if(held_, [&](const Held& older) {
+        const bool dropped = test(older);
+        if (dropped && rule_of(older.message.kind())->bulk) {
+            bulk_bytes_ -= older.message.bytes().size();
+        }
+        return dropped;
+    });
+}
+
+std::uint64_t HeldSetup::take(Held held) {
+    const std::size_t before = held_.size() + 1;
+    const Rule* rule = rule_of(held.message.kind());
+    if (rule == nullptr) {
+        return 1;
+    }
+    drop([&](const Held& older) { return ends(*rule, held.message, older.message); });
+    bulk_refused_ = bulk_refused_ && rule->does != Does::begins;
+    if (rule->bulk) {
+        bulk_bytes_ += held.message.bytes().size();
+        held_.push_back(std::move(held));
+        if (bulk_refused_ || bulk_bytes_ > limit_bytes_) {
+            bulk_refused_ = true;  // A part of it would be of no use.
+            drop([](const Held& older) { return rule_of(older.message.kind())->bulk; });
+        }
+    } else if (rule->does != Does::removes) {
+        held_.push_back(std::move(held));
+    }
+    return before - held_.size();
+}
+
+}  // namespace pxpl5::bus::trace
