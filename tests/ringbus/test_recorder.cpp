@@ -2,46 +2,22 @@
 
 #include <doctest/doctest.h>
 #include <fmt/core.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <cstdlib>
-#include <deque>
 #include <map>
 #include <random>
 #include <set>
 
+#include "tests/ringbus/recorder_support.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
-#include "tests/ringbus/wire_bytes.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::bus;
-using test::WireBytes;
+using namespace pxpl5::test;
 using trace::Recorder;
 using trace::TraceFile;
 
 namespace {
-
-trace::Info info_for(schema::Recording mode) {
-    trace::Info info;
-    info.build = "pxpl5 test";
-    info.schema_hash = schema_hash();
-    info.recording = mode;
-    return info;
-}
-
-Message from(NodeId source, const Payload& payload) {
-    WireBytes wire(payload);
-    wire.header.mutate_source(source);
-    return wire.read();
-}
-
-Payload surface(std::uint16_t number, std::uint32_t revision) {
-    schema::SetSurfaceT body;
-    body.surface = number;
-    body.revision = revision;
-    return pack(body);
-}
 
 Payload no_surface(std::uint16_t number) {
     schema::RemoveSurfaceT body;
@@ -70,17 +46,6 @@ Payload slices_of(std::uint32_t volume, std::uint32_t first, std::size_t bytes =
 Payload end_of(std::uint32_t volume) {
     schema::VolumeEndT body;
     body.volume = volume;
-    return pack(body);
-}
-
-Payload topology_with(std::uint16_t nodes) {
-    schema::TopologyT body;
-    for (std::uint16_t id = 0; id < nodes; ++id) {
-        body.nodes.push_back(std::make_unique<schema::NodeInfoT>());
-        body.nodes.back()->id = id;
-        body.nodes.back()->role = id == 0 ? schema::Role::host : schema::Role::gp;
-        body.nodes.back()->endpoint = "ipc:///somewhere";
-    }
     return pack(body);
 }
 
@@ -127,76 +92,12 @@ Knowledge knowledge_in(const TraceFile& file) {
     return knowledge;
 }
 
-/// "Topology SetSurface"
-std::string kinds_in(const std::filesystem::path& path) {
-    std::string kinds;
-    const TraceFile file(path);
-    for (const trace::Entry& entry : file.entries()) {
-        kinds += (kinds.empty() ? "" : " ") + kind_name(entry.kind());
-    }
-    return kinds;
-}
-
 std::uint64_t seed() {
     const char* given = std::getenv("PXPL5_SEED");
     const std::uint64_t value = given != nullptr ? std::strtoull(given, nullptr, 0) : 1;
     MESSAGE("PXPL5_SEED=" << value);
     return value;
 }
-
-/// Gives the messages it was filled with; an empty place is a quiet moment. Keeps what is sent.
-class QueueLink final : public Link {
-  public:
-    NodeId id() const override { return 5; }
-    const std::string& endpoint() const override { return endpoint_; }
-    void add_peer(NodeId, const std::string&) override {}
-    void remove_peer(NodeId) override {}
-    void send(NodeId to, Payload payload) override {
-        receivers.push_back(to);
-        sent.push_back(WireBytes(payload).read());
-    }
-    std::optional<Message> receive() override {
-        if (input.empty() || !input.front()) {
-            return std::nullopt;
-        }
-        const Message message = *input.front();
-        input.pop_front();
-        return message;
-    }
-    bool wait(int timeout_ms) override {
-        waits_ms.push_back(timeout_ms);
-        if (!input.empty() && !input.front()) {
-            input.pop_front();
-        }
-        return !input.empty();
-    }
-
-    std::deque<std::optional<Message>> input;
-    std::vector<Message> sent;
-    std::vector<NodeId> receivers;
-    std::vector<int> waits_ms;
-
-  private:
-    std::string endpoint_ = "queue";
-};
-
-/// The next file operations of this process fail at `bytes`.
-class FileSizeLimit {
-  public:
-    explicit FileSizeLimit(std::uint64_t bytes) {
-        std::signal(SIGXFSZ, SIG_IGN);
-        getrlimit(RLIMIT_FSIZE, &before_);
-        rlimit tight = before_;
-        tight.rlim_cur = bytes;
-        setrlimit(RLIMIT_FSIZE, &tight);
-    }
-    ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
-    FileSizeLimit(const FileSizeLimit&) = delete;
-    FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
-  private:
-    rlimit before_{};
-};
 
 }  // namespace
 
@@ -380,68 +281,5 @@ TEST_SUITE("ringbus/recorder") {
         CHECK_THROWS_WITH_AS(recorder.save(), text.c_str(), trace::TraceError);
         CHECK_NOTHROW(recorder.close());
         CHECK(TraceFile(folder / "a.mcap").entries().size() == 1);
-    }
-}
-
-TEST_SUITE("ringbus/recording_link") {
-    TEST_CASE("what a link hands on is recorded; SaveTrace is answered and not handed on") {
-        const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight));
-        QueueLink queue;
-        queue.input = {from(0, topology_with(2)), from(0, pack(schema::SaveTraceT{})),
-                       from(1, surface(7, 1))};
-        trace::RecordingLink link(queue, recorder);
-        CHECK(link.id() == 5);
-        CHECK(link.receive()->kind() == Body::Topology);
-        const std::optional<Message> next = link.receive();
-        REQUIRE(next);
-        CHECK(next->as<schema::SetSurface>()->surface() == 7);
-        CHECK(!link.receive());
-        REQUIRE(queue.sent.size() == 1);
-        CHECK(queue.receivers[0] == host_id);
-        const auto* saved = queue.sent[0].as<schema::TraceSaved>();
-        REQUIRE(saved != nullptr);
-        CHECK(saved->messages() == 2);
-        CHECK(saved->bytes() == std::filesystem::file_size(folder / "a.mcap"));
-        CHECK(saved->error() == nullptr);
-        CHECK(kinds_in(folder / "a.mcap") == "Topology SaveTrace");
-    }
-
-    TEST_CASE("a link that waits in vain writes what waits for the file") {
-        const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::full));
-        QueueLink queue;
-        queue.input = {from(0, surface(1, 1))};
-        trace::RecordingLink link(queue, recorder);
-        CHECK(link.receive());
-        CHECK(!link.wait(1000));
-        CHECK(TraceFile(folder / "a.mcap").entries().size() == 1);
-        CHECK(queue.waits_ms.size() == 2);
-        CHECK(queue.waits_ms[0] + queue.waits_ms[1] == 1000);
-        CHECK(!link.wait(1000));
-        CHECK(queue.waits_ms.back() == 1000);  // Nothing waits any more.
-    }
-
-    TEST_CASE("the host is told when recording fails, once, and the node's messages still come") {
-        const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::full));
-        QueueLink queue;
-        queue.input = {from(0, surface(1, 1)), std::nullopt};
-        trace::RecordingLink link(queue, recorder);
-        const FileSizeLimit limit(10);
-        CHECK(link.receive());
-        CHECK(!link.receive());
-        CHECK(!link.wait(1000));
-        REQUIRE(queue.sent.size() == 1);
-        const auto* fault = queue.sent[0].as<schema::Fault>();
-        REQUIRE(fault != nullptr);
-        CHECK(fault->node() == 5);
-        CHECK(fault->reason()->str().starts_with("recording stops: cannot write trace "));
-        queue.input = {from(0, surface(2, 1)), from(0, pack(schema::SaveTraceT{}))};
-        CHECK(link.receive()->as<schema::SetSurface>()->surface() == 2);
-        CHECK(!link.receive());
-        REQUIRE(queue.sent.size() == 2);
-        CHECK(queue.sent[1].as<schema::TraceSaved>()->error()->str().find("File too large") !=
-              std::string::npos);
     }
 }

@@ -1,0 +1,117 @@
+#include <doctest/doctest.h>
+
+#include <deque>
+#include <optional>
+
+#include "ringbus/trace/recorder.hpp"
+#include "tests/ringbus/recorder_support.hpp"
+#include "tests/ringbus/scratch_folder.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::bus;
+using namespace pxpl5::test;
+using trace::Recorder;
+using trace::TraceFile;
+
+namespace {
+
+/// Gives the messages it was filled with; an empty place is a quiet moment. Keeps what is sent.
+class QueueLink final : public Link {
+  public:
+    NodeId id() const override { return 5; }
+    const std::string& endpoint() const override { return endpoint_; }
+    void add_peer(NodeId, const std::string&) override {}
+    void remove_peer(NodeId) override {}
+    void send(NodeId to, Payload payload) override {
+        receivers.push_back(to);
+        sent.push_back(WireBytes(payload).read());
+    }
+    std::optional<Message> receive() override {
+        if (input.empty() || !input.front()) {
+            return std::nullopt;
+        }
+        const Message message = *input.front();
+        input.pop_front();
+        return message;
+    }
+    bool wait(int timeout_ms) override {
+        waits_ms.push_back(timeout_ms);
+        if (!input.empty() && !input.front()) {
+            input.pop_front();
+        }
+        return !input.empty();
+    }
+
+    std::deque<std::optional<Message>> input;
+    std::vector<Message> sent;
+    std::vector<NodeId> receivers;
+    std::vector<int> waits_ms;
+
+  private:
+    std::string endpoint_ = "queue";
+};
+
+}  // namespace
+
+TEST_SUITE("ringbus/recording_link") {
+    TEST_CASE("what a link hands on is recorded; SaveTrace is answered and not handed on") {
+        const test::ScratchFolder folder;
+        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight));
+        QueueLink queue;
+        queue.input = {from(0, topology_with(2)), from(0, pack(schema::SaveTraceT{})),
+                       from(1, surface(7, 1))};
+        trace::RecordingLink link(queue, recorder);
+        CHECK(link.id() == 5);
+        CHECK(link.receive()->kind() == Body::Topology);
+        const std::optional<Message> next = link.receive();
+        REQUIRE(next);
+        CHECK(next->as<schema::SetSurface>()->surface() == 7);
+        CHECK(!link.receive());
+        REQUIRE(queue.sent.size() == 1);
+        CHECK(queue.receivers[0] == host_id);
+        const auto* saved = queue.sent[0].as<schema::TraceSaved>();
+        REQUIRE(saved != nullptr);
+        CHECK(saved->messages() == 2);
+        CHECK(saved->bytes() == std::filesystem::file_size(folder / "a.mcap"));
+        CHECK(saved->error() == nullptr);
+        CHECK(kinds_in(folder / "a.mcap") == "Topology SaveTrace");
+    }
+
+    TEST_CASE("a link that waits in vain writes what waits for the file") {
+        const test::ScratchFolder folder;
+        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::full));
+        QueueLink queue;
+        queue.input = {from(0, surface(1, 1))};
+        trace::RecordingLink link(queue, recorder);
+        CHECK(link.receive());
+        CHECK(!link.wait(1000));
+        CHECK(TraceFile(folder / "a.mcap").entries().size() == 1);
+        CHECK(queue.waits_ms.size() == 2);
+        CHECK(queue.waits_ms[0] + queue.waits_ms[1] == 1000);
+        CHECK(!link.wait(1000));
+        CHECK(queue.waits_ms.back() == 1000);  // Nothing waits any more.
+    }
+
+    TEST_CASE("the host is told when recording fails, once, and the node's messages still come") {
+        const test::ScratchFolder folder;
+        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::full));
+        QueueLink queue;
+        queue.input = {from(0, surface(1, 1)), std::nullopt};
+        trace::RecordingLink link(queue, recorder);
+        const FileSizeLimit limit(10);
+        CHECK(link.receive());
+        CHECK(!link.receive());
+        CHECK(!link.wait(1000));
+        REQUIRE(queue.sent.size() == 1);
+        const auto* fault = queue.sent[0].as<schema::Fault>();
+        REQUIRE(fault != nullptr);
+        CHECK(fault->node() == 5);
+        CHECK(fault->reason()->str().starts_with("recording stops: cannot write trace "));
+        queue.input = {from(0, surface(2, 1)), from(0, pack(schema::SaveTraceT{}))};
+        CHECK(link.receive()->as<schema::SetSurface>()->surface() == 2);
+        CHECK(!link.receive());
+        REQUIRE(queue.sent.size() == 2);
+        CHECK(queue.sent[1].as<schema::TraceSaved>()->error()->str().find("File too large") !=
+              std::string::npos);
+    }
+}
