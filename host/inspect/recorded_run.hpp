@@ -62,6 +62,11 @@ struct RecordedFrame {
     }
     /// Place of every region of the picture.
     RegionPlace place(std::uint32_t region) const;
+    /// True if pixel (x, y) belongs to the whole picture, views stacked.
+    bool contains(int x, int y) const {
+        return x >= 0 && y >= 0 && x < static_cast<int>(draw().width()) &&
+               y < static_cast<int>(draw().height() * draw().views()->size());
+    }
     /// The region that holds pixel (x, y) of the whole picture, views stacked.
     /// Throws RequestError (usage) that names pixel and size if it is outside.
     RegionPlace region_at(int x, int y) const;

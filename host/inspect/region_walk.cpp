@@ -140,6 +140,11 @@ Address RegionWalk::at() const {
     return {part_, sequencer_->at()};
 }
 
+bool RegionWalk::is_part_begin() const {
+    assert(!done());
+    return sequencer_->counts().instructions == 0;
+}
+
 isa::Instruction RegionWalk::next() const {
     return *isa::decode(plan_.parts[part_].segment.words[sequencer_->at()]);
 }

@@ -43,9 +43,11 @@ class RegionWalk {
     /// Both outlive the walk; `executor` is as new.
     RegionWalk(const renderer::RegionPlan& plan, isa::Executor& executor);
 
+    const renderer::RegionPlan& plan() const { return plan_; }
     bool done() const { return part_ == plan_.parts.size(); }
     /// Of the next instruction. Not when done().
     Address at() const;
+    bool is_part_begin() const;  ///< The next instruction is its part's first that runs.
     isa::Instruction next() const;
     isa::Coefficients coefficients() const;
 
