@@ -7,6 +7,7 @@
 #include <map>
 
 #include "host/error.hpp"
+#include "host/inspect/cli.hpp"
 #include "host/machine/machine.hpp"
 #include "host/paper_report.hpp"
 #include "host/phantom/phantom.hpp"
@@ -222,6 +223,7 @@ int main(int argc, char** argv) {
     CLI::App app("pxpl5: surfaces of medical volumes, drawn by a working Pixel-Planes 5");
     Flags flags;
     declare(app, flags);
+    const std::function<std::optional<int>()> run_inspection = inspect::declare_inspection(app);
     if (argc < 2 || std::string_view(argv[1]) == "help") {
         fmt::print("{}", app.help());
         return 0;
@@ -232,7 +234,8 @@ int main(int argc, char** argv) {
         return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
     }
     try {
-        return dispatch(app, flags);
+        const std::optional<int> inspected = run_inspection();
+        return inspected ? *inspected : dispatch(app, flags);
     } catch (const RequestError& error) {
         fmt::print(stderr, "error: {}\n", error.what());
         return static_cast<int>(error.code);

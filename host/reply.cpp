@@ -40,6 +40,10 @@ std::string dump(const Json& json) {
 
 }  // namespace
 
+std::string json_text(const Fields& fields) {
+    return dump(to_json(fields));
+}
+
 std::string json_line(const std::string& command, const Reply& reply, double elapsed_ms) {
     Json line{{"command", command}, {"ok", true}};
     line["result"] = to_json(reply.fields);

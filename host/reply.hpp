@@ -24,6 +24,9 @@ struct Reply {
     Fields fields;
 };
 
+/// As a JSON object on one line.
+std::string json_text(const Fields& fields);
+
 /// The outcome of one command line as one JSON object on one line:
 /// {"command", "ok", "result" or "error", "ms"}.
 std::string json_line(const std::string& command, const Reply& reply, double elapsed_ms);

@@ -7,6 +7,7 @@
 
 #include "host/error.hpp"
 #include "isa/region_layout.hpp"
+#include "ringbus/trace/trace_info.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -140,8 +141,8 @@ std::string RecordedRun::node_name(bus::NodeId id) const {
     if (found == roles_.end()) {
         return fmt::format("node-{}", id);
     }
-    const std::string_view role = schema::EnumNameRole(found->second.first);
-    return fmt::format("{}-{}", role, found->second.second);
+    return bus::trace::name_of(found->second.first,
+                               static_cast<std::uint16_t>(found->second.second));
 }
 
 std::vector<std::uint32_t> RecordedRun::frames() const {

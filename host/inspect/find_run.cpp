@@ -1,0 +1,62 @@
+#include "host/inspect/find_run.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/error.hpp"
+
+namespace pxpl5::host::inspect {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_latest(const std::string& text) {
+    return text.empty() || text == "latest";
+}
+
+bool holds_trace(const fs::path& run) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(run / "traces", ignored)) {
+        if (entry.path().extension() == ".mcap") {
+            return true;
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
+fs::path find_run(const std::string& text, const fs::path& base) {
+    if (!is_latest(text)) {
+        return text;
+    }
+    std::vector<std::pair<fs::file_time_type, fs::path>> runs;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(base, ignored)) {
+        if (entry.is_directory() && holds_trace(entry.path())) {
+            runs.emplace_back(entry.last_write_time(), entry.path());
+        }
+    }
+    if (runs.empty()) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("no recorded run under {}/; name one, or record one: "
+                                       "pxpl5 render ... --record full",
+                                       base.string()));
+    }
+    return std::ranges::max(runs).second;
+}
+
+RecordedRun open_run(const std::string& text) {
+    const fs::path path = find_run(text);
+    if (is_latest(text)) {
+        fmt::print(stderr, "run: {}\n", path.string());
+    }
+    return RecordedRun::open(path);
+}
+
+}  // namespace pxpl5::host::inspect
