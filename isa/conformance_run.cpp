@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <bitset>
 #include <map>
 
 #include "isa/sequencer.hpp"
@@ -14,151 +13,66 @@ namespace {
 
 using Kind = StateColumn::Kind;
 
-// Set-up.
+/// Memory of one pixel, 64 bits a word.
+struct Memory {
+    std::array<std::uint64_t, memory_bits / 64 + 1> words{};
 
-/// Writes a program that sets the pixels up. Memory is scratch until the fields are set.
-class SetUp {
-  public:
-    std::vector<std::uint32_t> words(const std::vector<StateTable>& given) {
-        for (const Kind kind : {Kind::block, Kind::carry}) {
-            each_value(given, kind, [&](const StateColumn& column, const Quadratic& value) {
-                store(0, backing_block_bits, value);
-                if (kind == Kind::carry) {
-                    put({Op::mem_plus_mem, {0, 0, 1}});  // A bit plus itself carries the bit.
-                } else {
-                    put({Op::bs_write, {0, column.a, 0}});
-                    put({Op::bs_wait, {}});
-                }
-            });
-        }
-        put({Op::set_enabs, {}});
-        put({Op::clear_mem, {0, 0, backing_block_bits}});
-        each_value(given, Kind::field, [&](const StateColumn& column, const Quadratic& value) {
-            store(column.a, column.n, value);
-        });
-        enables(given);
-        return std::move(words_);
+    static std::uint64_t mask(std::uint32_t n) {
+        return n >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << n) - 1;
     }
-
-  private:
-    void put(Instruction in, const std::array<std::uint64_t, 6>& coefficients = {}) {
-        words_.push_back(encode(in));
-        for (int i = 0; i < info(in.op).words; ++i) {
-            words_.push_back(static_cast<std::uint32_t>(coefficients[static_cast<std::size_t>(i)]));
+    std::uint64_t field(std::uint32_t a, std::uint32_t n) const {
+        const std::size_t word = a / 64;
+        const std::uint32_t shift = a % 64;
+        const std::uint64_t low = words[word] >> shift;
+        const bool crosses = shift + n > 64;
+        return (crosses ? low | words[word + 1] << (64 - shift) : low) & mask(n);
+    }
+    void set_field(std::uint32_t a, std::uint32_t n, std::uint64_t value) {
+        const std::size_t word = a / 64;
+        const std::uint32_t shift = a % 64;
+        value &= mask(n);
+        words[word] = (words[word] & ~(mask(n) << shift)) | value << shift;
+        if (shift + n > 64) {
+            words[word + 1] =
+                (words[word + 1] & ~(mask(n) >> (64 - shift))) | value >> (64 - shift);
         }
     }
-
-    /// Enables the pixels that a row speaks of.
-    void select(const PixelSelector& where) {
-        const PixelRectangle& r = where.rectangle;
-        const auto minus = [](int v) { return static_cast<std::uint64_t>(-std::int64_t{v}); };
-        const auto plus = [](int v) { return static_cast<std::uint64_t>(v); };
-        put({Op::set_enabs, {}});
-        if (r != PixelRectangle{}) {
-            put({Op::tree_ge_zero, {0, 0, 16}}, {1, 0, minus(r.x0)});
-            put({Op::tree_lt_zero, {0, 0, 16}}, {1, 0, minus(r.x1 + 1)});
-            put({Op::tree_ge_zero, {0, 0, 16}}, {0, 1, minus(r.y0)});
-            put({Op::tree_ge_zero, {0, 0, 16}}, {0, minus(1), plus(r.y1)});
-        }
-        if (where.at_least_zero) {
-            put({Op::quad_ge_zero, {0, 0, 64}}, where.at_least_zero->k);
-        }
-    }
-
-    /// Stores the low n bits of `value` at m[a] of the enabled pixels.
-    void store(std::uint32_t a, std::uint32_t n, const Quadratic& value) {
-        if (!value.is_constant()) {
-            return put({Op::quad_into_mem, {a, 0, n}}, value.k);
-        }
-        put({Op::const_into_mem, {a, 0, std::min(n, 32U)}}, {value.k[2]});
-        if (n > 32) {
-            put({Op::const_into_mem, {a + 32, 0, n - 32}}, {value.k[2] >> 32U});
-        }
-    }
-
-    template <typename Action>
-    void each_value(const std::vector<StateTable>& given, Kind kind, const Action& action) {
-        for (const StateTable& table : given) {
-            for (const StateTable::Row& row : table.rows) {
-                bool is_selected = false;
-                for (std::size_t i = 0; i < table.columns.size(); ++i) {
-                    if (table.columns[i].kind == kind && row.values[i]) {
-                        is_selected ? void() : select(row.where);
-                        is_selected = true;
-                        action(table.columns[i], *row.values[i]);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Comes last. Enables that differ are gathered in a free bit, which reads 0 before and after:
-    /// the pixels that MEMintoENAB enables are the ones whose bit CLEARMEM clears.
-    void enables(const std::vector<StateTable>& given) {
-        std::bitset<memory_bits> used;
-        for (const StateTable& table : given) {
-            for (const StateColumn& column : table.columns) {
-                for (std::uint32_t i = 0; column.kind == Kind::field && i < column.n; ++i) {
-                    used.set(column.a + i);
-                }
-            }
-        }
-        std::uint32_t bit = memory_bits;
-        while (bit > 0 && used.test(bit - 1)) {
-            --bit;
-        }
-        if (bit == 0) {
-            throw std::invalid_argument(fmt::format(
-                "the fields given leave none of {} bits of memory free to set enables up",
-                memory_bits));
-        }
-        --bit;
-        each_value(given, Kind::enable,
-                   [&](const StateColumn&, const Quadratic& value) { store(bit, 1, value); });
-        put({Op::mem_into_enab, {bit, 0, 0}});
-        put({Op::clear_mem, {bit, 0, 1}});
-    }
-
-    std::vector<std::uint32_t> words_;
 };
-
-// Comparison.
 
 /// What one pixel holds.
 struct Pixel {
-    std::bitset<memory_bits> memory;
+    Memory memory;
     bool enable = false, carry = false;
     std::map<std::uint32_t, std::uint32_t> blocks;  ///< Those that a case speaks of.
     std::uint32_t readout = 0;
 };
 
+void set(const StateColumn& column, std::uint64_t value, Pixel& pixel) {
+    switch (column.kind) {
+        case Kind::field:
+            pixel.memory.set_field(column.a, column.n, value);
+            break;
+        case Kind::enable:
+            pixel.enable = (value & 1) != 0;
+            break;
+        case Kind::carry:
+            pixel.carry = (value & 1) != 0;
+            break;
+        case Kind::block:
+            pixel.blocks[column.a] = static_cast<std::uint32_t>(value);
+            break;
+        case Kind::readout:
+            pixel.readout = static_cast<std::uint32_t>(value);
+            break;
+    }
+}
+
 void apply(const std::vector<StateTable>& tables, int x, int y, Pixel& pixel) {
-    const auto set = [&](const StateColumn& column, std::uint64_t value) {
-        switch (column.kind) {
-            case Kind::field:
-                for (std::uint32_t i = 0; i < column.n; ++i) {
-                    pixel.memory[column.a + i] = (value >> i & 1) != 0;
-                }
-                break;
-            case Kind::enable:
-                pixel.enable = (value & 1) != 0;
-                break;
-            case Kind::carry:
-                pixel.carry = (value & 1) != 0;
-                break;
-            case Kind::block:
-                pixel.blocks[column.a] = static_cast<std::uint32_t>(value);
-                break;
-            case Kind::readout:
-                pixel.readout = static_cast<std::uint32_t>(value);
-                break;
-        }
-    };
     for (const StateTable& table : tables) {
         for (const StateTable::Row& row : table.rows) {
             for (std::size_t i = 0; row.where.selects(x, y) && i < row.values.size(); ++i) {
                 if (row.values[i]) {
-                    set(table.columns[i], row.values[i]->at(x, y));
+                    set(table.columns[i], row.values[i]->at(x, y), pixel);
                 }
             }
         }
@@ -311,21 +225,13 @@ class Comparison {
         constexpr std::uint32_t part = 52;
         for (std::uint32_t a = 0; a < memory_bits; a += part) {
             const std::uint64_t found = executor_.field(x, y, a, part);
-            const std::uint64_t expected = bits(want, a, part);
+            const std::uint64_t expected = want.memory.field(a, part);
             if (found != expected) {
                 const auto offset = static_cast<std::uint32_t>(std::countr_zero(found ^ expected));
                 return named_field(x, y, want, a + offset);
             }
         }
         return {};
-    }
-
-    static std::uint64_t bits(const Pixel& pixel, std::uint32_t a, std::uint32_t n) {
-        std::uint64_t value = 0;
-        for (std::uint32_t i = 0; i < n; ++i) {
-            value |= static_cast<std::uint64_t>(pixel.memory[a + i]) << i;
-        }
-        return value;
     }
 
     /// The difference at `bit`, told of the field that the case names there, or of the bit.
@@ -339,7 +245,8 @@ class Comparison {
             }
         }
         return fmt::format("m{}:{} is 0x{:x}, expected 0x{:x}", field.a, field.n,
-                           executor_.field(x, y, field.a, field.n), bits(want, field.a, field.n));
+                           executor_.field(x, y, field.a, field.n),
+                           want.memory.field(field.a, field.n));
     }
 
     const ConformanceCase& test_;
@@ -355,12 +262,6 @@ class Comparison {
 
 std::vector<PixelRectangle> compared_pixels(const ConformanceCase& test) {
     return test.watch.empty() ? std::vector<PixelRectangle>{PixelRectangle{}} : test.watch;
-}
-
-void set_up(const std::vector<StateTable>& given, Executor& executor) {
-    const std::vector<std::uint32_t> words = SetUp().words(given);
-    Controller controller;
-    run(words, executor, controller);
 }
 
 std::string first_difference(const ConformanceCase& test, Executor& executor,

@@ -12,8 +12,8 @@ namespace pxpl5::isa {
 std::vector<PixelRectangle> compared_pixels(const ConformanceCase& test);
 
 /// Brings the pixels of `executor`, which is as new, into the state of `given`. It is done by
-/// programs, so that every executor can be brought there; they use SETENABS, MEMintoENAB, the
-/// TREE and QUAD rows that test and store, CONSTintoMEM, CLEARMEM, MEMpluseqMEM and BSWRITE.
+/// programs, so that every executor can be brought there; they use SETENABS, CLRENABS, MEMintoENAB,
+/// the TREE and QUAD rows that test and store, CONSTintoMEM, CLEARMEM, MEMpluseqMEM and BSWRITE.
 /// Throws std::invalid_argument if enables differ from pixel to pixel and the fields given leave no
 /// bit of memory free.
 void set_up(const std::vector<StateTable>& given, Executor& executor);

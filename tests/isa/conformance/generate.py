@@ -316,8 +316,8 @@ def control_case(row):
 
     def action(i):
         if row == "LOOP":
-            case.lines += [f"  LOOP #{3 * i}", add.format(8 * i), "  ENDLOOP"]
-            counted(case, i, 3 * i)
+            case.lines += [f"  LOOP #{2 + 3 * i}", add.format(8 * i), "  ENDLOOP"]
+            counted(case, i, 2 + 3 * i)
         elif row == "CALL":
             case.lines += [f"  CALL add{i}"] * 2
             counted(case, i, 2)
