@@ -110,6 +110,14 @@ bool has_readout(const std::vector<StateTable>& tables) {
     });
 }
 
+std::string listed(const std::vector<std::uint32_t>& numbers) {
+    std::string text;
+    for (const std::uint32_t number : numbers) {
+        text += (text.empty() ? "" : " ") + std::to_string(number);
+    }
+    return text;
+}
+
 class Comparison {
   public:
     Comparison(const ConformanceCase& test, Executor& executor, PixelRectangle area)
@@ -157,8 +165,8 @@ class Comparison {
             return fmt::format("the run ends '{}', expected '{}'", stopped, test_.stops);
         }
         if (signals_ != test_.signals) {
-            return fmt::format("signals are [{}], expected [{}]", fmt::join(signals_, " "),
-                               fmt::join(test_.signals, " "));
+            return fmt::format("signals are [{}], expected [{}]", listed(signals_),
+                               listed(test_.signals));
         }
         if (controller_.flag != test_.flag) {
             return fmt::format("flag is {:d}, expected {:d}", controller_.flag, test_.flag);

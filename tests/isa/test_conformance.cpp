@@ -83,11 +83,13 @@ isa::ConformanceCase without_control(isa::ConformanceCase test, Op op) {
     return test;
 }
 
-/// True if `instead` can stand in for `row`: it takes the same operands and coefficients.
+/// True if `instead` can stand in for `row`: it takes the same operands and coefficients. The row
+/// that reads out is run for all pixels at once, others are not.
 bool can_stand_in(const isa::OpInfo& instead, const isa::OpInfo& row) {
     return instead.words == row.words && instead.n_max >= row.n_max &&
            (instead.n_max == 0) == (row.n_max == 0) && instead.b_role == row.b_role &&
-           instead.pattern.a.mask == row.pattern.a.mask && !instead.is_control() &&
+           instead.pattern.a.mask == row.pattern.a.mask &&
+           ((instead.effects | row.effects) & isa::port) == 0 && !instead.is_control() &&
            !row.is_control();
 }
 
