@@ -62,6 +62,7 @@ std::function<std::optional<int>()> declare_inspection(CLI::App& app) {
     CLI::App* trace = app.add_subcommand("trace", "Read, execute and compare recorded runs");
     trace->require_subcommand(1);
     declare_reading(*tools, *trace);
+    declare_replaying(*tools, *trace);
     declare_programs(*tools, app);
     return [tools]() -> std::optional<int> {
         for (const auto& [tool, run] : tools->list) {

@@ -53,11 +53,13 @@ bool Reference::any_enabled() const {
 
 std::uint64_t Reference::field(int x, int y, std::uint32_t a, std::uint32_t n) const {
     assert(n >= 1 && n <= 64 && a + n <= memory_bits);
+    if (!pixels_.window.contains(x, y)) {
+        return 0;
+    }
+    const Pixel& pixel = pixels_.at(x, y);
     std::uint64_t value = 0;
-    if (pixels_.window.contains(x, y)) {
-        for (std::uint32_t i = 0; i < n; ++i) {
-            value |= static_cast<std::uint64_t>(pixels_.at(x, y).m[a + i]) << i;
-        }
+    for (std::uint32_t i = 0; i < n; ++i) {
+        value |= static_cast<std::uint64_t>(pixel.m[a + i]) << i;
     }
     return value;
 }

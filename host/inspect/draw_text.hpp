@@ -1,0 +1,20 @@
+// What a frame and its set-up were asked to be, as named values: equal texts, equal requests.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ringbus/message.hpp"
+
+namespace pxpl5::host::inspect {
+
+using NamedValues = std::vector<std::pair<std::string, std::string>>;
+
+/// Every value of the request that the picture depends on; doubles to the last bit.
+NamedValues values_of(const bus::schema::DrawFrame& draw);
+
+/// VolumeHeader, SetSurface and RemoveSurface; empty for other kinds.
+NamedValues setup_values_of(const bus::Message& message);
+
+}  // namespace pxpl5::host::inspect

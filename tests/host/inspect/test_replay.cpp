@@ -1,0 +1,129 @@
+// Replaying recorded frames: every pixel, count and digest again, and what differs by name.
+#include "host/inspect/replay.hpp"
+
+#include <doctest/doctest.h>
+
+#include "host/picture_text.hpp"
+#include "tests/host/inspect/recorded_machine.hpp"
+#include "tests/host/inspect/recorded_sphere.hpp"
+
+using namespace pxpl5;
+namespace schema = bus::schema;
+namespace inspect = host::inspect;
+
+namespace {
+
+inspect::ReplayOptions on_both() {
+    inspect::ReplayOptions options;
+    options.executors = inspect::parse_executors("both");
+    return options;
+}
+
+}  // namespace
+
+TEST_CASE("a replay gives the frames again that the session saw, on both executors") {
+    test::RecordedMachine recorded(test::machine_of(3, 2));
+    std::vector<std::uint64_t> digests;
+    test::set_up_sphere(recorded.session, {300, 150});
+    for (const double azimuth : {0.0, 50.0}) {
+        recorded.session.scene.camera.angles.azimuth_deg = azimuth;
+        digests.push_back(host::picture_digest(recorded.session.draw()));
+    }
+    REQUIRE(digests[0] != digests[1]);
+    std::size_t told = 0;
+    const inspect::ReplayReport report =
+        inspect::replay(recorded.run(), on_both(), [&](const inspect::FrameReplay&) { ++told; });
+    CHECK(report.agrees());
+    CHECK(report.missing.empty());
+    REQUIRE(report.frames.size() == 4);
+    CHECK(told == 4);
+    for (std::size_t i = 0; i < 4; ++i) {
+        CHECK(report.frames[i].digest == digests[i / 2]);
+        CHECK(report.frames[i].recorded == digests[i / 2]);
+        CHECK(report.frames[i].compared() == 6);
+    }
+}
+
+TEST_CASE("one wrong bit of a recorded pixel is found, and named in the picture's coordinates") {
+    const test::TracedSphere traced({200, 150}, 3, 2);
+    std::vector<inspect::NodeTrace> traces = traced.traces();
+    // Region 3 lies at (128, 128).
+    test::change<schema::RegionPixels>(traces, [](schema::RegionPixelsT& pixels) {
+        for (std::size_t i = 0; i < pixels.tiles.size(); ++i) {
+            if (pixels.tiles[i].region() == 3) {
+                pixels.pixels[i * 16384 + 5 * 128 + 9] ^= 0x0400;
+            }
+        }
+    });
+    const inspect::ReplayReport report =
+        inspect::replay(inspect::RecordedRun(std::move(traces)), on_both());
+    CHECK_FALSE(report.agrees());
+    for (const inspect::FrameReplay& frame : report.frames) {
+        REQUIRE(frame.first_difference() != nullptr);
+        CHECK(frame.first_difference()->region == 3);
+        const std::string text = inspect::to_text(frame);
+        CHECK(text.find("pixel (137, 133): green is") != std::string::npos);
+        CHECK(text.find("(from bit 2)") != std::string::npos);
+    }
+}
+
+TEST_CASE("a wrong count of instructions or cycles is a difference") {
+    const test::TracedSphere traced({100, 100}, 1, 1);
+    for (const bool cycles : {false, true}) {
+        std::vector<inspect::NodeTrace> traces = traced.traces();
+        test::change<schema::RegionPixels>(traces, [&](schema::RegionPixelsT& pixels) {
+            const schema::RegionTile& t = pixels.tiles[0];
+            pixels.tiles[0] = schema::RegionTile(t.region(), t.cycles() + (cycles ? 1 : 0),
+                                                 t.instructions() + (cycles ? 0 : 1));
+        });
+        CHECK_FALSE(inspect::replay(inspect::RecordedRun(std::move(traces)), {}).agrees());
+    }
+}
+
+TEST_CASE("a wrong pixel that only the host got is a difference") {
+    const test::TracedSphere traced({100, 100}, 1, 1);
+    std::vector<inspect::NodeTrace> traces = traced.traces();
+    test::change<schema::FrameDone>(
+        traces, [](schema::FrameDoneT& done) { done.pixels.back() ^= 0x800000; });
+    const inspect::ReplayReport report =
+        inspect::replay(inspect::RecordedRun(std::move(traces)), {});
+    REQUIRE_FALSE(report.agrees());
+    CHECK(report.frames[0].digest != report.frames[0].recorded);
+    CHECK(inspect::to_text(report.frames[0]).find("pixel (99, 99): blue is") != std::string::npos);
+}
+
+TEST_CASE("what a trace lacks is said, and the rest is replayed") {
+    const test::TracedSphere traced({200, 100}, 2, 2);
+    std::vector<inspect::NodeTrace> traces = traced.traces();
+    for (inspect::NodeTrace& node : traces) {
+        if (node.info.role == schema::Role::renderer && node.info.index == 1) {
+            std::erase_if(node.entries, [](const bus::trace::Entry& entry) {
+                return entry.kind() == bus::Body::RegionPrograms;
+            });
+            node.cut = "ends at byte 1234";
+        }
+    }
+    const inspect::RecordedRun run(std::move(traces));
+    const inspect::ReplayReport report = inspect::replay(run, {});
+    CHECK(report.agrees());
+    CHECK(report.compared() == 1);
+    CHECK_FALSE(report.frames[0].digest);
+    const std::string summary = inspect::summary_of(report);
+    CHECK(summary.find("renderer-1: ends at byte 1234") != std::string::npos);
+    CHECK(summary.find("programs of 0 of 2 GPs") != std::string::npos);
+    CHECK(summary.find("all that could be compared agrees: 1 region") != std::string::npos);
+
+    inspect::ReplayOptions other;
+    other.selection.renderers = {{1, 1}};
+    CHECK_THROWS_AS(inspect::replay(run, other), host::RequestError);
+}
+
+TEST_CASE("executors are known by name") {
+    using inspect::ExecutorKind;
+    CHECK(inspect::parse_executors("both") ==
+          std::vector{ExecutorKind::reference, ExecutorKind::fast});
+    CHECK(inspect::parse_executors("fast,reference") ==
+          std::vector{ExecutorKind::fast, ExecutorKind::reference});
+    CHECK_THROWS_WITH(inspect::parse_executors("slow"),
+                      "executor 'slow'; it must be reference, fast, sse4, avx2, avx512 or both");
+}
