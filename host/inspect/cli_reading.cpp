@@ -1,8 +1,27 @@
 // The command line of ls, dump, stats and export.
 #include "host/inspect/cli_declare.hpp"
+#include "host/inspect/dump.hpp"
 #include "host/inspect/ls.hpp"
 
 namespace pxpl5::host::inspect {
+
+namespace {
+
+void declare_dump(CLI::App& app, DumpOptions& options) {
+    declare_run(app, options.run);
+    declare_selection(app, options.selection,
+                      {"frame", "region", "gp", "renderer", "surface", "slab", "op", "kind"});
+    app.add_option("--pixel", options.pixel,
+                   "Show instructions with their values at this pixel of the picture: X Y")
+        ->expected(2);
+    app.add_flag("--instructions", options.instructions,
+                 "Instructions, not messages; --region, --op, --slab, --surface imply it");
+    app.add_option("--lines", options.lines, "At most so many lines")->capture_default_str();
+    app.add_flag("--all", options.all, "All lines");
+    declare_output(app, options.output);
+}
+
+}  // namespace
 
 void declare_reading(Tools& tools, CLI::App& trace) {
     add_tool<LsOptions>(tools, trace, "ls", "Tell which nodes, volumes and frames a run holds",
@@ -11,6 +30,9 @@ void declare_reading(Tools& tools, CLI::App& trace) {
                             declare_json(app, options.json);
                             declare_output(app, options.output);
                         });
+    add_tool<DumpOptions>(tools, trace, "dump",
+                          "List messages, or a region's instructions with their results",
+                          trace_dump, declare_dump);
 }
 
 }  // namespace pxpl5::host::inspect

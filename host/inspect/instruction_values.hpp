@@ -1,0 +1,49 @@
+// What one instruction does to one pixel, in words: read before and behind the instruction.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "isa/executor.hpp"
+
+namespace pxpl5::host::inspect {
+
+/// A pixel of a region, 0..127 each.
+struct RegionPixel {
+    int x = 0, y = 0;
+    friend bool operator==(const RegionPixel&, const RegionPixel&) = default;
+};
+
+/// "z", "rgb", or "m88:16" of a field that has no name (isa/region_layout.hpp).
+std::string field_name(std::uint32_t address, std::uint32_t width);
+
+/// Reads an instruction's effect on a pixel: made before the instruction runs, asked behind it.
+class InstructionValues {
+  public:
+    /// executor  Holds the pixels, before the instruction.
+    InstructionValues(isa::Instruction in, isa::Coefficients coefficients, RegionPixel pixel,
+                      const isa::Executor& executor);
+
+    /// "z 16777215 -> 81920", "Q = -12, disabled", "z 5 (disabled before)"; empty for an
+    /// instruction that neither writes nor tests.
+    /// executor  Holds the pixels behind the instruction.
+    std::string text(const isa::Executor& executor) const;
+
+  private:
+    std::uint64_t read(const isa::Executor& executor) const;
+    std::string operand_text() const;
+
+    isa::Instruction in_;
+    const isa::OpInfo& row_;
+    RegionPixel pixel_;
+    std::uint32_t width_;  ///< Of the field at a; 0 if there is none.
+    bool enabled_;
+    std::uint64_t field_ = 0;
+    std::optional<std::int64_t> form_;  ///< Q of a TREE or QUAD instruction.
+};
+
+/// A x + B y + C (+ D xx + E xy + F yy) of 3 or 6 coefficients.
+std::int64_t form_of(isa::Coefficients coefficients, RegionPixel pixel);
+
+}  // namespace pxpl5::host::inspect

@@ -1,0 +1,32 @@
+// A region's instructions as assembly with what each of them did, by executing them again.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "host/inspect/instruction_values.hpp"
+#include "host/inspect/recorded_run.hpp"
+#include "host/inspect/selection.hpp"
+#include "host/inspect/text_output.hpp"
+
+namespace pxpl5::host::inspect {
+
+struct RegionListing {
+    const Selection& selection;        ///< Of parts (GP, surface, slab) and instructions.
+    std::optional<RegionPixel> pixel;  ///< Whose values are shown; else the first enabled one's.
+    std::uint64_t max_lines = 0;       ///< Instructions to list.
+};
+
+/// Instructions that the selection names.
+struct ListedLines {
+    std::uint64_t listed = 0, left_out = 0;
+};
+
+/// What the columns are, for people who see them for the first time.
+std::string listing_legend(bool pixel_is_chosen);
+
+ListedLines list_region(const RecordedFrame& frame, const RecordedRegion& region,
+                        const RegionListing& options, TextOutput& output);
+
+}  // namespace pxpl5::host::inspect
