@@ -257,6 +257,9 @@ class Parser {
         } else if (section_ == "given" || section_ == "expect") {
             table(tokens);
         } else if (section_ == "run") {
+            if (run_.line != 0) {
+                first.fail(0, fmt::format("'run' stands already in line {}", run_.line));
+            }
             run_ = first;
             expect_count(tokens, 1);
         } else {

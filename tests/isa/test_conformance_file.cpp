@@ -3,6 +3,7 @@
 
 #include "isa/conformance_run.hpp"
 #include "isa/reference/reference.hpp"
+#include "tests/isa/random_program.hpp"
 
 using namespace pxpl5;
 using isa::parse_conformance;
@@ -97,11 +98,37 @@ TEST_CASE("what is no case is refused with line, column, found and expected") {
     refused("given m0:8\n  all x*y*x\nrun", 2, 11, "more than two of x and y");
     refused("given m0:8\n  all 0x80000000*x\nrun", 2, 7, "no signed 32-bit number");
     refused("given m0:8\n  all 0x10000000000000000\nrun", 2, 7, "above 18446744073709551615");
+    refused("run\n NOP\nrun", 3, 1, "'run' stands already in line 1");
     refused("signals 256\nrun", 1, 9, "above 255");
     refused("flag\nrun", 1, 5, "the line ends, expected a value");
     refused("title t\nrun\n  NOP\n  CLEARMEM m200:9", 4, 3, "field m[a] is bits 200..208");
     refused("run\n  SIGNAL #$n", 1, 1, "parameter $n has no value");
     refused("run\n  LOOP #1", 1, 1, "word 0 of the program: LOOP without an ENDLOOP");
+}
+
+TEST_CASE("damaged text is refused with its place or read, never a crash") {
+    const std::uint64_t seed = test::seed_or(43);
+    INFO("PXPL5_SEED=", seed);
+    test::RandomPrograms random(seed);
+    const std::string text =
+        "title t\nwatch 0..3,5 *,127\ngiven m8:24 enable bs127\n  all x*x-3*y+0x10 1 -\n"
+        "  2*x-y>=0 2*x*y - 7\nrun\n  CLEARMEM m8:24\nexpect m8:24 carry\n  3,5 0 1\nflag 0\n";
+    constexpr std::string_view bits = "mbsxy:,.*->=+0 9a;\n\t\x80";
+    std::size_t refusals = 0;
+    for (int i = 0; i < 3000; ++i) {
+        std::string damaged = text;
+        damaged[random.below(static_cast<std::uint32_t>(text.size()))] =
+            bits[random.below(static_cast<std::uint32_t>(bits.size()))];
+        try {
+            parse_conformance(damaged);
+        } catch (const isa::ConformanceError& error) {
+            ++refusals;
+            CHECK(error.line >= 1);
+            CHECK(error.column >= 1);
+        }
+    }
+    CHECK(refusals > 1000);
+    CHECK(refusals < 3000);
 }
 
 TEST_CASE("the first difference names pixel, field and both values") {
