@@ -1,0 +1,153 @@
+#include "host/inspect/gp_again.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+#include "gp_firmware/node_messages.hpp"
+#include "gp_firmware/render/draw_slab.hpp"
+#include "gp_firmware/surface/marching_cubes.hpp"
+#include "gp_firmware/volume/slice_store.hpp"
+
+namespace pxpl5::host::inspect {
+
+namespace {
+
+namespace schema = bus::schema;
+
+/// Slices on either side of a slab that its gradients need.
+constexpr int slices_below = 1, slices_above = 2;
+
+/// Extracts one slab. Of the share's other slabs, if the volume is so high that it has any, slices
+/// of zeros are enough: nothing of a slab depends on them.
+gp::SlabMesh extract(const KnownVolume& volume, int k, const ShownSurface& surface) {
+    const gp::Share share{k % gp::max_gp_count, gp::max_gp_count};
+    gp::LocalMemory plenty(std::numeric_limits<std::size_t>::max());
+    gp::SliceStore store(volume.shape(), share, plenty);
+    const std::vector<std::byte> zeros(volume.shape().slice_voxels() *
+                                       gp::size_bytes(volume.shape().type));
+    for (const int z : gp::slices_needed(volume.shape(), share)) {
+        const bool ours = z >= k - slices_below && z <= k + slices_above;
+        store.add_slice(z, ours ? volume.slice(z) : std::span<const std::byte>(zeros));
+    }
+    gp::SlabMesh mesh;
+    gp::extract_slab(store, k, *surface.isovalue, gp::case_table(surface.rule), mesh, true);
+    return mesh;
+}
+
+/// The words that the GPs sent of a slab for a region; empty if there are none.
+renderer::Words recorded_words(const RecordedRegion& region, std::uint32_t surface, int k) {
+    for (const renderer::RegionPlan::Part& part : region.plan.parts) {
+        if (part.kind == renderer::RegionPlan::Kind::segment && part.segment.surface == surface &&
+            part.segment.slab == static_cast<std::uint32_t>(k)) {
+            return part.segment.words;
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFrame& frame) {
+    std::vector<ShownSurface> surfaces;
+    for (const schema::SurfaceDraw* drawn : *frame.draw().surfaces()) {
+        ShownSurface& s = surfaces.emplace_back();
+        s.index = static_cast<std::uint32_t>(surfaces.size() - 1);
+        s.id = drawn->surface();
+        s.revision = drawn->revision();
+        s.colour = {drawn->colour().r(), drawn->colour().g(), drawn->colour().b()};
+        s.cull_back = drawn->cull_back();
+        if (const auto message = run.surface(s.id, s.revision)) {
+            const auto& set = *message->as<schema::SetSurface>();
+            s.isovalue = set.isovalue();
+            s.rule = static_cast<gp::CaseRule>(set.table());
+        }
+    }
+    return surfaces;
+}
+
+GpAgain::GpAgain(const RecordedFrame& frame, const std::vector<ShownSurface>& surfaces,
+                 KnownVolume& volume)
+    : frame_(frame), surfaces_(surfaces), volume_(volume) {
+    assert(volume.has_shape());
+    cameras_ = gp::frame_request(frame.draw(), volume.shape().voxel_to_patient).views;
+    std::ranges::transform(cameras_, std::back_inserter(projections_), gp::prepare);
+}
+
+std::string GpAgain::missing(std::uint32_t surface, int k) {
+    if (!surfaces_.at(surface).isovalue) {
+        return fmt::format("no trace holds the SetSurface of surface {} (id {}, revision {})",
+                           surface, surfaces_.at(surface).id, surfaces_.at(surface).revision);
+    }
+    return volume_.need(k - slices_below, k + slices_above);
+}
+
+gp::RegionGrid GpAgain::grid(int view) const {
+    return gp::region_grid(camera(view).width_px, camera(view).height_px, view);
+}
+
+const gp::SlabMesh& GpAgain::mesh(std::uint32_t surface, int k) {
+    const auto found = meshes_.find({surface, k});
+    if (found != meshes_.end()) {
+        return found->second;
+    }
+    return meshes_[{surface, k}] = extract(volume_, k, surfaces_.at(surface));
+}
+
+const SlabAgain& GpAgain::slab(std::uint32_t surface, int k, int view) {
+    SlabAgain& again = slabs_[{{surface, k}, view}];
+    if (again.mesh.origins.empty()) {
+        again.mesh = mesh(surface, k);
+        again.screen.resize(again.mesh.vertices.size());
+        gp::transform(again.mesh.vertices, projection(view), again.screen);
+    }
+    return again;
+}
+
+const gp::RegionPrograms& GpAgain::programs(std::uint32_t surface, int k) {
+    const auto [at, is_new] = programs_.try_emplace({surface, k});
+    if (is_new) {
+        const int views = static_cast<int>(cameras_.size());
+        at->second.begin_frame(static_cast<std::size_t>(grid(0).count() * views), true);
+        at->second.begin_slab(static_cast<std::uint16_t>(surface), static_cast<std::uint32_t>(k));
+        gp::DrawScratch scratch;
+        for (int view = 0; view < views; ++view) {
+            gp::draw_slab(mesh(surface, k), projection(view), grid(view),
+                          {static_cast<std::uint16_t>(surface), surfaces_.at(surface).cull_back},
+                          scratch, at->second);
+        }
+    }
+    return at->second;
+}
+
+std::string GpAgain::difference(std::uint32_t surface, int k) {
+    const auto again = programs(surface, k).regions();
+    for (const auto& [number, region] : frame_.regions) {
+        const renderer::Words recorded = recorded_words(region, surface, k);
+        const auto words = again[number].words.words();
+        if (!std::ranges::equal(recorded, words)) {
+            return fmt::format(
+                "slab {} of surface {}, drawn again, gives {} words in region "
+                "({}, {}), recorded are {}{}",
+                k, surface, words.size(), region.place.column, region.place.row, recorded.size(),
+                words.size() == recorded.size() ? " others" : "");
+        }
+    }
+    return {};
+}
+
+CellAgain GpAgain::cell(std::uint32_t surface, int i, int j, int k) const {
+    CellAgain cell;
+    for (int c = 0; c < 8; ++c) {
+        const double value = volume_.value(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
+        cell.values[static_cast<std::size_t>(c)] = value;
+        if (value >= *surfaces_.at(surface).isovalue) {
+            cell.inside |= static_cast<std::uint8_t>(1U << c);
+        }
+    }
+    return cell;
+}
+
+}  // namespace pxpl5::host::inspect

@@ -1,0 +1,50 @@
+// The voxels of a recorded run, or the reason why they are not known.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "gp_firmware/volume/slice.hpp"
+#include "host/inspect/recorded_run.hpp"
+#include "host/volume.hpp"
+
+namespace pxpl5::host::inspect {
+
+/// The volume that a frame shows. Slices come from the recorded messages; those that no trace has,
+/// from the phantom that the volume was, if it can be built again.
+class KnownVolume {
+  public:
+    KnownVolume(const RecordedRun& run, std::uint32_t frame);
+
+    /// Whether the volume's header is recorded: without it there is no shape.
+    bool has_shape() const { return volume_.has_value(); }
+    const bus::schema::VolumeHeader& header() const;
+    const gp::VolumeShape& shape() const { return shape_; }
+
+    /// Sees to it that slices first..last, cut to the volume, can be read.
+    /// Returns  Empty, or why they cannot: a sentence that names them.
+    std::string need(int first, int last);
+
+    /// Voxel (x, y, z), which is inside and whose slice need() has granted.
+    double value(int x, int y, int z) const;
+    /// nx * ny voxels of slice z, granted by need().
+    std::span<const std::byte> slice(int z) const;
+    /// Where the values come from: "recorded slices" or "phantom:sphere, built again".
+    const std::string& values_from() const { return values_from_; }
+
+    glm::dvec3 to_mm(glm::dvec3 p_voxel) const {
+        return glm::dvec3(shape_.voxel_to_patient * glm::dvec4(p_voxel, 1));
+    }
+
+  private:
+    std::string build_again(const std::string& missing);
+
+    std::optional<RecordedVolume> volume_;
+    gp::VolumeShape shape_;
+    std::optional<Volume> built_;
+    std::string values_from_ = "recorded slices";
+};
+
+}  // namespace pxpl5::host::inspect
