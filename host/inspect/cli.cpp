@@ -64,6 +64,7 @@ std::function<std::optional<int>()> declare_inspection(CLI::App& app) {
     declare_reading(*tools, *trace);
     declare_replaying(*tools, *trace);
     declare_programs(*tools, app);
+    declare_asking(*tools, app);
     return [tools]() -> std::optional<int> {
         for (const auto& [tool, run] : tools->list) {
             if (tool->parsed()) {

@@ -43,6 +43,7 @@ void declare_selection(CLI::App& app, SelectionText& text,
 // The tools of one file each; cli.cpp calls them.
 void declare_reading(Tools& tools, CLI::App& trace);    ///< ls, dump, stats, export
 void declare_programs(Tools& tools, CLI::App& parent);  ///< asm, dis, exec
+void declare_asking(Tools& tools, CLI::App& parent);    ///< why, why-not
 void declare_replaying(Tools& tools, CLI::App& trace);  ///< replay, diff, shrink
 
 }  // namespace pxpl5::host::inspect
