@@ -59,6 +59,17 @@ void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
                 jobs_.push_back(EndVolume{});
             }
             break;
+        case bus::Body::SceneBegin:
+            begin_scene(*message.as<schema::SceneBegin>(), out);
+            break;
+        case bus::Body::ScenePart:
+            note_part(message);
+            break;
+        case bus::Body::SceneEnd:
+            if (scene_) {  // As for volumes.
+                jobs_.push_back(EndScene{});
+            }
+            break;
         case bus::Body::SetSurface:
             note_surface(*message.as<schema::SetSurface>());
             break;
@@ -126,7 +137,8 @@ void GpNode::set_machine(const bus::Message& message) {
     machine_ = std::move(machine);
 }
 
-void GpNode::begin_volume(const schema::VolumeHeader& header, bus::Outbox& out) {
+/// A volume or a scene takes the place of what was held.
+void GpNode::drop_all(bus::Outbox& out) {
     for (const Job& job : jobs_) {
         if (const Draw* draw = std::get_if<Draw>(&job)) {
             send_nothing(draw->request, out);  // Renderers wait for every GP's part.
@@ -138,6 +150,11 @@ void GpNode::begin_volume(const schema::VolumeHeader& header, bus::Outbox& out) 
     }
     surfaces_.clear();
     store_.reset();
+    scene_ = false;
+}
+
+void GpNode::begin_volume(const schema::VolumeHeader& header, bus::Outbox& out) {
+    drop_all(out);
     volume_ = header.volume();
     volume_since_ = Clock::now();
     try {
@@ -278,6 +295,12 @@ bool GpNode::step(Remove& job, bus::Outbox&) {
 
 bool GpNode::step(Fetch& job, bus::Outbox& out) {
     const auto held = surfaces_.find(job.surface);
+    if (scene_) {
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("surface {} is to be fetched, but belongs to a scene: it is "
+                                    "no mesh",
+                                    job.surface));
+    }
     if (held == surfaces_.end()) {
         throw NodeFault(FaultCode::bad_input,
                         fmt::format("surface {} is to be fetched, but is not held", job.surface));

@@ -3,6 +3,8 @@
 //   Topology          --->+------------+
 //   VolumeHeader      --->|            |
 //   Slices, VolumeEnd --->|            |---> VolumeReady     (to the host)
+//   SceneBegin,       --->|            |
+//   ScenePart, SceneEnd-->|            |---> VolumeReady     (to the host)
 //   SetSurface        --->|            |---> SurfaceBuilt    (to the host)
 //   RemoveSurface     --->|     GP     |
 //   FetchMesh         --->|            |---> MeshPart        (to the host)
@@ -57,6 +59,10 @@ class GpNode final : public bus::Node {
         std::uint32_t done = 0;  ///< Slices of the message that the store has.
     };
     struct EndVolume {};
+    struct TakePart {
+        bus::Message message;
+    };
+    struct EndScene {};
     struct Extract {
         std::uint16_t surface = 0;
         std::uint32_t revision = 0;
@@ -76,11 +82,15 @@ class GpNode final : public bus::Node {
         FrameRequest request;
         bool begun = false;
     };
-    using Job = std::variant<TakeSlices, EndVolume, Extract, Remove, Fetch, Draw>;
+    using Job =
+        std::variant<TakeSlices, EndVolume, TakePart, EndScene, Extract, Remove, Fetch, Draw>;
 
     void set_machine(const bus::Message& message);
     void begin_volume(const bus::schema::VolumeHeader& header, bus::Outbox& out);
     void note_slices(const bus::Message& message);
+    void begin_scene(const bus::schema::SceneBegin& begin, bus::Outbox& out);
+    void note_part(const bus::Message& message);
+    void drop_all(bus::Outbox& out);
     void note_surface(const bus::schema::SetSurface& set);
     void begin_frame(const bus::Message& message, bus::Outbox& out);
     void note_frame(const bus::schema::BeginFrame& begin);
@@ -89,6 +99,8 @@ class GpNode final : public bus::Node {
     // Each does a piece of a job and returns true when the job is done.
     bool step(TakeSlices& job, bus::Outbox& out);
     bool step(EndVolume& job, bus::Outbox& out);
+    bool step(TakePart& job, bus::Outbox& out);
+    bool step(EndScene& job, bus::Outbox& out);
     bool step(Extract& job, bus::Outbox& out);
     bool step(Remove& job, bus::Outbox& out);
     bool step(Fetch& job, bus::Outbox& out);
@@ -105,6 +117,7 @@ class GpNode final : public bus::Node {
     std::optional<LocalMemory> memory_;
     std::unique_ptr<SliceStore> store_;  ///< Null without a volume, or if it does not fit.
     std::optional<std::uint32_t> volume_;
+    bool scene_ = false;  ///< What volume_ counts is a scene.
     Clock::time_point volume_since_;
     Surfaces surfaces_;
     std::deque<Job> jobs_;

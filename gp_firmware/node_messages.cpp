@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
@@ -185,6 +186,29 @@ bus::Payload begin_frame_message(const schema::DrawFrame& draw,
     begin.draw->region_costs.clear();  // The assignment is what they were for.
     begin.assignment = assignment;
     return bus::pack(begin);
+}
+
+SlabMesh slab_mesh_of(const schema::ScenePart& part) {
+    SlabMesh mesh;
+    mesh.slab = static_cast<int>(part.slab());
+    const auto component = [](float value) {
+        return static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0F, 1.0F) * normal_one));
+    };
+    mesh.vertices.reserve(part.vertices()->size());
+    for (const schema::MeshVertex* v : *part.vertices()) {
+        mesh.vertices.push_back({{v->x(), v->y(), v->z()},
+                                 {component(v->nx()), component(v->ny()), component(v->nz())}});
+    }
+    mesh.indices.assign(part.indices()->begin(), part.indices()->end());
+    mesh.spheres.reserve(part.spheres()->size());
+    for (const schema::SceneSphere* s : *part.spheres()) {
+        mesh.spheres.push_back({{s->x(), s->y(), s->z()}, s->radius()});
+    }
+    mesh.lines.reserve(part.lines()->size());
+    for (const schema::SceneLine* l : *part.lines()) {
+        mesh.lines.push_back({{l->ax(), l->ay(), l->az()}, {l->bx(), l->by(), l->bz()}});
+    }
+    return mesh;
 }
 
 bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& held,

@@ -29,6 +29,9 @@ std::span<const std::uint64_t> costs_of(const bus::schema::DrawFrame& draw);
 bus::Payload begin_frame_message(const bus::schema::DrawFrame& draw,
                                  const std::vector<std::uint16_t>& assignment);
 
+/// What a part of a scene holds.
+SlabMesh slab_mesh_of(const bus::schema::ScenePart& part);
+
 bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& held,
                                    std::size_t memory_bytes, std::uint64_t elapsed_us);
 

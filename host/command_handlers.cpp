@@ -87,11 +87,16 @@ Surface wished_surface(const Volume& volume, const std::optional<Surface>& known
     return wish;
 }
 
+Reply describe_loaded(const Session& session) {
+    const phigs::Content* archive = session.archive();
+    return archive != nullptr ? describe_archive(*archive) : describe_volume(session.volume());
+}
+
 }  // namespace
 
 Reply run_load(Session& session, const Arguments& arguments) {
     const LoadReport report = session.load(arguments.words[0]);
-    Reply reply = describe_volume(session.volume());
+    Reply reply = describe_loaded(session);
     reply.text += fmt::format(
         "\nread in {:.0f} ms, distributed in {:.0f} ms; {:.1f} MiB on the GPs", report.read_ms,
         report.distribute_ms, static_cast<double>(report.memory_bytes) / (1 << 20));
@@ -102,8 +107,12 @@ Reply run_load(Session& session, const Arguments& arguments) {
 }
 
 Reply run_info(Session& session, const Arguments& arguments) {
-    return describe_volume(arguments.words.empty() ? session.volume()
-                                                   : session.read(arguments.words[0]));
+    if (arguments.words.empty()) {
+        return describe_loaded(session);
+    }
+    const std::string& source = arguments.words[0];
+    return phigs::is_archive(source) ? describe_archive(phigs::flatten(phigs::read_archive(source)))
+                                     : describe_volume(session.read(source));
 }
 
 Reply run_surface(Session& session, const Arguments& arguments) {
@@ -212,8 +221,7 @@ Reply run_size(Session& session, const Arguments& arguments) {
 Reply run_snapshot(Session& session, const Arguments& arguments) {
     const Picture picture = session.draw();
     const double draw_ms = session.last_frame().elapsed_ms;
-    session.export_picture(picture, arguments.words[0],
-                           picture_text(session.volume(), session.scene));
+    session.export_picture(picture, arguments.words[0], picture_text(session));
     return {fmt::format("wrote {} ({}x{}, drawn in {:.1f} ms)", arguments.words[0], picture.width,
                         picture.height, draw_ms),
             {{"file", arguments.words[0]},
@@ -235,7 +243,7 @@ Reply run_orbit(Session& session, const Arguments& arguments) {
         }
         std::string path = pattern;
         path.replace(path.find("{}"), 2, fmt::format("{:04}", index));
-        session.export_picture(picture, path, picture_text(session.volume(), session.scene));
+        session.export_picture(picture, path, picture_text(session));
         ++written;
     };
     const OrbitReport report = session.orbit(static_cast<int>(count), take);
@@ -263,6 +271,10 @@ Reply run_stats(Session& session, const Arguments&) {
             fmt::format("\n  {} cells crossed, {} of them ambiguous; {} cell rows skipped\n",
                         report.cells_active, report.cells_ambiguous, report.rows_skipped);
         list.push_back(surface_fields(surface, report));
+    }
+    if (const phigs::Content* archive = session.archive()) {
+        reply.text += fmt::format("{}: {} triangles, {} spheres, {} lines\n", archive->file,
+                                  archive->triangles, archive->spheres, archive->lines);
     }
     const FrameReport& frame = session.last_frame();
     reply.text +=

@@ -13,8 +13,8 @@ namespace pxpl5::host {
 std::span<const Command> command_table() {
     static const std::vector<Command> table = {
         {"load",
-         "FILE|FOLDER|phantom:NAME",
-         "Reads a volume and hands its slices to the GPs.",
+         "FILE|FOLDER|phantom:NAME|SCENE.phigs",
+         "Reads a volume, or a PPHIGS archive, and hands it to the GPs.",
          1,
          1,
          {},

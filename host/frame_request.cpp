@@ -34,26 +34,25 @@ schema::Light to_wire(const Light& light) {
 }
 
 /// One eye. Sizes are positive, so the aspect is defined.
-std::unique_ptr<schema::ViewT> view_of(const Scene& scene, const Volume& volume) {
+std::unique_ptr<schema::ViewT> view_of(const Scene& scene, const Stage& stage) {
     const double aspect = static_cast<double>(scene.size.width) / scene.size.height;
-    const Subject subject = subject_of(volume.nx, volume.ny, volume.nz, volume.voxel_to_patient);
-    const CameraMatrices camera = camera_matrices(scene.camera, subject, aspect);
+    const CameraMatrices camera = camera_matrices(scene.camera, stage.subject, aspect);
     auto view = std::make_unique<schema::ViewT>();
     view->voxel_to_eye =
-        std::make_unique<schema::Matrix>(to_wire(camera.patient_to_eye * volume.voxel_to_patient));
+        std::make_unique<schema::Matrix>(to_wire(camera.patient_to_eye * stage.voxel_to_patient));
     view->projection = std::make_unique<schema::Matrix>(to_wire(camera.projection));
     return view;
 }
 
 }  // namespace
 
-bus::Payload frame_request(const Scene& scene, const Volume& volume, std::uint32_t frame,
+bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t frame,
                            std::span<const std::uint64_t> region_costs) {
     schema::DrawFrameT draw;
     draw.frame = frame;
     draw.width = static_cast<std::uint32_t>(scene.size.width);
     draw.height = static_cast<std::uint32_t>(scene.size.height);
-    draw.views.push_back(view_of(scene, volume));
+    draw.views.push_back(view_of(scene, stage));
     for (const Light& light : scene.lights) {
         draw.lights.push_back(to_wire(light));
     }
@@ -61,9 +60,9 @@ bus::Payload frame_request(const Scene& scene, const Volume& volume, std::uint32
     draw.specular = static_cast<float>(scene.material.specular);
     draw.specular_power = scene.material.specular_power;
     draw.background = std::make_unique<schema::Rgb>(to_wire(scene.background));
-    for (const Surface& surface : scene.surfaces) {
+    for (const Surface& surface : stage.surfaces) {
         draw.surfaces.push_back(schema::SurfaceDraw(surface.id, surface.revision,
-                                                    to_wire(surface.colour), /*cull_back=*/false));
+                                                    to_wire(surface.colour), surface.cull_back));
     }
     draw.read_back = true;
     draw.region_costs.assign(region_costs.begin(), region_costs.end());

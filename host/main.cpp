@@ -11,6 +11,7 @@
 #include "host/machine/machine.hpp"
 #include "host/paper_report.hpp"
 #include "host/phantom/phantom.hpp"
+#include "host/phigs/archive.hpp"
 #include "host/script.hpp"
 #include "host/version.hpp"
 
@@ -136,7 +137,8 @@ int run(const Flags& flags) {
 }
 
 int render(const Flags& flags) {
-    if (!flags.isovalue && flags.surfaces.empty() && !is_phantom(flags.volume)) {
+    if (!flags.isovalue && flags.surfaces.empty() && !is_phantom(flags.volume) &&
+        !phigs::is_archive(flags.volume)) {
         throw RequestError(ExitCode::usage,
                            fmt::format("render needs --iso V or --surface name=V; 'pxpl5 info {}' "
                                        "tells which values the volume has",

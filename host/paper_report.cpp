@@ -54,7 +54,7 @@ std::string write_picture(Session& session, const PaperRow& row, const std::stri
         (std::filesystem::path(folder) /
          fmt::format("{}-{}.png", row.volume.substr(row.volume.find(':') + 1), row.surface))
             .string();
-    session.export_picture(session.draw(), path, picture_text(session.volume(), session.scene));
+    session.export_picture(session.draw(), path, picture_text(session));
     return path;
 }
 

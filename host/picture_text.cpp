@@ -84,13 +84,21 @@ std::string orientation_letters(const Volume& volume) {
     return letters;
 }
 
-std::string picture_text(const Volume& volume, const Scene& scene) {
-    const glm::dvec3 spacing = spacing_mm(volume);
-    std::string text = fmt::format(
-        "volume {} {}x{}x{} spacing {:.6g}x{:.6g}x{:.6g} mm; view azimuth {:.6g} elevation {:.6g} "
-        "zoom {:.6g}",
-        volume.name, volume.nx, volume.ny, volume.nz, spacing.x, spacing.y, spacing.z,
-        scene.camera.angles.azimuth_deg, scene.camera.angles.elevation_deg, scene.camera.zoom);
+std::string picture_text(const Session& session) {
+    const Scene& scene = session.scene;
+    std::string text;
+    if (const phigs::Content* archive = session.archive()) {
+        text = fmt::format("scene {}, {} triangles, {} spheres, {} lines", archive->file,
+                           archive->triangles, archive->spheres, archive->lines);
+    } else {
+        const Volume& volume = session.volume();
+        const glm::dvec3 spacing = spacing_mm(volume);
+        text = fmt::format("volume {} {}x{}x{} spacing {:.6g}x{:.6g}x{:.6g} mm", volume.name,
+                           volume.nx, volume.ny, volume.nz, spacing.x, spacing.y, spacing.z);
+    }
+    text += fmt::format("; view azimuth {:.6g} elevation {:.6g} zoom {:.6g}",
+                        scene.camera.angles.azimuth_deg, scene.camera.angles.elevation_deg,
+                        scene.camera.zoom);
     for (const Surface& surface : scene.surfaces) {
         text += fmt::format("; surface {} isovalue {}", surface.name, surface.isovalue);
     }
@@ -146,6 +154,35 @@ Reply describe_volume(const Volume& volume) {
         {"quantiles", shares},
         {"notes", notes},
         {"surfaces", surfaces}};
+    return reply;
+}
+
+Reply describe_archive(const phigs::Content& content) {
+    const glm::dvec3 &low = content.low, &high = content.high;
+    Reply reply;
+    reply.text = fmt::format(
+        "{}: {} structures, {} posted; {} polygons ({} triangles), {} spheres, {} lines in {} "
+        "colours\nfrom ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}) in its own units",
+        content.file, content.structures, content.posted, content.polygons, content.triangles,
+        content.spheres, content.lines, content.materials.size(), low.x, low.y, low.z, high.x,
+        high.y, high.z);
+    std::vector<Fields> notes;
+    for (const std::string& note : content.notes) {
+        reply.text += "\nnote: " + note;
+        notes.push_back({{"note", note}});
+    }
+    const auto number = [](std::size_t value) { return static_cast<std::int64_t>(value); };
+    reply.fields = {{"name", content.file},
+                    {"structures", number(content.structures)},
+                    {"posted", number(content.posted)},
+                    {"polygons", number(content.polygons)},
+                    {"triangles", number(content.triangles)},
+                    {"spheres", number(content.spheres)},
+                    {"lines", number(content.lines)},
+                    {"colours", number(content.materials.size())},
+                    {"low", std::vector<double>{low.x, low.y, low.z}},
+                    {"high", std::vector<double>{high.x, high.y, high.z}},
+                    {"notes", notes}};
     return reply;
 }
 

@@ -5,12 +5,16 @@
 #include <glm/vec3.hpp>
 #include <string>
 
+#include "host/reply.hpp"
 #include "host/session.hpp"
 
 namespace pxpl5::host {
 
-/// What a picture's metadata say: volume, spacing, isovalues, view.
-std::string picture_text(const Volume& volume, const Scene& scene);
+/// What a picture's metadata say: volume, spacing, isovalues, view; or the scene's file and view.
+std::string picture_text(const Session& session);
+
+/// What `load` and `info` say of an archive.
+Reply describe_archive(const phigs::Content& content);
 
 /// Digest of the picture's pixels.
 std::uint64_t picture_digest(const Picture& picture);

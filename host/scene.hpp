@@ -15,6 +15,7 @@ namespace pxpl5::host {
 inline constexpr std::size_t max_surfaces = 16;
 inline constexpr std::size_t max_lights = 4;
 inline constexpr int max_picture_px = 4096;
+inline constexpr double max_specular_power = 128;
 
 enum class CaseTable : std::uint8_t { watertight, lorensen1987, asymptotic };
 inline constexpr std::array<std::string_view, 3> case_table_names = {"watertight", "lorensen1987",
@@ -27,6 +28,7 @@ struct Surface {
     double isovalue = 0;
     CaseTable table = CaseTable::watertight;
     Colour colour{236, 226, 200};
+    bool cull_back = false;  ///< Triangles that turn their back are not drawn.
 };
 
 /// Directional light as seen by the viewer.

@@ -8,8 +8,8 @@
 
 #include "host/digest.hpp"
 #include "host/error.hpp"
-#include "host/frame_request.hpp"
 #include "host/nearest.hpp"
+#include "host/scene_transfer.hpp"
 #include "host/stopwatch.hpp"
 
 namespace pxpl5::host {
@@ -55,6 +55,12 @@ std::uint64_t digest_of(const schema::SlabMesh& mesh) {
 Session::Session(MachinePort& machine) : machine_(machine) {}
 
 const Volume& Session::volume() const {
+    if (archive_) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("{} is a scene of polygons, spheres and lines: it has no "
+                                       "voxels and no isosurfaces; load a volume for them",
+                                       archive_->content.file));
+    }
     if (!volume_) {
         throw RequestError(ExitCode::usage, "no volume is loaded; load one first: load VOLUME");
     }
@@ -129,6 +135,9 @@ void Session::on_fault(const schema::Fault& fault) {
 }
 
 Surface& Session::find_surface(const std::string& name) {
+    if (archive_) {
+        volume();  // Throws: a scene has no surfaces that could be named.
+    }
     std::vector<std::string_view> names;
     for (Surface& surface : scene.surfaces) {
         if (surface.name == name) {
@@ -228,8 +237,17 @@ const SurfaceReport& Session::report_of(const std::string& name) const {
     return found->second;
 }
 
+Stage Session::stage() const {
+    if (archive_) {
+        return {archive_->surfaces, phigs::scene_subject(), glm::dmat4(1.0)};
+    }
+    const Volume& held = volume();
+    return {scene.surfaces, subject_of(held.nx, held.ny, held.nz, held.voxel_to_patient),
+            held.voxel_to_patient};
+}
+
 void Session::submit_frame() {
-    const bus::Payload request = frame_request(scene, volume(), next_frame_, region_costs_);
+    const bus::Payload request = frame_request(scene, stage(), next_frame_, region_costs_);
     pending_.push_back({next_frame_++, now_ns()});
     machine_.send(machine_.gp_ids().front(), request);
 }

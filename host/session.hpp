@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "host/frame_request.hpp"
 #include "host/machine/port.hpp"
+#include "host/phigs/content.hpp"
 #include "host/scene.hpp"
 #include "host/volume.hpp"
 #include "host/volume_transfer.hpp"
@@ -64,11 +66,14 @@ class Session {
     std::size_t renderer_count() const { return machine_.renderer_ids().size(); }
 
     /// Reads a file or folder, or builds "phantom:NAME", and distributes it. Surfaces are dropped.
+    /// A PPHIGS archive is no volume, but a scene: it is drawn as it is.
     LoadReport load(const std::string& source);
     /// Reads a volume without distributing it.
     Volume read(const std::string& source);
     bool has_volume() const { return volume_.has_value(); }
-    /// Throws RequestError if nothing is loaded.
+    /// The archive that is loaded, without its parts; null if none is.
+    const phigs::Content* archive() const { return archive_ ? &archive_->content : nullptr; }
+    /// Throws RequestError if no volume is loaded.
     const Volume& volume() const;
 
     /// Adds the surface, or gives it a new isovalue, and extracts it on all GPs.
@@ -100,6 +105,14 @@ class Session {
         std::int64_t started_ns = 0;
     };
 
+    /// A PPHIGS archive on the GPs.
+    struct HeldArchive {
+        phigs::Content content;         ///< Its parts are the GPs'.
+        std::vector<Surface> surfaces;  ///< One for each material.
+    };
+
+    LoadReport load_archive(const std::string& source);
+    Stage stage() const;
     void on_message(const bus::Message& message);
     void on_fault(const bus::schema::Fault& fault);
     void on_answer(const bus::Message& message);
@@ -121,6 +134,7 @@ class Session {
 
     MachinePort& machine_;
     std::optional<Volume> volume_;
+    std::optional<HeldArchive> archive_;  ///< Never together with a volume.
     std::uint32_t volume_id_ = 0;
     std::uint16_t next_surface_id_ = 0;
     std::uint32_t next_frame_ = 0;

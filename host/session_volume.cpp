@@ -28,6 +28,9 @@ void Session::with_io(const std::string& what, ExitCode on_death, bus::Payload r
 }
 
 Volume Session::read(const std::string& source) {
+    if (phigs::is_archive(source)) {
+        throw RequestError(ExitCode::usage, source + " is a scene, not a volume");
+    }
     if (is_phantom(source)) {
         try {
             return make_phantom(source);
@@ -43,6 +46,9 @@ Volume Session::read(const std::string& source) {
 }
 
 LoadReport Session::load(const std::string& source) {
+    if (phigs::is_archive(source)) {
+        return load_archive(source);
+    }
     LoadReport report{source};
     std::int64_t start_ns = now_ns();
     Volume volume = read(source);
@@ -52,6 +58,7 @@ LoadReport Session::load(const std::string& source) {
     scene.surfaces.clear();
     reports_.clear();
     region_costs_.clear();
+    archive_.reset();
     volume_ = std::move(volume);
     ++volume_id_;
     begin_request();

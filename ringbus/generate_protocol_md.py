@@ -8,7 +8,7 @@ import re
 import sys
 
 HERE = pathlib.Path(__file__).parent
-FILES = ["common", "control", "volume", "surface", "frame", "trace"]
+FILES = ["common", "control", "volume", "surface", "frame", "scene", "trace"]
 REWRITE = "python3 ringbus/generate_protocol_md.py --write"
 
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <limits>
 #include <set>
 
 #include "ringbus/channel_model.hpp"
@@ -187,6 +189,50 @@ std::string range_of(const schema::MeshPart& part) {
     return check.reason();
 }
 
+std::string range_of(const schema::SceneBegin& begin) {
+    const auto& surfaces = *begin.surfaces();
+    return Check()
+        .within("number of surfaces", std::size_t{surfaces.size()}, std::size_t{0},
+                max_scene_surfaces)
+        .equal("number of different surfaces",
+               std::set<std::uint16_t>(surfaces.begin(), surfaces.end()).size(),
+               std::size_t{surfaces.size()})
+        .reason();
+}
+
+std::string range_of(const schema::ScenePart& part) {
+    const auto& vertices = *part.vertices();
+    const auto& indices = *part.indices();
+    Check check;
+    check.at_most("slab", part.slab(), max_scene_slab)
+        .equal("indices beyond whole triangles", indices.size() % 3, 0U);
+    const auto outside = std::find_if(indices.begin(), indices.end(),
+                                      [&](std::uint32_t i) { return i >= vertices.size(); });
+    if (outside != indices.end()) {
+        check.add(fmt::format("index {} of {} vertices", *outside, vertices.size()));
+    }
+    const auto place = [&check](const char* field, std::initializer_list<float> values) {
+        for (const float value : values) {
+            check.within(field, value, -max_scene_mm, max_scene_mm);
+        }
+    };
+    for (const auto* v : vertices) {
+        place("a vertex's coordinate", {v->x(), v->y(), v->z()});
+        for (const float value : {v->nx(), v->ny(), v->nz()}) {
+            check.within("a normal's component", value, -1.001F, 1.001F);
+        }
+    }
+    for (const auto* s : *part.spheres()) {
+        place("a sphere's coordinate", {s->x(), s->y(), s->z()});
+        check.within("a sphere's radius", s->radius(), std::numeric_limits<float>::min(),
+                     max_scene_mm);
+    }
+    for (const auto* l : *part.lines()) {
+        place("a line's coordinate", {l->ax(), l->ay(), l->az(), l->bx(), l->by(), l->bz()});
+    }
+    return check.reason();
+}
+
 std::string range_of(const schema::DrawFrame& draw) {
     Check check;
     check.within("width", draw.width(), 1U, max_picture_px)
@@ -301,6 +347,10 @@ std::string out_of_range(const schema::Message& message) {
             return range_of(*message.body_as_SurfaceBuilt());
         case Body::MeshPart:
             return range_of(*message.body_as_MeshPart());
+        case Body::SceneBegin:
+            return range_of(*message.body_as_SceneBegin());
+        case Body::ScenePart:
+            return range_of(*message.body_as_ScenePart());
         case Body::DrawFrame:
             return range_of(*message.body_as_DrawFrame());
         case Body::BeginFrame:

@@ -24,6 +24,9 @@ constexpr std::size_t region_count(std::uint32_t width, std::uint32_t height, st
 }
 
 inline constexpr std::uint32_t max_slab = max_volume_voxels - 2;  ///< Between the last two slices.
+inline constexpr std::size_t max_scene_surfaces = 255;            ///< A pixel has 8 bits for them.
+inline constexpr std::uint32_t max_scene_slab = 1 << 20;          ///< Parts of one scene.
+inline constexpr float max_scene_mm = 1e6F;  ///< From the origin, along each axis.
 inline constexpr std::size_t max_regions = region_count(max_picture_px, max_picture_px, max_views);
 
 /// Empty if all is well, else which field is wrong, with both values.

@@ -152,6 +152,7 @@ Projection prepare(const Camera& camera) {
     result.voxel_to_grid_exact = viewport(camera) * camera.projection * camera.voxel_to_eye;
     check_finite(result.voxel_to_grid_exact, "voxel to screen");
     const glm::dmat3 turn_to_eye = rotation(camera);
+    result.patient_to_eye = turn_to_eye;
     for (int column = 0; column < 4; ++column) {
         result.voxel_to_grid[static_cast<std::size_t>(column)] =
             to_lanes(result.voxel_to_grid_exact[column]);

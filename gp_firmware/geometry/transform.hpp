@@ -36,6 +36,7 @@ struct Projection {
     /// corner, y down; z / w in depth units.
     std::array<Float4, 4> voxel_to_grid;
     glm::dmat4 voxel_to_grid_exact;  ///< The same, for clipping.
+    glm::dmat3 patient_to_eye;       ///< A rotation, perhaps with a reflection.
     /// Columns of patient -> eye, in lanes 1..3, scaled from normal_one to normal_unit.
     std::array<Float4, 3> normal_to_eye;
     std::vector<glm::vec4> clip_planes;

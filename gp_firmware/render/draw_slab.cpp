@@ -134,4 +134,12 @@ DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const R
     return counts;
 }
 
+std::uint32_t draw_screen_triangle(const ScreenVertex& a, const ScreenVertex& b,
+                                   const ScreenVertex& c, const RegionGrid& grid,
+                                   const SurfaceStyle& style, RegionPrograms& programs) {
+    assert(style.index < max_surfaces);
+    return draw_triangle(
+        a, b, c, {grid, programs, isa::triangle::surface_word(style.index + 1U), style.cull_back});
+}
+
 }  // namespace pxpl5::gp

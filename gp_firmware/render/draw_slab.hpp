@@ -35,4 +35,9 @@ struct DrawCounts {
 DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const RegionGrid& grid,
                      const SurfaceStyle& style, DrawScratch& scratch, RegionPrograms& programs);
 
+/// Draws one triangle of the screen with no corner outside. Returns in how many regions.
+std::uint32_t draw_screen_triangle(const ScreenVertex& a, const ScreenVertex& b,
+                                   const ScreenVertex& c, const RegionGrid& grid,
+                                   const SurfaceStyle& style, RegionPrograms& programs);
+
 }  // namespace pxpl5::gp

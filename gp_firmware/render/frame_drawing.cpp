@@ -5,6 +5,8 @@
 #include <cassert>
 #include <utility>
 
+#include "gp_firmware/render/draw_scene.hpp"
+
 namespace pxpl5::gp {
 
 std::size_t region_count(const FrameRequest& request) {
@@ -61,15 +63,23 @@ bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
             }
             const SlabMesh& mesh = slabs[next_slab_];
             programs_.begin_slab(index, static_cast<std::uint32_t>(mesh.slab));
-            counts_.triangles_in += static_cast<std::uint32_t>(mesh.indices.size() / 3);
+            counts_.triangles_in += static_cast<std::uint32_t>(
+                mesh.indices.size() / 3 + mesh.spheres.size() + mesh.lines.size());
             for (const Eye& eye : eyes_) {
-                counts_.triangles_out += draw_slab(mesh, eye.projection, eye.grid,
-                                                   {index, wanted.cull_back}, scratch_, programs_)
-                                             .triangles_out;
+                draw_for(eye, mesh, {index, wanted.cull_back});
             }
         }
     }
     return false;
+}
+
+void FrameDrawing::draw_for(const Eye& eye, const SlabMesh& mesh, const SurfaceStyle& style) {
+    counts_.triangles_out +=
+        draw_slab(mesh, eye.projection, eye.grid, style, scratch_, programs_).triangles_out;
+    counts_.triangles_out +=
+        draw_spheres(mesh, eye.projection, eye.grid, style, programs_).triangles_out;
+    counts_.triangles_out +=
+        draw_lines(mesh, eye.projection, eye.grid, style, programs_).triangles_out;
 }
 
 }  // namespace pxpl5::gp

@@ -68,6 +68,8 @@ class FrameDrawing {
         RegionGrid grid;
     };
 
+    void draw_for(const Eye& eye, const SlabMesh& mesh, const SurfaceStyle& style);
+
     std::vector<Eye> eyes_;
     std::vector<SurfaceWanted> wanted_;
     std::size_t next_surface_ = 0, next_slab_ = 0;

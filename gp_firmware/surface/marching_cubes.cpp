@@ -348,7 +348,8 @@ void extract_slab(const SliceStore& store, int slab, double isovalue, const Case
 std::size_t size_bytes(const SlabMesh& mesh) {
     return mesh.vertices.capacity() * sizeof(Vertex) +
            mesh.keys.capacity() * sizeof(std::uint64_t) +
-           mesh.indices.capacity() * sizeof(std::uint32_t);
+           mesh.indices.capacity() * sizeof(std::uint32_t) +
+           mesh.spheres.capacity() * sizeof(Sphere) + mesh.lines.capacity() * sizeof(Line);
 }
 
 }  // namespace pxpl5::gp

@@ -1,4 +1,5 @@
-// The triangles of one surface in one slab, as marching cubes leaves them.
+// What a slab holds of one surface: triangles, as marching cubes leaves them or a scene brings
+// them.
 #pragma once
 
 #include <array>
@@ -40,6 +41,15 @@ struct Origin {
 };
 static_assert(sizeof(Origin) == 8);
 
+/// Of a scene: primitives that marching cubes never makes. Voxel units.
+struct Sphere {
+    glm::vec3 p_voxel;
+    float radius = 0;  ///< > 0.
+};
+struct Line {
+    glm::vec3 from_voxel, to_voxel;
+};
+
 /// Slab `slab` is the layer of cells between slices slab and slab + 1.
 struct SlabMesh {
     int slab = 0;
@@ -47,6 +57,8 @@ struct SlabMesh {
     std::vector<std::uint64_t> keys;  ///< Per vertex: 4 * voxel index + axis; axis 3 = cell centre.
     std::vector<std::uint32_t> indices;  ///< 3 per triangle, counter-clockwise seen from outside.
     std::vector<Origin> origins;         ///< Of each triangle; empty if nobody asked for them.
+    std::vector<Sphere> spheres;         ///< Only of scenes, as are the lines.
+    std::vector<Line> lines;
     SlabCounts counts;
 };
 

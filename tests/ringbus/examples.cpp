@@ -135,6 +135,23 @@ std::vector<Payload> frame_examples() {
     return {pack(example_draw()), pack(begin), pack(example_programs()), pack(pixels), pack(done)};
 }
 
+std::vector<Payload> scene_examples() {
+    schema::SceneBeginT begin;
+    begin.scene = 3;
+    begin.surfaces = {4, 7};
+    schema::ScenePartT part;
+    part.scene = 3;
+    part.surface = 7;
+    part.slab = 5;
+    part.vertices.assign(3, schema::MeshVertex(1, 2, 3, 0, 0, 1));
+    part.indices = {0, 1, 2};
+    part.spheres = {schema::SceneSphere(1, 2, 3, 0.5F)};
+    part.lines = {schema::SceneLine(1, 2, 3, 4, 5, 6)};
+    schema::SceneEndT end;
+    end.scene = 3;
+    return {pack(begin), pack(part), pack(end)};
+}
+
 /// Unpacks and packs table T if that is the message's kind.
 template <typename T>
 void repack_if(const bus::Message& message, Payload& result) {
@@ -214,8 +231,8 @@ schema::RegionProgramsT example_programs() {
 
 std::vector<Payload> one_of_each_kind() {
     std::vector<Payload> all;
-    for (const auto& group :
-         {control_examples(), volume_examples(), surface_examples(), frame_examples()}) {
+    for (const auto& group : {control_examples(), volume_examples(), surface_examples(),
+                              frame_examples(), scene_examples()}) {
         all.insert(all.end(), group.begin(), group.end());
     }
     return all;
@@ -226,8 +243,8 @@ Payload repacked(const bus::Message& message) {
     return repacked_as_one_of<Hello, Topology, Connected, Go, Shutdown, Credit, Fault, ImportVolume,
                               VolumeHeader, Slices, VolumeEnd, VolumeReady, ExportPicture, IoDone,
                               SetSurface, RemoveSurface, SurfaceBuilt, FetchMesh, MeshPart,
-                              DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone>(
-        message);
+                              DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone,
+                              SceneBegin, ScenePart, SceneEnd>(message);
 }
 
 }  // namespace pxpl5::test

@@ -80,6 +80,19 @@ TEST_SUITE("ringbus/ranges") {
                       "vertex 2 is not finite");
     }
 
+    TEST_CASE("a scene") {
+        CHECK_REFUSED(SceneBeginT, m.surfaces.assign(256, 0), "number of surfaces is 256");
+        CHECK_REFUSED(SceneBeginT, m.surfaces[1] = 4, "different surfaces is 1, expected 2");
+        CHECK_REFUSED(ScenePartT, m.slab = max_scene_slab + 1, "slab is 1048577");
+        CHECK_REFUSED(ScenePartT, m.indices.pop_back(), "whole triangles is 2, expected 0");
+        CHECK_REFUSED(ScenePartT, m.indices[2] = 3, "index 3 of 3 vertices");
+        CHECK_REFUSED(ScenePartT, m.vertices[1].mutate_y(NAN), "a vertex's coordinate is nan");
+        CHECK_REFUSED(ScenePartT, m.vertices[1].mutate_nx(1.5F), "a normal's component is 1.5");
+        CHECK_REFUSED(ScenePartT, m.spheres[0].mutate_x(2e6F), "a sphere's coordinate is 2000000");
+        CHECK_REFUSED(ScenePartT, m.spheres[0].mutate_radius(0), "a sphere's radius is 0");
+        CHECK_REFUSED(ScenePartT, m.lines[0].mutate_bz(INFINITY), "a line's coordinate is inf");
+    }
+
     TEST_CASE("what shall be drawn") {
         CHECK_REFUSED(DrawFrameT, m.width = 0, "width is 0, allowed are 1 .. 8192");
         CHECK_REFUSED(DrawFrameT, m.height = 8193, "height is 8193");
