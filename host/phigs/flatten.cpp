@@ -334,12 +334,12 @@ class Flattener {
     void tell_notes() {
         const auto note = [this](std::size_t count, const char* text) {
             if (count != 0) {
-                content_.notes.push_back(fmt::format("{} {}", count, text));
+                content_.notes.push_back(fmt::format("{}: {}", text, count));
             }
         };
-        note(archive_.translucent, "colours are translucent; they are drawn opaque");
-        note(averaged_, "polygons have colours at their corners; their mean is drawn");
-        note(flat_polygons_, "polygons have no area and are left out");
+        note(archive_.translucent, "translucent colours, drawn opaque");
+        note(averaged_, "polygons drawn in the mean of their corners' colours");
+        note(flat_polygons_, "polygons left out, as they have no area");
     }
 
     template <typename Use>
