@@ -1,7 +1,9 @@
 // The command line of ls, dump, stats and export.
 #include "host/inspect/cli_declare.hpp"
 #include "host/inspect/dump.hpp"
+#include "host/inspect/export.hpp"
 #include "host/inspect/ls.hpp"
+#include "host/inspect/stats.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -21,6 +23,29 @@ void declare_dump(CLI::App& app, DumpOptions& options) {
     declare_output(app, options.output);
 }
 
+void declare_stats(CLI::App& app, StatsOptions& options) {
+    declare_run(app, options.run);
+    declare_selection(app, options.selection,
+                      {"frame", "region", "gp", "renderer", "surface", "slab", "op", "kind"});
+    declare_json(app, options.json);
+    app.add_flag("--csv", options.csv, "Comma-separated: one line per part and instruction");
+    declare_output(app, options.output);
+}
+
+void declare_export(CLI::App& app, ExportOptions& options) {
+    declare_run(app, options.run);
+    app.add_option("--chrome", options.chrome,
+                   "Write a timeline for ui.perfetto.dev or chrome://tracing to this file");
+    app.add_option("--events", options.events, "At most so many events of the timeline")
+        ->capture_default_str();
+    app.add_option("--messages", options.messages, "Write a table of messages: json or csv");
+    app.add_option("--streams", options.streams,
+                   "Write each region's programs as assembly files into this folder");
+    declare_selection(app, options.selection,
+                      {"frame", "region", "gp", "renderer", "surface", "slab", "kind"});
+    declare_output(app, options.output);
+}
+
 }  // namespace
 
 void declare_reading(Tools& tools, CLI::App& trace) {
@@ -33,6 +58,11 @@ void declare_reading(Tools& tools, CLI::App& trace) {
     add_tool<DumpOptions>(tools, trace, "dump",
                           "List messages, or a region's instructions with their results",
                           trace_dump, declare_dump);
+    add_tool<StatsOptions>(tools, trace, "stats", "Count instructions, cycles and messages",
+                           trace_stats, declare_stats);
+    add_tool<ExportOptions>(tools, trace, "export",
+                            "Write a timeline, a table of messages, or assembly files",
+                            trace_export, declare_export);
 }
 
 }  // namespace pxpl5::host::inspect

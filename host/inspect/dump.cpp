@@ -60,9 +60,12 @@ class InstructionDump {
             }
         }
         if (left_out_ != 0 || regions_left_out_ != 0) {
-            output_.line(fmt::format("; left out: {} instructions and {} whole regions; {}",
-                                     grouped(left_out_), grouped(regions_left_out_),
-                                     how_to_see_more));
+            output_.line(fmt::format(
+                "; left out: {} instructions{}; {}", grouped(left_out_),
+                regions_left_out_ == 0
+                    ? ""
+                    : fmt::format(", and {} regions not even begun", grouped(regions_left_out_)),
+                how_to_see_more));
         }
         if (regions_ == 0) {
             throw RequestError(ExitCode::usage,

@@ -12,7 +12,7 @@ namespace pxpl5::host::inspect {
 struct DumpOptions {
     static constexpr std::uint64_t default_lines = 2000;
 
-    std::string run, output;
+    std::string run{}, output{};
     SelectionText selection;
     std::vector<int> pixel;  ///< Empty, or x and y in the picture.
     std::uint64_t lines = default_lines;

@@ -10,25 +10,43 @@ namespace region = isa::region;
 
 struct NamedField {
     region::Field field;
-    const char* name;
+    std::string_view name;
+    bool is_signed = false;
 };
 constexpr NamedField named_fields[] = {
-    {region::surface, "surface"},   {region::z, "z"},
-    {region::normal_x, "normal_x"}, {region::normal_y, "normal_y"},
-    {region::normal_z, "normal_z"}, {region::rgb, "rgb"},
+    {region::surface, "surface"},         {region::z, "z"},
+    {region::normal_x, "normal_x", true}, {region::normal_y, "normal_y", true},
+    {region::normal_z, "normal_z", true}, {region::rgb, "rgb"},
 };
+
+constexpr std::uint32_t word_bits = 64;
+
+/// The layout's field that lies there; null if none does.
+const NamedField* named_at(std::uint32_t address, std::uint32_t width) {
+    for (const NamedField& named : named_fields) {
+        if (named.field.address == address && named.field.width == width) {
+            return &named;
+        }
+    }
+    return nullptr;
+}
 
 constexpr std::size_t plane_words = 3;  ///< Coefficients of the least form that a tree computes.
 
 }  // namespace
 
 std::string field_name(std::uint32_t address, std::uint32_t width) {
+    const NamedField* named = named_at(address, width);
+    return named == nullptr ? fmt::format("m{}:{}", address, width) : std::string(named->name);
+}
+
+std::optional<region::Field> field_named(std::string_view name) {
     for (const NamedField& named : named_fields) {
-        if (named.field.address == address && named.field.width == width) {
-            return named.name;
+        if (named.name == name) {
+            return named.field;
         }
     }
-    return fmt::format("m{}:{}", address, width);
+    return std::nullopt;
 }
 
 std::int64_t form_of(isa::Coefficients coefficients, RegionPixel pixel) {
@@ -56,12 +74,25 @@ std::uint64_t InstructionValues::read(const isa::Executor& executor) const {
     return width_ == 0 ? 0 : executor.field(pixel_.x, pixel_.y, in_.operands.a, width_);
 }
 
-/// "Q = 55, z = 12", what a test compares.
+/// The field's value as a number: signed if the layout says so.
+std::string InstructionValues::number(std::uint64_t value) const {
+    const NamedField* named = named_at(in_.operands.a, width_);
+    if (named == nullptr || !named->is_signed) {
+        return std::to_string(value);
+    }
+    const std::uint32_t spare = word_bits - width_;
+    return std::to_string(static_cast<std::int64_t>(value << spare) >> spare);
+}
+
+/// "Q = 55", or "T = 7, z = 12", what a test compares.
 std::string InstructionValues::operand_text() const {
     std::string text = form_ ? fmt::format("Q = {}", *form_) : "";
     if (width_ != 0) {
-        text += fmt::format("{}{} = {}", text.empty() ? "" : ", ",
-                            field_name(in_.operands.a, width_), field_);
+        if (form_) {  // T is what is left of Q without its fraction, in as many bits as the field.
+            const auto t = static_cast<std::uint64_t>(*form_ >> in_.operands.b);
+            text = fmt::format("T = {}, ", t << (word_bits - width_) >> (word_bits - width_));
+        }
+        text += fmt::format("{} = {}", field_name(in_.operands.a, width_), number(field_));
     }
     return text;
 }
@@ -70,8 +101,8 @@ std::string InstructionValues::text(const isa::Executor& executor) const {
     const bool acts = enabled_ || (row_.effects & isa::all) != 0;
     if ((row_.effects & isa::mem) != 0) {
         const std::string name = field_name(in_.operands.a, width_);
-        return acts ? fmt::format("{} {} -> {}", name, field_, read(executor))
-                    : fmt::format("{} {} (pixel disabled)", name, field_);
+        return acts ? fmt::format("{} {} -> {}", name, number(field_), number(read(executor)))
+                    : fmt::format("{} {} (pixel disabled)", name, number(field_));
     }
     if ((row_.effects & isa::enable) != 0) {
         const bool enabled = executor.enabled(pixel_.x, pixel_.y);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "isa/executor.hpp"
 
@@ -18,6 +19,9 @@ struct RegionPixel {
 /// "z", "rgb", or "m88:16" of a field that has no name (isa/region_layout.hpp).
 std::string field_name(std::uint32_t address, std::uint32_t width);
 
+/// The field that a name of isa/region_layout.hpp means; nothing if it is none.
+std::optional<isa::region::Field> field_named(std::string_view name);
+
 /// Reads an instruction's effect on a pixel: made before the instruction runs, asked behind it.
 class InstructionValues {
   public:
@@ -25,13 +29,15 @@ class InstructionValues {
     InstructionValues(isa::Instruction in, isa::Coefficients coefficients, RegionPixel pixel,
                       const isa::Executor& executor);
 
-    /// "z 16777215 -> 81920", "Q = -12, disabled", "z 5 (disabled before)"; empty for an
-    /// instruction that neither writes nor tests.
+    /// "z 16777215 -> 81920", "z 5 (pixel disabled)", "Q = -12, is disabled", "T = 7, z = 12, stays
+    /// enabled"; empty for an instruction that neither writes nor tests. Q is the tree's value, T
+    /// what a test makes of it.
     /// executor  Holds the pixels behind the instruction.
     std::string text(const isa::Executor& executor) const;
 
   private:
     std::uint64_t read(const isa::Executor& executor) const;
+    std::string number(std::uint64_t value) const;
     std::string operand_text() const;
 
     isa::Instruction in_;

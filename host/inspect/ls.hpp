@@ -6,7 +6,7 @@
 namespace pxpl5::host::inspect {
 
 struct LsOptions {
-    std::string run, output;
+    std::string run{}, output{};
     bool json = false;
 };
 

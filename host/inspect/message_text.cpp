@@ -130,6 +130,18 @@ std::string text(const schema::TraceSaved& m) {
     return fmt::format("{}, {}{}", many(m.messages(), "message"), many(m.bytes(), "byte"),
                        if_any("; ", m.error()));
 }
+std::string text(const schema::SceneBegin& m) {
+    return fmt::format("scene {}: {}", m.scene(), many(m.surfaces()->size(), "surface"));
+}
+std::string text(const schema::ScenePart& m) {
+    return fmt::format("scene {}, surface {} slab {}: {}, {}, {}", m.scene(), m.surface(), m.slab(),
+                       many(m.indices()->size() / 3, "triangle"),
+                       many(m.spheres()->size(), "sphere"), many(m.lines()->size(), "line"));
+}
+std::string text(const schema::SceneEnd& m) {
+    return fmt::format("scene {}", m.scene());
+}
+
 /// The text of the first of these kinds that the message is.
 template <typename... Kinds>
 std::string text_of_any(const bus::Message& message) {
@@ -159,7 +171,8 @@ std::string describe(const bus::Message& message) {
     return text_of_any<Hello, Topology, Shutdown, Credit, Fault, ImportVolume, VolumeHeader, Slices,
                        VolumeEnd, VolumeReady, ExportPicture, IoDone, SetSurface, RemoveSurface,
                        SurfaceBuilt, FetchMesh, MeshPart, DrawFrame, BeginFrame, RegionPrograms,
-                       RegionPixels, FrameDone, TraceSaved>(message);
+                       RegionPixels, FrameDone, TraceSaved, SceneBegin, ScenePart, SceneEnd>(
+        message);
 }
 
 bool is_of_frame(Body kind) {

@@ -21,41 +21,6 @@ bool names_no_segment(const Selection& selection) {
     return selection.gps.empty() && selection.surfaces.empty() && selection.slabs.empty();
 }
 
-bool has_part(const Selection& selection, const renderer::RegionPlan::Part& part) {
-    const renderer::Segment& s = part.segment;
-    return part.kind == Kind::segment
-               ? selection.has_gp(s.gp) && selection.has_surface(s.surface) &&
-                     selection.has_slab(s.slab)
-               : names_no_segment(selection);
-}
-
-std::string part_heading(const renderer::RegionPlan::Part& part) {
-    const renderer::Segment& s = part.segment;
-    switch (part.kind) {
-        case Kind::prologue:
-            return fmt::format("\n; prologue: {} words\n", grouped(s.words.size()));
-        case Kind::end_of_region:
-            return fmt::format("\n; end of region: {} words\n", grouped(s.words.size()));
-        case Kind::segment:
-            break;
-    }
-    return fmt::format("\n; gp-{}, surface {}, slab {}: {} words, from word {} of its stream\n",
-                       s.gp, s.surface, s.slab, grouped(s.words.size()), s.first_word);
-}
-
-std::string primitive_heading(const Primitive& primitive, const renderer::RegionPlan& plan) {
-    std::string text = fmt::format("; primitive {}", primitive.number);
-    if (primitive.origin) {
-        const bus::schema::Origin& from = *primitive.origin;
-        text +=
-            fmt::format(": cell ({}, {}, {}), case 0x{:02x}, triangle {}", from.i(), from.j(),
-                        plan.parts[primitive.part].segment.slab, from.inside(), from.triangle());
-        text += from.joined() == 0 ? "" : fmt::format(", faces joined 0x{:02x}", from.joined());
-        text += from.piece() == 0 ? "" : fmt::format(", piece {} of the clipped", from.piece());
-    }
-    return text + "\n";
-}
-
 /// "120 -> 16384"; one number if nothing changed.
 std::string change(std::size_t before, std::size_t after) {
     return before == after ? fmt::format("{:>5}         ", before)
@@ -138,7 +103,7 @@ class Lister {
         if (in.op == isa::Op::any_enab) {
             value = fmt::format("flag = {}", walk_.save().flag ? 1 : 0);
         }
-        output_.line(fmt::format("{:>7}  {:08x}  {:>6}  {}  {:<32}  {}", at.word, word,
+        output_.line(fmt::format("{:>7}  {:08x}  {:>6}  {}  {:<40}  {}", at.word, word,
                                  isa::info(in.op).cycles(in.operands),
                                  change(before, enabled_count(executor_.pixels())), value, text));
         ++lines_.listed;
@@ -158,13 +123,50 @@ class Lister {
 
 }  // namespace
 
+bool has_part(const Selection& selection, const renderer::RegionPlan::Part& part) {
+    const renderer::Segment& s = part.segment;
+    return part.kind == Kind::segment
+               ? selection.has_gp(s.gp) && selection.has_surface(s.surface) &&
+                     selection.has_slab(s.slab)
+               : names_no_segment(selection);
+}
+
+std::string part_heading(const renderer::RegionPlan::Part& part) {
+    const renderer::Segment& s = part.segment;
+    switch (part.kind) {
+        case Kind::prologue:
+            return fmt::format("\n; prologue: {} words\n", grouped(s.words.size()));
+        case Kind::end_of_region:
+            return fmt::format("\n; end of region: {} words\n", grouped(s.words.size()));
+        case Kind::segment:
+            break;
+    }
+    return fmt::format("\n; gp-{}, surface {}, slab {}: {} words, from word {} of its stream\n",
+                       s.gp, s.surface, s.slab, grouped(s.words.size()), s.first_word);
+}
+
+std::string primitive_heading(const Primitive& primitive, const renderer::RegionPlan& plan) {
+    std::string text = fmt::format("; primitive {}", primitive.number);
+    if (primitive.origin) {
+        const bus::schema::Origin& from = *primitive.origin;
+        text +=
+            fmt::format(": cell ({}, {}, {}), case 0x{:02x}, triangle {}", from.i(), from.j(),
+                        plan.parts[primitive.part].segment.slab, from.inside(), from.triangle());
+        text += from.joined() == 0 ? "" : fmt::format(", faces joined 0x{:02x}", from.joined());
+        text += from.piece() == 0 ? "" : fmt::format(", piece {} of the clipped", from.piece());
+    }
+    return text + "\n";
+}
+
 std::string listing_legend(bool pixel_is_chosen) {
     std::string text =
         "; word     place in its part's words; raw: the instruction word; cycles: modelled, 40 "
         "MHz\n"
         "; enabled  pixels of the region (of 16384) that are enabled, before -> after\n";
     text += pixel_is_chosen
-                ? "; value    at the chosen pixel: field before -> after, or what a test compared\n"
+                ? "; value    at the chosen pixel: the field before -> after; or what a test "
+                  "compared: Q, "
+                  "the tree's\n;          value, or T, its low bits without the fraction\n"
                 : "; value    of the field written, before -> after, at the first pixel that was "
                   "enabled\n";
     return text + "; primitive: from one SETENABS to the next; its voxel cell is (i, j, k)\n";
@@ -182,7 +184,7 @@ ListedLines list_region(const RecordedFrame& frame, const RecordedRegion& region
         output.line(fmt::format("; left out: gp-{}, surface {}, slab {}: {}", fault.gp,
                                 fault.surface, fault.slab, fault.reason));
     }
-    output.line(fmt::format("{:>7}  {:<8}  {:>6}  {:<14}  {:<32}  {}", "; word", "raw", "cycles",
+    output.line(fmt::format("{:>7}  {:<8}  {:>6}  {:<14}  {:<40}  {}", ";  word", "raw", "cycles",
                             "enabled", "value", "instruction"));
     return Lister(frame, region, options, output).run();
 }

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "host/inspect/instruction_values.hpp"
-#include "host/inspect/recorded_run.hpp"
+#include "host/inspect/region_walk.hpp"
 #include "host/inspect/selection.hpp"
 #include "host/inspect/text_output.hpp"
 
@@ -22,6 +22,13 @@ struct RegionListing {
 struct ListedLines {
     std::uint64_t listed = 0, left_out = 0;
 };
+
+/// True if the selection names the part: a segment, or, if it names no GP, surface and slab, any.
+bool has_part(const Selection& selection, const renderer::RegionPlan::Part& part);
+
+// Comment lines of assembly: what a part is, and a primitive.
+std::string part_heading(const renderer::RegionPlan::Part& part);
+std::string primitive_heading(const Primitive& primitive, const renderer::RegionPlan& plan);
 
 /// What the columns are, for people who see them for the first time.
 std::string listing_legend(bool pixel_is_chosen);

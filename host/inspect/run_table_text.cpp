@@ -9,6 +9,8 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
+constexpr std::size_t hash_digits = 16;  ///< Of a longer hash; --json has all.
+
 std::string state_of(const NodeRow& node) {
     return node.cut.empty() ? "complete" : "cut: " + node.cut;
 }
@@ -46,10 +48,10 @@ std::string to_text(const RunTable& table) {
     std::string text =
         fmt::format("recorded by {}; message schemas {}", table.build, table.schema_hash);
     for (const auto& [key, value] : table.more) {
-        text += fmt::format("; {} {}", key, value);
+        text += fmt::format("; {} {}", key, value.substr(0, hash_digits));
     }
     text +=
-        fmt::format("\nmachine{}: {} GPs, {} Renderers\n",
+        fmt::format("\nmachine{}: GPs {}, Renderers {}\n",
                     table.topology.empty() ? "" : " " + table.topology, table.gps, table.renderers);
     for (const VolumeRow& volume : table.volumes) {
         text +=

@@ -1,0 +1,64 @@
+// Counts of a recorded run: what Renderers executed, and what travelled.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "host/inspect/recorded_run.hpp"
+#include "host/inspect/selection.hpp"
+
+namespace pxpl5::host::inspect {
+
+struct OpCount {
+    std::uint64_t instructions = 0;  ///< Executed.
+    std::uint64_t cycles = 0;        ///< Modelled, 40 MHz.
+    std::uint64_t words = 0;         ///< In the stream: a loop's body counts once.
+    OpCount& operator+=(const OpCount& other);
+    friend bool operator==(const OpCount&, const OpCount&) = default;
+};
+
+/// What one part of a region's programs did.
+struct PartCounts {
+    std::uint32_t frame = 0, region = 0, renderer = 0;
+    renderer::RegionPlan::Kind kind{};
+    std::uint32_t gp = 0, surface = 0, slab = 0;  ///< Of a segment.
+    std::uint64_t primitives = 0;
+    std::array<OpCount, isa::op_count> ops{};
+
+    bool is_segment() const { return kind == renderer::RegionPlan::Kind::segment; }
+    OpCount total() const;
+};
+
+/// True if every instruction runs exactly once.
+bool runs_straight(renderer::Words words);
+
+/// Of every part of a region, in order. Parts whose flow depends on pixels are executed again.
+std::vector<PartCounts> count_region(const RecordedFrame& frame, const RecordedRegion& region);
+
+/// The families of instructions.def: "enable", "tree", "memory", "arithmetic", "backing",
+/// "control".
+std::string_view class_of(isa::Op op);
+
+struct MessageCount {
+    std::uint64_t messages = 0, bytes = 0;  ///< Bytes of bodies.
+};
+/// By kind, source and destination.
+using MessageCounts = std::map<std::tuple<bus::Body, bus::NodeId, bus::NodeId>, MessageCount>;
+
+struct RunStats {
+    std::vector<PartCounts> parts;
+    MessageCounts messages;
+    std::uint64_t regions = 0, told = 0;   ///< told: regions whose Renderer told its counts.
+    std::vector<std::string> differences;  ///< From what Renderers told, a sentence each.
+    std::vector<std::string> missing;      ///< What could not be counted, a sentence each.
+};
+
+/// Counts what is selected: frames, regions, Renderers; GPs, surfaces and slabs leave out the other
+/// segments, and then prologue and end of region too; instructions and kinds of message.
+RunStats stats_of(const RecordedRun& run, const Selection& selection);
+
+}  // namespace pxpl5::host::inspect

@@ -1,0 +1,133 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "host/inspect/program_files.hpp"
+#include "host/inspect/recorded_results.hpp"
+#include "host/inspect/selected_messages.hpp"
+#include "host/inspect/stream_files.hpp"
+#include "host/inspect/timeline.hpp"
+#include "renderer_firmware/fast/fast.hpp"
+#include "tests/host/inspect/recorded_sphere.hpp"
+#include "tests/host/inspect/tool_files.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host::inspect;
+using Json = nlohmann::json;
+using test::content_of;
+using test::Folder;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Drawn {
+    Json json;
+    TimelineCounts counts;
+};
+Drawn timeline_of(const RecordedRun& run, const SelectionText& selection,
+                  std::uint64_t max_events) {
+    const Folder folder;
+    TextOutput output(folder.at("t.json"));
+    const TimelineCounts counts = put_timeline(run, parse_selection(selection), max_events, output);
+    output.finish();
+    return {Json::parse(content_of(folder.at("t.json"))), counts};
+}
+
+}  // namespace
+
+TEST_CASE("exported streams assemble to the recorded words and draw the recorded pixels") {
+    const Folder folder;
+    const RecordedRun run = test::TracedSphere({256, 128}, 3, 2).run();
+    const StreamFiles written = write_streams(run, {}, folder.path);
+    CHECK(written.regions == 2);
+    const RecordedFrame frame = run.frame(0);
+    for (const auto& [number, region] : frame.regions) {
+        std::set<std::string> names;
+        for (const auto& file : fs::directory_iterator(folder.path / "frame-0")) {
+            const std::string name = file.path().filename().string();
+            if (name.starts_with("region-" + std::to_string(number) + ".")) {
+                names.insert(file.path().string());
+            }
+        }
+        std::vector<std::uint32_t> words, expected, pixels;
+        renderer::fast::Fast executor;
+        executor.set_readout(
+            [&](std::span<const std::uint32_t> sent) { pixels.assign(sent.begin(), sent.end()); });
+        isa::Controller controller;
+        for (const std::string& name : names) {
+            const auto program = assemble_file(name, content_of(name), {});
+            words.insert(words.end(), program.begin(), program.end());
+            isa::run(program, executor, controller);
+        }
+        for (const auto& part : region.plan.parts) {
+            expected.insert(expected.end(), part.segment.words.begin(), part.segment.words.end());
+        }
+        CHECK(words == expected);
+        const std::optional<RecordedTile> tile = tile_of(frame, number);
+        REQUIRE(tile);
+        CHECK(std::ranges::equal(pixels, tile->pixels));
+    }
+}
+
+TEST_CASE("a timeline holds every message, whole arrows, the frame and the modelled cycles") {
+    const RecordedRun run = test::TracedSphere({256, 128}, 2, 2).run();
+    const auto [json, counts] = timeline_of(run, {}, 1'000'000);
+    std::size_t messages = 0, counted = 0;
+    std::map<std::int64_t, double> begun;
+    std::set<std::string> processes;
+    std::string frame;
+    double modelled_us = 0;
+    for (const Json& event : json["traceEvents"]) {
+        const std::string phase = event.at("ph");
+        event.at("pid").get<int>();
+        if (phase == "M") {
+            if (event.at("name") == "process_name") {
+                processes.insert(event["args"]["name"].get<std::string>());
+            }
+            continue;
+        }
+        ++counted;
+        CHECK(event.at("ts").get<double>() >= 0);
+        if (phase == "X") {
+            CHECK(event.at("dur").get<double>() >= 0);
+            messages += event["cat"] == "message" ? 1 : 0;
+            modelled_us += event["args"].contains("cycles") ? event["dur"].get<double>() : 0;
+        } else if (phase == "s") {
+            begun[event.at("id")] = event["ts"];
+        } else if (phase == "f") {
+            REQUIRE(begun.count(event.at("id")) == 1);
+            CHECK(begun[event["id"]] <= event["ts"].get<double>());
+            begun.erase(event["id"].get<std::int64_t>());
+        } else {
+            frame += phase;
+        }
+    }
+    CHECK(messages == select_messages(run, {}).size());
+    CHECK(counted == counts.events);
+    CHECK(begun.empty());
+    CHECK(frame == "be");
+    CHECK(processes == std::set<std::string>{"host", "gp-0", "gp-1", "renderer-0", "renderer-1",
+                                             "framebuffer-0"});
+    std::uint64_t cycles = 0;
+    for (const auto& [number, region] : run.frame(0).regions) {
+        cycles += tile_of(run.frame(0), number)->counts.cycles;
+    }
+    CHECK(modelled_us == doctest::Approx(static_cast<double>(cycles) / 40));
+    CHECK(json["otherData"]["messages_left_out"] == 0);
+}
+
+TEST_CASE("a timeline keeps to its limit and says what it left out") {
+    const RecordedRun run = test::TracedSphere({128, 128}, 2, 1).run();
+    const std::size_t all = select_messages(run, {}).size();
+    const auto [json, counts] = timeline_of(run, {}, 40);
+    CHECK(counts.events <= 40);
+    CHECK(counts.messages_left_out > 0);
+    std::size_t messages = 0;
+    for (const Json& event : json["traceEvents"]) {
+        messages += event.value("cat", "") == "message" && event["ph"] == "X" ? 1 : 0;
+    }
+    CHECK(messages + counts.messages_left_out == all);
+    CHECK(json["otherData"]["messages_left_out"] == counts.messages_left_out);
+}

@@ -1,0 +1,271 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/error.hpp"
+#include "host/inspect/dump.hpp"
+#include "host/inspect/enabled_pixels.hpp"
+#include "host/inspect/find_run.hpp"
+#include "host/inspect/message_text.hpp"
+#include "host/inspect/region_listing.hpp"
+#include "host/inspect/run_stats.hpp"
+#include "host/inspect/run_table.hpp"
+#include "host/inspect/selected_messages.hpp"
+#include "isa/assemble.hpp"
+#include "renderer_firmware/fast/fast.hpp"
+#include "tests/host/inspect/recorded_sphere.hpp"
+#include "tests/host/inspect/tool_files.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host::inspect;
+using test::content_of;
+using test::Folder;
+using test::selecting;
+using Json = nlohmann::json;
+namespace schema = bus::schema;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A run of one GP and one region that holds nothing but this segment.
+RecordedRun run_of(const std::vector<std::uint32_t>& words) {
+    std::vector<NodeTrace> traces = test::TracedSphere({128, 128}, 1, 1).traces();
+    test::change<schema::RegionPrograms>(traces, [&](schema::RegionProgramsT& programs) {
+        auto region = std::make_unique<schema::RegionProgramT>();
+        region->region = 0;
+        region->words = words;
+        region->segments = {schema::Segment(0, 4, 0, static_cast<std::uint32_t>(words.size()))};
+        programs.regions.clear();
+        programs.regions.push_back(std::move(region));
+    });
+    return RecordedRun(std::move(traces));
+}
+
+/// As GPs write triangles, with edges of 24 bits.
+std::string triangle_text() {
+    const std::string plane = " 1 2 3\n";
+    std::string text = "SETENABS\n";
+    for (int edge = 0; edge < 3; ++edge) {
+        text += "TREEgeZERO :24" + plane;
+    }
+    return text + "TREEltMEM m8:24 >>8" + plane + "TREEintoMEM m8:24 >>8" + plane +
+           "TREEintoMEM m32:10 >>16" + plane + "TREEintoMEM m42:10 >>16" + plane +
+           "TREEintoMEM m52:10 >>16" + plane + "IMMintoMEM m0:8 #1\n";
+}
+
+PartCounts segment_of(const RunStats& stats) {
+    for (const PartCounts& part : stats.parts) {
+        if (part.is_segment()) {
+            return part;
+        }
+    }
+    FAIL("no segment");
+    return {};
+}
+
+std::string listing_of(const RecordedRun& run, const Selection& selection,
+                       std::optional<RegionPixel> pixel, std::uint64_t max_lines,
+                       ListedLines* lines) {
+    const Folder folder;
+    const RecordedFrame frame = run.frame(0);
+    TextOutput output(folder.at("listing"));
+    *lines = list_region(frame, frame.regions.at(0), {selection, pixel, max_lines}, output);
+    output.finish();
+    return content_of(folder.at("listing"));
+}
+
+bool holds(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("k triangles are 10 k instructions, 34 k words and 256 k cycles") {
+    constexpr std::uint64_t k = 7;
+    std::string text;
+    for (std::uint64_t i = 0; i < k; ++i) {
+        text += triangle_text();
+    }
+    const RunStats stats = stats_of(run_of(isa::assemble(text).words), {});
+    const PartCounts segment = segment_of(stats);
+    // SETENABS 1; three edges n + 4; test and store of z b + n + 4; three normals; IMMintoMEM n
+    // + 1.
+    constexpr std::uint64_t cycles = 1 + 3 * (24 + 4) + 2 * (8 + 24 + 4) + 3 * (16 + 10 + 4) + 9;
+    static_assert(cycles == 256);
+    CHECK(segment.total() == OpCount{10 * k, cycles * k, 34 * k});
+    CHECK(segment.primitives == k);
+    const auto of = [&](isa::Op op) { return segment.ops[static_cast<std::size_t>(op)]; };
+    CHECK(of(isa::Op::tree_ge_zero) == OpCount{3 * k, 3 * 28 * k, 12 * k});
+    CHECK(of(isa::Op::tree_into_mem) == OpCount{4 * k, (36 + 90) * k, 16 * k});
+    CHECK(of(isa::Op::imm_into_mem) == OpCount{k, 9 * k, k});
+    // The Renderer told of the sphere that it drew in truth.
+    CHECK(stats.differences.size() == 1);
+}
+
+TEST_CASE("a loop's body counts once as words and each time as instructions") {
+    const RunStats stats = stats_of(run_of(isa::assemble("LOOP #3\nNOP\nENDLOOP\n").words), {});
+    // LOOP 4 cycles, NOP 1, ENDLOOP 4.
+    CHECK(segment_of(stats).total() == OpCount{1 + 3 + 3, 4 + 3 * 1 + 3 * 4, 3});
+}
+
+TEST_CASE("counts of a whole run equal what its Renderers told, and messages the machine's size") {
+    const test::TracedSphere sphere({256, 128}, 2, 2);
+    const RecordedRun run = sphere.run();
+    const RunStats stats = stats_of(run, {});
+    CHECK(stats.regions == 2);
+    CHECK(stats.told == 2);
+    CHECK(stats.differences.empty());
+    const auto count = [&](bus::Body kind) {
+        std::uint64_t messages = 0;
+        for (const auto& [key, one] : stats.messages) {
+            messages += std::get<0>(key) == kind ? one.messages : 0;
+        }
+        return messages;
+    };
+    CHECK(count(bus::Body::RegionPrograms) == 2 * 2);  // Each GP to each Renderer.
+    CHECK(count(bus::Body::RegionPixels) == 2);
+    CHECK(count(bus::Body::BeginFrame) == 1 + 2 + 1);  // Other GPs, Renderers, frame buffer.
+    CHECK(count(bus::Body::FrameDone) == 1);
+
+    const RunStats part = stats_of(run, selecting({{&SelectionText::gp, {"1"}},
+                                                   {&SelectionText::op, {"SETENABS"}},
+                                                   {&SelectionText::kind, {"RegionPrograms"}}}));
+    std::uint64_t primitives = 0;
+    for (const PartCounts& one : part.parts) {
+        CHECK((one.is_segment() && one.gp == 1));
+        CHECK(one.total().instructions == one.primitives);
+        primitives += one.primitives;
+    }
+    CHECK(primitives > 100);
+    CHECK(part.messages.size() == 2);  // GP 1 to both Renderers.
+}
+
+TEST_CASE("a listing shows how many pixels each instruction left enabled and what it wrote") {
+    const RecordedRun run = run_of(isa::assemble("SETENABS\nTREEgeZERO :16 1 0 -64\n"
+                                                 "CONSTintoMEM m88:8 5\n")
+                                       .words);
+    const Selection segments = selecting({{&SelectionText::gp, {"0"}}});
+    ListedLines lines;
+    const std::string first = listing_of(run, segments, std::nullopt, 100, &lines);
+    CHECK(lines.listed == 3);
+    CHECK(holds(first, "; primitive 0"));
+    CHECK(holds(first, "16384 ->  8192"));  // x >= 64 is half of the region.
+    CHECK(holds(first, "(64, 0) m88:8 0 -> 5"));
+    CHECK(holds(first, "TREEgeZERO :16  1 0 -64"));
+    CHECK_FALSE(holds(first, "prologue"));
+
+    const std::string chosen = listing_of(run, segments, RegionPixel{10, 20}, 100, &lines);
+    CHECK(holds(chosen, "Q = -54, is disabled"));
+    CHECK(holds(chosen, "m88:8 0 (pixel disabled)"));
+    const std::string inside = listing_of(run, segments, RegionPixel{100, 20}, 100, &lines);
+    CHECK(holds(inside, "Q = 36, stays enabled"));
+}
+
+TEST_CASE("a listing counts what it leaves out") {
+    const RecordedRun run = run_of(isa::assemble("SETENABS\nNOP\nNOP\nNOP\nNOP\n").words);
+    ListedLines lines;
+    listing_of(run, selecting({{&SelectionText::gp, {"0"}}}), std::nullopt, 2, &lines);
+    CHECK(lines.listed == 2);
+    CHECK(lines.left_out == 3);
+    const std::string text =
+        listing_of(run, selecting({{&SelectionText::gp, {"0"}}, {&SelectionText::op, {"NOP"}}}),
+                   std::nullopt, 3, &lines);
+    CHECK(lines.left_out == 1);
+    CHECK_FALSE(holds(text, "SETENABS"));
+}
+
+TEST_CASE("the count and the first of enabled pixels are those of asking every pixel") {
+    renderer::fast::Fast executor;
+    CHECK(enabled_count(executor.pixels()) == 0);
+    CHECK_FALSE(first_enabled(executor.pixels()).has_value());
+    for (const auto& [a, b, c] : {std::tuple{3, -5, 77},
+                                  {-1, -1, 9},
+                                  {1, 1, -250},
+                                  {-7, 2, 30},
+                                  {0, 1, -127},
+                                  {1, 64, -64 * 100 - 99}}) {
+        const std::int32_t plane[] = {a, b, c};
+        executor.execute({isa::Op::set_enabs, {}}, {});
+        executor.execute({isa::Op::tree_ge_zero, {0, 0, 32}}, plane);
+        std::size_t count = 0;
+        std::optional<RegionPixel> first;
+        for (int y = 0; y < 128; ++y) {
+            for (int x = 0; x < 128; ++x) {
+                const bool inside = a * x + b * y + c >= 0;
+                first = inside && !first ? std::optional(RegionPixel{x, y}) : first;
+                count += inside ? 1 : 0;
+            }
+        }
+        CHECK(enabled_count(executor.pixels()) == count);
+        CHECK(first_enabled(executor.pixels()) == first);
+    }
+}
+
+TEST_CASE("the table of a run tells nodes, volume, and which regions can be executed") {
+    const test::TracedSphere sphere({256, 128}, 2, 2);
+    const RunTable table = table_of(sphere.run());
+    CHECK(table.nodes.size() == 1 + 2 + 2 + 1);
+    REQUIRE(table.volumes.size() == 1);
+    CHECK(holds(table.volumes[0].name + table.volumes[0].source, "sphere"));
+    REQUIRE(table.frames.size() == 1);
+    CHECK(table.frames[0].regions == 2);
+    CHECK(table.frames[0].executable == 2);
+    CHECK(table.frames[0].done);
+    CHECK(Json::parse(host::json_text(to_fields(table)))["frames"][0]["width"] == 256);
+
+    // Without a GP's programs for a Renderer, its region cannot be executed.
+    std::vector<NodeTrace> traces = sphere.traces();
+    for (NodeTrace& node : traces) {
+        if (node.info.role == schema::Role::renderer && node.info.index == 1) {
+            std::erase_if(node.entries, [](const bus::trace::Entry& entry) {
+                return entry.kind() == bus::Body::RegionPrograms;
+            });
+            node.cut = "at offset 77: cut off";
+        }
+    }
+    const RunTable cut = table_of(RecordedRun(std::move(traces)));
+    CHECK(cut.frames[0].executable == 1);
+    CHECK(holds(to_text(cut), "cut: at offset 77: cut off"));
+}
+
+TEST_CASE("messages come in the order of logical time, whoever received them") {
+    const RecordedRun run = test::TracedSphere({128, 128}, 2, 1).run();
+    const std::vector<MessageRef> all = select_messages(run, {});
+    std::size_t entries = 0;
+    for (const auto& [id, node] : run.nodes()) {
+        entries += node.entries.size();
+    }
+    CHECK(all.size() == entries);
+    for (std::size_t i = 1; i < all.size(); ++i) {
+        REQUIRE(all[i - 1].header().clock() <= all[i].header().clock());
+    }
+    for (const MessageRef& one : select_messages(run, selecting({{&SelectionText::gp, {"1"}}}))) {
+        const bool to = run.node_name(one.header().destination()) == "gp-1";
+        CHECK((to || run.node_name(one.header().source()) == "gp-1"));
+    }
+    const auto of_frame = select_messages(run, selecting({{&SelectionText::frame, {"0"}}}));
+    REQUIRE_FALSE(of_frame.empty());
+    CHECK(of_frame.size() < all.size());
+    CHECK(of_frame.front().at().kind() == bus::Body::DrawFrame);
+    CHECK(holds(message_line(run, of_frame.front(), start_of(run)), "frame 0: 128 x 128, 1 view"));
+    CHECK(select_messages(run, selecting({{&SelectionText::frame, {"9"}}})).empty());
+}
+
+TEST_CASE("the newest run that holds a trace is found; none is refused") {
+    const Folder folder;
+    CHECK_THROWS_WITH_AS(find_run("", folder.path), doctest::Contains("no recorded run"),
+                         host::RequestError);
+    const auto now = fs::file_time_type::clock::now();
+    for (const auto& [name, age_h] : {std::pair{"b", 1}, {"a", 3}, {"c", 2}}) {
+        fs::create_directories(folder.path / name / "traces");
+        std::ofstream(folder.path / name / "traces" / "host.mcap") << "x";
+        fs::last_write_time(folder.path / name, now - std::chrono::hours(age_h));
+    }
+    fs::create_directories(folder.path / "d" / "traces");
+    CHECK(find_run("latest", folder.path) == folder.path / "b");
+    CHECK(find_run("some/where", folder.path) == "some/where");
+}
