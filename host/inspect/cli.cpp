@@ -63,6 +63,7 @@ std::function<std::optional<int>()> declare_inspection(CLI::App& app) {
     trace->require_subcommand(1);
     declare_reading(*tools, *trace);
     declare_replaying(*tools, *trace);
+    declare_stepping(*tools, *trace);
     declare_programs(*tools, app);
     declare_asking(*tools, app);
     return [tools]() -> std::optional<int> {

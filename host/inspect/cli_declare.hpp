@@ -45,5 +45,6 @@ void declare_reading(Tools& tools, CLI::App& trace);    ///< ls, dump, stats, ex
 void declare_programs(Tools& tools, CLI::App& parent);  ///< asm, dis, exec
 void declare_asking(Tools& tools, CLI::App& parent);    ///< why, why-not
 void declare_replaying(Tools& tools, CLI::App& trace);  ///< replay, diff, shrink
+void declare_stepping(Tools& tools, CLI::App& trace);   ///< step, map
 
 }  // namespace pxpl5::host::inspect
