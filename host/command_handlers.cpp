@@ -300,6 +300,19 @@ Reply run_digest(Session& session, const Arguments&) {
     return reply;
 }
 
+Reply run_trace(Session& session, const Arguments& arguments) {
+    if (arguments.words[0] != "save") {
+        refuse(fmt::format("trace knows no '{}'; usage: trace save", arguments.words[0]));
+    }
+    const SavedTraces saved = session.save_traces();
+    return {fmt::format("{} messages of {} nodes, {:.1f} MB, in {}", saved.messages, saved.nodes,
+                        static_cast<double>(saved.bytes) / 1e6, saved.folder),
+            {{"folder", saved.folder},
+             {"nodes", std::int64_t{saved.nodes}},
+             {"messages", static_cast<std::int64_t>(saved.messages)},
+             {"bytes", static_cast<std::int64_t>(saved.bytes)}}};
+}
+
 Reply run_help(Session&, const Arguments& arguments) {
     Reply reply;
     std::vector<Fields> list;

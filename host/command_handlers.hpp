@@ -22,6 +22,7 @@ Reply run_snapshot(Session& session, const Arguments& arguments);
 Reply run_orbit(Session& session, const Arguments& arguments);
 Reply run_stats(Session& session, const Arguments& arguments);
 Reply run_digest(Session& session, const Arguments& arguments);
+Reply run_trace(Session& session, const Arguments& arguments);
 Reply run_help(Session& session, const Arguments& arguments);
 Reply run_quit(Session& session, const Arguments& arguments);
 

@@ -73,6 +73,7 @@ std::span<const Command> command_table() {
          run_orbit},
         {"stats", "", "Tells what the machine has done so far.", 0, 0, {}, run_stats},
         {"digest", "", "Prints fingerprints of the frame and of each mesh.", 0, 0, {}, run_digest},
+        {"trace", "save", "Writes the traces of all nodes to files.", 1, 1, {}, run_trace},
         {"help", "[COMMAND]", "Lists the commands, or explains one.", 0, 1, {}, run_help},
         {"quit", "", "Ends the session.", 0, 0, {}, run_quit},
     };

@@ -22,13 +22,23 @@ using namespace pxpl5::host;
 struct MachineFlags {
     std::string topology = "default";
     std::vector<std::string> overrides;
-    std::string run_folder = "run";
+    std::string run_folder = "run", record;
 
     void add_to(CLI::App& app) {
         app.add_option("--topology", topology, "Machine to launch: a name or a file")
             ->capture_default_str();
         app.add_option("--set", overrides, "Change one value of the topology, e.g. gp.count=4");
+        app.add_option("--record", record, "What nodes keep of their messages, for inspection")
+            ->check(CLI::IsMember({"off", "flight", "full"}));
         add_folder_to(app);
+    }
+    /// The machine that these flags ask for.
+    Topology plan() const {
+        Topology plan = load_topology(topology, overrides);
+        if (!record.empty()) {
+            apply_override(plan, "record=" + record);
+        }
+        return plan;
     }
     void add_folder_to(CLI::App& app) {
         app.add_option("--run-folder", run_folder, "Where the folder of this run is made")
@@ -38,7 +48,7 @@ struct MachineFlags {
     int with_session(const std::function<int(Session&, MachinePort&)>& use) const {
         MachineOptions options;
         options.run_base = run_folder;
-        Machine machine(load_topology(topology, overrides), options);
+        Machine machine(plan(), options);
         Session session(machine);
         const int code = use(session, machine);
         machine.shutdown();
@@ -108,8 +118,7 @@ std::vector<Arguments> render_commands(const Flags& flags) {
 
 int run(const Flags& flags) {
     if (flags.dry_run) {
-        fmt::print("{}",
-                   resolved_json(load_topology(flags.machine.topology, flags.machine.overrides)));
+        fmt::print("{}", resolved_json(flags.machine.plan()));
         return 0;
     }
     return flags.machine.with_session([&](Session& session, MachinePort& machine) {
@@ -153,6 +162,7 @@ int render(const Flags& flags) {
 /// Reading needs no more machine than the smallest.
 int info(Flags flags) {
     flags.machine.topology = "one-of-each";
+    flags.machine.record = "off";
     return flags.machine.with_session([&](Session& session, MachinePort&) {
         return run_script(session, lines_of_commands({command("info", {flags.volume})}),
                           {.json = flags.json});

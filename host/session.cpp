@@ -70,7 +70,8 @@ const Volume& Session::volume() const {
 void Session::wait(const std::string& what, const std::function<bool()>& done) {
     machine_.pump([this](const bus::Message& message) { on_message(message); }, done);
     if (fault_) {
-        const std::string text = what + ": " + *std::exchange(fault_, std::nullopt);
+        const std::string text =
+            what + ": " + *std::exchange(fault_, std::nullopt) + traces_of_fault();
         throw RequestError(ExitCode::failed, text);
     }
 }
@@ -131,6 +132,8 @@ void Session::on_answer(const bus::Message& message) {
 void Session::on_fault(const schema::Fault& fault) {
     if (!fault_) {  // The first cause is the one to tell.
         fault_ = fault.reason()->str();
+        fault_is_ours_ = fault.code() != schema::FaultCode::bad_input &&
+                         fault.code() != schema::FaultCode::out_of_memory;
     }
 }
 

@@ -96,6 +96,9 @@ class Session {
     void export_picture(const Picture& picture, const std::string& path,
                         const std::string& description);
 
+    /// Has every node write what it has recorded. Throws RequestError if not all of them can.
+    SavedTraces save_traces();
+
     /// FNV-1a over the surface's triangles in slab order: equal for every size of machine.
     std::uint64_t mesh_digest(const std::string& name);
 
@@ -125,6 +128,8 @@ class Session {
     void wait_for_gps(const std::string& what);
     void begin_request() { answered_.clear(); }
     void give_up_frames();
+    /// What to add to a fault's text: where its traces are, if there are any.
+    std::string traces_of_fault();
     Surface& find_surface(const std::string& name);
     void submit_frame();
     Picture take_frame();  ///< The oldest frame under way.
@@ -153,6 +158,7 @@ class Session {
     std::map<std::uint32_t, std::uint64_t> slab_digests_;
     const Surface* fetching_ = nullptr;
     std::optional<std::string> fault_;
+    bool fault_is_ours_ = false;  ///< And not the user's: its traces are of interest.
 };
 
 }  // namespace pxpl5::host

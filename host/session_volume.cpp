@@ -1,8 +1,10 @@
 // What a session does with files: volumes in, pictures out, by the io process.
 #include <fmt/core.h>
 
+#include <filesystem>
 #include <stdexcept>
 
+#include "host/digest.hpp"
 #include "host/error.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/session.hpp"
@@ -33,7 +35,12 @@ Volume Session::read(const std::string& source) {
     }
     if (is_phantom(source)) {
         try {
-            return make_phantom(source);
+            Volume volume = make_phantom(source);
+            Digest digest;
+            digest.add(volume.values);
+            volume.digest = digest.value();
+            volume.source = source;
+            return volume;
         } catch (const std::invalid_argument& error) {
             throw RequestError(ExitCode::usage, error.what());
         }
@@ -42,6 +49,7 @@ Volume Session::read(const std::string& source) {
     request.path = source;
     with_io(source, ExitCode::bad_data, bus::pack(request),
             [this] { return received_.has_value(); });
+    received_->source = std::filesystem::absolute(source).string();
     return std::move(*received_);
 }
 

@@ -24,6 +24,8 @@ struct Volume {
     double minimum = 0, maximum = 0;   ///< Over all voxels.
     std::vector<std::string> notes;  ///< What a reader should know: conversions, gaps, assumptions.
     std::vector<std::byte> values;   ///< nx * ny * nz, x fastest, little endian, of `type`.
+    std::string source;              ///< File, folder or phantom:NAME that it was read from.
+    std::uint64_t digest = 0;        ///< FNV-1a over the values; 0 if not known.
 };
 
 }  // namespace pxpl5::host

@@ -54,6 +54,8 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
     header.minimum = volume.minimum;
     header.maximum = volume.maximum;
     header.notes = volume.notes;
+    header.source = volume.source;
+    header.digest = volume.digest;
     return bus::pack(header);
 }
 
@@ -89,6 +91,7 @@ void for_each_slice_batch(const Volume& volume, std::uint32_t id, const std::vec
 void VolumeReceiver::begin(const schema::VolumeHeader& header) {
     volume_ = Volume{};
     filled_ = 0;
+    digest_ = {};
     volume_.name = header.name()->str();
     volume_.nx = static_cast<int>(header.nx());
     volume_.ny = static_cast<int>(header.ny());
@@ -125,6 +128,7 @@ void VolumeReceiver::add(const schema::Slices& slices) {
                                        volume_.nz, size));
     }
     std::memcpy(volume_.values.data() + filled_ * size, slices.values()->data(), bytes);
+    digest_.add(std::as_bytes(std::span(slices.values()->data(), bytes)));
     filled_ += slices.slice_count();
 }
 
@@ -133,6 +137,7 @@ Volume VolumeReceiver::finish() {
         throw RequestError(ExitCode::bad_data, fmt::format("{}: {} of {} slices arrived",
                                                            volume_.name, filled_, volume_.nz));
     }
+    volume_.digest = digest_.value();
     return std::move(volume_);
 }
 

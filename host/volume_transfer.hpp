@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "host/digest.hpp"
 #include "host/volume.hpp"
 #include "ringbus/message.hpp"
 
@@ -27,7 +28,7 @@ bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, i
 void for_each_slice_batch(const Volume& volume, std::uint32_t id, const std::vector<int>& slices,
                           const std::function<void(bus::Payload)>& send);
 
-/// Puts an incoming volume together.
+/// Puts an incoming volume together. Its digest is made on the way, while more slices come.
 class VolumeReceiver {
   public:
     /// Throws RequestError if the header asks for more than the limits.
@@ -40,6 +41,7 @@ class VolumeReceiver {
   private:
     Volume volume_;
     std::size_t filled_ = 0;  ///< Slices so far.
+    Digest digest_;           ///< Of their values.
 };
 
 }  // namespace pxpl5::host

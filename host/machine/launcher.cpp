@@ -19,6 +19,7 @@ using schema::Role;
 constexpr int failed_code = 1;
 constexpr int unavailable_code = 69;
 constexpr int timeout_code = 124;
+constexpr int quiet_ms = 50;  // A host that has heard nothing for so long writes its trace.
 constexpr std::uint64_t bytes_per_mb = 1'000'000;
 
 std::filesystem::path own_folder() {
@@ -68,6 +69,7 @@ Launcher::Launcher(const Topology& topology, const MachineOptions& options)
     std::vector<bus::NodeId> order(roster_.size());
     std::iota(order.begin(), order.end(), bus::host_id);
     link_.set_model(bus::ChannelModel(ring, order));
+    start_recording();
     signals_.release();  // The supervisor has them now.
 }
 
@@ -98,6 +100,10 @@ void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
     flags.node_id = node.id;
     flags.index = static_cast<std::uint16_t>(node.index);
     flags.parent_pid = getpid();
+    if (recorder_ && node.role != Role::io) {
+        flags.record = static_cast<schema::Recording>(topology_.record);
+        flags.trace_file = trace_path(name).string();
+    }
     const std::vector<std::string> common = bus::to_arguments(flags);
     arguments.insert(arguments.begin(), common.begin(), common.end());
     const auto& cores = settings.cpu;
@@ -180,6 +186,9 @@ std::optional<bus::Message> Launcher::take_from_link() {
         while (message && dismissed_.count(message->source()) != 0) {
             message = link_.receive();
         }
+        if (message) {
+            note(*message);
+        }
         return message;
     } catch (
         const std::runtime_error& error) {  // BadMessage, or a gap: nothing can be trusted now.
@@ -208,7 +217,15 @@ void Launcher::send(bus::NodeId to, bus::Payload payload) {
 }
 
 void Launcher::wait() {
-    supervisor_.wait(link_.poll_fd(), -1);
+    if (!recorder_ || !recorder_->has_unwritten()) {
+        supervisor_.wait(link_.poll_fd(), -1);
+        return;
+    }
+    const std::int64_t start_ms = now_ms();
+    supervisor_.wait(link_.poll_fd(), quiet_ms);
+    if (now_ms() - start_ms >= quiet_ms) {
+        flush_trace();
+    }
 }
 
 void Launcher::wait_readable(int fd) {
@@ -219,6 +236,7 @@ void Launcher::wait_readable(int fd) {
         while (const auto message = take_from_link()) {
             keep(*message);
         }
+        flush_trace();
         readable = supervisor_.wait_input(link_.poll_fd(), fd);
         check_health();
     }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "host/machine/roster.hpp"
 #include "host/machine/run_folder.hpp"
 #include "host/machine/supervisor.hpp"
+#include "ringbus/trace/recorder.hpp"
 #include "ringbus/zmq_link.hpp"
 
 namespace pxpl5::host {
@@ -70,6 +72,10 @@ class Launcher {
     /// died.
     void check_health();
 
+    bool is_recording() const { return recorder_.has_value(); }
+    /// As MachinePort::save_traces().
+    SavedTraces save_traces();
+
     /// Orderly end. Throws MachineError if a node has died, does not end by itself, or not with 0,
     /// or if a signal came.
     void shutdown();
@@ -94,15 +100,33 @@ class Launcher {
     void dismiss_io();
     std::string describe(const Death& death) const;
     [[noreturn]] void fail(int code, const std::string& text);
+    /// Ends the machine because of a signal to the host, which is nobody's fault.
+    [[noreturn]] void give_in(const MachineError& cause);
     /// Ends everyone. Returns the first cause if that was not orderly: a death, or a signal to us.
     std::optional<MachineError> bring_down(int grace_ms);
     void discard_messages();
+
+    // Recording, in launcher_traces.cpp.
+    void start_recording();
+    void note(const bus::Message& message);
+    /// Runs what may fail to write; a failure is thrown by the next check_health().
+    void guard_recording(const std::function<void()>& act);
+    std::filesystem::path trace_path(const std::string& file) const;
+    void flush_trace();
+    /// Tells the nodes that run, and the host, to write. Returns those to wait for.
+    std::set<bus::NodeId> ask_for_traces(SavedTraces& saved);
+    void take_answer(const bus::Message& message, SavedTraces& saved) const;
+    /// Where to look for the cause, for the end of an error's text; empty if nothing is recorded.
+    std::string traces_of_failure();
+    std::optional<MachineError> close_trace();
 
     Topology topology_;
     MachineOptions options_;
     std::filesystem::path folder_;
     HeldSignals signals_;  // Around the sockets, which are removed even if one comes at the end.
     SocketFolder sockets_;
+    std::optional<bus::trace::Recorder> recorder_;
+    std::optional<std::string> record_failure_;  ///< Not told yet.
     bus::ZmqLink link_;
     Supervisor supervisor_;  // Behind the link: children end before the socket that they know.
     Roster roster_;          ///< Host first.

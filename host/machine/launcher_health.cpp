@@ -127,20 +127,27 @@ void Launcher::check_health() {
         }
     }
     if (const int signal = supervisor_.take_interrupt(); signal != 0) {
-        const MachineError error = interruption(signal);
-        fail(error.code, error.what());
+        give_in(interruption(signal));
     }
     if (io_death) {
         io_->endpoint.clear();
         dismiss_io();
         throw RequestError(io_death_code_, describe(*io_death));
     }
+    if (record_failure_) {
+        const std::string text = *std::exchange(record_failure_, std::nullopt);
+        throw RequestError(ExitCode::failed, "recording stops: " + text);
+    }
 }
 
 void Launcher::fail(int code, const std::string& text) {
-    over_.emplace(code, text);
+    give_in({code, text + traces_of_failure()});
+}
+
+void Launcher::give_in(const MachineError& cause) {
+    over_ = cause;
     bring_down(launched_ ? failed_drain_ms : 0);  // Before Go, nobody has anything to finish.
-    throw MachineError(code, text);
+    throw cause;
 }
 
 void Launcher::shutdown() {
@@ -191,13 +198,18 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
             ++step;
         }
     }
-    return cause;
+    const std::optional<MachineError> unwritten = close_trace();
+    return cause ? cause : unwritten;
 }
 
 void Launcher::discard_messages() {
     for (bool more = true; more;) {
         try {
-            more = link_.receive().has_value();
+            const std::optional<bus::Message> message = link_.receive();
+            more = message.has_value();
+            if (message) {
+                note(*message);  // Last words are worth keeping.
+            }
         } catch (const std::runtime_error&) {
             // Whatever it was, the machine is ending already.
         }

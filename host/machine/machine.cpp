@@ -62,6 +62,12 @@ bus::NodeId Machine::start_io(ExitCode on_death) {
 void Machine::release_io() {
     parts_->launcher.release_io();
 }
+bool Machine::is_recording() const {
+    return parts_->launcher.is_recording();
+}
+SavedTraces Machine::save_traces() {
+    return parts_->launcher.save_traces();
+}
 void Machine::shutdown() {
     parts_->launcher.shutdown();
 }

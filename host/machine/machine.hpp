@@ -43,12 +43,15 @@ class Machine final : public MachinePort {
     void wait_readable(int fd) override;
     bus::NodeId start_io(ExitCode on_death = ExitCode::bad_data) override;
     void release_io() override;
+    bool is_recording() const override;
+    SavedTraces save_traces() override;
 
     /// Says Shutdown to every node and waits until all have ended. Throws MachineError naming the
     /// first that ended badly. The machine cannot be used afterwards.
     void shutdown();
 
-    /// Holds config.resolved.json, manifest.json and <role>-<index>.log of every process.
+    /// Holds config.resolved.json, manifest.json, <role>-<index>.log of every process and, when
+    /// they are written, traces/<role>-<index>.mcap of every node.
     const std::filesystem::path& run_folder() const;
 
     /// "gp-3", for messages about a node.

@@ -1,6 +1,7 @@
 // The machine as a session sees it: nodes to send to, and messages that come back.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -16,6 +17,14 @@ struct MachineError : std::runtime_error {
     MachineError(int exit_code, const std::string& text)
         : std::runtime_error(text), code(exit_code) {}
     int code;  ///< The first failing child's exit code, 128 + signal, or 69 (unavailable).
+};
+
+/// What the nodes, the host among them, have written of what they received.
+struct SavedTraces {
+    std::string folder;
+    int nodes = 0;
+    std::uint64_t messages = 0, bytes = 0;
+    std::vector<std::string> missing;  ///< "gp-3: <reason>" for each node that could not.
 };
 
 /// A running machine. One thread uses it.
@@ -47,6 +56,11 @@ class MachinePort {
     virtual bus::NodeId start_io(ExitCode on_death = ExitCode::bad_data) = 0;
     /// Ends the io process.
     virtual void release_io() = 0;
+
+    virtual bool is_recording() const = 0;
+    /// Has every node write what it has recorded; recording goes on.
+    /// Throws RequestError (usage) if nothing is recorded, MachineError as pump() does.
+    virtual SavedTraces save_traces() = 0;
 };
 
 }  // namespace pxpl5::host

@@ -29,6 +29,7 @@ struct NumberKey {
     int& (*in)(Topology&);
 };
 
+constexpr std::array<std::string_view, 3> record_names = {"off", "flight", "full"};
 // One view of a picture needs one frame buffer; both eyes of a stereo picture share it, stacked.
 constexpr int max_frame_buffers = 1;
 constexpr int max_memory_mib = 1 << 20;
@@ -129,6 +130,14 @@ Transport transport_named(std::string_view text) {
     return text == "ipc" ? Transport::ipc : Transport::tcp;
 }
 
+Record record_named(std::string_view text) {
+    const auto* name = std::find(record_names.begin(), record_names.end(), text);
+    if (name == record_names.end()) {
+        refuse(fmt::format("record is '{}', must be off, flight or full", text));
+    }
+    return static_cast<Record>(name - record_names.begin());
+}
+
 /// Returns false if `key` does not belong to a role's lists.
 bool set_role_list(Topology& topology, std::string_view key, std::string_view value) {
     for (const RoleKey& role : role_keys) {
@@ -145,7 +154,7 @@ bool set_role_list(Topology& topology, std::string_view key, std::string_view va
 }
 
 [[noreturn]] void refuse_key(std::string_view key) {
-    std::vector<std::string_view> known = {"ring.transport", "seed"};
+    std::vector<std::string_view> known = {"record", "ring.transport", "seed"};
     for (const NumberKey& number : number_keys) {
         known.push_back(number.name);
     }
@@ -165,6 +174,8 @@ void set_value(Topology& topology, std::string_view key, std::string_view value)
         topology.seed = whole_number<std::uint64_t>(key, value);
     } else if (key == "ring.transport") {
         topology.ring.transport = transport_named(value);
+    } else if (key == "record") {
+        topology.record = record_named(value);
     } else if (!set_role_list(topology, key, value)) {
         refuse_key(key);
     }

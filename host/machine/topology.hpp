@@ -53,7 +53,8 @@ Topology parse_topology(std::string_view text, const std::string& file,
                         const std::vector<std::string>& overrides = {});
 
 /// Sets one value: "gp.count=4", "gp.memory_mib=8", "gp.cpu=0,1", "renderer.env=A=b",
-/// "ring.transport=tcp", "seed=7". A count of 0 is resolved. Throws RequestError (usage).
+/// "ring.transport=tcp", "record=full", "seed=7". A count of 0 is resolved. Throws RequestError
+/// (usage).
 void apply_override(Topology& topology, std::string_view assignment);
 
 /// The plan as a topology file that load_topology reads back to the same plan.

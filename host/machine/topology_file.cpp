@@ -63,6 +63,7 @@ Topology plan_of(const config::MachineT& machine) {
     plan.ring = {ring.channels, static_cast<Transport>(ring.transport), ring.channel_mb_s,
                  ring.hop_ns};
     plan.seed = machine.seed;
+    plan.record = static_cast<Record>(machine.record);
     return plan;
 }
 
@@ -94,6 +95,11 @@ Topology read_topology_file(std::string_view text, const std::string& file) {
                            fmt::format("{}: ring.transport is {}, must be ipc or tcp", file,
                                        static_cast<int>(machine->ring->transport)));
     }
+    if (machine->record > config::Record::MAX) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("{}: record is {}, must be off, flight or full", file,
+                                       static_cast<int>(machine->record)));
+    }
     return plan_of(*machine);
 }
 
@@ -110,6 +116,7 @@ std::string resolved_json(const Topology& topology) {
     machine.ring->channel_mb_s = topology.ring.channel_mb_s;
     machine.ring->hop_ns = topology.ring.hop_ns;
     machine.seed = topology.seed;
+    machine.record = static_cast<config::Record>(topology.record);
 
     flatbuffers::FlatBufferBuilder builder;
     builder.Finish(config::CreateMachine(builder, &machine));

@@ -72,6 +72,12 @@ class SimulatedMachine final : public host::MachinePort {
     }
     void release_io() override {}
 
+    /// Tests that want to see messages tap the ring.
+    bool is_recording() const override { return false; }
+    host::SavedTraces save_traces() override {
+        throw host::RequestError(host::ExitCode::usage, "a simulated machine writes no traces");
+    }
+
   private:
     /// The host's place on the ring.
     struct Mailbox final : bus::Node {

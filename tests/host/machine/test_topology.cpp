@@ -106,15 +106,17 @@ TEST_CASE("a value out of range is refused with the value and the range") {
     CHECK(has(refusal_of("{ roles: { frame_buffer: { count: 2 } } }"),
               "frame_buffer.count is 2, must be 1..1"));
     CHECK(has(refusal_of("{ ring: { transport: 7 } }"), "ring.transport is 7, must be ipc or tcp"));
+    CHECK(has(refusal_of("{ record: 7 }"), "record is 7, must be off, flight or full"));
     CHECK(has(refusal_of("{ roles: { gp: { env: [\"=x\"] } } }"), "gp.env has '=x'"));
     CHECK(has(refusal_of("{ roles: { gp: { cpu: [-1] } } }"), "gp.cpu names core -1"));
 }
 
 TEST_CASE("an override sets one value") {
-    const Topology plan =
-        parse_topology(small, "small.json",
-                       {"gp.count=4", "gp.memory_mib=16", "ring.transport=ipc",
-                        "seed=18446744073709551615", "renderer.cpu=0,1", "frame_buffer.env=A=b=c"});
+    const Topology plan = parse_topology(
+        small, "small.json",
+        {"gp.count=4", "gp.memory_mib=16", "ring.transport=ipc", "seed=18446744073709551615",
+         "renderer.cpu=0,1", "frame_buffer.env=A=b=c", "record=full"});
+    CHECK(plan.record == Record::full);
     CHECK(plan.gp.count == 4);
     CHECK(plan.gp_memory_mib == 16);
     CHECK(plan.ring.transport == Transport::ipc);
@@ -131,12 +133,14 @@ TEST_CASE("an override that cannot be obeyed names key, value and range") {
     CHECK(has(refusal_of_override("gp.count"), "must be key=value"));
     CHECK(has(refusal_of_override("gp.count=4x"), "gp.count is '4x', must be a whole number"));
     CHECK(has(refusal_of_override("ring.transport=udp"), "'udp', must be ipc or tcp"));
+    CHECK(has(refusal_of_override("record=on"), "record is 'on', must be off, flight or full"));
 }
 
 TEST_CASE("the resolved plan, read again, is the same plan") {
-    const Topology plan = load_topology(
-        "default", {"gp.cpu=0,1", "renderer.env=NAME=a \"quoted\" value",
-                    "seed=12345678901234567890", "ring.transport=tcp", "ring.hop_ns=0"});
+    const Topology plan =
+        load_topology("default", {"gp.cpu=0,1", "renderer.env=NAME=a \"quoted\" value",
+                                  "seed=12345678901234567890", "ring.transport=tcp",
+                                  "ring.hop_ns=0", "record=off"});
     const std::string text = resolved_json(plan);
     const Topology again = parse_topology(text, "default.json");
     CHECK(resolved_json(again) == text);
@@ -145,6 +149,8 @@ TEST_CASE("the resolved plan, read again, is the same plan") {
     CHECK(again.gp_memory_mib == plan.gp_memory_mib);
     CHECK(again.renderer.env == plan.renderer.env);
     CHECK(again.seed == plan.seed);
+    CHECK(again.record == Record::off);
+    CHECK(load_topology("default").record == Record::flight);
     CHECK(again.ring.transport == Transport::tcp);
     CHECK(again.ring.hop_ns == 0);
     CHECK(again.ring.channels == plan.ring.channels);

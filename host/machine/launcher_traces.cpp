@@ -1,0 +1,183 @@
+// Launcher: what the host and its nodes record.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "host/error.hpp"
+#include "host/machine/launcher.hpp"
+#include "isa/table_hash.hpp"
+#include "ringbus/process.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+namespace schema = bus::schema;
+using bus::trace::TraceError;
+
+constexpr int failed_code = 1;
+constexpr int save_ms = 60000;        // For nodes to write what they have, when asked to.
+constexpr int failed_save_ms = 1000;  // The same when one has failed and somebody waits to hear.
+
+}  // namespace
+
+std::filesystem::path Launcher::trace_path(const std::string& file) const {
+    return folder_ / "traces" / (file + ".mcap");
+}
+
+void Launcher::start_recording() {
+    if (topology_.record == Record::off) {
+        return;
+    }
+    const std::filesystem::path folder = folder_ / "traces";
+    std::error_code error;
+    std::filesystem::create_directory(folder, error);
+    if (error) {
+        throw RequestError(ExitCode::failed,
+                           fmt::format("cannot make {}: {}", folder.string(), error.message()));
+    }
+    bus::trace::Info info;
+    info.build = bus::build_id();
+    info.schema_hash = bus::schema_hash();
+    info.recording = static_cast<schema::Recording>(topology_.record);
+    info.more = {{"isa_hash", std::string(isa::table_hash())},
+                 {"topology", resolved_json(topology_)}};
+    try {
+        recorder_.emplace(trace_path("host-0"), info);
+    } catch (const TraceError& failure) {
+        throw RequestError(ExitCode::failed, failure.what());
+    }
+}
+
+void Launcher::guard_recording(const std::function<void()>& act) {
+    try {
+        act();
+    } catch (const TraceError& error) {
+        record_failure_ = error.what();
+    }
+}
+
+void Launcher::note(const bus::Message& message) {
+    if (recorder_) {
+        guard_recording([&] { recorder_->note(message); });
+    }
+}
+
+void Launcher::flush_trace() {
+    if (recorder_) {
+        guard_recording([this] { recorder_->idle(); });
+    }
+}
+
+std::optional<MachineError> Launcher::close_trace() {
+    try {
+        if (recorder_) {
+            recorder_->close();
+        }
+    } catch (const TraceError& error) {
+        return MachineError(failed_code, error.what());
+    }
+    return std::nullopt;
+}
+
+std::set<bus::NodeId> Launcher::ask_for_traces(SavedTraces& saved) {
+    saved.folder = (folder_ / "traces").string();
+    const std::vector<std::string> running = supervisor_.running();
+    const bus::Payload ask = bus::pack(schema::SaveTraceT{});
+    std::set<bus::NodeId> asked;
+    for (const RosterEntry& node : roster_) {
+        if (std::find(running.begin(), running.end(), node.name()) != running.end()) {
+            link_.send(node.id, ask);
+            asked.insert(node.id);
+        }
+    }
+    try {  // While the nodes write theirs.
+        const bus::trace::Recorder::Saved own = recorder_->save();
+        ++saved.nodes;
+        saved.messages += own.messages;
+        saved.bytes += own.bytes;
+    } catch (const TraceError& error) {
+        saved.missing.push_back(fmt::format("host: {}", error.what()));
+    }
+    return asked;
+}
+
+void Launcher::take_answer(const bus::Message& message, SavedTraces& saved) const {
+    const auto& answer = *message.as<schema::TraceSaved>();
+    if (answer.error() != nullptr && answer.error()->size() != 0) {
+        saved.missing.push_back(
+            fmt::format("{}: {}", name_of(message.source()), answer.error()->str()));
+        return;
+    }
+    ++saved.nodes;
+    saved.messages += answer.messages();
+    saved.bytes += answer.bytes();
+}
+
+SavedTraces Launcher::save_traces() {
+    if (over_) {
+        throw *over_;
+    }
+    if (!recorder_) {
+        throw RequestError(ExitCode::usage,
+                           "nothing is recorded: start the machine with --record flight or full");
+    }
+    SavedTraces saved;
+    std::set<bus::NodeId> awaited = ask_for_traces(saved);
+    const std::int64_t deadline_ms = now_ms() + save_ms;
+    while (!awaited.empty() && now_ms() < deadline_ms) {
+        while (const auto message = take_from_link()) {
+            if (message->kind() != bus::Body::TraceSaved) {
+                keep(*message);
+            } else if (awaited.erase(message->source()) != 0) {
+                take_answer(*message, saved);
+            }
+        }
+        if (!awaited.empty()) {
+            check_health();
+            supervisor_.wait(link_.poll_fd(), static_cast<int>(deadline_ms - now_ms()));
+        }
+    }
+    for (const bus::NodeId id : awaited) {
+        saved.missing.push_back(
+            fmt::format("{}: no answer within {} s", name_of(id), save_ms / 1000));
+    }
+    return saved;
+}
+
+/// Nothing in here may fail: the machine is failing already, and that cause is the one to tell.
+std::string Launcher::traces_of_failure() {
+    if (!launched_ || !recorder_) {
+        return {};
+    }
+    SavedTraces saved;
+    std::set<bus::NodeId> awaited = ask_for_traces(saved);
+    const std::int64_t deadline_ms = now_ms() + failed_save_ms;
+    while (true) {
+        try {
+            while (const auto message = link_.receive()) {
+                note(*message);
+                if (message->kind() == bus::Body::TraceSaved &&
+                    awaited.erase(message->source()) != 0) {
+                    take_answer(*message, saved);
+                }
+            }
+        } catch (const std::runtime_error&) {
+            continue;  // The message is gone; the next may be good.
+        }
+        const std::vector<std::string> running = supervisor_.running();
+        std::erase_if(awaited, [&](bus::NodeId id) {
+            return std::find(running.begin(), running.end(), name_of(id)) == running.end();
+        });
+        const std::int64_t left_ms = deadline_ms - now_ms();
+        if (awaited.empty() || left_ms <= 0) {
+            break;
+        }
+        supervisor_.wait(link_.poll_fd(), static_cast<int>(left_ms));
+    }
+    return fmt::format("; traces of {} of {} nodes: {}", saved.nodes, roster_.size(), saved.folder);
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,197 @@
+// What a machine of real processes leaves behind of its messages.
+#include <doctest/doctest.h>
+
+#include <csignal>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/error.hpp"
+#include "host/machine/machine.hpp"
+#include "isa/table_hash.hpp"
+#include "ringbus/process.hpp"
+#include "ringbus/trace/trace_file.hpp"
+#include "tests/host/machine/idle_node.hpp"
+#include "tests/host/machine/process_bench.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+using namespace pxpl5::test;
+namespace schema = bus::schema;
+using bus::trace::TraceFile;
+
+namespace {
+
+bus::Payload order(Order what) {
+    schema::RemoveSurfaceT message;
+    message.surface = static_cast<std::uint16_t>(what);
+    return bus::pack(message);
+}
+
+/// Lets a GP answer once.
+void ask(Machine& machine) {
+    bool answered = false;
+    machine.send(machine.gp_ids()[0], order(Order::answer));
+    machine.pump([&](const bus::Message&) { answered = true; }, [&] { return answered; });
+}
+
+/// "Hello Hello Connected": each kind as often as it came, in order of first receipt.
+std::map<std::string, int> kinds_in(const TraceFile& file) {
+    std::map<std::string, int> kinds;
+    for (const bus::trace::Entry& entry : file.entries()) {
+        ++kinds[bus::kind_name(entry.kind())];
+    }
+    return kinds;
+}
+
+const std::vector<std::string> all_files = {"framebuffer-0.mcap", "gp-0.mcap",
+                                            "gp-1.mcap",          "host-0.mcap",
+                                            "renderer-0.mcap",    "renderer-1.mcap"};
+
+std::vector<std::string> files_in(const fs::path& folder) {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+/// A machine that records.
+struct Recorded {
+    explicit Recorded(Record record) : machine(plan(bench, record), bench.options) {}
+    static const Topology& plan(Bench& bench, Record record) {
+        bench.topology.record = record;
+        return bench.topology;
+    }
+    fs::path traces() const { return machine.run_folder() / "traces"; }
+    std::string end_after_killing(const std::string& name) {
+        for (const Machine::Process& process : machine.processes()) {
+            if (process.name == name) {
+                ::kill(process.pid, SIGKILL);
+            }
+        }
+        try {
+            machine.pump([](const bus::Message&) {}, [] { return false; });
+        } catch (const MachineError& error) {
+            return error.what();
+        }
+        return "no error";
+    }
+
+    Bench bench;
+    Machine machine;
+};
+
+}  // namespace
+
+TEST_SUITE("host/machine/traces") {
+    TEST_CASE("a machine that records nothing says so when asked to save") {
+        Recorded run(Record::off);
+        CHECK(!run.machine.is_recording());
+        try {
+            run.machine.save_traces();
+            FAIL("nothing was thrown");
+        } catch (const RequestError& error) {
+            CHECK(error.code == ExitCode::usage);
+            CHECK_MESSAGE(has(error.what(), "--record flight"), error.what());
+        }
+        CHECK(!fs::exists(run.traces()));
+        run.machine.shutdown();
+    }
+
+    TEST_CASE("every node and the host save what they have received, as often as asked") {
+        for (const Record record : {Record::flight, Record::full}) {
+            Recorded run(record);
+            CHECK(run.machine.is_recording());
+            ask(run.machine);
+            const SavedTraces first = run.machine.save_traces();
+            CHECK(first.nodes == 6);
+            CHECK(first.missing.empty());
+            CHECK(first.folder == run.traces().string());
+            CHECK(files_in(run.traces()) == all_files);
+            std::uint64_t messages = 0, bytes = 0;
+            for (const std::string& name : all_files) {
+                messages += TraceFile(run.traces() / name).entries().size();
+                bytes += fs::file_size(run.traces() / name);
+            }
+            CHECK(messages == first.messages);
+            CHECK(bytes == first.bytes);
+            ask(run.machine);
+            CHECK(run.machine.save_traces().messages > first.messages);
+            const TraceFile gp(run.traces() / "gp-0.mcap");
+            CHECK(kinds_in(gp) ==
+                  std::map<std::string, int>{
+                      {"Topology", 1}, {"Go", 1}, {"RemoveSurface", 2}, {"SaveTrace", 2}});
+            ask(run.machine);  // And the machine is as well as before.
+            run.machine.shutdown();
+        }
+    }
+
+    TEST_CASE("a trace says who recorded it, and the host's what machine it was") {
+        Recorded run(Record::flight);
+        run.machine.save_traces();
+        const TraceFile renderer(run.traces() / "renderer-1.mcap"),
+            host(run.traces() / "host-0.mcap");
+        CHECK(renderer.info().node_name() == "renderer-1");
+        CHECK(renderer.info().node == 4);
+        CHECK(renderer.info().build == bus::build_id());
+        CHECK(renderer.info().recording == schema::Recording::flight);
+        CHECK(host.info().node_name() == "host");
+        CHECK(host.info().more.at("isa_hash") == isa::table_hash());
+        CHECK(resolved_json(parse_topology(host.info().more.at("topology"), "x.json")) ==
+              resolved_json(run.bench.topology));
+        CHECK(kinds_in(host).at("Hello") == 5);
+        const auto told = renderer.load(renderer.entries().at(0));
+        REQUIRE(told.kind() == bus::Body::Topology);
+        CHECK(told.as<schema::Topology>()->recording() == schema::Recording::flight);
+        run.machine.shutdown();
+    }
+
+    TEST_CASE("a flight that nobody asks for is not written") {
+        Recorded run(Record::flight);
+        ask(run.machine);
+        run.machine.shutdown();
+        CHECK(files_in(run.traces()).empty());
+    }
+
+    TEST_CASE("a full recording is closed at the end, and holds what the host received") {
+        Recorded run(Record::full);
+        ask(run.machine);
+        run.machine.shutdown();
+        CHECK(files_in(run.traces()) == all_files);
+        for (const std::string& name : all_files) {
+            CHECK_MESSAGE(TraceFile(run.traces() / name).cut() == "", name);
+        }
+        const TraceFile host(run.traces() / "host-0.mcap"), gp(run.traces() / "gp-0.mcap");
+        CHECK(kinds_in(host) ==
+              std::map<std::string, int>{{"Hello", 5}, {"Connected", 5}, {"VolumeReady", 1}});
+        CHECK(kinds_in(gp).at("Shutdown") == 1);
+    }
+
+    TEST_CASE("when a node is killed the others' flights are saved, and the error says where") {
+        Recorded run(Record::flight);
+        ask(run.machine);
+        const std::string error = run.end_after_killing("gp-1");
+        CHECK_MESSAGE(has(error, "gp-1 was killed by signal 9 (SIGKILL)"), error);
+        CHECK_MESSAGE(has(error, "; traces of 5 of 6 nodes: " + run.traces().string()), error);
+        std::vector<std::string> survivors = all_files;
+        std::erase(survivors, "gp-1.mcap");
+        CHECK(files_in(run.traces()) == survivors);
+        const TraceFile gp(run.traces() / "gp-0.mcap");
+        CHECK(gp.cut() == "");
+        CHECK(kinds_in(gp).at("RemoveSurface") == 1);
+    }
+
+    TEST_CASE("a node that is killed while it records everything leaves what it had received") {
+        Recorded run(Record::full);
+        ask(run.machine);
+        run.machine.save_traces();  // So that it is known what has reached the file.
+        const std::string error = run.end_after_killing("gp-0");
+        CHECK_MESSAGE(has(error, "; traces of 5 of 6 nodes: "), error);
+        const TraceFile killed(run.traces() / "gp-0.mcap"), other(run.traces() / "gp-1.mcap");
+        CHECK_MESSAGE(has(killed.cut(), "it was not closed"), killed.cut());
+        CHECK(kinds_in(killed).at("RemoveSurface") == 1);
+        CHECK(other.cut() == "");
+    }
+}

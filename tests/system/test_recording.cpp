@@ -1,0 +1,176 @@
+// Recording must not show in what is recorded.
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/machine/machine.hpp"
+#include "host/session.hpp"
+#include "ringbus/trace/trace_file.hpp"
+#include "tests/ringbus/scratch_folder.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+using bus::trace::TraceFile;
+namespace schema = bus::schema;
+
+namespace {
+
+Topology plan(Record record) {
+    Topology topology;
+    topology.gp.count = 3;
+    topology.renderer.count = 2;
+    topology.frame_buffer.count = 1;
+    topology.record = record;
+    return topology;
+}
+
+MachineOptions options_in(const test::ScratchFolder& folder) {
+    MachineOptions options;
+    options.binaries = PXPL5_BIN_DIR;
+    options.run_base = folder / "run";
+    return options;
+}
+
+using Results = std::vector<std::uint64_t>;
+
+/// Meshes' digests and frames' pixels of a short run.
+Results results_of(Session& session, bool with_saves) {
+    const auto save = [&] {
+        if (with_saves) {
+            session.save_traces();
+        }
+    };
+    Results results;
+    const auto add = [&results](const Picture& picture) {
+        results.insert(results.end(), picture.rgba.begin(), picture.rgba.end());
+    };
+    session.load("phantom:letters");
+    save();
+    session.scene.size = {200, 150};
+    const double middle = (session.volume().minimum + session.volume().maximum) / 2;
+    session.set_surface("outer", middle, CaseTable::watertight, {200, 180, 160});
+    session.set_surface("inner", middle * 1.2, CaseTable::lorensen1987, {90, 120, 160});
+    results.push_back(session.mesh_digest("outer"));
+    results.push_back(session.mesh_digest("inner"));
+    add(session.draw());
+    save();
+    session.orbit(4, [&](int, const Picture& picture) { add(picture); });
+    save();
+    session.set_surface("outer", middle * 0.9, CaseTable::watertight, {200, 180, 160});
+    add(session.draw());
+    return results;
+}
+
+/// The same on a machine of its own.
+Results results_with(Record record, bool with_saves = false) {
+    const test::ScratchFolder folder;
+    Machine machine(plan(record), options_in(folder));
+    Session session(machine);
+    Results results = results_of(session, with_saves);
+    machine.shutdown();
+    return results;
+}
+
+std::map<std::string, int> kinds_in(const TraceFile& file) {
+    std::map<std::string, int> kinds;
+    for (const bus::trace::Entry& entry : file.entries()) {
+        ++kinds[bus::kind_name(entry.kind())];
+    }
+    return kinds;
+}
+
+}  // namespace
+
+TEST_CASE("what a machine computes is the same whether it records or not") {
+    const Results off = results_with(Record::off);
+    REQUIRE(off.size() == 2 + 6 * 200 * 150);
+    CHECK(results_with(Record::flight) == off);
+    CHECK(results_with(Record::full) == off);
+    CHECK(results_with(Record::flight, true) == off);
+    CHECK(results_with(Record::full, true) == off);
+}
+
+TEST_CASE("a second run in the same place, after one without recording, records like the first") {
+    const test::ScratchFolder folder;
+    std::map<std::string, int> first;
+    for (const Record record : {Record::full, Record::off, Record::full}) {
+        Machine machine(plan(record), options_in(folder));
+        Session session(machine);
+        results_of(session, false);
+        machine.shutdown();
+        const std::filesystem::path traces = machine.run_folder() / "traces";
+        if (record == Record::off) {
+            CHECK(!std::filesystem::exists(traces));
+            continue;
+        }
+        const std::map<std::string, int> kinds = kinds_in(TraceFile(traces / "renderer-1.mcap"));
+        CHECK(kinds.at("BeginFrame") == 6);
+        CHECK(kinds.at("RegionPrograms") == 6 * 3);
+        CHECK((first.empty() || first == kinds));
+        first = kinds;
+    }
+}
+
+TEST_CASE("a full recording has every message between the nodes, and says what the volume was") {
+    const test::ScratchFolder folder;
+    Machine machine(plan(Record::full), options_in(folder));
+    Session session(machine);
+    results_of(session, false);
+    machine.shutdown();
+    const std::filesystem::path traces = machine.run_folder() / "traces";
+    int programs = 0;
+    for (const char* name : {"renderer-0.mcap", "renderer-1.mcap"}) {
+        const TraceFile file(traces / name);
+        CHECK(file.cut() == "");
+        programs += kinds_in(file).at("RegionPrograms");
+        std::map<bus::NodeId, std::uint64_t> next;
+        for (const bus::trace::Entry& entry : file.entries()) {  // Nothing is missing.
+            CHECK(entry.header.sequence() == next[entry.header.source()]++);
+        }
+    }
+    CHECK(programs == 6 * 3 * 2);
+    CHECK(kinds_in(TraceFile(traces / "host-0.mcap")).at("FrameDone") == 6);
+    CHECK(kinds_in(TraceFile(traces / "framebuffer-0.mcap")).at("RegionPixels") == 6 * 2);
+    const TraceFile gp(traces / "gp-0.mcap");
+    for (const bus::trace::Entry& entry : gp.entries()) {
+        const bus::Message message = gp.load(entry);
+        if (const auto* header = message.as<schema::VolumeHeader>()) {
+            CHECK(header->source()->str() == "phantom:letters");
+            CHECK(header->digest() != 0);
+            CHECK(header->digest() == session.volume().digest);
+        }
+    }
+}
+
+TEST_CASE("a Renderer that is killed at work leaves a trace that is read up to the cut") {
+    const test::ScratchFolder folder;
+    Machine machine(plan(Record::full), options_in(folder));
+    Session session(machine);
+    session.load("phantom:letters");
+    const double middle = (session.volume().minimum + session.volume().maximum) / 2;
+    session.set_surface("outer", middle, CaseTable::watertight, {200, 180, 160});
+    session.orbit(5, [](int, const Picture&) {});
+    session.save_traces();  // What has come by now is in the file.
+    int pid = 0;
+    for (const Machine::Process& process : machine.processes()) {
+        pid = process.name == "renderer-0" ? process.pid : pid;
+    }
+    const auto kill_it = [&](int frame, const Picture&) {
+        if (frame == 3) {
+            ::kill(pid, SIGKILL);
+        }
+    };
+    CHECK_THROWS_AS(session.orbit(100'000, kill_it), MachineError);
+    const TraceFile file(machine.run_folder() / "traces" / "renderer-0.mcap");
+    CHECK(file.cut().find("not closed") != std::string::npos);
+    CHECK(kinds_in(file).at("BeginFrame") >= 5);
+    for (const bus::trace::Entry& entry : file.entries()) {
+        CHECK(bus::kind_name(file.load(entry).kind()) == bus::kind_name(entry.kind()));
+    }
+}
