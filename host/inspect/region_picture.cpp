@@ -114,9 +114,24 @@ Rgb8 mean(const std::vector<std::uint32_t>& picture, int side, int x0, int y0, i
     return {channel(0), channel(1), channel(2)};
 }
 
-char letter_of(Rgb8 colour) {
+double light_of(Rgb8 colour) {
+    return (0.2126 * colour.r + 0.7152 * colour.g + 0.0722 * colour.b) / 255;
+}
+
+/// The brightest pixel's; letters are so few that none should be given away.
+double brightest(const std::vector<std::uint32_t>& picture) {
+    double most = 1.0 / 255;
+    for (const std::uint32_t pixel : picture) {
+        most = std::max(
+            most, light_of({static_cast<std::uint8_t>(pixel), static_cast<std::uint8_t>(pixel >> 8),
+                            static_cast<std::uint8_t>(pixel >> 16)}));
+    }
+    return most;
+}
+
+/// light  0..1
+char letter_of(double light) {
     constexpr std::string_view ramp = " .:-=+*#%@";
-    const double light = (0.2126 * colour.r + 0.7152 * colour.g + 0.0722 * colour.b) / 255;
     return ramp[std::min(static_cast<std::size_t>(light * ramp.size()), ramp.size() - 1)];
 }
 
@@ -173,6 +188,7 @@ std::string terminal_text(const std::vector<std::uint32_t>& picture, int side,
                           TerminalStyle style) {
     // A letter is about twice as high as wide: a half block is square, a letter takes two rows.
     const int box = std::max(1, (side + style.columns - 1) / std::max(style.columns, 1));
+    const double full = brightest(picture);
     std::string text;
     for (int y = 0; y < side; y += 2 * box) {
         for (int x = 0; x < side; x += box) {
@@ -183,7 +199,7 @@ std::string terminal_text(const std::vector<std::uint32_t>& picture, int side,
                                "\x1b[38;2;{};{};{}m\x1b[48;2;{};{};{}m\u2580", up.r, up.g, up.b,
                                down.r, down.g, down.b);
             } else {
-                text += letter_of(mean(picture, side, x, y, box, 2 * box));
+                text += letter_of(light_of(mean(picture, side, x, y, box, 2 * box)) / full);
             }
         }
         text += style.colour ? "\x1b[0m\n" : "\n";

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
+#include <cctype>
 #include <cstdlib>
 #include <sstream>
 
@@ -20,6 +20,11 @@ namespace {
 constexpr std::int64_t listed_lines = 8;  ///< Around the next instruction, each way.
 constexpr std::size_t png_scale = 4;      ///< A region's pixel is 4 x 4 in a PNG.
 constexpr int print_columns_most = 32, print_rows_most = 64;
+
+/// The next instruction, said to be that; or that the region is drawn.
+std::string upcoming(const Stepper& stepper) {
+    return (stepper.here().done() ? "" : "next ") + next_line(stepper);
+}
 
 bool stops_behind(const Break& stop) {
     return std::holds_alternative<PixelBreak>(stop) || std::holds_alternative<DepthBreak>(stop) ||
@@ -158,10 +163,10 @@ std::string StepProgram::back(const Words& words) {
         } else if (stepper_.back()) {
             --times;
         } else {
-            return "the run begins here; next " + next_line(stepper_);
+            return "the run begins here; " + upcoming(stepper_);
         }
     }
-    return "next " + next_line(stepper_);
+    return upcoming(stepper_);
 }
 
 /// To the next place of one kind, `times` over; backward if negative.
@@ -174,7 +179,7 @@ std::string StepProgram::to_stops(const Break& stop, std::int64_t times, const c
                                next_line(stepper_));
         }
     }
-    return "next " + next_line(stepper_);
+    return upcoming(stepper_);
 }
 
 std::string StepProgram::primitive(const Words& words) {
@@ -197,8 +202,8 @@ std::string StepProgram::region(const Words& words) {
             refuse(times < 0 ? "there is no region before" : "no region follows");
         }
     }
-    return fmt::format("frame {}, region {}; next {}", stepper_.frame().number,
-                       stepper_.region().place.number, next_line(stepper_));
+    return fmt::format("frame {}, region {}; {}", stepper_.frame().number,
+                       stepper_.region().place.number, upcoming(stepper_));
 }
 
 std::string StepProgram::frame(const Words& words) {
@@ -208,8 +213,8 @@ std::string StepProgram::frame(const Words& words) {
             refuse(times < 0 ? "there is no frame before" : "no frame follows");
         }
     }
-    return fmt::format("frame {}, region {}; next {}", stepper_.frame().number,
-                       stepper_.region().place.number, next_line(stepper_));
+    return fmt::format("frame {}, region {}; {}", stepper_.frame().number,
+                       stepper_.region().place.number, upcoming(stepper_));
 }
 
 std::string StepProgram::run_to_breaks(Direction direction) {
@@ -222,10 +227,9 @@ std::string StepProgram::run_to_breaks(Direction direction) {
                            direction == Direction::forward ? "end" : "begin", next_line(stepper_));
     }
     const Break& stop = breaks_[*found];
-    return fmt::format("frame {}, region {}: breakpoint {}, {}\n{}{}", stepper_.frame().number,
+    return fmt::format("frame {}, region {}: breakpoint {}, {}\n{}", stepper_.frame().number,
                        stepper_.region().place.number, break_numbers_[*found], to_text(stop),
-                       stops_behind(stop) ? "" : "next ",
-                       stops_behind(stop) ? done_line(stepper_) : next_line(stepper_));
+                       stops_behind(stop) ? done_line(stepper_) : upcoming(stepper_));
 }
 
 std::string StepProgram::go_on(const Words&) {
@@ -253,7 +257,8 @@ std::string StepProgram::go_to(const Words& words) {
         go_to_pixel(words);
     } else if (what == "end" && words.size() == 2) {
         stepper_.go_to({here.frame, here.region, ~std::uint64_t{0}});
-    } else if (words.size() == 2 && what.find('+') == std::string::npos) {
+    } else if (words.size() == 2 && std::isdigit(static_cast<unsigned char>(what[0])) != 0 &&
+               what.find('+') == std::string::npos) {
         stepper_.go_to({here.frame, here.region, index_of(what, "an instruction's number")});
     } else if (words.size() > 1) {
         const Break stop =
@@ -269,7 +274,7 @@ std::string StepProgram::go_to(const Words& words) {
     } else {
         refuse("goto where? N, end, ADDRESS, region N, frame N or pixel X Y");
     }
-    return "next " + next_line(stepper_);
+    return upcoming(stepper_);
 }
 
 // ---- breakpoints

@@ -92,7 +92,9 @@ void check_stops(const inspect::Break& stop, const Holds& places_of_frame) {
     for (const std::uint32_t frame : ball().frames()) {
         places_of_frame(ball().frame(frame), expected);
     }
-    inspect::Stepper stepper(ball(), ball().frames().front(), {.snapshot_every = 500});
+    // Snapshots come at any place of a triangle's ten instructions, its first included.
+    const inspect::StepLimits limits{.snapshot_every = 129};
+    inspect::Stepper stepper(ball(), ball().frames().front(), limits);
     Places found;
     if (!expected.empty() && expected.front() == stepper.place()) {
         found.push_back(stepper.place());  // Continuing goes to places behind the present one.
