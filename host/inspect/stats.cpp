@@ -27,7 +27,6 @@ struct Sum {
     OpCount count;
     std::uint64_t primitives = 0;
 };
-/// In order of first appearance, unless sorted by name.
 using Sums = std::vector<std::pair<std::string, Sum>>;
 
 Sum& sum_at(Sums& sums, const std::string& name) {
@@ -47,6 +46,9 @@ Sums sums_of(const RunStats& stats, const Name& name_of_part) {
         sum.count += part.total();
         sum.primitives += part.primitives;
     }
+    // gp-9 before gp-10, and those before "prologue".
+    std::ranges::sort(sums, {},
+                      [](const auto& row) { return std::pair(row.first.size(), row.first); });
     return sums;
 }
 

@@ -32,8 +32,8 @@ class TraceCli(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory(prefix="pxpl5-trace-")
         cls.addClassCleanup(cls.folder.cleanup)
         done = cls.pxpl5("run", "--record", "full", "--topology", "one-of-each", "-c",
-                         "load phantom:sphere; surface s iso=0.5; size 200x128; digest; view 30 10; "
-                         "digest")
+                         "load phantom:sphere; surface s iso=0.5; size 200x128; digest; "
+                         "view 30 10; digest")
         assert done.returncode == 0, done.stderr
         runs = list(pathlib.Path(cls.folder.name, "run").iterdir())
         assert len(runs) == 1, runs

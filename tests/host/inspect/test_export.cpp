@@ -9,6 +9,7 @@
 #include "host/inspect/selected_messages.hpp"
 #include "host/inspect/stream_files.hpp"
 #include "host/inspect/timeline.hpp"
+#include "isa/assemble.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
 #include "tests/host/inspect/tool_files.hpp"
@@ -51,6 +52,9 @@ TEST_CASE("exported streams assemble to the recorded words and draw the recorded
                 names.insert(file.path().string());
             }
         }
+        REQUIRE(names.size() == 3);
+        CHECK(names.begin()->ends_with(".0.prologue.pxasm"));
+        CHECK(names.rbegin()->ends_with(".2.end.pxasm"));
         std::vector<std::uint32_t> words, expected, pixels;
         renderer::fast::Fast executor;
         executor.set_readout(
@@ -69,6 +73,26 @@ TEST_CASE("exported streams assemble to the recorded words and draw the recorded
         REQUIRE(tile);
         CHECK(std::ranges::equal(pixels, tile->pixels));
     }
+}
+
+TEST_CASE("a segment that ends its stream, or branches, is a file of its own") {
+    std::vector<NodeTrace> traces = test::TracedSphere({128, 128}, 1, 1).traces();
+    const auto words = isa::assemble("NOP\nEOR\nNOP\nNOP\nLOOP #2\nENDLOOP\n").words;
+    test::change<bus::schema::RegionPrograms>(traces, [&](bus::schema::RegionProgramsT& programs) {
+        auto region = std::make_unique<bus::schema::RegionProgramT>();
+        region->words = words;
+        std::uint32_t first = 0, slab = 0;
+        for (const std::uint32_t count : {1U, 1U, 1U, 1U, 2U}) {
+            region->segments.emplace_back(0, slab++, first, count);
+            first += count;
+        }
+        programs.regions.clear();
+        programs.regions.push_back(std::move(region));
+    });
+    const Folder folder;
+    // Prologue; NOP; EOR; NOP and NOP; the loop; end of region.
+    CHECK(write_streams(RecordedRun(std::move(traces)), {}, folder.path).files == 6);
+    CHECK(content_of(folder.at("frame-0/region-0.2.pxasm")).ends_with("\nEOR\n"));
 }
 
 TEST_CASE("a timeline holds every message, whole arrows, the frame and the modelled cycles") {
@@ -130,4 +154,41 @@ TEST_CASE("a timeline keeps to its limit and says what it left out") {
     }
     CHECK(messages + counts.messages_left_out == all);
     CHECK(json["otherData"]["messages_left_out"] == counts.messages_left_out);
+}
+
+TEST_CASE("an arrow of the timeline leads from something older, at the sender") {
+    // GPs receive everything before anybody else receives anything, so that the newest message at a
+    // GP is not always the one that led to what it sent.
+    std::vector<NodeTrace> traces = test::TracedSphere({256, 128}, 3, 2).traces();
+    for (NodeTrace& node : traces) {
+        for (bus::trace::Entry& entry : node.entries) {
+            entry.wall_ns += node.info.role == bus::schema::Role::gp ? 0 : 1'000'000;
+        }
+    }
+    const auto [json, counts] = timeline_of(RecordedRun(std::move(traces)), {}, 1'000'000);
+    using Place = std::pair<int, double>;
+    std::map<Place, std::pair<int, std::string>> slices;  // Logical time and sender.
+    std::map<int, std::string> names;
+    std::map<int, Place> begins;
+    std::size_t arrows = 0;
+    for (const Json& event : json["traceEvents"]) {
+        const Place place(event["pid"], event.value("ts", 0.0));
+        if (event["name"] == "process_name") {
+            names[place.first] = event["args"]["name"];
+        } else if (event["ph"] == "X" && event["cat"] == "message") {
+            slices[place] = {event["args"]["clock"], event["args"]["from"]};
+        } else if (event["ph"] == "s") {
+            begins[event["id"]] = place;
+        }
+    }
+    for (const Json& event : json["traceEvents"]) {
+        if (event["ph"] == "f") {
+            ++arrows;
+            const Place from = begins.at(event["id"]);
+            const auto& [clock, sender] = slices.at({event["pid"], event["ts"]});
+            CHECK(names.at(from.first) == sender);
+            CHECK(slices.at(from).first < clock);
+        }
+    }
+    CHECK(arrows > 3 * 2);  // At least from BeginFrame to each GP's RegionPrograms.
 }

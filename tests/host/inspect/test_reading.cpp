@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host/error.hpp"
 #include "host/inspect/dump.hpp"
@@ -165,6 +166,12 @@ TEST_CASE("a listing shows how many pixels each instruction left enabled and wha
     CHECK(holds(inside, "Q = 36, stays enabled"));
 }
 
+TEST_CASE("the value that a tree has at a pixel is A x + B y + C + D xx + E xy + F yy") {
+    const std::int32_t k[] = {1, 2, 3, 4, 5, 6};
+    CHECK(form_of({k, 3}, {7, 11}) == 7 + 22 + 3);
+    CHECK(form_of(k, {7, 11}) == 7 + 22 + 3 + 4 * 49 + 5 * 77 + 6 * 121);
+}
+
 TEST_CASE("a listing counts what it leaves out") {
     const RecordedRun run = run_of(isa::assemble("SETENABS\nNOP\nNOP\nNOP\nNOP\n").words);
     ListedLines lines;
@@ -205,6 +212,30 @@ TEST_CASE("the count and the first of enabled pixels are those of asking every p
     }
 }
 
+TEST_CASE("a pixel that is enabled alone is the first and only one") {
+    for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {14, 3}, {127, 7}, {0, 8}, {63, 127}}) {
+        renderer::fast::Fast executor;
+        executor.execute({isa::Op::set_enabs, {}}, {});
+        const std::int32_t edges[][3] = {{1, 0, -x}, {-1, 0, x}, {0, 1, -y}, {0, -1, y}};
+        for (const auto& edge : edges) {
+            executor.execute({isa::Op::tree_ge_zero, {0, 0, 16}}, edge);
+        }
+        CHECK(enabled_count(executor.pixels()) == 1);
+        CHECK(first_enabled(executor.pixels()) == std::optional(RegionPixel{x, y}));
+    }
+}
+
+TEST_CASE("of two enabled pixels the first is the one in the upper row") {
+    renderer::fast::Fast executor;  // Pixels are not stored row by row.
+    executor.execute({isa::Op::set_enabs, {}}, {});
+    const std::int32_t line[][3] = {{1, 4, -4}, {-1, -4, 4}};  // Through (0, 1) and (4, 0).
+    for (const auto& edge : line) {
+        executor.execute({isa::Op::tree_ge_zero, {0, 0, 16}}, edge);
+    }
+    CHECK(enabled_count(executor.pixels()) == 2);
+    CHECK(first_enabled(executor.pixels()) == std::optional(RegionPixel{4, 0}));
+}
+
 TEST_CASE("the table of a run tells nodes, volume, and which regions can be executed") {
     const test::TracedSphere sphere({256, 128}, 2, 2);
     const RunTable table = table_of(sphere.run());
@@ -216,20 +247,30 @@ TEST_CASE("the table of a run tells nodes, volume, and which regions can be exec
     CHECK(table.frames[0].executable == 2);
     CHECK(table.frames[0].done);
     CHECK(Json::parse(host::json_text(to_fields(table)))["frames"][0]["width"] == 256);
+}
 
-    // Without a GP's programs for a Renderer, its region cannot be executed.
-    std::vector<NodeTrace> traces = sphere.traces();
-    for (NodeTrace& node : traces) {
-        if (node.info.role == schema::Role::renderer && node.info.index == 1) {
-            std::erase_if(node.entries, [](const bus::trace::Entry& entry) {
-                return entry.kind() == bus::Body::RegionPrograms;
-            });
-            node.cut = "at offset 77: cut off";
+TEST_CASE("a region cannot be executed without its Renderer's BeginFrame or any GP's programs") {
+    const test::TracedSphere sphere({256, 128}, 2, 2);
+    const auto executable_without = [&](const auto& is_lost) {
+        std::vector<NodeTrace> traces = sphere.traces();
+        for (NodeTrace& node : traces) {
+            if (node.info.role == schema::Role::renderer && node.info.index == 1) {
+                std::erase_if(node.entries, is_lost);
+                node.cut = "at offset 77: cut off";
+            }
         }
-    }
-    const RunTable cut = table_of(RecordedRun(std::move(traces)));
-    CHECK(cut.frames[0].executable == 1);
-    CHECK(holds(to_text(cut), "cut: at offset 77: cut off"));
+        const RunTable table = table_of(RecordedRun(std::move(traces)));
+        CHECK(holds(to_text(table), "cut: at offset 77: cut off"));
+        return table.frames.at(0).executable;
+    };
+    using bus::trace::Entry;
+    CHECK(executable_without([](const Entry&) { return false; }) == 2);
+    CHECK(executable_without([](const Entry& e) { return e.kind() == bus::Body::BeginFrame; }) ==
+          1);
+    bool first = true;
+    CHECK(executable_without([&](const Entry& e) {
+              return e.kind() == bus::Body::RegionPrograms && std::exchange(first, false);
+          }) == 1);
 }
 
 TEST_CASE("messages come in the order of logical time, whoever received them") {
