@@ -14,7 +14,7 @@ namespace pxpl5::host::inspect {
 namespace {
 
 constexpr Rgb8 paper{24, 24, 28}, ink{235, 235, 235}, dim_ink{150, 150, 155}, line{90, 90, 98};
-constexpr int least_width_px = 256;       ///< Narrower pictures get a margin: a legend needs room.
+constexpr int least_width_px = 336;       ///< Narrower pictures get a margin: a legend needs room.
 constexpr int large_width_px = 640;       ///< From here on the legend's letters are doubled.
 constexpr double map_part = 0.8;          ///< Of a count's colour over the grey picture.
 constexpr double background_part = 0.35;  ///< Of the grey picture where there is no value.
@@ -122,7 +122,8 @@ class Legend {
     Legend(const MapValues& map, const MapStyle& style, int width)
         : map_(map), range_(range_of(map)), width_(width), scale_(width >= large_width_px ? 2 : 1) {
         const MapInfo& kind = info(map.kind);
-        title_ = fmt::format("{}: {}", kind.title, kind.unit);
+        title_ = fmt::format("{}: {}{}", kind.title, kind.unit,
+                             is_plain(map.kind, 0) ? " (grey: none)" : "");
         if (!style.subject.empty()) {
             subject_ = style.subject;
         }

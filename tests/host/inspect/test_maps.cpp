@@ -291,21 +291,28 @@ TEST_CASE("categories have colours of their own, as far as a paper's machine has
 }
 
 TEST_CASE("a drawn map holds its picture, larger numbers lighter, and a legend below") {
-    inspect::MapValues map{MapKind::overdraw, 300, 20, {}, {}};
-    for (int i = 0; i < 300 * 20; ++i) {
-        map.values.push_back(i % 300);
+    inspect::MapValues map{MapKind::overdraw, 400, 20, {}, {}};
+    for (int i = 0; i < 400 * 20; ++i) {
+        map.values.push_back(i % 400);
     }
     map.picture.assign(map.values.size(), 0x808080);
     const inspect::MapPicture picture = inspect::draw_map(map, {.subject = "frame 3"});
-    CHECK(picture.width == 300);
+    CHECK(picture.width == 400);
     CHECK(picture.height > 40);
     REQUIRE(picture.rgba.size() == static_cast<std::size_t>(picture.width * picture.height));
     const auto green = [&](std::size_t i) { return picture.rgba[i] >> 8 & 0xFF; };
-    CHECK(green(0) < green(150));
-    CHECK(green(150) < green(299));
+    CHECK(green(0) < green(200));
+    CHECK(green(200) < green(399));
     CHECK((picture.rgba[0] >> 24) == 0xFF);
     // The same numbers over the same grey have the same colour, row by row.
-    CHECK(picture.rgba[5] == picture.rgba[300 * 7 + 5]);
+    CHECK(picture.rgba[5] == picture.rgba[400 * 7 + 5]);
+    // A picture too narrow for the legend stands in the middle of a wider one.
+    map = {MapKind::overdraw, 2, 1, {1, 1}, {0, 0}};
+    const inspect::MapPicture narrow = inspect::draw_map(map, {});
+    CHECK(narrow.width > 300);
+    const auto left = static_cast<std::size_t>((narrow.width - 2) / 2);
+    CHECK(narrow.rgba[left] != narrow.rgba[left - 1]);
+    CHECK(narrow.rgba[left] == narrow.rgba[left + 1]);
     CHECK(inspect::short_number(9999) == "9999");
     CHECK(inspect::short_number(12345) == "12.35k");
     CHECK(inspect::short_number(1234567) == "1.235M");
