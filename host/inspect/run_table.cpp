@@ -1,7 +1,6 @@
 #include "host/inspect/run_table.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "host/inspect/message_text.hpp"
 #include "ringbus/trace/trace_info.hpp"
@@ -104,18 +103,12 @@ NodeRow row_of(const NodeTrace& node) {
     return row;
 }
 
-/// "name" of the resolved topology.
-std::string name_in(const std::string& topology) {
-    const auto json = nlohmann::json::parse(topology, nullptr, false);
-    return json.is_object() ? json.value("name", "") : "";
-}
-
 void take_info(RunTable& table, const bus::trace::Info& info) {
     table.build = info.build;
     table.schema_hash = bus::trace::to_metadata(info).at("schema_hash");
     for (const auto& [key, value] : info.more) {
         if (key == "topology") {
-            table.topology = name_in(value);
+            table.topology = value;
         } else {
             table.more[key] = value;
         }

@@ -41,7 +41,7 @@ struct FrameRow {
 struct RunTable {
     std::string build, schema_hash;
     std::map<std::string, std::string> more;  ///< E.g. isa_hash; without the topology.
-    std::string topology;                     ///< Its name; empty if it was not recorded.
+    std::string topology;                     ///< Resolved, as JSON; empty if it was not recorded.
     std::uint32_t gps = 0, renderers = 0;
     std::vector<NodeRow> nodes;
     std::vector<VolumeRow> volumes;

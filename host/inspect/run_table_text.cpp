@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "host/inspect/message_text.hpp"
 #include "host/inspect/run_table.hpp"
@@ -10,6 +12,26 @@ namespace pxpl5::host::inspect {
 namespace {
 
 constexpr std::size_t hash_digits = 16;  ///< Of a longer hash; --json has all.
+
+/// "; 8 MiB for each GP; ring of 8 channels of 80 MB/s", as far as the topology tells.
+std::string machine_text(const std::string& topology) {
+    const auto json = nlohmann::json::parse(topology, nullptr, false);
+    const auto number = [&](const char* path) {
+        const nlohmann::json::json_pointer place(path);
+        const bool is_there =
+            json.is_object() && json.contains(place) && json.at(place).is_number_integer();
+        return is_there ? std::optional(json.at(place).get<std::int64_t>()) : std::nullopt;
+    };
+    std::string text;
+    if (const auto memory = number("/roles/gp/memory_mib")) {
+        text += fmt::format("; {} MiB for each GP", *memory);
+    }
+    const auto channels = number("/ring/channels"), speed = number("/ring/channel_mb_s");
+    if (channels && speed) {
+        text += fmt::format("; ring of {} channels of {} MB/s", *channels, *speed);
+    }
+    return text;
+}
 
 std::string state_of(const NodeRow& node) {
     return node.cut.empty() ? "complete" : "cut: " + node.cut;
@@ -50,9 +72,8 @@ std::string to_text(const RunTable& table) {
     for (const auto& [key, value] : table.more) {
         text += fmt::format("; {} {}", key, value.substr(0, hash_digits));
     }
-    text +=
-        fmt::format("\nmachine{}: GPs {}, Renderers {}\n",
-                    table.topology.empty() ? "" : " " + table.topology, table.gps, table.renderers);
+    text += fmt::format("\nmachine: GPs {}, Renderers {}{}\n", table.gps, table.renderers,
+                        machine_text(table.topology));
     for (const VolumeRow& volume : table.volumes) {
         text +=
             fmt::format("volume {}: {}, {}x{}x{} {}, digest {:016x}{}{}\n", volume.id, volume.name,

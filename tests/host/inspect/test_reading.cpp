@@ -249,6 +249,18 @@ TEST_CASE("the table of a run tells nodes, volume, and which regions can be exec
     CHECK(Json::parse(host::json_text(to_fields(table)))["frames"][0]["width"] == 256);
 }
 
+TEST_CASE("the text of a run tells the machine as far as its topology was recorded") {
+    RunTable table;
+    table.gps = 36;
+    table.renderers = 16;
+    CHECK(holds(to_text(table), "\nmachine: GPs 36, Renderers 16\n"));
+    table.topology = R"({"roles": {"gp": {"memory_mib": 8}},
+                         "ring": {"channels": 8, "channel_mb_s": 80}})";
+    CHECK(holds(to_text(table), "; 8 MiB for each GP; ring of 8 channels of 80 MB/s\n"));
+    table.topology = "{\"roles\": 3";
+    CHECK(holds(to_text(table), "Renderers 16\n"));
+}
+
 TEST_CASE("a region cannot be executed without its Renderer's BeginFrame or any GP's programs") {
     const test::TracedSphere sphere({256, 128}, 2, 2);
     const auto executable_without = [&](const auto& is_lost) {
