@@ -72,6 +72,22 @@ RegionForm region_form(const std::array<double, 6>& f, double u, double v) {
     return form;
 }
 
+/// Leaves the region's part of the box enabled. Values are -127..127.
+void put_box(Writer& out, const PixelBox& box, int x0, int y0) {
+    constexpr int last = region::size_px - 1;
+    constexpr std::uint32_t sign_bits = 8;
+    const auto side = [&out](int a, int b, int c) {
+        out.put(Op::tree_ge_zero, {0, 0, sign_bits});
+        out.put(a);
+        out.put(b);
+        out.put(c);
+    };
+    side(1, 0, -std::max(box.x0 - x0, 0));
+    side(-1, 0, std::min(box.x1 - x0, last));
+    side(0, 1, -std::max(box.y0 - y0, 0));
+    side(0, -1, std::min(box.y1 - y0, last));
+}
+
 void put_form(Writer& out, const RegionForm& form) {
     constexpr std::int64_t low_mask = (std::int64_t{1} << low_bits) - 1;
     out.put(Op::quad_into_mem, {at_form + low_bits, 0, form_bits - low_bits});
@@ -125,6 +141,7 @@ std::optional<std::array<std::uint32_t, sphere_word_count>> sphere_program(
 
     Writer out;
     out.put(Op::set_enabs);
+    put_box(out, sphere.box, x0, y0);
     put_form(out, form);
     out.put(Op::sqrt_mem, {at_root, 0, 2 * root_bits});
     put_term(out,

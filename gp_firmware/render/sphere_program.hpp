@@ -3,6 +3,8 @@
 // Instruction by instruction; e and j depend on the sphere and the region:
 //
 //    SETENABS
+//    TREEgeZERO      :8               four times: within the bounding box, which a Renderer may
+//                                     know without looking at the other pixels
 //    QUADintoMEM     m[104]:48        form, its upper words: 48 bits from bit 16 on
 //    CLEARMEM        m[88]:16
 //    MEMpluseqQUAD   m[88]:64         and its lower 16 bits: the form times 2^e, in 64 bits
@@ -25,7 +27,7 @@
 
 namespace pxpl5::gp {
 
-inline constexpr std::size_t sphere_word_count = 48;
+inline constexpr std::size_t sphere_word_count = 64;
 inline constexpr int max_root_bits = 16;  ///< Of S: what SQRTMEM gives at most.
 
 /// The words that draw `sphere` into the region whose first pixel is (x0, y0).
