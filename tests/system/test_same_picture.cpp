@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -125,6 +126,26 @@ TEST_CASE("a large picture from near by is the same for any machine") {
     for (const auto& [gps, renderers] : {std::pair{2, 2}, {3, 5}, {36, 16}}) {
         CAPTURE(gps);
         CHECK(picture_of(plan(gps, renderers, first_seed())) == least);
+    }
+}
+
+TEST_CASE("a scene is the same for any machine") {
+    for (const char* name : {"molecule", "room", "tree"}) {
+        const auto picture_of = [name](const Topology& topology) {
+            test::SimulatedMachine machine(topology);
+            Session session(machine);
+            session.load(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/" + name + ".phigs");
+            session.scene.size = {300, 200};
+            session.scene.camera = {{25, 30}, 1.5};
+            return session.draw().rgba;
+        };
+        const auto least = picture_of(plan(1, 1, 0));
+        CHECK(std::set<std::uint32_t>(least.begin(), least.end()).size() > 100);
+        for (const auto& [gps, renderers] : {std::pair{2, 2}, {3, 5}, {36, 16}}) {
+            CAPTURE(name);
+            CAPTURE(gps);
+            CHECK(picture_of(plan(gps, renderers, first_seed())) == least);
+        }
     }
 }
 

@@ -215,7 +215,7 @@ PLACES = (("table", "table", "translate 2.1 0 1.9"),
           ("chair_3", "chair", "translate 2.2 0 2.75", "rotate y 172"),
           ("shelf", "shelf", "translate 0.02 0 0.7"),
           ("lamp", "lamp", "translate 2.1 2.3 1.9"),
-          ("picture", "picture", "translate 3.97 1.6 2", "rotate y -90"))
+          ("picture", "picture", "translate 0.75 1.8 0.01"))
 
 
 def room():
