@@ -37,7 +37,7 @@ std::string lines_of(Session& session, const PhantomInfo& phantom) {
 
 }  // namespace
 
-TEST_CASE("meshes and frames of the built-in volumes are what they were") {
+TEST_CASE("meshes and frames of the built-in volumes and archives are what they were") {
     test::SimulatedMachine machine(least_machine());
     Session session(machine);
     session.scene.size = {320, 240};
@@ -46,6 +46,13 @@ TEST_CASE("meshes and frames of the built-in volumes are what they were") {
     std::string lines;
     for (const PhantomInfo& phantom : phantoms()) {
         lines += lines_of(session, phantom);
+    }
+    for (const char* name : {"molecule", "room", "tree"}) {
+        session.load(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/" + name + ".phigs");
+        const phigs::Content& scene = *session.archive();
+        lines += fmt::format("{}.phigs: {} triangles, {} spheres, {} lines, frame {:016x}\n", name,
+                             scene.triangles, scene.spheres, scene.lines,
+                             picture_digest(session.draw()));
     }
     test::check_golden("frames.txt", lines, "ctest --preset release -R golden_frames");
 }
