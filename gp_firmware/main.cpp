@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "gp_firmware/node.hpp"
+#include "gp_firmware/node_trace.hpp"
 #include "ringbus/process.hpp"
 
 namespace {
@@ -23,6 +24,7 @@ void keep_freed_memory() {
 
 int main(int argc, char** argv) {
     keep_freed_memory();
-    return pxpl5::bus::run_process(argc, argv, pxpl5::bus::schema::Role::gp,
-                                   [] { return std::make_unique<pxpl5::gp::GpNode>(); });
+    return pxpl5::bus::run_process(
+        argc, argv, pxpl5::bus::schema::Role::gp,
+        [] { return std::make_unique<pxpl5::gp::GpNode>(); }, pxpl5::gp::CopiedSlices{});
 }

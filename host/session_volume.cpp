@@ -74,11 +74,10 @@ LoadReport Session::load(const std::string& source) {
     const std::vector<bus::NodeId>& gps = machine_.gp_ids();
     const bus::Payload header = volume_header(*volume_, volume_id_);
     for (std::size_t i = 0; i < gps.size(); ++i) {
-        const std::vector<int> slices =
-            slices_for_gp(volume_->nz, static_cast<int>(i), static_cast<int>(gps.size()));
         machine_.send(gps[i], header);
-        for_each_slice_batch(*volume_, volume_id_, slices,
-                             [&](bus::Payload batch) { machine_.send(gps[i], std::move(batch)); });
+        for_each_slice_batch_of_gp(
+            *volume_, volume_id_, static_cast<int>(i), static_cast<int>(gps.size()),
+            [&](bus::Payload batch) { machine_.send(gps[i], std::move(batch)); });
         machine_.send(gps[i], bus::pack(schema::VolumeEndT{{}, volume_id_}));
     }
     try {

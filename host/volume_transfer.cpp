@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include "host/error.hpp"
 
@@ -86,6 +87,21 @@ void for_each_slice_batch(const Volume& volume, std::uint32_t id, const std::vec
         send(slices_message(volume, id, slices[i], count));
         i += static_cast<std::size_t>(count);
     }
+}
+
+void for_each_slice_batch_of_gp(const Volume& volume, std::uint32_t id, int gp_index, int gp_count,
+                                const std::function<void(bus::Payload)>& send) {
+    const auto is_own = [&](int z) {
+        return std::max(std::min(z, volume.nz - 2), 0) % gp_count == gp_index;
+    };
+    std::vector<int> alike;
+    for (const int z : slices_for_gp(volume.nz, gp_index, gp_count)) {
+        if (!alike.empty() && is_own(z) != is_own(alike.back())) {
+            for_each_slice_batch(volume, id, std::exchange(alike, {}), send);
+        }
+        alike.push_back(z);
+    }
+    for_each_slice_batch(volume, id, alike, send);
 }
 
 void VolumeReceiver::begin(const schema::VolumeHeader& header) {

@@ -28,6 +28,12 @@ bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, i
 void for_each_slice_batch(const Volume& volume, std::uint32_t id, const std::vector<int>& slices,
                           const std::function<void(bus::Payload)>& send);
 
+/// The Slices messages for GP `gp_index` of `gp_count`, likewise. Those that it owns (slice s of
+/// each of its slabs) are in other messages than those that other GPs own too: traces hold a slice
+/// once.
+void for_each_slice_batch_of_gp(const Volume& volume, std::uint32_t id, int gp_index, int gp_count,
+                                const std::function<void(bus::Payload)>& send);
+
 /// Puts an incoming volume together. Its digest is made on the way, while more slices come.
 class VolumeReceiver {
   public:

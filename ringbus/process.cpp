@@ -140,9 +140,9 @@ void save_at_failure(trace::Recorder& recorder) {
 
 /// The same, recording. What a flight holds is written if the node ends by an exception.
 int drive_recorded(ZmqLink& ring, const ProcessFlags& flags, schema::Role role, Node& node,
-                   const std::function<bool()>& alive) {
+                   const std::function<bool()>& alive, const LeaveOut& leave_out) {
     trace::Recorder recorder(flags.trace_file, trace_info(flags, role));
-    trace::RecordingLink link(ring, recorder);
+    trace::RecordingLink link(ring, recorder, leave_out);
     try {
         const int code = drive(ring, link, node, alive);
         recorder.close();
@@ -153,15 +153,17 @@ int drive_recorded(ZmqLink& ring, const ProcessFlags& flags, schema::Role role, 
     }
 }
 
-int run(const ProcessFlags& flags, schema::Role role, const NodeFactory& make_node) {
+int run(const ProcessFlags& flags, schema::Role role, const NodeFactory& make_node,
+        const LeaveOut& leave_out) {
     const auto alive = [&flags] { return flags.parent_pid == 0 || getppid() == flags.parent_pid; };
     ZmqLink link(flags.node_id, flags.bind);
     link.add_peer(host_id, flags.host_endpoint);
     link.linger(host_id, last_words_ms);
     const std::unique_ptr<Node> node = make_node();
     link.send(host_id, hello_message(role, flags, link.endpoint()));
-    return flags.record == schema::Recording::off ? drive(link, link, *node, alive)
-                                                  : drive_recorded(link, flags, role, *node, alive);
+    return flags.record == schema::Recording::off
+               ? drive(link, link, *node, alive)
+               : drive_recorded(link, flags, role, *node, alive, leave_out);
 }
 
 }  // namespace
@@ -230,7 +232,8 @@ std::string refuse_hello(const schema::Hello& hello) {
     return {};
 }
 
-int run_process(int argc, char** argv, schema::Role role, const NodeFactory& make_node) {
+int run_process(int argc, char** argv, schema::Role role, const NodeFactory& make_node,
+                const LeaveOut& leave_out) {
     if (argc == 2 && std::string_view(argv[1]) == "--version") {
         fmt::print("{}\n", build_id());
         return done;
@@ -240,7 +243,8 @@ int run_process(int argc, char** argv, schema::Role role, const NodeFactory& mak
         // Ctrl-C reaches the whole terminal; the host decides what it means.
         std::signal(SIGINT, SIG_IGN);
         std::signal(SIGXFSZ, SIG_IGN);  // A trace that grows too large is an error of its writer.
-        return tie_to_parent(flags.parent_pid) ? run(flags, role, make_node) : unavailable;
+        return tie_to_parent(flags.parent_pid) ? run(flags, role, make_node, leave_out)
+                                               : unavailable;
     } catch (const std::invalid_argument& error) {
         fmt::print(stderr, "error: {}\n", error.what());
         return usage;

@@ -35,11 +35,15 @@ std::string build_id();
 /// Empty if the child that says `hello` is of this build, else what differs, with both values.
 std::string refuse_hello(const schema::Hello& hello);
 
+/// Told of every received message, in order: whether the node's trace shall do without it.
+using LeaveOut = std::function<bool(const Message&)>;
+
 /// Parses the flags above and --version, joins the machine as `role`, and drives the node until the
 /// host says Shutdown or dies. Messages that come between Topology and Go are kept for the node.
 ///
 /// Returns   the exit code: 0 after Shutdown, 64 for a bad command line, 69 if the host is gone,
 ///           70 for an internal error.
-int run_process(int argc, char** argv, schema::Role role, const NodeFactory& make_node);
+int run_process(int argc, char** argv, schema::Role role, const NodeFactory& make_node,
+                const LeaveOut& leave_out = {});
 
 }  // namespace pxpl5::bus

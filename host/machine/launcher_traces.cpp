@@ -60,7 +60,8 @@ void Launcher::guard_recording(const std::function<void()>& act) {
 }
 
 void Launcher::note(const bus::Message& message) {
-    if (recorder_) {
+    // A volume from the io process goes on to the GPs, whose traces have it.
+    if (recorder_ && message.kind() != bus::Body::Slices) {
         guard_recording([&] { recorder_->note(message); });
     }
 }

@@ -1,6 +1,6 @@
 // MCAP container files: the records, their fields, and how both are put into bytes.
 //
-// A file is <magic> Header Metadata Schema (Chunk MessageIndex...)... DataEnd
+// A file is <magic> Header Metadata (Chunk MessageIndex...)... DataEnd
 //           <summary> <summary offsets> Footer <magic>
 // A record is an opcode, the length of its content, and the content; numbers are little endian.
 // Source: MCAP format specification, https://mcap.dev/spec.

@@ -127,8 +127,8 @@ void Writer::Parts::write_preamble(const Preamble& preamble) {
     metadata_offset = bytes.size();
     out.record(Op::metadata, [&] { out.text(metadata_name).texts(preamble.metadata); });
     metadata_length = bytes.size() - metadata_offset;
-    out.raw(schema_record);
     write(bytes);
+    Out(chunk).raw(schema_record);  // Compressed: it is most of a small file.
 }
 
 void Writer::Parts::write_index(ChunkPlace& place) {
@@ -255,8 +255,8 @@ void Writer::message(std::uint16_t channel, std::uint32_t sequence, std::uint64_
 void Writer::end_chunk() {
     Parts& parts = *parts_;
     parts.check();
-    if (parts.chunk.empty()) {
-        return;
+    if (parts.index.empty()) {
+        return;  // No message: at most the schema, which can wait for one.
     }
     parts.compressed.resize(ZSTD_compressBound(parts.chunk.size()));
     const std::size_t size =

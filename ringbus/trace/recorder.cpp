@@ -180,7 +180,9 @@ void RecordingLink::answer(NodeId who) {
 
 std::optional<Message> RecordingLink::receive() {
     while (std::optional<Message> message = link_.receive()) {
-        reporting([&] { recorder_.note(*message); });
+        if (!leave_out_ || !leave_out_(*message)) {
+            reporting([&] { recorder_.note(*message); });
+        }
         if (message->kind() != Body::SaveTrace) {
             return message;
         }

@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "ringbus/link.hpp"
 #include "ringbus/trace/trace_file.hpp"
@@ -73,8 +75,12 @@ class Recorder {
 /// host gets a Fault, and the node goes on.
 class RecordingLink final : public Link {
   public:
+    /// Told of every received message, in order: whether the trace shall do without it.
+    using LeaveOut = std::function<bool(const Message&)>;
+
     /// Both outlive it.
-    RecordingLink(Link& link, Recorder& recorder) : link_(link), recorder_(recorder) {}
+    RecordingLink(Link& link, Recorder& recorder, LeaveOut leave_out = {})
+        : link_(link), recorder_(recorder), leave_out_(std::move(leave_out)) {}
 
     NodeId id() const override { return link_.id(); }
     const std::string& endpoint() const override { return link_.endpoint(); }
@@ -91,6 +97,7 @@ class RecordingLink final : public Link {
 
     Link& link_;
     Recorder& recorder_;
+    LeaveOut leave_out_;
 };
 
 }  // namespace pxpl5::bus::trace

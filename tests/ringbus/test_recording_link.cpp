@@ -77,6 +77,23 @@ TEST_SUITE("ringbus/recording_link") {
         CHECK(kinds_in(folder / "a.mcap") == "Topology SaveTrace");
     }
 
+    TEST_CASE("what the trace shall do without is handed on all the same") {
+        const test::ScratchFolder folder;
+        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight));
+        QueueLink queue;
+        queue.input = {from(0, surface(1, 1)), from(0, topology_with(2)), from(0, surface(2, 1))};
+        trace::RecordingLink link(queue, recorder, [](const Message& message) {
+            return message.kind() == Body::Topology;
+        });
+        int handed_on = 0;
+        while (link.receive()) {
+            ++handed_on;
+        }
+        CHECK(handed_on == 3);
+        recorder.save();
+        CHECK(kinds_in(folder / "a.mcap") == "SetSurface SetSurface");
+    }
+
     TEST_CASE("a link that waits in vain writes what waits for the file") {
         const test::ScratchFolder folder;
         Recorder recorder(folder / "a.mcap", info_for(schema::Recording::full));

@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "host/digest.hpp"
 #include "host/machine/machine.hpp"
 #include "host/session.hpp"
 #include "ringbus/trace/trace_file.hpp"
@@ -117,7 +119,7 @@ TEST_CASE("a second run in the same place, after one without recording, records 
     }
 }
 
-TEST_CASE("a full recording has every message between the nodes, and says what the volume was") {
+TEST_CASE("a full recording has every message between the nodes") {
     const test::ScratchFolder folder;
     Machine machine(plan(Record::full), options_in(folder));
     Session session(machine);
@@ -137,15 +139,41 @@ TEST_CASE("a full recording has every message between the nodes, and says what t
     CHECK(programs == 6 * 3 * 2);
     CHECK(kinds_in(TraceFile(traces / "host-0.mcap")).at("FrameDone") == 6);
     CHECK(kinds_in(TraceFile(traces / "framebuffer-0.mcap")).at("RegionPixels") == 6 * 2);
-    const TraceFile gp(traces / "gp-0.mcap");
-    for (const bus::trace::Entry& entry : gp.entries()) {
-        const bus::Message message = gp.load(entry);
-        if (const auto* header = message.as<schema::VolumeHeader>()) {
-            CHECK(header->source()->str() == "phantom:letters");
-            CHECK(header->digest() != 0);
-            CHECK(header->digest() == session.volume().digest);
+}
+
+TEST_CASE("the GPs' traces hold each slice once, and they are the volume that the header names") {
+    const test::ScratchFolder folder;
+    Machine machine(plan(Record::full), options_in(folder));
+    Session session(machine);
+    session.load("phantom:letters");
+    machine.shutdown();
+    std::map<std::uint32_t, std::vector<std::byte>> slices;
+    std::uint64_t digest = 0;
+    for (const char* name : {"gp-0.mcap", "gp-1.mcap", "gp-2.mcap"}) {
+        const TraceFile file(machine.run_folder() / "traces" / name);
+        for (const bus::trace::Entry& entry : file.entries()) {
+            const bus::Message message = file.load(entry);
+            if (const auto* header = message.as<schema::VolumeHeader>()) {
+                CHECK(header->source()->str() == "phantom:letters");
+                digest = header->digest();
+            } else if (const auto* some = message.as<schema::Slices>()) {
+                const auto bytes =
+                    std::as_bytes(std::span(some->values()->data(), some->values()->size()));
+                const std::size_t size = bytes.size() / some->slice_count();
+                for (std::uint32_t n = 0; n < some->slice_count(); ++n) {
+                    const auto slice = bytes.subspan(n * size, size);
+                    CHECK(slices[some->first_slice() + n].empty());
+                    slices[some->first_slice() + n].assign(slice.begin(), slice.end());
+                }
+            }
         }
     }
+    CHECK(slices.size() == static_cast<std::size_t>(session.volume().nz));
+    Digest whole;
+    for (const auto& [z, slice] : slices) {
+        whole.add(slice);
+    }
+    CHECK(whole.value() == digest);
 }
 
 TEST_CASE("a Renderer that is killed at work leaves a trace that is read up to the cut") {

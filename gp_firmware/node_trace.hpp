@@ -1,0 +1,23 @@
+// Which slices a GP's trace need not hold, because the trace of another GP holds them.
+#pragma once
+
+#include "gp_firmware/volume/share.hpp"
+#include "ringbus/message.hpp"
+
+namespace pxpl5::gp {
+
+/// Follows what a GP receives. A slice goes to up to four GPs; the traces of all GPs together hold
+/// it once: that of GP z mod gp_count holds slice z, the last slice excepted, which is with the
+/// slice before it.
+class CopiedSlices {
+  public:
+    /// Takes every message that the GP receives, in order, and tells of each whether it has only
+    /// slices that other traces hold.
+    bool operator()(const bus::Message& message);
+
+  private:
+    Share share_;
+    int nz_ = 0;  ///< Of the volume that is coming.
+};
+
+}  // namespace pxpl5::gp

@@ -1,0 +1,108 @@
+#include "gp_firmware/node_trace.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <memory>
+#include <vector>
+
+using namespace pxpl5;
+namespace schema = bus::schema;
+
+namespace {
+
+/// `payload` as node `to` receives it.
+bus::Message received(const bus::Payload& payload, bus::NodeId to) {
+    const auto bytes = payload.bytes();
+    const auto words = std::make_shared<std::vector<std::uint64_t>>(bytes.size() / 8 + 1);
+    std::memcpy(words->data(), bytes.data(), bytes.size());
+    const schema::Header header(bus::header_magic, bus::protocol_version,
+                                static_cast<std::uint16_t>(payload.kind()), 0, to, 0, 0, 0,
+                                bytes.size(), 0, 0, 1);
+    return {header, {reinterpret_cast<const std::uint8_t*>(words->data()), bytes.size()}, words};
+}
+
+/// A host, `gps` GPs from node 1 on, and a Renderer.
+bus::Payload topology(int gps) {
+    schema::TopologyT body;
+    for (int id = 0; id <= gps + 1; ++id) {
+        auto node = std::make_unique<schema::NodeInfoT>();
+        node->id = static_cast<std::uint16_t>(id);
+        node->role = id == 0     ? schema::Role::host
+                     : id <= gps ? schema::Role::gp
+                                 : schema::Role::renderer;
+        node->index = static_cast<std::uint16_t>(id == 0 || id > gps ? 0 : id - 1);
+        node->endpoint = "ipc:///somewhere";
+        body.nodes.push_back(std::move(node));
+    }
+    return bus::pack(body);
+}
+
+bus::Payload header(int nz) {
+    schema::VolumeHeaderT body;
+    body.name = "a volume";
+    body.nx = body.ny = 2;
+    body.nz = static_cast<std::uint32_t>(nz);
+    body.voxel_to_patient = std::make_unique<schema::Matrix>();
+    return bus::pack(body);
+}
+
+bus::Payload slices(int first, int count) {
+    schema::SlicesT body;
+    body.first_slice = static_cast<std::uint32_t>(first);
+    body.slice_count = static_cast<std::uint32_t>(count);
+    body.values.resize(static_cast<std::size_t>(8 * count));
+    return bus::pack(body);
+}
+
+gp::CopiedSlices told(int gps, int index, int nz) {
+    gp::CopiedSlices copied;
+    const auto self = static_cast<bus::NodeId>(index + 1);
+    CHECK(!copied(received(topology(gps), self)));
+    CHECK(!copied(received(header(nz), self)));
+    return copied;
+}
+
+}  // namespace
+
+TEST_SUITE("gp_firmware/node_trace") {
+    TEST_CASE("of the GPs that are sent a slice, the trace of one holds it") {
+        for (const int nz : {2, 3, 4, 5, 56}) {
+            for (const int gps : {1, 2, 3, 4, 36, 64}) {
+                std::vector<int> holders(static_cast<std::size_t>(nz));
+                for (int index = 0; index < gps; ++index) {
+                    gp::VolumeShape shape;
+                    shape.nx = shape.ny = 2;
+                    shape.nz = nz;
+                    gp::CopiedSlices copied = told(gps, index, nz);
+                    for (const int z : gp::slices_needed(shape, {index, gps})) {
+                        const bool left_out =
+                            copied(received(slices(z, 1), static_cast<bus::NodeId>(index + 1)));
+                        holders[static_cast<std::size_t>(z)] += left_out ? 0 : 1;
+                    }
+                }
+                CAPTURE(nz);
+                CAPTURE(gps);
+                CHECK(holders == std::vector<int>(static_cast<std::size_t>(nz), 1));
+            }
+        }
+    }
+
+    TEST_CASE("a message with a slice that no other trace holds is held whole") {
+        gp::CopiedSlices copied = told(4, 1, 56);  // Owns slices 1, 5, 9 ...
+        CHECK(copied(received(slices(2, 3), 2)));
+        CHECK(!copied(received(slices(2, 4), 2)));
+        CHECK(!copied(received(slices(0, 2), 2)));
+        CHECK(!copied(received(header(8), 2)));
+        CHECK(copied(received(slices(6, 1), 2)));
+        CHECK(copied(received(slices(7, 1), 2)));  // The last one, with slice 6: GP 2.
+    }
+
+    TEST_CASE("slices that are not of the volume are held: somebody will want to see them") {
+        gp::CopiedSlices copied = told(4, 1, 8);
+        CHECK(!copied(received(slices(8, 1), 2)));
+        CHECK(!copied(received(slices(4000, 5), 2)));
+        gp::CopiedSlices ignorant;
+        CHECK(!ignorant(received(slices(0, 1), 2)));
+    }
+}
