@@ -1,5 +1,6 @@
 #include "tests/ringbus/examples.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "ringbus/ranges.hpp"
@@ -235,6 +236,7 @@ std::vector<Payload> one_of_each_kind() {
                               frame_examples(), scene_examples()}) {
         all.insert(all.end(), group.begin(), group.end());
     }
+    std::ranges::sort(all, {}, &Payload::kind);  // As the union has them.
     return all;
 }
 
@@ -244,7 +246,7 @@ Payload repacked(const bus::Message& message) {
                               VolumeHeader, Slices, VolumeEnd, VolumeReady, ExportPicture, IoDone,
                               SetSurface, RemoveSurface, SurfaceBuilt, FetchMesh, MeshPart,
                               DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone,
-                              SceneBegin, ScenePart, SceneEnd>(message);
+                              SaveTrace, TraceSaved, SceneBegin, ScenePart, SceneEnd>(message);
 }
 
 }  // namespace pxpl5::test
