@@ -69,6 +69,12 @@ std::string regions_text(const TriangleVerdict& v) {
     return text;
 }
 
+std::string surfaces_text(std::size_t count) {
+    return count == 0   ? "no surface"
+           : count == 1 ? "surface 0 only"
+                        : fmt::format("surfaces 0 to {}", count - 1);
+}
+
 /// What became of it, behind its name.
 std::string fate_of(const WhyNotFinding& f, const TriangleVerdict& v) {
     switch (v.verdict) {
@@ -109,9 +115,7 @@ std::string fate_of(const WhyNotFinding& f, const TriangleVerdict& v) {
             return nothing_text(v);
         case Verdict::not_in_frame:
             return fmt::format("is not in the frame, which shows {}",
-                               f.shown.surfaces.empty()
-                                   ? std::string("no surface")
-                                   : fmt::format("surfaces 0 to {}", f.shown.surfaces.size() - 1));
+                               surfaces_text(f.shown.surfaces.size()));
         case Verdict::unknown:
             break;
     }

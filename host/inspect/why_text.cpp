@@ -174,7 +174,7 @@ std::string to_text(const TriangleName& name) {
 
 std::string surface_text(const std::vector<ShownSurface>& surfaces, std::uint32_t index) {
     if (index >= surfaces.size()) {
-        return fmt::format("number {} of the frame", index);
+        return fmt::format("surface {}", index);
     }
     const auto& isovalue = surfaces[index].isovalue;
     return fmt::format("surface {}", index) +
@@ -187,9 +187,10 @@ std::string sentence_of(const WhyFinding& f) {
     const PrimitiveFacts* shown = f.shown();
     if (shown == nullptr) {
         return fmt::format(
-            "{} shows the background, {}: none of the {} primitives of its region "
-            "is there.",
-            pixel, colour_text(h.colour), h.primitives.size());
+            "{} shows the background, {}: {}.", pixel, colour_text(h.colour),
+            h.primitives.empty()
+                ? "its region has no primitive"
+                : fmt::format("none of its region's {} primitives covers it", h.primitives.size()));
     }
     const std::string what =
         shown->cell ? fmt::format("{}: {}", surface_text(f.surfaces, shown->surface),

@@ -37,6 +37,11 @@ class RecordedSurface {
         for (const bus::NodeId gp : recorded_.machine.gp_ids()) {
             recorded_.machine.send(gp, bus::pack(set));
         }
+        // As a session does: a frame must not overtake the surface on its way to a GP.
+        std::size_t built = 0;
+        recorded_.machine.pump(
+            [&](const bus::Message& m) { built += m.kind() == bus::Body::SurfaceBuilt ? 1 : 0; },
+            [&] { return built == recorded_.machine.gp_ids().size(); });
     }
 
     /// Draws width x height pixels as seen by `camera`, the frame changed by `change`.

@@ -6,6 +6,8 @@
 // to an edge, or to another triangle, is reported as possible but not as sure.
 #pragma once
 
+#include <doctest/doctest.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,6 +22,14 @@
 namespace pxpl5::test {
 
 using host::inspect::TriangleName;
+
+/// PXPL5_SEED, or `usual`; printed.
+inline unsigned test_seed(unsigned usual) {
+    const char* text = std::getenv("PXPL5_SEED");
+    const unsigned seed = text == nullptr ? usual : static_cast<unsigned>(std::stoul(text));
+    MESSAGE("seed ", seed);
+    return seed;
+}
 
 inline double voxel(const host::Volume& v, int x, int y, int z) {
     const std::size_t at = (static_cast<std::size_t>(z) * static_cast<std::size_t>(v.ny) +
@@ -42,6 +52,8 @@ inline double voxel(const host::Volume& v, int x, int y, int z) {
     }
 }
 
+/// A corner may be snapped to the next step, so an edge may move as far.
+inline constexpr double edge_tolerance_px = 1.0 / 16 * 1.5;
 struct TrueTriangle {
     TriangleName name;
     std::array<glm::dvec3, 3> p_voxel;
@@ -63,6 +75,12 @@ struct TrueTriangle {
             least = std::min(least, cross / std::max(glm::length(edge), 1e-9));
         }
         return least;
+    }
+    bool box_holds(glm::dvec2 p) const {
+        const auto [x0, x1] = std::minmax({p_px[0].x, p_px[1].x, p_px[2].x});
+        const auto [y0, y1] = std::minmax({p_px[0].y, p_px[1].y, p_px[2].y});
+        return p.x >= x0 - edge_tolerance_px && p.x <= x1 + edge_tolerance_px &&
+               p.y >= y0 - edge_tolerance_px && p.y <= y1 + edge_tolerance_px;
     }
     double depth_at(glm::dvec2 p) const {
         const glm::dvec2 a = p_px[1] - p_px[0], b = p_px[2] - p_px[0], to = p - p_px[0];
@@ -141,8 +159,6 @@ inline std::vector<TrueTriangle> true_triangles(const host::Volume& volume, doub
     return all;
 }
 
-/// A corner may be snapped to the next step, so an edge may move as far.
-inline constexpr double edge_tolerance_px = 1.0 / 16 * 1.5;
 /// 64 of 2^24 steps: floats give 30, planes at their ends some more.
 inline constexpr double depth_tolerance = 64.0 / (1 << 24);
 
@@ -159,6 +175,9 @@ inline OnRay on_ray(const std::vector<TrueTriangle>& all, int x, int y) {
     OnRay ray;
     const glm::dvec2 p = centre_of(x, y);
     for (const TrueTriangle& t : all) {
+        if (!t.box_holds(p)) {  // Quick, and of what has no area the edges bound nothing.
+            continue;
+        }
         const double margin = t.inside(p);
         if (margin >= -edge_tolerance_px) {
             ray.possible.push_back(&t);

@@ -1,106 +1,13 @@
 // `why` beside a direct computation: the pixel's ray against every triangle of the surface.
 #include <doctest/doctest.h>
-
-#include <random>
+#include <fmt/format.h>
 
 #include "host/error.hpp"
 #include "host/phantom/phantom.hpp"
-#include "tests/host/inspect/recorded_surface.hpp"
+#include "tests/host/inspect/ray_check.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::test;
-namespace inspect = host::inspect;
-
-namespace {
-
-unsigned seed() {
-    const char* text = std::getenv("PXPL5_SEED");
-    return text == nullptr ? 5 : static_cast<unsigned>(std::stoul(text));
-}
-
-/// Whether `name` may be what is nearest on the ray: it covers the pixel, perhaps by the width of a
-/// snapping step, and nothing that surely covers the pixel is surely nearer.
-bool may_be_nearest(const OnRay& ray, const inspect::TriangleName& name, glm::dvec2 p) {
-    const auto found = std::ranges::find(ray.possible, name, &TrueTriangle::name);
-    if (found == ray.possible.end()) {
-        return false;
-    }
-    const TrueTriangle& named = **found;
-    return std::ranges::all_of(ray.sure, [&](const TrueTriangle* t) {
-        return t->depth_at(p) + depth_doubt(*t) >= named.depth_at(p) - depth_doubt(named);
-    });
-}
-
-/// How many triangles might be the one that the pixel shows.
-std::ptrdiff_t candidates(const OnRay& ray, glm::dvec2 p) {
-    return std::ranges::count_if(
-        ray.possible, [&](const TrueTriangle* t) { return may_be_nearest(ray, t->name, p); });
-}
-
-void check_cell(const inspect::CellFacts& cell, const host::Volume& volume, double isovalue) {
-    REQUIRE(cell.unknown == "");
-    CHECK(cell.doubt == "");
-    unsigned inside = 0;
-    for (unsigned c = 0; c < 8; ++c) {
-        const double value = voxel(volume, cell.name.i + static_cast<int>(c & 1),
-                                   cell.name.j + static_cast<int>(c >> 1 & 1),
-                                   cell.name.k + static_cast<int>(c >> 2));
-        CHECK(cell.values[c] == value);
-        inside |= (value >= isovalue ? 1U : 0U) << c;
-    }
-    CHECK(inside != 0);
-    CHECK(inside != 255);  // The values straddle the isovalue.
-    CHECK(cell.origin.inside == inside);
-    for (const inspect::CornerFacts& corner : cell.corners) {
-        if (!corner.is_centre) {
-            CHECK((corner.value_0 < isovalue) != (corner.value_1 < isovalue));
-            CHECK(corner.value_0 + corner.fraction * (corner.value_1 - corner.value_0) ==
-                  doctest::Approx(isovalue));
-        }
-    }
-}
-
-/// `count` random pixels that the surface covers, each against the ray.
-void check_pixels(RecordedSurface& recorded, double isovalue, int count) {
-    MESSAGE("seed ", seed());
-    std::mt19937 random(seed());
-    const TrueView& view = recorded.view();
-    const auto truth = true_triangles(recorded.volume(), isovalue, view);
-    const inspect::RecordedRun run = recorded.run();
-    inspect::FrameInquiry frame(run, std::nullopt);
-    std::uniform_int_distribution<int> column(0, view.width - 1), row(0, view.height - 1);
-    int sole = 0, hidden = 0;
-    for (int n = 0; n < count;) {
-        const int x = column(random), y = row(random);
-        const OnRay ray = on_ray(truth, x, y);
-        const inspect::WhyFinding finding = inspect::why(frame, x, y);
-        INFO("pixel ", x, ", ", y);
-        CHECK(finding.history.sent.value() % (1U << 24) == finding.history.colour % (1U << 24));
-        if (finding.shown() == nullptr) {
-            CHECK(ray.sure.empty());
-            continue;
-        }
-        ++n;
-        REQUIRE(finding.shown()->cell);
-        const inspect::CellFacts& cell = *finding.shown()->cell;
-        CAPTURE(inspect::to_text(cell.name));
-        CHECK(may_be_nearest(ray, cell.name, centre_of(x, y)));
-        check_cell(cell, recorded.volume(), isovalue);
-        // Where the ray meets the triangle projects back to the pixel's centre.
-        const glm::dvec3 px = view.to_px(cell.hit_voxel);
-        CHECK(px.x == doctest::Approx(x + 0.5).epsilon(1e-6));
-        CHECK(px.y == doctest::Approx(y + 0.5).epsilon(1e-6));
-        CHECK(finding.shown()->gp == static_cast<unsigned>(cell.name.k) % run.gp_count());
-        sole += candidates(ray, centre_of(x, y)) == 1 ? 1 : 0;
-        hidden += ray.sure.size() > 1 ? 1 : 0;
-    }
-    // The tolerances leave the answer open only at edges.
-    MESSAGE(sole, " of ", count, " pixels have one possible answer, ", hidden, " hide something");
-    CHECK(sole >= count / 3);
-    CHECK(hidden >= count / 3);
-}
-
-}  // namespace
 
 TEST_SUITE("why") {
     TEST_CASE("a covered pixel's cell is the one that its ray meets first") {
@@ -108,5 +15,48 @@ TEST_SUITE("why") {
         recorded.add_surface(30000.5);
         recorded.draw({{30, 25}, 1.0}, 300, 200);
         check_pixels(recorded, 30000.5, 200);
+    }
+    TEST_CASE("in the second of two views, too") {
+        RecordedSurface recorded(host::make_phantom("phantom:torus"), 2, 2);
+        recorded.add_surface(30000.5);
+        recorded.draw({{30, 25}, 1.0}, 300, 200, [](bus::schema::DrawFrameT& draw) {
+            auto second = std::make_unique<bus::schema::ViewT>(*draw.views[0]);
+            auto shifted = second->voxel_to_eye->m();
+            std::array<double, 16> m{};
+            std::copy(shifted->begin(), shifted->end(), m.begin());
+            m[12] += 5;  // The other eye: 5 mm to the left.
+            second->voxel_to_eye = std::make_unique<bus::schema::Matrix>(flatbuffers::make_span(m));
+            draw.views.push_back(std::move(second));
+        });
+        check_pixels(recorded, 30000.5, 30, 200);
+    }
+    TEST_CASE("the answer begins with a sentence for people, and is one object for programs") {
+        RecordedSurface recorded(host::make_phantom("phantom:torus"), 3, 2);
+        recorded.add_surface(30000.5);
+        recorded.draw({{0, 90}, 1.0}, 200, 200);  // From above: the ring is round, its middle open.
+        const inspect::RecordedRun run = recorded.run();
+        inspect::FrameInquiry frame(run, std::nullopt);
+        const inspect::WhyFinding ring = inspect::why(frame, 100, 42);
+        REQUIRE(ring.shown() != nullptr);
+        const TriangleName& n = ring.shown()->cell.value().name;
+        const host::Reply reply = inspect::why_reply(ring);
+        CHECK(reply.text.starts_with(fmt::format(
+            "Pixel (100, 42) of frame 0 shows surface 0 (isovalue 30000.5): triangle {} of cell "
+            "({}, {}, {}), which gp-{} sent, the nearest of",
+            n.triangle, n.i, n.j, n.k, n.k % 3)));
+        const std::string json = host::json_text(reply.fields);
+        CHECK(json.find("\"table\":\"watertight\"") != std::string::npos);
+        CHECK(json.find(fmt::format("\"cell\":[{}.0,{}.0,{}.0]", n.i, n.j, n.k)) !=
+              std::string::npos);
+
+        const std::string hole = inspect::why_reply(inspect::why(frame, 100, 100)).text;
+        CHECK(hole.starts_with("Pixel (100, 100) of frame 0 shows the background, #010203: none "));
+        CHECK_THROWS_AS(inspect::why(frame, 200, 0), host::RequestError);
+        CHECK_THROWS_AS(inspect::parse_cell("1,2"), host::RequestError);
+        CHECK_THROWS_AS(inspect::parse_cell("1,2,3,"), host::RequestError);
+        CHECK_THROWS_WITH(
+            inspect::why_not(frame, 1, 1, {std::array{79, 0, 0}, {}, {}}),
+            "cell (79, 0, 0) is outside of the volume, which has 79 x 63 x 31 cells, counted "
+            "from 0");
     }
 }
