@@ -32,12 +32,12 @@ Instant Instant::now() {
 }
 
 struct Recorder::Parts {
-    Parts(std::filesystem::path to, const Info& about, const FlightLimits& most)
+    Parts(std::filesystem::path to, const Info& about, const Limits& most)
         : path(std::move(to)), info(about), limits(most), setup(most.setup_bytes) {}
 
     std::filesystem::path path;
     Info info;
-    FlightLimits limits;
+    Limits limits;
 
     std::optional<TraceWriter> file;                                     ///< Of a full recording.
     std::optional<std::chrono::steady_clock::time_point> waiting_since;  ///< For the file.
@@ -64,6 +64,11 @@ struct Recorder::Parts {
 };
 
 void Recorder::Parts::note_in_file(const Message& message, const Instant& when) {
+    if (file->bytes() >= limits.file_bytes) {
+        file->close();
+        throw TraceError(fmt::format("trace {} has {} bytes, the limit is {}", path.string(),
+                                     file->bytes(), limits.file_bytes));
+    }
     const std::uint64_t before = file->bytes();
     file->add(message, when.wall_ns);
     if (file->bytes() != before) {
@@ -107,7 +112,7 @@ Recorder::Saved Recorder::Parts::write_flight() const {
     }
 }
 
-Recorder::Recorder(std::filesystem::path path, const Info& info, FlightLimits limits)
+Recorder::Recorder(std::filesystem::path path, const Info& info, Limits limits)
     : parts_(std::make_unique<Parts>(std::move(path), info, limits)) {
     if (info.recording == schema::Recording::full) {
         parts_->file.emplace(parts_->path, info);

@@ -16,11 +16,12 @@
 
 namespace pxpl5::bus::trace {
 
-/// How much the flight recorder keeps.
-struct FlightLimits {
+/// How much a recorder keeps.
+struct Limits {
     std::chrono::nanoseconds span = std::chrono::seconds(10);
-    std::size_t window_bytes = std::size_t{64} << 20;  ///< Of messages, the newest.
-    std::size_t setup_bytes = std::size_t{64} << 20;   ///< Of what came before and still holds.
+    std::size_t window_bytes = std::size_t{64} << 20;    ///< Of messages, the newest.
+    std::size_t setup_bytes = std::size_t{64} << 20;     ///< Of what came before and still holds.
+    std::uint64_t file_bytes = std::uint64_t{16} << 30;  ///< Of a full recording, which ends then.
 };
 
 /// When something happened: by the calendar, and by a clock that is never set.
@@ -33,9 +34,9 @@ struct Instant {
 /// Keeps received messages by the mode: the newest, or all (straight into the file).
 ///
 /// A flight recorder keeps beside the newest messages those of set-up that still hold: Topology,
-/// the current volume, the newest SetSurface of each surface (held.cpp). So its file can be
-/// replayed from its first whole frame. Slices beyond `setup_bytes` are given up; VolumeHeader says
-/// where they came from.
+/// the current volume or scene, the newest SetSurface of each surface (held.cpp). So its file can
+/// be replayed from its first whole frame. Slices beyond `setup_bytes` are given up; VolumeHeader
+/// says where they came from.
 class Recorder {
   public:
     /// How long messages of a full recording may wait for their file.
@@ -43,14 +44,15 @@ class Recorder {
 
     /// `info.recording` is flight or full. A full recording creates `path` at once, in a folder
     /// that is there, a flight at save(). Throws TraceError.
-    Recorder(std::filesystem::path path, const Info& info, FlightLimits limits = {});
+    Recorder(std::filesystem::path path, const Info& info, Limits limits = {});
     ~Recorder();
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
 
     /// Notes a received message. Costs no copy of its body while flying.
     ///
-    /// Throws TraceError when the file takes no more: once, and nothing is noted from then on.
+    /// Throws TraceError when the file takes no more, or has reached its limit: once, and nothing
+    /// is noted from then on.
     void note(const Message& message, Instant when = Instant::now());
     /// Whether messages wait for their file, so that idle() has something to do.
     bool has_unwritten() const;

@@ -13,6 +13,7 @@ import argparse
 import json
 import os
 import platform
+import resource
 import statistics
 import subprocess
 import sys
@@ -70,17 +71,20 @@ def one_run(program, args, values):
 
 
 def frame_rates(program, args, values, recording):
-    """Frames/s of RECORDED_SURFACES on one machine that records so."""
+    """Frames/s of RECORDED_SURFACES on one machine that records so, and all its seconds of CPU."""
     commands = [f"size {args.size}", f"load {RECORDED_SURFACES[0][0]}"]
     for volume, name in RECORDED_SURFACES:
         commands += [f"surface {name} iso={values[volume, name]}", "orbit 20",
                      f"orbit {args.frames}", f"remove {name}"]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     with tempfile.TemporaryDirectory() as folder:
         answer = output_of([program, "run", "--json", "--topology", args.topology, "--record",
                             recording, "--run-folder", folder, "-c", ";".join(commands)])
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     lines = [json.loads(line) for line in answer.splitlines()]
-    return [line["result"]["frames_per_s"] for line in lines
-            if line["command"].startswith("orbit")][1::2]
+    rates = [line["result"]["frames_per_s"] for line in lines
+             if line["command"].startswith("orbit")][1::2]
+    return rates, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def compare_recordings(program, args, values):
@@ -90,12 +94,16 @@ def compare_recordings(program, args, values):
         for recording in RECORDINGS[k % 3:] + RECORDINGS[:k % 3]:
             runs[recording].append(frame_rates(program, args, values, recording))
     report, missed = {"topology": args.topology, "size": args.size, "runs": args.runs}, []
+    # Frame rates on a busy computer say little; what the processes have worked says more.
+    report["cpu_ratio_to_off"] = {recording: round(statistics.median(
+        cpu / off for (_, cpu), (_, off) in zip(runs[recording], runs["off"])), 3)
+                                  for recording in RECORDINGS[1:]}
     for k, (_, name) in enumerate(RECORDED_SURFACES):
-        medians = {recording: statistics.median(run[k] for run in runs[recording])
+        medians = {recording: statistics.median(rates[k] for rates, _ in runs[recording])
                    for recording in RECORDINGS}
         # Each run against its neighbour in time: what else the computer does is the same for both.
         ratios = {recording: statistics.median(
-            run[k] / off[k] for run, off in zip(runs[recording], runs["off"]))
+            rates[k] / off[k] for (rates, _), (off, _) in zip(runs[recording], runs["off"]))
                   for recording in RECORDINGS[1:]}
         report[name] = {"frames_per_s": {key: round(value, 1) for key, value in medians.items()},
                         "ratio_to_off": {key: round(value, 3) for key, value in ratios.items()}}

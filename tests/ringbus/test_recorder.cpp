@@ -43,6 +43,19 @@ Payload slices_of(std::uint32_t volume, std::uint32_t first, std::size_t bytes =
     return pack(body);
 }
 
+Payload scene_of(std::uint32_t scene) {
+    schema::SceneBeginT body;
+    body.scene = scene;
+    return pack(body);
+}
+
+Payload part_of(std::uint32_t scene, std::uint32_t slab) {
+    schema::ScenePartT body;
+    body.scene = scene;
+    body.slab = slab;
+    return pack(body);
+}
+
 Payload end_of(std::uint32_t volume) {
     schema::VolumeEndT body;
     body.volume = volume;
@@ -61,9 +74,9 @@ Payload frame_done(std::uint32_t frame) {
 /// What a node would know after these messages.
 struct Knowledge {
     std::size_t nodes = 0;
-    std::uint32_t volume = 0;
+    std::uint32_t volume = 0;  ///< Or scene.
     bool complete = false;
-    std::set<std::uint32_t> slices;
+    std::set<std::uint32_t> slices;  ///< Or slabs of a scene.
     std::map<std::uint16_t, std::uint32_t> surfaces;
     bool operator==(const Knowledge&) const = default;
 
@@ -72,9 +85,13 @@ struct Knowledge {
             nodes = topology->nodes()->size();
         } else if (const auto* header = message.as<schema::VolumeHeader>()) {
             *this = Knowledge{nodes, header->volume(), false, {}, {}};
+        } else if (const auto* scene = message.as<schema::SceneBegin>()) {
+            *this = Knowledge{nodes, scene->scene(), false, {}, {}};
         } else if (const auto* some = message.as<schema::Slices>()) {
             slices.insert(some->first_slice());
-        } else if (message.kind() == Body::VolumeEnd) {
+        } else if (const auto* part = message.as<schema::ScenePart>()) {
+            slices.insert(part->slab());
+        } else if (message.kind() == Body::VolumeEnd || message.kind() == Body::SceneEnd) {
             complete = true;
         } else if (const auto* set = message.as<schema::SetSurface>()) {
             surfaces[set->surface()] = set->revision();
@@ -117,7 +134,7 @@ TEST_SUITE("ringbus/recorder") {
         const test::ScratchFolder folder;
         const std::size_t size = frame_done(1).bytes().size();
         for (const bool by_bytes : {true, false}) {
-            trace::FlightLimits limits;
+            trace::Limits limits;
             limits.window_bytes = by_bytes ? 10 * size : 1000 * size;
             limits.span = std::chrono::seconds(by_bytes ? 1000 : 9);
             Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight), limits);
@@ -142,7 +159,7 @@ TEST_SUITE("ringbus/recorder") {
         std::mt19937_64 random(seed());
         for (int round = 0; round < 40; ++round) {
             CAPTURE(round);
-            trace::FlightLimits limits;
+            trace::Limits limits;
             limits.window_bytes = random() % 3000;
             Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight), limits);
             Knowledge all;
@@ -162,6 +179,12 @@ TEST_SUITE("ringbus/recorder") {
                             say(slices_of(volume, z));
                         }
                         say(end_of(volume));
+                        break;
+                    case 6:
+                        say(scene_of(++volume));
+                        say(part_of(volume, 3));
+                        say(part_of(volume, 5));
+                        say(pack(schema::SceneEndT{}));
                         break;
                     case 1:
                     case 2:
@@ -185,7 +208,7 @@ TEST_SUITE("ringbus/recorder") {
 
     TEST_CASE("slices beyond the limit are given up, all of them, and their header stays") {
         const test::ScratchFolder folder;
-        trace::FlightLimits limits;
+        trace::Limits limits;
         limits.window_bytes = 1;  // The newest message alone.
         limits.setup_bytes = 3000;
         Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight), limits);
@@ -262,6 +285,31 @@ TEST_SUITE("ringbus/recorder") {
         CHECK(count() == 5);
         recorder.close();
         CHECK(TraceFile(folder / "a.mcap").cut() == "");
+    }
+
+    TEST_CASE("a full recording ends in order at its limit, and says so once") {
+        const test::ScratchFolder folder;
+        trace::Limits limits;
+        limits.file_bytes = 20'000;
+        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::full), limits);
+        std::size_t noted = 0;
+        std::string error;
+        while (error.empty()) {
+            try {
+                recorder.note(from(0, slices_of(1, static_cast<std::uint32_t>(noted), 100)));
+                recorder.idle();
+                ++noted;
+                REQUIRE(noted < 1000);
+            } catch (const trace::TraceError& failure) {
+                error = failure.what();
+            }
+        }
+        CHECK_MESSAGE(error.ends_with(" bytes, the limit is 20000"), error);
+        CHECK_NOTHROW(recorder.note(from(0, surface(1, 1))));
+        CHECK_NOTHROW(recorder.close());
+        const TraceFile file(folder / "a.mcap");
+        CHECK(file.cut() == "");
+        CHECK(file.entries().size() == noted);
     }
 
     TEST_CASE("a recording that takes no more fails once by name, and again when it is saved") {

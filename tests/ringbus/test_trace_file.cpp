@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <set>
 
 #include "ringbus/trace/trace_file.hpp"
 #include "tests/ringbus/examples.hpp"
@@ -244,12 +245,26 @@ TEST_SUITE("ringbus/trace_file") {
         messages.erase(messages.begin() + 9, messages.end());
         write_example(path, messages);
         const Bytes whole = read_all(path);
+        std::set<std::uint64_t> chunks;
+        const std::vector<trace::Entry> entries = TraceFile(path).entries();
+        for (const trace::Entry& entry : entries) {
+            chunks.insert(entry.chunk);
+        }
         std::mt19937_64 random(seed());
         for (const std::size_t at : places_in(whole)) {
             CAPTURE(at);
             set_byte(path, at, static_cast<char>(whole[at] ^ (1 << random() % 8)));
             readable(path, messages);
             set_byte(path, at, whole[at]);
+        }
+        for (const std::uint64_t chunk : chunks) {  // A chunk must not pass for something else.
+            for (int bit = 0; bit < 8; ++bit) {
+                CAPTURE(chunk);
+                CAPTURE(bit);
+                set_byte(path, chunk, static_cast<char>(whole[chunk] ^ (1 << bit)));
+                readable(path, messages);
+                set_byte(path, chunk, whole[chunk]);
+            }
         }
     }
 
