@@ -39,8 +39,10 @@ void declare_shrink(CLI::App& app, ShrinkTool& tool) {
         ->capture_default_str();
     app.add_option("--pixel", tool.pixel,
                    "Keep what makes this pixel: X,Y of the picture, or of a program's region");
-    app.add_option("--field", tool.field,
-                   "Of --pixel: surface, z, normal_x, normal_y, normal_z, rgb, or m8:24")
+    app.add_option(
+           "--field", tool.field,
+           "Of --pixel, in the end: surface, rgb, m8:24, or z, normal_x, normal_y, normal_z, "
+           "which shading overwrites")
         ->capture_default_str();
     app.add_option("--is", tool.is, "Value of --field; the one it has in the end if not given");
     app.add_option("-o,--output", tool.output,

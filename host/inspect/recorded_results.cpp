@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 
 #include "host/digest.hpp"
 #include "isa/region_layout.hpp"
@@ -102,14 +101,25 @@ std::optional<PixelDifference> compare_tiles(const RecordedFrame& frame, std::ui
     return difference;
 }
 
-std::string colour_difference(std::uint32_t found, std::uint32_t expected) {
+std::string colour_text(std::uint32_t pixel) {
+    return fmt::format("#{:02x}{:02x}{:02x}", pixel & 0xFF, pixel >> 8 & 0xFF, pixel >> 16 & 0xFF);
+}
+
+std::string colour_difference(const PixelDifference& pixel, std::string_view found_in,
+                              std::string_view expected_in) {
     constexpr std::array<const char*, 3> names = {"red", "green", "blue"};
     std::string text;
     for (unsigned k = 0; k < 3; ++k) {
-        const std::uint32_t p = found >> (8 * k) & 0xFF, q = expected >> (8 * k) & 0xFF;
+        const std::uint32_t p = pixel.found >> (8 * k) & 0xFF, q = pixel.expected >> (8 * k) & 0xFF;
+        std::string bits;
+        for (unsigned bit = 0; bit < 8; ++bit) {
+            bits +=
+                ((p ^ q) >> bit & 1) != 0 ? fmt::format("{}{}", bits.empty() ? "" : ", ", bit) : "";
+        }
         if (p != q) {
-            text += fmt::format("{}{} is {}, not {} (from bit {})", text.empty() ? "" : ", ",
-                                names[k], p, q, std::countr_zero(p ^ q));
+            text += fmt::format("{}{} is {} in {} and {} in {} ({} {})", text.empty() ? "" : ", ",
+                                names[k], p, found_in, q, expected_in,
+                                bits.size() > 1 ? "bits" : "bit", bits);
         }
     }
     return text;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/frame_buffer/frame.hpp"
@@ -47,8 +48,12 @@ std::optional<PixelDifference> compare_tiles(const RecordedFrame& frame, std::ui
                                              std::span<const std::uint32_t> tile,
                                              std::span<const std::uint32_t> expected);
 
-/// "red is 12, not 14 (bit 1), blue is 3, not 2 (bits 0)"
-std::string colour_difference(std::uint32_t found, std::uint32_t expected);
+/// "#8a372f": red, green, blue. A pixel's word has red in the low byte.
+std::string colour_text(std::uint32_t pixel);
+
+/// "red is 12 in A and 14 in B (bit 1), blue is 3 in A and 0 in B (bits 0, 1)"
+std::string colour_difference(const PixelDifference& pixel, std::string_view found_in,
+                              std::string_view expected_in);
 
 /// "region 5 (column 1, row 1)", with the view if there are several.
 std::string region_name(const RecordedFrame& frame, std::uint32_t region);

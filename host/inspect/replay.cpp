@@ -20,8 +20,9 @@ struct Replayed {
 };
 
 std::string pixel_text(const PixelDifference& p, std::string_view recorded_by) {
-    return fmt::format("pixel ({}, {}): {}; {} has #{:06x}, red in the low byte", p.x, p.y,
-                       colour_difference(p.found, p.expected), recorded_by, p.expected);
+    return fmt::format("pixel ({}, {}): {} here, {} in {}; {}", p.x, p.y, colour_text(p.found),
+                       colour_text(p.expected), recorded_by,
+                       colour_difference(p, "the replay", "the recording"));
 }
 
 /// What differs from the recording, if anything.

@@ -128,9 +128,9 @@ void add_verdict(Difference& d, const RecordedRun& a, const RecordedRun& b,
     const std::string verdict = a_wrong && b_wrong ? "both are wrong"
                                 : a_wrong          ? "A is wrong: " + who(a, in_a)
                                                    : "B is wrong: " + who(b, in_b);
-    d.text += fmt::format("\n  executed again ({}), the pixel is #{:06x}: {}", options.trusted.name,
-                          right, verdict);
-    d.fields.push_back({options.trusted.name, fmt::format("#{:06x}", right)});
+    d.text += fmt::format("\n  executed again ({}), the pixel is {}: {}", options.trusted.name,
+                          colour_text(right), verdict);
+    d.fields.push_back({options.trusted.name, colour_text(right)});
     d.fields.push_back({"verdict", verdict});
     const auto here = first_divergence(in_a.plan, options.trusted.make, options.other.make);
     if (!here) {
@@ -153,19 +153,18 @@ Difference pixel_difference(const RecordedRun& run_a, const RecordedRun& run_b,
     d.level = "pixel";
     d.frame = frame.number;
     d.region = a.place.number;
-    const std::string colours = colour_difference(pixel.found, pixel.expected);
     d.text = fmt::format(
         "frame {}, {}: the programs are the same, the pixels differ\n  pixel        ({}, {}) of "
-        "the picture: #{:06x} in A, #{:06x} in B, red in the low byte\n  bits         A's {} in B",
-        frame.number, region_name(frame, a.place.number), pixel.x, pixel.y, pixel.found,
-        pixel.expected, colours);
+        "the picture: {} in A, {} in B\n  bits         {}",
+        frame.number, region_name(frame, a.place.number), pixel.x, pixel.y,
+        colour_text(pixel.found), colour_text(pixel.expected), colour_difference(pixel, "A", "B"));
     d.fields = {{"level", d.level},
                 {"frame", std::int64_t{frame.number}},
                 {"region", std::int64_t{a.place.number}},
                 {"x", std::int64_t{pixel.x}},
                 {"y", std::int64_t{pixel.y}},
-                {"a", fmt::format("#{:06x}", pixel.found)},
-                {"b", fmt::format("#{:06x}", pixel.expected)}};
+                {"a", colour_text(pixel.found)},
+                {"b", colour_text(pixel.expected)}};
     add_verdict(d, run_a, run_b, frame, a, b, pixel, options);
     return d;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "host/error.hpp"
@@ -13,11 +14,13 @@ namespace pxpl5::host::inspect {
 namespace {
 
 constexpr std::size_t nowhere = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t max_coefficients = 6;
 
 /// An instruction that knows where it jumps to by number, not by place.
 struct Item {
     isa::Instruction in;
-    std::vector<std::uint32_t> coefficients;
+    std::array<std::uint32_t, max_coefficients> coefficients{};
+    std::size_t coefficient_count = 0;
     std::size_t id = 0;            ///< Place in the first program.
     std::size_t target = nowhere;  ///< id of the instruction jumped to; of a jump only.
     std::size_t group = 0;         ///< Of its primitive.
@@ -34,11 +37,10 @@ Items items_of(std::span<const std::uint32_t> words) {
     std::size_t group = 0;
     for (std::size_t at = 0; at < words.size();) {
         const std::size_t count = isa::instruction_words(words[at]);
-        Item item{*isa::decode(words[at]), {}, items.size(), nowhere, 0};
+        Item item{*isa::decode(words[at]), {}, count - 1, items.size(), nowhere, 0};
         group += item.in.op == isa::Op::set_enabs ? 1 : 0;
         item.group = group;
-        item.coefficients.assign(words.begin() + static_cast<std::ptrdiff_t>(at + 1),
-                                 words.begin() + static_cast<std::ptrdiff_t>(at + count));
+        std::ranges::copy(words.subspan(at + 1, count - 1), item.coefficients.begin());
         id_at[at] = items.size();
         items.push_back(std::move(item));
         at += count;
@@ -58,13 +60,15 @@ std::vector<std::uint32_t> words_of(const Items& items) {
     std::size_t size = 0;
     for (const Item& item : items) {
         starts.push_back(size);
-        size += 1 + item.coefficients.size();
+        size += 1 + item.coefficient_count;
     }
     std::vector<std::uint32_t> words;
     words.reserve(size);
     for (const Item& item : items) {
         words.push_back(isa::encode(item.in));
-        words.insert(words.end(), item.coefficients.begin(), item.coefficients.end());
+        words.insert(
+            words.end(), item.coefficients.begin(),
+            item.coefficients.begin() + static_cast<std::ptrdiff_t>(item.coefficient_count));
         if (item.target != nowhere) {
             const auto behind = std::ranges::lower_bound(items, item.target, {}, &Item::id);
             words.back() = static_cast<std::uint32_t>(
@@ -85,7 +89,7 @@ bool is_straight(const Items& items) {
 std::size_t items_before(const Items& items, std::size_t word) {
     std::size_t at = 0, count = 0;
     for (; count < items.size() && at < word; ++count) {
-        at += 1 + items[count].coefficients.size();
+        at += 1 + items[count].coefficient_count;
     }
     return count;
 }
@@ -102,15 +106,17 @@ class Shrinker {
             throw RequestError(ExitCode::failed,
                                "the program does not show what it is to be reduced to");
         }
+        drop_jumps();
         drop([](const Item& item) { return item.group; });
-        std::size_t before = 0;
+        std::size_t count = 0;
         do {
-            before = changes_;
+            count = items_.size();
             drop([](const Item& item) { return item.id; });
             for (std::size_t i = 0; i < items_.size(); ++i) {
                 simplify(i);
             }
-        } while (changes_ != before);
+            drop([](const Item& item) { return item.id; });
+        } while (items_.size() < count);
         shrunk.words = words_of(items_);
         shrunk.instructions = items_.size();
         shrunk.tried = tried_;
@@ -127,28 +133,33 @@ class Shrinker {
         return shows_(words);
     }
 
+    /// Without a jump that depends on all pixels, one pixel can be run alone: see differ_at().
+    void drop_jumps() {
+        for (std::size_t i = 0; i < items_.size(); ++i) {
+            if (items_[i].in.op == isa::Op::skip_if_none) {
+                Items rest = items_;
+                rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
+                i -= accept(rest) ? 1 : 0;
+            }
+        }
+    }
+
     /// Takes `items` for the program if they still show it.
     bool accept(const Items& items) {
         if (!try_items(items)) {
             return false;
         }
         items_ = items;
-        ++changes_;
         return true;
     }
 
-    /// Delta debugging (Zeller, Hildebrandt, 2002): drops parts of units, half of them, a quarter,
-    /// down to single ones. Units are the items of one key; keys ascend.
+    /// Delta debugging in sweeps: drops stretches of units that are not needed, half of them at
+    /// first, single ones at last. Units are the items of one key; keys ascend.
     template <typename Key>
     void drop(const Key& key) {
-        for (std::size_t part = 2, count = unit_count(key); count > 1; count = unit_count(key)) {
-            part = std::min(part, count);
-            if (drop_one_of(part, key)) {
-                part = std::max<std::size_t>(part - 1, 2);
-            } else if (part == count) {
-                break;
-            } else {
-                part *= 2;
+        for (std::size_t size = unit_count(key) / 2; size > 0; size /= 2) {
+            for (std::size_t first = 0; first < unit_count(key);) {
+                first += drop_units(first, first + size, key) ? 0 : size;
             }
         }
     }
@@ -162,32 +173,24 @@ class Shrinker {
         return count;
     }
 
-    /// Cuts the units into `parts` and drops the first part that is not needed.
     template <typename Key>
-    bool drop_one_of(std::size_t parts, const Key& key) {
-        const std::size_t count = unit_count(key);
-        for (std::size_t part = 0; part < parts; ++part) {
-            const std::size_t first = count * part / parts, end = count * (part + 1) / parts;
-            Items rest;
-            std::size_t unit = 0;
-            for (std::size_t i = 0; i < items_.size(); ++i) {
-                unit += i > 0 && key(items_[i]) != key(items_[i - 1]) ? 1 : 0;
-                if (unit < first || unit >= end) {
-                    rest.push_back(items_[i]);
-                }
-            }
-            if (accept(rest)) {
-                return true;
+    bool drop_units(std::size_t first, std::size_t end, const Key& key) {
+        Items rest;
+        std::size_t unit = 0;
+        for (std::size_t i = 0; i < items_.size(); ++i) {
+            unit += i > 0 && key(items_[i]) != key(items_[i - 1]) ? 1 : 0;
+            if (unit < first || unit >= end) {
+                rest.push_back(items_[i]);
             }
         }
-        return false;
+        return accept(rest);
     }
 
     // ---- coefficients and operands
 
     void simplify(std::size_t i) {
         if (items_[i].target == nowhere) {
-            for (std::size_t k = 0; k < items_[i].coefficients.size(); ++k) {
+            for (std::size_t k = 0; k < items_[i].coefficient_count; ++k) {
                 lower(static_cast<std::int32_t>(items_[i].coefficients[k]),
                       [&](Items& items, std::int64_t value) {
                           items[i].coefficients[k] = static_cast<std::uint32_t>(value);
@@ -226,7 +229,7 @@ class Shrinker {
         }
     }
 
-    /// Brings a number as near to 0 as single steps go: 0, halves, one less.
+    /// Brings a number nearer to 0: 0, halves, and for small ones one less.
     template <typename Set>
     void lower(std::int64_t value, const Set& set) {
         const auto attempt = [&](std::int64_t lower_value) {
@@ -241,17 +244,15 @@ class Shrinker {
         }
         while (value / 2 != 0 && attempt(value / 2)) {
         }
-        while (value != 0 && attempt(value > 0 ? value - 1 : value + 1) && steps_left()) {
+        while (value > 1 && value <= max_single_steps && attempt(value - 1)) {
         }
     }
 
-    /// Single steps get nowhere with large numbers: so many are allowed in all.
-    bool steps_left() { return ++single_steps_ < max_single_steps; }
-
-    static constexpr std::size_t max_single_steps = 1000;
+    /// Widths and the like are this small; single steps get nowhere with larger numbers.
+    static constexpr std::int64_t max_single_steps = 64;
     const Shows& shows_;
     Items items_;
-    std::size_t tried_ = 0, changes_ = 0, single_steps_ = 0;
+    std::size_t tried_ = 0;
 };
 
 }  // namespace

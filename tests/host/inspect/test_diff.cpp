@@ -108,8 +108,9 @@ TEST_CASE("pixels that differ are found to the bit, and the wrong run is named")
     CHECK(second.difference->region == 1);
     has(second, "(131, 70) of the picture");
     has(second, "blue is");
-    has(second, "(from bit 4) in B");
+    has(second, " in B (bit 4)");
     has(second, "B is wrong: renderer-");
+    has(second, "the pixel is #");
     has(second, "reference and fast of this program agree on the region");
     has(diff(wrong, traced.traces()), "A is wrong: renderer-");
     has(diff(wrong, wrong), "no difference");

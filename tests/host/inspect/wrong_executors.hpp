@@ -5,6 +5,7 @@
 
 #include "host/inspect/executor_diff.hpp"
 #include "host/inspect/scoped_reference.hpp"
+#include "isa/triangle_shape.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 
 namespace pxpl5::test {
@@ -48,7 +49,8 @@ class WrongAhead final : public isa::Executor {
     }
     isa::Taken execute_ahead(std::span<const std::uint32_t> words) override {
         const isa::Taken taken = fast_.execute_ahead(words);
-        if (taken.instructions >= 10 * triangles_ && taken.words == taken.instructions / 10 * 34) {
+        if (taken.instructions >= 10 * triangles_ && words.size() >= isa::triangle::word_count &&
+            isa::triangle::matches(words.data())) {
             fast_.execute({isa::Op::not_mem, {11, 0, 1}}, {});
         }
         return taken;
