@@ -7,6 +7,7 @@
 #include "host/error.hpp"
 #include "host/inspect/diff.hpp"
 #include "host/inspect/draw_text.hpp"
+#include "host/inspect/message_diff.hpp"
 #include "host/inspect/recorded_results.hpp"
 #include "host/inspect/stream_diff.hpp"
 
@@ -50,6 +51,14 @@ std::vector<bus::Message> setup_of(const RecordedRun& run) {
 bool is_whole(const RecordedRun& run) {
     const NodeTrace* master = run.find(schema::Role::gp, 0);
     return master != nullptr && master->info.dropped == 0;
+}
+
+/// True if the headers of all volumes vouch for the voxels that follow.
+bool digests_known(const RecordedRun& run) {
+    return is_whole(run) && std::ranges::none_of(setup_of(run), [](const bus::Message& message) {
+               const auto* header = message.as<schema::VolumeHeader>();
+               return header != nullptr && header->digest() == 0;
+           });
 }
 
 std::optional<Difference> compare_setup(const RecordedRun& a, const RecordedRun& b,
@@ -193,6 +202,11 @@ class RunDiff {
                 report_.notes.push_back(fmt::format("frame {} is only in B", number));
             }
         }
+        if (!report_.difference) {
+            if (const auto message = first_message_difference(a_, b_)) {
+                report_.notes.push_back("the same by other means: " + *message);
+            }
+        }
         if (!report_.difference && report_.regions == 0) {
             throw RequestError(ExitCode::bad_data,
                                fmt::format("no region of a frame is in both runs: A has {} frames, "
@@ -208,6 +222,9 @@ class RunDiff {
         if (const auto value = first_value(values_of(a.draw()), values_of(b.draw()))) {
             return message_difference(number,
                                       fmt::format("frame {}, DrawFrame: {}", number, *value));
+        }
+        if (const auto voxel = compare_volume(number)) {
+            return voxel;
         }
         for (const RecordedFrame* frame : {&a, &b}) {
             for (const std::string& reason : frame->missing) {
@@ -225,6 +242,20 @@ class RunDiff {
                                     counts_b->second));
         }
         return difference ? difference : each_region(a, b, &RunDiff::compare_results);
+    }
+
+    /// The voxels, once for each volume, if digests do not vouch for them.
+    std::optional<Difference> compare_volume(std::uint32_t number) {
+        const auto header = digests_known_ ? std::nullopt : a_.volume(number);
+        const std::uint32_t id = header ? header->header.as<schema::VolumeHeader>()->volume() : 0;
+        if (!header || volume_compared_ == id) {
+            return std::nullopt;
+        }
+        volume_compared_ = id;
+        const auto voxel = slice_difference(a_, b_, number);
+        return voxel ? std::optional(message_difference(
+                           number, fmt::format("frame {}, Slices: {}", number, *voxel)))
+                     : std::nullopt;
     }
 
     using Compare = std::optional<Difference> (RunDiff::*)(const RecordedFrame&,
@@ -286,6 +317,8 @@ class RunDiff {
     const RecordedRun &a_, &b_;
     const DiffOptions& options_;
     DiffReport report_;
+    const bool digests_known_ = digests_known(a_) && digests_known(b_);
+    std::optional<std::uint32_t> volume_compared_;
 };
 
 }  // namespace

@@ -141,6 +141,36 @@ TEST_CASE("other counts of cycles are a difference") {
     has(diff(a, b), "modelled cycles in A");
 }
 
+TEST_CASE("one voxel that differs is found, whoever holds it") {
+    const auto forget_digest = [](Traces traces) {
+        test::change<schema::VolumeHeader>(
+            traces, [](schema::VolumeHeaderT& header) { header.digest = 0; });
+        return traces;
+    };
+    const Traces a = forget_digest(test::TracedSphere({100, 100}, 3, 1).traces());
+    Traces b = forget_digest(test::TracedSphere({100, 100}, 1, 1).traces());
+    CHECK_FALSE(diff(a, b).difference);
+    test::change<schema::Slices>(b, [](schema::SlicesT& slices) {
+        if (slices.first_slice <= 1 && slices.first_slice + slices.slice_count > 1) {
+            slices.values.at((1 - slices.first_slice) * slices.values.size() /
+                             slices.slice_count) ^= 1;
+        }
+    });
+    has(diff(a, b), "frame 0, Slices: voxel (0, 0, 1) is ");
+}
+
+TEST_CASE("equal machines that share the work otherwise are noted, and do not differ") {
+    const Traces a = test::TracedSphere({200, 150}, 2, 2).traces();
+    Traces b = a;
+    test::change<schema::DrawFrame>(b, [](schema::DrawFrameT& draw) {
+        draw.region_costs = {4, 3, 2, 1};
+    });
+    const inspect::DiffReport report = diff(a, b);
+    CHECK_FALSE(report.difference);
+    has(report, "note: the same by other means: message ");
+    has(report, "from host to gp-0 differs: DrawFrame in A, DrawFrame in B");
+}
+
 TEST_CASE("runs without a frame in common cannot be compared") {
     const Traces a = two_frames(1, 1);
     Traces b = a;
