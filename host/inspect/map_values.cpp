@@ -55,8 +55,10 @@ std::int64_t case_of(const RegionView& view, std::size_t pixel) {
     }
     if (!primitive->origin) {
         throw RequestError(ExitCode::bad_data,
-                           "the run does not tell which voxel cells its triangles come from: "
-                           "record with --record full or flight");
+                           primitive->is_of_scene
+                               ? "the frame shows an archive: it has no voxel cells, and no cases"
+                               : "the run does not tell which voxel cells its triangles come "
+                                 "from: record with --record full or flight");
     }
     return case_class(primitive->origin->inside());
 }

@@ -5,6 +5,7 @@
 
 #include "host/error.hpp"
 #include "host/inspect/recorded_run.hpp"
+#include "isa/table_hash.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -15,6 +16,13 @@ namespace fs = std::filesystem;
 NodeTrace open_trace(const fs::path& path) {
     try {
         auto file = std::make_shared<bus::trace::TraceFile>(path);
+        const auto hash = file->info().more.find("isa_hash");
+        if (hash != file->info().more.end() && hash->second != isa::table_hash()) {
+            throw RequestError(
+                ExitCode::bad_data,
+                fmt::format("{}: recorded with instruction table {}, this program's is {}",
+                            path.string(), hash->second, isa::table_hash()));
+        }
         NodeTrace node{file->info(), file->entries(), {}, file->cut()};
         node.load = [file](const bus::trace::Entry& entry) { return file->load(entry); };
         return node;

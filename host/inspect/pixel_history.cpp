@@ -84,6 +84,10 @@ class OnePixel final : public isa::Executor {
             of(layout::rgb)};
     }
 
+    std::uint32_t bits(std::uint32_t address, std::uint32_t width) const {
+        return static_cast<std::uint32_t>(pixel_.field(x_, y_, address, width));
+    }
+
     std::uint32_t colour = 0;  ///< As read out.
 
   private:
@@ -93,9 +97,16 @@ class OnePixel final : public isa::Executor {
     mutable std::size_t next_answer_ = 0;
 };
 
-bool is_depth_test(isa::Instruction in) {
+/// A triangle's plane against the depth that is there.
+bool is_plane_depth_test(isa::Instruction in) {
     const isa::OpInfo& row = isa::info(in.op);
     return row.effects == isa::enable && in.operands.a == layout::z.address &&
+           in.operands.n == layout::z.width && row.b_role == isa::Role::fraction;
+}
+
+/// A depth computed in the pixel, a sphere's, against the one that is there.
+bool is_own_depth_test(isa::Instruction in) {
+    return in.op == isa::Op::mem_lt_mem && in.operands.b == layout::z.address &&
            in.operands.n == layout::z.width;
 }
 
@@ -126,13 +137,18 @@ class Historian {
         enter(at, kind);
         const isa::Instruction in = walk_.next();
         const bool enabled = pixel_.enabled();
-        if (kind == Kind::segment && enabled && is_depth_test(in)) {
+        if (kind == Kind::segment && enabled && is_own_depth_test(in)) {
+            visit().z = pixel_.bits(in.operands.a, in.operands.n);
+        }
+        if (kind == Kind::segment && enabled && is_plane_depth_test(in)) {
             visit().z = static_cast<std::uint32_t>(
                 (form_at(walk_.coefficients(), history_.x_in_region(), history_.y_in_region()) >>
                  in.operands.b) &
                 layout::z_far);
         }
-        if (!stores(in, enabled)) {
+        // What a sphere computes on the way in scratch memory shows nothing.
+        const bool is_scratch = kind == Kind::segment && in.operands.a >= layout::scratch;
+        if (!stores(in, enabled) || is_scratch) {
             walk_.step();
             return;
         }

@@ -84,7 +84,6 @@ void RecordedRun::index_node(bus::NodeId id, const NodeTrace& node) {
     for (std::size_t i = 0; i < node.entries.size(); ++i) {
         switch (node.entries[i].kind()) {
             case Body::Topology:
-            case Body::DrawFrame:
             case Body::BeginFrame:
             case Body::RegionPrograms:
             case Body::RegionPixels:
@@ -213,6 +212,8 @@ std::optional<RecordedVolume> RecordedRun::volume(std::uint32_t frame) const {
     for (const bus::trace::Entry& entry : master->entries) {
         if (entry.kind() == Body::VolumeHeader) {
             header = master->load(entry);
+        } else if (entry.kind() == Body::SceneBegin) {
+            header.reset();  // An archive took the volume's place.
         } else if (entry.kind() == Body::DrawFrame &&
                    master->load(entry).as<schema::DrawFrame>()->frame() == frame) {
             break;

@@ -92,7 +92,8 @@ class Census {
         const isa::Instruction in = walk_.next();
         const isa::OpInfo& row = isa::info(in.op);
         const bool uses = primitive_ != nullptr && !used_ && row.at_a(in.operands) != 0;
-        const bool writes = primitive_ != nullptr && (row.effects & isa::mem) != 0;
+        const bool writes = primitive_ != nullptr && (row.effects & isa::mem) != 0 &&
+                            in.operands.a < isa::region::scratch;  // The rest shows nothing.
         std::memcpy(enable_.data(), pixels.enable.data(), sizeof enable_);
         for (std::size_t block = 0; block < hal::block_count; ++block) {
             if (!pixels.is_occupied(block)) {

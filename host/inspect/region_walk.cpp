@@ -50,9 +50,13 @@ void add_primitives(const RecordedFrame& frame, const RecordedRegion& region, st
         if (segment.words[at] != primitive_word) {
             continue;
         }
-        Primitive primitive{part, primitives.size(), at, 0, std::nullopt};
+        Primitive primitive{part, primitives.size(), at, 0, std::nullopt, false};
         if (origins != nullptr && origin < origins->size()) {
-            primitive.origin = *origins->Get(static_cast<std::uint32_t>(origin++));
+            const schema::Origin& from = *origins->Get(static_cast<std::uint32_t>(origin++));
+            primitive.is_of_scene = from.inside() == 0;  // No cell without a corner inside is cut.
+            if (!primitive.is_of_scene) {
+                primitive.origin = from;
+            }
         }
         primitives.push_back(primitive);
     }

@@ -28,7 +28,8 @@ struct Primitive {
     std::size_t part = 0;
     std::size_t number = 0;                      ///< In the region, over all segments, from 0.
     std::size_t first_word = 0, word_count = 0;  ///< Within the part.
-    std::optional<bus::schema::Origin> origin;   ///< If it was recorded.
+    std::optional<bus::schema::Origin> origin;   ///< If it was recorded and there is a cell.
+    bool is_of_scene = false;                    ///< Of an archive: it has no voxel cell.
     Address address() const { return {part, first_word}; }
 };
 

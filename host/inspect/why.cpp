@@ -155,7 +155,7 @@ PrimitiveFacts PixelInquiry::facts_of(const Primitive& primitive) {
     facts.surface = segment.surface;
     facts.slab = segment.slab;
     // A primitive that is no triangle of a volume's surface has no case.
-    if (primitive.origin && primitive.origin->inside() != 0 && segment.surface < surfaces.size()) {
+    if (primitive.origin && segment.surface < surfaces.size()) {
         const schema::Origin& o = *primitive.origin;
         CellFacts& cell = facts.cell.emplace();
         cell.name = {segment.surface, o.i(), o.j(), static_cast<int>(segment.slab), o.triangle()};

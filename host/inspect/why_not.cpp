@@ -102,7 +102,13 @@ std::optional<TriangleVerdict> left_out(const PixelInquiry& inquiry, const Trian
 std::string streams_missing(const PixelInquiry& inquiry, std::uint32_t surface) {
     for (const auto& [number, region] : inquiry.frame.regions) {
         for (const Primitive& p : primitives_of(inquiry.frame, region)) {
-            if (!p.origin && region.plan.parts[p.part].segment.surface == surface) {
+            if (region.plan.parts[p.part].segment.surface != surface) {
+                continue;
+            }
+            if (p.is_of_scene) {
+                return fmt::format("surface {} is of an archive: it has no voxel cells", surface);
+            }
+            if (!p.origin) {
                 return fmt::format("{} was recorded without origins of its primitives",
                                    to_text(region.plan, p.address()));
             }

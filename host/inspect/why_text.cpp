@@ -105,9 +105,12 @@ std::string visit_text(const WhyFinding& f, std::size_t v) {
     const PixelVisit& visit = f.history.visits[v];
     const PrimitiveFacts& facts = f.facts[v];
     const std::string depth = visit.z ? fmt::format("{}", *visit.z) : "no test";
-    const std::string what =
-        facts.cell ? to_text(facts.cell->name)
-                   : fmt::format("primitive {}, origin not recorded", visit.primitive);
+    const std::string what = facts.cell
+                                 ? to_text(facts.cell->name)
+                                 : fmt::format("primitive {}, {}", visit.primitive,
+                                               f.history.primitives[visit.primitive].is_of_scene
+                                                   ? "of an archive"
+                                                   : "origin not recorded");
     const auto normal = [](const PixelState& s) {
         return fmt::format("({}, {}, {})", s.normal[0], s.normal[1], s.normal[2]);
     };

@@ -138,7 +138,8 @@ SavedTraces Launcher::save_traces() {
         }
         if (!awaited.empty()) {
             check_health();
-            supervisor_.wait(link_.poll_fd(), static_cast<int>(deadline_ms - now_ms()));
+            const std::int64_t left_ms = deadline_ms - now_ms();
+            supervisor_.wait(link_.poll_fd(), static_cast<int>(std::max<std::int64_t>(left_ms, 0)));
         }
     }
     for (const bus::NodeId id : awaited) {

@@ -22,6 +22,11 @@ struct Timed {
     std::chrono::steady_clock::time_point came;
 };
 
+/// At a GP, a Renderer or the frame buffer it comes first, at the host last.
+bool begins_frame(Body kind) {
+    return kind == Body::DrawFrame || kind == Body::BeginFrame || kind == Body::FrameDone;
+}
+
 }  // namespace
 
 Instant Instant::now() {
@@ -45,6 +50,8 @@ struct Recorder::Parts {
 
     std::deque<Timed> window;
     std::size_t window_bytes = 0;
+    std::uint64_t noted = 0;  ///< Messages that ever were in the window, so the newest's number.
+    std::uint64_t newest_frame = 0, older_frame = 0;  ///< Numbers of the last two that began one.
     HeldSetup setup;
 
     /// Does what may fail; after a failure the recording is over.
@@ -84,8 +91,18 @@ void Recorder::Parts::note_in_file(const Message& message, const Instant& when) 
 void Recorder::Parts::note_in_window(const Message& message, const Instant& when) {
     window.push_back({{message, when.wall_ns}, when.steady});
     window_bytes += message.bytes().size();
-    while (window.size() > 1 && (window_bytes > limits.window_bytes ||
-                                 when.steady - window.front().came > limits.span)) {
+    ++noted;
+    if (begins_frame(message.kind())) {
+        older_frame = std::exchange(newest_frame, noted);
+    }
+    const auto is_over = [&](const Timed& oldest) {
+        // What is on the screen stays, however long ago it was drawn. Its streams may have come
+        // before its beginning, but not before that of the frame before it.
+        const std::uint64_t number = noted - window.size() + 1;
+        return (newest_frame == 0 || number < older_frame) &&
+               when.steady - oldest.came > limits.span;
+    };
+    while (window.size() > 1 && (window_bytes > limits.window_bytes || is_over(window.front()))) {
         window_bytes -= window.front().held.message.bytes().size();
         info.dropped += setup.take(std::move(window.front().held));
         window.pop_front();
@@ -185,10 +202,11 @@ void RecordingLink::answer(NodeId who) {
 
 std::optional<Message> RecordingLink::receive() {
     while (std::optional<Message> message = link_.receive()) {
-        if (!leave_out_ || !leave_out_(*message)) {
+        const bool is_for_link = message->kind() == Body::SaveTrace;
+        if (!is_for_link && (!leave_out_ || !leave_out_(*message))) {
             reporting([&] { recorder_.note(*message); });
         }
-        if (message->kind() != Body::SaveTrace) {
+        if (!is_for_link) {
             return message;
         }
         answer(message->source());

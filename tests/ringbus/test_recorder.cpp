@@ -154,6 +154,29 @@ TEST_SUITE("ringbus/recorder") {
         }
     }
 
+    TEST_CASE("a flight holds the frame on the screen, however long ago it was drawn") {
+        const test::ScratchFolder folder;
+        trace::Limits limits;
+        limits.span = std::chrono::seconds(9);
+        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight), limits);
+        trace::Instant when = trace::Instant::now();
+        const auto note_after = [&](int seconds, const Payload& payload) {
+            when.steady += std::chrono::seconds(seconds);
+            recorder.note(from(2, payload), when);
+        };
+        note_after(0, no_surface(1));
+        note_after(1, frame_done(1));
+        note_after(1, frame_done(2));
+        note_after(60, no_surface(2));
+        recorder.save();
+        const TraceFile file(folder / "a.mcap");
+        REQUIRE(file.entries().size() == 3);
+        CHECK(file.load(file.entries()[1]).as<schema::FrameDone>()->frame() == 2);
+        note_after(60, frame_done(3));
+        note_after(1, frame_done(4));
+        CHECK(recorder.save().messages == 2);
+    }
+
     TEST_CASE("whatever a flight has forgotten, its node would know the same again") {
         const test::ScratchFolder folder;
         std::mt19937_64 random(seed());

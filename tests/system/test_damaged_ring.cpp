@@ -50,7 +50,7 @@ TEST_CASE("a damaged message ends in an error that says so, or changes nothing")
     REQUIRE(!sound.picture.empty());
     for (const bus::Damage damage :
          {bus::Damage::drop, bus::Damage::repeat, bus::Damage::flip_bit}) {
-        int errors = 0;
+        int errors = 0, noticed_by_number = 0;
         for (std::uint64_t message = 0; message < messages_tried; ++message) {
             const Outcome outcome = run_with({damage, message});
             CAPTURE(static_cast<int>(damage));
@@ -58,7 +58,12 @@ TEST_CASE("a damaged message ends in an error that says so, or changes nothing")
             CHECK((outcome.error.empty() ? outcome.picture == sound.picture
                                          : outcome.picture.empty()));
             errors += outcome.error.empty() ? 0 : 1;
+            noticed_by_number += outcome.error.find(" was due") == std::string::npos ? 0 : 1;
         }
         CHECK_MESSAGE(errors >= 10, "damage ", static_cast<int>(damage));
+        // A message whose fellows follow is missed by its number, before anything else goes wrong.
+        const bool is_numbering = damage != bus::Damage::flip_bit;
+        CHECK_MESSAGE((noticed_by_number >= 10) == is_numbering, noticed_by_number, " of damage ",
+                      static_cast<int>(damage));
     }
 }

@@ -1,6 +1,9 @@
 // What a machine of real processes leaves behind of its messages.
 #include <doctest/doctest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <map>
 #include <string>
@@ -57,6 +60,24 @@ std::vector<std::string> files_in(const fs::path& folder) {
     return names;
 }
 
+/// While it lives, files of a process do not grow.
+class FullDisk {
+  public:
+    explicit FullDisk(int pid) : pid_(pid) {
+        prlimit(pid, RLIMIT_FSIZE, nullptr, &before_);
+        rlimit none = before_;
+        none.rlim_cur = 1;
+        prlimit(pid, RLIMIT_FSIZE, &none, nullptr);
+    }
+    ~FullDisk() { prlimit(pid_, RLIMIT_FSIZE, &before_, nullptr); }
+    FullDisk(const FullDisk&) = delete;
+    FullDisk& operator=(const FullDisk&) = delete;
+
+  private:
+    int pid_;
+    rlimit before_{};
+};
+
 /// A machine that records.
 struct Recorded {
     explicit Recorded(Record record) : machine(plan(bench, record), bench.options) {}
@@ -65,12 +86,16 @@ struct Recorded {
         return bench.topology;
     }
     fs::path traces() const { return machine.run_folder() / "traces"; }
-    std::string end_after_killing(const std::string& name) {
+    int pid_of(const std::string& name) const {
+        int pid = 0;
         for (const Machine::Process& process : machine.processes()) {
-            if (process.name == name) {
-                ::kill(process.pid, SIGKILL);
-            }
+            pid = process.name == name ? process.pid : pid;
         }
+        REQUIRE(pid != 0);
+        return pid;
+    }
+    std::string end_after_killing(const std::string& name) {
+        ::kill(pid_of(name), SIGKILL);
         try {
             machine.pump([](const bus::Message&) {}, [] { return false; });
         } catch (const MachineError& error) {
@@ -121,8 +146,7 @@ TEST_SUITE("host/machine/traces") {
             CHECK(run.machine.save_traces().messages > first.messages);
             const TraceFile gp(run.traces() / "gp-0.mcap");
             CHECK(kinds_in(gp) ==
-                  std::map<std::string, int>{
-                      {"Topology", 1}, {"Go", 1}, {"RemoveSurface", 2}, {"SaveTrace", 2}});
+                  std::map<std::string, int>{{"Topology", 1}, {"Go", 1}, {"RemoveSurface", 2}});
             ask(run.machine);  // And the machine is as well as before.
             run.machine.shutdown();
         }
@@ -181,6 +205,51 @@ TEST_SUITE("host/machine/traces") {
         const TraceFile gp(run.traces() / "gp-0.mcap");
         CHECK(gp.cut() == "");
         CHECK(kinds_in(gp).at("RemoveSurface") == 1);
+    }
+
+    TEST_CASE("a node whose disk is full says so once, and works on") {
+        Recorded run(Record::full);
+        const FullDisk full(run.pid_of("gp-0"));
+        std::vector<std::string> faults;
+        bool answered = false;
+        run.machine.send(run.machine.gp_ids()[0], order(Order::answer));
+        run.machine.pump(
+            [&](const bus::Message& message) {
+                answered = answered || message.kind() == bus::Body::VolumeReady;
+                if (const auto* fault = message.as<schema::Fault>()) {
+                    faults.push_back(fault->reason()->str());
+                }
+            },
+            [&] { return answered && !faults.empty(); });
+        REQUIRE(faults.size() == 1);
+        CHECK_MESSAGE(has(faults[0], "recording stops: cannot write trace"), faults[0]);
+        CHECK_MESSAGE(has(faults[0], "gp-0.mcap at byte "), faults[0]);
+        ask(run.machine);
+        const SavedTraces saved = run.machine.save_traces();
+        CHECK(saved.nodes == 5);
+        REQUIRE(saved.missing.size() == 1);
+        CHECK_MESSAGE(has(saved.missing[0], "gp-0: cannot write trace"), saved.missing[0]);
+        run.machine.shutdown();
+    }
+
+    TEST_CASE("a host whose disk is full says so once, and works on") {
+        Recorded run(Record::full);
+        std::string error;
+        {
+            const FullDisk full(getpid());
+            try {
+                for (int i = 0; i < 3; ++i) {
+                    run.machine.send(run.machine.gp_ids()[0], order(Order::answer));
+                }
+                run.machine.pump([](const bus::Message&) {}, [] { return false; });
+            } catch (const RequestError& failure) {
+                error = failure.what();
+            }
+        }
+        CHECK_MESSAGE(has(error, "recording stops: cannot write trace"), error);
+        CHECK_MESSAGE(has(error, "host-0.mcap at byte "), error);
+        ask(run.machine);
+        run.machine.shutdown();
     }
 
     TEST_CASE("a node that is killed while it records everything leaves what it had received") {
