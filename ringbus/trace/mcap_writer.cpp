@@ -214,7 +214,8 @@ Writer::Writer(const std::filesystem::path& path, const Preamble& preamble)
     parts_->path = path;
     parts_->file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (parts_->file < 0) {
-        parts_->fail("create");
+        throw TraceError(
+            fmt::format("cannot create trace {}: {}", path.string(), std::strerror(errno)));
     }
     ZSTD_CCtx_setParameter(parts_->context.get(), ZSTD_c_compressionLevel, compression_level);
     parts_->write_preamble(preamble);

@@ -8,8 +8,10 @@
 #include <cerrno>
 #include <csignal>
 
+#include "ringbus/trace/trace_file.hpp"
 #include "ringbus/zmq_link.hpp"
 #include "tests/ringbus/ipc_address.hpp"
+#include "tests/ringbus/scratch_folder.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 
 using namespace pxpl5::bus;
@@ -69,8 +71,10 @@ struct EchoMachine {
     pid_t pid = 0;
     std::string endpoint;
 
-    EchoMachine() {
-        ProcessFlags flags{host.endpoint(), ipc_address("echo"), 1, 4, getpid()};
+    explicit EchoMachine(schema::Recording record = schema::Recording::off,
+                         const std::string& trace_file = "") {
+        ProcessFlags flags{host.endpoint(), ipc_address("echo"), 1, 4, getpid(),
+                           record,          trace_file};
         pid = start(to_arguments(flags));
         const Message message = next(host);
         const auto* hello = message.as<schema::Hello>();
@@ -173,6 +177,28 @@ TEST_SUITE("ringbus/process") {
         machine.connect();
         machine.host.send(1, pack(schema::GoT{}));
         machine.host.send(1, order(0xffff));
+        CHECK(wait_for(machine.pid) == 70);
+    }
+
+    TEST_CASE("a node that ends by such an error leaves what its flight recorder holds") {
+        const pxpl5::test::ScratchFolder folder;
+        const std::string path = folder / "gp-4.mcap";
+        EchoMachine machine(schema::Recording::flight, path);
+        machine.connect();
+        machine.host.send(1, pack(schema::GoT{}));
+        machine.host.send(1, order(0xffff));
+        CHECK(wait_for(machine.pid) == 70);
+        const trace::TraceFile file(path);
+        CHECK(file.cut() == "");
+        CHECK(file.info().node_name() == "gp-4");
+        REQUIRE(file.entries().size() == 3);
+        CHECK(file.entries()[0].kind() == Body::Topology);
+        CHECK(file.load(file.entries()[2]).as<schema::RemoveSurface>()->surface() == 0xffff);
+    }
+
+    TEST_CASE("a trace that cannot be made ends the node by name before it joins") {
+        const pxpl5::test::ScratchFolder folder;
+        EchoMachine machine(schema::Recording::full, folder / "no/such/folder.mcap");
         CHECK(wait_for(machine.pid) == 70);
     }
 

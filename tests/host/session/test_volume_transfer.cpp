@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <cstring>
 #include <set>
 
 #include "host/error.hpp"
@@ -70,6 +71,47 @@ TEST_SUITE("host/volume_transfer") {
         CHECK(arrived.notes == volume.notes);
         CHECK(arrived.nx == 5);
         CHECK(arrived.nz == 9);
+    }
+
+    TEST_CASE("an arrived volume has its digest, and a header says digest and source") {
+        Volume volume = numbered_volume(2, 1, 3);
+        const std::string text = "foobar";  // One slice a message, six bytes in all.
+        std::memcpy(volume.values.data(), text.data(), text.size());
+        VolumeReceiver receiver;
+        const auto header = volume_header(volume, 3);
+        receiver.begin(*schema::GetMessage(header.bytes().data())->body_as_VolumeHeader());
+        for (int z = 0; z < 3; ++z) {
+            receiver.add(*slices_of(slices_message(volume, 3, z, 1)));
+        }
+        Volume arrived = receiver.finish();
+        CHECK(arrived.digest == 0x85944171f73967e8);  // As published with FNV-1a.
+        arrived.source = "/data/foobar.nrrd";
+        const auto told = volume_header(arrived, 4);
+        const auto& said = *schema::GetMessage(told.bytes().data())->body_as_VolumeHeader();
+        CHECK(said.digest() == 0x85944171f73967e8);
+        CHECK(said.source()->str() == "/data/foobar.nrrd");
+    }
+
+    TEST_CASE("a GP is sent its slices in order, its own apart from those that others own too") {
+        for (const int nz : {2, 3, 5, 20}) {
+            for (const int gp_count : {1, 2, 3, 5, 36}) {
+                for (int gp = 0; gp < gp_count; ++gp) {
+                    std::vector<int> sent;
+                    const auto take = [&](const pxpl5::bus::Payload& batch) {
+                        const int first = static_cast<int>(slices_of(batch)->first_slice());
+                        const int count = static_cast<int>(slices_of(batch)->slice_count());
+                        const auto slab = [nz](int z) { return z == nz - 1 ? z - 1 : z; };
+                        const bool is_own = slab(first) % gp_count == gp;
+                        for (int z = first; z < first + count; ++z) {
+                            sent.push_back(z);
+                            CHECK((slab(z) % gp_count == gp) == is_own);
+                        }
+                    };
+                    for_each_slice_batch_of_gp(numbered_volume(2, 2, nz), 1, gp, gp_count, take);
+                    CHECK(sent == slices_for_gp(nz, gp, gp_count));
+                }
+            }
+        }
     }
 
     TEST_CASE("consecutive slices share a message, others do not") {

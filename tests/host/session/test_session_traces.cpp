@@ -1,0 +1,90 @@
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+#include "host/error.hpp"
+#include "host/session.hpp"
+#include "tests/ringbus/wire_bytes.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+namespace schema = bus::schema;
+
+namespace {
+
+/// A machine of one GP that answers everything with one fault.
+class FaultyMachine final : public MachinePort {
+  public:
+    FaultyMachine(schema::FaultCode code, bool recording) : code_(code), recording_(recording) {}
+    const std::vector<bus::NodeId>& gp_ids() const override { return ids_; }
+    const std::vector<bus::NodeId>& renderer_ids() const override { return ids_; }
+    void send(bus::NodeId, bus::Payload) override {}
+    void pump(const std::function<void(const bus::Message&)>& take,
+              const std::function<bool()>& done) override {
+        while (!done()) {
+            schema::FaultT fault;
+            fault.code = code_;
+            fault.node = ids_[0];
+            fault.reason = "as ordered";
+            take(test::WireBytes(bus::pack(fault)).read());
+        }
+    }
+    void wait_readable(int) override {}
+    bus::NodeId start_io(ExitCode) override { return 9; }
+    void release_io() override {}
+    bool is_recording() const override { return recording_; }
+    SavedTraces save_traces() override {
+        ++saves;
+        return {"/the/traces", 2, 10, 1000, missing};
+    }
+
+    std::vector<std::string> missing;
+    int saves = 0;
+
+  private:
+    schema::FaultCode code_;
+    bool recording_;
+    std::vector<bus::NodeId> ids_ = {3};  // As in WireBytes.
+};
+
+std::string error_of(FaultyMachine& machine) {
+    Session session(machine);
+    try {
+        session.load("phantom:letters");
+    } catch (const RequestError& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+}  // namespace
+
+TEST_SUITE("host/session_traces") {
+    TEST_CASE("a fault that is not the user's has the traces saved, and its text says where") {
+        for (const auto code : {schema::FaultCode::internal, schema::FaultCode::lost_message,
+                                schema::FaultCode::bad_message}) {
+            FaultyMachine machine(code, true);
+            CHECK(error_of(machine) ==
+                  "phantom:letters: as ordered; traces of 2 nodes: /the/traces");
+            CHECK(machine.saves == 1);
+        }
+    }
+
+    TEST_CASE("a fault of the user's input is told without them, and so is one unrecorded") {
+        FaultyMachine full(schema::FaultCode::out_of_memory, true),
+            unrecorded(schema::FaultCode::internal, false);
+        CHECK(error_of(full) == "phantom:letters: as ordered");
+        CHECK(error_of(unrecorded) == "phantom:letters: as ordered");
+        CHECK(full.saves + unrecorded.saves == 0);
+    }
+
+    TEST_CASE("a node that cannot write its trace is named with the reason") {
+        FaultyMachine machine(schema::FaultCode::internal, true);
+        Session session(machine);
+        CHECK(session.save_traces().messages == 10);
+        machine.missing = {"gp-3: no space"};
+        CHECK_THROWS_WITH_AS(session.save_traces(),
+                             "1 of 3 nodes have written no trace: gp-3: no space", RequestError);
+    }
+}
