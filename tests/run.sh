@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# Sets up, builds and tests everything: optimised, then with address and undefined-behaviour
-# sanitizers and warnings as errors. With arguments it runs the optimised build only and hands them
-# to ctest, e.g. tests/run.sh -L unit
+# Sets up, builds and tests everything, optimised. Arguments go to ctest, e.g. tests/run.sh -L unit.
+# tests/run.sh --sanitizers runs unit and system tests with address and undefined-behaviour
+# sanitizers and warnings as errors instead.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 
 "$top/host/setup.sh"
 cd "$top"
-"$top/host/build.sh" release
-ctest --preset release -LE bench --output-junit "$top/build/release/junit.xml" "$@"
-if [ $# -eq 0 ]; then
+if [ "${1:-}" = --sanitizers ]; then
     "$top/host/build.sh" dev
     ctest --preset dev -L 'unit|system' --output-junit "$top/build/dev/junit.xml"
+else
+    "$top/host/build.sh" release
+    ctest --preset release -LE bench --output-junit "$top/build/release/junit.xml" "$@"
 fi
