@@ -22,9 +22,14 @@ std::string Session::traces_of_fault() {
     if (!fault_is_ours_ || !machine_.is_recording()) {
         return {};
     }
-    const SavedTraces saved = machine_.save_traces();
-    return saved.nodes == 0 ? ""
-                            : fmt::format("; traces of {} nodes: {}", saved.nodes, saved.folder);
+    try {
+        const SavedTraces saved = machine_.save_traces();
+        return saved.nodes == 0
+                   ? ""
+                   : fmt::format("; traces of {} nodes: {}", saved.nodes, saved.folder);
+    } catch (const RequestError& error) {
+        return fmt::format("; no traces: {}", error.what());  // The fault is the one to tell.
+    }
 }
 
 }  // namespace pxpl5::host
