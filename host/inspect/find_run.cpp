@@ -29,6 +29,20 @@ bool holds_trace(const fs::path& run) {
     return false;
 }
 
+/// Says so if a later run than the chosen one was not recorded: it may be the one that is meant.
+std::string newer_run_note(const fs::path& chosen) {
+    fs::path newest = chosen;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(chosen.parent_path(), ignored)) {
+        if (entry.is_directory() && entry.last_write_time() > fs::last_write_time(newest)) {
+            newest = entry.path();
+        }
+    }
+    return newest == chosen || holds_trace(newest)
+               ? ""
+               : fmt::format(" ({} is newer, but holds no trace)", newest.filename().string());
+}
+
 }  // namespace
 
 fs::path find_run(const std::string& text, const fs::path& base) {
@@ -39,7 +53,8 @@ fs::path find_run(const std::string& text, const fs::path& base) {
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(base, ignored)) {
         if (entry.is_directory() && holds_trace(entry.path())) {
-            runs.emplace_back(entry.last_write_time(), entry.path());
+            // When traces were written last: a flight may be saved long after its run began.
+            runs.emplace_back(fs::last_write_time(entry.path() / "traces"), entry.path());
         }
     }
     if (runs.empty()) {
@@ -54,7 +69,7 @@ fs::path find_run(const std::string& text, const fs::path& base) {
 RecordedRun open_run(const std::string& text) {
     const fs::path path = find_run(text);
     if (is_latest(text)) {
-        fmt::print(stderr, "run: {}\n", path.string());
+        fmt::print(stderr, "run: {}{}\n", path.string(), newer_run_note(path));
     }
     return RecordedRun::open(path);
 }

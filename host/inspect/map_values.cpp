@@ -26,7 +26,7 @@ constexpr MapInfo kinds[] = {
     {MapKind::cost, "cost", MapScale::count, true, "Cost", "cycles of the region at 40 MHz"},
     {MapKind::gp, "gp", MapScale::category, false, "Drawn by", "gp"},
     {MapKind::renderer, "renderer", MapScale::category, true, "Region of", "renderer"},
-    {MapKind::cell_case, "case", MapScale::category, false, "Marching cubes", "case"},
+    {MapKind::cell_case, "case", MapScale::category, false, "Marching cubes, 15 classes", "case"},
     {MapKind::slab, "slab", MapScale::count, false, "Slab", "number of the visible slab"},
     {MapKind::depth, "depth", MapScale::count, false, "Depth", "z, 0 is near"},
     {MapKind::normal, "normal", MapScale::direction, false, "Normal", "eye space"},

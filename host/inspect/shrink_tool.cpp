@@ -190,9 +190,11 @@ Task task_of_run(const ShrinkTool& tool, const DiffOptions& options) {
     }
     const DiffReport report = diff_executors(run, options);
     if (!report.difference) {
-        throw RequestError(ExitCode::failed,
-                           fmt::format("{} and {} leave the same in {} regions",
-                                       options.trusted.name, options.other.name, report.regions));
+        throw RequestError(
+            ExitCode::failed,
+            fmt::format("{} and {} leave the same in {} regions; --pixel X,Y shrinks "
+                        "to what makes one pixel",
+                        options.trusted.name, options.other.name, report.regions));
     }
     const RecordedFrame frame = run.frame(report.difference->frame);
     const RecordedRegion& region = frame.regions.at(*report.difference->region);
