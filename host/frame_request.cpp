@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "ringbus/ranges.hpp"
+
 namespace pxpl5::host {
 
 namespace {
@@ -62,7 +64,8 @@ bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t
     draw.background = std::make_unique<schema::Rgb>(to_wire(scene.background));
     for (const Surface& surface : stage.surfaces) {
         draw.surfaces.push_back(schema::SurfaceDraw(surface.id, surface.revision,
-                                                    to_wire(surface.colour), surface.cull_back));
+                                                    to_wire(surface.colour), surface.cull_back,
+                                                    schema::SlabChoice::all, bus::max_opacity));
     }
     draw.read_back = true;
     draw.region_costs.assign(region_costs.begin(), region_costs.end());

@@ -132,9 +132,9 @@ Reply describe_volume(const Volume& volume) {
                                   quantile_percent[i], shares[i]);
     }
     std::vector<Fields> notes;
-    for (const std::string& note : volume.notes) {
-        reply.text += "\nnote: " + note;
-        notes.push_back({{"note", note}});
+    for (const Finding& finding : volume.findings) {
+        reply.text += "\nnote: " + finding.text;
+        notes.push_back({{"note", finding.text}});
     }
     std::vector<Fields> surfaces;
     for (const PhantomSurface& surface : suggested_surfaces(volume.name)) {

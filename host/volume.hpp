@@ -15,17 +15,47 @@ constexpr std::size_t size_bytes(Scalar type) {
     return type == Scalar::uint8 ? 1 : type == Scalar::float32 ? 4 : 2;
 }
 
+/// What is odd about a volume, or was done to it; numbered as on the ring.
+enum class FindingKind : std::uint8_t {
+    note,
+    conversion,
+    assumption,
+    reflection,
+    gantry_tilt,
+    missing_slices,
+    uneven_slices,
+    duplicate_slices,
+    mixed_orientations,
+    thickness_differs,
+    other_series,
+    processed
+};
+
+struct Finding {
+    FindingKind kind = FindingKind::note;
+    std::string text;
+    friend bool operator==(const Finding&, const Finding&) = default;
+};
+
 /// Voxels with their place in the patient.
+///
+/// A voxel (x, y, z) lies at the grid position (x, y, place of slice z), which voxel_to_patient
+/// takes to millimetres.
 struct Volume {
     std::string name;
     int nx = 0, ny = 0, nz = 0;  ///< Voxels.
     Scalar type = Scalar::int16;
-    glm::dmat4 voxel_to_patient{1.0};  ///< Voxel index (x, y, z) to millimetres, LPS.
-    double minimum = 0, maximum = 0;   ///< Over all voxels.
-    std::vector<std::string> notes;  ///< What a reader should know: conversions, gaps, assumptions.
-    std::vector<std::byte> values;   ///< nx * ny * nz, x fastest, little endian, of `type`.
-    std::string source;              ///< File, folder or phantom:NAME that it was read from.
-    std::uint64_t digest = 0;        ///< FNV-1a over the values; 0 if not known.
+    glm::dmat4 voxel_to_patient{1.0};  ///< Grid position (x, y, z) to millimetres, LPS.
+    /// Of each slice, ascending; empty if slice z lies at z, that is if slices are evenly spaced.
+    std::vector<double> slice_places;
+    std::vector<int> gap_slabs;       ///< Across missing slices, ascending.
+    double minimum = 0, maximum = 0;  ///< Over all voxels.
+    std::string modality;             ///< CT, MR, US, ...; empty if the file does not state it.
+    std::vector<Finding> findings;    ///< What a reader should know.
+    int slabs_per_set = 1;  ///< Neighbouring slabs that go to one GP; the paper's sets hold one.
+    std::vector<std::byte> values;  ///< nx * ny * nz, x fastest, little endian, of `type`.
+    std::string source;             ///< File, folder or phantom:NAME that it was read from.
+    std::uint64_t digest = 0;       ///< FNV-1a over the values; 0 if not known.
 };
 
 }  // namespace pxpl5::host

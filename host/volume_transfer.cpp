@@ -21,6 +21,8 @@ constexpr std::size_t batch_bytes = std::size_t{8} << 20;
 constexpr std::size_t max_volume_bytes = std::size_t{8} << 30;
 
 static_assert(static_cast<int>(Scalar::float32) == static_cast<int>(schema::ScalarType::float32));
+static_assert(static_cast<int>(FindingKind::processed) ==
+              static_cast<int>(schema::FindingKind::processed));
 static_assert(static_cast<int>(Scalar::uint16) == static_cast<int>(schema::ScalarType::uint16));
 
 std::size_t slice_bytes(const Volume& volume) {
@@ -54,7 +56,16 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
     header.voxel_to_patient = std::make_unique<schema::Matrix>(flatbuffers::make_span(affine));
     header.minimum = volume.minimum;
     header.maximum = volume.maximum;
-    header.notes = volume.notes;
+    header.slice_places = volume.slice_places;
+    header.gap_slabs.assign(volume.gap_slabs.begin(), volume.gap_slabs.end());
+    header.modality = volume.modality;
+    header.slabs_per_set = static_cast<std::uint16_t>(volume.slabs_per_set);
+    for (const Finding& finding : volume.findings) {
+        auto wire = std::make_unique<schema::FindingT>();
+        wire->kind = static_cast<schema::FindingKind>(finding.kind);
+        wire->text = finding.text;
+        header.findings.push_back(std::move(wire));
+    }
     header.source = volume.source;
     header.digest = volume.digest;
     return bus::pack(header);
@@ -104,6 +115,26 @@ void for_each_slice_batch_of_gp(const Volume& volume, std::uint32_t id, int gp_i
     for_each_slice_batch(volume, id, alike, send);
 }
 
+/// What is not needed to hold the voxels.
+void VolumeReceiver::take_report(const schema::VolumeHeader& header) {
+    if (header.slice_places() != nullptr) {
+        volume_.slice_places.assign(header.slice_places()->begin(), header.slice_places()->end());
+    }
+    if (header.gap_slabs() != nullptr) {
+        volume_.gap_slabs.assign(header.gap_slabs()->begin(), header.gap_slabs()->end());
+    }
+    if (header.modality() != nullptr) {
+        volume_.modality = header.modality()->str();
+    }
+    volume_.slabs_per_set = header.slabs_per_set();
+    if (header.findings() != nullptr) {
+        for (const auto* finding : *header.findings()) {
+            volume_.findings.push_back(
+                {static_cast<FindingKind>(finding->kind()), finding->text()->str()});
+        }
+    }
+}
+
 void VolumeReceiver::begin(const schema::VolumeHeader& header) {
     volume_ = Volume{};
     filled_ = 0;
@@ -117,11 +148,7 @@ void VolumeReceiver::begin(const schema::VolumeHeader& header) {
                 sizeof volume_.voxel_to_patient);
     volume_.minimum = header.minimum();
     volume_.maximum = header.maximum();
-    if (header.notes() != nullptr) {
-        for (const auto* note : *header.notes()) {
-            volume_.notes.push_back(note->str());
-        }
-    }
+    take_report(header);
     const std::size_t total = slice_bytes(volume_) * header.nz();
     if (total > max_volume_bytes) {
         throw RequestError(

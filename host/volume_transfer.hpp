@@ -45,6 +45,8 @@ class VolumeReceiver {
     Volume finish();
 
   private:
+    void take_report(const bus::schema::VolumeHeader& header);
+
     Volume volume_;
     std::size_t filled_ = 0;  ///< Slices so far.
     Digest digest_;           ///< Of their values.

@@ -8,7 +8,7 @@ import re
 import sys
 
 HERE = pathlib.Path(__file__).parent
-FILES = ["common", "control", "volume", "surface", "frame", "scene", "trace"]
+FILES = ["common", "control", "volume", "surface", "frame", "scene", "export", "trace"]
 REWRITE = "python3 ringbus/generate_protocol_md.py --write"
 
 

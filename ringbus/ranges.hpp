@@ -8,7 +8,8 @@
 namespace pxpl5::bus {
 
 inline constexpr std::uint32_t min_volume_voxels = 2,
-                               max_volume_voxels = 4096;  ///< Along each axis.
+                               max_volume_voxels = 4096;  ///< Along each axis; a single
+                                                          ///< slice is let pass.
 inline constexpr std::uint32_t max_picture_px = 8192;
 inline constexpr std::uint32_t region_px = 128;
 inline constexpr std::uint32_t region_pixels = region_px * region_px;
@@ -16,6 +17,13 @@ inline constexpr std::size_t max_lights = 4, max_views = 2, max_surfaces = 255;
 inline constexpr std::size_t max_clip_planes = 16;
 inline constexpr std::uint32_t max_specular_power = 128;
 inline constexpr std::size_t max_nodes = 256;
+inline constexpr std::uint32_t max_opacity = 16;  ///< Sixteenths.
+inline constexpr double min_spacing_mm = 1e-4, max_spacing_mm = 1e3;
+inline constexpr double max_smooth_mm = 100;
+inline constexpr std::size_t max_isovalues = 4096;  ///< Measured at a time.
+inline constexpr std::size_t max_marks = 100'000, max_mark_points = 100'000;
+inline constexpr float max_mark_px = 1e5F;
+inline constexpr std::uint32_t max_animation_pictures = 10'000;
 
 /// Regions of a picture, over all views.
 constexpr std::size_t region_count(std::uint32_t width, std::uint32_t height, std::size_t views) {

@@ -163,8 +163,9 @@ void take_values(const std::string& file, Decoded& decoded, Volume& volume) {
                 fmt::format("{}: none of its {} values is finite", file, values.size()));
         }
         if (range.not_finite > 0) {
-            volume.notes.push_back(
-                fmt::format("{} of {} values are not finite", range.not_finite, values.size()));
+            volume.findings.push_back(
+                {FindingKind::note,
+                 fmt::format("{} of {} values are not finite", range.not_finite, values.size())});
         }
         volume.type = target_type(decoded.component, decoded.scaled_integers, range);
         const char* from = component_name(decoded.component);
@@ -173,10 +174,11 @@ void take_values(const std::string& file, Decoded& decoded, Volume& volume) {
             volume.values = std::move(decoded.values);
         } else {
             const std::uint64_t inexact = convert_to(volume.type, values, volume.values);
-            volume.notes.push_back(
-                inexact == 0 ? fmt::format("{} values are held as {}, without loss", from, to)
-                             : fmt::format("{} values are held as {}: {} of {} are rounded", from,
-                                           to, inexact, values.size()));
+            volume.findings.push_back(
+                {FindingKind::conversion,
+                 inexact == 0 ? fmt::format("{} values are held as {}, without loss", from, to)
+                              : fmt::format("{} values are held as {}: {} of {} are rounded", from,
+                                            to, inexact, values.size())});
             decoded.values = {};
             if (volume.type == Scalar::float32) {
                 range = range_of(values_of<float>(volume.values));
@@ -204,15 +206,19 @@ void check_place(const std::string& file, Volume& volume) {
             glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2]), determinant));
     }
     if (determinant < 0) {
-        volume.notes.emplace_back("the voxel axes are left-handed in the patient (reflection)");
+        volume.findings.push_back({FindingKind::reflection,
+                                   "the voxel axes are left-handed in the patient (reflection)"});
     }
     for (int axis = 0; axis < 3; ++axis) {
         const int next = (axis + 1) % 3;
         const double cosine = glm::dot(glm::normalize(linear[axis]), glm::normalize(linear[next]));
         if (std::abs(cosine) > max_orthogonal_cosine) {
-            volume.notes.push_back(fmt::format(
-                "sheared: the {} and {} axes meet at {:.2f} degrees, as in a tilted gantry",
-                "xyz"[axis], "xyz"[next], std::acos(cosine) * 180 / std::numbers::pi));
+            volume.findings.push_back(
+                {FindingKind::gantry_tilt,
+                 fmt::format("sheared: the {} and {} axes meet at {:.2f} degrees, as in a tilted "
+                             "gantry",
+                             "xyz"[axis], "xyz"[next],
+                             std::acos(cosine) * 180 / std::numbers::pi)});
         }
     }
 }
@@ -252,7 +258,9 @@ Volume to_volume(const std::string& file, Decoded&& decoded) {
     volume.ny = decoded.dims[1];
     volume.nz = decoded.dims[2];
     volume.voxel_to_patient = decoded.voxel_to_patient;
-    volume.notes = std::move(decoded.notes);
+    for (std::string& note : decoded.notes) {
+        volume.findings.push_back({FindingKind::note, std::move(note)});
+    }
     check_place(file, volume);
     take_values(file, decoded, volume);
     return volume;

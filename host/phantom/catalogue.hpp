@@ -67,7 +67,7 @@ Volume volume_of(const PhantomInfo& info, const Grid& grid, const std::vector<T>
     const auto [low, high] = std::minmax_element(voxels.begin(), voxels.end());
     volume.minimum = static_cast<double>(*low);
     volume.maximum = static_cast<double>(*high);
-    volume.notes = {"computed, not scanned: " + info.description};
+    volume.findings = {{FindingKind::note, "computed, not scanned: " + info.description}};
     volume.values.resize(voxels.size() * sizeof(T));
     std::memcpy(volume.values.data(), voxels.data(), volume.values.size());
     return volume;

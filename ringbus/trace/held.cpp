@@ -16,6 +16,7 @@ enum class Does : std::uint8_t {
     replaces,  ///< The former of its kind and key.
     begins,    ///< Gives up model and surfaces, then stays.
     removes,   ///< Those of its group with its key, and itself.
+    drops,     ///< Model and surfaces, and itself.
 };
 
 struct Rule {
@@ -47,6 +48,10 @@ constexpr std::array rules = {
     Rule{Body::SetSurface, Group::surfaces, Does::replaces, false, surface_of<schema::SetSurface>},
     Rule{Body::RemoveSurface, Group::surfaces, Does::removes, false,
          surface_of<schema::RemoveSurface>},
+    // One of an older revision does no harm: the GP passes it over.
+    Rule{Body::MaskSurface, Group::surfaces, Does::replaces, false,
+         surface_of<schema::MaskSurface>},
+    Rule{Body::DropVolume, Group::model, Does::drops, false, nullptr},
 };
 
 const Rule* rule_of(Body kind) {
@@ -68,6 +73,7 @@ bool ends(const Rule& rule, const Message& message, const Message& older) {
         case Does::replaces:
             return its.kind == rule.kind && key_of(its, older) == key_of(rule, message);
         case Does::begins:
+        case Does::drops:
             return its.group != Group::machine;
         case Does::removes:
             return its.group == rule.group && key_of(its, older) == key_of(rule, message);
@@ -95,7 +101,7 @@ std::uint64_t HeldSetup::take(Held held) {
         return 1;
     }
     drop([&](const Held& older) { return ends(*rule, held.message, older.message); });
-    bulk_refused_ = bulk_refused_ && rule->does != Does::begins;
+    bulk_refused_ = bulk_refused_ && rule->does != Does::begins && rule->does != Does::drops;
     if (rule->bulk) {
         bulk_bytes_ += held.message.bytes().size();
         held_.push_back(std::move(held));
@@ -103,7 +109,7 @@ std::uint64_t HeldSetup::take(Held held) {
             bulk_refused_ = true;  // A part of it would be of no use.
             drop([](const Held& older) { return rule_of(older.message.kind())->bulk; });
         }
-    } else if (rule->does != Does::removes) {
+    } else if (rule->does != Does::removes && rule->does != Does::drops) {
         held_.push_back(std::move(held));
     }
     return before - held_.size();

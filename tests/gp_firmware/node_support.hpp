@@ -14,6 +14,7 @@
 
 #include "gp_firmware/node.hpp"
 #include "gp_firmware/volume/share.hpp"
+#include "ringbus/ranges.hpp"
 
 namespace pxpl5::test {
 
@@ -206,7 +207,8 @@ inline schema::DrawFrameT draw_frame(std::uint32_t frame, std::uint32_t revision
     d.views.push_back(std::move(view));
     d.specular_power = 10;
     d.background = std::make_unique<schema::Rgb>();
-    d.surfaces.emplace_back(std::uint16_t{4}, revision, schema::Rgb(), false);
+    d.surfaces.emplace_back(std::uint16_t{4}, revision, schema::Rgb(), false,
+                            schema::SlabChoice::all, bus::max_opacity);
     return d;
 }
 

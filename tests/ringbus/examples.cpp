@@ -59,9 +59,31 @@ std::vector<Payload> control_examples() {
             pack(saved)};
 }
 
+schema::ExportMeshT example_mesh() {
+    schema::ExportMeshT mesh;
+    mesh.path = "skin.ply";
+    auto surface = std::make_unique<schema::ExportSurfaceT>();
+    surface->name = "skin";
+    surface->colour = std::make_unique<schema::Rgb>(1, 2, 3);
+    surface->vertices.assign(3, schema::MeshVertex(1, 2, 3, 0, 0, 1));
+    surface->indices = {0, 1, 2};
+    mesh.surfaces.push_back(std::move(surface));
+    mesh.axes = schema::PatientAxes::RAS;
+    return mesh;
+}
+
 std::vector<Payload> volume_examples() {
     schema::ImportVolumeT import;
     import.path = "pelvis.nrrd";
+    import.series = "2";
+    import.spacing_mm = {1, 2, 3};
+    import.raw = std::make_unique<schema::RawLayoutT>();
+    import.raw->nx = import.raw->ny = import.raw->nz = 64;
+    import.raw->type = "int16";
+    import.crop_first = {0, 1, 2};
+    import.crop_size = {10, 11, 12};
+    import.resample_size = {20, 22, 24};
+    import.smooth_mm = 0.5;
     schema::SlicesT slices;
     slices.volume = 9;
     slices.first_slice = 4;
@@ -80,11 +102,24 @@ std::vector<Payload> volume_examples() {
     picture.height = 1;
     picture.rgba = {1, 2, 3, 4, 5, 6, 7, 8};
     picture.description = "skin";
+    auto attribute = std::make_unique<schema::AttributeT>();
+    attribute->name = "isovalue";
+    attribute->value = "300";
+    picture.attributes.push_back(std::move(attribute));
+    auto mark = std::make_unique<schema::MarkT>();
+    mark->kind = schema::MarkKind::text;
+    mark->points = {schema::PicturePoint(1, 0.5F)};
+    mark->colour = std::make_unique<schema::Rgba>(255, 255, 255, 128);
+    mark->text = "L";
+    picture.marks.push_back(std::move(mark));
     schema::IoDoneT done;
     done.error = "no such file";
     done.bad_data = true;
+    schema::DropVolumeT drop;
+    drop.volume = 9;
     return {pack(import), pack(example_header()), pack(slices), pack(end),
-            pack(ready),  pack(picture),          pack(done)};
+            pack(ready),  pack(picture),          pack(done),   pack(example_mesh()),
+            pack(drop)};
 }
 
 std::vector<Payload> surface_examples() {
@@ -112,8 +147,22 @@ std::vector<Payload> surface_examples() {
     slab->vertices.assign(3, schema::MeshVertex(1, 2, 3, 0, 0, 1));
     slab->keys = {4, 8, 13};
     slab->indices = {0, 1, 2};
+    slab->origins = {schema::Origin(1, 2, 3, 0, 0, 0)};
     part.slabs.push_back(std::move(slab));
-    return {pack(set), pack(remove), pack(built), pack(fetch), pack(part)};
+    schema::MaskSurfaceT mask;
+    mask.surface = 2;
+    mask.revision = 8;
+    mask.slabs.push_back(std::make_unique<schema::SlabMaskT>());
+    mask.slabs[0]->slab = 5;
+    mask.slabs[0]->hidden = {1};
+    schema::MeasureIsovaluesT measure;
+    measure.isovalues = {100, 200.5};
+    schema::IsovaluesMeasuredT measured;
+    measured.slabs.push_back(std::make_unique<schema::SlabCurveT>());
+    measured.slabs[0]->slab = 5;
+    measured.slabs[0]->counts = {schema::IsovalueCounts(1, 2, 3), schema::IsovalueCounts(4, 5, 6)};
+    return {pack(set),  pack(remove), pack(built),   pack(fetch),
+            pack(part), pack(mask),   pack(measure), pack(measured)};
 }
 
 std::vector<Payload> frame_examples() {
@@ -125,6 +174,7 @@ std::vector<Payload> frame_examples() {
     pixels.renderer = 1;
     pixels.tiles = {schema::RegionTile(3, 20'000, 1500)};
     pixels.pixels.assign(bus::region_pixels, 0xff336699);
+    pixels.depths.assign(bus::region_pixels, 0xffffff00);
     schema::FrameDoneT done;
     done.frame = 4;
     done.width = 4;
@@ -133,6 +183,7 @@ std::vector<Payload> frame_examples() {
     done.region_cycles = {12'345};
     done.instructions = 678;
     done.pixels = {1, 2, 3, 4, 5, 6, 7, 8};
+    done.depths = {8, 7, 6, 5, 4, 3, 2, 1};
     return {pack(example_draw()), pack(begin), pack(example_programs()), pack(pixels), pack(done)};
 }
 
@@ -194,9 +245,11 @@ schema::DrawFrameT example_draw() {
     draw.specular = 0.5F;
     draw.specular_power = 20;
     draw.background = std::make_unique<schema::Rgb>(1, 2, 3);
-    draw.surfaces.push_back(schema::SurfaceDraw(1, 2, schema::Rgb(9, 8, 7), true));
+    draw.surfaces.push_back(schema::SurfaceDraw(
+        1, 2, schema::Rgb(9, 8, 7), true, schema::SlabChoice::outside_gaps, bus::max_opacity));
     draw.clip_planes.push_back(schema::ClipPlane(1, 0, 0, -5));
     draw.read_back = true;
+    draw.read_depths = true;
     draw.region_costs = {5, 4, 3, 2, 1, 0};
     return draw;
 }
@@ -212,7 +265,12 @@ schema::VolumeHeaderT example_header() {
     header.voxel_to_patient = std::make_unique<schema::Matrix>(identity());
     header.minimum = -1000;
     header.maximum = 3000;
-    header.notes = {"one slice is missing", "rescaled"};
+    header.slice_places = {0, 1, 2, 3, 5, 6};
+    header.gap_slabs = {3};
+    header.modality = "CT";
+    header.findings.push_back(std::make_unique<schema::FindingT>());
+    header.findings[0]->kind = schema::FindingKind::missing_slices;
+    header.findings[0]->text = "one slice is missing";
     return header;
 }
 
@@ -246,7 +304,9 @@ Payload repacked(const bus::Message& message) {
                               VolumeHeader, Slices, VolumeEnd, VolumeReady, ExportPicture, IoDone,
                               SetSurface, RemoveSurface, SurfaceBuilt, FetchMesh, MeshPart,
                               DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone,
-                              SaveTrace, TraceSaved, SceneBegin, ScenePart, SceneEnd>(message);
+                              SaveTrace, TraceSaved, SceneBegin, ScenePart, SceneEnd, DropVolume,
+                              MaskSurface, MeasureIsovalues, IsovaluesMeasured, ExportMesh>(
+        message);
 }
 
 }  // namespace pxpl5::test

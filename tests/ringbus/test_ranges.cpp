@@ -62,8 +62,43 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(SlicesT, m.slice_count = 0, "slice_count is 0");
         CHECK_REFUSED(SlicesT, m.first_slice = 4095, "first_slice is 4095, allowed are 0 .. 4094");
         CHECK_REFUSED(SlicesT, m.slice_count = 3, "bytes beyond whole slices is 2, expected 0");
+        CHECK_REFUSED(VolumeHeaderT, m.slice_places.pop_back(), "slice_places is 5, expected 6");
+        CHECK_REFUSED(VolumeHeaderT, m.slice_places[2] = 1, "slice_places 2 is 1, after 1");
+        CHECK_REFUSED(VolumeHeaderT, m.gap_slabs.push_back(3), "gap_slabs is 3, allowed are 4");
+        CHECK_REFUSED(VolumeHeaderT, m.slabs_per_set = 0, "slabs_per_set is 0");
+        CHECK_REFUSED(VolumeHeaderT, m.findings[0]->kind = static_cast<schema::FindingKind>(99),
+                      "kind of finding is 99");
+        CHECK_REFUSED(ImportVolumeT, m.spacing_mm[1] = 0, "spacing_mm is 0");
+        CHECK_REFUSED(ImportVolumeT, m.crop_size.pop_back(), "crop_size is 2, expected 3");
+        CHECK_REFUSED(ImportVolumeT, m.crop_first.clear(); m.crop_size.clear();
+                      m.crop_size = {1, 1, 1}, "together");
+        CHECK_REFUSED(ImportVolumeT, m.resample_size[2] = 5000, "resample_size is 5000");
+        CHECK_REFUSED(ImportVolumeT, m.smooth_mm = nan_value, "smooth_mm is nan");
+        CHECK_REFUSED(ImportVolumeT, m.raw->ny = 0, "ny is 0");
+    }
+
+    TEST_CASE("a picture and a mesh on their way out") {
         CHECK_REFUSED(ExportPictureT, m.width = 0, "width is 0");
         CHECK_REFUSED(ExportPictureT, m.rgba.pop_back(), "size of rgba is 7, expected 8");
+        CHECK_REFUSED(ExportPictureT, m.count = 2, "size of rgba is 8, expected 16");
+        CHECK_REFUSED(ExportPictureT, m.delay_ms = 0, "delay_ms is 0");
+        CHECK_REFUSED(ExportPictureT, m.marks[0]->points.clear(), "points of a mark is 0");
+        CHECK_REFUSED(ExportPictureT, m.marks[0]->points[0].mutate_x(NAN), "x of a mark is nan");
+        CHECK_REFUSED(ExportPictureT, m.marks[0]->align_x = 2, "align_x is 2");
+        CHECK_REFUSED(ExportMeshT, m.surfaces.clear(), "number of surfaces is 0");
+        CHECK_REFUSED(ExportMeshT, m.surfaces[0]->indices[0] = 3, "index 3 of 3 vertices");
+        CHECK_REFUSED(ExportMeshT, m.keep = 1.5F, "keep is 1.5");
+        CHECK_REFUSED(ExportMeshT, m.axes = static_cast<schema::PatientAxes>(9), "axes is 9");
+    }
+
+    TEST_CASE("masks and measurements") {
+        CHECK_REFUSED(MaskSurfaceT, m.slabs[0]->slab = 4095, "slab is 4095");
+        CHECK_REFUSED(MeasureIsovaluesT, m.isovalues.clear(), "number of isovalues is 0");
+        CHECK_REFUSED(MeasureIsovaluesT, m.isovalues[1] = 100, "isovalue 100 comes after 100");
+        CHECK_REFUSED(MeasureIsovaluesT, m.isovalues[0] = nan_value, "isovalue is nan");
+        CHECK_REFUSED(IsovaluesMeasuredT, m.slabs[0]->slab = 4095, "slab is 4095");
+        CHECK_REFUSED(IsovaluesMeasuredT, m.slabs[0]->counts[1].mutate_area_mm2(nan_value),
+                      "area_mm2 is nan");
     }
 
     TEST_CASE("a surface and its mesh") {
@@ -73,6 +108,8 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_slab(4095), "slab is 4095");
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[0].mutate_area_mm2(nan_value), "area_mm2 is nan");
         CHECK_REFUSED(MeshPartT, m.slabs[0]->slab = 4095, "slab is 4095");
+        CHECK_REFUSED(MeshPartT, m.slabs[0]->origins.push_back(m.slabs[0]->origins[0]),
+                      "number of origins is 2, expected 1");
         CHECK_REFUSED(MeshPartT, m.slabs[0]->keys.pop_back(), "number of keys is 2, expected 3");
         CHECK_REFUSED(MeshPartT, m.slabs[0]->indices[1] = 3, "index 3 of 3 vertices");
         CHECK_REFUSED(MeshPartT, m.slabs[0]->indices.push_back(0), "whole triangles is 1");
@@ -104,6 +141,9 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(DrawFrameT, m.clip_planes.resize(17), "number of clip planes is 17");
         CHECK_REFUSED(DrawFrameT, m.clip_planes[0] = schema::ClipPlane(0, 0, INFINITY, 0),
                       "clip plane is inf");
+        CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_opacity(17), "opacity is 17");
+        CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_slabs(static_cast<schema::SlabChoice>(9)),
+                      "slabs is 9");
         CHECK_REFUSED(DrawFrameT, m.specular_power = 129, "specular_power is 129");
         CHECK_REFUSED(DrawFrameT, m.ambient = NAN, "ambient is nan");
         CHECK_REFUSED(DrawFrameT, m.specular = 1.5F, "specular is 1.5");

@@ -5,6 +5,7 @@
 
 #include "host/viewer/camera.hpp"
 #include "host/volume_transfer.hpp"
+#include "ringbus/ranges.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 #include "tests/host/inspect/surface_truth.hpp"
 
@@ -62,7 +63,8 @@ class RecordedSurface {
         draw.specular_power = 1;
         draw.background = std::make_unique<bus::schema::Rgb>(1, 2, 3);
         for (const std::uint16_t id : surfaces_) {
-            draw.surfaces.emplace_back(id, 1U, bus::schema::Rgb(200, 150, 100), false);
+            draw.surfaces.emplace_back(id, 1U, bus::schema::Rgb(200, 150, 100), false,
+                                       bus::schema::SlabChoice::all, bus::max_opacity);
         }
         if (change) {
             change(draw);

@@ -53,9 +53,8 @@ bool has_data() {
 }
 
 bool notes_say(const Volume& volume, const std::string& words) {
-    return std::any_of(volume.notes.begin(), volume.notes.end(), [&](const std::string& note) {
-        return note.find(words) != std::string::npos;
-    });
+    return std::any_of(volume.findings.begin(), volume.findings.end(),
+                       [&](const Finding& f) { return f.text.find(words) != std::string::npos; });
 }
 
 }  // namespace

@@ -30,9 +30,8 @@ std::string meta_image(const std::string& type, const std::string& lines, const 
 }
 
 bool notes_say(const Volume& volume, const std::string& words) {
-    return std::any_of(volume.notes.begin(), volume.notes.end(), [&](const std::string& note) {
-        return note.find(words) != std::string::npos;
-    });
+    return std::any_of(volume.findings.begin(), volume.findings.end(),
+                       [&](const Finding& f) { return f.text.find(words) != std::string::npos; });
 }
 
 void check_column(const Volume& volume, int column, double x, double y, double z) {
@@ -59,7 +58,7 @@ void check_kept(const std::string& meta_type, Scalar type) {
         CHECK(values_of<T>(volume) == values);
         CHECK(volume.minimum == static_cast<double>(std::numeric_limits<T>::lowest()));
         CHECK(volume.maximum == static_cast<double>(std::numeric_limits<T>::max()));
-        CHECK(volume.notes.empty());
+        CHECK(volume.findings.empty());
     }
 }
 
@@ -162,7 +161,7 @@ TEST_SUITE("host/io/import") {
         CHECK(volume.ny == 3);
         CHECK(volume.nz == 2);
         CHECK(volume.name == "place");
-        CHECK(volume.notes.size() == 1);
+        CHECK(volume.findings.size() == 1);
         CHECK(notes_say(volume, "no AnatomicalOrientation"));
     }
 

@@ -20,7 +20,9 @@ Volume numbered_volume(int nx, int ny, int nz) {
     volume.nz = nz;
     volume.type = Scalar::uint8;
     volume.voxel_to_patient[3] = {4, 5, 6, 1};
-    volume.notes = {"a note"};
+    volume.findings = {{FindingKind::missing_slices, "a slice is missing"}};
+    volume.modality = "CT";
+    volume.slabs_per_set = 3;
     for (int i = 0; i < nx * ny * nz; ++i) {
         volume.values.push_back(static_cast<std::byte>(i * 7));
     }
@@ -68,7 +70,11 @@ TEST_SUITE("host/volume_transfer") {
         const Volume arrived = receiver.finish();
         CHECK(arrived.values == volume.values);
         CHECK(arrived.voxel_to_patient == volume.voxel_to_patient);
-        CHECK(arrived.notes == volume.notes);
+        CHECK(arrived.findings == volume.findings);
+        CHECK(arrived.modality == volume.modality);
+        CHECK(arrived.slabs_per_set == volume.slabs_per_set);
+        CHECK(arrived.slice_places == volume.slice_places);
+        CHECK(arrived.gap_slabs == volume.gap_slabs);
         CHECK(arrived.nx == 5);
         CHECK(arrived.nz == 9);
     }

@@ -1,0 +1,320 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <set>
+
+#include "ringbus/range_check.hpp"
+#include "ringbus/ranges.hpp"
+
+namespace pxpl5::bus {
+
+namespace {
+
+/// Three positive numbers, or none.
+template <typename Vector, typename Limit>
+void check_triple(Check& check, const char* field, const Vector* values, Limit low, Limit high) {
+    if (values == nullptr) {
+        return;
+    }
+    check.equal(field, std::size_t{values->size()}, std::size_t{3});
+    for (const auto value : *values) {
+        check.within(field, value, low, high);
+    }
+}
+
+std::string range_of(const schema::ImportVolume& import) {
+    Check check;
+    check_triple(check, "spacing_mm", import.spacing_mm(), min_spacing_mm, max_spacing_mm);
+    check_triple(check, "crop_first", import.crop_first(), 0U, max_volume_voxels);
+    check_triple(check, "crop_size", import.crop_size(), 1U, max_volume_voxels);
+    check_triple(check, "resample_size", import.resample_size(), 1U, max_volume_voxels);
+    check_triple(check, "resample_spacing_mm", import.resample_spacing_mm(), min_spacing_mm,
+                 max_spacing_mm);
+    check.within("smooth_mm", import.smooth_mm(), 0.0, max_smooth_mm)
+        .equal("crop_first and crop_size together", import.crop_first() == nullptr,
+               import.crop_size() == nullptr);
+    if (const schema::RawLayout* raw = import.raw()) {
+        check.within("nx", raw->nx(), 1U, max_volume_voxels)
+            .within("ny", raw->ny(), 1U, max_volume_voxels)
+            .within("nz", raw->nz(), 1U, max_volume_voxels);
+    }
+    return check.reason();
+}
+
+void check_slices(Check& check, const schema::VolumeHeader& header) {
+    if (const auto* places = header.slice_places()) {
+        check.equal("number of slice_places", std::uint32_t{places->size()}, header.nz());
+        for (flatbuffers::uoffset_t i = 0; i < places->size(); ++i) {
+            check.within("slice_places", places->Get(i), -1e6, 1e6);
+            if (i > 0 && !(places->Get(i) > places->Get(i - 1))) {
+                check.add(fmt::format("slice_places {} is {}, after {}", i, places->Get(i),
+                                      places->Get(i - 1)));
+            }
+        }
+    }
+    for (std::size_t i = 0; i < size_of(header.gap_slabs()); ++i) {
+        const auto at = static_cast<flatbuffers::uoffset_t>(i);
+        check.within("gap_slabs", header.gap_slabs()->Get(at),
+                     i == 0 ? 0U : header.gap_slabs()->Get(at - 1) + 1, max_slab);
+    }
+}
+
+/// A single slice has a place, though no surface: Graphics Processors refuse it.
+std::string range_of(const schema::VolumeHeader& header) {
+    Check check;
+    check.within("nx", header.nx(), min_volume_voxels, max_volume_voxels)
+        .within("ny", header.ny(), min_volume_voxels, max_volume_voxels)
+        .within("nz", header.nz(), 1U, max_volume_voxels)
+        .known("type", header.type())
+        .finite("voxel_to_patient", *header.voxel_to_patient())
+        .finite("minimum", header.minimum())
+        .finite("maximum", header.maximum())
+        .at_most("minimum", header.minimum(), header.maximum())
+        .within("slabs_per_set", std::uint32_t{header.slabs_per_set()}, 1U, max_volume_voxels);
+    check_slices(check, header);
+    if (header.findings() != nullptr) {
+        for (const auto* finding : *header.findings()) {
+            check.known("kind of finding", finding->kind());
+        }
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::Slices& slices) {
+    const std::uint32_t count = slices.slice_count();
+    Check check;
+    check.within("slice_count", count, 1U, max_volume_voxels);
+    if (!check.reason().empty()) {
+        return check.reason();  // What follows divides by it and subtracts it.
+    }
+    return check.within("first_slice", slices.first_slice(), 0U, max_volume_voxels - count)
+        .equal("bytes beyond whole slices", slices.values()->size() % count, 0U)
+        .reason();
+}
+
+std::string range_of(const schema::Mark& mark) {
+    const std::size_t least = mark.kind() == schema::MarkKind::line   ? 2
+                              : mark.kind() == schema::MarkKind::area ? 3
+                                                                      : 1;
+    Check check;
+    check.known("kind of mark", mark.kind())
+        .within("points of a mark", std::size_t{mark.points()->size()}, least, max_mark_points)
+        .within("width_px", mark.width_px(), 0.0F, max_mark_px)
+        .within("height_px", mark.height_px(), 0.0F, max_mark_px)
+        .within("align_x", mark.align_x(), 0.0F, 1.0F)
+        .within("align_y", mark.align_y(), 0.0F, 1.0F);
+    for (const auto* point : *mark.points()) {
+        check.within("x of a mark", point->x(), -max_mark_px, max_mark_px)
+            .within("y of a mark", point->y(), -max_mark_px, max_mark_px);
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::ExportPicture& picture) {
+    Check check;
+    check.within("width", picture.width(), 1U, 2 * max_picture_px)
+        .within("height", picture.height(), 1U, 2 * max_picture_px)
+        .within("count", picture.count(), 1U, max_animation_pictures)
+        .within("delay_ms", picture.delay_ms(), 1U, 60'000U)
+        .equal("size of rgba", std::size_t{picture.rgba()->size()},
+               std::size_t{picture.width()} * picture.height() * picture.count() * 4)
+        .within("number of marks", size_of(picture.marks()), std::size_t{0}, max_marks);
+    if (check.reason().empty() && picture.marks() != nullptr) {
+        for (const auto* mark : *picture.marks()) {
+            check.add(range_of(*mark));
+        }
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::SetSurface& surface) {
+    return Check().finite("isovalue", surface.isovalue()).known("table", surface.table()).reason();
+}
+
+std::string range_of(const schema::SurfaceBuilt& built) {
+    Check check;
+    const schema::SlabCounts* last = nullptr;
+    for (const auto* slab : *built.slabs()) {
+        check.within("slab", slab->slab(), last == nullptr ? 0U : last->slab() + 1, max_slab)
+            .finite("area_mm2", slab->area_mm2())
+            .finite("volume_mm3", slab->volume_mm3());
+        last = slab;
+    }
+    return check.reason();
+}
+
+bool is_finite(const schema::MeshVertex& v) {
+    return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()) &&
+           std::isfinite(v.nx()) && std::isfinite(v.ny()) && std::isfinite(v.nz());
+}
+
+/// Of a SlabMesh or an ExportSurface.
+template <typename Table>
+void check_triangles(Check& check, const Table& mesh) {
+    const auto& vertices = *mesh.vertices();
+    const auto& indices = *mesh.indices();
+    check.equal("indices beyond whole triangles", indices.size() % 3, 0U);
+    const auto outside = std::find_if(indices.begin(), indices.end(),
+                                      [&](std::uint32_t i) { return i >= vertices.size(); });
+    if (outside != indices.end()) {
+        check.add(fmt::format("index {} of {} vertices", *outside, vertices.size()));
+    }
+    for (flatbuffers::uoffset_t i = 0; i < vertices.size(); ++i) {
+        if (!is_finite(*vertices.Get(i))) {
+            check.add(fmt::format("vertex {} is not finite", i));
+        }
+    }
+}
+
+std::string range_of(const schema::SlabMesh& mesh) {
+    Check check;
+    check.at_most("slab", mesh.slab(), max_slab)
+        .equal("number of keys", mesh.keys()->size(), mesh.vertices()->size());
+    check_triangles(check, mesh);
+    if (mesh.origins() != nullptr) {
+        check.equal("number of origins", mesh.origins()->size(), mesh.indices()->size() / 3);
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::ExportMesh& mesh) {
+    Check check;
+    check
+        .within("number of surfaces", std::size_t{mesh.surfaces()->size()}, std::size_t{1},
+                max_surfaces)
+        .known("axes", mesh.axes())
+        .within("keep", mesh.keep(), 0.0F, 1.0F);
+    for (const auto* surface : *mesh.surfaces()) {
+        check_triangles(check, *surface);
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::MaskSurface& mask) {
+    Check check;
+    for (const auto* slab : *mask.slabs()) {
+        check.at_most("slab", slab->slab(), max_slab);
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::MeasureIsovalues& measure) {
+    const auto& isovalues = *measure.isovalues();
+    Check check;
+    check
+        .within("number of isovalues", std::size_t{isovalues.size()}, std::size_t{1}, max_isovalues)
+        .known("table", measure.table());
+    for (flatbuffers::uoffset_t i = 0; i < isovalues.size(); ++i) {
+        check.finite("isovalue", isovalues.Get(i));
+        if (i > 0 && !(isovalues.Get(i) > isovalues.Get(i - 1))) {
+            check.add(
+                fmt::format("isovalue {} comes after {}", isovalues.Get(i), isovalues.Get(i - 1)));
+        }
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::IsovaluesMeasured& measured) {
+    Check check;
+    const schema::SlabCurve* last = nullptr;
+    for (const auto* slab : *measured.slabs()) {
+        check.within("slab", slab->slab(), last == nullptr ? 0U : last->slab() + 1, max_slab);
+        for (const auto* counts : *slab->counts()) {
+            check.finite("area_mm2", counts->area_mm2()).finite("volume_mm3", counts->volume_mm3());
+        }
+        last = slab;
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::MeshPart& part) {
+    Check check;
+    for (const auto* slab : *part.slabs()) {
+        check.add(range_of(*slab));
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::SceneBegin& begin) {
+    const auto& surfaces = *begin.surfaces();
+    return Check()
+        .within("number of surfaces", std::size_t{surfaces.size()}, std::size_t{0},
+                max_scene_surfaces)
+        .equal("number of different surfaces",
+               std::set<std::uint16_t>(surfaces.begin(), surfaces.end()).size(),
+               std::size_t{surfaces.size()})
+        .reason();
+}
+
+std::string range_of(const schema::ScenePart& part) {
+    const auto& vertices = *part.vertices();
+    const auto& indices = *part.indices();
+    Check check;
+    check.at_most("slab", part.slab(), max_scene_slab)
+        .equal("indices beyond whole triangles", indices.size() % 3, 0U);
+    const auto outside = std::find_if(indices.begin(), indices.end(),
+                                      [&](std::uint32_t i) { return i >= vertices.size(); });
+    if (outside != indices.end()) {
+        check.add(fmt::format("index {} of {} vertices", *outside, vertices.size()));
+    }
+    const auto place = [&check](const char* field, std::initializer_list<float> values) {
+        for (const float value : values) {
+            check.within(field, value, -max_scene_mm, max_scene_mm);
+        }
+    };
+    for (const auto* v : vertices) {
+        place("a vertex's coordinate", {v->x(), v->y(), v->z()});
+        for (const float value : {v->nx(), v->ny(), v->nz()}) {
+            check.within("a normal's component", value, -1.001F, 1.001F);
+        }
+    }
+    for (const auto* s : *part.spheres()) {
+        place("a sphere's coordinate", {s->x(), s->y(), s->z()});
+        check.within("a sphere's radius", s->radius(), std::numeric_limits<float>::min(),
+                     max_scene_mm);
+    }
+    for (const auto* l : *part.lines()) {
+        place("a line's coordinate", {l->ax(), l->ay(), l->az(), l->bx(), l->by(), l->bz()});
+    }
+    return check.reason();
+}
+
+}  // namespace
+
+std::string model_out_of_range(const schema::Message& message) {
+    switch (message.body_type()) {
+        case Body::ImportVolume:
+            return range_of(*message.body_as_ImportVolume());
+        case Body::VolumeHeader:
+            return range_of(*message.body_as_VolumeHeader());
+        case Body::Slices:
+            return range_of(*message.body_as_Slices());
+        case Body::ExportPicture:
+            return range_of(*message.body_as_ExportPicture());
+        case Body::SetSurface:
+            return range_of(*message.body_as_SetSurface());
+        case Body::SurfaceBuilt:
+            return range_of(*message.body_as_SurfaceBuilt());
+        case Body::MeshPart:
+            return range_of(*message.body_as_MeshPart());
+        case Body::SceneBegin:
+            return range_of(*message.body_as_SceneBegin());
+        case Body::ScenePart:
+            return range_of(*message.body_as_ScenePart());
+        case Body::MaskSurface:
+            return range_of(*message.body_as_MaskSurface());
+        case Body::MeasureIsovalues:
+            return range_of(*message.body_as_MeasureIsovalues());
+        case Body::IsovaluesMeasured:
+            return range_of(*message.body_as_IsovaluesMeasured());
+        case Body::ExportMesh:
+            return range_of(*message.body_as_ExportMesh());
+        default:
+            return {};  // The others hold nothing that could be out of range.
+    }
+}
+
+}  // namespace pxpl5::bus
