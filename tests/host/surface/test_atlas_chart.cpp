@@ -1,0 +1,159 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/error.hpp"
+#include "host/surface/atlas_axis.hpp"
+#include "host/surface/atlas_chart.hpp"
+
+using namespace pxpl5::host;
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+/// A ball in which the value falls by 1 per mm from 100 at its middle: at isovalue v the surface is
+/// a sphere of radius 100 - v.
+AtlasContent ball() {
+    AtlasContent content;
+    content.title = "ball, watertight";
+    for (int index = 0; index < 100; ++index) {
+        const double r = 100 - index;
+        content.rows.push_back({static_cast<double>(index),
+                                static_cast<std::uint64_t>(8 * pi * r * r), 4 * pi * r * r,
+                                4.0 / 3.0 * pi * r * r * r, 1});
+        content.histogram.counts.push_back(static_cast<std::uint64_t>(4 * pi * r * r));
+    }
+    content.histogram.high = 100;
+    content.plateaus = {{20, 30}, {60, 80}};
+    return content;
+}
+
+const PictureMark& text_of(const AtlasChart& chart, const std::string& text) {
+    const auto found = std::find_if(chart.marks.begin(), chart.marks.end(),
+                                    [&](const PictureMark& mark) { return mark.text == text; });
+    REQUIRE(found != chart.marks.end());
+    return *found;
+}
+
+/// The four curves: the lines of as many points as there are rows, without what parts them.
+std::vector<PictureMark> curves_of(const AtlasChart& chart, std::size_t rows) {
+    std::vector<PictureMark> curves;
+    for (const PictureMark& mark : chart.marks) {
+        if (mark.kind == MarkKind::line && mark.points.size() == rows && mark.colour.a == 255) {
+            curves.push_back(mark);
+        }
+    }
+    return curves;
+}
+
+}  // namespace
+
+TEST_SUITE("host/surface/atlas_chart") {
+    TEST_CASE("ticks are round, within the axis, and not too many") {
+        CHECK(linear_axis(-1000, 3000, 12).ticks ==
+              std::vector<double>{-1000, -500, 0, 500, 1000, 1500, 2000, 2500, 3000});
+        CHECK(linear_axis(0.03, 0.21, 5).ticks.size() == 4);  // 0.05, 0.1, 0.15, 0.2
+        CHECK(axis_from_zero(42900, 5).ticks == std::vector<double>{0, 20000, 40000, 60000});
+        CHECK(axis_from_zero(40000, 5).high == 40000);
+        CHECK(axis_from_zero(0, 5).high == 1);
+        CHECK(logarithmic_axis(5000, 6).ticks == std::vector<double>{1, 10, 100, 1000});
+        CHECK(logarithmic_axis(1e8, 5).ticks == std::vector<double>{1, 100, 1e4, 1e6, 1e8});
+    }
+
+    TEST_CASE("an axis shows its ends at its ends") {
+        const ChartAxis line = linear_axis(-50, 150, 5);
+        CHECK(line.place(-50) == 0);
+        CHECK(line.place(0) == doctest::Approx(0.25));
+        CHECK(line.place(999) == 1);
+        const ChartAxis decades = logarithmic_axis(1000, 5);
+        CHECK(decades.place(0) == 0);
+        CHECK(decades.place(100) - decades.place(10) ==
+              doctest::Approx(decades.place(10) - decades.place(1)));
+    }
+
+    TEST_CASE("numbers have their thousands apart") {
+        CHECK(grouped(0) == "0");
+        CHECK(grouped(999) == "999");
+        CHECK(grouped(-1234567) == "-1,234,567");
+        CHECK(grouped(41708) == "41,708");
+        CHECK(grouped(0.25) == "0.25");
+        CHECK(grouped(1234.5) == "1,234.5");
+    }
+
+    TEST_CASE("each curve goes through its values on the axis that its ticks show") {
+        const AtlasContent content = ball();
+        const AtlasChart chart = atlas_chart(content);
+        const std::vector<PictureMark> curves = curves_of(chart, content.rows.size());
+        REQUIRE(curves.size() == 4);
+        // Area: 1256.6 cm2 at isovalue 0. The ticks 0 and 1,000 lie in the area's panel alone.
+        const float y0 = curves[1].points.back().y, y_top = curves[1].points.front().y;
+        const float y_tick = text_of(chart, "1,000").points[0].y;
+        const double area_0 = 4 * pi * 100, area_99 = 4 * pi / 100;
+        const double expected = y0 + (y_tick - y0) * (area_0 - area_99) / (1000 - area_99);
+        CHECK(y_top == doctest::Approx(expected).epsilon(1e-4));
+        // Isovalue 50 stands above its tick.
+        CHECK(curves[0].points[50].x == doctest::Approx(text_of(chart, "50").points[0].x));
+    }
+
+    TEST_CASE("plateaus are numbered above their middle, and units are said") {
+        const AtlasChart chart = atlas_chart(ball());
+        const std::vector<PictureMark> curves = curves_of(chart, 100);
+        // The number, not the tick "1" of the components' axis: it stands above all curves.
+        for (const auto& [number, row] : {std::pair("1", 25), std::pair("2", 70)}) {
+            const bool found =
+                std::any_of(chart.marks.begin(), chart.marks.end(), [&](const PictureMark& mark) {
+                    return mark.text == number &&
+                           std::abs(mark.points[0].x - curves[0].points[row].x) < 0.01F;
+                });
+            CHECK(found);
+        }
+        text_of(chart, "area, cm²");
+        text_of(chart, "volume, ml");
+        text_of(chart, "isovalue");
+        AtlasContent ct = ball();
+        ct.value_unit = "HU";
+        text_of(atlas_chart(ct), "isovalue, HU");
+    }
+
+    TEST_CASE("all marks lie within the picture, whatever its shape and the histogram's range") {
+        AtlasContent content = ball();
+        content.histogram.low = -5000;
+        content.histogram.high = 9000;
+        content.rows[3].components = 123'456;
+        for (const Size size : {Size{400, 400}, Size{1280, 860}, Size{4000, 900}}) {
+            const AtlasChart chart = atlas_chart(content, size);
+            for (const PictureMark& mark : chart.marks) {
+                for (const glm::vec2& p : mark.points) {
+                    CHECK(p.x >= 0);
+                    CHECK(p.y >= 0);
+                    CHECK(p.x <= static_cast<float>(size.width));
+                    CHECK(p.y <= static_cast<float>(size.height));
+                }
+            }
+        }
+    }
+
+    TEST_CASE("what cannot be drawn is refused with both values") {
+        AtlasContent content = ball();
+        CHECK_THROWS_WITH_AS(atlas_chart(content, {399, 800}), doctest::Contains("399x800"),
+                             RequestError);
+        content.rows[4].isovalue = 3;
+        CHECK_THROWS_WITH_AS(atlas_chart(content), doctest::Contains("3 follows 3"), RequestError);
+        content.rows.resize(1);
+        CHECK_THROWS_WITH_AS(atlas_chart(content), doctest::Contains("got 1"), RequestError);
+    }
+
+    TEST_CASE("the table has the first and the last row, units, and the plateaus") {
+        const std::string text = atlas_text(ball(), 5);
+        CHECK(text.find("isovalue  triangles") == 0);
+        CHECK(text.find("\n       0    251,327  1256.6  4188.79           1\n") !=
+              std::string::npos);
+        CHECK(text.find("\n      24    145,166   725.8  1838.78           1        1\n") !=
+              std::string::npos);
+        CHECK(text.find("\n      99         25     0.1     0.00") != std::string::npos);
+        CHECK(text.ends_with("\nplateau 2: isovalue 60 to 80"));
+        CHECK(std::count(text.begin(), text.end(), '\n') == 7);
+    }
+}
