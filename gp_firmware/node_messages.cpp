@@ -147,6 +147,13 @@ VolumeShape shape_of(const schema::VolumeHeader& header) {
     shape.voxel_to_patient = matrix_of(*header.voxel_to_patient());
     shape.minimum = header.minimum();
     shape.maximum = header.maximum();
+    shape.slabs_per_set = header.slabs_per_set();
+    if (header.slice_places() != nullptr) {
+        shape.slice_places.assign(header.slice_places()->begin(), header.slice_places()->end());
+    }
+    if (header.gap_slabs() != nullptr) {
+        shape.gap_slabs.assign(header.gap_slabs()->begin(), header.gap_slabs()->end());
+    }
     return shape;
 }
 

@@ -7,7 +7,7 @@
 namespace pxpl5::gp {
 
 /// Follows what a GP receives. A slice goes to up to four GPs; the traces of all GPs together hold
-/// it once: that of GP z mod gp_count holds slice z, the last slice excepted, which is with the
+/// it once: that of the owner of slab z holds slice z, the last slice excepted, which is with the
 /// slice before it.
 class CopiedSlices {
   public:
@@ -17,7 +17,7 @@ class CopiedSlices {
 
   private:
     Share share_;
-    int nz_ = 0;  ///< Of the volume that is coming.
+    VolumeShape shape_;  ///< Of the volume that is coming: slices and sets only.
 };
 
 }  // namespace pxpl5::gp

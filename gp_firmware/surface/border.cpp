@@ -77,7 +77,7 @@ double inside_of_last_face(const SliceStore& store, int slab, double isovalue) {
                                 isovalue);
         }
     });
-    return area;
+    return area * shape.height(slab);
 }
 
 }  // namespace pxpl5::gp

@@ -5,8 +5,9 @@
 
 namespace pxpl5::gp {
 
-/// Area inside the surface on the face x = nx - 1 between slices slab and slab + 1, in voxel units
-/// (0 .. ny - 1): linear along the cells' edges, inside corners apart where a face is ambiguous.
+/// Area inside the surface on the face x = nx - 1 between slices slab and slab + 1, in the grid
+/// (0 .. (ny - 1) * height(slab)): linear along the cells' edges, inside corners apart where a face
+/// is ambiguous.
 double inside_of_last_face(const SliceStore& store, int slab, double isovalue);
 
 }  // namespace pxpl5::gp

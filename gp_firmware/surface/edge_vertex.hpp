@@ -1,6 +1,7 @@
 // A vertex where the surface crosses the edge between two voxels.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -48,8 +49,17 @@ inline std::array<std::int16_t, 3> pack_normal(glm::vec3 n, float length_squared
 /// GPs) that share an edge compute the same bits.
 struct EdgeEnds {
     double value_0, value_1;
-    const Gradient &gradient_0, &gradient_1;
+    Gradient gradient_0, gradient_1;
+    float z_factor_0, z_factor_1;  ///< As of z_factor().
 };
+
+/// What takes a difference along z in slice z to one over two steps of the grid: 1 where the slices
+/// above and below are a step away.
+inline float z_factor(const VolumeShape& shape, int z) {
+    const int below = std::max(z - 1, 0), above = std::min(z + 1, shape.nz - 1);
+    // At the volume's ends the difference over one gap counts twice already.
+    return static_cast<float>((above - below) / (shape.place(above) - shape.place(below)));
+}
 
 /// Where the surface crosses the edge, from 0 at the lower voxel to 1.
 /// Where a value is not finite and gives no number, the middle.
@@ -64,8 +74,12 @@ inline std::array<std::int16_t, 3> edge_normal(const EdgeEnds& ends, float t, in
                                                double isovalue, const NormalFrame& frame) {
     glm::vec3 gradient;
     for (int i = 0; i < 3; ++i) {
-        const auto g_0 = static_cast<float>(ends.gradient_0[static_cast<std::size_t>(i)]);
-        const auto g_1 = static_cast<float>(ends.gradient_1[static_cast<std::size_t>(i)]);
+        auto g_0 = static_cast<float>(ends.gradient_0[static_cast<std::size_t>(i)]);
+        auto g_1 = static_cast<float>(ends.gradient_1[static_cast<std::size_t>(i)]);
+        if (i == 2) {
+            g_0 *= ends.z_factor_0;
+            g_1 *= ends.z_factor_1;
+        }
         gradient[i] = g_0 + t * (g_1 - g_0);
     }
     glm::vec3 n = frame.outward(gradient);

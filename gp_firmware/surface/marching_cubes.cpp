@@ -14,6 +14,7 @@
 #include "gp_firmware/surface/edge_vertex.hpp"
 #include "gp_firmware/surface/measure.hpp"
 #include "gp_firmware/volume/typed.hpp"
+#include "gp_firmware/volume/voxel_gradient.hpp"
 
 namespace pxpl5::gp {
 
@@ -31,13 +32,16 @@ void make_room(std::vector<T>& elements, std::size_t count) {
     elements.resize(fits ? elements.capacity() : std::max(count, 2 * elements.capacity()));
 }
 
+/// What a walk leaves in the mesh beside positions and triangles.
+enum class Wanted : std::uint8_t { measures, mesh, mesh_with_origins };
+
 /// Goes up the rows of a slab. Of edges it remembers the vertices of two rows only; rows y and
 /// y - 1 alternate in the arrays with [parity].
 template <class T>
 class SlabWalk {
   public:
     SlabWalk(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-             SlabMesh& out, bool origins)
+             SlabMesh& out, Wanted wanted)
         : shape_(store.shape()),
           isovalue_(isovalue),
           table_(table),
@@ -46,10 +50,14 @@ class SlabWalk {
           flip_(glm::determinant(glm::dmat3(shape_.voxel_to_patient)) < 0 ? 1 : 0),
           words_(mask_words(shape_.nx)),
           slab_(slab),
-          origins_(origins) {
+          wanted_(wanted),
+          origins_(wanted == Wanted::mesh_with_origins) {
         for (const int s : {0, 1}) {
             slices_[at(s)] = &store.slice(slab + s);
             values_[at(s)] = typed<T>(slices_[at(s)]->values);
+            z_factors_[at(s)] = z_factor(shape_, slab + s);
+            if (!shape_.holds_gradients())
+                estimates_[at(s)] = VoxelGradients<T>(shape_, store.neighbours(slab + s));
         }
         const auto nx = static_cast<std::size_t>(shape_.nx);
         // One word more: the right neighbour of a row's last word.
@@ -83,6 +91,11 @@ class SlabWalk {
 
   private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    Gradient gradient(std::size_t slice, std::size_t x, std::size_t y) const {
+        return shape_.holds_gradients() ? slices_[slice]->gradients[y * at(shape_.nx) + x]
+                                        : estimates_[slice].at(x, y);
+    }
 
     void classify(int y) {
         const std::size_t row = at(y & 1);
@@ -141,17 +154,16 @@ class SlabWalk {
     template <class Crossed>
     void make_vertices(std::vector<std::uint32_t>& edges, glm::ivec3 start, int axis,
                        Crossed crossed) {
-        const std::array<std::size_t, 3> steps = {1, static_cast<std::size_t>(shape_.nx), 0};
         const std::size_t row = at(start.y) * at(shape_.nx);
         const std::size_t lower = at(start.z), upper = lower + (axis == 2 ? 1 : 0);
-        const std::size_t step = steps[at(axis)];
+        const std::size_t x_step = axis == 0 ? 1 : 0, y_step = axis == 1 ? 1 : 0;
+        const std::size_t step = x_step + y_step * at(shape_.nx);
         const T* values_0 = values_[lower] + row;
         const T* values_1 = values_[upper] + row + step;
-        const Gradient* gradients_0 = slices_[lower]->gradients.data() + row;
-        const Gradient* gradients_1 = slices_[upper]->gradients.data() + row + step;
         const std::uint64_t first_key =
             4 * (shape_.slice_voxels() * at(slab_ + start.z) + row) + at(axis);
-        const glm::dvec3 p_start(0, start.y, slab_ + start.z);
+        const glm::dvec3 p_start(0, start.y, shape_.place(slab_ + start.z));
+        const double length = axis == 2 ? shape_.height(slab_) : 1;
         for (std::size_t w = 0; w < words_; ++w) {
             std::uint64_t bits = crossed(w);
             if (bits == 0) continue;
@@ -160,19 +172,25 @@ class SlabWalk {
             make_room(out_.keys, room);
             for (; bits != 0; bits &= bits - 1) {
                 const std::size_t x = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-                const EdgeEnds ends{static_cast<double>(values_0[x]),
-                                    static_cast<double>(values_1[x]), gradients_0[x],
-                                    gradients_1[x]};
-                const double t = crossing(ends.value_0, ends.value_1, isovalue_);
+                const auto value_0 = static_cast<double>(values_0[x]);
+                const auto value_1 = static_cast<double>(values_1[x]);
+                const double t = crossing(value_0, value_1, isovalue_);
                 glm::dvec3 p = p_start;
                 p.x = static_cast<double>(x);
-                p[axis] += t;
+                p[axis] += t * length;
                 Vertex& vertex = out_.vertices[vertex_count_];
                 vertex.p_voxel = glm::vec3(p);
+                edges[x] = static_cast<std::uint32_t>(vertex_count_++);
+                if (wanted_ == Wanted::measures) continue;
+                const EdgeEnds ends{value_0,
+                                    value_1,
+                                    gradient(lower, x, at(start.y)),
+                                    gradient(upper, x + x_step, at(start.y) + y_step),
+                                    z_factors_[lower],
+                                    z_factors_[upper]};
                 vertex.normal = edge_normal(ends, static_cast<float>(t), axis, isovalue_, frame_);
                 vertex.unused = 0;
-                out_.keys[vertex_count_] = first_key + 4 * x;
-                edges[x] = static_cast<std::uint32_t>(vertex_count_++);
+                out_.keys[edges[x]] = first_key + 4 * x;
             }
         }
     }
@@ -301,9 +319,12 @@ class SlabWalk {
     std::size_t flip_;  ///< 1 where voxel_to_patient mirrors, so that triangles must turn too.
     std::size_t words_;
     int slab_;
+    Wanted wanted_;
     bool origins_;
     std::array<const HeldSlice*, 2> slices_{};
     std::array<const T*, 2> values_{};
+    std::array<VoxelGradients<T>, 2> estimates_;  ///< Only if gradients are not held.
+    std::array<float, 2> z_factors_{};
     std::array<std::array<std::vector<std::uint64_t>, 2>, 2> masks_;    ///< [parity][slice]
     std::array<std::array<RowSide, 2>, 2> sides_{};                     ///< [parity][slice]
     std::array<std::array<std::vector<std::uint32_t>, 2>, 2> x_edges_;  ///< [parity][slice]
@@ -320,10 +341,8 @@ bool is_empty(const SliceStore& store, int slab, double isovalue) {
     return lower == upper && lower != RowSide::mixed;
 }
 
-}  // namespace
-
-void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-                  SlabMesh& out, bool origins) {
+void walk_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
+               SlabMesh& out, Wanted wanted) {
     if (!std::isfinite(isovalue))
         throw std::invalid_argument("an isovalue is a finite number, not " +
                                     std::to_string(isovalue));
@@ -339,10 +358,24 @@ void extract_slab(const SliceStore& store, int slab, double isovalue, const Case
         out.origins.clear();
     } else {
         with_scalar(store.shape().type, [&]<class T>(T) {
-            SlabWalk<T>(store, slab, isovalue, table, out, origins).run();
+            SlabWalk<T>(store, slab, isovalue, table, out, wanted).run();
         });
     }
     measure(store.shape(), inside_of_last_face(store, slab, isovalue), out);
+}
+
+}  // namespace
+
+void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
+                  SlabMesh& out, bool origins) {
+    walk_slab(store, slab, isovalue, table, out,
+              origins ? Wanted::mesh_with_origins : Wanted::mesh);
+}
+
+SlabCounts measure_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
+                        SlabMesh& scratch) {
+    walk_slab(store, slab, isovalue, table, scratch, Wanted::measures);
+    return scratch.counts;
 }
 
 std::size_t size_bytes(const SlabMesh& mesh) {

@@ -20,6 +20,11 @@ namespace pxpl5::gp {
 void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
                   SlabMesh& out, bool origins = false);
 
+/// What extract_slab() would count, to the last bit, without normals and keys.
+/// scratch  Overwritten; only its capacity is worth keeping.
+SlabCounts measure_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
+                        SlabMesh& scratch);
+
 /// Local memory that a slab's mesh takes. Origins do not count: recording must not decide what
 /// fits, and the board had none.
 std::size_t size_bytes(const SlabMesh& mesh);

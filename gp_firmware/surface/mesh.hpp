@@ -12,7 +12,7 @@ namespace pxpl5::gp {
 inline constexpr float normal_one = 32767.0F;  ///< A unit component in Vertex::normal.
 
 struct Vertex {
-    glm::vec3 p_voxel;                   ///< Voxel units.
+    glm::vec3 p_voxel;                   ///< Grid position, in voxel units.
     std::array<std::int16_t, 3> normal;  ///< Unit, out of the inside, patient axes (LPS).
     std::int16_t unused = 0;
 };

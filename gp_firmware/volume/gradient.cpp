@@ -1,40 +1,17 @@
 #include "gp_firmware/volume/gradient.hpp"
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <type_traits>
 
-#include "gp_firmware/volume/typed.hpp"
+#include "gp_firmware/volume/voxel_gradient.hpp"
 
 namespace pxpl5::gp {
 
 namespace {
 
-constexpr int largest = std::numeric_limits<std::int16_t>::max();
-
-/// Stores differences unscaled; the clamp acts only if the volume's range was announced wrong.
-struct Exact {
-    template <class T>
-    std::int16_t operator()(T after, T before, int factor) const {
-        const int difference = (static_cast<int>(after) - static_cast<int>(before)) * factor;
-        return static_cast<std::int16_t>(std::clamp(difference, -largest, largest));
-    }
-};
-
-struct Scaled {
-    double scale;
-
-    template <class T>
-    std::int16_t operator()(T after, T before, int factor) const {
-        const double difference =
-            (static_cast<double>(after) - static_cast<double>(before)) * factor * scale;
-        if (std::isnan(difference)) return 0;
-        const double limit = largest;
-        return static_cast<std::int16_t>(std::floor(std::clamp(difference, -limit, limit) + 0.5));
-    }
-};
+using Exact = ExactDifference;
+using Scaled = ScaledDifference;
 
 /// Rows of voxels: the one of the gradients, and its four neighbours.
 template <class T>
@@ -83,8 +60,8 @@ void gradients_of_slice(const VolumeShape& shape, const SliceNeighbours& slices,
 
 double gradient_scale(const VolumeShape& shape) {
     const double reach = 2 * (shape.maximum - shape.minimum);
-    if (shape.type != Scalar::float32 && reach <= largest) return 1;
-    return reach > 0 && std::isfinite(reach) ? largest / reach : 1;
+    if (shape.type != Scalar::float32 && reach <= largest_gradient) return 1;
+    return reach > 0 && std::isfinite(reach) ? largest_gradient / reach : 1;
 }
 
 std::vector<Gradient> estimate_gradients(const VolumeShape& shape, const SliceNeighbours& slices) {

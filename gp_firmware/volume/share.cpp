@@ -10,7 +10,8 @@ namespace pxpl5::gp {
 namespace {
 
 bool owns(const VolumeShape& shape, Share share, int slab) {
-    return slab >= 0 && slab < shape.slab_count() && slab % share.gp_count == share.gp_index;
+    return slab >= 0 && slab < shape.slab_count() &&
+           owner_of(shape, share.gp_count, slab) == share.gp_index;
 }
 
 template <class Predicate>
@@ -35,36 +36,47 @@ bool fits(const VolumeShape& shape, int gp_count, std::size_t memory_bytes,
 
 }  // namespace
 
+int owner_of(const VolumeShape& shape, int gp_count, int slab) {
+    return slab / shape.slabs_per_set % gp_count;
+}
+
+int slab_that_records(const VolumeShape& shape, int z) {
+    return std::max(std::min(z, shape.nz - 2), 0);
+}
+
 std::vector<int> slabs_owned(const VolumeShape& shape, Share share) {
     return numbers_below(shape.slab_count(), [&](int s) { return owns(shape, share, s); });
 }
 
-bool is_kept(const VolumeShape& shape, Share share, int z) {
+bool is_own(const VolumeShape& shape, Share share, int z) {
     return owns(shape, share, z) || owns(shape, share, z - 1);
 }
 
 std::vector<int> slices_needed(const VolumeShape& shape, Share share) {
     return numbers_below(shape.nz, [&](int z) {
-        return is_kept(shape, share, z) || owns(shape, share, z + 1) || owns(shape, share, z - 2);
+        return is_own(shape, share, z) || owns(shape, share, z + 1) || owns(shape, share, z - 2);
     });
 }
 
 std::vector<int> slices_kept(const VolumeShape& shape, Share share) {
-    return numbers_below(shape.nz, [&](int z) { return is_kept(shape, share, z); });
+    if (!shape.holds_gradients()) return slices_needed(shape, share);
+    return numbers_below(shape.nz, [&](int z) { return is_own(shape, share, z); });
 }
 
 int discarded_after(const VolumeShape& shape, Share share, int z) {
-    if (is_kept(shape, share, z)) return shape.nz;
+    if (is_own(shape, share, z) || !shape.holds_gradients()) return shape.nz;
     return owns(shape, share, z + 1) ? std::min(z + 2, shape.nz - 1) : z;
 }
 
 std::size_t peak_bytes(const VolumeShape& shape, Share share) {
     const std::size_t values = shape.slice_voxels() * size_bytes(shape.type);
-    const std::size_t extra = shape.slice_voxels() * sizeof(Gradient) + max_index_bytes(shape);
+    const std::size_t extra =
+        (shape.holds_gradients() ? shape.slice_voxels() * sizeof(Gradient) : 0) +
+        max_index_bytes(shape);
     std::size_t peak = 0, used = 0;
     const std::vector<int> needed = slices_needed(shape, share);
     for (const int z : needed) {
-        used += values + (is_kept(shape, share, z) ? extra : 0);
+        used += values + (is_own(shape, share, z) ? extra : 0);
         peak = std::max(peak, used);
         for (const int old : needed)
             if (old <= z && discarded_after(shape, share, old) == z) used -= values;

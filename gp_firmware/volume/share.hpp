@@ -17,19 +17,26 @@ struct Share {
     int gp_count = 1;  ///< 1 .. max_gp_count.
 };
 
-/// Slabs of a GP, ascending: s mod gp_count == gp_index, for s in 0 .. nz - 2.
+/// The GP that slab s belongs to: (s / slabs_per_set) mod gp_count.
+int owner_of(const VolumeShape& shape, int gp_count, int slab);
+
+/// The slab whose owner's trace holds slice z: z, for the last slice the slab below it.
+int slab_that_records(const VolumeShape& shape, int z);
+
+/// Slabs of a GP, ascending, of 0 .. nz - 2.
 std::vector<int> slabs_owned(const VolumeShape& shape, Share share);
 
 /// Slices that a GP must be sent, ascending. The rule, which the host follows too:
-/// z is needed if z lies in s - 1 .. s + 2 for a slab s with s mod gp_count == gp_index.
+/// z is needed if z lies in s - 1 .. s + 2 for a slab s of the GP.
 /// Source  Yoo & Chen, section IV, "Dataset distribution".
 std::vector<int> slices_needed(const VolumeShape& shape, Share share);
 
-/// Slices that a GP keeps for extraction, ascending: s and s + 1 of its slabs.
+/// Slices that a GP holds when all have come, ascending: s and s + 1 of its slabs; all that it was
+/// sent if gradients are not held.
 std::vector<int> slices_kept(const VolumeShape& shape, Share share);
 
-/// Whether slice z is one of slices_kept().
-bool is_kept(const VolumeShape& shape, Share share, int z);
+/// Whether slice z is s or s + 1 of a slab s of the GP.
+bool is_own(const VolumeShape& shape, Share share, int z);
 
 /// The slice on whose arrival the last gradient that needs slice z can be estimated, so that z
 /// may go; nz if z is kept.

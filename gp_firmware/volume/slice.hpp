@@ -1,6 +1,7 @@
 // What a Graphics Processor knows of the volume: its shape, and slices with gradients.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -15,14 +16,28 @@ constexpr std::size_t size_bytes(Scalar type) {
     return type == Scalar::uint8 ? 1 : type == Scalar::float32 ? 4 : 2;
 }
 
-/// Shape, type and place of a volume.
+/// Shape, type and place of a volume. Voxel (x, y, z) lies at the grid position (x, y, place(z)).
 struct VolumeShape {
     int nx = 0, ny = 0, nz = 0;  ///< Voxels; each >= 2.
     Scalar type = Scalar::int16;
-    glm::dmat4 voxel_to_patient{1.0};  ///< Voxel index to millimetres (LPS).
-    double minimum = 0, maximum = 0;   ///< Over all voxels.
+    glm::dmat4 voxel_to_patient{1.0};    ///< Grid position to millimetres (LPS).
+    double minimum = 0, maximum = 0;     ///< Over all voxels.
+    int slabs_per_set = 1;               ///< Neighbouring slabs that belong to one GP.
+    std::vector<double> slice_places{};  ///< nz, ascending; empty if slice z lies at z.
+    std::vector<int> gap_slabs{};        ///< Across missing slices, ascending.
 
     int slab_count() const { return nz - 1; }
+    double place(int z) const {
+        return slice_places.empty() ? z : slice_places[static_cast<std::size_t>(z)];
+    }
+    /// From slice `slab` to the next, in the grid.
+    double height(int slab) const { return place(slab + 1) - place(slab); }
+    bool is_gap(int slab) const {
+        return std::binary_search(gap_slabs.begin(), gap_slabs.end(), slab);
+    }
+    /// Whether gradients are held beside the voxels, as in the paper; else each is estimated when a
+    /// vertex needs it. Larger sets are for volumes that would not fit beside their gradients.
+    bool holds_gradients() const { return slabs_per_set == 1; }
     std::size_t slice_voxels() const {
         return static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny);
     }

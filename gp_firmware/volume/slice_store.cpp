@@ -63,24 +63,29 @@ void SliceStore::add_slice(int z, std::span<const std::byte> values) {
     charge(values.size(), z);
     HeldSlice& slice = slices_[z];
     slice.values.assign(values.begin(), values.end());
-    if (is_kept(shape_, share_, z)) {
+    if (is_own(shape_, share_, z)) {
         slice.rows = index_rows(shape_, slice.values);
         charge(slice.rows.size_bytes(), z);
     }
     ++next_;
-    if (z > 0) add_gradients(z - 1);
-    if (z == shape_.nz - 1) add_gradients(z);
+    if (shape_.holds_gradients()) {
+        if (z > 0) add_gradients(z - 1);
+        if (z == shape_.nz - 1) add_gradients(z);
+    }
     discard_done(z);
 }
 
 /// Estimates the gradients of slice z, if it is kept: its neighbours are there.
 void SliceStore::add_gradients(int z) {
-    if (!is_kept(shape_, share_, z)) return;
-    const int below = std::max(z - 1, 0), above = std::min(z + 1, shape_.nz - 1);
+    if (!is_own(shape_, share_, z)) return;
     charge(shape_.slice_voxels() * sizeof(Gradient), z);
-    slices_.at(z).gradients =
-        estimate_gradients(shape_, {slices_.at(below).values, slices_.at(z).values,
-                                    slices_.at(above).values, below == z || above == z});
+    slices_.at(z).gradients = estimate_gradients(shape_, neighbours(z));
+}
+
+SliceNeighbours SliceStore::neighbours(int z) const {
+    const int below = std::max(z - 1, 0), above = std::min(z + 1, shape_.nz - 1);
+    return {slices_.at(below).values, slices_.at(z).values, slices_.at(above).values,
+            below == z || above == z};
 }
 
 /// Lets go of the slices that nothing needs after the arrival of slice z.

@@ -16,12 +16,14 @@ namespace pxpl5::gp {
 
 struct HeldSlice {
     std::vector<std::byte> values;    ///< nx * ny of the volume's type, x fastest.
-    std::vector<Gradient> gradients;  ///< nx * ny; empty until both neighbours in z were there.
-    RowIndex rows;                    ///< Only for slices that are kept.
+    std::vector<Gradient> gradients;  ///< nx * ny; empty if they are not held, and until both
+                                      ///< neighbours in z were there.
+    RowIndex rows;                    ///< Only for slices of slabs that are owned.
 };
 
 /// Holds what a GP needs of a volume, and no more: a slice that no slab of the GP touches goes
-/// as soon as no gradient needs it; one that several slabs touch is held once.
+/// as soon as no gradient needs it; one that several slabs touch is held once. Where gradients are
+/// not held, the neighbours that they are estimated from stay.
 ///
 /// Source  Yoo & Chen, section IV: four slices per set, "two of the four data slices may be
 ///         discarded" after gradient estimation.
@@ -48,6 +50,9 @@ class SliceStore {
     const std::vector<int>& slabs() const { return slabs_; }  ///< Owned, ascending.
     std::vector<int> held() const;                            ///< Slices held now, ascending.
     const HeldSlice& slice(int z) const;                      ///< Asserts that z is held.
+    /// Slice z with those that its gradients come from. All are held: z is of an owned slab, and
+    /// it is still coming or gradients are not held.
+    SliceNeighbours neighbours(int z) const;
     std::size_t memory_bytes() const { return charged_bytes_; }
 
   private:
@@ -58,7 +63,7 @@ class SliceStore {
     VolumeShape shape_;
     Share share_;
     LocalMemory& memory_;
-    std::vector<int> slabs_, needed_, kept_;
+    std::vector<int> slabs_, needed_;
     std::size_t next_ = 0;  ///< Index into needed_ of the next slice to come.
     std::map<int, HeldSlice> slices_;
     std::size_t charged_bytes_ = 0;

@@ -24,11 +24,12 @@ constexpr int slices_below = 1, slices_above = 2;
 /// of zeros are enough: nothing of a slab depends on them.
 gp::SlabMesh extract(const KnownVolume& volume, int k, const ShownSurface& surface) {
     const gp::Share share{k % gp::max_gp_count, gp::max_gp_count};
+    gp::VolumeShape shape = volume.shape();
+    shape.slabs_per_set = 1;  // A slab is the same in sets of any size: the smallest is cheapest.
     gp::LocalMemory plenty(std::numeric_limits<std::size_t>::max());
-    gp::SliceStore store(volume.shape(), share, plenty);
-    const std::vector<std::byte> zeros(volume.shape().slice_voxels() *
-                                       gp::size_bytes(volume.shape().type));
-    for (const int z : gp::slices_needed(volume.shape(), share)) {
+    gp::SliceStore store(shape, share, plenty);
+    const std::vector<std::byte> zeros(shape.slice_voxels() * gp::size_bytes(shape.type));
+    for (const int z : gp::slices_needed(shape, share)) {
         const bool ours = z >= k - slices_below && z <= k + slices_above;
         store.add_slice(z, ours ? volume.slice(z) : std::span<const std::byte>(zeros));
     }

@@ -132,16 +132,39 @@ TEST_SUITE("gp/marching_cubes") {
         }
     }
 
-    TEST_CASE("any number of GPs gives the same bits") {
+    TEST_CASE("any number of GPs and of slabs in a set gives the same bits") {
         for (const Scalar type : {Scalar::uint8, Scalar::int16, Scalar::uint16, Scalar::float32}) {
-            const Volume volume = noise({21, 17, 13}, type, 9);
+            Volume volume = noise({21, 17, 13}, type, 9);
             const auto one = extract_all(volume, 4, CaseRule::asymptotic);
-            for (const int count : {2, 3, 5, 36}) {
-                const auto many = extract_all(volume, 4, CaseRule::asymptotic, count);
-                for (std::size_t i = 0; i < one.size(); ++i) CHECK(same(one[i], many[i]));
+            for (const int slabs_per_set : {1, 2, 5, 100}) {
+                volume.shape.slabs_per_set = slabs_per_set;
+                for (const int count : {1, 2, 3, 5, 36}) {
+                    const auto many = extract_all(volume, 4, CaseRule::asymptotic, count);
+                    for (std::size_t i = 0; i < one.size(); ++i) CHECK(same(one[i], many[i]));
+                }
             }
             CHECK(certify(one, volume.shape).good());
         }
+    }
+
+    TEST_CASE("measuring an isovalue counts what extraction counts, to the last bit") {
+        Volume volume = noise({33, 17, 9}, Scalar::int16, 60);
+        volume.shape.voxel_to_patient = glm::dmat4(glm::dmat3{-0.7, 0.1, 0, 0, 0.9, 0, 0, 0, 1.7});
+        for (int z = 0; z < 9; ++z) volume.shape.slice_places.push_back(z + 0.04 * z * z);
+        const Gp gp(volume, {0, 1});
+        SlabMesh mesh, scratch;
+        for (const auto rule : {CaseRule::watertight, CaseRule::lorensen1987, CaseRule::asymptotic})
+            for (const int slab : gp.store.slabs())
+                for (const double isovalue : {-1.0, 0.0, 3.5, 30.0, 58.0, 59.5, 70.0}) {
+                    extract_slab(gp.store, slab, isovalue, case_table(rule), mesh);
+                    const SlabCounts counts =
+                        measure_slab(gp.store, slab, isovalue, case_table(rule), scratch);
+                    CHECK(counts.triangles == mesh.counts.triangles);
+                    CHECK(counts.vertices == mesh.counts.vertices);
+                    CHECK(counts.cells_active == mesh.counts.cells_active);
+                    CHECK(counts.area_mm2 == mesh.counts.area_mm2);
+                    CHECK(counts.volume_mm3 == mesh.counts.volume_mm3);
+                }
     }
 
     TEST_CASE(

@@ -110,6 +110,70 @@ TEST_SUITE("gp/shapes") {
         }
     }
 
+    TEST_CASE("a sphere on unevenly spaced slices has its area, volume and normals") {
+        const Size size{60, 52, 40};
+        const double radius_mm = 20;
+        for (const glm::dmat3& steps : {anisotropic(), mirrored(), tilted()})
+            for (const int slabs_per_set : {1, 3}) {
+                // Spacing swings between 0.6 and 1.4 steps, and jumps by 3 at a gap.
+                std::vector<double> places;
+                for (double z = 0; static_cast<int>(places.size()) < size.nz;) {
+                    places.push_back(z);
+                    z += places.size() == 17 ? 3 : 1 + 0.4 * std::sin(double(places.size()));
+                }
+                glm::dmat4 to_patient(steps);
+                to_patient[3] = glm::dvec4(-steps * glm::dvec3(30, 26, places.back() / 2), 1);
+                Volume volume = make_volume(size, Scalar::float32, [&](int x, int y, int z) {
+                    const double at = places[static_cast<std::size_t>(z)];
+                    return 100 - glm::length(glm::dvec3(to_patient * glm::dvec4(x, y, at, 1)));
+                });
+                volume.shape.voxel_to_patient = to_patient;
+                volume.shape.slice_places = places;
+                volume.shape.slabs_per_set = slabs_per_set;
+                const auto meshes = extract_all(volume, 100 - radius_mm, CaseRule::watertight, 2);
+                const Certificate certificate = certify(meshes, volume.shape);
+                CHECK_MESSAGE(certificate.closed(), certificate);
+                CHECK(certificate.area_mm2 ==
+                      doctest::Approx(4 * pi * radius_mm * radius_mm).epsilon(0.01));
+                CHECK(certificate.volume_mm3 ==
+                      doctest::Approx(4 * pi / 3 * std::pow(radius_mm, 3)).epsilon(0.01));
+                CHECK(worst_normal_deg(meshes, volume.shape, {0, 0, 0}) < 8);
+            }
+    }
+
+    TEST_CASE("half a ball at the last x face has its volume on unevenly spaced slices") {
+        const Size size{30, 40, 30};
+        const double radius = 12;
+        std::vector<double> places;
+        for (int z = 0; z < size.nz; ++z) places.push_back(z + 0.45 * std::sin(1.7 * z));
+        const glm::dvec3 centre(size.nx - 1, 19.5, 15);
+        Volume volume = make_volume(size, Scalar::float32, [&](int x, int y, int z) {
+            return 100 - glm::distance({x, y, places[static_cast<std::size_t>(z)]}, centre);
+        });
+        volume.shape.slice_places = places;
+        double enclosed = 0;
+        for (const SlabMesh& mesh : extract_all(volume, 100 - radius))
+            enclosed += mesh.counts.volume_mm3;
+        CHECK(enclosed == doctest::Approx(2 * pi / 3 * std::pow(radius, 3)).epsilon(0.01));
+    }
+
+    TEST_CASE("slices said to lie where they would lie anyway change no bit") {
+        const Size size{20, 18, 16};
+        Volume volume = make_volume(size, Scalar::int16, [](int x, int y, int z) {
+            return 100 + 90 * std::sin(0.7 * x) * std::cos(0.5 * y) * std::sin(0.6 * z);
+        });
+        const auto plain = extract_all(volume, 120);
+        for (int z = 0; z < size.nz; ++z) volume.shape.slice_places.push_back(z);
+        const auto placed = extract_all(volume, 120);
+        for (std::size_t s = 0; s < plain.size(); ++s) {
+            REQUIRE(plain[s].vertices.size() == placed[s].vertices.size());
+            CHECK(std::memcmp(plain[s].vertices.data(), placed[s].vertices.data(),
+                              plain[s].vertices.size() * sizeof(Vertex)) == 0);
+            CHECK(plain[s].counts.area_mm2 == placed[s].counts.area_mm2);
+            CHECK(plain[s].counts.volume_mm3 == placed[s].counts.volume_mm3);
+        }
+    }
+
     TEST_CASE("a torus has one hole, its area and its volume") {
         const Size size{64, 64, 24};
         const double ring_mm = 20, tube_mm = 7;

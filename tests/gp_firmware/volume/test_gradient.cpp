@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "gp_firmware/volume/gradient.hpp"
+#include "gp_firmware/volume/voxel_gradient.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
 
 using namespace pxpl5::gp;
@@ -62,6 +63,26 @@ TEST_SUITE("gp/gradient") {
         CHECK(gradients[5 + 2] == Gradient{8192, 0, 0});
         CHECK(gradients[5 + 4] == Gradient{8192, 0, 0});
         CHECK(gradients[2] == Gradient{8192, 0, 0});
+    }
+
+    TEST_CASE("a gradient estimated by itself has the bits of the whole slice's") {
+        std::mt19937 random(pxpl5::test::seed_or(20));
+        for (const Scalar type : {Scalar::uint8, Scalar::int16, Scalar::uint16, Scalar::float32})
+            for (const double top : {200.0, 30000.0}) {
+                const auto volume = make_volume({7, 5, 4}, type, [&](int, int, int) {
+                    return std::uniform_real_distribution<>(0, std::min(top, 255.0))(random) *
+                           (type == Scalar::uint8 ? 1 : top / 200);
+                });
+                const Gp gp(volume, {0, 1});
+                for (int z = 0; z < volume.shape.nz; ++z) {
+                    const auto& whole = gp.store.slice(z).gradients;
+                    with_scalar(type, [&]<class T>(T) {
+                        const VoxelGradients<T> single(volume.shape, gp.store.neighbours(z));
+                        for (std::size_t i = 0; i < whole.size(); ++i)
+                            CHECK(single.at(i % 7, i / 7) == whole[i]);
+                    });
+                }
+            }
     }
 
     TEST_CASE("a volume of one value has no gradient") {

@@ -73,12 +73,13 @@ TEST_SUITE("gp/local_memory") {
 
     TEST_CASE("a store stays within its peak while slices arrive, and gives all back") {
         std::mt19937 random(7);
-        const auto volume = make_volume({24, 9, 23}, Scalar::int16, [&](int x, int, int) {
+        auto volume = make_volume({24, 9, 23}, Scalar::int16, [&](int x, int, int) {
             return x < 12 ? 5.0 : static_cast<double>(random() % 100);
         });
         for (const int count : {1, 2, 3, 4, 5, 22, 36})
-            for (int i = 0; i < count; ++i) {
-                const Share share{i, count};
+            for (int n = 0; n < 2 * count; ++n) {
+                const Share share{n / 2, count};
+                volume.shape.slabs_per_set = n % 2 == 0 ? 1 : 3;
                 LocalMemory memory(peak_bytes(volume.shape, share));
                 std::size_t most = 0;
                 {

@@ -38,15 +38,44 @@ TEST_SUITE("gp/slice_store") {
         CHECK(slices_needed(two, {0, 3}) == std::vector<int>{0, 1});
     }
 
+    TEST_CASE("sets of several slabs go round-robin, and share their neighbours' slices") {
+        const VolumeShape shape{4, 4, 12, Scalar::uint8, glm::dmat4(1.0), 0, 1, 3};
+        CHECK(slabs_owned(shape, {0, 2}) == std::vector<int>{0, 1, 2, 6, 7, 8});
+        CHECK(slabs_owned(shape, {1, 2}) == std::vector<int>{3, 4, 5, 9, 10});
+        CHECK(slices_needed(shape, {1, 3}) == std::vector<int>{2, 3, 4, 5, 6, 7});
+        CHECK(slices_needed(shape, {1, 2}) == std::vector<int>{2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
+        CHECK(slices_kept(shape, {1, 3}) == slices_needed(shape, {1, 3}));
+        CHECK(slices_needed(shape, {4, 5}).empty());
+    }
+
     TEST_CASE("each slab belongs to exactly one GP") {
-        const VolumeShape shape{4, 4, 57, Scalar::uint8, glm::dmat4(1.0), 0, 1};
-        for (const int count : {1, 2, 5, 36, 64}) {
-            std::multiset<int> slabs;
-            for (int i = 0; i < count; ++i)
-                for (const int slab : slabs_owned(shape, {i, count})) slabs.insert(slab);
-            CHECK(slabs.size() == 56);
-            CHECK(std::set<int>(slabs.begin(), slabs.end()).size() == 56);
+        VolumeShape shape{4, 4, 57, Scalar::uint8, glm::dmat4(1.0), 0, 1};
+        for (const int count : {1, 2, 5, 36, 64})
+            for (const int slabs_per_set : {1, 2, 7, 100}) {
+                shape.slabs_per_set = slabs_per_set;
+                std::multiset<int> slabs;
+                for (int i = 0; i < count; ++i)
+                    for (const int slab : slabs_owned(shape, {i, count})) slabs.insert(slab);
+                CHECK(slabs.size() == 56);
+                CHECK(std::set<int>(slabs.begin(), slabs.end()).size() == 56);
+            }
+    }
+
+    TEST_CASE("larger sets hold no gradients, but the slices that they come from") {
+        auto volume = noise({9, 5, 17}, Scalar::int16);
+        volume.shape.slabs_per_set = 4;
+        const Gp gp(volume, {1, 3});
+        CHECK(gp.store.complete());
+        CHECK(gp.store.slabs() == std::vector<int>{4, 5, 6, 7});
+        CHECK(gp.store.held() == std::vector<int>{3, 4, 5, 6, 7, 8, 9});
+        std::size_t bytes = 0;
+        for (const int z : gp.store.held()) {
+            CHECK(gp.store.slice(z).gradients.empty());
+            bytes += gp.store.slice(z).values.size();
+            bytes += z >= 4 && z <= 8 ? gp.store.slice(z).rows.size_bytes() : 0;
         }
+        CHECK(gp.memory.used_bytes() == bytes);
+        CHECK(bytes <= peak_bytes(volume.shape, {1, 3}));
     }
 
     TEST_CASE("what is held in the end is the slices of the slabs, each once, with gradients") {

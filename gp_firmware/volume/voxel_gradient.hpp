@@ -1,0 +1,80 @@
+// Gradients of single voxels, where those of all are not held.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+#include "gp_firmware/volume/gradient.hpp"
+#include "gp_firmware/volume/typed.hpp"
+
+namespace pxpl5::gp {
+
+inline constexpr int largest_gradient = std::numeric_limits<std::int16_t>::max();
+
+/// Stores differences unscaled; the clamp acts only if the volume's range was announced wrong.
+struct ExactDifference {
+    template <class T>
+    std::int16_t operator()(T after, T before, int factor) const {
+        const int difference = (static_cast<int>(after) - static_cast<int>(before)) * factor;
+        return static_cast<std::int16_t>(
+            std::clamp(difference, -largest_gradient, largest_gradient));
+    }
+};
+
+struct ScaledDifference {
+    double scale;
+
+    template <class T>
+    std::int16_t operator()(T after, T before, int factor) const {
+        const double difference =
+            (static_cast<double>(after) - static_cast<double>(before)) * factor * scale;
+        if (std::isnan(difference)) return 0;
+        const double limit = largest_gradient;
+        return static_cast<std::int16_t>(std::floor(std::clamp(difference, -limit, limit) + 0.5));
+    }
+};
+
+/// One slice's gradients, estimated one by one: the bits of estimate_gradients().
+template <class T>
+class VoxelGradients {
+  public:
+    VoxelGradients() = default;
+    VoxelGradients(const VolumeShape& shape, const SliceNeighbours& slices)
+        : below_(typed<T>(slices.below)),
+          here_(typed<T>(slices.here)),
+          above_(typed<T>(slices.above)),
+          nx_(shape.nx),
+          ny_(shape.ny),
+          z_factor_(slices.at_end ? 2 : 1),
+          scale_(gradient_scale(shape)) {}
+
+    Gradient at(std::size_t x, std::size_t y) const {
+        if constexpr (std::is_integral_v<T>) {
+            if (scale_ == 1) return differences(x, y, ExactDifference{});
+        }
+        return differences(x, y, ScaledDifference{scale_});
+    }
+
+  private:
+    template <class Store>
+    Gradient differences(std::size_t x, std::size_t y, Store store) const {
+        const std::size_t nx = static_cast<std::size_t>(nx_), i = y * nx + x;
+        const bool x_first = x == 0, x_last = x + 1 == nx;
+        const bool y_first = y == 0, y_last = y + 1 == static_cast<std::size_t>(ny_);
+        return {
+            store(here_[x_last ? i : i + 1], here_[x_first ? i : i - 1], x_first || x_last ? 2 : 1),
+            store(here_[y_last ? i : i + nx], here_[y_first ? i : i - nx],
+                  y_first || y_last ? 2 : 1),
+            store(above_[i], below_[i], z_factor_)};
+    }
+
+    const T *below_ = nullptr, *here_ = nullptr, *above_ = nullptr;
+    int nx_ = 0, ny_ = 0, z_factor_ = 1;
+    double scale_ = 1;
+};
+
+}  // namespace pxpl5::gp
