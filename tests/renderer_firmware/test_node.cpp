@@ -7,6 +7,7 @@
 #include <string>
 
 #include "renderer_firmware/node.hpp"
+#include "ringbus/ranges.hpp"
 #include "tests/renderer_firmware/triangles.hpp"
 
 using namespace pxpl5;
@@ -73,8 +74,9 @@ bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>& assign
     body.draw->specular_power = 1;
     body.draw->background = std::make_unique<schema::Rgb>(10, 20, 30);
     // No lights and full ambient light: a pixel shows its surface's colour.
-    body.draw->surfaces = {{0, 1, schema::Rgb(200, 100, 50), false},
-                           {1, 1, schema::Rgb(1, 2, 3), false}};
+    body.draw->surfaces = {
+        {0, 1, schema::Rgb(200, 100, 50), false, schema::SlabChoice::all, bus::max_opacity},
+        {1, 1, schema::Rgb(1, 2, 3), false, schema::SlabChoice::all, bus::max_opacity}};
     body.assignment = assignment;
     return bus::pack(body);
 }

@@ -266,7 +266,7 @@ TEST_SUITE("why-not") {
     TEST_CASE("what turns its back was culled, if the surface asks for it") {
         Asked asked([](bus::schema::DrawFrameT& draw) {
             auto& s = draw.surfaces[0];
-            s = bus::schema::SurfaceDraw(s.surface(), s.revision(), s.colour(), true);
+            s.mutate_cull_back(true);
         });
         for (int n = 0; n < each;) {
             const TrueTriangle& t = asked.random_triangle();
