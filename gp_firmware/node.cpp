@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "gp_firmware/node_messages.hpp"
-#include "gp_firmware/surface/marching_cubes.hpp"
 
 namespace pxpl5::gp {
 
@@ -16,20 +15,6 @@ namespace {
 namespace schema = bus::schema;
 using bus::NodeFault;
 using schema::FaultCode;
-
-template <typename Duration>
-std::uint64_t to_us(Duration elapsed) {
-    return static_cast<std::uint64_t>(
-        std::chrono::duration_cast<std::chrono::microseconds>(elapsed).count());
-}
-
-std::size_t mesh_bytes(const HeldSurface& surface) {
-    std::size_t bytes = 0;
-    for (const SlabMesh& mesh : surface.slabs) {
-        bytes += size_bytes(mesh);
-    }
-    return bytes;
-}
 
 }  // namespace
 
@@ -59,6 +44,9 @@ void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
                 jobs_.push_back(EndVolume{});
             }
             break;
+        case bus::Body::DropVolume:
+            drop_volume(*message.as<schema::DropVolume>(), out);
+            break;
         case bus::Body::SceneBegin:
             begin_scene(*message.as<schema::SceneBegin>(), out);
             break;
@@ -77,7 +65,14 @@ void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
             jobs_.push_back(Remove{message.as<schema::RemoveSurface>()->surface()});
             break;
         case bus::Body::FetchMesh:
-            jobs_.push_back(Fetch{message.as<schema::FetchMesh>()->surface(), message.source()});
+            jobs_.push_back(Fetch{message.as<schema::FetchMesh>()->surface(), message.source(),
+                                  message.as<schema::FetchMesh>()->origins(), nullptr});
+            break;
+        case bus::Body::MaskSurface:
+            jobs_.push_back(Mask{message});
+            break;
+        case bus::Body::MeasureIsovalues:
+            note_measure(message);
             break;
         case bus::Body::DrawFrame:
             begin_frame(message, out);
@@ -92,21 +87,30 @@ void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
 }
 
 bool GpNode::work(bus::Outbox& out) {
-    if (jobs_.empty()) {
+    const bool measures = jobs_.empty();
+    if (measures && !measuring_) {
         return false;
     }
+    const auto forget = [&] {
+        if (measures) {
+            measuring_.reset();
+        } else {
+            jobs_.pop_front();
+        }
+    };
     // A job that fails is over: what comes behind it goes on.
     bool done = true;
     try {
-        done = std::visit([&](auto& job) { return step(job, out); }, jobs_.front());
+        done = measures ? step(*measuring_, out)
+                        : std::visit([&](auto& job) { return step(job, out); }, jobs_.front());
     } catch (...) {
-        jobs_.pop_front();
+        forget();
         rethrow_as_fault();
     }
     if (done) {
-        jobs_.pop_front();
+        forget();
     }
-    return !jobs_.empty();
+    return !jobs_.empty() || measuring_;
 }
 
 void GpNode::set_machine(const bus::Message& message) {
@@ -131,6 +135,7 @@ void GpNode::set_machine(const bus::Message& message) {
     machine.share = {static_cast<int>(here - machine.gps.begin()),
                      static_cast<int>(machine.gps.size())};
     jobs_.clear();
+    measuring_.reset();
     surfaces_.clear();
     store_.reset();
     memory_.emplace(machine.memory_bytes);
@@ -145,10 +150,10 @@ void GpNode::drop_all(bus::Outbox& out) {
         }
     }
     jobs_.clear();
-    for (const auto& [surface, held] : surfaces_) {
-        memory_->release(mesh_bytes(held));
+    measuring_.reset();
+    while (!surfaces_.empty()) {
+        drop_surface(surfaces_.begin()->first);
     }
-    surfaces_.clear();
     store_.reset();
     scene_ = false;
 }
@@ -161,6 +166,14 @@ void GpNode::begin_volume(const schema::VolumeHeader& header, bus::Outbox& out) 
         store_ = std::make_unique<SliceStore>(shape_of(header), machine_->share, *memory_);
     } catch (const std::exception&) {
         rethrow_as_fault();
+    }
+}
+
+/// Of an older volume than the one that is held there is nothing left to drop.
+void GpNode::drop_volume(const schema::DropVolume& drop, bus::Outbox& out) {
+    if (volume_ == drop.volume()) {
+        drop_all(out);
+        volume_.reset();
     }
 }
 
@@ -219,93 +232,6 @@ bool GpNode::step(EndVolume&, bus::Outbox& out) {
     ready.memory_bytes = memory_->used_bytes();
     ready.elapsed_us = to_us(Clock::now() - volume_since_);
     out.send(bus::host_id, bus::pack(ready));
-    return true;
-}
-
-bool GpNode::step(Extract& job, bus::Outbox& out) {
-    if (!store_->complete()) {
-        throw NodeFault(FaultCode::bad_input,
-                        fmt::format("surface {} was asked for before all slices of volume {} came",
-                                    job.surface, *volume_));
-    }
-    HeldSurface& surface = surfaces_[job.surface];
-    if (job.next_slab == 0) {
-        surface.revision = job.revision;
-        surface.complete = false;
-        surface.slabs.resize(store_->slabs().size());
-    }
-    if (job.next_slab < surface.slabs.size()) {
-        try {
-            extract_next(job, surface);
-        } catch (...) {
-            drop_surface(job.surface);
-            throw;
-        }
-    }
-    if (job.next_slab < surface.slabs.size()) {
-        return false;
-    }
-    surface.complete = true;
-    out.send(bus::host_id, surface_built_message(job.surface, surface, memory_->used_bytes(),
-                                                 to_us(Clock::now() - job.since)));
-    return true;
-}
-
-/// Extracts a slab over the older revision's: there is no room for both.
-void GpNode::extract_next(Extract& job, HeldSurface& surface) {
-    SlabMesh& mesh = surface.slabs[job.next_slab];
-    const std::size_t before = size_bytes(mesh);
-    extract_slab(*store_, store_->slabs()[job.next_slab], job.isovalue, case_table(job.rule), mesh,
-                 machine_->origins);
-    ++job.next_slab;
-    memory_->release(before);
-    try {
-        memory_->charge(size_bytes(mesh), fmt::format("surface {}", job.surface),
-                        memory_advice(job, job.next_slab));
-    } catch (const OutOfLocalMemory&) {
-        mesh = SlabMesh{};  // Not charged for.
-        throw;
-    }
-}
-
-/// The surfaces' bytes on all GPs, as far as this one can tell from its slabs.
-std::string GpNode::memory_advice(const Extract& job, std::size_t slabs_done) const {
-    std::size_t all = 0;
-    for (const auto& [number, held] : surfaces_) {
-        const std::size_t here = mesh_bytes(held);
-        all += number == job.surface ? here * held.slabs.size() / slabs_done : here;
-    }
-    return gp_count_advice(store_->shape(), memory_->size_bytes(),
-                           all * static_cast<std::size_t>(machine_->share.gp_count));
-}
-
-void GpNode::drop_surface(std::uint16_t surface) {
-    const auto held = surfaces_.find(surface);
-    memory_->release(mesh_bytes(held->second));
-    surfaces_.erase(held);
-}
-
-bool GpNode::step(Remove& job, bus::Outbox&) {
-    // One that is not held did not fit: the host knows.
-    if (surfaces_.contains(job.surface)) {
-        drop_surface(job.surface);
-    }
-    return true;
-}
-
-bool GpNode::step(Fetch& job, bus::Outbox& out) {
-    const auto held = surfaces_.find(job.surface);
-    if (scene_) {
-        throw NodeFault(FaultCode::bad_input,
-                        fmt::format("surface {} is to be fetched, but belongs to a scene: it is "
-                                    "no mesh",
-                                    job.surface));
-    }
-    if (held == surfaces_.end()) {
-        throw NodeFault(FaultCode::bad_input,
-                        fmt::format("surface {} is to be fetched, but is not held", job.surface));
-    }
-    out.send(job.to, mesh_part_message(job.surface, held->second));
     return true;
 }
 

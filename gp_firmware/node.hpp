@@ -3,11 +3,14 @@
 //   Topology          --->+------------+
 //   VolumeHeader      --->|            |
 //   Slices, VolumeEnd --->|            |---> VolumeReady     (to the host)
+//   DropVolume        --->|            |
 //   SceneBegin,       --->|            |
 //   ScenePart, SceneEnd-->|            |---> VolumeReady     (to the host)
 //   SetSurface        --->|            |---> SurfaceBuilt    (to the host)
-//   RemoveSurface     --->|     GP     |
+//   RemoveSurface,    --->|     GP     |
+//   MaskSurface       --->|            |
 //   FetchMesh         --->|            |---> MeshPart        (to the host)
+//   MeasureIsovalues  --->|            |---> IsovaluesMeasured  (to the host)
 //   DrawFrame (GP 0)  --->|            |---> BeginFrame      (from GP 0 to all that draw)
 //   BeginFrame        --->|            |---> RegionPrograms  (one to each Renderer)
 //                         +------------+---> Fault           (thrown; the driver sends it)
@@ -26,6 +29,7 @@
 #include <vector>
 
 #include "gp_firmware/hal/local_memory.hpp"
+#include "gp_firmware/node_messages.hpp"
 #include "gp_firmware/render/frame_drawing.hpp"
 #include "gp_firmware/surface/case_tables.hpp"
 #include "gp_firmware/volume/slice_store.hpp"
@@ -36,7 +40,8 @@ namespace pxpl5::gp {
 inline constexpr std::size_t max_jobs = 16384;  ///< Waiting at one GP; what comes then is refused.
 
 /// Work is done in the order in which it was asked for, but a newer revision of a surface takes the
-/// place of older work on it, and a new volume that of all work.
+/// place of older work on it, and a new volume that of all work. Isovalues are measured when there
+/// is nothing else to do.
 class GpNode final : public bus::Node {
   public:
     void receive(const bus::Message& message, bus::Outbox& out) override;
@@ -77,13 +82,27 @@ class GpNode final : public bus::Node {
     struct Fetch {
         std::uint16_t surface = 0;
         bus::NodeId to = 0;
+        bool origins = false;
+        std::unique_ptr<MeshPartBuilder> part;  ///< Null until it has begun.
+        std::size_t next_slab = 0;
+    };
+    struct Mask {
+        bus::Message message;
     };
     struct Draw {
         FrameRequest request;
         bool begun = false;
     };
     using Job =
-        std::variant<TakeSlices, EndVolume, TakePart, EndScene, Extract, Remove, Fetch, Draw>;
+        std::variant<TakeSlices, EndVolume, TakePart, EndScene, Extract, Remove, Fetch, Mask, Draw>;
+
+    /// Isovalues to be measured, slab by slab.
+    struct Measure {
+        std::vector<double> isovalues;
+        CaseRule rule = CaseRule::watertight;
+        bus::NodeId to = 0;
+        std::vector<SlabCounts> counts;  ///< As far as it has come: slab by slab.
+    };
 
     void set_machine(const bus::Message& message);
     void begin_volume(const bus::schema::VolumeHeader& header, bus::Outbox& out);
@@ -92,6 +111,8 @@ class GpNode final : public bus::Node {
     void note_part(const bus::Message& message);
     void drop_all(bus::Outbox& out);
     void note_surface(const bus::schema::SetSurface& set);
+    void note_measure(const bus::Message& message);
+    void drop_volume(const bus::schema::DropVolume& drop, bus::Outbox& out);
     void begin_frame(const bus::Message& message, bus::Outbox& out);
     void note_frame(const bus::schema::BeginFrame& begin);
     FrameRequest request_of(const bus::schema::DrawFrame& draw) const;
@@ -104,11 +125,15 @@ class GpNode final : public bus::Node {
     bool step(Extract& job, bus::Outbox& out);
     bool step(Remove& job, bus::Outbox& out);
     bool step(Fetch& job, bus::Outbox& out);
+    bool step(Mask& job, bus::Outbox& out);
     bool step(Draw& job, bus::Outbox& out);
+    bool step(Measure& job, bus::Outbox& out);
     bool draw_piece(Draw& job, bus::Outbox& out);
 
     void extract_next(Extract& job, HeldSurface& surface);
     void drop_surface(std::uint16_t surface);
+    const HeldSurface& surface_to_fetch(std::uint16_t surface) const;
+    std::span<const Origin> origins_of(const HeldSurface& surface, const SlabMesh& mesh);
     std::string memory_advice(const Extract& job, std::size_t slabs_done) const;
     void send_programs(const FrameRequest& request, bus::Outbox& out);
     void send_nothing(const FrameRequest& request, bus::Outbox& out);
@@ -120,7 +145,9 @@ class GpNode final : public bus::Node {
     bool scene_ = false;  ///< What volume_ counts is a scene.
     Clock::time_point volume_since_;
     Surfaces surfaces_;
+    SlabMesh scratch_;  ///< Grows as slabs are extracted, so that those that are held need not.
     std::deque<Job> jobs_;
+    std::optional<Measure> measuring_;  ///< Behind all jobs.
     FrameDrawing drawing_;
 };
 

@@ -48,34 +48,32 @@ schema::MeshVertex to_wire(const Vertex& v) {
             static_cast<float>(v.normal[2]) / normal_one};
 }
 
-flatbuffers::Offset<schema::SlabMesh> to_wire(flatbuffers::FlatBufferBuilder& builder,
-                                              const SlabMesh& mesh) {
-    schema::MeshVertex* vertices = nullptr;
-    const auto vertices_at =
-        builder.CreateUninitializedVectorOfStructs(mesh.vertices.size(), &vertices);
-    std::ranges::transform(mesh.vertices, vertices, [](const Vertex& v) { return to_wire(v); });
-    const auto keys = builder.CreateVector(mesh.keys);
-    const auto indices = builder.CreateVector(mesh.indices);
-    return schema::CreateSlabMesh(builder, static_cast<std::uint32_t>(mesh.slab), vertices_at, keys,
-                                  indices);
-}
-
 // What a table, a vector and a segment add to the words, with room for alignment.
 constexpr std::size_t message_overhead_bytes = 256, region_overhead_bytes = 64;
+constexpr std::size_t slab_overhead_bytes = 96;
 
 static_assert(sizeof(Origin) == sizeof(schema::Origin) && alignof(Origin) == 2);
 
-/// None if nobody asked for origins. Fields lie as in the message: they are copied as they are.
+/// Fields lie as in the message: they are copied as they are.
 flatbuffers::Offset<flatbuffers::Vector<const schema::Origin*>> origins_to_wire(
     flatbuffers::FlatBufferBuilder& builder, std::span<const Origin> origins) {
-    if (origins.empty()) {
-        return 0;
-    }
     static_assert(FLATBUFFERS_LITTLEENDIAN);
     schema::Origin* out = nullptr;
     const auto at = builder.CreateUninitializedVectorOfStructs(origins.size(), &out);
     std::memcpy(static_cast<void*>(out), origins.data(), origins.size_bytes());
     return at;
+}
+
+/// What a surface's MeshPart takes, at most.
+std::size_t size_bytes(const HeldSurface& held, bool origins) {
+    std::size_t bytes = message_overhead_bytes;
+    for (const SlabMesh& mesh : held.slabs) {
+        bytes += slab_overhead_bytes +
+                 mesh.vertices.size() * (sizeof(schema::MeshVertex) + sizeof(std::uint64_t)) +
+                 mesh.indices.size() * sizeof(std::uint32_t) +
+                 (origins ? mesh.indices.size() / 3 * sizeof(schema::Origin) : 0);
+    }
+    return bytes;
 }
 
 /// A region's program as part of a message. Its words are copied once.
@@ -96,7 +94,7 @@ flatbuffers::Offset<schema::RegionProgram> to_wire(flatbuffers::FlatBufferBuilde
     return schema::CreateRegionProgram(
         builder, static_cast<std::uint16_t>(region), segments_at,
         flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>(words_at),
-        origins_to_wire(builder, program.origins));
+        program.origins.empty() ? 0 : origins_to_wire(builder, program.origins));
 }
 
 /// What a Renderer's message takes, at most.
@@ -121,6 +119,11 @@ void rethrow_as_fault() {
     } catch (const std::invalid_argument& e) {
         throw bus::NodeFault(schema::FaultCode::bad_input, e.what());
     }
+}
+
+std::uint64_t to_us(std::chrono::steady_clock::duration elapsed) {
+    return static_cast<std::uint64_t>(
+        std::chrono::duration_cast<std::chrono::microseconds>(elapsed).count());
 }
 
 std::vector<bus::NodeId> nodes_of(const schema::Topology& topology, schema::Role role) {
@@ -234,14 +237,51 @@ bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& hel
     return bus::pack(built);
 }
 
-bus::Payload mesh_part_message(std::uint16_t surface, const HeldSurface& held) {
-    flatbuffers::FlatBufferBuilder builder;
-    std::vector<flatbuffers::Offset<schema::SlabMesh>> slabs;
-    for (const SlabMesh& mesh : held.slabs) {
-        slabs.push_back(to_wire(builder, mesh));
+MeshPartBuilder::MeshPartBuilder(std::uint16_t surface, const HeldSurface& held, bool origins)
+    : builder_(size_bytes(held, origins)),
+      surface_(surface),
+      revision_(held.revision),
+      origins_(origins) {
+    const std::size_t bytes = size_bytes(held, origins);
+    if (bytes > bus::max_body_bytes) {
+        throw bus::NodeFault(
+            schema::FaultCode::out_of_memory,
+            fmt::format("surface {}: one GP's part of the mesh has {} bytes, a message holds {}; "
+                        "more GPs share it",
+                        surface, bytes, bus::max_body_bytes));
     }
-    const auto slabs_at = builder.CreateVector(slabs);
-    return bus::finish(builder, schema::CreateMeshPart(builder, surface, held.revision, slabs_at));
+}
+
+void MeshPartBuilder::add(const SlabMesh& mesh, std::span<const Origin> origins) {
+    schema::MeshVertex* vertices = nullptr;
+    const auto vertices_at =
+        builder_.CreateUninitializedVectorOfStructs(mesh.vertices.size(), &vertices);
+    std::ranges::transform(mesh.vertices, vertices, [](const Vertex& v) { return to_wire(v); });
+    const auto keys = builder_.CreateVector(mesh.keys);
+    const auto indices = builder_.CreateVector(mesh.indices);
+    slabs_.push_back(schema::CreateSlabMesh(builder_, static_cast<std::uint32_t>(mesh.slab),
+                                            vertices_at, keys, indices,
+                                            origins_ ? origins_to_wire(builder_, origins) : 0));
+}
+
+bus::Payload MeshPartBuilder::finish() {
+    const auto slabs = builder_.CreateVector(slabs_);
+    return bus::finish(builder_, schema::CreateMeshPart(builder_, surface_, revision_, slabs));
+}
+
+bus::Payload isovalues_measured_message(const std::vector<int>& slabs,
+                                        std::span<const SlabCounts> counts) {
+    schema::IsovaluesMeasuredT measured;
+    const std::size_t isovalues = slabs.empty() ? 0 : counts.size() / slabs.size();
+    for (std::size_t s = 0; s < slabs.size(); ++s) {
+        auto curve = std::make_unique<schema::SlabCurveT>();
+        curve->slab = static_cast<std::uint32_t>(slabs[s]);
+        for (const SlabCounts& c : counts.subspan(s * isovalues, isovalues)) {
+            curve->counts.emplace_back(c.triangles, c.area_mm2, c.volume_mm3);
+        }
+        measured.slabs.push_back(std::move(curve));
+    }
+    return bus::pack(measured);
 }
 
 std::vector<bus::Payload> programs_messages(const FrameRequest& request, std::uint16_t gp_index,

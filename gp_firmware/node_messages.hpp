@@ -1,6 +1,7 @@
 // Between the ring's messages and the stages' plain data.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -14,6 +15,9 @@ namespace pxpl5::gp {
 
 /// Throws what a stage has thrown as what the bus knows: call it where an exception is caught.
 [[noreturn]] void rethrow_as_fault();
+
+/// As messages state it.
+std::uint64_t to_us(std::chrono::steady_clock::duration elapsed);
 
 /// Ids of all nodes of one role, by index.
 std::vector<bus::NodeId> nodes_of(const bus::schema::Topology& topology, bus::schema::Role role);
@@ -35,7 +39,28 @@ SlabMesh slab_mesh_of(const bus::schema::ScenePart& part);
 bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& held,
                                    std::size_t memory_bytes, std::uint64_t elapsed_us);
 
-bus::Payload mesh_part_message(std::uint16_t surface, const HeldSurface& held);
+/// A MeshPart, put together slab by slab.
+class MeshPartBuilder {
+  public:
+    /// origins  Whether add() will be given any.
+    /// Throws   bus::NodeFault if the surface is larger than a message may be.
+    MeshPartBuilder(std::uint16_t surface, const HeldSurface& held, bool origins);
+    /// origins  Of each triangle, if they are asked for.
+    void add(const SlabMesh& mesh, std::span<const Origin> origins);
+    bus::Payload finish();
+
+  private:
+    flatbuffers::FlatBufferBuilder builder_;
+    std::vector<flatbuffers::Offset<bus::schema::SlabMesh>> slabs_;
+    std::uint16_t surface_;
+    std::uint32_t revision_;
+    bool origins_;
+};
+
+/// slabs   Ascending.
+/// counts  Of each slab, of each isovalue.
+bus::Payload isovalues_measured_message(const std::vector<int>& slabs,
+                                        std::span<const SlabCounts> counts);
 
 /// One RegionPrograms for each Renderer, with those of its regions that have words.
 /// Throws bus::NodeFault if a Renderer's part is larger than a message may be.

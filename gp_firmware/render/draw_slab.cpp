@@ -91,6 +91,10 @@ std::uint32_t draw_triangle(const ScreenVertex& a, const ScreenVertex& b, const 
     return emitted;
 }
 
+bool is_hidden(std::span<const std::uint8_t> hidden, std::size_t triangle) {
+    return !hidden.empty() && (hidden[triangle / 8] >> triangle % 8 & 1) != 0;
+}
+
 }  // namespace
 
 DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const RegionGrid& grid,
@@ -105,6 +109,9 @@ DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const R
     counts.triangles_in = static_cast<std::uint32_t>(mesh.indices.size() / 3);
     const bool origins = programs.keeps_origins() && !mesh.origins.empty();
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        if (is_hidden(style.hidden, i / 3)) {
+            continue;
+        }
         const std::uint32_t* index = &mesh.indices[i];
         const ScreenVertex& a = scratch.vertices[index[0]];
         const ScreenVertex& b = scratch.vertices[index[1]];

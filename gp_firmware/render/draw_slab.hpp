@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "gp_firmware/geometry/bin.hpp"
@@ -18,6 +19,8 @@ inline constexpr std::size_t max_surfaces = 255;  ///< Of one frame: the pixel h
 struct SurfaceStyle {
     std::uint16_t index = 0;  ///< In the frame's list; the pixel's surface field is index + 1.
     bool cull_back = false;   ///< Leaves out triangles that turn their back to the eye.
+    /// Of the slab that is drawn: bit t % 8 of byte t / 8 hides triangle t; empty hides none.
+    std::span<const std::uint8_t> hidden{};
 };
 
 /// Buffers kept from slab to slab, so that drawing allocates nothing.

@@ -55,18 +55,22 @@ bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
     const std::size_t enough = counts_.triangles_in + triangle_count;
     for (; next_surface_ < wanted_.size(); ++next_surface_, next_slab_ = 0) {
         const SurfaceWanted& wanted = wanted_[next_surface_];
-        const std::vector<SlabMesh>& slabs = surfaces.at(wanted.surface).slabs;
-        const auto index = static_cast<std::uint16_t>(next_surface_);
+        const HeldSurface& held = surfaces.at(wanted.surface);
+        const std::vector<SlabMesh>& slabs = held.slabs;
+        SurfaceStyle style{static_cast<std::uint16_t>(next_surface_), wanted.cull_back};
         for (; next_slab_ < slabs.size(); ++next_slab_) {
             if (counts_.triangles_in >= enough) {
                 return true;
             }
             const SlabMesh& mesh = slabs[next_slab_];
-            programs_.begin_slab(index, static_cast<std::uint32_t>(mesh.slab));
+            programs_.begin_slab(style.index, static_cast<std::uint32_t>(mesh.slab));
+            if (!held.hidden.empty()) {
+                style.hidden = held.hidden[next_slab_];
+            }
             counts_.triangles_in += static_cast<std::uint32_t>(
                 mesh.indices.size() / 3 + mesh.spheres.size() + mesh.lines.size());
             for (const Eye& eye : eyes_) {
-                draw_for(eye, mesh, {index, wanted.cull_back});
+                draw_for(eye, mesh, style);
             }
         }
     }

@@ -11,6 +11,7 @@
 #include "gp_firmware/geometry/transform.hpp"
 #include "gp_firmware/render/draw_slab.hpp"
 #include "gp_firmware/render/region_programs.hpp"
+#include "gp_firmware/surface/case_tables.hpp"
 #include "gp_firmware/surface/mesh.hpp"
 
 namespace pxpl5::gp {
@@ -18,8 +19,12 @@ namespace pxpl5::gp {
 /// One surface, as far as this GP's slabs go.
 struct HeldSurface {
     std::uint32_t revision = 0;
+    double isovalue = 0;  ///< Of this revision, as is the rule.
+    CaseRule rule = CaseRule::watertight;
     bool complete = false;        ///< All slabs have been extracted.
     std::vector<SlabMesh> slabs;  ///< Ascending.
+    /// Of each slab, as SurfaceStyle::hidden; empty if the surface has no mask.
+    std::vector<std::vector<std::uint8_t>> hidden;
 };
 
 using Surfaces = std::map<std::uint16_t, HeldSurface>;
