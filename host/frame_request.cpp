@@ -4,8 +4,6 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
-#include "ringbus/ranges.hpp"
-
 namespace pxpl5::host {
 
 namespace {
@@ -35,10 +33,8 @@ schema::Light to_wire(const Light& light) {
     return {direction, static_cast<float>(light.intensity)};
 }
 
-/// One eye. Sizes are positive, so the aspect is defined.
 std::unique_ptr<schema::ViewT> view_of(const Scene& scene, const Stage& stage) {
-    const double aspect = static_cast<double>(scene.size.width) / scene.size.height;
-    const CameraMatrices camera = camera_matrices(scene.camera, stage.subject, aspect);
+    const CameraMatrices camera = matrices_of(scene, stage);
     auto view = std::make_unique<schema::ViewT>();
     view->voxel_to_eye =
         std::make_unique<schema::Matrix>(to_wire(camera.patient_to_eye * stage.voxel_to_patient));
@@ -46,10 +42,38 @@ std::unique_ptr<schema::ViewT> view_of(const Scene& scene, const Stage& stage) {
     return view;
 }
 
+/// A plane of the patient as one of the grid: n.(M p) + d = (n M).p + d.
+schema::ClipPlane to_wire(const glm::dvec4& plane_mm, const glm::dmat4& voxel_to_patient) {
+    const glm::dvec4 plane = plane_mm * voxel_to_patient;
+    return {static_cast<float>(plane.x), static_cast<float>(plane.y), static_cast<float>(plane.z),
+            static_cast<float>(plane.w)};
+}
+
 }  // namespace
 
+CameraMatrices matrices_of(const Scene& scene, const Stage& stage) {
+    const double aspect = static_cast<double>(scene.size.width) / scene.size.height;
+    return camera_matrices(scene.camera, stage.subject, aspect);
+}
+
+std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage) {
+    std::vector<DrawnSurface> drawn;
+    for (const Surface& surface : stage.surfaces) {
+        if (!surface.visible) {
+            continue;
+        }
+        if (!scene.tint_gaps || !stage.has_gaps) {
+            drawn.push_back({&surface, schema::SlabChoice::all, surface.colour});
+            continue;
+        }
+        drawn.push_back({&surface, schema::SlabChoice::outside_gaps, surface.colour});
+        drawn.push_back({&surface, schema::SlabChoice::in_gaps, scene.gap_colour});
+    }
+    return drawn;
+}
+
 bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t frame,
-                           std::span<const std::uint64_t> region_costs) {
+                           std::span<const std::uint64_t> region_costs, ReadBack read_back) {
     schema::DrawFrameT draw;
     draw.frame = frame;
     draw.width = static_cast<std::uint32_t>(scene.size.width);
@@ -62,11 +86,16 @@ bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t
     draw.specular = static_cast<float>(scene.material.specular);
     draw.specular_power = scene.material.specular_power;
     draw.background = std::make_unique<schema::Rgb>(to_wire(scene.background));
-    for (const Surface& surface : stage.surfaces) {
-        draw.surfaces.push_back(schema::SurfaceDraw(surface.id, surface.revision,
-                                                    to_wire(surface.colour), surface.cull_back,
-                                                    schema::SlabChoice::all, bus::max_opacity));
+    for (const DrawnSurface& drawn : drawn_surfaces(scene, stage)) {
+        const Surface& surface = *drawn.surface;
+        draw.surfaces.push_back(schema::SurfaceDraw(
+            surface.id, surface.revision, to_wire(drawn.colour), surface.cull_back, drawn.slabs,
+            static_cast<std::uint8_t>(surface.opacity)));
     }
+    for (const glm::dvec4& plane : scene.clip_planes) {
+        draw.clip_planes.push_back(to_wire(plane, stage.voxel_to_patient));
+    }
+    draw.read_depths = read_back == ReadBack::pixels_and_depths;
     draw.read_back = true;
     draw.region_costs.assign(region_costs.begin(), region_costs.end());
     return bus::pack(draw);

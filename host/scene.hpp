@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,10 +18,24 @@ inline constexpr std::size_t max_surfaces = 16;
 inline constexpr std::size_t max_lights = 4;
 inline constexpr int max_picture_px = 4096;
 inline constexpr double max_specular_power = 128;
+inline constexpr int opaque = 16;  ///< Sixteenths.
 
 enum class CaseTable : std::uint8_t { watertight, lorensen1987, asymptotic };
 inline constexpr std::array<std::string_view, 3> case_table_names = {"watertight", "lorensen1987",
                                                                      "asymptotic"};
+
+/// Which connected components of a surface are drawn.
+struct ComponentFilter {
+    enum class Kind : std::uint8_t {
+        all,
+        largest,       ///< By area.
+        at_least_mm2,  ///< Of area.
+        at_point       ///< The nearest to a point.
+    };
+    Kind kind = Kind::all;
+    double least_mm2 = 0;
+    glm::dvec3 p_mm{0};  ///< Patient, LPS.
+};
 
 struct Surface {
     std::string name;
@@ -29,6 +45,9 @@ struct Surface {
     CaseTable table = CaseTable::watertight;
     Colour colour{236, 226, 200};
     bool cull_back = false;  ///< Triangles that turn their back are not drawn.
+    bool visible = true;
+    int opacity = opaque;  ///< Sixteenths of the pixels that show it; 1..16.
+    ComponentFilter components;
 };
 
 /// Directional light as seen by the viewer.
@@ -51,6 +70,11 @@ struct Scene {
     Colour background{18, 22, 30};
     Size size{512, 512};
     std::vector<Surface> surfaces;  ///< In drawing order.
+    /// Kept is what lies on the positive side of all: (normal, offset) in patient millimetres.
+    std::vector<glm::dvec4> clip_planes;
+    bool tint_gaps = false;  ///< Surfaces across missing slices are drawn in gap_colour.
+    Colour gap_colour{226, 84, 62};
+    bool overlay = true;  ///< Pictures in files carry orientation letters and a scale bar.
 };
 
 }  // namespace pxpl5::host

@@ -114,23 +114,31 @@ class Session {
         std::vector<Surface> surfaces;  ///< One for each material.
     };
 
+    /// Takes a GP's message and says whether it answers the request under way.
+    using Answer = std::function<bool(const bus::Message&)>;
+
     LoadReport load_archive(const std::string& source);
     Stage stage() const;
     void on_message(const bus::Message& message);
     void on_fault(const bus::schema::Fault& fault);
     void on_answer(const bus::Message& message);
     void on_frame_done(const bus::schema::FrameDone& done);
-    void on_surface_built(const bus::schema::SurfaceBuilt& built);
     /// Pumps until `done`; then throws the first fault that came meanwhile, if any.
     void wait(const std::string& what, const std::function<bool()>& done);
-    /// Waits until every GP has answered what begin_request() announced. A fault is an answer too,
-    /// so that none is left over for the next request.
+    /// Sends `request` to every GP and waits until each has answered.
+    void ask_gps(const std::string& what, const bus::Payload& request, Answer answer);
+    void begin_request(Answer answer);
+    /// Of VolumeReady for the current volume or scene.
+    void begin_volume_request();
+    /// Waits until every GP has answered what begin_request() announced.
     void wait_for_gps(const std::string& what);
-    void begin_request() { answered_.clear(); }
     void give_up_frames();
     /// What to add to a fault's text: where its traces are, if there are any.
     std::string traces_of_fault();
     Surface& find_surface(const std::string& name);
+    /// Hands each GP's part of the surface's mesh to `take`, in any order.
+    void fetch_mesh(const std::string& name, bool origins,
+                    const std::function<void(const bus::schema::MeshPart&)>& take);
     void submit_frame();
     Picture take_frame();  ///< The oldest frame under way.
     /// Starts the io process, sends `request` to it and waits until `done`, then lets it go.
@@ -144,9 +152,8 @@ class Session {
     std::uint16_t next_surface_id_ = 0;
     std::uint32_t next_frame_ = 0;
     std::set<bus::NodeId> answered_;  ///< GPs that have answered the request under way.
+    Answer answer_;
     std::int64_t memory_bytes_ = 0;
-    std::vector<bus::schema::SlabCounts> slab_counts_;
-    const Surface* building_ = nullptr;
     std::map<std::string, SurfaceReport, std::less<>> reports_;
     std::deque<PendingFrame> pending_;
     std::deque<Picture> finished_;
@@ -155,8 +162,6 @@ class Session {
     std::optional<VolumeReceiver> receiver_;
     std::optional<Volume> received_;
     bool io_done_ = false;
-    std::map<std::uint32_t, std::uint64_t> slab_digests_;
-    const Surface* fetching_ = nullptr;
     std::optional<std::string> fault_;
     bool fault_is_ours_ = false;  ///< And not the user's: its traces are of interest.
 };

@@ -44,8 +44,7 @@ LoadReport Session::load_archive(const std::string& source) {
         ids.push_back(surface.id);
     }
     ++volume_id_;
-    begin_request();
-    memory_bytes_ = 0;
+    begin_volume_request();
     const std::vector<bus::NodeId>& gps = machine_.gp_ids();
     for (const bus::NodeId gp : gps) {
         machine_.send(gp, phigs::scene_begin(volume_id_, ids));

@@ -53,6 +53,18 @@ Volume Session::read(const std::string& source) {
     return std::move(*received_);
 }
 
+void Session::begin_volume_request() {
+    memory_bytes_ = 0;
+    begin_request([this](const bus::Message& message) {
+        const auto* ready = message.as<schema::VolumeReady>();
+        if (ready == nullptr || ready->volume() != volume_id_) {
+            return false;
+        }
+        memory_bytes_ += static_cast<std::int64_t>(ready->memory_bytes());
+        return true;
+    });
+}
+
 LoadReport Session::load(const std::string& source) {
     if (phigs::is_archive(source)) {
         return load_archive(source);
@@ -69,8 +81,7 @@ LoadReport Session::load(const std::string& source) {
     archive_.reset();
     volume_ = std::move(volume);
     ++volume_id_;
-    begin_request();
-    memory_bytes_ = 0;
+    begin_volume_request();
     const std::vector<bus::NodeId>& gps = machine_.gp_ids();
     const bus::Payload header = volume_header(*volume_, volume_id_);
     for (std::size_t i = 0; i < gps.size(); ++i) {

@@ -1,0 +1,98 @@
+// What a session does with frames: asks for them, two in flight, and takes them.
+#include <utility>
+
+#include "host/error.hpp"
+#include "host/scene_transfer.hpp"
+#include "host/session.hpp"
+#include "host/stopwatch.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+namespace schema = bus::schema;
+
+/// GPs prepare one frame while Renderers draw the other.
+constexpr std::size_t frames_in_flight = 2;
+
+}  // namespace
+
+Stage Session::stage() const {
+    if (archive_) {
+        return {archive_->surfaces, phigs::scene_subject(), glm::dmat4(1.0), false};
+    }
+    const Volume& held = volume();
+    return {scene.surfaces, subject_of(held.nx, held.ny, held.nz, held.voxel_to_patient),
+            held.voxel_to_patient, !held.gap_slabs.empty()};
+}
+
+void Session::submit_frame() {
+    const bus::Payload request = frame_request(scene, stage(), next_frame_, region_costs_);
+    pending_.push_back({next_frame_++, now_ns()});
+    machine_.send(machine_.gp_ids().front(), request);
+}
+
+void Session::on_frame_done(const schema::FrameDone& done) {
+    if (pending_.empty() || done.frame() != pending_.front().frame || done.pixels() == nullptr) {
+        return;  // A frame that was given up after a fault.
+    }
+    last_frame_ = {done.frame(), static_cast<std::int64_t>(done.instructions()), 0,
+                   ms_since(pending_.front().started_ns)};
+    region_costs_.assign(done.region_cycles()->begin(), done.region_cycles()->end());
+    for (const std::uint64_t cycles : region_costs_) {
+        last_frame_.renderer_cycles += static_cast<std::int64_t>(cycles);
+    }
+    Picture picture{static_cast<int>(done.width()),
+                    static_cast<int>(done.height() * done.views()),
+                    {done.pixels()->begin(), done.pixels()->end()}};
+    finished_.push_back(std::move(picture));
+    pending_.pop_front();
+}
+
+void Session::give_up_frames() {
+    pending_.clear();
+    finished_.clear();
+}
+
+Picture Session::take_frame() {
+    try {
+        wait("frame", [this] { return !finished_.empty() || fault_.has_value(); });
+    } catch (...) {
+        give_up_frames();  // What still comes of them is not what is asked for next.
+        throw;
+    }
+    Picture picture = std::move(finished_.front());
+    finished_.pop_front();
+    return picture;
+}
+
+Picture Session::draw() {
+    submit_frame();
+    return take_frame();
+}
+
+OrbitReport Session::orbit(int frames, const std::function<void(int, const Picture&)>& take) {
+    // Whatever `take` throws, the camera is where it was and no frame of the orbit is left over.
+    struct Restore {
+        Session& session;
+        const Camera before = session.scene.camera;
+        ~Restore() {
+            session.scene.camera = before;
+            session.give_up_frames();
+        }
+    };
+    const Restore restore{*this};
+    const std::int64_t start_ns = now_ns();
+    for (int submitted = 0, taken = 0; taken < frames; ++taken) {
+        for (; submitted < frames && pending_.size() + finished_.size() < frames_in_flight;
+             ++submitted) {
+            scene.camera.angles.azimuth_deg =
+                restore.before.angles.azimuth_deg + 360.0 * submitted / frames;
+            submit_frame();
+        }
+        take(taken, take_frame());
+    }
+    return {frames, ms_since(start_ns)};
+}
+
+}  // namespace pxpl5::host
