@@ -36,7 +36,8 @@ def may_use_messages(path: pathlib.PurePath) -> bool:
     if parts[0] in {"ringbus", "tests"} or _is_node_or_main(path):
         return True
     return parts[0] == "host" and (
-        len(parts) == 2 or parts[1] in {"machine", "io", "frame_buffer", "session", "inspect"})
+        len(parts) == 2 or parts[1] in {"machine", "io", "frame_buffer", "session", "surface",
+                                     "inspect"})
 
 
 def _layer_error(path: pathlib.PurePath, included: str) -> str:

@@ -1,0 +1,149 @@
+#include <fmt/core.h>
+
+#include "host/surface/certificate.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr std::size_t max_defects_in_text = 8;
+constexpr double mm3_per_ml = 1000;
+
+constexpr std::array<std::string_view, defect_kinds> kind_names = {
+    "open_edge",     "overfull_edge",     "misoriented_edge",  "pinched_vertex",
+    "unused_vertex", "repeated_triangle", "collapsed_triangle"};
+
+constexpr std::array<std::string_view, defect_kinds> kind_meanings = {
+    "open edges off the volume's border",
+    "edges with three triangles or more",
+    "edges whose two triangles run the same way",
+    "vertices with more than one fan of triangles",
+    "vertices of no triangle",
+    "triangles that repeat another's vertices",
+    "triangles with a vertex twice"};
+
+std::string closed_words(const Certificate& c) {
+    if (!c.closed_but_for_border()) {
+        return fmt::format("not closed: {} {} ({} {} off the volume's border)", c.holes,
+                           c.holes == 1 ? "hole" : "holes", c.count(DefectKind::open_edge),
+                           c.count(DefectKind::open_edge) == 1 ? "open edge" : "open edges");
+    }
+    return c.border_edges == 0
+               ? "closed"
+               : fmt::format("closed but for the volume's border ({} edges there)", c.border_edges);
+}
+
+std::string defect_text(const Defect& defect) {
+    std::string text = fmt::format("{} at {:.2f} {:.2f} {:.2f} mm", name_of(defect.kind),
+                                   defect.p_mm.x, defect.p_mm.y, defect.p_mm.z);
+    if (defect.cell) {
+        text += fmt::format(", cell {} {} {} case {}", defect.cell->i, defect.cell->j,
+                            defect.cell->k, defect.cell->inside);
+    }
+    return text;
+}
+
+std::string defects_text(const Certificate& c) {
+    std::string text;
+    for (std::size_t kind = 0; kind < defect_kinds; ++kind) {
+        if (c.defect_counts[kind] == 0) continue;
+        text += fmt::format("\n  {} {}", c.defect_counts[kind], kind_meanings[kind]);
+        std::size_t listed = 0;
+        for (const Defect& defect : c.defects) {
+            if (static_cast<std::size_t>(defect.kind) != kind) continue;
+            if (listed++ == max_defects_in_text) {
+                text += "\n    ...";
+                break;
+            }
+            text += "\n    " + defect_text(defect);
+        }
+    }
+    return text;
+}
+
+std::vector<double> list(glm::dvec3 v) {
+    return {v.x, v.y, v.z};
+}
+
+Fields defect_fields(const Defect& defect) {
+    Fields fields = {{"kind", std::string(name_of(defect.kind))}, {"p_mm", list(defect.p_mm)}};
+    if (defect.cell) {
+        fields.push_back(
+            {"cell", std::vector<double>{double(defect.cell->i), double(defect.cell->j),
+                                         double(defect.cell->k)}});
+        fields.push_back({"case", std::int64_t{defect.cell->inside}});
+    }
+    return fields;
+}
+
+Fields certificate_fields(const Certificate& c, std::string_view name) {
+    Fields fields = {{"surface", std::string(name)},
+                     {"closed", c.closed()},
+                     {"closed_but_for_border", c.closed_but_for_border()},
+                     {"manifold", c.manifold()},
+                     {"oriented", c.oriented()},
+                     {"triangles", c.triangles},
+                     {"vertices", c.vertices},
+                     {"edges", c.edges},
+                     {"euler", c.euler()},
+                     {"components", c.components},
+                     {"border_edges", c.border_edges},
+                     {"open_edges", c.count(DefectKind::open_edge)},
+                     {"holes", c.holes},
+                     {"degenerate", c.degenerate},
+                     {"slivers", c.slivers},
+                     {"area_mm2", c.area_mm2},
+                     {"volume_ml", c.volume_mm3 / mm3_per_ml}};
+    if (const auto genus = c.genus()) fields.push_back({"genus", *genus});
+    if (!c.bounds_mm.empty) {
+        fields.push_back({"low_mm", list(c.bounds_mm.low)});
+        fields.push_back({"high_mm", list(c.bounds_mm.high)});
+    }
+    Fields counts;
+    for (std::size_t kind = 0; kind < defect_kinds; ++kind) {
+        counts.push_back({std::string(kind_names[kind]), c.defect_counts[kind]});
+    }
+    fields.push_back({"defect_counts", std::move(counts)});
+    std::vector<Fields> defects;
+    for (const Defect& defect : c.defects) defects.push_back(defect_fields(defect));
+    fields.push_back({"defects", std::move(defects)});
+    return fields;
+}
+
+}  // namespace
+
+std::string_view name_of(DefectKind kind) {
+    return kind_names[static_cast<std::size_t>(kind)];
+}
+
+Reply certificate_reply(const Certificate& c, std::string_view name) {
+    Reply reply;
+    reply.fields = certificate_fields(c, name);
+    if (c.triangles == 0) {
+        reply.text = fmt::format("{}: no triangles", name);
+        return reply;
+    }
+    reply.text = fmt::format("{}: {}, {}, {}", name, closed_words(c),
+                             c.manifold() ? "manifold" : "not manifold",
+                             c.oriented() ? "oriented" : "not consistently oriented");
+    reply.text += fmt::format("\n  {} triangles, {} vertices, {} edges; Euler number {}; {} {}",
+                              c.triangles, c.vertices, c.edges, c.euler(), c.components,
+                              c.components == 1 ? "component" : "components");
+    if (const auto genus = c.genus()) reply.text += fmt::format("; genus {}", *genus);
+    reply.text +=
+        fmt::format("\n  area {:.1f} mm2, enclosed volume {}", c.area_mm2,
+                    c.closed_but_for_border() ? fmt::format("{:.3f} ml", c.volume_mm3 / mm3_per_ml)
+                                              : "not defined: the surface has holes");
+    if (c.closed_but_for_border() && c.border_edges > 0) {
+        reply.text += " (closed by the volume's faces)";
+    }
+    const glm::dvec3 &low = c.bounds_mm.low, &high = c.bounds_mm.high;
+    reply.text += fmt::format("\n  {:.2f} .. {:.2f}, {:.2f} .. {:.2f}, {:.2f} .. {:.2f} mm (LPS)",
+                              low.x, high.x, low.y, high.y, low.z, high.z);
+    reply.text += fmt::format("\n  {} triangles of no area, {} with an angle below {:g} degree",
+                              c.degenerate, c.slivers, sliver_angle_deg);
+    reply.text += defects_text(c);
+    return reply;
+}
+
+}  // namespace pxpl5::host

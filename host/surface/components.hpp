@@ -1,0 +1,61 @@
+// A surface taken apart into what hangs together.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "host/surface/volume_grid.hpp"
+#include "host/surface/welded_mesh.hpp"
+
+namespace pxpl5::host {
+
+/// Triangles that hang together over edges.
+struct MeshComponent {
+    std::size_t first_triangle = 0;  ///< The lowest.
+    std::size_t triangles = 0;
+    double area_mm2 = 0;
+    /// Of what is on the component's inner side: if closed the plain divergence sum, which is
+    /// negative for a cavity; if open only at the volume's border, closed by the volume's own
+    /// faces; none if it has holes.
+    std::optional<double> volume_mm3;
+    bool closed = false;
+    BoxMm bounds_mm;
+    glm::dvec3 centre_mm{0};  ///< Of its area.
+};
+
+struct MeshComponents {
+    std::vector<MeshComponent> components;  ///< Most triangles first; of equals the lower triangle.
+    std::vector<std::uint32_t> of_triangle;
+};
+
+MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid);
+
+/// Per triangle: 1 if it is shown.
+using Shown = std::vector<std::uint8_t>;
+
+/// The component of that number alone; 0 is the largest. Throws RequestError naming how many there
+/// are.
+Shown show_component(const MeshComponents& parts, std::size_t component);
+
+enum class ComponentMeasure : std::uint8_t { triangles, area_mm2, volume_ml };
+/// The components of at least `least`; volumes count without their sign, open ones as none.
+Shown show_at_least(const MeshComponents& parts, ComponentMeasure measure, double least);
+std::size_t count_at_least(const MeshComponents& parts, ComponentMeasure measure, double least);
+
+/// A point of the surface.
+struct SurfacePoint {
+    std::size_t triangle = 0;
+    glm::dvec3 p_mm{0};
+    double distance_mm = 0;
+};
+/// The surface's point that is nearest; of equals that of the lowest triangle. None if the mesh is
+/// empty.
+std::optional<SurfacePoint> nearest_point(const WeldedMesh& mesh, const VolumeGrid& grid,
+                                          glm::dvec3 p_mm);
+
+/// The shown triangles as a mesh of their own, without vertices that none of them has. Slabs stay,
+/// empty ones too.
+WeldedMesh shown_part(const WeldedMesh& mesh, const Shown& shown);
+
+}  // namespace pxpl5::host
