@@ -73,7 +73,7 @@ void GpNode::note_frame(const schema::BeginFrame& begin) {
 }
 
 FrameRequest GpNode::request_of(const schema::DrawFrame& draw) const {
-    return frame_request(draw, store_ ? store_->shape().voxel_to_patient : glm::dmat4(1.0));
+    return frame_request(draw, store_ ? store_->shape() : VolumeShape());
 }
 
 bool GpNode::step(Draw& job, bus::Outbox& out) {

@@ -160,14 +160,15 @@ VolumeShape shape_of(const schema::VolumeHeader& header) {
     return shape;
 }
 
-FrameRequest frame_request(const schema::DrawFrame& draw, const glm::dmat4& voxel_to_patient) {
+FrameRequest frame_request(const schema::DrawFrame& draw, const VolumeShape& shape) {
     FrameRequest request;
     request.frame = draw.frame();
+    request.gap_slabs = shape.gap_slabs;
     for (const auto* view : *draw.views()) {
         Camera& camera = request.views.emplace_back();
         camera.voxel_to_eye = matrix_of(*view->voxel_to_eye());
         camera.projection = matrix_of(*view->projection());
-        camera.voxel_to_patient = voxel_to_patient;
+        camera.voxel_to_patient = shape.voxel_to_patient;
         camera.width_px = static_cast<int>(draw.width());
         camera.height_px = static_cast<int>(draw.height());
         if (draw.clip_planes() != nullptr) {
@@ -177,7 +178,8 @@ FrameRequest frame_request(const schema::DrawFrame& draw, const glm::dmat4& voxe
         }
     }
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
-        request.surfaces.push_back({surface->surface(), surface->revision(), surface->cull_back()});
+        request.surfaces.push_back({surface->surface(), surface->revision(), surface->cull_back(),
+                                    static_cast<SlabChoice>(surface->slabs())});
     }
     return request;
 }

@@ -25,7 +25,8 @@ std::vector<bus::NodeId> nodes_of(const bus::schema::Topology& topology, bus::sc
 VolumeShape shape_of(const bus::schema::VolumeHeader& header);
 
 /// Everything but the assignment.
-FrameRequest frame_request(const bus::schema::DrawFrame& draw, const glm::dmat4& voxel_to_patient);
+/// shape  Of the volume; as new if there is none.
+FrameRequest frame_request(const bus::schema::DrawFrame& draw, const VolumeShape& shape);
 
 /// Costs of the previous frame's regions; may be empty.
 std::span<const std::uint64_t> costs_of(const bus::schema::DrawFrame& draw);

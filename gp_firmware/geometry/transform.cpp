@@ -9,6 +9,8 @@
 #include <glm/matrix.hpp>
 #include <stdexcept>
 
+#include "isa/depth.hpp"
+
 namespace pxpl5::gp {
 
 namespace {
@@ -24,7 +26,7 @@ constexpr double rigid_tolerance = 1e-3;
 glm::dmat4 viewport(const Camera& camera) {
     const double half_width = 0.5 * subpixels * camera.width_px;
     const double half_height = 0.5 * subpixels * camera.height_px;
-    const double half_depth = 0.5 * (region::z_far - 2.0 * region::z_margin);
+    const double half_depth = 0.5 * isa::depth_span;
     glm::dmat4 m(0.0);
     m[0][0] = half_width;
     m[1][1] = -half_height;

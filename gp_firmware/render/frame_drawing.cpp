@@ -2,12 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
 #include "gp_firmware/render/draw_scene.hpp"
 
 namespace pxpl5::gp {
+
+bool draws_slab(SlabChoice choice, int slab, std::span<const int> gap_slabs) {
+    return choice == SlabChoice::all ||
+           (choice == SlabChoice::in_gaps) == std::ranges::binary_search(gap_slabs, slab);
+}
 
 std::size_t region_count(const FrameRequest& request) {
     std::size_t count = 0;
@@ -49,6 +55,7 @@ void FrameDrawing::begin(const FrameRequest& request) {
     }
     assert(static_cast<std::size_t>(view * eyes_[0].grid.count()) == request.assignment.size());
     wanted_ = request.surfaces;
+    gap_slabs_ = request.gap_slabs;
 }
 
 bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
@@ -63,6 +70,9 @@ bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
                 return true;
             }
             const SlabMesh& mesh = slabs[next_slab_];
+            if (!draws_slab(wanted.slabs, mesh.slab, gap_slabs_)) {
+                continue;
+            }
             programs_.begin_slab(style.index, static_cast<std::uint32_t>(mesh.slab));
             if (!held.hidden.empty()) {
                 style.hidden = held.hidden[next_slab_];

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,11 +30,15 @@ struct HeldSurface {
 
 using Surfaces = std::map<std::uint16_t, HeldSurface>;
 
-/// A surface that a frame shows.
+/// Which of a surface's slabs a frame draws: all, or those in gaps between slices, or the others.
+enum class SlabChoice : std::uint8_t { all, outside_gaps, in_gaps };
+
+/// A surface that a frame shows; it may do so several times, with other slabs.
 struct SurfaceWanted {
     std::uint16_t surface = 0;
     std::uint32_t revision = 0;
     bool cull_back = false;
+    SlabChoice slabs = SlabChoice::all;
 };
 
 /// What one frame asks of every GP.
@@ -42,8 +47,13 @@ struct FrameRequest {
     std::vector<Camera> views;
     std::vector<SurfaceWanted> surfaces;    ///< In the order in which they are drawn.
     std::vector<std::uint16_t> assignment;  ///< Renderer of each region.
+    std::vector<int> gap_slabs;             ///< Of the volume, ascending.
     bool origins = false;                   ///< Programs tell where each primitive comes from.
 };
+
+/// Whether a slab is among those that `choice` names.
+/// gap_slabs  Ascending.
+bool draws_slab(SlabChoice choice, int slab, std::span<const int> gap_slabs);
 
 /// Regions of the picture, over all views.
 std::size_t region_count(const FrameRequest& request);
@@ -77,6 +87,7 @@ class FrameDrawing {
 
     std::vector<Eye> eyes_;
     std::vector<SurfaceWanted> wanted_;
+    std::vector<int> gap_slabs_;
     std::size_t next_surface_ = 0, next_slab_ = 0;
     RegionPrograms programs_;
     DrawScratch scratch_;

@@ -6,6 +6,7 @@
 
 #include "isa/instruction.hpp"
 #include "isa/region_layout.hpp"
+#include "isa/screen_door.hpp"
 
 namespace pxpl5::gp {
 
@@ -18,7 +19,7 @@ using isa::Op;
 constexpr std::uint32_t low_bits = 16, form_bits = 64;
 constexpr std::uint32_t at_form = region::scratch, at_product = at_form + form_bits;
 constexpr std::uint32_t depth_factor_bits = 25, normal_factor_bits = 17;
-static_assert(at_product + 2 * depth_factor_bits <= 208);
+static_assert(at_product + 2 * depth_factor_bits <= isa::door::begin);
 
 /// Coefficients of the form stay below 2^coefficient_bits, so that it stays below 2^63.
 constexpr int coefficient_bits = 46;
