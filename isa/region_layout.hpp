@@ -20,7 +20,7 @@ inline constexpr Field normal_x{32, 10};  ///< Eye space, signed, unnormalised; 
 inline constexpr Field normal_y{42, 10};
 inline constexpr Field normal_z{52, 10};
 inline constexpr Field rgb{64, 24};           ///< Red in the low byte; what readout sends.
-inline constexpr std::uint32_t scratch = 88;  ///< 88..207 are free for end-of-region programs.
+inline constexpr std::uint32_t scratch = 88;  ///< From here on free; see also screen_door.hpp.
 
 inline constexpr std::uint32_t z_fraction_bits =
     8;  ///< TREE fraction of z planes: z + fraction fit 32 bits.

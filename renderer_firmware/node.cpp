@@ -57,8 +57,11 @@ void RendererNode::Drawing::note(FaultCode code, std::uint32_t gp, const std::st
 }
 
 RendererNode::RendererNode() {
-    executor_.set_readout(
-        [this](Words pixels) { pixels_.insert(pixels_.end(), pixels.begin(), pixels.end()); });
+    executor_.set_readout([this](Words pixels) {
+        if (read_out_ != nullptr) {
+            read_out_->insert(read_out_->end(), pixels.begin(), pixels.end());
+        }
+    });
 }
 
 RendererNode::~RendererNode() = default;
@@ -188,15 +191,21 @@ void RendererNode::start_next() {
         drawing->note(fault.code, fault.gp, fault.reason);
     }
     pixels_.clear();
+    depths_.clear();
     drawing_ = std::move(drawing);
 }
 
 void RendererNode::draw_next_region() {
     FramePlan::Region& region = drawing_->plan.regions[drawing_->next_region++];
-    const RegionPrograms& own = drawing_->plan.programs;
-    const RegionFrame frame{own.prologue, own.end_of_region};
+    // A segment that reads out, which none of ours does, would put the tiles out of step.
+    const auto route = [this](RegionPlan::Kind kind) {
+        read_out_ = kind == RegionPlan::Kind::end_of_region ? &pixels_
+                    : kind == RegionPlan::Kind::depths      ? &depths_
+                                                            : nullptr;
+    };
     executor_.reset();
-    const RegionResult result = draw_region(executor_, frame, std::move(region.segments));
+    const RegionResult result = draw_region(executor_, region_frame(drawing_->plan.programs),
+                                            std::move(region.segments), route);
     drawing_->tiles.emplace_back(static_cast<std::uint16_t>(region.number), result.counts.cycles,
                                  result.counts.instructions);
     for (const SegmentFault& fault : result.faults) {
@@ -216,13 +225,15 @@ void RendererNode::tell_faults(bus::Outbox& out) {
 }
 
 void RendererNode::send_pixels(bus::Outbox& out) {
-    flatbuffers::FlatBufferBuilder builder(pixels_.size() * sizeof(std::uint32_t) + 1024);
+    flatbuffers::FlatBufferBuilder builder(
+        (pixels_.size() + depths_.size()) * sizeof(std::uint32_t) + 1024);
     const auto tiles = builder.CreateVectorOfStructs(drawing_->tiles);
     const auto pixels = builder.CreateVector(pixels_);
+    const auto depths = drawing_->plan.programs.depths.empty() ? 0 : builder.CreateVector(depths_);
     out.send(frame_buffer_,
              bus::finish(builder, schema::CreateRegionPixels(builder, drawing_->plan.frame,
                                                              static_cast<std::uint16_t>(index_),
-                                                             tiles, pixels)));
+                                                             tiles, pixels, depths)));
     drawing_.reset();
 }
 

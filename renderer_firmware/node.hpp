@@ -49,6 +49,8 @@ class RendererNode final : public bus::Node {
     fast::Fast executor_;
     std::unique_ptr<Drawing> drawing_;   ///< The frame being drawn.
     std::vector<std::uint32_t> pixels_;  ///< Its finished regions, 128 x 128 words each.
+    std::vector<std::uint32_t> depths_;  ///< Likewise, if the frame wants them.
+    std::vector<std::uint32_t>* read_out_ = nullptr;  ///< Where the part under way reads out to.
 };
 
 }  // namespace pxpl5::renderer

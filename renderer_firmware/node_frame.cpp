@@ -52,6 +52,7 @@ Shading shading_of(const schema::DrawFrame& draw) {
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
         const schema::Rgb& c = surface->colour();
         shading.surfaces.push_back({c.r(), c.g(), c.b()});
+        shading.opacities.push_back(surface->opacity());
     }
     shading.ambient = draw.ambient();
     shading.specular = draw.specular();
@@ -67,11 +68,20 @@ std::string place_of(std::uint32_t gp, std::uint32_t region, std::uint32_t surfa
     return fmt::format("GP {}, region {}, surface {}, slab {}", gp, region, surface, slab);
 }
 
+RegionFrame region_frame(const RegionPrograms& programs) {
+    RegionFrame frame{programs.prologue, programs.end_of_region};
+    for (const DoorPrograms& door : programs.doors) {
+        frame.doors.push_back({door.surface, door.shut, door.open});
+    }
+    frame.depths = programs.depths;
+    return frame;
+}
+
 FramePlan plan_frame(const FrameMessages& messages, std::uint32_t renderer) {
     const auto& begin = *messages.begin->as<schema::BeginFrame>();
     FramePlan plan;
     plan.frame = begin.draw()->frame();
-    plan.programs = region_programs(shading_of(*begin.draw()));
+    plan.programs = region_programs(shading_of(*begin.draw()), begin.draw()->read_depths());
     const auto& assignment = *begin.assignment();
     for (std::uint32_t r = 0; r < assignment.size(); ++r) {
         if (assignment[r] == renderer) {

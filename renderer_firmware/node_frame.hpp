@@ -49,6 +49,9 @@ Shading shading_of(const bus::schema::DrawFrame& draw);
 std::string place_of(std::uint32_t gp, std::uint32_t region, std::uint32_t surface,
                      std::uint32_t slab);
 
+/// A plan's programs as a region runs them; they point into `programs`.
+RegionFrame region_frame(const RegionPrograms& programs);
+
 /// messages  Hold `begin`; programs of other regions than the Renderer's are a fault.
 /// renderer  Index of the Renderer.
 FramePlan plan_frame(const FrameMessages& messages, std::uint32_t renderer);

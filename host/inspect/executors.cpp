@@ -86,11 +86,15 @@ std::unique_ptr<isa::Executor> make_executor(ExecutorKind kind) {
 
 RegionRun run_region(const renderer::RegionPlan& plan, isa::Executor& executor) {
     RegionRun run;
+    std::vector<std::uint32_t>* read_out = nullptr;
     executor.set_readout([&](std::span<const std::uint32_t> pixels) {
-        run.pixels.insert(run.pixels.end(), pixels.begin(), pixels.end());
+        read_out->insert(read_out->end(), pixels.begin(), pixels.end());
     });
     RegionWalk walk(plan, executor);
     while (!walk.done()) {
+        const bool is_depths =
+            plan.parts[walk.at().part].kind == renderer::RegionPlan::Kind::depths;
+        read_out = is_depths ? &run.depths : &run.pixels;
         walk.run_part();
     }
     run.counts = walk.counts();

@@ -27,6 +27,7 @@ std::unique_ptr<isa::Executor> make_executor(ExecutorKind kind);
 /// What executing a region gave.
 struct RegionRun {
     std::vector<std::uint32_t> pixels;  ///< As read out: 128 * 128, row by row, if it was once.
+    std::vector<std::uint32_t> depths;  ///< Likewise, if the frame wanted them.
     isa::RunCounts counts;
 };
 

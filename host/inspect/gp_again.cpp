@@ -60,6 +60,8 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
         s.revision = drawn->revision();
         s.colour = {drawn->colour().r(), drawn->colour().g(), drawn->colour().b()};
         s.cull_back = drawn->cull_back();
+        s.slabs = static_cast<gp::SlabChoice>(drawn->slabs());
+        s.opacity = drawn->opacity();
         if (const auto message = run.surface(s.id, s.revision)) {
             const auto& set = *message->as<schema::SetSurface>();
             s.isovalue = set.isovalue();
@@ -73,7 +75,7 @@ GpAgain::GpAgain(const RecordedFrame& frame, const std::vector<ShownSurface>& su
                  KnownVolume& volume)
     : frame_(frame), surfaces_(surfaces), volume_(volume) {
     assert(volume.has_shape());
-    cameras_ = gp::frame_request(frame.draw(), volume.shape().voxel_to_patient).views;
+    cameras_ = gp::frame_request(frame.draw(), volume.shape()).views;
     std::ranges::transform(cameras_, std::back_inserter(projections_), gp::prepare);
 }
 
@@ -83,6 +85,10 @@ std::string GpAgain::missing(std::uint32_t surface, int k) {
                            surface, surfaces_.at(surface).id, surfaces_.at(surface).revision);
     }
     return volume_.need(k - slices_below, k + slices_above);
+}
+
+bool GpAgain::draws(std::uint32_t surface, int k) const {
+    return gp::draws_slab(surfaces_.at(surface).slabs, k, volume_.shape().gap_slabs);
 }
 
 gp::RegionGrid GpAgain::grid(int view) const {
@@ -114,7 +120,7 @@ const gp::RegionPrograms& GpAgain::programs(std::uint32_t surface, int k) {
         at->second.begin_frame(static_cast<std::size_t>(grid(0).count() * views), true);
         at->second.begin_slab(static_cast<std::uint16_t>(surface), static_cast<std::uint32_t>(k));
         gp::DrawScratch scratch;
-        for (int view = 0; view < views; ++view) {
+        for (int view = 0; draws(surface, k) && view < views; ++view) {
             gp::draw_slab(mesh(surface, k), projection(view), grid(view),
                           {static_cast<std::uint16_t>(surface), surfaces_.at(surface).cull_back},
                           scratch, at->second);

@@ -10,6 +10,7 @@
 
 #include "gp_firmware/geometry/bin.hpp"
 #include "gp_firmware/geometry/transform.hpp"
+#include "gp_firmware/render/frame_drawing.hpp"
 #include "gp_firmware/render/region_programs.hpp"
 #include "gp_firmware/surface/case_tables.hpp"
 #include "host/inspect/known_volume.hpp"
@@ -23,6 +24,8 @@ struct ShownSurface {
     std::uint32_t revision = 0;
     std::array<std::uint8_t, 3> colour{};  ///< Red, green, blue.
     bool cull_back = false;
+    gp::SlabChoice slabs{};          ///< Which of them the frame draws.
+    std::uint32_t opacity = 0;       ///< Sixteenths.
     std::optional<double> isovalue;  ///< Nothing if its SetSurface is not recorded.
     gp::CaseRule rule{};             ///< If the isovalue is known.
 };
@@ -60,7 +63,9 @@ class GpAgain {
 
     // For slabs of which nothing is missing.
     const SlabAgain& slab(std::uint32_t surface, int k, int view);
-    /// Every emitted word of the slab, by region, with origins.
+    /// Whether the frame draws slab k of the surface.
+    bool draws(std::uint32_t surface, int k) const;
+    /// Every emitted word of the slab, by region, with origins; none of a slab that is not drawn.
     const gp::RegionPrograms& programs(std::uint32_t surface, int k);
     /// Whether the recorded streams hold just those words in every region that is recorded.
     /// Returns  Empty, or a sentence that names the first region where they differ.

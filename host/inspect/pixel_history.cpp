@@ -1,9 +1,11 @@
 #include "host/inspect/pixel_history.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 #include "isa/disassemble.hpp"
 #include "isa/reference/reference.hpp"
+#include "isa/screen_door.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 
 namespace pxpl5::host::inspect {
@@ -146,10 +148,14 @@ class Historian {
                  in.operands.b) &
                 layout::z_far);
         }
-        // What a sphere computes on the way in scratch memory shows nothing.
-        const bool is_scratch = kind == Kind::segment && in.operands.a >= layout::scratch;
+        // What a sphere or a door computes on the way in scratch memory shows nothing.
+        const bool is_scratch = kind != Kind::prologue && kind != Kind::end_of_region &&
+                                in.operands.a >= layout::scratch;
         if (!stores(in, enabled) || is_scratch) {
             walk_.step();
+            if (in.op == isa::Op::enab_into_mem && kind == Kind::shut_door && enabled) {
+                history_.shut_surfaces.push_back(plan_.parts[at.part].segment.surface);
+            }
             return;
         }
         PixelWrite write{at, isa::disassemble(in, walk_.coefficients()), pixel_.state(), {}};
@@ -158,15 +164,18 @@ class Historian {
         list_of(kind).push_back(std::move(write));
     }
 
-    /// Notes where a primitive, or the end of the region, begins.
+    /// Notes where a primitive, one of the Renderer's own programs, or the end of the region
+    /// begins.
     void enter(Address at, Kind kind) {
         while (next_ < history_.primitives.size() && history_.primitives[next_].address() <= at) {
             leave_primitive();
             current_ = next_++;
             before_ = pixel_.state();
         }
-        if (kind == Kind::end_of_region && !drawn_) {
+        if (kind != Kind::segment) {
             leave_primitive();
+        }
+        if (kind == Kind::end_of_region && !drawn_) {
             drawn_ = true;
             history_.drawn = pixel_.state();
         }
@@ -182,15 +191,31 @@ class Historian {
     PixelVisit& visit() {
         if (!visiting_) {
             visiting_ = true;
-            history_.visits.push_back({current_, std::nullopt, before_, {}, {}});
+            const Primitive& primitive = history_.primitives[current_];
+            history_.visits.push_back({current_,
+                                       std::nullopt,
+                                       before_,
+                                       {},
+                                       {},
+                                       plan_.parts[primitive.part].segment.surface});
         }
         return history_.visits.back();
     }
 
     std::vector<PixelWrite>& list_of(Kind kind) {
-        return kind == Kind::prologue        ? history_.prologue
-               : kind == Kind::end_of_region ? history_.end_of_region
-                                             : visit().writes;
+        switch (kind) {
+            case Kind::prologue:
+                return history_.prologue;
+            case Kind::shut_door:
+            case Kind::open_door:
+                return history_.doors;
+            case Kind::depths:
+            case Kind::end_of_region:
+                return history_.end_of_region;
+            case Kind::segment:
+                break;
+        }
+        return visit().writes;
     }
 
     const renderer::RegionPlan& plan_;
@@ -244,6 +269,11 @@ const PixelVisit* PixelHistory::shown() const {
         }
     }
     return nullptr;
+}
+
+bool PixelHistory::is_shut_out(const PixelVisit& visit) const {
+    return visit.writes.empty() &&
+           std::ranges::find(shut_surfaces, visit.surface) != shut_surfaces.end();
 }
 
 PixelHistory history_of(const RecordedFrame& frame, const RecordedRegion& region, int x, int y) {

@@ -36,6 +36,7 @@ struct PixelVisit {
     std::optional<std::uint32_t> z;  ///< Its own depth at the pixel, as tested.
     PixelState before, after;        ///< At its SETENABS, and behind its last instruction.
     std::vector<PixelWrite> writes;  ///< Empty if it lost the depth test.
+    std::uint32_t surface = 0;       ///< Its own: index in the frame's list.
 };
 
 struct PixelHistory {
@@ -43,7 +44,9 @@ struct PixelHistory {
     RegionPlace place;
     std::vector<Primitive> primitives;  ///< All of the region, in the order in which they ran.
     std::vector<PixelWrite> prologue;
-    std::vector<PixelVisit> visits;  ///< In order.
+    std::vector<PixelVisit> visits;            ///< In order.
+    std::vector<PixelWrite> doors;             ///< Of screen doors that are shut at the pixel.
+    std::vector<std::uint32_t> shut_surfaces;  ///< Whose doors these are: indices, ascending.
     std::vector<PixelWrite> end_of_region;
     PixelState drawn;                   ///< Before the end-of-region program.
     std::uint32_t colour = 0;           ///< As read out; red in the low byte.
@@ -52,6 +55,8 @@ struct PixelHistory {
 
     /// The visit that the pixel shows: the last that stored. Null for the background.
     const PixelVisit* shown() const;
+    /// Whether a door keeps the visit's surface out of this pixel: it lost to no other primitive.
+    bool is_shut_out(const PixelVisit& visit) const;
     int x_in_region() const { return x - place.x0_px; }
     int y_in_region() const { return y - place.y0_px; }
 };

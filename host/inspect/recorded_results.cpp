@@ -45,7 +45,13 @@ std::optional<RecordedTile> tile_of(const RecordedFrame& frame, std::uint32_t re
         for (std::uint32_t i = 0; i < sent.tiles()->size(); ++i) {
             const schema::RegionTile& tile = *sent.tiles()->Get(i);
             if (tile.region() == region) {
-                return RecordedTile{{sent.pixels()->data() + i * tile_pixels, tile_pixels},
+                const auto part_of = [i](const flatbuffers::Vector<std::uint32_t>* words) {
+                    return words == nullptr
+                               ? std::span<const std::uint32_t>()
+                               : std::span(words->data() + i * tile_pixels, tile_pixels);
+                };
+                return RecordedTile{part_of(sent.pixels()),
+                                    part_of(sent.depths()),
                                     {tile.instructions(), tile.cycles()}};
             }
         }

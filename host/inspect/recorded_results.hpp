@@ -16,6 +16,7 @@ namespace pxpl5::host::inspect {
 /// A region as its Renderer sent it.
 struct RecordedTile {
     std::span<const std::uint32_t> pixels;  ///< 128 * 128, row by row. Points into the frame.
+    std::span<const std::uint32_t> depths;  ///< Likewise; empty if the frame wanted none.
     isa::RunCounts counts;
 };
 

@@ -195,8 +195,7 @@ RecordedFrame RecordedRun::frame(std::uint32_t number) const {
         for (const renderer::FramePlan::Region& region : plan.regions) {
             frame.regions[region.number] = {
                 frame.place(region.number), renderer,
-                renderer::plan_region({plan.programs.prologue, plan.programs.end_of_region},
-                                      region.segments)};
+                renderer::plan_region(renderer::region_frame(plan.programs), region.segments)};
         }
     }
     return frame;

@@ -136,6 +136,14 @@ std::string part_heading(const renderer::RegionPlan::Part& part) {
     switch (part.kind) {
         case Kind::prologue:
             return fmt::format("\n; prologue: {} words\n", grouped(s.words.size()));
+        case Kind::shut_door:
+            return fmt::format("\n; surface {} is transparent, its screen door shuts: {} words\n",
+                               s.surface, grouped(s.words.size()));
+        case Kind::open_door:
+            return fmt::format("\n; the screen door of surface {} opens again: {} words\n",
+                               s.surface, grouped(s.words.size()));
+        case Kind::depths:
+            return fmt::format("\n; depths: {} words\n", grouped(s.words.size()));
         case Kind::end_of_region:
             return fmt::format("\n; end of region: {} words\n", grouped(s.words.size()));
         case Kind::segment:

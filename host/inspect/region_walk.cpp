@@ -74,6 +74,12 @@ std::string to_text(const renderer::RegionPlan& plan, Address address) {
     switch (part.kind) {
         case Kind::prologue:
             return fmt::format("prologue+{}", address.word);
+        case Kind::shut_door:
+            return fmt::format("shut-door surface {}+{}", part.segment.surface, address.word);
+        case Kind::open_door:
+            return fmt::format("open-door surface {}+{}", part.segment.surface, address.word);
+        case Kind::depths:
+            return fmt::format("depths+{}", address.word);
         case Kind::end_of_region:
             return fmt::format("end+{}", address.word);
         case Kind::segment:

@@ -20,7 +20,8 @@ struct Address {
     auto operator<=>(const Address&) const = default;
 };
 
-/// "prologue+4", "gp 3 slab 17 surface 0 +34 (word 578 of its stream)", "end+12".
+/// "prologue+4", "gp-3 surface 0 slab 17+34", "shut-door surface 1+2", "open-door surface 1+0",
+/// "depths+0", "end+12".
 std::string to_text(const renderer::RegionPlan& plan, Address address);
 
 /// One primitive of a segment: what lies between one SETENABS and the next.
@@ -36,7 +37,7 @@ struct Primitive {
 /// All primitives of a region, in the order in which they run.
 std::vector<Primitive> primitives_of(const RecordedFrame& frame, const RecordedRegion& region);
 
-/// The primitive that holds the address; null for prologue and end of region.
+/// The primitive that holds the address; null for the Renderer's own programs.
 const Primitive* primitive_at(std::span<const Primitive> primitives, Address address);
 
 class RegionWalk {

@@ -41,6 +41,9 @@ std::optional<std::string> difference(const RecordedFrame& frame, std::uint32_t 
         if (!std::ranges::equal(run.pixels, tile->pixels)) {
             return "a pixel outside of the picture, or an alpha, is not as " + sender + " has it";
         }
+        if (!std::ranges::equal(run.depths, tile->depths)) {
+            return "what a pixel shows, or its depth, is not as " + sender + " has it";
+        }
         const auto counts = [](const isa::RunCounts& c) {
             return fmt::format("{} instructions, {} modelled cycles", c.instructions, c.cycles);
         };

@@ -71,6 +71,11 @@ const char* name_of(const PartCounts& part) {
     switch (part.kind) {
         case renderer::RegionPlan::Kind::prologue:
             return "prologue";
+        case renderer::RegionPlan::Kind::shut_door:
+        case renderer::RegionPlan::Kind::open_door:
+            return "screen doors";
+        case renderer::RegionPlan::Kind::depths:
+            return "depths";
         case renderer::RegionPlan::Kind::end_of_region:
             return "end of region";
         case renderer::RegionPlan::Kind::segment:

@@ -16,14 +16,29 @@ using Part = renderer::RegionPlan::Part;
 using Kind = renderer::RegionPlan::Kind;
 
 std::string stream_name(const Part& part) {
-    return part.kind == Kind::prologue ? "prologue"
-           : part.kind == Kind::end_of_region
-               ? "end-of-region program"
-               : fmt::format("surface {}, slab {}", part.segment.surface, part.segment.slab);
+    switch (part.kind) {
+        case Kind::prologue:
+            return "prologue";
+        case Kind::shut_door:
+            return fmt::format("the door of surface {}, which shuts", part.segment.surface);
+        case Kind::open_door:
+            return fmt::format("the door of surface {}, which opens", part.segment.surface);
+        case Kind::depths:
+            return "program of depths";
+        case Kind::end_of_region:
+            return "end-of-region program";
+        case Kind::segment:
+            break;
+    }
+    return fmt::format("surface {}, slab {}", part.segment.surface, part.segment.slab);
 }
 
+/// Of the parts of a region, as they run: a surface's own lie together.
 auto order(const Part& part) {
-    return std::make_tuple(part.kind, part.segment.surface, part.segment.slab);
+    const bool is_of_surface =
+        part.kind == Kind::shut_door || part.kind == Kind::segment || part.kind == Kind::open_door;
+    return std::make_tuple(is_of_surface ? Kind::segment : part.kind, part.segment.surface,
+                           part.kind, part.segment.slab);
 }
 
 std::string instruction_at(renderer::Words words, std::size_t word) {

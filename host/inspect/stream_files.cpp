@@ -24,6 +24,24 @@ struct File {
     std::string name, text;
 };
 
+const char* suffix_of(Kind kind) {
+    switch (kind) {
+        case Kind::prologue:
+            return ".prologue";
+        case Kind::shut_door:
+            return ".shut-door";
+        case Kind::open_door:
+            return ".open-door";
+        case Kind::depths:
+            return ".depths";
+        case Kind::end_of_region:
+            return ".end";
+        case Kind::segment:
+            break;
+    }
+    return "";
+}
+
 /// The files of one region.
 class RegionFiles {
   public:
@@ -34,9 +52,7 @@ class RegionFiles {
         const Part& part = region_.plan.parts[index];
         const bool straight = runs_straight(part.segment.words);
         if (files_.empty() || part.kind != Kind::segment || !straight || !may_go_on_) {
-            const char* suffix = part.kind == Kind::prologue        ? ".prologue"
-                                 : part.kind == Kind::end_of_region ? ".end"
-                                                                    : "";
+            const char* suffix = suffix_of(part.kind);
             files_.push_back(
                 {fmt::format("region-{}.{}{}.pxasm", region_.place.number, files_.size(), suffix),
                  ""});

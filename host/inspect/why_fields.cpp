@@ -77,7 +77,8 @@ Fields surface_fields(const ShownSurface& s) {
                   {"id", number(s.id)},
                   {"revision", number(s.revision)},
                   {"colour", std::vector<double>(s.colour.begin(), s.colour.end())},
-                  {"cull_back", s.cull_back}};
+                  {"cull_back", s.cull_back},
+                  {"opacity", number(s.opacity)}};
     if (s.isovalue) {
         fields.push_back({"isovalue", *s.isovalue});
         fields.push_back({"table", std::string(gp::case_table(s.rule).name)});
@@ -97,6 +98,7 @@ Fields visit_fields(const WhyFinding& f, std::size_t v) {
                   {"surface", number(facts.surface)},
                   {"slab", number(facts.slab)},
                   {"stored", !visit.writes.empty()},
+                  {"shut_out", f.history.is_shut_out(visit)},
                   {"before", state_fields(visit.before)},
                   {"after", state_fields(visit.after)},
                   {"writes", writes_fields(visit.writes)}};
@@ -138,6 +140,7 @@ Fields why_fields(const WhyFinding& f) {
                   {"primitives_in_region", number(h.primitives.size())},
                   {"prologue", writes_fields(h.prologue)},
                   {"visits", visits},
+                  {"doors", writes_fields(h.doors)},
                   {"end_of_region", writes_fields(h.end_of_region)},
                   {"colour", number(h.colour)}};
     const PixelVisit* shown = h.shown();

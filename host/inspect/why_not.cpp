@@ -55,7 +55,9 @@ TriangleVerdict verdict_of_visit(PixelInquiry& inquiry, std::size_t v) {
     verdict.z = visit.z.value_or(visit.after.z);
     const auto stored = [](const PixelVisit& other) { return !other.writes.empty(); };
     auto rival = visits.end();
-    if (visit.writes.empty()) {
+    if (inquiry.history.is_shut_out(visit)) {
+        verdict.verdict = Verdict::shut_out;
+    } else if (visit.writes.empty()) {
         verdict.verdict = Verdict::lost_depth_test;
         const auto before =
             std::find_if(visits.rbegin() + static_cast<std::ptrdiff_t>(visits.size() - v),

@@ -27,6 +27,7 @@ enum class Verdict : std::uint8_t {
     shown,            ///< It is there.
     overwritten,      ///< Stored, then hidden by a nearer one.
     lost_depth_test,  ///< A nearer one was there before.
+    shut_out,         ///< It is transparent, and the pixel is one that shows what is behind.
     outside_edge,     ///< Emitted in this region; the pixel's centre lies outside.
     other_region,     ///< Emitted, but not in the pixel's region.
     left_out,         ///< Sent, but its Renderer refused the segment.

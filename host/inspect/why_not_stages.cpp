@@ -156,12 +156,24 @@ std::optional<TriangleVerdict> distrust(PixelInquiry& inquiry, const TriangleNam
         return std::nullopt;
     }
     if (!anything_sent(inquiry, name.surface, name.k)) {
-        const auto gp = static_cast<std::uint32_t>(name.k) % inquiry.run.gp_count();
+        const auto set = static_cast<std::uint32_t>(name.k) /
+                         static_cast<std::uint32_t>(inquiry.volume.shape().slabs_per_set);
+        const std::uint32_t gp = set % inquiry.run.gp_count();
         return verdict_on(name, Verdict::not_sent,
                           fmt::format("gp-{} sent nothing of slab {}", gp, name.k));
     }
     return verdict_on(name, Verdict::unknown,
                       difference + "; so the stages cannot tell what this GP did");
+}
+
+/// Of a triangle in a slab that the frame leaves out.
+TriangleVerdict not_chosen(const PixelInquiry& inquiry, const TriangleName& name) {
+    const bool in_gaps = inquiry.surfaces[name.surface].slabs == gp::SlabChoice::in_gaps;
+    return verdict_on(
+        name, Verdict::not_sent,
+        fmt::format("the frame draws this surface {} gaps between slices only, and "
+                    "slab {} is {} one",
+                    in_gaps ? "in" : "outside of", name.k, in_gaps ? "not in" : "in"));
 }
 
 std::optional<TriangleVerdict> missing_data(PixelInquiry& inquiry, const TriangleName& name) {
@@ -226,6 +238,9 @@ std::optional<TriangleVerdict> verdict_of_stages(PixelInquiry& inquiry, const Tr
         return emitted ? std::nullopt : doubt;
     }
     GpAgain& again = *inquiry.again;
+    if (!again.draws(name.surface, name.k)) {
+        return not_chosen(inquiry, name);
+    }
     const int view = inquiry.place.view;
     const SlabAgain& slab = again.slab(name.surface, name.k, view);
     const Corners corners = corners_of(slab, find_triangle(slab.mesh, name).value());
@@ -258,10 +273,10 @@ TriangleVerdict verdict_of_surface(PixelInquiry& inquiry, std::uint32_t surface)
         if (!verdict) {
             verdict = distrust(inquiry, name);
         }
-        if (!verdict) {
+        if (!verdict && inquiry.again->draws(surface, name.k)) {
             const SlabAgain& slab = inquiry.again->slab(surface, name.k, inquiry.place.view);
             verdict = removed_from_ray(inquiry, slab, surface, name.k);
-        } else {
+        } else if (verdict) {
             verdict->name.reset();  // Not of a triangle but of all.
         }
         if (verdict) {

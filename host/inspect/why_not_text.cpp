@@ -10,10 +10,11 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-constexpr std::array<std::string_view, 15> verdict_names = {
-    "shown",    "overwritten", "lost_depth_test", "outside_edge",    "other_region",
-    "left_out", "clipped",     "back_face",       "no_pixel_centre", "no_area",
-    "not_sent", "not_crossed", "nothing",         "not_in_frame",    "unknown"};
+constexpr std::array<std::string_view, 16> verdict_names = {
+    "shown",        "overwritten",     "lost_depth_test", "shut_out",
+    "outside_edge", "other_region",    "left_out",        "clipped",
+    "back_face",    "no_pixel_centre", "no_area",         "not_sent",
+    "not_crossed",  "nothing",         "not_in_frame",    "unknown"};
 
 std::string name_of(Verdict verdict) {
     return std::string(verdict_names.at(static_cast<std::size_t>(verdict)));
@@ -88,6 +89,11 @@ std::string fate_of(const WhyNotFinding& f, const TriangleVerdict& v) {
                 "covers the pixel at depth {}, but lost the depth test to {} at "
                 "depth {}",
                 v.z, rival_text(f, v), v.rival_z);
+        case Verdict::shut_out:
+            return fmt::format(
+                "covers the pixel at depth {}, but is transparent: this pixel is one of those that "
+                "show what is behind it",
+                v.z);
         case Verdict::outside_edge:
             return fmt::format(
                 "was sent for this region, but the pixel's centre lies {:.2f} "

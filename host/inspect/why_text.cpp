@@ -115,7 +115,8 @@ std::string visit_text(const WhyFinding& f, std::size_t v) {
         return fmt::format("({}, {}, {})", s.normal[0], s.normal[1], s.normal[2]);
     };
     const std::string result =
-        visit.writes.empty()
+        f.history.is_shut_out(visit) ? "its surface's screen door is shut here"
+        : visit.writes.empty()
             ? fmt::format("lost, {} is there", visit.before.z)
             : fmt::format("stored: surface field {} -> {}, normal {} -> {}", visit.before.surface,
                           visit.after.surface, normal(visit.before), normal(visit.after));
@@ -169,6 +170,15 @@ std::string history_text(const WhyFinding& f) {
     return text;
 }
 
+/// What is added to a sentence if transparent surfaces leave the pixel to what is behind.
+std::string shut_out_text(std::size_t count) {
+    return count == 0 ? ""
+                      : fmt::format(
+                            ", but for {} of transparent surfaces that leave this pixel to "
+                            "what is behind them",
+                            count);
+}
+
 }  // namespace
 
 std::string to_text(const TriangleName& name) {
@@ -191,9 +201,10 @@ std::string sentence_of(const WhyFinding& f) {
     if (shown == nullptr) {
         return fmt::format(
             "{} shows the background, {}: {}.", pixel, colour_text(h.colour),
-            h.primitives.empty()
-                ? "its region has no primitive"
-                : fmt::format("none of its region's {} primitives covers it", h.primitives.size()));
+            h.primitives.empty() ? "its region has no primitive"
+            : h.visits.empty()
+                ? fmt::format("none of its region's {} primitives covers it", h.primitives.size())
+                : "nothing is stored in it" + shut_out_text(h.visits.size()));
     }
     const std::string what =
         shown->cell ? fmt::format("{}: {}", surface_text(f.surfaces, shown->surface),
@@ -201,13 +212,18 @@ std::string sentence_of(const WhyFinding& f) {
                     : fmt::format("{}: primitive {}", surface_text(f.surfaces, shown->surface),
                                   h.shown()->primitive);
     bool nearest = true;
+    std::size_t let_in = 0;
     for (const PixelVisit& visit : h.visits) {
-        nearest = nearest && visit.z && h.shown()->z && *visit.z >= *h.shown()->z;
+        if (!h.is_shut_out(visit)) {
+            ++let_in;
+            nearest = nearest && visit.z && h.shown()->z && *visit.z >= *h.shown()->z;
+        }
     }
     const std::string rank =
-        h.visits.size() == 1 ? "the only one that covers it"
-                             : fmt::format("the {} of {} that cover it",
-                                           nearest ? "nearest" : "last stored", h.visits.size());
+        (let_in == 1 ? "the only one that covers it"
+                     : fmt::format("the {} of {} that cover it",
+                                   nearest ? "nearest" : "last stored", let_in)) +
+        shut_out_text(h.visits.size() - let_in);
     return fmt::format("{} shows {}, which gp-{} sent, {}.", pixel, what, shown->gp, rank);
 }
 

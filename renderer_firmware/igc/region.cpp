@@ -15,16 +15,6 @@ void add(isa::RunCounts& sum, const isa::RunCounts& more) {
     sum.cycles += more.cycles;
 }
 
-RegionPlan::Part own_part(RegionPlan::Kind kind, Words words, const char* name) {
-    if (const std::optional<isa::ProgramError> error = Igc::check(words)) {
-        throw std::logic_error(fmt::format("{}, word {}: {}", name, error->word, error->text));
-    }
-    RegionPlan::Part part;
-    part.kind = kind;
-    part.segment.words = words;
-    return part;
-}
-
 auto place(const Segment& s) {
     return std::tie(s.surface, s.slab);
 }
@@ -33,38 +23,93 @@ SegmentFault fault(const Segment& s, std::string reason) {
     return {s.surface, s.slab, s.gp, std::move(reason)};
 }
 
+/// Puts parts into a plan, and doors around the segments of transparent surfaces.
+class Planner {
+  public:
+    explicit Planner(const RegionFrame& frame) : frame_(frame) {}
+
+    RegionPlan plan(std::span<const Segment> segments) {
+        add(Kind::prologue, frame_.prologue, "prologue");
+        for (std::size_t i = 0; i < segments.size(); ++i) {
+            const Segment& s = segments[i];
+            if (i > 0 && place(segments[i - 1]) == place(s)) {
+                plan_.faults.push_back(
+                    fault(s, fmt::format("GP {} has drawn this surface and slab already",
+                                         segments[i - 1].gp)));
+            } else if (const std::optional<isa::ProgramError> error = Igc::check(s.words)) {
+                plan_.faults.push_back(
+                    fault(s, fmt::format("word {}: {}", error->word, error->text)));
+            } else {
+                add_segment(s);
+            }
+        }
+        leave_door();
+        if (!frame_.depths.empty()) {
+            add(Kind::depths, frame_.depths, "program of depths");
+        }
+        add(Kind::end_of_region, frame_.end_of_region, "end-of-region program");
+        return std::move(plan_);
+    }
+
+  private:
+    using Kind = RegionPlan::Kind;
+
+    /// One of the Renderer's own programs.
+    void add(Kind kind, Words words, const char* name, std::uint32_t surface = 0) {
+        if (const std::optional<isa::ProgramError> error = Igc::check(words)) {
+            throw std::logic_error(fmt::format("{}, word {}: {}", name, error->word, error->text));
+        }
+        RegionPlan::Part part;
+        part.kind = kind;
+        part.segment.surface = surface;
+        part.segment.words = words;
+        plan_.parts.push_back(part);
+    }
+
+    void add_segment(const Segment& s) {
+        if (door_ != nullptr && door_->surface != s.surface) {
+            leave_door();
+        }
+        if (door_ == nullptr) {
+            const auto found = std::ranges::find(frame_.doors, s.surface, &Door::surface);
+            if (found != frame_.doors.end()) {
+                door_ = &*found;
+                add(Kind::shut_door, door_->shut, "program that shuts a door", s.surface);
+            }
+        }
+        plan_.parts.push_back({Kind::segment, s});
+    }
+
+    void leave_door() {
+        if (door_ != nullptr) {
+            add(Kind::open_door, door_->open, "program that opens a door", door_->surface);
+        }
+        door_ = nullptr;
+    }
+
+    const RegionFrame& frame_;
+    const Door* door_ = nullptr;  ///< Shut, if there is one.
+    RegionPlan plan_;
+};
+
 }  // namespace
 
 RegionPlan plan_region(const RegionFrame& frame, std::vector<Segment> segments) {
     std::sort(segments.begin(), segments.end(), [](const Segment& p, const Segment& q) {
         return std::tie(p.surface, p.slab, p.gp) < std::tie(q.surface, q.slab, q.gp);
     });
-    RegionPlan plan;
-    using Kind = RegionPlan::Kind;
-    plan.parts.push_back(own_part(Kind::prologue, frame.prologue, "prologue"));
-    for (std::size_t i = 0; i < segments.size(); ++i) {
-        const Segment& s = segments[i];
-        if (i > 0 && place(segments[i - 1]) == place(s)) {
-            plan.faults.push_back(fault(
-                s,
-                fmt::format("GP {} has drawn this surface and slab already", segments[i - 1].gp)));
-        } else if (const std::optional<isa::ProgramError> error = Igc::check(s.words)) {
-            plan.faults.push_back(fault(s, fmt::format("word {}: {}", error->word, error->text)));
-        } else {
-            plan.parts.push_back({Kind::segment, s});
-        }
-    }
-    plan.parts.push_back(
-        own_part(Kind::end_of_region, frame.end_of_region, "end-of-region program"));
-    return plan;
+    return Planner(frame).plan(segments);
 }
 
 RegionResult draw_region(isa::Executor& executor, const RegionFrame& frame,
-                         std::vector<Segment> segments) {
+                         std::vector<Segment> segments, const PartWatcher& before_part) {
     RegionPlan plan = plan_region(frame, std::move(segments));
     RegionResult result{{}, std::move(plan.faults)};
     Igc igc(executor);
     for (const RegionPlan::Part& part : plan.parts) {
+        if (before_part) {
+            before_part(part.kind);
+        }
         const Outcome outcome = igc.run_checked(part.segment.words);
         add(result.counts, outcome.counts);
         if (outcome.error) {

@@ -1,10 +1,11 @@
-// One region of one frame: prologue, the segments of all Graphics Processors in order, end of
-// region.
+// One region of one frame: prologue, the segments of all Graphics Processors in order, the depths
+// if they are wanted, end of region. A transparent surface's segments run behind its door.
 #pragma once
 
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,17 +36,34 @@ struct RegionResult {
     std::vector<SegmentFault> faults;
 };
 
-/// The programs that a region begins and ends with; checked when they are made.
-struct RegionFrame {
-    Words prologue, end_of_region;
+/// What runs before and behind a transparent surface's segments.
+struct Door {
+    std::uint32_t surface = 0;
+    Words shut, open;
 };
 
-/// What a region runs, in order: prologue, segments, end-of-region program.
+/// The Renderer's own programs of a region; checked when they are made.
+struct RegionFrame {
+    Words prologue, end_of_region;
+    std::vector<Door> doors{};  ///< Of the transparent surfaces.
+    Words depths{};             ///< Empty unless depths are wanted.
+};
+
+/// What a region runs, in order: prologue, by surface its segments, behind its door if it has one,
+/// depths, end-of-region program.
 struct RegionPlan {
-    enum class Kind : std::uint8_t { prologue, segment, end_of_region };
+    /// In the order in which they run; of one surface the three in the middle.
+    enum class Kind : std::uint8_t {
+        prologue,
+        shut_door,
+        segment,
+        open_door,
+        depths,
+        end_of_region
+    };
     struct Part {
         Kind kind = Kind::segment;
-        Segment segment;  ///< Its words alone count for the other kinds.
+        Segment segment;  ///< Of a door words and surface count; of the others the words.
     };
     std::vector<Part> parts;           ///< All of them valid programs.
     std::vector<SegmentFault> faults;  ///< Segments that are left out.
@@ -57,10 +75,13 @@ struct RegionPlan {
 /// Throws std::logic_error if prologue or end-of-region program are no programs (a bug of ours).
 RegionPlan plan_region(const RegionFrame& frame, std::vector<Segment> segments);
 
+/// Called before a part runs: what is read out then is that part's.
+using PartWatcher = std::function<void(RegionPlan::Kind)>;
+
 /// Draws a region as planned on `executor`, with a fresh controller. A segment that cannot run to
 /// its end is left where it stopped; the rest of the region is drawn. The pixels leave through the
-/// executor's readout.
+/// executor's readout, after the depths if these are wanted.
 RegionResult draw_region(isa::Executor& executor, const RegionFrame& frame,
-                         std::vector<Segment> segments);
+                         std::vector<Segment> segments, const PartWatcher& before_part = {});
 
 }  // namespace pxpl5::renderer

@@ -16,6 +16,7 @@
 #include "isa/assemble.hpp"
 #include "isa/executor.hpp"
 #include "isa/region_layout.hpp"
+#include "isa/screen_door.hpp"
 
 namespace pxpl5::renderer {
 namespace {
@@ -42,12 +43,13 @@ constexpr double mean_loss = 2 / fraction_one;
 /// The fields of region_layout.hpp as names for the assembler.
 std::string layout_names() {
     using namespace isa::region;
+    namespace door = isa::door;
     return fmt::format(
         ".def surface {}\n.def z {}\n.def normal_x {}\n.def normal_y {}\n.def normal_z {}\n.def "
         "rgb "
-        "{}\n",
+        "{}\n.def kept_z {}\n.def rank {}\n.def shut {}\n",
         surface.address, z.address, normal_x.address, normal_y.address, normal_z.address,
-        rgb.address);
+        rgb.address, door::kept_z.address, door::rank.address, door::shut);
 }
 
 isa::Program assembled(std::string_view source, const std::string& names = {}) {
@@ -87,7 +89,8 @@ struct Texts {
                  colour_first = assembled(text::colour_first),
                  colour_next = assembled(text::colour_next),
                  enable_covered = assembled(text::enable_covered), finish = assembled(text::finish),
-                 readout = assembled(text::readout);
+                 readout = assembled(text::readout), shut_door = assembled(text::shut_door),
+                 open_door = assembled(text::open_door), depths = assembled(text::depths);
     Placed dot_first{"N", text::dot_first, places_n}, dot_next{"N", text::dot_next, places_n};
     Placed move_down{"Q", text::move_down, places_q};
     Placed square{"Q", text::square, std::span(places_q).first(6)};
@@ -255,6 +258,12 @@ void verify(const Shading& s) {
             fmt::format("{} lights; at most {}", s.lights.size(), max_lights));
     require(s.surfaces.size() <= max_surfaces,
             fmt::format("{} surfaces; at most {}", s.surfaces.size(), max_surfaces));
+    require(s.opacities.size() <= s.surfaces.size(),
+            fmt::format("{} opacities of {} surfaces", s.opacities.size(), s.surfaces.size()));
+    for (const std::uint32_t opacity : s.opacities) {
+        require(opacity >= 1 && opacity <= isa::door::levels,
+                fmt::format("opacity {}; must be 1..{}", opacity, isa::door::levels));
+    }
     require(s.specular_power >= 1 && s.specular_power <= max_specular_power,
             fmt::format("specular power {}; must be 1..{}", s.specular_power, max_specular_power));
     require(s.specular >= 0 && s.specular <= 1,
@@ -273,6 +282,16 @@ void verify(const Shading& s) {
             fmt::format("ambient and intensities sum up to {}; at most {}", sum, max_light_sum));
 }
 
+/// How far a surface's pattern is moved: the first four never share pixels up to opacity 4, the
+/// first and the second not up to 8, and all sixteen patterns are different.
+struct Shift {
+    std::int64_t x, y;
+};
+constexpr Shift shift_of(std::uint32_t surface) {
+    const auto bit = [surface](unsigned n) { return std::int64_t{surface >> n & 1}; };
+    return {bit(0) + 2 * bit(2), bit(1) + 2 * bit(3)};
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> prologue(const Shading& shading) {
@@ -285,8 +304,31 @@ std::vector<std::uint32_t> end_of_region(const Shading& shading) {
     return Writer(shading).end_of_region();
 }
 
-RegionPrograms region_programs(const Shading& shading) {
-    return {prologue(shading), end_of_region(shading)};
+std::vector<DoorPrograms> doors(const Shading& shading) {
+    verify(shading);
+    std::vector<DoorPrograms> all;
+    for (std::uint32_t s = 0; s < shading.opacities.size(); ++s) {
+        if (shading.opacities[s] == isa::door::levels) {
+            continue;
+        }
+        const Shift shift = shift_of(s);
+        all.push_back({s,
+                       texts().shut_door.bind({{"shift_x", shift.x},
+                                               {"shift_y", shift.y},
+                                               {"shift_both", shift.x + shift.y},
+                                               {"opacity", shading.opacities[s]}}),
+                       texts().open_door.bind({{"background", packed(shading.background)}})});
+    }
+    return all;
+}
+
+std::vector<std::uint32_t> depths() {
+    return texts().depths.bind({});
+}
+
+RegionPrograms region_programs(const Shading& shading, bool wants_depths) {
+    return {prologue(shading), end_of_region(shading), doors(shading),
+            wants_depths ? depths() : std::vector<std::uint32_t>()};
 }
 
 }  // namespace pxpl5::renderer

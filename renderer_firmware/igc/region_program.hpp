@@ -38,6 +38,8 @@ struct Shading {
     std::uint32_t specular_power = 20;  ///< 1..128.
     Rgb background;
     std::vector<Rgb> surfaces;  ///< Surface field s of a pixel has surfaces[s - 1]; 0..255 of them.
+    /// Of each surface, in sixteenths, 1..16 (isa::door::levels); those that are left out are 16.
+    std::vector<std::uint32_t> opacities;
 };
 
 /// Clears a region: every pixel background, far, without a normal. Throws as end_of_region().
@@ -49,11 +51,27 @@ std::vector<std::uint32_t> prologue(const Shading& shading);
 /// std::invalid_argument that names the value and its limit.
 std::vector<std::uint32_t> end_of_region(const Shading& shading);
 
-struct RegionPrograms {
-    std::vector<std::uint32_t> prologue, end_of_region;
+/// What runs before and behind the segments of a transparent surface. It shows in as many of each
+/// 4 x 4 pixels as its opacity says; which ones, depends on its index, so that few surfaces share
+/// pixels. Relies on prologue() of the same shading.
+struct DoorPrograms {
+    std::uint32_t surface = 0;  ///< Index.
+    std::vector<std::uint32_t> shut, open;
 };
 
-/// Both programs.
-RegionPrograms region_programs(const Shading& shading);
+/// Those of all surfaces that are not opaque, ascending. Throws as end_of_region().
+std::vector<DoorPrograms> doors(const Shading& shading);
+
+/// Reads out, ahead of end_of_region(), the surface field (bits 0..7) and the depth (8..31).
+std::vector<std::uint32_t> depths();
+
+struct RegionPrograms {
+    std::vector<std::uint32_t> prologue, end_of_region;
+    std::vector<DoorPrograms> doors;
+    std::vector<std::uint32_t> depths;  ///< Empty unless wanted.
+};
+
+/// All programs; that of depths only if they are wanted.
+RegionPrograms region_programs(const Shading& shading, bool wants_depths = false);
 
 }  // namespace pxpl5::renderer

@@ -1,194 +1,11 @@
-// The Renderer's node, driven by hand-made messages.
-#include <doctest/doctest.h>
-
+// The Renderer's node: frames, depths, transparent surfaces, and what it refuses.
 #include <algorithm>
-#include <cstring>
-#include <memory>
 #include <string>
 
-#include "renderer_firmware/node.hpp"
-#include "ringbus/ranges.hpp"
-#include "tests/renderer_firmware/triangles.hpp"
+#include "tests/renderer_firmware/node_bench.hpp"
 
 using namespace pxpl5;
-namespace schema = bus::schema;
-using schema::Body;
-
-namespace {
-
-using WordList = std::vector<std::uint32_t>;
-constexpr bus::NodeId first_gp = 1, first_renderer = 10, frame_buffer = 20;
-constexpr std::size_t tile = 128 * 128;
-
-struct Outbox final : bus::Outbox {
-    using bus::Outbox::send;
-    struct Sent {
-        bus::NodeId to;
-        bus::Payload payload;
-    };
-    void send(bus::NodeId to, bus::Payload payload) override {
-        sent.push_back({to, std::move(payload)});
-    }
-    std::vector<Sent> sent;
-};
-
-struct SegmentWords {
-    std::uint16_t surface;
-    std::uint32_t slab;
-    WordList words;
-};
-struct RegionWords {
-    std::uint16_t region;
-    std::vector<SegmentWords> segments;
-};
-
-bus::Payload programs(std::uint32_t frame, int gp, const std::vector<RegionWords>& regions) {
-    schema::RegionProgramsT body;
-    body.frame = frame;
-    body.gp = static_cast<std::uint16_t>(gp);
-    for (const RegionWords& region : regions) {
-        auto program = std::make_unique<schema::RegionProgramT>();
-        program->region = region.region;
-        for (const SegmentWords& s : region.segments) {
-            program->segments.emplace_back(s.surface, s.slab,
-                                           static_cast<std::uint32_t>(program->words.size()),
-                                           static_cast<std::uint32_t>(s.words.size()));
-            program->words.insert(program->words.end(), s.words.begin(), s.words.end());
-        }
-        body.regions.push_back(std::move(program));
-    }
-    return bus::pack(body);
-}
-
-bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>& assignment) {
-    schema::BeginFrameT body;
-    body.draw = std::make_unique<schema::DrawFrameT>();
-    body.draw->frame = frame;
-    body.draw->width = static_cast<std::uint32_t>(128 * assignment.size());
-    body.draw->height = 128;
-    auto view = std::make_unique<schema::ViewT>();
-    view->voxel_to_eye = std::make_unique<schema::Matrix>();
-    view->projection = std::make_unique<schema::Matrix>();
-    body.draw->views.push_back(std::move(view));
-    body.draw->ambient = 1;
-    body.draw->specular_power = 1;
-    body.draw->background = std::make_unique<schema::Rgb>(10, 20, 30);
-    // No lights and full ambient light: a pixel shows its surface's colour.
-    body.draw->surfaces = {
-        {0, 1, schema::Rgb(200, 100, 50), false, schema::SlabChoice::all, bus::max_opacity},
-        {1, 1, schema::Rgb(1, 2, 3), false, schema::SlabChoice::all, bus::max_opacity}};
-    body.assignment = assignment;
-    return bus::pack(body);
-}
-
-constexpr std::uint32_t background = 10 | 20 << 8 | 30 << 16;
-constexpr std::uint32_t colours[] = {200 | 100 << 8 | 50 << 16, 1 | 2 << 8 | 3 << 16};
-
-/// A sheet over the whole region, of surface `surface`.
-WordList sheet(std::uint32_t surface, std::uint32_t depth) {
-    test::TrianglePlanes t;
-    put_edges({-3000, -3000}, {9000, -3000}, {-3000, 9000}, t);
-    t.z[2] = static_cast<std::int32_t>(depth << 8);
-    t.normals[2][2] = 500 << 16;
-    t.surface = surface + 1;
-    WordList words;
-    append(t, words);
-    return words;
-}
-
-/// One Renderer among `renderers`, with `gps` GPs.
-struct Bench {
-    Bench(int gps, int renderers, int index)
-        : id(static_cast<bus::NodeId>(first_renderer + index)) {
-        schema::TopologyT topology;
-        const auto add = [&](int node_id, schema::Role role, int i) {
-            auto info = std::make_unique<schema::NodeInfoT>();
-            info->id = static_cast<bus::NodeId>(node_id);
-            info->role = role;
-            info->index = static_cast<std::uint16_t>(i);
-            topology.nodes.push_back(std::move(info));
-        };
-        add(bus::host_id, schema::Role::host, 0);
-        for (int i = 0; i < gps; ++i) {
-            add(first_gp + i, schema::Role::gp, i);
-        }
-        for (int i = 0; i < renderers; ++i) {
-            add(first_renderer + i, schema::Role::renderer, i);
-        }
-        add(frame_buffer, schema::Role::frame_buffer, 0);
-        take(bus::host_id, bus::pack(topology));
-    }
-
-    void take(int source, const bus::Payload& payload) {
-        schema::Header header;
-        header.mutate_magic(bus::header_magic);
-        header.mutate_version(bus::protocol_version);
-        header.mutate_kind(static_cast<std::uint16_t>(payload.kind()));
-        header.mutate_source(static_cast<bus::NodeId>(source));
-        header.mutate_destination(id);
-        header.mutate_sequence(sequence++);
-        header.mutate_body_bytes(payload.bytes().size());
-        // A message body starts at a multiple of 8 bytes, a payload need not.
-        const std::size_t size = payload.bytes().size();
-        const auto copy = std::make_shared<std::vector<std::uint64_t>>(size / 8 + 1);
-        std::memcpy(copy->data(), payload.bytes().data(), size);
-        const auto* bytes = reinterpret_cast<const std::uint8_t*>(copy->data());
-        node.receive({header, {bytes, size}, copy}, out);
-    }
-    void from_gp(int gp, const bus::Payload& payload) { take(first_gp + gp, payload); }
-
-    /// The text of the NodeFault that a message causes.
-    std::string refused(int source, const bus::Payload& payload) {
-        try {
-            take(source, payload);
-        } catch (const bus::NodeFault& fault) {
-            return fault.what();
-        }
-        return "taken";
-    }
-
-    void work() {
-        while (node.work(out)) {
-        }
-    }
-
-    std::vector<const schema::RegionPixels*> frames() const {
-        std::vector<const schema::RegionPixels*> found;
-        for (const Outbox::Sent& s : out.sent) {
-            if (s.payload.kind() == Body::RegionPixels) {
-                CHECK(s.to == frame_buffer);
-                found.push_back(
-                    schema::GetMessage(s.payload.bytes().data())->body_as_RegionPixels());
-            }
-        }
-        return found;
-    }
-    std::vector<std::string> faults() const {
-        std::vector<std::string> found;
-        for (const Outbox::Sent& s : out.sent) {
-            if (s.payload.kind() == Body::Fault) {
-                CHECK(s.to == bus::host_id);
-                const auto* fault = schema::GetMessage(s.payload.bytes().data())->body_as_Fault();
-                CHECK(fault->node() == id);
-                found.push_back(std::string(schema::EnumNameFaultCode(fault->code())) + ": " +
-                                fault->reason()->str());
-            }
-        }
-        return found;
-    }
-
-    bus::NodeId id;
-    std::uint64_t sequence = 0;
-    Outbox out;
-    renderer::RendererNode node;
-};
-
-bool is_all(const schema::RegionPixels& pixels, std::size_t tile_number, std::uint32_t colour) {
-    const auto* words = pixels.pixels()->data() + tile_number * tile;
-    return std::all_of(words, words + tile, [=](std::uint32_t w) { return w == colour; });
-}
-
-}  // namespace
+using namespace pxpl5::test;
 
 TEST_CASE("a frame leaves as one message, with this Renderer's regions in ascending order") {
     Bench bench(1, 2, 1);
@@ -210,6 +27,55 @@ TEST_CASE("a frame leaves as one message, with this Renderer's regions in ascend
     CHECK(frames[0]->tiles()->Get(1)->instructions() >=
           frames[0]->tiles()->Get(0)->instructions() + 10);
     CHECK(frames[0]->tiles()->Get(1)->cycles() > frames[0]->tiles()->Get(0)->cycles());
+}
+
+TEST_CASE("depths leave only if they are asked for, beside the pixels of their tiles") {
+    for (const bool wanted : {false, true}) {
+        Bench bench(1, 2, 1);
+        bench.take(first_gp, begin(5, {1, 0, 1}, {16, wanted}));
+        bench.from_gp(0, programs(5, 0, {{2, {{0, 3, sheet(0, 5000)}, {1, 3, sheet(1, 4000)}}}}));
+        bench.work();
+        REQUIRE(bench.frames().size() == 1);
+        const schema::RegionPixels& sent = *bench.frames()[0];
+        CHECK(is_all(sent, 1, colours[1]));
+        REQUIRE((sent.depths() != nullptr) == wanted);
+        if (wanted) {
+            REQUIRE(sent.depths()->size() == 2 * tile);
+            const auto* words = sent.depths()->data();
+            CHECK(
+                std::all_of(words, words + tile, [](std::uint32_t w) { return w == 0xFFFF'FF00; }));
+            CHECK(std::all_of(words + tile, words + 2 * tile,
+                              [](std::uint32_t w) { return w == (2 | 4000 << 8); }));
+        }
+    }
+}
+
+TEST_CASE("a transparent surface leaves pixels to what is behind it, whichever is drawn first") {
+    Bench bench(1, 1, 0);
+    bench.take(first_gp, begin(1, {0, 0}, {4, false}));
+    bench.from_gp(0, programs(1, 0,
+                              {{0, {{0, 3, sheet(0, 5000)}, {1, 3, sheet(1, 4000)}}},
+                               {1, {{1, 3, sheet(1, 4000)}}}}));
+    bench.work();
+    REQUIRE(bench.frames().size() == 1);
+    const auto* words = bench.frames()[0]->pixels()->data();
+    CHECK(std::count(words, words + tile, colours[1]) == tile / 4);
+    CHECK(std::count(words, words + tile, colours[0]) == tile * 3 / 4);
+    CHECK(std::count(words + tile, words + 2 * tile, colours[1]) == tile / 4);
+    CHECK(std::count(words + tile, words + 2 * tile, background) == tile * 3 / 4);
+}
+
+TEST_CASE("a stream that reads out does not put the tiles out of step") {
+    Bench bench(1, 1, 0);
+    WordList words = sheet(0, 5000);
+    words.push_back(isa::encode({isa::Op::pixels_to_fb, {0, 0, 32}}));
+    bench.take(first_gp, begin(1, {0, 0}));
+    bench.from_gp(0, programs(1, 0, {{0, {{0, 3, words}}}}));
+    bench.work();
+    REQUIRE(bench.frames().size() == 1);
+    REQUIRE(bench.frames()[0]->pixels()->size() == 2 * tile);
+    CHECK(is_all(*bench.frames()[0], 0, colours[0]));
+    CHECK(is_all(*bench.frames()[0], 1, background));
 }
 
 TEST_CASE("a Renderer without regions sends its frame all the same") {

@@ -1,0 +1,286 @@
+// Transparent surfaces and depths, beside coverage x pattern x depth in plain C++.
+#include <algorithm>
+#include <array>
+
+#include "isa/reference/reference.hpp"
+#include "renderer_firmware/igc/region.hpp"
+#include "renderer_firmware/igc/region_program.hpp"
+#include "tests/renderer_firmware/targets.hpp"
+#include "tests/renderer_firmware/triangles.hpp"
+
+using namespace pxpl5;
+using renderer::RegionPlan;
+
+namespace {
+
+constexpr int side = 128;
+constexpr std::uint32_t far_z = (1U << 24) - 1;
+using WordList = std::vector<std::uint32_t>;
+
+/// Bayer 1973: the ordered pattern of 4 x 4, by row.
+constexpr std::uint32_t bayer[4][4] = {
+    {0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
+
+/// Where in the pattern surface `index` begins.
+struct Shift {
+    int x, y;
+};
+constexpr Shift shifts[8] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 0}, {3, 0}, {2, 1}, {3, 1}};
+
+bool shows(std::uint32_t surface, std::uint32_t opacity, int x, int y) {
+    const Shift shift = shifts[surface];
+    return bayer[(y + shift.y) % 4][(x + shift.x) % 4] < opacity;
+}
+
+/// A triangle over the whole region.
+test::TrianglePlanes sheet(std::uint32_t surface, std::uint32_t depth) {
+    test::TrianglePlanes t;
+    put_edges({-3000, -3000}, {9000, -3000}, {-3000, 9000}, t);
+    t.z[2] = static_cast<std::int32_t>(depth << 8);
+    t.surface = surface + 1;
+    return t;
+}
+
+struct Slab {
+    std::uint32_t surface = 0, slab = 0;
+    std::vector<test::TrianglePlanes> triangles;
+};
+
+/// Surfaces with triangles of all sizes, their opacities, and a background.
+struct Scene {
+    renderer::Shading shading;
+    std::vector<Slab> slabs;  ///< As they run.
+    std::vector<WordList> words;
+
+    explicit Scene(std::uint64_t seed) {
+        test::RandomPrograms random(seed);
+        shading.ambient = 1;  // And no lamps: a pixel has its surface's colour.
+        shading.background = {9, 18, 27};
+        for (std::uint32_t s = 0; s < 8; ++s) {
+            const auto part = [&] { return static_cast<std::uint8_t>(random.below(256)); };
+            shading.surfaces.push_back({part(), part(), part()});
+            shading.opacities.push_back(s == 2 ? 16 : 1 + random.below(16));
+            for (std::uint32_t slab = 0; slab < 3; ++slab) {
+                add(random, s, slab);
+            }
+        }
+    }
+
+    std::vector<renderer::Segment> segments() const {
+        std::vector<renderer::Segment> all;
+        for (std::size_t i = slabs.size(); i-- > 0;) {
+            all.push_back({slabs[i].surface, slabs[i].slab, 0, words[i], 0});
+        }
+        return all;
+    }
+
+  private:
+    void add(test::RandomPrograms& random, std::uint32_t surface, std::uint32_t slab) {
+        constexpr std::int32_t reaches[] = {24, 160, 1000, 4000};
+        Slab& made = slabs.emplace_back(Slab{surface, slab, {}});
+        WordList& out = words.emplace_back();
+        for (int n = 0; n < 12; ++n) {
+            const test::Corner centre{static_cast<std::int32_t>(random.below(2048)),
+                                      static_cast<std::int32_t>(random.below(2048))};
+            test::TrianglePlanes t =
+                test::random_triangle(random, centre, reaches[random.below(4)]);
+            t.surface = surface + 1;
+            append(t, out);
+            made.triangles.push_back(t);
+        }
+    }
+};
+
+/// What a pixel shows: the surface field, and the depth above it.
+std::uint32_t expected_at(const Scene& scene, int x, int y) {
+    const auto form = [x, y](const std::int32_t* k) {
+        return std::int64_t{k[0]} * x + std::int64_t{k[1]} * y + k[2];
+    };
+    std::uint32_t z = far_z, surface = 0;
+    for (const Slab& slab : scene.slabs) {
+        if (!shows(slab.surface, scene.shading.opacities[slab.surface], x, y)) {
+            continue;
+        }
+        for (const test::TrianglePlanes& t : slab.triangles) {
+            const bool inside =
+                std::ranges::all_of(t.edges, [&](const auto& e) { return form(e) >= 0; });
+            const auto depth = static_cast<std::uint32_t>(form(t.z) >> 8) & far_z;
+            if (inside && depth < z) {
+                z = depth;
+                surface = t.surface;
+            }
+        }
+    }
+    return surface | z << 8;
+}
+
+struct Drawn {
+    renderer::RegionResult result;
+    WordList pixels, depths;
+    std::vector<RegionPlan::Kind> parts;
+};
+
+Drawn draw(isa::Executor& executor, const renderer::RegionPrograms& programs,
+           std::vector<renderer::Segment> segments) {
+    renderer::RegionFrame frame{programs.prologue, programs.end_of_region};
+    for (const renderer::DoorPrograms& door : programs.doors) {
+        frame.doors.push_back({door.surface, door.shut, door.open});
+    }
+    frame.depths = programs.depths;
+    Drawn drawn;
+    executor.set_readout([&](renderer::Words words) {
+        WordList& to = drawn.parts.back() == RegionPlan::Kind::depths ? drawn.depths : drawn.pixels;
+        to.assign(words.begin(), words.end());
+    });
+    drawn.result = draw_region(executor, frame, std::move(segments),
+                               [&](RegionPlan::Kind kind) { drawn.parts.push_back(kind); });
+    executor.set_readout({});
+    return drawn;
+}
+
+std::uint32_t colour_of(const renderer::Shading& shading, std::uint32_t field) {
+    const renderer::Rgb c = field == 0 ? shading.background : shading.surfaces[field - 1];
+    return c.r | c.g << 8U | c.b << 16U;
+}
+
+}  // namespace
+
+TEST_CASE("transparent surfaces show in their pixels of the pattern, as the depth test decides") {
+    const std::uint64_t seed = test::seed_or(41);
+    MESSAGE("PXPL5_SEED=", seed);
+    for (std::uint64_t n = 0; n < 6; ++n) {
+        const Scene scene(seed + n);
+        const renderer::RegionPrograms programs = region_programs(scene.shading, true);
+        test::on_every_target([&](renderer::fast::Fast& fast) {
+            fast.reset();
+            const Drawn drawn = draw(fast, programs, scene.segments());
+            REQUIRE(drawn.result.faults.empty());
+            REQUIRE(drawn.depths.size() == isa::region_pixels);
+            int wrong = 0, covered = 0;
+            for (int i = 0; i < side * side; ++i) {
+                const std::uint32_t expected = expected_at(scene, i % side, i / side);
+                const auto at = static_cast<std::size_t>(i);
+                wrong += drawn.depths[at] == expected ? 0 : 1;
+                wrong += drawn.pixels[at] == colour_of(scene.shading, expected & 0xFF) ? 0 : 1;
+                covered += (expected & 0xFF) != 0 ? 1 : 0;
+            }
+            CHECK(wrong == 0);
+            CHECK(covered > side * side / 4);
+        });
+    }
+}
+
+TEST_CASE("the reference executor draws doors and depths as the fast one does") {
+    const Scene scene(test::seed_or(43));
+    const renderer::RegionPrograms programs = region_programs(scene.shading, true);
+    isa::reference::Reference reference({52, 60, 16, 8});
+    renderer::fast::Fast fast;
+    const Drawn slow = draw(reference, programs, scene.segments());
+    const Drawn quick = draw(fast, programs, scene.segments());
+    CHECK(slow.result.counts.instructions == quick.result.counts.instructions);
+    CHECK(slow.result.counts.cycles == quick.result.counts.cycles);
+    for (int y = 60; y < 68; ++y) {
+        for (int x = 52; x < 68; ++x) {
+            const auto at = static_cast<std::size_t>(y * side + x);
+            CHECK(slow.depths[at] == expected_at(scene, x, y));
+            CHECK(slow.depths[at] == quick.depths[at]);
+            CHECK(slow.pixels[at] == quick.pixels[at]);
+        }
+    }
+}
+
+TEST_CASE("each opacity shows in that many of every 4 x 4 pixels, and in those of the one before") {
+    WordList words;
+    append(sheet(0, 5000), words);
+    for (std::uint32_t surface = 0; surface < 16; ++surface) {
+        std::vector<bool> before(16, false);
+        for (std::uint32_t opacity = 1; opacity <= 16; ++opacity) {
+            renderer::Shading shading;
+            shading.surfaces.assign(surface + 1, {200, 100, 50});
+            shading.opacities.assign(surface + 1, opacity);
+            renderer::fast::Fast fast;
+            const Drawn drawn =
+                draw(fast, region_programs(shading, true), {{surface, 0, 0, words, 0}});
+            std::vector<bool> now(16);
+            for (int i = 0; i < side * side; ++i) {
+                const int x = i % side, y = i / side;
+                const bool shown = drawn.depths[static_cast<std::size_t>(i)] == (1 | 5000 << 8);
+                const auto place = static_cast<std::size_t>(y % 4 * 4 + x % 4);
+                if (x < 4 && y < 4) {
+                    now[place] = shown;
+                }
+                REQUIRE(now[place] == shown);
+            }
+            CHECK(std::ranges::count(now, true) == opacity);
+            for (std::size_t p = 0; p < 16; ++p) {
+                CHECK((now[p] || !before[p]));
+            }
+            before = now;
+        }
+    }
+}
+
+TEST_CASE("the first two surfaces share no pixel up to opacity 8, the first four none up to 4") {
+    struct Case {
+        std::uint32_t surfaces, opacity;
+    };
+    for (const Case c : {Case{2, 8}, Case{4, 4}, Case{8, 2}, Case{16, 1}}) {
+        renderer::Shading shading;
+        shading.surfaces.assign(c.surfaces, {});
+        shading.opacities.assign(c.surfaces, c.opacity);
+        // The later, the farther: where two share a pixel, the first alone shows there.
+        std::vector<WordList> words(c.surfaces);
+        std::vector<renderer::Segment> segments;
+        for (std::uint32_t s = 0; s < c.surfaces; ++s) {
+            append(sheet(s, 5000 + s), words[s]);
+            segments.push_back({s, 0, 0, words[s], 0});
+        }
+        renderer::fast::Fast fast;
+        const Drawn drawn = draw(fast, region_programs(shading, true), segments);
+        for (std::uint32_t s = 0; s < c.surfaces; ++s) {
+            CHECK(std::ranges::count(drawn.depths, (s + 1) | (5000 + s) << 8) ==
+                  side * side * static_cast<int>(c.opacity) / 16);
+        }
+    }
+}
+
+TEST_CASE("an opaque frame without depths runs just what it ran before") {
+    Scene scene(test::seed_or(44));
+    scene.shading.opacities.assign(8, 16);
+    const renderer::RegionPrograms programs = region_programs(scene.shading);
+    CHECK(programs.doors.empty());
+    CHECK(programs.depths.empty());
+    renderer::fast::Fast fast;
+    const Drawn drawn = draw(fast, programs, scene.segments());
+    CHECK(drawn.parts.size() == 1 + scene.slabs.size() + 1);
+}
+
+TEST_CASE("only surfaces that are in a region have doors there; a bad segment opens none") {
+    Scene scene(test::seed_or(45));
+    scene.shading.opacities.assign(8, 8);
+    const renderer::RegionPrograms programs = region_programs(scene.shading);
+    const WordList bad = {0xEE000000};
+    renderer::fast::Fast fast;
+    using enum RegionPlan::Kind;
+    const Drawn drawn = draw(fast, programs,
+                             {{5, 1, 0, scene.words[0], 0},
+                              {5, 0, 0, scene.words[1], 0},
+                              {3, 0, 0, bad, 0},
+                              {7, 0, 0, scene.words[2], 0}});
+    CHECK(drawn.result.faults.size() == 1);
+    CHECK(drawn.parts == std::vector{prologue, shut_door, segment, segment, open_door, shut_door,
+                                     segment, open_door, end_of_region});
+}
+
+TEST_CASE("an opacity that cannot be is refused by name") {
+    renderer::Shading shading;
+    shading.surfaces.assign(1, {});
+    for (const std::uint32_t opacity : {0U, 17U}) {
+        shading.opacities = {opacity};
+        CHECK_THROWS_WITH(
+            region_programs(shading),
+            ("shading: opacity " + std::to_string(opacity) + "; must be 1..16").c_str());
+    }
+    shading.opacities = {8, 8};
+    CHECK_THROWS_WITH(region_programs(shading), "shading: 2 opacities of 1 surfaces");
+}
