@@ -13,6 +13,27 @@ namespace {
 using isa::region::size_px;
 constexpr std::uint32_t opaque = 0xff000000;
 
+/// Copies one region into its place, cropped to the view, each word as `change` makes it.
+template <typename Change>
+void copy_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
+                 std::span<std::uint32_t> picture, const Change& change) {
+    assert(region >= 0 && region < shape.regions());
+    assert(tile.size() == size_px * size_px);
+    assert(picture.size() == shape.pixels());
+    const int per_view = shape.columns() * shape.rows();
+    const int view = region / per_view, in_view = region % per_view;
+    const int left = in_view % shape.columns() * size_px, top = in_view / shape.columns() * size_px;
+    const int width = std::min(size_px, shape.width - left);
+    const int height = std::min(size_px, shape.height - top);
+    for (int y = 0; y < height; ++y) {
+        const std::uint32_t* from = tile.data() + y * size_px;
+        std::uint32_t* to =
+            picture.data() +
+            static_cast<std::ptrdiff_t>(view * shape.height + top + y) * shape.width + left;
+        std::transform(from, from + width, to, change);
+    }
+}
+
 }  // namespace
 
 int FrameShape::columns() const {
@@ -33,21 +54,12 @@ bool Frame::complete() const {
 
 void place_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
                   std::span<std::uint32_t> picture) {
-    assert(region >= 0 && region < shape.regions());
-    assert(tile.size() == size_px * size_px);
-    assert(picture.size() == shape.pixels());
-    const int per_view = shape.columns() * shape.rows();
-    const int view = region / per_view, in_view = region % per_view;
-    const int left = in_view % shape.columns() * size_px, top = in_view / shape.columns() * size_px;
-    const int width = std::min(size_px, shape.width - left);
-    const int height = std::min(size_px, shape.height - top);
-    for (int y = 0; y < height; ++y) {
-        const std::uint32_t* from = tile.data() + y * size_px;
-        std::uint32_t* to =
-            picture.data() +
-            static_cast<std::ptrdiff_t>(view * shape.height + top + y) * shape.width + left;
-        std::transform(from, from + width, to, [](std::uint32_t p) { return p | opaque; });
-    }
+    copy_region(shape, region, tile, picture, [](std::uint32_t p) { return p | opaque; });
+}
+
+void place_depths(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
+                  std::span<std::uint32_t> depths) {
+    copy_region(shape, region, tile, depths, [](std::uint32_t d) { return d; });
 }
 
 }  // namespace pxpl5::host

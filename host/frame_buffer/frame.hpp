@@ -23,12 +23,14 @@ struct Frame {
     std::uint32_t number = 0;
     FrameShape shape;
     bool read_back = false;
+    bool read_depths = false;
     std::vector<std::uint16_t> assignment;     ///< Index of the Renderer, by region.
     std::vector<bool> renderer_is_in;          ///< By index.
     std::vector<bool> region_is_in;            ///< By region.
     std::vector<std::uint64_t> region_cycles;  ///< By region.
     std::uint64_t instructions = 0;            ///< Over all regions.
     std::vector<std::uint32_t> picture;        ///< shape.pixels(), top row first.
+    std::vector<std::uint32_t> depths;         ///< Likewise; empty unless read_depths.
 
     bool complete() const;
 };
@@ -39,5 +41,9 @@ struct Frame {
 /// picture  shape.pixels() pixels.
 void place_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
                   std::span<std::uint32_t> picture);
+
+/// The same for what the pixels show and how far away it is: words stay as they are.
+void place_depths(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
+                  std::span<std::uint32_t> depths);
 
 }  // namespace pxpl5::host

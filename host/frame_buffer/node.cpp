@@ -77,6 +77,11 @@ void check_tiles(const Frame& frame, const schema::RegionPixels& pixels) {
         refuse(schema::FaultCode::bad_message, fmt::format("{}: {} regions, {} are assigned to it",
                                                            from, pixels.tiles()->size(), due));
     }
+    if (frame.read_depths != (pixels.depths() != nullptr)) {
+        refuse(schema::FaultCode::bad_message,
+               fmt::format("{}: it sends {}depths, the frame wants {}", from,
+                           frame.read_depths ? "no " : "", frame.read_depths ? "them" : "none"));
+    }
 }
 
 void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
@@ -88,22 +93,27 @@ void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
         frame.region_cycles[tile->region()] = tile->cycles();
         frame.instructions += tile->instructions();
         place_region(frame.shape, tile->region(), words.subspan(at, tile_pixels), frame.picture);
+        if (frame.read_depths) {
+            place_depths(frame.shape, tile->region(), {pixels.depths()->data() + at, tile_pixels},
+                         frame.depths);
+        }
         at += tile_pixels;
     }
     frame.renderer_is_in[pixels.renderer()] = true;
 }
 
 bus::Payload frame_done(const Frame& frame) {
-    flatbuffers::FlatBufferBuilder builder(frame.read_back ? frame.picture.size() * 4 + 4096
-                                                           : 4096);
+    const std::size_t words = (frame.read_back ? frame.picture.size() : 0) + frame.depths.size();
+    flatbuffers::FlatBufferBuilder builder(words * sizeof(std::uint32_t) + 4096);
     const auto cycles = builder.CreateVector(frame.region_cycles);
     const auto pixels = frame.read_back ? builder.CreateVector(frame.picture) : 0;
+    const auto depths = frame.read_depths ? builder.CreateVector(frame.depths) : 0;
     return bus::finish(
         builder, schema::CreateFrameDone(builder, frame.number,
                                          static_cast<std::uint32_t>(frame.shape.width),
                                          static_cast<std::uint32_t>(frame.shape.height),
                                          static_cast<std::uint16_t>(frame.shape.views), cycles,
-                                         frame.instructions, pixels));
+                                         frame.instructions, pixels, depths));
 }
 
 }  // namespace
@@ -145,12 +155,14 @@ void FrameBufferNode::on_begin_frame(const schema::BeginFrame& begin, bus::Outbo
     frame.number = number;
     frame.shape = shape_of(*begin.draw());
     frame.read_back = begin.draw()->read_back();
+    frame.read_depths = begin.draw()->read_depths();
     frame.assignment = assignment_of(begin, frame.shape, renderer_ids_.size());
     frame.renderer_is_in.resize(renderer_ids_.size());
     frame.region_is_in.resize(frame.assignment.size());
     frame.region_cycles.resize(frame.assignment.size());
     frame.picture = std::exchange(back_, {});
     frame.picture.resize(frame.shape.pixels());
+    frame.depths.resize(frame.read_depths ? frame.shape.pixels() : 0);
     next_frame_ = number + 1;
     in_flight_.push_back(std::move(frame));
     give_up_before(in_flight_.size() > max_in_flight ? in_flight_[1].number : 0);

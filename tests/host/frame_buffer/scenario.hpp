@@ -105,6 +105,7 @@ struct Scenario {
     std::vector<std::uint16_t> assignment;
     std::vector<std::vector<std::uint32_t>> regions;  ///< By region, 128 * 128.
     std::vector<std::uint64_t> cycles;                ///< By region.
+    bool read_depths = false;
 
     int columns() const { return (width + side - 1) / side; }
     int rows() const { return (height + side - 1) / side; }
@@ -116,6 +117,7 @@ struct Scenario {
         message.draw->width = static_cast<std::uint32_t>(width);
         message.draw->height = static_cast<std::uint32_t>(height);
         message.draw->read_back = read_back;
+        message.draw->read_depths = read_depths;
         message.draw->specular_power = 1;
         for (int i = 0; i < views; ++i) {
             auto view = std::make_unique<schema::ViewT>();
@@ -136,6 +138,9 @@ struct Scenario {
             if (assignment[r] == renderer) {
                 message.tiles.emplace_back(static_cast<std::uint16_t>(r), cycles[r], 3 * cycles[r]);
                 message.pixels.insert(message.pixels.end(), regions[r].begin(), regions[r].end());
+                for (std::size_t i = 0; read_depths && i < regions[r].size(); ++i) {
+                    message.depths.push_back(~regions[r][i]);
+                }
             }
         }
         return message;
@@ -144,6 +149,18 @@ struct Scenario {
 
     /// Pixel by pixel from the definition: regions row by row from the top left, then the views.
     std::vector<std::uint32_t> expected() const {
+        std::vector<std::uint32_t> picture = words();
+        std::ranges::transform(picture, picture.begin(),
+                               [](std::uint32_t word) { return opaque | word; });
+        return picture;
+    }
+    /// Here depths are their pixels, inverted.
+    std::vector<std::uint32_t> expected_depths() const {
+        std::vector<std::uint32_t> depths = words();
+        std::ranges::transform(depths, depths.begin(), [](std::uint32_t word) { return ~word; });
+        return depths;
+    }
+    std::vector<std::uint32_t> words() const {
         std::vector<std::uint32_t> picture;
         for (int view = 0; view < views; ++view) {
             for (int y = 0; y < height; ++y) {
@@ -151,7 +168,6 @@ struct Scenario {
                     const int region = (view * rows() + y / side) * columns() + x / side;
                     const int pixel = y % side * side + x % side;
                     picture.push_back(
-                        opaque |
                         regions[static_cast<std::size_t>(region)][static_cast<std::size_t>(pixel)]);
                 }
             }
@@ -166,7 +182,12 @@ struct Shape {
 
 inline Scenario random_scenario(std::mt19937& random, std::uint32_t frame, Shape shape,
                                 int renderers) {
-    Scenario scenario{frame, shape.width, shape.height, shape.views, renderers, {}, {}, {}};
+    Scenario scenario;
+    scenario.frame = frame;
+    scenario.width = shape.width;
+    scenario.height = shape.height;
+    scenario.views = shape.views;
+    scenario.renderers = renderers;
     const int count = scenario.columns() * scenario.rows() * scenario.views;
     for (int r = 0; r < count; ++r) {
         scenario.assignment.push_back(

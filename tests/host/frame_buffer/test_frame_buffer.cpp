@@ -222,3 +222,38 @@ TEST_CASE("regions of frames that never begin are refused once their number is o
     CHECK(held < 100);
     CHECK_MESSAGE(has(fault, "the frame is unknown"), fault);
 }
+
+TEST_CASE("depths come in the picture's order, words as they are, if they are asked for") {
+    std::mt19937 random(seed());
+    for (const bool wanted : {true, false, true}) {
+        Scenario frame = random_scenario(random, 3, {300, 200, 2}, 3);
+        frame.read_depths = wanted;
+        FrameBufferBench bench(3);
+        bench.take(master_gp, frame.begin());
+        for (int i = 0; i < 3; ++i) {
+            bench.from_renderer(i, frame.pixels(i));
+        }
+        REQUIRE(bench.out.sent.size() == 1);
+        CHECK(picture_of(bench.out.sent[0]) == frame.expected());
+        const auto* depths = FrameBufferBench::frame_done(bench.out.sent[0]).depths();
+        REQUIRE((depths != nullptr) == wanted);
+        if (wanted) {
+            CHECK(std::vector<std::uint32_t>(depths->begin(), depths->end()) ==
+                  frame.expected_depths());
+        }
+    }
+}
+
+TEST_CASE("depths that are missing, or that nobody asked for, are refused by name") {
+    std::mt19937 random(seed());
+    Scenario frame = random_scenario(random, 3, {300, 200, 1}, 1);
+    for (const bool wanted : {true, false}) {
+        FrameBufferBench bench(1);
+        frame.read_depths = wanted;
+        bench.take(master_gp, frame.begin());
+        frame.read_depths = !wanted;
+        CHECK(bench.fault(first_renderer, frame.pixels(0)) ==
+              (wanted ? "frame 3, Renderer 0: it sends no depths, the frame wants them"
+                      : "frame 3, Renderer 0: it sends depths, the frame wants none"));
+    }
+}
