@@ -7,6 +7,7 @@ packages=(
     libzmq3-dev cppzmq-dev libflatbuffers-dev flatbuffers-compiler
     libglm-dev libhwy-dev libuv1-dev libedit-dev libcli11-dev libfmt-dev nlohmann-json3-dev
     libopenimageio-dev libinsighttoolkit5-dev zlib1g-dev libpng-dev libzstd-dev
+    libcairo2-dev fonts-dejavu-core libmeshoptimizer-dev libassimp-dev
     doctest-dev libbenchmark-dev
 )
 

@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cassert>
 #include <utility>
 
+#include "host/io/export_requests.hpp"
 #include "host/io/import.hpp"
-#include "host/io/picture.hpp"
 #include "host/volume_transfer.hpp"
 
 namespace pxpl5::host::io {
@@ -22,23 +21,6 @@ bus::Payload failure(const std::string& reason, bool bad_data) {
     done.error = reason;
     done.bad_data = bad_data;
     return bus::pack(done);
-}
-
-void export_picture(const bus::Message& request, bus::Outbox& out) {
-    const auto& wish = *request.as<schema::ExportPicture>();
-    try {
-        Picture picture;
-        picture.width = static_cast<int>(std::min<std::uint32_t>(wish.width(), INT32_MAX));
-        picture.height = static_cast<int>(std::min<std::uint32_t>(wish.height(), INT32_MAX));
-        picture.rgba = {wish.rgba()->data(), wish.rgba()->size()};
-        picture.description = wish.description() ? wish.description()->str() : "";
-        write_picture(wish.path()->str(), picture);
-        schema::IoDoneT done;
-        done.ok = true;
-        out.send(request.source(), bus::pack(done));
-    } catch (const PictureError& error) {
-        out.send(request.source(), failure(error.what(), false));
-    }
 }
 
 }  // namespace
@@ -72,7 +54,8 @@ bool IoNode::work(bus::Outbox& out) {
         if (request.kind() == bus::Body::ImportVolume) {
             begin_import(request, out);
         } else {
-            export_picture(request, out);
+            out.send(request.source(),
+                     bus::pack(export_picture(*request.as<schema::ExportPicture>())));
         }
     }
     return sending_ || !requests_.empty();

@@ -56,12 +56,13 @@ ChartAxis axis_from_zero(double highest, int most_ticks) {
     return {0, high, false, multiples(0, high, step)};
 }
 
-ChartAxis logarithmic_axis(double highest, int most_ticks) {
+ChartAxis logarithmic_axis(double lowest, double highest, int most_ticks) {
+    assert(lowest > 0);
     assert(most_ticks > 1);
-    const double decades = std::ceil(std::log10(std::max(highest, 10.0)) - 1e-9);
-    const double step = std::ceil((decades + 1) / most_ticks);
-    ChartAxis axis{0.7, std::max(highest, 10.0) * 1.4, true, {}};
-    for (double decade = 0; std::pow(10.0, decade) <= axis.high; decade += step) {
+    ChartAxis axis{lowest / 1.4, std::max(highest, lowest * 10) * 1.4, true, {}};
+    const double first = std::ceil(std::log10(axis.low)), last = std::floor(std::log10(axis.high));
+    const double step = std::ceil((last - first + 1) / most_ticks);
+    for (double decade = first; decade <= last; decade += step) {
         axis.ticks.push_back(std::pow(10.0, decade));
     }
     return axis;

@@ -23,8 +23,9 @@ ChartAxis linear_axis(double low, double high, int most_ticks);
 /// From 0 to a round number not below `highest`, which its last tick is.
 ChartAxis axis_from_zero(double highest, int most_ticks);
 
-/// A little below 1 to a little above `highest`, with ticks at powers of ten, at most `most_ticks`.
-ChartAxis logarithmic_axis(double highest, int most_ticks);
+/// From a little below `lowest` to a little above `highest`, a decade apart or more, with ticks at
+/// powers of ten, at most `most_ticks`. Both > 0.
+ChartAxis logarithmic_axis(double lowest, double highest, int most_ticks);
 
 /// The number with thousands apart, as "1,234,500" or "0.25"; at most six digits of a fraction.
 std::string grouped(double value);

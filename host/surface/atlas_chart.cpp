@@ -14,11 +14,14 @@ namespace pxpl5::host {
 namespace {
 
 constexpr MarkColour paper{255, 255, 255, 255}, ink{38, 42, 48, 255}, grey_ink{104, 110, 118, 255},
-    grid{0, 0, 0, 22}, frame{0, 0, 0, 70}, histogram_grey{222, 225, 229, 255},
+    grid{0, 0, 0, 22}, frame{0, 0, 0, 70}, histogram_grey{229, 232, 235, 255},
     plateau_tint{240, 188, 84, 62}, plateau_ink{140, 92, 8, 255};
 constexpr double mm2_per_cm2 = 100, mm3_per_ml = 1000;
-/// More components than this are shown on a logarithmic axis.
-constexpr double most_linear_components = 40;
+/// A measure whose largest value is more than so many times its median is shown on a logarithmic
+/// axis: noise at one end must not press everything else to the ground.
+constexpr double widest_linear = 8;
+/// A logarithmic axis goes no further below its largest value: the last voxels are of no interest.
+constexpr double widest_logarithmic = 1e5;
 
 /// One of the four measures.
 struct Panel {
@@ -59,34 +62,37 @@ std::vector<glm::vec2> rectangle(const Box& box) {
             at(box.left, box.bottom)};
 }
 
+/// An axis for the values; none is below 0.
+ChartAxis axis_for(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    const double highest = values.back(), median = values[values.size() / 2];
+    const auto lowest = std::upper_bound(values.begin(), values.end(), 0.0);
+    if (lowest == values.end() || highest <= widest_linear * median) {
+        return axis_from_zero(highest, 5);
+    }
+    return logarithmic_axis(std::max(*lowest, highest / widest_logarithmic), highest, 5);
+}
+
 Panel panel_of(const AtlasContent& content, const std::string& name, MarkColour colour,
                double (*measure)(const AtlasRow&)) {
     Panel panel{name, colour, {}, {}};
     for (const AtlasRow& row : content.rows) {
-        panel.values.push_back(measure(row));
+        panel.values.push_back(std::max(measure(row), 0.0));
     }
-    const double highest = *std::max_element(panel.values.begin(), panel.values.end());
-    panel.axis = axis_from_zero(highest, 5);
+    panel.axis = axis_for(panel.values);
+    panel.name += panel.axis.logarithmic ? ", logarithmic" : "";
     return panel;
 }
 
 std::array<Panel, 4> panels_of(const AtlasContent& content) {
-    std::array panels = {
-        panel_of(content, "triangles", {31, 95, 139, 255},
-                 [](const AtlasRow& row) { return static_cast<double>(row.triangles); }),
-        panel_of(content, "area, cm²", {34, 120, 92, 255},
-                 [](const AtlasRow& row) { return row.area_mm2 / mm2_per_cm2; }),
-        panel_of(content, "volume, ml", {136, 66, 120, 255},
-                 [](const AtlasRow& row) { return row.volume_mm3 / mm3_per_ml; }),
-        panel_of(content, "components", {176, 74, 46, 255},
-                 [](const AtlasRow& row) { return static_cast<double>(row.components); })};
-    Panel& components = panels[3];
-    const double most = *std::max_element(components.values.begin(), components.values.end());
-    if (most > most_linear_components) {
-        components.axis = logarithmic_axis(most, 5);
-        components.name += ", logarithmic";
-    }
-    return panels;
+    return {panel_of(content, "triangles", {31, 95, 139, 255},
+                     [](const AtlasRow& row) { return static_cast<double>(row.triangles); }),
+            panel_of(content, "area, cm²", {34, 120, 92, 255},
+                     [](const AtlasRow& row) { return row.area_mm2 / mm2_per_cm2; }),
+            panel_of(content, "volume, ml", {136, 66, 120, 255},
+                     [](const AtlasRow& row) { return row.volume_mm3 / mm3_per_ml; }),
+            panel_of(content, "components", {176, 74, 46, 255},
+                     [](const AtlasRow& row) { return static_cast<double>(row.components); })};
 }
 
 /// Counts as a filled outline, of logarithmic height, over the part of the axis that is shown.
@@ -121,7 +127,7 @@ void add_histogram(const Box& box, Drawing& d) {
     d.marks.push_back(area_mark(std::move(outline), histogram_grey));
 }
 
-/// Bands over all panels, and their numbers above.
+/// Bands over all panels, and above them their numbers, with the range where there is room.
 void add_plateaus(const Box& all, Drawing& d) {
     int number = 0;
     for (const AtlasPlateau& plateau : d.content.plateaus) {
@@ -131,8 +137,11 @@ void add_plateaus(const Box& all, Drawing& d) {
             continue;
         }
         d.marks.push_back(area_mark(rectangle({left, all.top, right, all.bottom}), plateau_tint));
+        const std::string range =
+            fmt::format("{}: {} to {}", number, grouped(plateau.from), grouped(plateau.to));
+        const bool has_room = right - left > d.px(8.0) * static_cast<double>(range.size());
         d.marks.push_back(text_mark(at((left + right) / 2, all.top - d.px(4)),
-                                    fmt::format("{}", number), plateau_ink,
+                                    has_room ? range : fmt::format("{}", number), plateau_ink,
                                     {d.px(13), 0.5F, 1, d.px(2)}));
     }
 }
@@ -223,7 +232,7 @@ AtlasChart atlas_chart(const AtlasContent& content, Size size) {
     const double unit = std::min(static_cast<double>(size.width) / atlas_chart_size.width,
                                  static_cast<double>(size.height) / atlas_chart_size.height);
     Drawing d{content, unit, linear_axis(rows.front().isovalue, rows.back().isovalue, 12), {}};
-    const Box all{d.px(96), d.px(100), size.width - d.px(28), size.height - d.px(58)};
+    const Box all{d.px(96), d.px(100), size.width - 28 * unit, size.height - 58 * unit};
     const double gap = d.px(16), height = (all.bottom - all.top - 3 * gap) / 4;
     const std::array panels = panels_of(content);
     std::array<Box, 4> boxes{};

@@ -13,7 +13,6 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr MarkColour light{240, 240, 236, 255}, shade{0, 0, 0, 150};
 /// Components below this share of a direction have no letter.
 const double least_component = std::sin(glm::pi<double>() / 8);
 /// Differences that rounding makes: what is closer counts as equal.
@@ -28,9 +27,14 @@ struct Measures {
     double unit;    ///< 1 at 512 pixels.
     double margin;  ///< Free at the picture's sides.
     float letter, small, halo;
+    MarkColour ink, shade;  ///< Letters, and what parts lines from the surface behind them.
+    MarkColour disc;        ///< Behind the body of directions.
 };
 
-Measures measures_of(Size size) {
+Measures measures_of(const Overlay& overlay) {
+    const Size size = overlay.size;
+    const MarkColour& paper = overlay.background;
+    const bool over_light = 0.299 * paper.r + 0.587 * paper.g + 0.114 * paper.b >= 128;
     const double unit = std::clamp(std::min(size.width, size.height) / 512.0, 0.6, 4.0);
     return {static_cast<double>(size.width),
             static_cast<double>(size.height),
@@ -38,7 +42,10 @@ Measures measures_of(Size size) {
             10 * unit,
             static_cast<float>(20 * unit),
             static_cast<float>(std::max(12 * unit, 9.0)),
-            static_cast<float>(std::max(3 * unit, 2.0))};
+            static_cast<float>(std::max(2 * unit, 1.5)),
+            over_light ? MarkColour{24, 26, 30, 255} : MarkColour{240, 240, 236, 255},
+            over_light ? MarkColour{255, 255, 255, 170} : MarkColour{0, 0, 0, 150},
+            over_light ? MarkColour{0, 0, 0, 36} : MarkColour{0, 0, 0, 90}};
 }
 
 glm::vec2 at(double x, double y) {
@@ -76,14 +83,15 @@ void add_letters(const Overlay& overlay, const Measures& m, std::vector<PictureM
         Side{-axes.up, at(middle_x, m.height - m.margin), 0.5F, 1},
     };
     for (const Side& side : sides) {
-        marks.push_back(text_mark(side.at, direction_letters(side.direction), light,
+        marks.push_back(text_mark(side.at, direction_letters(side.direction), m.ink,
                                   {m.letter, side.align_x, side.align_y, m.halo}));
     }
 }
 
-void add_line(std::vector<glm::vec2> points, double width, std::vector<PictureMark>& marks) {
-    marks.push_back(line_mark(points, shade, static_cast<float>(width + 2.4)));
-    marks.push_back(line_mark(std::move(points), light, static_cast<float>(width)));
+void add_line(std::vector<glm::vec2> points, double width, const Measures& m,
+              std::vector<PictureMark>& marks) {
+    marks.push_back(line_mark(points, m.shade, static_cast<float>(width + 2.4)));
+    marks.push_back(line_mark(std::move(points), m.ink, static_cast<float>(width)));
 }
 
 void add_scale(const Overlay& overlay, const Measures& m, std::vector<PictureMark>& marks) {
@@ -91,9 +99,9 @@ void add_scale(const Overlay& overlay, const Measures& m, std::vector<PictureMar
     const double right = m.width - m.margin, y = m.height - m.margin, tick = 4 * m.unit;
     const double left = right - bar.length_px;
     add_line({at(left, y - 2 * tick), at(left, y), at(right, y), at(right, y - 2 * tick)},
-             1.6 * m.unit, marks);
+             1.6 * m.unit, m, marks);
     marks.push_back(text_mark(at((left + right) / 2, y - tick),
-                              fmt::format("{:g} mm", bar.length_mm), light,
+                              fmt::format("{:g} mm", bar.length_mm), m.ink,
                               {m.small, 0.5F, 1, m.halo}));
 }
 
@@ -141,7 +149,7 @@ std::vector<Direction> six_directions(const PictureAxes& axes) {
 void add_directions(const Overlay& overlay, const Measures& m, std::vector<PictureMark>& marks) {
     const double radius = 30 * m.unit, knob = 8.5 * m.unit;
     const double x = m.width - m.margin - radius - knob, y = m.margin + radius + knob;
-    marks.push_back(area_mark(disc(x, y, radius + knob * 1.25), {10, 12, 16, 90}));
+    marks.push_back(area_mark(disc(x, y, radius + knob * 1.25), m.disc));
     for (const Direction& d : six_directions(axes_of(overlay.camera, overlay.subject))) {
         const bool behind = d.towards < -same;
         const double px = x + radius * d.place.x, py = y - radius * d.place.y;
@@ -177,7 +185,7 @@ void add_legend(const Overlay& overlay, const Measures& m, std::vector<PictureMa
     const auto most = static_cast<std::size_t>(std::max(room, 8.0));  // Up to the bottom letter.
     double y = m.height - m.margin;
     const auto write = [&](double x, const std::string& text) {
-        marks.push_back(text_mark(at(x, y), cut_to(text, most), light, {m.small, 0, 1, m.halo}));
+        marks.push_back(text_mark(at(x, y), cut_to(text, most), m.ink, {m.small, 0, 1, m.halo}));
     };
     if (!overlay.title.empty()) {
         write(m.margin, overlay.title);
@@ -196,7 +204,7 @@ void add_legend(const Overlay& overlay, const Measures& m, std::vector<PictureMa
                                at(x + swatch + more, low - swatch - more),
                                at(x - more, low - swatch - more)};
         };
-        marks.push_back(area_mark(square(std::max(1.0, m.unit)), shade));
+        marks.push_back(area_mark(square(std::max(1.0, m.unit)), m.shade));
         marks.push_back(area_mark(square(0), overlay.legend[index].colour));
         write(x + swatch * 1.7, overlay.legend[index].text);
         y -= step;
@@ -256,7 +264,7 @@ std::vector<PictureMark> overlay_marks(const Overlay& overlay) {
     if (std::min(overlay.size.width, overlay.size.height) < smallest_overlay_px) {
         return marks;
     }
-    const Measures m = measures_of(overlay.size);
+    const Measures m = measures_of(overlay);
     if (overlay.directions) {
         add_directions(overlay, m, marks);
     }
@@ -272,8 +280,16 @@ std::vector<PictureMark> overlay_marks(const Overlay& overlay) {
 
 std::vector<PictureMark> overlay_marks(const Scene& scene, const Subject& subject,
                                        std::string_view title) {
-    return overlay_marks({scene.camera, subject, scene.size, std::string(title),
-                          legend_of(scene.surfaces), true, true, true});
+    const Colour& c = scene.background;
+    return overlay_marks({scene.camera,
+                          subject,
+                          scene.size,
+                          {c.r, c.g, c.b, 255},
+                          std::string(title),
+                          legend_of(scene.surfaces),
+                          true,
+                          true,
+                          true});
 }
 
 }  // namespace pxpl5::host

@@ -41,11 +41,12 @@ struct Overlay {
     Camera camera;
     Subject subject;
     Size size;
-    std::string title;               ///< Bottom line, as the volume's name; UTF-8.
-    std::vector<LegendLine> legend;  ///< Above the title; what has no room is counted.
-    bool letters = true;             ///< Patient directions at the four sides.
-    bool directions = true;          ///< The six directions as a small body at the top right.
-    bool scale = true;               ///< The scale bar.
+    MarkColour background{18, 22, 30, 255};  ///< Of the picture: ink is light over a dark one.
+    std::string title;                       ///< Bottom line, as the volume's name; UTF-8.
+    std::vector<LegendLine> legend;          ///< Above the title; what has no room is counted.
+    bool letters = true;                     ///< Patient directions at the four sides.
+    bool directions = true;  ///< The six directions as a small body at the top right.
+    bool scale = true;       ///< The scale bar.
 };
 
 /// The legend of a scene's surfaces: "bone  300".

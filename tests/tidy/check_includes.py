@@ -18,7 +18,7 @@ FIRMWARE = {"gp_firmware", "renderer_firmware"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 
 ZMQ = re.compile(r"^zmq(\.hpp|\.h|_addon\.hpp)$")
-CODECS = re.compile(r"^(itk|OpenImageIO/|assimp/|gdcm|nifti|vnl/)")
+CODECS = re.compile(r"^(itk|OpenImageIO/|assimp/|cairo|ft2build|meshoptimizer|gdcm|nifti|vnl/)")
 MESSAGES = re.compile(r"^(.*_generated\.h|flatbuffers/.*|ringbus/(message|node|process)\.hpp)$")
 
 

@@ -84,6 +84,8 @@ class Planted(unittest.TestCase):
                 ("ringbus/node.cpp", "<zmq.h>", "only ringbus/zmq_link.*"),
                 ("host/a.cpp", "<OpenImageIO/imageio.h>", "only host/io includes"),
                 ("host/phantom/a.cpp", "<itkImage.h>", "only host/io includes"),
+                ("host/viewer/a.cpp", "<cairo.h>", "only host/io includes"),
+                ("host/surface/a.cpp", "<meshoptimizer.h>", "only host/io includes"),
                 ("host/surface/a.cpp", "<assimp/scene.h>", "only host/io includes"),
                 ("host/phantom/a.cpp", '"ringbus/message.hpp"', "only ringbus, nodes"),
                 ("gp_firmware/volume/a.cpp", '"message_generated.h"', "only ringbus, nodes"),

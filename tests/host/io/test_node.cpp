@@ -128,7 +128,33 @@ TEST_SUITE("host/io/node") {
         REQUIRE(good.size() == 1);
         CHECK(good[0].as<schema::IoDone>()->ok());
         CHECK(std::filesystem::file_size(folder.file("p.png")) > 50);
+        // Marks, attributes and the number of pictures come through.
+        const auto error = [&] {
+            const std::vector<bus::Message> answer = answers_to(node, bus::pack(request));
+            REQUIRE(answer.size() == 1);
+            CHECK(!answer[0].as<schema::IoDone>()->ok());
+            return answer[0].as<schema::IoDone>()->error()->str();
+        };
+        request.marks.push_back(std::make_unique<schema::MarkT>());
+        request.marks[0]->kind = schema::MarkKind::text;
+        request.marks[0]->points = {{0, 0}};
+        request.marks[0]->colour = std::make_unique<schema::Rgba>(1, 2, 3, 255);
+        request.marks[0]->text = "\xff";
+        CHECK(error().find("mark 0 (text") != std::string::npos);
+        request.marks.clear();
+        request.attributes.push_back(std::make_unique<schema::AttributeT>());
+        request.attributes[0]->name = "bad name";
+        CHECK(error().find("'bad name'") != std::string::npos);
+        request.attributes.clear();
+        request.rgba.resize(16);
+        request.count = 2;
+        CHECK(error().find("2 pictures need an animation") != std::string::npos);
+        request.delay_ms = 5;
+        request.path = folder.file("p.gif");
+        CHECK(error().find("5 ms between pictures") != std::string::npos);
         request.path = folder.file("p.unknown");
+        request.rgba.resize(8);
+        request.count = 1;
         const std::vector<bus::Message> bad = answers_to(node, bus::pack(request));
         REQUIRE(bad.size() == 1);
         CHECK(!bad[0].as<schema::IoDone>()->ok());

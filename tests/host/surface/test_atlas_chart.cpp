@@ -26,7 +26,7 @@ AtlasContent ball() {
         content.histogram.counts.push_back(static_cast<std::uint64_t>(4 * pi * r * r));
     }
     content.histogram.high = 100;
-    content.plateaus = {{20, 30}, {60, 80}};
+    content.plateaus = {{24, 26}, {60, 80}};
     return content;
 }
 
@@ -58,8 +58,9 @@ TEST_SUITE("host/surface/atlas_chart") {
         CHECK(axis_from_zero(42900, 5).ticks == std::vector<double>{0, 20000, 40000, 60000});
         CHECK(axis_from_zero(40000, 5).high == 40000);
         CHECK(axis_from_zero(0, 5).high == 1);
-        CHECK(logarithmic_axis(5000, 6).ticks == std::vector<double>{1, 10, 100, 1000});
-        CHECK(logarithmic_axis(1e8, 5).ticks == std::vector<double>{1, 100, 1e4, 1e6, 1e8});
+        CHECK(logarithmic_axis(1, 5000, 6).ticks == std::vector<double>{1, 10, 100, 1000});
+        CHECK(logarithmic_axis(1, 1e8, 5).ticks == std::vector<double>{1, 100, 1e4, 1e6, 1e8});
+        CHECK(logarithmic_axis(700, 800, 5).ticks == std::vector<double>{1000});
     }
 
     TEST_CASE("an axis shows its ends at its ends") {
@@ -67,7 +68,7 @@ TEST_SUITE("host/surface/atlas_chart") {
         CHECK(line.place(-50) == 0);
         CHECK(line.place(0) == doctest::Approx(0.25));
         CHECK(line.place(999) == 1);
-        const ChartAxis decades = logarithmic_axis(1000, 5);
+        const ChartAxis decades = logarithmic_axis(1, 1000, 5);
         CHECK(decades.place(0) == 0);
         CHECK(decades.place(100) - decades.place(10) ==
               doctest::Approx(decades.place(10) - decades.place(1)));
@@ -97,11 +98,27 @@ TEST_SUITE("host/surface/atlas_chart") {
         CHECK(curves[0].points[50].x == doctest::Approx(text_of(chart, "50").points[0].x));
     }
 
+    TEST_CASE("a measure of a wide range has a logarithmic axis, and says so") {
+        AtlasContent noisy = ball();
+        text_of(atlas_chart(noisy), "triangles");
+        for (std::size_t row = 0; row < 5; ++row) {
+            noisy.rows[row].triangles *= 100;
+        }
+        const AtlasChart chart = atlas_chart(noisy);
+        text_of(chart, "triangles, logarithmic");
+        text_of(chart, "area, cm²");
+        // On it, equal ratios are equal heights: radii 80, 40, 20 are a factor of 4 apart.
+        const std::vector<PictureMark> curves = curves_of(chart, 100);
+        const float y80 = curves[0].points[20].y, y40 = curves[0].points[60].y,
+                    y20 = curves[0].points[80].y;
+        CHECK(y40 - y80 == doctest::Approx(y20 - y40).epsilon(1e-3));
+    }
+
     TEST_CASE("plateaus are numbered above their middle, and units are said") {
         const AtlasChart chart = atlas_chart(ball());
         const std::vector<PictureMark> curves = curves_of(chart, 100);
         // The number, not the tick "1" of the components' axis: it stands above all curves.
-        for (const auto& [number, row] : {std::pair("1", 25), std::pair("2", 70)}) {
+        for (const auto& [number, row] : {std::pair("1", 25), std::pair("2: 60 to 80", 70)}) {
             const bool found =
                 std::any_of(chart.marks.begin(), chart.marks.end(), [&](const PictureMark& mark) {
                     return mark.text == number &&

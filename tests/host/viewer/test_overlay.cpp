@@ -15,7 +15,8 @@ namespace {
 const Subject subject{{10, -20, 30}, 100};
 
 Overlay overlay_of(const char* view, Size size = {512, 512}) {
-    return {{find_view(view).value(), 1}, subject, size, "", {}, true, false, false};
+    return {
+        {find_view(view).value(), 1}, subject, size, {0, 0, 0, 255}, "", {}, true, false, false};
 }
 
 /// The texts at the picture's left, right, top and bottom.
@@ -141,6 +142,18 @@ TEST_SUITE("host/viewer/overlay") {
         CHECK(texts.count("and 3 more") == 1);
         // 100 / sin 15 away, 2 * tan 15 / 1.3 times that across: 159 mm, a quarter of which is 40.
         CHECK(texts.count("20 mm") == 1);
+    }
+
+    TEST_CASE("letters are light over a dark background and dark over a light one") {
+        for (const auto& [grey, is_light] : {std::pair(20, true), std::pair(250, false)}) {
+            Overlay overlay = overlay_of("anterior");
+            const auto value = static_cast<std::uint8_t>(grey);
+            overlay.background = {value, value, value, 255};
+            for (const PictureMark& mark : overlay_marks(overlay)) {
+                CHECK((mark.colour.g > 128) == is_light);
+                CHECK(mark.width_px > 1);  // The halo.
+            }
+        }
     }
 
     TEST_CASE("a long title is cut between characters") {

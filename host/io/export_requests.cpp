@@ -1,0 +1,93 @@
+#include "host/io/export_requests.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/io/picture.hpp"
+
+namespace pxpl5::host::io {
+
+namespace {
+
+namespace schema = bus::schema;
+
+std::string text_of(const flatbuffers::String* text) {
+    return text == nullptr ? "" : text->str();
+}
+
+/// A number of the message as one that the writers check against their limits.
+int whole(std::uint32_t number) {
+    return static_cast<int>(std::min<std::uint32_t>(number, INT32_MAX));
+}
+
+MarkKind kind_of(schema::MarkKind kind, std::size_t index) {
+    switch (kind) {
+        case schema::MarkKind::line:
+            return MarkKind::line;
+        case schema::MarkKind::area:
+            return MarkKind::area;
+        case schema::MarkKind::text:
+            return MarkKind::text;
+    }
+    throw PictureError(
+        fmt::format("mark {} is of kind {}, which is not known", index, static_cast<int>(kind)));
+}
+
+PictureMark mark_of(const schema::Mark& wire, std::size_t index) {
+    PictureMark mark;
+    mark.kind = kind_of(wire.kind(), index);
+    for (const schema::PicturePoint* p : *wire.points()) {
+        mark.points.emplace_back(p->x(), p->y());
+    }
+    mark.colour = {wire.colour()->r(), wire.colour()->g(), wire.colour()->b(), wire.colour()->a()};
+    mark.width_px = wire.width_px();
+    mark.text = text_of(wire.text());
+    mark.height_px = wire.height_px();
+    mark.align_x = wire.align_x();
+    mark.align_y = wire.align_y();
+    return mark;
+}
+
+Picture picture_of(const schema::ExportPicture& request) {
+    Picture picture;
+    picture.width = whole(request.width());
+    picture.height = whole(request.height());
+    picture.rgba = {request.rgba()->data(), request.rgba()->size()};
+    picture.description = text_of(request.description());
+    picture.count = whole(request.count());
+    picture.delay_ms = whole(request.delay_ms());
+    if (request.attributes() != nullptr) {
+        for (const schema::Attribute* attribute : *request.attributes()) {
+            picture.attributes.push_back({attribute->name()->str(), attribute->value()->str()});
+        }
+    }
+    if (request.marks() != nullptr) {
+        for (const schema::Mark* mark : *request.marks()) {
+            picture.marks.push_back(mark_of(*mark, picture.marks.size()));
+        }
+    }
+    return picture;
+}
+
+schema::IoDoneT failed(const std::string& reason) {
+    schema::IoDoneT done;
+    done.ok = false;
+    done.error = reason;
+    return done;
+}
+
+}  // namespace
+
+schema::IoDoneT export_picture(const schema::ExportPicture& request) {
+    try {
+        write_picture(request.path()->str(), picture_of(request));
+    } catch (const PictureError& error) {
+        return failed(error.what());
+    }
+    schema::IoDoneT done;
+    done.ok = true;
+    return done;
+}
+
+}  // namespace pxpl5::host::io
