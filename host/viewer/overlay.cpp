@@ -252,6 +252,9 @@ ScaleBar scale_bar(const Camera& camera, const Subject& subject, Size size, doub
 std::vector<LegendLine> legend_of(std::span<const Surface> surfaces) {
     std::vector<LegendLine> legend;
     for (const Surface& surface : surfaces) {
+        if (!surface.visible) {
+            continue;
+        }
         const Colour& c = surface.colour;
         legend.push_back(
             {{c.r, c.g, c.b, 255}, fmt::format("{}  {:.6g}", surface.name, surface.isovalue)});

@@ -49,7 +49,7 @@ struct Overlay {
     bool scale = true;       ///< The scale bar.
 };
 
-/// The legend of a scene's surfaces: "bone  300".
+/// The legend of a scene's visible surfaces: "bone  300".
 std::vector<LegendLine> legend_of(std::span<const Surface> surfaces);
 
 /// The marks, to be drawn in order. Sizes follow the picture's shorter side; below

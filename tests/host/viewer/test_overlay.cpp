@@ -131,6 +131,10 @@ TEST_SUITE("host/viewer/overlay") {
             surface.isovalue = 100.5 + i;
             scene.surfaces.push_back(surface);
         }
+        Surface hidden;
+        hidden.name = "hidden";
+        hidden.visible = false;
+        scene.surfaces.insert(scene.surfaces.begin(), hidden);
         std::multiset<std::string> texts;
         for (const PictureMark& mark : overlay_marks(scene, subject, "pelvis")) {
             texts.insert(mark.text);
