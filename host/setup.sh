@@ -6,7 +6,7 @@ packages=(
     g++ cmake ninja-build pkg-config git python3
     libzmq3-dev cppzmq-dev libflatbuffers-dev flatbuffers-compiler
     libglm-dev libhwy-dev libuv1-dev libedit-dev libcli11-dev libfmt-dev nlohmann-json3-dev
-    libopenimageio-dev libinsighttoolkit5-dev zlib1g-dev libpng-dev libzstd-dev
+    libopenimageio-dev libgdcm-dev zlib1g-dev libbz2-dev libpng-dev libzstd-dev
     libcairo2-dev fonts-dejavu-core libmeshoptimizer-dev libassimp-dev
     doctest-dev libbenchmark-dev
 )

@@ -3,186 +3,145 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
 #include <map>
 #include <tuple>
 
-#include "host/io/import.hpp"
+#include "host/io/header_text.hpp"
 
 namespace pxpl5::host::io {
 
 namespace {
 
-namespace fs = std::filesystem;
+constexpr std::size_t max_listed_series = 50;
 
-constexpr double same_position_mm = 1e-3;
-constexpr double max_uneven = 0.01;  // Of the usual step: positions are written with few digits.
+using Series = std::vector<DicomSlice>;
 
-/// A slice and its place along the series' normal.
-struct Placed {
-    DicomSlice slice;
-    double along_mm = 0;
-};
+/// What slices of one series share. Without a UID: whatever else tells series apart.
+using SeriesKey = std::tuple<int, std::string, std::string, std::string, int, int>;
 
-std::vector<fs::path> files_of(const fs::path& folder) {
-    std::vector<fs::path> files;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-        if (entry.is_regular_file()) {
-            files.push_back(entry.path());
-        }
-        if (files.size() > max_series_files) {
-            throw ImportError(
-                fmt::format("{}: has more than {} files", folder.string(), max_series_files));
-        }
+SeriesKey key_of(const DicomSlice& slice) {
+    if (!slice.series.empty()) {
+        return {slice.series_number, slice.series, "", "", 0, 0};
     }
-    std::sort(files.begin(), files.end());  // Folders have no order of their own.
-    return files;
+    return {slice.series_number, "", slice.modality, slice.description, slice.columns, slice.rows};
 }
 
-/// Slices of one volume agree in all of this.
-std::string series_key(const DicomSlice& slice) {
-    const auto rounded = [](glm::dvec3 v) {
-        return fmt::format("{:.3f},{:.3f},{:.3f}", v.x + 0.0, v.y + 0.0, v.z + 0.0);
-    };
-    return fmt::format("{} {}x{}x{} {} {}", slice.series, slice.columns, slice.rows, slice.frames,
-                       rounded(slice.x_step_mm), rounded(slice.y_step_mm));
+std::vector<Series> series_of(std::vector<DicomSlice> slices) {
+    std::map<SeriesKey, Series> by_key;
+    for (DicomSlice& slice : slices) {
+        by_key[key_of(slice)].push_back(std::move(slice));
+    }
+    std::vector<Series> all;
+    for (auto& [key, series] : by_key) {
+        all.push_back(std::move(series));
+    }
+    return all;
 }
 
-/// The slices of the largest group; the first by key if two are equally large.
-std::vector<DicomSlice> largest_series(const fs::path& folder, const ReadDicomHeader& read_header,
-                                       std::vector<std::string>& notes) {
-    std::map<std::string, std::vector<DicomSlice>> series;
-    std::size_t other_files = 0;
-    for (const fs::path& file : files_of(folder)) {
-        if (const std::optional<DicomSlice> slice = read_header(file)) {
-            series[series_key(*slice)].push_back(*slice);
-        } else {
-            ++other_files;
-        }
-    }
-    if (series.empty()) {
-        throw ImportError(
-            fmt::format("{}: none of its {} files is a DICOM image", folder.string(), other_files));
-    }
-    const auto largest = std::max_element(
-        series.begin(), series.end(),
-        [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
-    if (other_files > 0) {
-        notes.push_back(fmt::format("{} files are not DICOM images and are left out", other_files));
-    }
-    for (const auto& [key, slices] : series) {
-        if (key != largest->first) {
-            notes.push_back(
-                fmt::format("{} slices of {}x{} of another series or orientation are "
-                            "left out, the first is {}",
-                            slices.size(), slices[0].columns, slices[0].rows,
-                            slices[0].path.filename().string()));
-        }
-    }
-    return largest->second;
+/// "2: 1.2.840.1 'Thorax 3 mm', CT, 512x512x112".
+std::string line_of(std::size_t number, const Series& series) {
+    const DicomSlice& first = series.front();
+    const std::string uid = first.series.empty() ? "(no UID)" : shown(first.series);
+    return fmt::format("{}: {} '{}', {}, {}x{}x{}", number, uid, shown(first.description),
+                       first.modality.empty() ? "no modality" : shown(first.modality),
+                       first.columns, first.rows, series.size());
 }
 
-std::vector<Placed> in_order(const std::vector<DicomSlice>& slices, glm::dvec3 normal,
-                             std::vector<std::string>& notes) {
-    std::vector<Placed> placed;
-    for (const DicomSlice& slice : slices) {
-        placed.push_back({slice, glm::dot(slice.origin_mm, normal)});
+std::string list_of(const std::vector<Series>& all) {
+    std::string list;
+    for (std::size_t i = 0; i < std::min(all.size(), max_listed_series); ++i) {
+        list += "\n  " + line_of(i + 1, all[i]);
     }
-    std::stable_sort(placed.begin(), placed.end(),
-                     [](const Placed& a, const Placed& b) { return a.along_mm < b.along_mm; });
-    std::vector<Placed> kept;
-    for (const Placed& next : placed) {
-        if (!kept.empty() && next.along_mm - kept.back().along_mm < same_position_mm) {
-            notes.push_back(fmt::format("{} has the position of {} and is left out",
-                                        next.slice.path.filename().string(),
-                                        kept.back().slice.path.filename().string()));
-        } else {
-            kept.push_back(next);
-        }
+    if (all.size() > max_listed_series) {
+        list += fmt::format("\n  and {} more", all.size() - max_listed_series);
     }
-    return kept;
+    return list;
 }
 
-/// The step from slice to slice: direction of the whole series, length of the median step.
-glm::dvec3 slice_step(const std::vector<Placed>& placed, std::vector<std::string>& notes) {
-    std::vector<double> steps;
-    for (std::size_t index = 1; index < placed.size(); ++index) {
-        steps.push_back(placed[index].along_mm - placed[index - 1].along_mm);
+/// Index of the series that is asked for.
+std::size_t choose(const std::string& source, const std::vector<Series>& all,
+                   const std::string& wish) {
+    if (wish.empty() && all.size() == 1) {
+        return 0;
     }
-    std::vector<double> sorted = steps;
-    std::sort(sorted.begin(), sorted.end());
-    const double median = sorted[sorted.size() / 2];
-    for (std::size_t index = 0; index < steps.size(); ++index) {
-        if (std::abs(steps[index] - median) > max_uneven * median) {
-            notes.push_back(fmt::format(
-                "uneven slices: {:.3f} mm from {} to {}, elsewhere {:.3f} mm; shown as even",
-                steps[index], placed[index].slice.path.filename().string(),
-                placed[index + 1].slice.path.filename().string(), median));
+    for (std::size_t i = 0; i < all.size() && !wish.empty(); ++i) {
+        if (wish == std::to_string(i + 1) || wish == all[i].front().series) {
+            return i;
         }
     }
-    const glm::dvec3 whole = placed.back().slice.origin_mm - placed.front().slice.origin_mm;
-    const double length = placed.back().along_mm - placed.front().along_mm;
-    const bool is_even = sorted.back() - sorted.front() <= 2 * max_uneven * median;
-    // Over an even series the mean is the better estimate: each position is rounded.
-    return is_even ? whole / static_cast<double>(steps.size()) : whole * (median / length);
+    if (wish.empty()) {
+        throw ImportError(fmt::format("{}: holds {} series: choose one by series=N or its UID:{}",
+                                      source, all.size(), list_of(all)));
+    }
+    throw ImportError(fmt::format("{}: has no series '{}', it holds {}:{}", source, shown(wish),
+                                  all.size(), list_of(all)));
 }
 
-/// Appends `next`, as float64 if its type is another than that of the slices before it.
-void append(Decoded& volume, Decoded&& next) {
-    if (volume.dims[2] == 0) {
-        volume.component = next.component;
+void report_slices(const Series& slices, std::vector<Finding>& findings) {
+    const auto [low, high] = std::minmax_element(
+        slices.begin(), slices.end(),
+        [](const DicomSlice& a, const DicomSlice& b) { return a.scale.slope < b.scale.slope; });
+    const bool same = std::all_of(slices.begin(), slices.end(), [&](const DicomSlice& slice) {
+        return slice.scale == slices.front().scale;
+    });
+    if (!same) {
+        findings.push_back(
+            {FindingKind::note,
+             fmt::format("each slice has its own rescale slope, {} to {}, and intercept",
+                         low->scale.slope, high->scale.slope)});
     }
-    if (next.component != volume.component) {
-        widen_to_float64(volume);
-        widen_to_float64(next);
+    const auto lossy = std::count_if(slices.begin(), slices.end(),
+                                     [](const DicomSlice& slice) { return slice.is_lossy; });
+    if (lossy > 0) {
+        findings.push_back(
+            {FindingKind::note, fmt::format("{} of {} slices were compressed with loss: their "
+                                            "values are not those of the scanner",
+                                            lossy, slices.size())});
     }
-    volume.values.insert(volume.values.end(), next.values.begin(), next.values.end());
-    ++volume.dims[2];
-}
-
-void check_slices(const fs::path& folder, const std::vector<DicomSlice>& slices) {
-    for (const DicomSlice& slice : slices) {
-        if (slice.frames != 1) {
-            throw ImportError(fmt::format("{}: {} has {} frames: give the file itself",
-                                          folder.string(), slice.path.filename().string(),
-                                          slice.frames));
-        }
-        if (!slice.position_stated) {
-            throw ImportError(
-                fmt::format("{}: {} states no position and orientation (0020,0032 "
-                            "and 0020,0037), so the slices have no order",
-                            folder.string(), slice.path.filename().string()));
-        }
+    if (slices.front().is_inverted) {
+        findings.push_back({FindingKind::note,
+                            "MONOCHROME1: small values are meant to look bright; the values are "
+                            "as stored"});
     }
 }
 
 }  // namespace
 
-Decoded assemble_series(const fs::path& folder, const ReadDicomHeader& read_header,
-                        const DecodeSlice& decode) {
-    Decoded volume;
-    const std::vector<DicomSlice> slices = largest_series(folder, read_header, volume.notes);
-    check_slices(folder, slices);
-    const DicomSlice& first = slices.front();
-    const glm::dvec3 normal = glm::normalize(glm::cross(first.x_step_mm, first.y_step_mm));
-    const std::vector<Placed> placed = in_order(slices, normal, volume.notes);
-    if (placed.size() < min_dim) {
-        throw ImportError(fmt::format("{}: its largest series has {} slices, must be {} to {}",
-                                      folder.string(), placed.size(), min_dim, max_dim));
+Volume assemble_series(const std::string& source, std::vector<DicomSlice> slices,
+                       const ImportRequest& request, const DecodeSlice& decode) {
+    const std::vector<Series> all = series_of(std::move(slices));
+    const std::size_t chosen = choose(source, all, request.series);
+    Volume volume;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (i != chosen) {
+            volume.findings.push_back({FindingKind::other_series,
+                                       "another series is left out: " + line_of(i + 1, all[i])});
+        }
     }
-    const glm::dvec3 z_step_mm = slice_step(placed, volume.notes);
-    if (!first.spacing_stated) {
-        volume.notes.emplace_back(
-            "the slices do not state their pixel spacing (0028,0030): sizes may be wrong");
+    const OrderedSlices ordered = order_slices(source, all[chosen], request, volume.findings);
+    const DicomSlice& first = ordered.slices.front();
+    if (ordered.slices.size() > max_dim) {
+        throw ImportError(fmt::format("{}: {} voxels along z, must be 1 to {}", source,
+                                      ordered.slices.size(), max_dim));
     }
-    volume.dims = {first.columns, first.rows, 0};
-    for (const Placed& next : placed) {
-        append(volume, decode(next.slice.path));
+    volume.nx = first.columns;
+    volume.ny = first.rows;
+    volume.nz = static_cast<int>(ordered.slices.size());
+    volume.modality = first.modality;
+    place_slices(ordered, request, volume);
+    report_slices(ordered.slices, volume.findings);
+    const std::size_t slice_values =
+        static_cast<std::size_t>(volume.nx) * static_cast<std::size_t>(volume.ny);
+    if (slice_values * ordered.slices.size() * 2 > max_volume_bytes) {
+        throw ImportError(fmt::format("{}: {}x{}x{} of 2 bytes need {} bytes, at most {} are read",
+                                      source, volume.nx, volume.ny, volume.nz,
+                                      slice_values * ordered.slices.size() * 2, max_volume_bytes));
     }
-    volume.voxel_to_patient =
-        glm::dmat4(glm::dvec4(first.x_step_mm, 0), glm::dvec4(first.y_step_mm, 0),
-                   glm::dvec4(z_step_mm, 0), glm::dvec4(placed.front().slice.origin_mm, 1));
+    ValueSink sink(slice_values * ordered.slices.size());
+    for (const DicomSlice& slice : ordered.slices) {
+        decode(slice, sink);
+    }
+    sink.finish(source, volume);
     return volume;
 }
 

@@ -1,17 +1,14 @@
-// NIfTI-1 and Analyze 7.5 headers: 348 bytes of either byte order, perhaps compressed.
+// NIfTI-1, NIfTI-2 and Analyze 7.5: what the header's fields mean.
 #include <fmt/format.h>
-#include <zlib.h>
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
-#include <memory>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
 
 #include "host/io/header_text.hpp"
 #include "host/io/import.hpp"
-#include "host/io/inflated_size.hpp"
+#include "host/io/nifti_bytes.hpp"
 #include "host/io/stored_header.hpp"
 
 namespace pxpl5::host::io {
@@ -20,203 +17,232 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t nifti1_bytes = 348;
-constexpr std::int32_t nifti2_bytes = 540;
-
-struct GzClose {
-    void operator()(gzFile_s* file) const { gzclose(file); }
-};
-
-/// The header's bytes with typed, byte-swapped access. Offsets are those of nifti1.h.
-class RawHeader {
-  public:
-    explicit RawHeader(const fs::path& path) {
-        // gzopen reads plain files too.
-        const std::unique_ptr<gzFile_s, GzClose> file(gzopen(path.c_str(), "rb"));
-        const int got = file ? gzread(file.get(), bytes_.data(), nifti1_bytes) : -1;
-        if (got != static_cast<int>(nifti1_bytes)) {
-            throw ImportError(fmt::format("{}: its header needs {} bytes, {} could be read",
-                                          path.string(), nifti1_bytes, std::max(got, 0)));
-        }
-        swapped_ = at<std::int32_t>(0) != static_cast<std::int32_t>(nifti1_bytes);
-        const std::int32_t size = at<std::int32_t>(0);
-        if (size == nifti2_bytes || at<std::int32_t>(0, !swapped_) == nifti2_bytes) {
-            throw ImportError(path.string() +
-                              ": is NIfTI-2 (header of 540 bytes), only NIfTI-1 "
-                              "(348) is read");
-        }
-        if (size != static_cast<std::int32_t>(nifti1_bytes)) {
-            throw ImportError(
-                fmt::format("{}: sizeof_hdr is {}, must be {} in one of the byte orders",
-                            path.string(), at<std::int32_t>(0, false), nifti1_bytes));
-        }
-    }
-
-    template <typename T>
-    T at(std::size_t offset) const {
-        return at<T>(offset, swapped_);
-    }
-    std::string magic() const { return {bytes_.data() + 344, strnlen(bytes_.data() + 344, 4)}; }
-
-  private:
-    template <typename T>
-    T at(std::size_t offset, bool swapped) const {
-        std::array<char, sizeof(T)> raw{};
-        std::memcpy(raw.data(), bytes_.data() + offset, sizeof(T));
-        if (swapped) {
-            std::reverse(raw.begin(), raw.end());
-        }
-        return std::bit_cast<T>(raw);
-    }
-    std::array<char, nifti1_bytes> bytes_{};
-    bool swapped_ = false;
-};
-
 struct NiftiType {
-    std::int16_t code;
-    const char* name;
-    std::uint64_t bytes;
+    std::int32_t code;
+    Component component;
 };
-constexpr std::array nifti_types = {NiftiType{2, "uint8", 1},    NiftiType{4, "int16", 2},
-                                    NiftiType{8, "int32", 4},    NiftiType{16, "float32", 4},
-                                    NiftiType{64, "float64", 8}, NiftiType{256, "int8", 1},
-                                    NiftiType{512, "uint16", 2}, NiftiType{768, "uint32", 4},
-                                    NiftiType{1024, "int64", 8}, NiftiType{1280, "uint64", 8}};
+constexpr std::array nifti_types = {
+    NiftiType{2, Component::uint8},    NiftiType{4, Component::int16},
+    NiftiType{8, Component::int32},    NiftiType{16, Component::float32},
+    NiftiType{64, Component::float64}, NiftiType{256, Component::int8},
+    NiftiType{512, Component::uint16}, NiftiType{768, Component::uint32},
+    NiftiType{1024, Component::int64}, NiftiType{1280, Component::uint64}};
 
-void read_type(const std::string& file, const RawHeader& raw, StoredHeader& header) {
-    const auto code = raw.at<std::int16_t>(70);
+constexpr double max_pixdim_mismatch = 0.01;  // Of the sform's column: a hundredth is no rounding.
+
+void read_type(const std::string& file, const NiftiFields& fields, StoredHeader& header) {
     for (const NiftiType& type : nifti_types) {
-        if (type.code == code) {
-            header.type = type.name;
-            header.value_bytes = type.bytes;
+        if (type.code == fields.datatype) {
+            header.component = type.component;
+            header.type = component_name(type.component);
             return;
         }
     }
     throw ImportError(
         fmt::format("{}: datatype is {}, must be one of the scalar types 2, 4, 8, 16, "
                     "64, 256, 512, 768, 1024, 1280",
-                    file, code));
+                    file, fields.datatype));
 }
 
-void read_sizes(const std::string& file, const RawHeader& raw, StoredHeader& header) {
-    const auto axes = raw.at<std::int16_t>(40);
+void read_sizes(const std::string& file, const NiftiFields& fields, StoredHeader& header) {
+    const std::int64_t axes = fields.dim[0];
     if (axes < 1 || axes > 7) {
         throw ImportError(fmt::format("{}: dim[0] is {}, must be 1 to 7", file, axes));
     }
-    for (std::int16_t axis = 1; axis <= axes; ++axis) {
-        const auto size = raw.at<std::int16_t>(40 + 2 * static_cast<std::size_t>(axis));
-        if (size < 1) {
+    for (std::size_t axis = 1; axis <= static_cast<std::size_t>(axes); ++axis) {
+        if (fields.dim[axis] < 1) {
             throw ImportError(
-                fmt::format("{}: dim[{}] is {}, must be 1 or more", file, axis, size));
+                fmt::format("{}: dim[{}] is {}, must be 1 or more", file, axis, fields.dim[axis]));
         }
-        header.sizes.push_back(static_cast<std::uint64_t>(size));
+        header.sizes.push_back(static_cast<std::uint64_t>(fields.dim[axis]));
     }
 }
 
-void read_spacing(const std::string& file, const RawHeader& raw, StoredHeader& header) {
+/// Lengths of the axes in millimetres; negative ones, as some Analyze writers use them, count as
+/// positive.
+glm::dvec3 read_spacing(const std::string& file, const NiftiFields& fields, double unit_mm,
+                        StoredHeader& header) {
+    glm::dvec3 spacing(1.0);
     for (std::size_t axis = 1; axis <= 3; ++axis) {
-        const auto spacing = raw.at<float>(76 + 4 * axis);
-        if (!std::isfinite(spacing)) {
-            throw ImportError(
-                fmt::format("{}: pixdim[{}] is {}, must be finite", file, axis, spacing));
+        const double stated = fields.pixdim[axis];
+        if (axis > header.sizes.size()) {
+            header.spacing_stated[axis - 1] = false;
+            continue;
         }
-        header.spacing_stated = header.spacing_stated && spacing != 0;
+        if (!std::isfinite(stated) || stated == 0) {
+            throw ImportError(
+                fmt::format("{}: pixdim[{}] is {}, must be the distance of voxels in millimetres",
+                            file, axis, stated));
+        }
+        if (stated < 0) {
+            header.find(FindingKind::assumption,
+                        fmt::format("pixdim[{}] is {}: its sign is left out", axis, stated));
+        }
+        spacing[static_cast<int>(axis) - 1] = std::abs(stated) * unit_mm;
+    }
+    return spacing;
+}
+
+double read_unit(const NiftiFields& fields, StoredHeader& header) {
+    const int unit = fields.xyzt_units & 7;
+    if (unit == 1 || unit == 3) {
+        header.find(FindingKind::conversion,
+                    fmt::format("lengths in {} are converted to millimetres",
+                                unit == 1 ? "metres" : "micrometres"));
+        return unit == 1 ? 1000 : 1e-3;
+    }
+    if (unit != 2 && fields.version != 0) {
+        header.find(FindingKind::assumption,
+                    "xyzt_units states no unit of length: read as millimetres");
+    }
+    return 1;
+}
+
+/// The quaternion's rotation, RAS. Source: nifti1.h, "METHOD 2".
+glm::dmat3 rotation_of(const std::string& file, const NiftiFields& fields) {
+    const double b = fields.quatern[0], c = fields.quatern[1], d = fields.quatern[2];
+    const double square = b * b + c * c + d * d;
+    constexpr double rounding = 1e-4;  // float32 quaternions of half turns may exceed 1 a little.
+    if (!(square <= 1 + rounding)) {
+        throw ImportError(
+            fmt::format("{}: quatern_b, c, d are {}, {}, {}: their squares must sum to 1 at most",
+                        file, b, c, d));
+    }
+    // Near 1 the root of the rest is nothing but rounding: a half turn.
+    double a = 0, norm = 1;
+    if (1 - square < 1e-7) {
+        norm = 1 / std::sqrt(square);
+    } else {
+        a = std::sqrt(1 - square);
+    }
+    const double x = b * norm, y = c * norm, z = d * norm;
+    return {a * a + x * x - y * y - z * z, 2 * (x * y + a * z),
+            2 * (x * z - a * y),           2 * (x * y - a * z),
+            a * a + y * y - x * x - z * z, 2 * (y * z + a * x),
+            2 * (x * z + a * y),           2 * (y * z - a * x),
+            a * a + z * z - x * x - y * y};
+}
+
+glm::dmat4 qform(const std::string& file, const NiftiFields& fields, glm::dvec3 spacing,
+                 double unit_mm) {
+    const glm::dmat3 rotation = rotation_of(file, fields);
+    const double qfac = fields.pixdim[0] < 0 ? -1 : 1;
+    glm::dmat4 ras(1.0);
+    ras[0] = glm::dvec4(rotation[0] * spacing.x, 0);
+    ras[1] = glm::dvec4(rotation[1] * spacing.y, 0);
+    ras[2] = glm::dvec4(rotation[2] * spacing.z * qfac, 0);
+    ras[3] = glm::dvec4(fields.qoffset[0] * unit_mm, fields.qoffset[1] * unit_mm,
+                        fields.qoffset[2] * unit_mm, 1);
+    return ras;
+}
+
+glm::dmat4 sform(const NiftiFields& fields, glm::dvec3 spacing, double unit_mm,
+                 StoredHeader& header) {
+    glm::dmat4 ras(1.0);
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 3; ++row) {
+            ras[column][row] =
+                fields.srow[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)] *
+                unit_mm;
+        }
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const double length = glm::length(glm::dvec3(ras[axis]));
+        if (header.spacing_stated[static_cast<std::size_t>(axis)] &&
+            std::abs(length - spacing[axis]) > max_pixdim_mismatch * length) {
+            header.find(FindingKind::note,
+                        fmt::format("pixdim[{}] is {} mm, the sform's step {} mm: the sform counts",
+                                    axis + 1, spacing[axis], length));
+        }
+        header.spacing_stated[static_cast<std::size_t>(axis)] = true;
+    }
+    return ras;
+}
+
+/// RAS to LPS.
+glm::dmat4 to_lps(glm::dmat4 ras) {
+    for (int column = 0; column < 4; ++column) {
+        ras[column].x = 0 - ras[column].x;  // Not a bare minus: zeros stay positive.
+        ras[column].y = 0 - ras[column].y;
+    }
+    return ras;
+}
+
+void read_place(const std::string& file, const NiftiFields& fields, StoredHeader& header) {
+    const double unit_mm = read_unit(fields, header);
+    const glm::dvec3 spacing = read_spacing(file, fields, unit_mm, header);
+    glm::dmat4 scaled(1.0);
+    for (int axis = 0; axis < 3; ++axis) {
+        scaled[axis] *= spacing[axis];
+    }
+    if (fields.version == 0) {
+        header.voxel_to_patient = scaled;
+        header.find(FindingKind::assumption,
+                    "Analyze 7.5 states no patient space: x, y, z are taken as left, posterior, "
+                    "superior; left and right may be swapped");
+    } else if (fields.sform_code > 0) {
+        header.voxel_to_patient = to_lps(sform(fields, spacing, unit_mm, header));
+    } else if (fields.qform_code > 0) {
+        header.voxel_to_patient = to_lps(qform(file, fields, spacing, unit_mm));
+    } else {
+        header.voxel_to_patient = to_lps(scaled);
+        header.find(FindingKind::assumption,
+                    "qform_code and sform_code are 0: x, y, z are taken as right, anterior, "
+                    "superior; left and right may be swapped");
     }
 }
 
-/// Values beside the header file: x.hdr belongs to x.img.
-fs::path image_file(const fs::path& path) {
-    std::string name = path.string();
-    const std::size_t at = lower_case(name).rfind(".hdr");
-    if (at == std::string::npos) {
-        return path;
-    }
-    name.replace(at, 4, lower_case(name).substr(at) == name.substr(at) ? ".img" : ".IMG");
-    const bool has_gz = name.ends_with(".gz");
-    const std::string other = has_gz ? name.substr(0, name.size() - 3) : name + ".gz";
-    return !fs::exists(name) && fs::exists(other) ? other : name;
-}
-
-/// The header beside the values: x.img belongs to x.hdr.
-fs::path header_file(const fs::path& path) {
-    std::string name = path.string();
-    const std::size_t at = lower_case(name).rfind(".img");
-    if (at == std::string::npos) {
-        return path;
-    }
-    name.replace(at, 4, lower_case(name).substr(at) == name.substr(at) ? ".hdr" : ".HDR");
-    const bool has_gz = name.ends_with(".gz");
-    const std::string other = has_gz ? name.substr(0, name.size() - 3) : name + ".gz";
-    return !fs::exists(name) && fs::exists(other) ? other : name;
-}
-
-void locate_data(const fs::path& path, const RawHeader& raw, bool single, StoredHeader& header) {
-    const auto offset = raw.at<float>(108);
-    if (!std::isfinite(offset) || offset < 0 || (single && offset < nifti1_bytes)) {
-        throw ImportError(fmt::format("{}: vox_offset is {}, must be {} or more", path.string(),
-                                      offset, single ? nifti1_bytes : 0));
-    }
-    header.data_file = single ? path : image_file(header_file(path));
-    header.storage = header.data_file.extension() == ".gz" ? Storage::compressed : Storage::raw;
-    header.data_offset_bytes =
-        header.storage == Storage::raw ? static_cast<std::uint64_t>(offset) : 0;
-}
-
-/// The decoder reads zeros past the end of a cut file, so the size is checked here.
-void check_gzip(const std::string& file, const StoredHeader& header, std::uint64_t offset) {
-    const std::uint64_t needed = offset + needed_bytes(header);
-    // The size at the end is right in every whole file of one stream, and quick to read.
-    if (stated_gzip_bytes(header.data_file) != static_cast<std::uint32_t>(needed)) {
-        check_inflated(file, header, 0, needed);
-    }
-}
-
-void note_place(const RawHeader& raw, bool analyze, StoredHeader& header) {
-    if (analyze) {
-        header.notes.emplace_back(
-            "Analyze 7.5 states no patient space: the orientation is a guess, "
-            "left and right may be swapped");
+void read_scale(const NiftiFields& fields, StoredHeader& header) {
+    if (fields.version == 0 || fields.scl_slope == 0) {
         return;
     }
-    if (raw.at<std::int16_t>(252) <= 0 && raw.at<std::int16_t>(254) <= 0) {
-        header.notes.emplace_back(
-            "qform_code and sform_code are 0: the orientation is a guess, "
-            "left and right may be swapped");
+    if (!std::isfinite(fields.scl_slope) || !std::isfinite(fields.scl_inter)) {
+        // Writers that mean "no scaling" put in NaN (SPM, nibabel).
+        header.find(FindingKind::assumption,
+                    fmt::format("scl_slope is {} and scl_inter {}: values are not scaled",
+                                fields.scl_slope, fields.scl_inter));
+        return;
     }
-    if (((static_cast<unsigned>(raw.at<char>(123)) & 7U)) == 0) {
-        header.notes.emplace_back("xyzt_units states no unit of length: read as millimetres");
+    header.scale = {fields.scl_slope, fields.scl_inter};
+    if (!header.scale.is_identity()) {
+        header.find(FindingKind::conversion,
+                    fmt::format("stored {} values are scaled by {} and shifted by {}", header.type,
+                                fields.scl_slope, fields.scl_inter));
     }
+}
+
+void locate_data(const fs::path& path, const NiftiFields& fields, StoredHeader& header) {
+    const double least = fields.single ? static_cast<double>(fields.header_bytes()) : 0;
+    constexpr double most = 9e15;  // Whole numbers up to here are exact in float64.
+    if (!(fields.vox_offset >= least) || !(fields.vox_offset < most)) {
+        throw ImportError(fmt::format("{}: vox_offset is {}, must be {} or more", path.string(),
+                                      fields.vox_offset, least));
+    }
+    header.data_files = {fields.single ? path : nifti_image_file(path)};
+    header.encoding = is_gzip(header.data_files[0]) ? Encoding::gzip : Encoding::raw;
+    header.byte_skip = static_cast<std::uint64_t>(fields.vox_offset);
+    header.ends_file = true;
 }
 
 }  // namespace
 
 StoredHeader read_nifti_header(const fs::path& path) {
     const std::string file = path.string();
-    const RawHeader raw(header_file(path));
-    const bool single = raw.magic() == "n+1";
-    const bool pair = raw.magic() == "ni1";
+    const NiftiFields fields = read_nifti_fields(nifti_header_file(path));
     const std::string name = lower_case(path.filename().string());
-    const bool named_single = name.ends_with(".nii") || name.ends_with(".nii.gz");
-    if (named_single && !single) {
-        throw ImportError(fmt::format("{}: magic is '{}', must be 'n+1'", file, raw.magic()));
+    if ((name.ends_with(".nii") || name.ends_with(".nii.gz")) && !fields.single) {
+        throw ImportError(
+            fmt::format("{}: magic is '{}', must be 'n+1' or 'n+2'", file, shown(fields.magic)));
     }
     StoredHeader header;
-    read_sizes(file, raw, header);
-    read_type(file, raw, header);
-    read_spacing(file, raw, header);
-    locate_data(path, raw, single, header);
+    header.big_endian = fields.big_endian;
+    read_sizes(file, fields, header);
+    volume_dims(file, header.sizes);
+    read_type(file, fields, header);
+    read_place(file, fields, header);
+    read_scale(fields, header);
+    locate_data(path, fields, header);
     check_stored_header(path, header);
-    if (header.storage == Storage::compressed) {
-        check_gzip(file, header, static_cast<std::uint64_t>(raw.at<float>(108)));
-    }
-    note_place(raw, !single && !pair, header);
-    const auto slope = raw.at<float>(112), intercept = raw.at<float>(116);
-    const bool is_scaled = slope != 0 && (slope != 1 || intercept != 0) && (single || pair);
-    header.scaled_integers = is_scaled && header.type.find("int") != std::string::npos;
-    if (is_scaled) {
-        header.notes.push_back(fmt::format("stored {} values are scaled by {} and shifted by {}",
-                                           header.type, slope, intercept));
-    }
     return header;
 }
 

@@ -111,69 +111,35 @@ std::string value_or(const Fields& fields, const std::string& key, const std::st
     return found == fields.end() ? otherwise : found->second;
 }
 
-std::uint64_t scalar_bytes(const std::string& type) {
-    static const std::map<std::string, std::uint64_t> bytes_of = {{"signed char", 1},
-                                                                  {"int8", 1},
-                                                                  {"int8_t", 1},
-                                                                  {"uchar", 1},
-                                                                  {"unsigned char", 1},
-                                                                  {"uint8", 1},
-                                                                  {"uint8_t", 1},
-                                                                  {"char", 1},
-                                                                  {"unsigned_char", 1},
-                                                                  {"met_char", 1},
-                                                                  {"met_uchar", 1},
-                                                                  {"short", 2},
-                                                                  {"short int", 2},
-                                                                  {"signed short", 2},
-                                                                  {"signed short int", 2},
-                                                                  {"int16", 2},
-                                                                  {"int16_t", 2},
-                                                                  {"ushort", 2},
-                                                                  {"unsigned short", 2},
-                                                                  {"unsigned short int", 2},
-                                                                  {"uint16", 2},
-                                                                  {"uint16_t", 2},
-                                                                  {"unsigned_short", 2},
-                                                                  {"met_short", 2},
-                                                                  {"met_ushort", 2},
-                                                                  {"int", 4},
-                                                                  {"signed int", 4},
-                                                                  {"int32", 4},
-                                                                  {"int32_t", 4},
-                                                                  {"uint", 4},
-                                                                  {"unsigned int", 4},
-                                                                  {"uint32", 4},
-                                                                  {"uint32_t", 4},
-                                                                  {"unsigned_int", 4},
-                                                                  {"met_int", 4},
-                                                                  {"met_uint", 4},
-                                                                  {"float", 4},
-                                                                  {"met_float", 4},
-                                                                  {"longlong", 8},
-                                                                  {"long long", 8},
-                                                                  {"long long int", 8},
-                                                                  {"signed long long", 8},
-                                                                  {"signed long long int", 8},
-                                                                  {"int64", 8},
-                                                                  {"int64_t", 8},
-                                                                  {"ulonglong", 8},
-                                                                  {"unsigned long long", 8},
-                                                                  {"unsigned long long int", 8},
-                                                                  {"uint64", 8},
-                                                                  {"uint64_t", 8},
-                                                                  {"long", 8},
-                                                                  {"unsigned_long", 8},
-                                                                  {"vtktypeint64", 8},
-                                                                  {"vtktypeuint64", 8},
-                                                                  {"met_long", 4},
-                                                                  {"met_ulong", 4},
-                                                                  {"met_long_long", 8},
-                                                                  {"met_ulong_long", 8},
-                                                                  {"double", 8},
-                                                                  {"met_double", 8}};
-    const auto found = bytes_of.find(lower_case(type));
-    return found == bytes_of.end() ? 0 : found->second;
+double number(const std::string& file, const std::string& field, const std::string& text) {
+    const std::string word = trimmed(text);
+    const char* begin = word.c_str() + (word.starts_with('+') ? 1 : 0);
+    double value = 0;
+    const auto [end, failure] = std::from_chars(begin, word.c_str() + word.size(), value);
+    if (failure != std::errc{} || end != word.c_str() + word.size() || word.empty()) {
+        throw ImportError(
+            fmt::format("{}: {} is '{}', must be a number", file, field, shown(text)));
+    }
+    return value;
+}
+
+std::vector<double> numbers(const std::string& file, const std::string& field,
+                            const std::string& text) {
+    std::vector<double> values;
+    for (const std::string& word : words_of(text)) {
+        values.push_back(number(file, field, word));
+    }
+    return values;
+}
+
+glm::dvec3 three_numbers(const std::string& file, const std::string& field, const std::string& text,
+                         double otherwise) {
+    const std::vector<double> values = numbers(file, field, text);
+    if (values.size() < 2 || values.size() > 4) {
+        throw ImportError(
+            fmt::format("{}: {} is '{}', must be 3 numbers", file, field, shown(text)));
+    }
+    return {values[0], values[1], values.size() > 2 ? values[2] : otherwise};
 }
 
 }  // namespace pxpl5::host::io

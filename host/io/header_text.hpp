@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <glm/vec3.hpp>
 #include <map>
 #include <string>
 #include <string_view>
@@ -57,7 +58,14 @@ const std::string& require(const std::string& file, const Fields& fields, const 
 /// The value of `key`, or `otherwise`.
 std::string value_or(const Fields& fields, const std::string& key, const std::string& otherwise);
 
-/// Bytes of a scalar type as NRRD, MetaImage or VTK spell it, 0 if unknown.
-std::uint64_t scalar_bytes(const std::string& type);
+/// `text` as one number, or as many separated by blanks; nan and inf are numbers.
+/// Throw ImportError naming `file`, `field` and the text.
+double number(const std::string& file, const std::string& field, const std::string& text);
+std::vector<double> numbers(const std::string& file, const std::string& field,
+                            const std::string& text);
+
+/// `text` as a vector; of 2 numbers the third is `otherwise`, a fourth (time) is left out.
+glm::dvec3 three_numbers(const std::string& file, const std::string& field, const std::string& text,
+                         double otherwise);
 
 }  // namespace pxpl5::host::io

@@ -1,8 +1,6 @@
 // VTK legacy headers: keyword lines up to the scalars of a structured-points data set.
 #include <fmt/format.h>
 
-#include <cstdlib>
-
 #include "host/io/header_text.hpp"
 #include "host/io/import.hpp"
 #include "host/io/stored_header.hpp"
@@ -10,23 +8,6 @@
 namespace pxpl5::host::io {
 
 namespace {
-
-/// The decoder reads zeros for words that are no numbers, so they are looked at here.
-void check_ascii_values(const std::string& file, HeaderReader& reader, std::uint64_t count) {
-    std::string word;
-    for (std::uint64_t index = 0; index < count; ++index) {
-        if (!(reader.stream() >> word)) {
-            throw ImportError(
-                fmt::format("{}: has {} values, its header states {}", file, index, count));
-        }
-        char* end = nullptr;
-        std::strtod(word.c_str(), &end);
-        if (end != word.c_str() + word.size()) {
-            throw ImportError(fmt::format("{}: value {} is '{}', must be a number", file, index,
-                                          word.substr(0, 40)));
-        }
-    }
-}
 
 Fields read_fields(const std::string& file, HeaderReader& reader) {
     std::string line;
@@ -47,26 +28,48 @@ Fields read_fields(const std::string& file, HeaderReader& reader) {
         if (key == "lookup_table") {
             break;
         }
-        if (key == "vectors" || key == "color_scalars" || key == "tensors") {
+        if (key == "vectors" || key == "color_scalars" || key == "tensors" || key == "field" ||
+            key == "cell_data") {
             throw ImportError(
-                fmt::format("{}: its first attribute is {}, must be SCALARS", file, words[0]));
+                fmt::format("{}: its first attribute is {}, must be SCALARS of "
+                            "POINT_DATA",
+                            file, shown(words[0])));
         }
     }
     return fields;
 }
 
 void read_scalars(const std::string& file, const Fields& fields, StoredHeader& header) {
-    const std::vector<std::string> scalars = words_of(require(file, fields, "SCALARS"));
-    if (scalars.size() < 2 || scalar_bytes(scalars[1]) == 0) {
+    const std::string text = require(file, fields, "SCALARS");
+    const std::vector<std::string> scalars = words_of(text);
+    const std::optional<Component> component =
+        scalars.size() < 2 ? std::nullopt : component_named(scalars[1]);
+    if (!component) {
         throw ImportError(fmt::format("{}: SCALARS is '{}', must be a name and a scalar type", file,
-                                      require(file, fields, "SCALARS")));
+                                      shown(text)));
     }
     if (scalars.size() > 2 && scalars[2] != "1") {
         throw ImportError(
-            fmt::format("{}: SCALARS has {} components, a volume has 1", file, scalars[2]));
+            fmt::format("{}: SCALARS has {} components, a volume has 1", file, shown(scalars[2])));
     }
     header.type = scalars[1];
-    header.value_bytes = scalar_bytes(scalars[1]);
+    header.component = *component;
+}
+
+void read_place(const std::string& file, const Fields& fields, StoredHeader& header) {
+    const bool stated = fields.contains("spacing") || fields.contains("aspect_ratio");
+    header.spacing_stated.fill(stated);
+    const glm::dvec3 spacing =
+        three_numbers(file, "SPACING",
+                      value_or(fields, "spacing", value_or(fields, "aspect_ratio", "1 1 1")), 1.0);
+    for (int column = 0; column < 3; ++column) {
+        header.voxel_to_patient[column] *= spacing[column];
+    }
+    const glm::dvec3 origin =
+        three_numbers(file, "ORIGIN", value_or(fields, "origin", "0 0 0"), 0.0);
+    header.voxel_to_patient[3] = glm::dvec4(origin, 1.0);
+    header.find(FindingKind::assumption,
+                "VTK files state no patient space: x, y, z are taken as left, posterior, superior");
 }
 
 }  // namespace
@@ -75,25 +78,27 @@ StoredHeader read_vtk_header(const std::filesystem::path& path) {
     const std::string file = path.string();
     HeaderReader reader(path);
     const Fields fields = read_fields(file, reader);
-    const std::string data_set = lower_case(require(file, fields, "DATASET"));
-    if (data_set != "structured_points") {
-        throw ImportError(fmt::format("{}: DATASET is '{}', must be STRUCTURED_POINTS", file,
-                                      require(file, fields, "DATASET")));
+    const std::string data_set = require(file, fields, "DATASET");
+    if (lower_case(data_set) != "structured_points") {
+        throw ImportError(
+            fmt::format("{}: DATASET is '{}', must be STRUCTURED_POINTS", file, shown(data_set)));
+    }
+    const std::string storage = fields.at("storage");
+    if (storage != "ascii" && storage != "binary") {
+        throw ImportError(fmt::format("{}: its third line is '{}', must be ASCII or BINARY", file,
+                                      shown(storage)));
     }
     StoredHeader header;
     header.sizes = whole_numbers(file, "DIMENSIONS", require(file, fields, "DIMENSIONS"));
+    volume_dims(file, header.sizes);
     read_scalars(file, fields, header);
     require(file, fields, "LOOKUP_TABLE");
-    header.data_file = path;
-    header.data_offset_bytes = reader.offset_bytes();
-    header.storage = fields.at("storage") == "binary" ? Storage::raw : Storage::ascii;
-    header.spacing_stated = fields.contains("spacing") || fields.contains("aspect_ratio");
-    header.notes.emplace_back(
-        "VTK files state no patient space: x, y, z are taken as left, posterior, superior");
+    header.data_files = {path};
+    header.offset_bytes = reader.offset_bytes();
+    header.encoding = storage == "binary" ? Encoding::raw : Encoding::ascii;
+    header.big_endian = true;  // By definition of the format.
+    read_place(file, fields, header);
     check_stored_header(path, header);
-    if (header.storage == Storage::ascii) {
-        check_ascii_values(file, reader, header.sizes[0] * header.sizes[1] * header.sizes[2]);
-    }
     return header;
 }
 

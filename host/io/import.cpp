@@ -1,23 +1,18 @@
-// The only file that includes ITK. It uses the readers themselves: the factories would try every
-// format on every file, and choose by the suffix in the end.
 #include "host/io/import.hpp"
 
 #include <fmt/format.h>
-#include <itkGDCMImageIO.h>
-#include <itkMetaDataObject.h>
-#include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
-#include <itkNrrdImageIO.h>
-#include <itkVTKImageIO.h>
 
 #include <algorithm>
-#include <array>
-#include <fstream>
+#include <cmath>
+#include <filesystem>
 #include <new>
 
-#include "host/io/decoded.hpp"
-#include "host/io/dicom_series.hpp"
+#include "host/io/dicom_file.hpp"
+#include "host/io/picture_stack.hpp"
+#include "host/io/place.hpp"
+#include "host/io/processing.hpp"
 #include "host/io/stored_header.hpp"
+#include "host/phantom/phantom.hpp"
 
 namespace pxpl5::host::io {
 
@@ -25,38 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The sentence of ITK's text that means something to a user, without C++ files and objects.
-std::string useful_sentence(const itk::ExceptionObject& error) {
-    std::string text = error.GetDescription();
-    const std::size_t object = text.find("): ");
-    if (text.find("ITK ERROR: ") != std::string::npos && object != std::string::npos) {
-        text = text.substr(object + 3);
-    }
-    const std::size_t trouble = text.rfind("[nrrd] ");
-    if (trouble != std::string::npos) {
-        const std::size_t colon = text.find(": ", trouble);
-        text = text.substr(colon == std::string::npos ? trouble : colon + 2);
-    }
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    const std::size_t last = text.find_last_not_of(" .");
-    return last == std::string::npos ? "cannot be decoded" : text.substr(0, last + 1);
-}
-
-itk::ImageIOBase::Pointer make_reader(Format format) {
-    switch (format) {
-        case Format::nrrd:
-            return itk::NrrdImageIO::New().GetPointer();
-        case Format::meta_image:
-            return itk::MetaImageIO::New().GetPointer();
-        case Format::vtk:
-            return itk::VTKImageIO::New().GetPointer();
-        case Format::dicom:
-            return itk::GDCMImageIO::New().GetPointer();
-        case Format::nifti:
-            break;
-    }
-    return itk::NiftiImageIO::New().GetPointer();
-}
+constexpr int max_folder_depth = 8;
+constexpr std::size_t max_folder_files = 65'536;
 
 StoredHeader read_header(const fs::path& path, Format format) {
     switch (format) {
@@ -72,181 +37,133 @@ StoredHeader read_header(const fs::path& path, Format format) {
     return read_nifti_header(path);
 }
 
-Component component_of(const std::string& file, const itk::ImageIOBase& io) {
-    const std::size_t bytes = io.GetComponentSize();
-    using itk::IOComponentEnum;
-    switch (io.GetComponentType()) {
-        case IOComponentEnum::FLOAT:
-            return Component::float32;
-        case IOComponentEnum::DOUBLE:
-            return Component::float64;
-        case IOComponentEnum::UCHAR:
-        case IOComponentEnum::USHORT:
-        case IOComponentEnum::UINT:
-        case IOComponentEnum::ULONG:
-        case IOComponentEnum::ULONGLONG:
-            return bytes == 1   ? Component::uint8
-                   : bytes == 2 ? Component::uint16
-                   : bytes == 4 ? Component::uint32
-                                : Component::uint64;
-        case IOComponentEnum::CHAR:
-        case IOComponentEnum::SHORT:
-        case IOComponentEnum::INT:
-        case IOComponentEnum::LONG:
-        case IOComponentEnum::LONGLONG:
-            return bytes == 1   ? Component::int8
-                   : bytes == 2 ? Component::int16
-                   : bytes == 4 ? Component::int32
-                                : Component::int64;
-        default:
-            break;
-    }
-    throw ImportError(
-        fmt::format("{}: values are of type {}, which is not read", file,
-                    itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType())));
-}
-
-glm::dmat4 voxel_to_patient(const itk::ImageIOBase& io) {
-    glm::dmat4 affine(1.0);
-    for (unsigned column = 0; column < 3; ++column) {
-        for (unsigned row = 0; row < 3; ++row) {
-            affine[static_cast<int>(column)][static_cast<int>(row)] =
-                io.GetDirection(column)[row] * io.GetSpacing(column);
+/// All files of a folder and of those inside it, by name: folders have no order of their own.
+std::vector<fs::path> files_of(const fs::path& folder) {
+    std::vector<fs::path> files;
+    for (auto at = fs::recursive_directory_iterator(folder); at != fs::end(at); ++at) {
+        if (at.depth() >= max_folder_depth) {
+            at.disable_recursion_pending();
         }
-        affine[3][static_cast<int>(column)] = io.GetOrigin(column);
-    }
-    return affine;
-}
-
-/// Dimensions as the decoder sees them, without the ones at the end.
-std::array<int, 3> decoded_dims(const std::string& file, const itk::ImageIOBase& io) {
-    unsigned axes = io.GetNumberOfDimensions();
-    while (axes > 3 && io.GetDimensions(axes - 1) == 1) {
-        --axes;
-    }
-    if (axes != 3) {
-        throw ImportError(fmt::format("{}: has {} axes, a volume has 3", file, axes));
-    }
-    if (io.GetNumberOfComponents() != 1) {
-        throw ImportError(
-            fmt::format("{}: has {} components for each voxel (colour or vectors), "
-                        "a volume has 1",
-                        file, io.GetNumberOfComponents()));
-    }
-    std::array<int, 3> dims{};
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        if (io.GetDimensions(axis) > max_dim) {
-            throw ImportError(fmt::format("{}: {} voxels along {}, must be {} to {}", file,
-                                          io.GetDimensions(axis), "xyz"[axis], min_dim, max_dim));
+        if (at->is_regular_file()) {
+            files.push_back(at->path());
         }
-        dims[axis] = static_cast<int>(io.GetDimensions(axis));
+        if (files.size() > max_folder_files) {
+            throw ImportError(
+                fmt::format("{}: has more than {} files", folder.string(), max_folder_files));
+        }
     }
-    return dims;
+    std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+        return is_naturally_before(a.string(), b.string());
+    });
+    return files;
 }
 
-/// Reads all voxels. ReadImageInformation has been called.
-Decoded decode(const std::string& file, itk::ImageIOBase& io) {
-    Decoded decoded;
-    decoded.dims = decoded_dims(file, io);
-    decoded.component = component_of(file, io);
-    decoded.voxel_to_patient = voxel_to_patient(io);
-    itk::ImageIORegion region(io.GetNumberOfDimensions());
-    for (unsigned axis = 0; axis < io.GetNumberOfDimensions(); ++axis) {
-        region.SetIndex(axis, 0);
-        region.SetSize(axis, io.GetDimensions(axis));
+Volume import_slices(const std::string& source, std::vector<DicomSlice> slices,
+                     const ImportRequest& request) {
+    DicomPixels pixels;
+    const bool spacing_stated = std::all_of(
+        slices.begin(), slices.end(), [](const DicomSlice& slice) { return slice.spacing_stated; });
+    const bool z_stated =
+        slices.size() > 1 && (slices[0].position_stated || slices[0].frame_step_mm.has_value());
+    Volume volume =
+        assemble_series(source, std::move(slices), request,
+                        [&](const DicomSlice& slice, ValueSink& sink) { pixels.add(slice, sink); });
+    take_spacing(source, request, {spacing_stated, spacing_stated, z_stated || !request.spacing_mm},
+                 volume);
+    return volume;
+}
+
+Volume import_folder(const fs::path& folder, const ImportRequest& request) {
+    const std::string source = folder.string();
+    std::vector<DicomSlice> slices;
+    std::vector<fs::path> pictures;
+    std::size_t others = 0;
+    for (const fs::path& file : files_of(folder)) {
+        std::vector<DicomSlice> found = read_dicom_slices(file);
+        if (slices.size() + found.size() > max_slices) {
+            throw ImportError(fmt::format("{}: has more than {} slices", source, max_slices));
+        }
+        std::move(found.begin(), found.end(), std::back_inserter(slices));
+        if (is_picture(file)) {
+            pictures.push_back(file);
+        }
+        others += found.empty() ? 1 : 0;
     }
-    io.SetIORegion(region);
-    decoded.values.resize(static_cast<std::size_t>(io.GetImageSizeInBytes()));
-    io.Read(decoded.values.data());
-    return decoded;
-}
-
-std::string tag(const itk::ImageIOBase& io, const char* number) {
-    std::string value;
-    itk::ExposeMetaData<std::string>(io.GetMetaDataDictionary(), number, value);
-    return value.substr(0, value.find_last_not_of(" \0") + 1);
-}
-
-/// Whether `path` begins as a DICOM file and holds at least one element: on less, GDCM aborts.
-bool begins_as_dicom(const fs::path& path) {
-    constexpr std::size_t preamble_bytes = 132, element_bytes = 8;
-    std::array<char, preamble_bytes + element_bytes> head{};
-    std::ifstream stream(path, std::ios::binary);
-    stream.read(head.data(), head.size());
-    return stream && std::string_view(head.data(), head.size()).substr(128, 4) == "DICM";
-}
-
-/// What the header of one DICOM file says. Empty if the file is no DICOM image.
-std::optional<DicomSlice> read_dicom_header(const fs::path& path) {
-    auto io = itk::GDCMImageIO::New();
-    if (!begins_as_dicom(path) || !io->CanReadFile(path.c_str())) {
-        return std::nullopt;
+    if (slices.empty() && !pictures.empty()) {
+        Volume volume = read_pictures(source, pictures, request);
+        if (others > pictures.size()) {
+            volume.findings.push_back(
+                {FindingKind::note, fmt::format("{} files are not pictures and are left out",
+                                                others - pictures.size())});
+        }
+        return volume;
     }
-    io->SetFileName(path.string());
-    io->ReadImageInformation();
-    const glm::dmat4 affine = voxel_to_patient(*io);
-    DicomSlice slice;
-    slice.path = path;
-    slice.series = tag(*io, "0020|000e");
-    slice.columns = static_cast<int>(io->GetDimensions(0));
-    slice.rows = static_cast<int>(io->GetDimensions(1));
-    slice.frames = io->GetNumberOfDimensions() > 2 ? static_cast<int>(io->GetDimensions(2)) : 1;
-    slice.x_step_mm = glm::dvec3(affine[0]);
-    slice.y_step_mm = glm::dvec3(affine[1]);
-    slice.origin_mm = glm::dvec3(affine[3]);
-    slice.spacing_stated = !tag(*io, "0028|0030").empty();
-    slice.position_stated = !tag(*io, "0020|0032").empty() && !tag(*io, "0020|0037").empty();
-    return slice;
-}
-
-/// The voxels of one slice of a series.
-Decoded decode_slice(const fs::path& path) {
-    auto io = itk::GDCMImageIO::New();
-    io->SetFileName(path.string());
-    io->ReadImageInformation();
-    return decode(path.string(), *io);
-}
-
-/// A DICOM file given by itself must hold many frames.
-void check_multiframe(const std::string& file, const itk::ImageIOBase& io, StoredHeader& header) {
-    if (io.GetNumberOfDimensions() < 3 || io.GetDimensions(2) == 1) {
-        throw ImportError(
-            fmt::format("{}: is a single slice of {}x{}: give the folder of its series", file,
-                        io.GetDimensions(0), io.GetDimensions(1)));
+    if (slices.empty()) {
+        throw ImportError(fmt::format("{}: none of its {} files is a DICOM image", source, others));
     }
-    // The decoder looks into the functional groups, and says 1 when it has found nothing.
-    header.spacing_stated = !tag(io, "0028|0030").empty() || io.GetSpacing(0) != 1 ||
-                            io.GetSpacing(1) != 1 || io.GetSpacing(2) != 1;
+    Volume volume = import_slices(source, std::move(slices), request);
+    if (others > 0) {
+        volume.findings.push_back(
+            {FindingKind::note,
+             fmt::format("{} files are not DICOM images and are left out", others)});
+    }
+    return volume;
 }
 
-Volume import_checked(const fs::path& path) {
+Volume import_dicom_file(const fs::path& path, const ImportRequest& request) {
     const std::string file = path.string();
-    const Format format = format_of(path);
-    if (fs::is_directory(path)) {
-        return to_volume(file, assemble_series(path, read_dicom_header, decode_slice));
-    }
-    StoredHeader header;
-    if (format != Format::dicom) {
-        header = read_header(path, format);
-    }
-    if (format == Format::dicom && !begins_as_dicom(path)) {
+    if (!begins_as_dicom(path)) {
         throw ImportError(file + ": is no DICOM file: 'DICM' and an element must follow byte 128");
     }
-    const itk::ImageIOBase::Pointer io = make_reader(format);
-    io->SetFileName(file);
-    io->ReadImageInformation();
-    if (format == Format::dicom) {
-        check_multiframe(file, *io, header);
+    std::vector<DicomSlice> slices = read_dicom_slices(path);
+    if (slices.empty()) {
+        throw ImportError(
+            file +
+            ": is no DICOM image: rows (0028,0010) or columns (0028,0011) are missing, or "
+            "it is cut or broken");
     }
-    Decoded decoded = decode(file, *io);
-    decoded.scaled_integers = header.scaled_integers;
-    decoded.notes = header.notes;
-    if (!header.spacing_stated) {
-        decoded.notes.insert(decoded.notes.begin(),
-                             "the file does not state its spacing: 1 mm is assumed where it is "
-                             "missing, sizes and shapes may be wrong");
+    return import_slices(file, std::move(slices), request);
+}
+
+Volume import_stored(const fs::path& path, const StoredHeader& header,
+                     const ImportRequest& request) {
+    Volume volume = read_stored_values(path, header);
+    take_spacing(path.string(), request, header.spacing_stated, volume);
+    return volume;
+}
+
+Volume import_raw(const fs::path& path, const ImportRequest& request) {
+    if (!fs::is_regular_file(path)) {
+        throw ImportError(path.string() + ": is not a readable file");
     }
-    return to_volume(file, std::move(decoded));
+    const StoredHeader header = read_raw_layout(path, *request.raw);
+    if (!request.spacing_mm) {
+        throw ImportError(path.string() +
+                          ": a raw file states no distances: give spacing=x,y,z in millimetres");
+    }
+    return import_stored(path, header, request);
+}
+
+Volume import_checked(const fs::path& path, const ImportRequest& request) {
+    if (request.raw) {
+        return import_raw(path, request);
+    }
+    const Format format = format_of(path);
+    if (fs::is_directory(path)) {
+        return import_folder(path, request);
+    }
+    if (!request.series.empty() && format != Format::dicom) {
+        throw ImportError(fmt::format("{}: series is '{}', but only DICOM holds series",
+                                      path.string(), request.series));
+    }
+    switch (format) {
+        case Format::dicom:
+            return import_dicom_file(path, request);
+        case Format::pictures:
+            return read_pictures(path.string(), {path}, request);
+        default:
+            return import_stored(path, read_header(path, format), request);
+    }
 }
 
 /// "ct/pelvis.nii.gz" -> "pelvis".
@@ -259,16 +176,45 @@ std::string name_of(const fs::path& path) {
     return last.extension() == ".gz" ? last.stem().stem().string() : last.stem().string();
 }
 
+Volume import_phantom(const ImportRequest& request) {
+    if (request.raw || request.spacing_mm || !request.series.empty()) {
+        throw ImportError(request.path + ": a phantom has its own spacing, layout and series");
+    }
+    try {
+        return make_phantom(request.path);
+    } catch (const std::invalid_argument& error) {
+        throw ImportError(error.what());
+    }
+}
+
+void check_request(const ImportRequest& request) {
+    if (!request.spacing_mm) {
+        return;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const double spacing = (*request.spacing_mm)[axis];
+        if (!std::isfinite(spacing) || !(spacing > 0)) {
+            throw ImportError(fmt::format("{}: spacing along {} is {}, must be above 0 mm",
+                                          request.path, "xyz"[axis], spacing));
+        }
+    }
+}
+
 }  // namespace
 
-Volume import_volume(const std::string& path) {
+Volume import_volume(const ImportRequest& request) {
+    const std::string& path = request.path;
     try {
-        itk::Object::GlobalWarningDisplayOff();
-        Volume volume = import_checked(path);
-        volume.name = name_of(path);
+        check_request(request);
+        const bool phantom = is_phantom(path);
+        Volume volume = phantom ? import_phantom(request) : import_checked(path, request);
+        if (!phantom) {
+            check_place(path, volume);
+            volume.name = name_of(path);
+        }
+        volume.source = path;
+        process_volume(request, volume);
         return volume;
-    } catch (const itk::ExceptionObject& error) {
-        throw ImportError(fmt::format("{}: {}", path, useful_sentence(error)));
     } catch (const std::bad_alloc&) {
         throw ImportError(path + ": does not fit in the memory that the io process may use");
     } catch (const fs::filesystem_error& error) {
@@ -276,12 +222,10 @@ Volume import_volume(const std::string& path) {
     }
 }
 
-}  // namespace pxpl5::host::io
-
-#if defined(__SANITIZE_ADDRESS__)
-// The NRRD reader leaks what it holds when it meets a broken file.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() {
-    return "leak:libITKNrrdIO";
+Volume import_volume(const std::string& path) {
+    ImportRequest request;
+    request.path = path;
+    return import_volume(request);
 }
-#endif
+
+}  // namespace pxpl5::host::io

@@ -1,7 +1,10 @@
-// Volumes in: decodes a file or a DICOM folder into a plain Volume. All of ITK is behind this.
+// Volumes in: decodes a file, a folder or a phantom into a plain Volume.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -9,7 +12,7 @@
 
 namespace pxpl5::host::io {
 
-inline constexpr int min_dim = 2;     ///< Voxels along an axis: fewer hold no cell.
+inline constexpr int min_dim = 2;     ///< Voxels along x and y; along z a single slice may be read.
 inline constexpr int max_dim = 4096;  ///< Voxels along an axis.
 inline constexpr std::uint64_t max_volume_bytes = std::uint64_t{8} << 30;
 
@@ -18,13 +21,35 @@ struct ImportError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Decodes NRRD, MetaImage, NIfTI-1, Analyze 7.5, VTK legacy or DICOM.
+/// How the values of a file without a header lie: x fastest.
+struct RawLayout {
+    std::array<std::uint32_t, 3> dims{};  ///< Voxels along x, y, z.
+    std::string type;                     ///< As component_name.
+    bool big_endian = false;
+    std::uint64_t offset_bytes = 0;  ///< Before the first value.
+};
+
+/// What is asked for; only `path` must be given.
+struct ImportRequest {
+    std::string path;    ///< A file, a folder, or phantom:NAME.
+    std::string series;  ///< Of a DICOM folder: number in the list from 1, or UID.
+    std::optional<glm::dvec3> spacing_mm;  ///< For files that state none: pictures, raw files.
+    std::optional<RawLayout> raw;
+    /// First voxel and number of voxels kept; both or none.
+    std::optional<std::array<std::uint32_t, 3>> crop_first, crop_size;
+    std::optional<std::array<std::uint32_t, 3>> resample_size;  ///< Voxels afterwards.
+    std::optional<glm::dvec3> resample_spacing_mm;              ///< Or their distance.
+    double smooth_mm = 0;  ///< Standard deviation of a Gaussian; 0 for none.
+};
+
+/// Decodes NRRD, MetaImage, NIfTI-1 and -2, Analyze 7.5, VTK legacy, DICOM, stacks of pictures or
+/// a raw file, or makes a phantom; then crops, smooths and resamples, in this order.
 ///
-/// path     A file, or the folder of a DICOM series.
 /// Returns  the volume: uint8, int16, uint16 and float32 as stored, other types converted
-///          without loss where possible. minimum and maximum are over the finite values. Every
-///          conversion and assumption is in `notes`. name is the file's name without suffix.
+///          without loss where possible. minimum and maximum are over the finite values. What is
+///          odd, assumed or was done is in `findings`. name is the file's name without suffix.
 /// Throws   ImportError.
+Volume import_volume(const ImportRequest& request);
 Volume import_volume(const std::string& path);
 
 }  // namespace pxpl5::host::io

@@ -1,8 +1,13 @@
 #include "host/io/node.hpp"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cassert>
+#include <optional>
 #include <utility>
 
 #include "host/io/export_requests.hpp"
@@ -21,6 +26,53 @@ bus::Payload failure(const std::string& reason, bool bad_data) {
     done.error = reason;
     done.bad_data = bad_data;
     return bus::pack(done);
+}
+
+template <typename T>
+std::optional<std::array<std::uint32_t, 3>> three(const T* values) {
+    if (values == nullptr) {
+        return std::nullopt;
+    }
+    return std::array{values->Get(0), values->Get(1), values->Get(2)};
+}
+
+std::optional<glm::dvec3> vector(const flatbuffers::Vector<double>* values) {
+    if (values == nullptr) {
+        return std::nullopt;
+    }
+    return glm::dvec3(values->Get(0), values->Get(1), values->Get(2));
+}
+
+/// Lengths of vectors have been checked on receipt.
+ImportRequest request_of(const schema::ImportVolume& wish) {
+    ImportRequest request;
+    request.path = wish.path()->str();
+    request.series = wish.series() ? wish.series()->str() : "";
+    request.spacing_mm = vector(wish.spacing_mm());
+    if (const schema::RawLayout* raw = wish.raw()) {
+        request.raw = RawLayout{{raw->nx(), raw->ny(), raw->nz()},
+                                raw->type()->str(),
+                                raw->big_endian(),
+                                raw->offset()};
+    }
+    request.crop_first = three(wish.crop_first());
+    request.crop_size = three(wish.crop_size());
+    request.resample_size = three(wish.resample_size());
+    request.resample_spacing_mm = vector(wish.resample_spacing_mm());
+    request.smooth_mm = wish.smooth_mm();
+    return request;
+}
+
+/// Pages of the memory from `begin` to `end`, which nobody will read again, go back to the system:
+/// else a volume is here twice while its slices wait to be sent.
+void give_back(std::vector<std::byte>& values, std::size_t begin, std::size_t end) {
+    const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+    const auto base = reinterpret_cast<std::uintptr_t>(values.data());
+    const std::uintptr_t first = (base + begin + page - 1) / page * page;
+    const std::uintptr_t last = (base + end) / page * page;
+    if (first < last) {
+        madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);
+    }
 }
 
 }  // namespace
@@ -64,7 +116,7 @@ bool IoNode::work(bus::Outbox& out) {
 void IoNode::begin_import(const bus::Message& request, bus::Outbox& out) {
     assert(!sending_);
     try {
-        Volume volume = import_volume(request.as<schema::ImportVolume>()->path()->str());
+        Volume volume = import_volume(request_of(*request.as<schema::ImportVolume>()));
         sending_ = Sending{request.source(), volumes_++, std::move(volume), 0};
         out.send(sending_->to, volume_header(sending_->volume, sending_->id));
     } catch (const ImportError& error) {
@@ -77,6 +129,11 @@ void IoNode::send_slices(bus::Outbox& out) {
     const int count = std::min(left, slices_per_batch(sending_->volume));
     out.send(sending_->to,
              slices_message(sending_->volume, sending_->id, sending_->next_slice, count));
+    const std::size_t slice_bytes =
+        sending_->volume.values.size() / static_cast<std::size_t>(sending_->volume.nz);
+    const auto first = static_cast<std::size_t>(sending_->next_slice);
+    give_back(sending_->volume.values, first * slice_bytes,
+              (first + static_cast<std::size_t>(count)) * slice_bytes);
     sending_->next_slice += count;
     if (sending_->next_slice == sending_->volume.nz) {
         schema::VolumeEndT end;

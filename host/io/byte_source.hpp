@@ -1,0 +1,61 @@
+// The bytes of a file, decompressed as they are asked for.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace pxpl5::host::io {
+
+/// How values lie in a file. `gzip` takes zlib streams too.
+enum class Encoding : std::uint8_t { raw, gzip, bzip2, ascii, hex };
+
+constexpr bool is_compressed(Encoding encoding) {
+    return encoding == Encoding::gzip || encoding == Encoding::bzip2;
+}
+
+class ByteSource {
+  public:
+    /// Opens `path` at `offset_bytes`. `ascii` gives the file's own bytes.
+    /// Throws   ImportError if it cannot be opened.
+    ByteSource(const std::filesystem::path& path, Encoding encoding, std::uint64_t offset_bytes);
+    ~ByteSource();
+    ByteSource(const ByteSource&) = delete;
+    ByteSource& operator=(const ByteSource&) = delete;
+
+    /// Fills `out`. Returns how many bytes came: fewer at the end, or where the stream is broken.
+    std::size_t read(std::span<std::byte> out);
+
+    /// Passes over `count` bytes of what read() would give. Returns how many there were.
+    std::uint64_t skip(std::uint64_t count);
+
+    /// Whether the end that read() came to was no end but damage: a wrong code or checksum.
+    bool is_damaged() const { return damaged_; }
+
+  private:
+    struct Inflater;
+    struct Bunzipper;
+
+    std::size_t read_file();
+    std::size_t read_gzip(std::span<std::byte> out);
+    std::size_t read_bzip2(std::span<std::byte> out);
+    std::size_t read_hex(std::span<std::byte> out);
+
+    std::ifstream file_;
+    Encoding encoding_;
+    std::vector<char> in_;  ///< A chunk of the file.
+    std::size_t in_at_ = 0, in_end_ = 0;
+    bool ended_ = false;  ///< Nothing more comes.
+    bool damaged_ = false;
+    bool between_streams_ = false;  ///< What follows may be no stream at all.
+    std::unique_ptr<Inflater> inflater_;
+    std::unique_ptr<Bunzipper> bunzipper_;
+};
+
+/// Whether the file begins as gzip streams do, whatever its suffix says.
+bool is_gzip(const std::filesystem::path& path);
+
+}  // namespace pxpl5::host::io
