@@ -1,7 +1,5 @@
 #include "host/surface/plateaus.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,15 +8,14 @@ namespace pxpl5::host {
 
 namespace {
 
-/// Change from a to b, the same both ways; infinite from or to nothing.
+/// The same both ways; infinite from or to nothing.
 double relative_change(double a, double b) {
-    if (a == b) return 0;
     if (a <= 0 || b <= 0) return std::numeric_limits<double>::infinity();
     return std::abs(std::log(b / a));
 }
 
 /// The greater of the changes of triangles and volume.
-double change(const IsovalueRow& a, const IsovalueRow& b) {
+double change(const AtlasRow& a, const AtlasRow& b) {
     return std::max(
         relative_change(static_cast<double>(a.triangles), static_cast<double>(b.triangles)),
         relative_change(a.volume_mm3, b.volume_mm3));
@@ -26,33 +23,21 @@ double change(const IsovalueRow& a, const IsovalueRow& b) {
 
 }  // namespace
 
-std::vector<Plateau> find_plateaus(std::span<const IsovalueRow> rows) {
-    std::vector<Plateau> plateaus;
-    if (rows.size() < 2) return plateaus;
-    const double range = rows.back().isovalue - rows.front().isovalue;
-    const double width = least_plateau_width * range;
-    if (!(width > 0)) return plateaus;
-    // A row is flat if some stretch of least width that holds it changes little from end to end.
-    std::vector<double> best(rows.size(), std::numeric_limits<double>::infinity());
-    for (std::size_t first = 0, last = 0; first < rows.size(); ++first) {
+std::vector<AtlasPlateau> find_plateaus(std::span<const AtlasRow> rows) {
+    std::vector<AtlasPlateau> plateaus;
+    if (rows.empty()) return plateaus;
+    const double width = least_plateau_width * (rows.back().isovalue - rows.front().isovalue);
+    std::size_t end = 0;  // After the last row of the last plateau.
+    for (std::size_t first = 0, last = 1; first < rows.size(); ++first) {
+        last = std::max(last, first + 1);
         while (last < rows.size() && rows[last].isovalue - rows[first].isovalue < width) ++last;
         if (last == rows.size()) break;
-        if (rows[first].triangles == 0) continue;
-        const double slope =
-            change(rows[first], rows[last]) * width / (rows[last].isovalue - rows[first].isovalue);
-        for (std::size_t i = first; i <= last; ++i) best[i] = std::min(best[i], slope);
-    }
-    for (std::size_t first = 0, next = 0; first < rows.size(); first = next + 1) {
-        next = first;
-        while (next < rows.size() && best[next] <= greatest_plateau_change) ++next;
-        if (next == first) continue;
-        Plateau plateau;
-        plateau.name = fmt::format("P{}", plateaus.size() + 1);
-        plateau.first = first;
-        plateau.last = next - 1;
-        plateau.from = rows[first].isovalue;
-        plateau.to = rows[next - 1].isovalue;
-        plateaus.push_back(plateau);
+        // Where rows are far apart, their step is wider than it needs to be.
+        const double steps = (rows[last].isovalue - rows[first].isovalue) / width;
+        if (change(rows[first], rows[last]) > greatest_plateau_change * steps) continue;
+        if (plateaus.empty() || first >= end) plateaus.push_back({rows[first].isovalue, 0});
+        plateaus.back().to = rows[last].isovalue;
+        end = last + 1;
     }
     return plateaus;
 }
