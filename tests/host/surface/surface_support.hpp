@@ -20,7 +20,7 @@ inline constexpr std::uint16_t test_surface = 3;
 inline constexpr std::uint32_t test_revision = 7;
 
 inline host::VolumeGrid grid_of(const gp::VolumeShape& shape) {
-    return {shape.nx, shape.ny, shape.nz, shape.voxel_to_patient, {}};
+    return {shape.nx, shape.ny, shape.nz, shape.voxel_to_patient, shape.slice_places};
 }
 
 inline std::unique_ptr<bus::schema::SlabMeshT> to_wire(const gp::SlabMesh& mesh) {
@@ -78,14 +78,18 @@ inline host::WeldedMesh gather(std::span<const bus::Message> messages,
 }
 
 /// With the cells of triangles.
-inline Slabs extract_slabs(const Volume& volume, double isovalue,
+/// store  Owns all slabs.
+inline Slabs extract_slabs(const gp::SliceStore& store, double isovalue,
                            gp::CaseRule rule = gp::CaseRule::watertight) {
-    Slabs slabs(static_cast<std::size_t>(volume.shape.slab_count()));
-    const Gp gp(volume, {0, 1});
-    for (int slab = 0; slab < volume.shape.slab_count(); ++slab)
-        gp::extract_slab(gp.store, slab, isovalue, gp::case_table(rule),
+    Slabs slabs(static_cast<std::size_t>(store.shape().slab_count()));
+    for (const int slab : store.slabs())
+        gp::extract_slab(store, slab, isovalue, gp::case_table(rule),
                          slabs[static_cast<std::size_t>(slab)], true);
     return slabs;
+}
+inline Slabs extract_slabs(const Volume& volume, double isovalue,
+                           gp::CaseRule rule = gp::CaseRule::watertight) {
+    return extract_slabs(Gp(volume, {0, 1}).store, isovalue, rule);
 }
 
 inline host::WeldedMesh mesh_of(const Volume& volume, double isovalue,
@@ -126,7 +130,19 @@ Volume placed_volume(Size size, const glm::dmat3& steps, Field field) {
     return volume;
 }
 
-/// The tests' own sum over the GPs' slabs.
+inline host::Certificate certify_volume(const Volume& volume, double isovalue,
+                                        gp::CaseRule rule = gp::CaseRule::watertight) {
+    return host::certify(mesh_of(volume, isovalue, rule), grid_of(volume.shape));
+}
+
+/// 3x3x3 voxels of nothing but the middle one.
+inline Volume one_voxel(double value) {
+    return make_volume({3, 3, 3}, gp::Scalar::int16, [&](int x, int y, int z) {
+        return x == 1 && y == 1 && z == 1 ? value : 0.0;
+    });
+}
+
+/// The sum over the GPs' slabs.
 struct GpSums {
     double area_mm2 = 0, volume_mm3 = 0;
     std::int64_t triangles = 0, vertices = 0;
