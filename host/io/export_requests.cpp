@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "host/io/mesh_export.hpp"
 #include "host/io/picture.hpp"
 
 namespace pxpl5::host::io {
@@ -70,6 +71,19 @@ Picture picture_of(const schema::ExportPicture& request) {
     return picture;
 }
 
+/// A view of the message's surface: what a scan gives is too large to be copied.
+MeshSurface surface_of(const schema::ExportSurface& wire) {
+    static_assert(sizeof(MeshPoint) == sizeof(schema::MeshVertex));
+    static_assert(alignof(MeshPoint) == alignof(schema::MeshVertex));
+    const auto& vertices = *wire.vertices();
+    const auto& indices = *wire.indices();
+    const schema::Rgb& colour = *wire.colour();
+    return {wire.name()->str(),
+            {colour.r(), colour.g(), colour.b()},
+            {reinterpret_cast<const MeshPoint*>(vertices.Data()), vertices.size()},
+            {reinterpret_cast<const std::uint32_t*>(indices.Data()), indices.size()}};
+}
+
 schema::IoDoneT failed(const std::string& reason) {
     schema::IoDoneT done;
     done.ok = false;
@@ -88,6 +102,26 @@ schema::IoDoneT export_picture(const schema::ExportPicture& request) {
     schema::IoDoneT done;
     done.ok = true;
     return done;
+}
+
+schema::IoDoneT export_mesh(const schema::ExportMesh& request) {
+    try {
+        MeshExport mesh;
+        for (const schema::ExportSurface* surface : *request.surfaces()) {
+            mesh.surfaces.push_back(surface_of(*surface));
+        }
+        mesh.axes = request.axes() == schema::PatientAxes::RAS ? MeshAxes::RAS : MeshAxes::LPS;
+        mesh.description = text_of(request.description());
+        mesh.keep = static_cast<double>(request.keep());
+        const MeshWritten written = write_mesh(request.path()->str(), mesh);
+        schema::IoDoneT done;
+        done.ok = true;
+        done.text = written.text;
+        done.triangles = written.triangles;
+        return done;
+    } catch (const MeshError& error) {
+        return failed(error.what());
+    }
 }
 
 }  // namespace pxpl5::host::io

@@ -9,4 +9,7 @@ namespace pxpl5::host::io {
 /// or the disk.
 bus::schema::IoDoneT export_picture(const bus::schema::ExportPicture& request);
 
+/// Writes the mesh, or says why not. `text` tells what was written, `triangles` how many.
+bus::schema::IoDoneT export_mesh(const bus::schema::ExportMesh& request);
+
 }  // namespace pxpl5::host::io

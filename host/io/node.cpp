@@ -84,6 +84,7 @@ void IoNode::receive(const bus::Message& message, bus::Outbox&) {
             return;
         case bus::Body::ImportVolume:
         case bus::Body::ExportPicture:
+        case bus::Body::ExportMesh:
             break;
         default:
             throw bus::NodeFault(schema::FaultCode::bad_message,
@@ -105,6 +106,8 @@ bool IoNode::work(bus::Outbox& out) {
         limit_next_request(limits_);
         if (request.kind() == bus::Body::ImportVolume) {
             begin_import(request, out);
+        } else if (request.kind() == bus::Body::ExportMesh) {
+            out.send(request.source(), bus::pack(export_mesh(*request.as<schema::ExportMesh>())));
         } else {
             out.send(request.source(),
                      bus::pack(export_picture(*request.as<schema::ExportPicture>())));

@@ -1,8 +1,8 @@
-// The io process as a node: volumes in, pictures out.
+// The io process as a node: volumes in, pictures and meshes out.
 //
 //   ImportVolume  --->+--------+---> VolumeHeader, Slices..., VolumeEnd   (to who asked)
 //   ExportPicture --->|   io   |---> IoDone
-//                     +--------+
+//   ExportMesh    --->+--------+
 //
 // An import that fails is answered by IoDone{ok: false}; an export always by IoDone. Requests are
 // served in the order of their arrival.

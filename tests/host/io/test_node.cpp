@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -159,6 +160,43 @@ TEST_SUITE("host/io/node") {
         REQUIRE(bad.size() == 1);
         CHECK(!bad[0].as<schema::IoDone>()->ok());
         CHECK(bad[0].as<schema::IoDone>()->error()->str().find("suffix is '.unknown'") !=
+              std::string::npos);
+    }
+
+    TEST_CASE("a mesh is written from the message, and the answer counts its triangles") {
+        const TemporaryFolder folder;
+        IoNode node({0, 0});
+        schema::ExportMeshT request;
+        request.path = folder.file("m.ply");
+        request.axes = schema::PatientAxes::RAS;
+        request.description = "one triangle";
+        request.surfaces.push_back(std::make_unique<schema::ExportSurfaceT>());
+        schema::ExportSurfaceT& surface = *request.surfaces[0];
+        surface.name = "bone";
+        surface.colour = std::make_unique<schema::Rgb>(1, 2, 3);
+        surface.vertices = {{1, 2, 3, 0, 0, 1}, {4, 2, 3, 0, 0, 1}, {1, 5, 3, 0, 0, 1}};
+        surface.indices = {0, 1, 2};
+        const std::vector<bus::Message> answer = answers_to(node, bus::pack(request));
+        REQUIRE(answer.size() == 1);
+        const auto* done = answer[0].as<schema::IoDone>();
+        REQUIRE(done != nullptr);
+        CHECK(done->ok());
+        CHECK(done->triangles() == 1);
+        CHECK(done->text()->str() == "1 triangles, 3 vertices, RAS millimetres");
+        std::ifstream stream(folder.file("m.ply"), std::ios::binary);
+        const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+        const std::size_t body = bytes.find("end_header\n") + 11;
+        CHECK(bytes.size() == body + 3 * 27 + 14);
+        std::array<float, 6> vertex{};
+        std::memcpy(vertex.data(), bytes.data() + body, sizeof vertex);
+        CHECK(vertex == std::array<float, 6>{-1, -2, 3, 0, 0, 1});
+        CHECK(bytes.find("comment one triangle\n") != std::string::npos);
+
+        request.keep = 0;
+        const std::vector<bus::Message> bad = answers_to(node, bus::pack(request));
+        REQUIRE(bad.size() == 1);
+        CHECK(!bad[0].as<schema::IoDone>()->ok());
+        CHECK(bad[0].as<schema::IoDone>()->error()->str().find("share of triangles") !=
               std::string::npos);
     }
 

@@ -1,0 +1,64 @@
+// Meshes out: surfaces in patient millimetres -> STL, PLY, OBJ, VTP, GLB.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace pxpl5::host::io {
+
+/// Vertices, and corners of triangles: all formats count them in 31 bits.
+inline constexpr std::size_t max_export_count = 0x7FFFFFFF;
+inline constexpr std::size_t max_export_surfaces = 255;
+
+/// Thrown for a mesh that cannot be written. `what` names the file and the reason.
+struct MeshError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+struct MeshPoint {
+    glm::vec3 p_mm;    ///< Patient, LPS.
+    glm::vec3 normal;  ///< Unit, out of the inside.
+};
+
+struct MeshSurface {
+    std::string name;
+    std::array<std::uint8_t, 3> colour{};  ///< Display-coded (sRGB) red, green, blue.
+    std::span<const MeshPoint> vertices;
+    std::span<const std::uint32_t> indices;  ///< 3 per triangle, counter-clockwise from outside.
+};
+
+/// Where the axes of the written coordinates point: to the patient's left, posterior and superior,
+/// or right, anterior and superior. Half a turn about the third axis lies between them, so that
+/// triangles keep their winding.
+enum class MeshAxes : std::uint8_t { LPS, RAS };
+
+struct MeshExport {
+    std::vector<MeshSurface> surfaces;  ///< 1..max_export_surfaces; those without triangles: none.
+    MeshAxes axes = MeshAxes::LPS;
+    std::string description;  ///< Goes into the file where its format has room.
+    double keep = 1;          ///< Share of the triangles that decimation leaves, above 0; 1: all.
+};
+
+struct MeshWritten {
+    std::uint64_t triangles = 0;  ///< In the file.
+    std::string text;             ///< What was written, one sentence: counts, axes, what was lost.
+};
+
+/// Writes the surfaces to `path`, in the format of its suffix. The file appears whole or not at
+/// all. The same surfaces give the same bytes.
+///
+/// stl   Binary; one list of all triangles, facet normals, no colours; axes and unit in the header.
+/// ply   Binary; one list, normals and colours by vertex, the surface's number by face.
+/// obj   A group and a material for each surface, in a .mtl file beside it.
+/// vtp   VTK's PolyData; normals by point, colour and surface by cell, axes and unit as field data.
+/// glb   glTF 2.0; a node and a material for each surface. The vertices are in millimetres along
+///       `axes`; the node above them turns them to glTF's metres, Y up, patient facing +Z.
+/// Throws MeshError.
+MeshWritten write_mesh(const std::string& path, const MeshExport& mesh);
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,25 @@
+// Decimation: fewer triangles for nearly the same surface.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/io/mesh_export.hpp"
+
+namespace pxpl5::host::io {
+
+struct SimplifiedSurface {
+    std::vector<MeshPoint> vertices;  ///< Some of the surface's own, in their order.
+    std::vector<std::uint32_t> indices;
+    double moved_mm = 0;  ///< Estimate of how far the surface lies from what it was.
+};
+
+/// Collapses edges until a share `keep` of the triangles is left, or none can be collapsed without
+/// changing how the surface is connected. Edges with a triangle on one side alone stay.
+///
+/// keep     In (0, 1].
+/// Source   Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH
+///          1997, as meshoptimizer has it.
+SimplifiedSurface simplify(const MeshSurface& surface, double keep);
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,124 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "host/io/mesh_simplify.hpp"
+#include "tests/host/io/mesh_solids.hpp"
+#include "tests/host/io/volume_files.hpp"
+
+using namespace pxpl5::host::io;
+using namespace pxpl5::test;
+
+namespace {
+
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+/// Edges that only one triangle has, in its direction.
+std::set<Edge> open_edges(const std::vector<std::uint32_t>& indices) {
+    std::set<Edge> edges;
+    for (std::size_t first = 0; first < indices.size(); first += 3) {
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            const std::uint32_t a = indices[first + corner], b = indices[first + (corner + 1) % 3];
+            CHECK(edges.insert({a, b}).second);  // Twice in one direction is not a surface.
+        }
+    }
+    std::set<Edge> open;
+    for (const Edge& edge : edges) {
+        if (edges.count({edge.second, edge.first}) == 0) {
+            open.insert(edge);
+        }
+    }
+    return open;
+}
+
+std::vector<glm::vec3> places(const std::vector<MeshPoint>& vertices) {
+    std::vector<glm::vec3> places;
+    for (const MeshPoint& vertex : vertices) {
+        places.push_back(vertex.p_mm);
+    }
+    return places;
+}
+
+bool has(const std::vector<MeshPoint>& vertices, const glm::vec3& p) {
+    return std::any_of(vertices.begin(), vertices.end(),
+                       [&](const MeshPoint& vertex) { return vertex.p_mm == p; });
+}
+
+}  // namespace
+
+TEST_SUITE("host/io/mesh_simplify") {
+    TEST_CASE("a sphere of a quarter of the triangles is closed, and nearly the same sphere") {
+        const glm::vec3 centre(3, -7, 100);
+        const Solid solid = sphere(centre, 50, 60, 90);
+        const std::size_t before = solid.indices.size() / 3;
+        const SimplifiedSurface got = simplify(solid.view(), 0.25);
+        const std::size_t after = got.indices.size() / 3;
+        CHECK(after <= before / 4);
+        CHECK(after > before / 5);
+        CHECK(open_edges(got.indices).empty());
+        // Genus 0: V - E + F = 2, and 3 F = 2 E.
+        CHECK(got.vertices.size() == 2 + after / 2);
+        const double pi = 3.14159265358979323846;
+        CHECK(signed_volume(places(got.vertices), got.indices) ==
+              doctest::Approx(4.0 / 3.0 * pi * 125'000).epsilon(0.01));
+        CHECK(got.moved_mm > 0);
+        CHECK(got.moved_mm < 0.5);
+        for (const MeshPoint& vertex : got.vertices) {
+            CHECK(glm::distance(vertex.normal, (vertex.p_mm - centre) / 50.0F) < 1e-5F);
+        }
+    }
+
+    TEST_CASE("edges at the surface's end stay") {
+        const Solid whole = sphere({0, 0, 0}, 50, 40, 60);
+        Solid half = whole;  // Triangles go from pole to pole: the first half ends at the equator.
+        half.indices.resize(half.indices.size() / 2);
+        const std::set<Edge> before = open_edges(half.indices);
+        CHECK(before.size() == 60);
+        const SimplifiedSurface got = simplify(half.view(), 0.2);
+        CHECK(got.indices.size() < half.indices.size() / 3);
+        CHECK(open_edges(got.indices).size() == before.size());
+        for (const Edge& edge : before) {
+            CHECK(has(got.vertices, half.vertices[edge.first].p_mm));
+        }
+    }
+
+    TEST_CASE("a written mesh tells how many triangles there were and are, with their colours") {
+        const TemporaryFolder folder;
+        const Solid bone = tetrahedron(), skin = sphere({0, 0, 0}, 50, 60, 90);
+        MeshExport mesh;
+        mesh.surfaces = {bone.view(), skin.view()};
+        mesh.keep = 0.5;
+        const MeshWritten written = write_mesh(folder.file("m.ply"), mesh);
+        const std::size_t before = (bone.indices.size() + skin.indices.size()) / 3;
+        CHECK(written.triangles <= before / 2 + 4);
+        CHECK(written.triangles > before * 2 / 5);
+        CHECK(written.text.find("decimated from " + std::to_string(before) + " triangles") !=
+              std::string::npos);
+        CHECK(written.text.find(std::to_string(written.triangles) + " triangles") == 0);
+        const std::string once = [&] {
+            std::ifstream stream(folder.file("m.ply"), std::ios::binary);
+            return std::string(std::istreambuf_iterator<char>(stream), {});
+        }();
+        CHECK(once.find("element face " + std::to_string(written.triangles) + "\n") !=
+              std::string::npos);
+        // The last vertex is the ball's: its colour ends the list before the faces.
+        const std::size_t faces = 14 * written.triangles;
+        const std::string colour = once.substr(once.size() - faces - 3, 3);
+        CHECK(colour ==
+              std::string({static_cast<char>(skin.colour[0]), static_cast<char>(skin.colour[1]),
+                           static_cast<char>(skin.colour[2])}));
+        write_mesh(folder.file("again.ply"), mesh);
+        std::ifstream stream(folder.file("again.ply"), std::ios::binary);
+        CHECK(std::string(std::istreambuf_iterator<char>(stream), {}) == once);
+    }
+
+    TEST_CASE("all triangles stay if all are to be kept") {
+        const Solid solid = sphere({0, 0, 0}, 10, 8, 8);
+        const SimplifiedSurface got = simplify(solid.view(), 1);
+        CHECK(got.indices == solid.indices);
+        CHECK(got.vertices.size() == solid.vertices.size());
+    }
+}
