@@ -15,11 +15,13 @@ struct SimplifiedSurface {
 };
 
 /// Collapses edges until a share `keep` of the triangles is left, or none can be collapsed without
-/// changing how the surface is connected. Edges with a triangle on one side alone stay.
+/// changing how the surface is connected, or without moving it by more than 5 % of its extent.
+/// Edges with a triangle on one side alone stay. Vertices at one place become one, and triangles
+/// that have no area for that reason go first.
 ///
 /// keep     In (0, 1].
 /// Source   Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH
-///          1997, as meshoptimizer has it.
+///          1997, as meshoptimizer has it; the rest ours.
 SimplifiedSurface simplify(const MeshSurface& surface, double keep);
 
 }  // namespace pxpl5::host::io

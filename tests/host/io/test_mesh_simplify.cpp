@@ -1,6 +1,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
+#include <glm/common.hpp>
 #include <map>
 #include <set>
 #include <utility>
@@ -32,6 +34,19 @@ std::set<Edge> open_edges(const std::vector<std::uint32_t>& indices) {
         }
     }
     return open;
+}
+
+/// The same triangles over vertices that are each at a place of its own.
+std::vector<std::uint32_t> by_place(const std::vector<MeshPoint>& vertices,
+                                    const std::vector<std::uint32_t>& indices) {
+    std::map<std::array<float, 3>, std::uint32_t> number;
+    std::vector<std::uint32_t> result;
+    for (const std::uint32_t index : indices) {
+        const glm::vec3 p = vertices[index].p_mm + 0.0F;
+        const auto next = static_cast<std::uint32_t>(number.size());
+        result.push_back(number.emplace(std::array{p.x, p.y, p.z}, next).first->second);
+    }
+    return result;
 }
 
 std::vector<glm::vec3> places(const std::vector<MeshPoint>& vertices) {
@@ -69,6 +84,39 @@ TEST_SUITE("host/io/mesh_simplify") {
         for (const MeshPoint& vertex : got.vertices) {
             CHECK(glm::distance(vertex.normal, (vertex.p_mm - centre) / 50.0F) < 1e-5F);
         }
+    }
+
+    TEST_CASE("no edge has more than two triangles, not even where many triangles met in a point") {
+        const Solid solid = sphere({0, 0, 0}, 30, 120, 180);  // 180 of them at each pole.
+        for (const double keep : {0.5, 0.1, 0.01}) {
+            CHECK(open_edges(simplify(solid.view(), keep).indices).empty());
+        }
+    }
+
+    TEST_CASE("a surface through voxels, where many vertices are at one place, keeps its shape") {
+        Solid solid = sphere({0, 0, 0}, 30, 120, 180);
+        for (MeshPoint& vertex : solid.vertices) {
+            vertex.p_mm = glm::round(vertex.p_mm * 2.0F) / 2.0F;
+        }
+        const double volume = signed_volume(places(solid.vertices), solid.indices);
+        for (const double keep : {0.5, 0.1, 0.02}) {
+            CAPTURE(keep);
+            const SimplifiedSurface got = simplify(solid.view(), keep);
+            CHECK(static_cast<double>(got.indices.size()) <=
+                  keep * static_cast<double>(solid.indices.size()) + 3);
+            CHECK(open_edges(by_place(got.vertices, got.indices)).empty());
+            CHECK(signed_volume(places(got.vertices), got.indices) ==
+                  doctest::Approx(volume).epsilon(0.02));
+            CHECK(got.moved_mm < 1.5);
+        }
+    }
+
+    TEST_CASE("decimation stops before it is another surface") {
+        // Of the sphere's 10,620 triangles, 4 would be a tetrahedron: 30 mm off.
+        const SimplifiedSurface got =
+            simplify(sphere({0, 0, 0}, 30, 60, 90).view(), 4.0 / 10'620.0);
+        CHECK(got.indices.size() / 3 > 20);
+        CHECK(got.moved_mm <= 0.05 * 60 + 1e-3);
     }
 
     TEST_CASE("edges at the surface's end stay") {
