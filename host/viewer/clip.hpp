@@ -1,8 +1,10 @@
-// Clip planes: from what a person says, in patient millimetres or voxels, to a frame's planes.
+// Clip planes: from what a person says, in patient millimetres or voxels, to planes of the patient,
+// and from there to a frame's.
 //
-// A frame's planes act on grid positions (see host/volume.hpp): a vertex is kept where
-// a x + b y + c z + d >= 0. Grid positions are an affine image of the patient's millimetres, so a
-// plane there is a plane here, also where slices are unevenly spaced; slices, counted, are not.
+// A plane is (normal, offset): kept is where normal . p + offset >= 0, as in Scene::clip_planes. A
+// frame's planes act on grid positions (see host/volume.hpp). These are an affine image of the
+// patient's millimetres, so a plane there is a plane here, also where slices are unevenly spaced;
+// slices, counted, are not.
 #pragma once
 
 #include <array>
@@ -14,35 +16,40 @@
 
 namespace pxpl5::host {
 
-/// Keeps the side to which the normal points, and the plane itself.
-struct ClipPlane {
-    glm::dvec3 point_mm{0};      ///< On the plane; patient axes, LPS.
-    glm::dvec3 normal{0, 0, 1};  ///< Of any length but 0.
-};
-
-/// The plane across one of the patient's axes.
+/// The plane across one of the patient's axes (LPS).
 ///
 /// towards   L, R (left, right), P, A (posterior, anterior), S, I (superior, inferior): the side
 ///           that is kept.
 /// at_mm     Where, counted that way from the patient's origin: R 20 and L -20 are one place.
 /// Returns   Nothing for another letter.
-std::optional<ClipPlane> axis_plane(char towards, double at_mm);
+std::optional<glm::dvec4> axis_plane(char towards, double at_mm);
 
-/// (a, b, c, d) of the plane in the grid, with (a, b, c) of unit length.
-///
+/// The plane through a point; kept is the side to which the normal, of any length but 0, points.
 /// Throws std::invalid_argument for a normal without a length, or numbers that are not finite, by
 /// name.
-glm::dvec4 grid_plane(const ClipPlane& plane, const glm::dmat4& voxel_to_patient);
+glm::dvec4 plane_through(const glm::dvec3& point_mm, const glm::dvec3& normal);
 
-/// The six planes of a box in millimetres: what lies in it is kept.
+using BoxPlanes = std::array<glm::dvec4, 6>;
+
+/// The six planes of a box: what lies in it is kept.
 /// Throws std::invalid_argument, naming axis and values, unless low < high on each axis.
-std::array<glm::dvec4, 6> grid_box_mm(const glm::dvec3& low_mm, const glm::dvec3& high_mm,
-                                      const glm::dmat4& voxel_to_patient);
+BoxPlanes box_planes_mm(const glm::dvec3& low_mm, const glm::dvec3& high_mm);
 
-/// The six planes of a box from voxel `first` to voxel `last`; z counts slices.
-/// slice_places   As Volume::slice_places.
+/// Where a volume's voxels lie; of the same meaning as in Volume.
+struct VoxelPlaces {
+    glm::dmat4 voxel_to_patient{1.0};
+    std::span<const double> slice_places{};
+};
+
+/// The six planes, in the patient, of a box from voxel `first` to voxel `last`; z counts slices.
 /// Throws std::invalid_argument, naming axis and values, unless first < last on each axis.
-std::array<glm::dvec4, 6> grid_box_voxels(const glm::dvec3& first, const glm::dvec3& last,
-                                          std::span<const double> slice_places);
+BoxPlanes box_planes_voxels(const glm::dvec3& first, const glm::dvec3& last,
+                            const VoxelPlaces& places);
+
+/// A plane of the patient as one of the grid, with a normal of unit length there.
+glm::dvec4 grid_plane(const glm::dvec4& plane_mm, const glm::dmat4& voxel_to_patient);
+
+/// The inverse: a plane of the grid as one of the patient, with a normal of unit length there.
+glm::dvec4 patient_plane(const glm::dvec4& plane_grid, const glm::dmat4& voxel_to_patient);
 
 }  // namespace pxpl5::host

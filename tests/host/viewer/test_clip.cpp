@@ -28,8 +28,13 @@ glm::dmat4 oblique(double turn_rad, double shear, bool mirrored) {
     return m;
 }
 
-double side_mm(const ClipPlane& plane, const glm::dvec3& p_mm) {
-    return glm::dot(plane.normal, p_mm - plane.point_mm);
+double side(const glm::dvec4& plane, const glm::dvec3& p) {
+    return glm::dot(plane, glm::dvec4(p, 1));
+}
+
+bool keeps(const BoxPlanes& planes, const glm::dvec3& p) {
+    return std::ranges::all_of(planes,
+                               [&](const glm::dvec4& plane) { return side(plane, p) >= 0; });
 }
 
 }  // namespace
@@ -42,19 +47,22 @@ TEST_CASE("a point is on the same side of a plane in the grid as in the patient"
         for (const double shear : {0.0, 0.6}) {
             const glm::dmat4 to_patient = oblique(0.2 * pi, shear, mirrored);
             for (int n = 0; n < 300; ++n) {
-                const ClipPlane plane{vector() + glm::dvec3(-40, 25, 310), vector()};
+                const glm::dvec3 point_mm = vector() + glm::dvec3(-40, 25, 310);
+                const glm::dvec3 normal = vector();
+                const glm::dvec4 plane = plane_through(point_mm, normal);
                 const glm::dvec4 grid = grid_plane(plane, to_patient);
                 CHECK(glm::length(glm::dvec3(grid)) == doctest::Approx(1));
                 const glm::dvec3 p_grid = vector();
                 const glm::dvec3 p_mm(to_patient * glm::dvec4(p_grid, 1));
-                const double in_grid = glm::dot(grid, glm::dvec4(p_grid, 1));
-                const double in_patient = side_mm(plane, p_mm);
+                const double in_patient = glm::dot(normal, p_mm - point_mm);
                 if (std::abs(in_patient) > 1e-9) {
-                    CHECK((in_grid > 0) == (in_patient > 0));
+                    CHECK((side(grid, p_grid) > 0) == (in_patient > 0));
+                    CHECK((side(plane, p_mm) > 0) == (in_patient > 0));
                 }
                 // The plane's own point lies on it.
-                const glm::dvec3 on(glm::inverse(to_patient) * glm::dvec4(plane.point_mm, 1));
-                CHECK(std::abs(glm::dot(grid, glm::dvec4(on, 1))) < 1e-9);
+                const glm::dvec3 on(glm::inverse(to_patient) * glm::dvec4(point_mm, 1));
+                CHECK(std::abs(side(grid, on)) < 1e-9);
+                CHECK(glm::distance(patient_plane(grid, to_patient), plane) < 1e-9);
             }
         }
     }
@@ -71,9 +79,9 @@ TEST_CASE("a letter keeps what lies farther that way") {
           Case{'P', 5, {0, 6, 0}, {0, 4, 0}}, Case{'A', 5, {0, -6, 0}, {0, -4, 0}},
           Case{'S', -5, {0, 0, -4}, {0, 0, -6}}, Case{'I', -5, {0, 0, 4}, {0, 0, 6}}}) {
         CAPTURE(c.letter);
-        const ClipPlane plane = axis_plane(c.letter, c.at_mm).value();
-        CHECK(side_mm(plane, c.kept) > 0);
-        CHECK(side_mm(plane, c.cut) < 0);
+        const glm::dvec4 plane = axis_plane(c.letter, c.at_mm).value();
+        CHECK(side(plane, c.kept) > 0);
+        CHECK(side(plane, c.cut) < 0);
     }
     for (const char letter : {'X', 'l', ' '}) {
         CHECK_FALSE(axis_plane(letter, 0).has_value());
@@ -82,14 +90,9 @@ TEST_CASE("a letter keeps what lies farther that way") {
 
 TEST_CASE("a box keeps what lies in it, in millimetres and in voxels") {
     const glm::dmat4 to_patient = oblique(-0.1 * pi, 0.3, true);
-    const auto in_mm = grid_box_mm({-50, 10, 300}, {-20, 40, 330}, to_patient);
+    const BoxPlanes in_mm = box_planes_mm({-50, 10, 300}, {-20, 40, 330});
     const std::vector<double> places = {0, 1, 4, 5, 5.5, 9};
-    const auto in_voxels = grid_box_voxels({3, 4, 1.5}, {10, 12, 4.5}, places);
-    const auto keeps = [](const std::array<glm::dvec4, 6>& planes, const glm::dvec3& p_grid) {
-        return std::ranges::all_of(planes, [&](const glm::dvec4& plane) {
-            return glm::dot(plane, {p_grid, 1}) >= 0;
-        });
-    };
+    const BoxPlanes in_voxels = box_planes_voxels({3, 4, 1.5}, {10, 12, 4.5}, {to_patient, places});
     std::mt19937 random(8);
     std::uniform_real_distribution<double> x(-60, 60), z(-10, 30);
     int kept = 0;
@@ -98,11 +101,11 @@ TEST_CASE("a box keeps what lies in it, in millimetres and in voxels") {
         const glm::dvec3 mm(to_patient * glm::dvec4(p, 1));
         const bool in =
             mm.x >= -50 && mm.x <= -20 && mm.y >= 10 && mm.y <= 40 && mm.z >= 300 && mm.z <= 330;
-        REQUIRE(keeps(in_mm, p) == in);
+        REQUIRE(keeps(in_mm, mm) == in);
         kept += in ? 1 : 0;
         // Between slices 1 and 2, which lie at 1 and 4, half-way is 2.5; between 4 and 5 it
         // is 7.25.
-        REQUIRE(keeps(in_voxels, p) ==
+        REQUIRE(keeps(in_voxels, mm) ==
                 (p.x >= 3 && p.x <= 10 && p.y >= 4 && p.y <= 12 && p.z >= 2.5 && p.z <= 7.25));
     }
     CHECK(kept > 100);
@@ -124,14 +127,13 @@ TEST_CASE("slices and their places are each other's inverses, beyond the ends to
 }
 
 TEST_CASE("what is no plane, or no box, is refused by name") {
-    const glm::dmat4 one(1.0);
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    CHECK_THROWS_WITH(grid_plane({{0, 0, 0}, {0, 0, 0}}, one),
+    CHECK_THROWS_WITH(plane_through({0, 0, 0}, {0, 0, 0}),
                       "clip plane: its normal (0, 0, 0) has no length");
-    CHECK_THROWS_WITH(grid_plane({{0, nan, 0}, {0, 0, 1}}, one),
+    CHECK_THROWS_WITH(plane_through({0, nan, 0}, {0, 0, 1}),
                       "clip plane: its point (0, nan, 0) is not finite");
-    CHECK_THROWS_WITH(grid_box_mm({0, 5, 0}, {1, 5, 1}, one),
+    CHECK_THROWS_WITH(box_planes_mm({0, 5, 0}, {1, 5, 1}),
                       "clip box: y runs from 5 to 5 mm; the first must be less");
-    CHECK_THROWS_WITH(grid_box_voxels({0, 0, 9}, {1, 5, 1}, {}),
+    CHECK_THROWS_WITH(box_planes_voxels({0, 0, 9}, {1, 5, 1}, {}),
                       "clip box: z runs from 9 to 1 voxels; the first must be less");
 }
