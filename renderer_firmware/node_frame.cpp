@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <map>
+
+#include "ringbus/ranges.hpp"
 
 namespace pxpl5::renderer {
 
@@ -41,6 +44,21 @@ void take_region(FramePlan& plan, std::uint32_t surfaces, std::uint32_t gp,
     }
 }
 
+/// A surface that comes several times in the list, with other slabs, has one pattern.
+std::vector<Screen> screens_of(const schema::DrawFrame& draw) {
+    std::vector<Screen> screens;
+    std::map<std::uint16_t, std::uint32_t> patterns;  // By the surface's id.
+    for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
+        Screen& screen = screens.emplace_back();
+        screen.opacity = surface->opacity();
+        if (screen.opacity < bus::max_opacity) {
+            const auto next = static_cast<std::uint32_t>(patterns.size());
+            screen.pattern = patterns.try_emplace(surface->surface(), next).first->second;
+        }
+    }
+    return screens;
+}
+
 }  // namespace
 
 Shading shading_of(const schema::DrawFrame& draw) {
@@ -49,10 +67,10 @@ Shading shading_of(const schema::DrawFrame& draw) {
         const schema::Vec3& d = light->direction();
         shading.lights.push_back({{d.x(), d.y(), d.z()}, light->intensity()});
     }
+    shading.screens = screens_of(draw);
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
         const schema::Rgb& c = surface->colour();
         shading.surfaces.push_back({c.r(), c.g(), c.b()});
-        shading.opacities.push_back(surface->opacity());
     }
     shading.ambient = draw.ambient();
     shading.specular = draw.specular();

@@ -89,7 +89,8 @@ struct Texts {
                  colour_first = assembled(text::colour_first),
                  colour_next = assembled(text::colour_next),
                  enable_covered = assembled(text::enable_covered), finish = assembled(text::finish),
-                 readout = assembled(text::readout), shut_door = assembled(text::shut_door),
+                 readout = assembled(text::readout), rank_bayer = assembled(text::rank_bayer),
+                 rank_lines = assembled(text::rank_lines), shut_door = assembled(text::shut_door),
                  open_door = assembled(text::open_door), depths = assembled(text::depths);
     Placed dot_first{"N", text::dot_first, places_n}, dot_next{"N", text::dot_next, places_n};
     Placed move_down{"Q", text::move_down, places_q};
@@ -258,11 +259,11 @@ void verify(const Shading& s) {
             fmt::format("{} lights; at most {}", s.lights.size(), max_lights));
     require(s.surfaces.size() <= max_surfaces,
             fmt::format("{} surfaces; at most {}", s.surfaces.size(), max_surfaces));
-    require(s.opacities.size() <= s.surfaces.size(),
-            fmt::format("{} opacities of {} surfaces", s.opacities.size(), s.surfaces.size()));
-    for (const std::uint32_t opacity : s.opacities) {
-        require(opacity >= 1 && opacity <= isa::door::levels,
-                fmt::format("opacity {}; must be 1..{}", opacity, isa::door::levels));
+    require(s.screens.size() <= s.surfaces.size(),
+            fmt::format("{} screens of {} surfaces", s.screens.size(), s.surfaces.size()));
+    for (const Screen& screen : s.screens) {
+        require(screen.opacity >= 1 && screen.opacity <= isa::door::levels,
+                fmt::format("opacity {}; must be 1..{}", screen.opacity, isa::door::levels));
     }
     require(s.specular_power >= 1 && s.specular_power <= max_specular_power,
             fmt::format("specular power {}; must be 1..{}", s.specular_power, max_specular_power));
@@ -282,14 +283,30 @@ void verify(const Shading& s) {
             fmt::format("ambient and intensities sum up to {}; at most {}", sum, max_light_sum));
 }
 
-/// How far a surface's pattern is moved: the first four never share pixels up to opacity 4, the
-/// first and the second not up to 8, and all sixteen patterns are different.
-struct Shift {
-    std::int64_t x, y;
+/// u or v of a screen's rank: a form of the pixel's place.
+struct PlaceForm {
+    std::int64_t x, y, one;
 };
-constexpr Shift shift_of(std::uint32_t surface) {
-    const auto bit = [surface](unsigned n) { return std::int64_t{surface >> n & 1}; };
-    return {bit(0) + 2 * bit(2), bit(1) + 2 * bit(3)};
+
+/// Bayer's pattern; rows; columns, moved so that rows and columns together do not hide all that
+/// Bayer's leaves. Then they come again, moved by a pixel. What any two of these leave at 8/16 is
+/// the lattice of every other pixel of every other row: of all patterns of 4 x 4 pixels that leave
+/// a chessboard half, rows and columns alone make no stripes of it.
+std::vector<std::uint32_t> shut(const Screen& screen) {
+    constexpr std::uint32_t kinds = 3;
+    constexpr PlaceForm u[kinds] = {{1, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    constexpr PlaceForm v[kinds] = {{0, 1, 0}, {0, 1, 0}, {1, 0, 1}};
+    const std::uint32_t kind = screen.pattern % kinds, moved = screen.pattern / kinds;
+    const isa::Program& rank = kind == 0 ? texts().rank_bayer : texts().rank_lines;
+    std::vector<std::uint32_t> words = rank.bind({{"u_x", u[kind].x},
+                                                  {"u_y", u[kind].y},
+                                                  {"u_1", u[kind].one + (moved & 1)},
+                                                  {"v_x", v[kind].x},
+                                                  {"v_y", v[kind].y},
+                                                  {"v_1", v[kind].one + (moved >> 1 & 1)}});
+    const std::vector<std::uint32_t> rest = texts().shut_door.bind({{"opacity", screen.opacity}});
+    words.insert(words.end(), rest.begin(), rest.end());
+    return words;
 }
 
 }  // namespace
@@ -307,17 +324,11 @@ std::vector<std::uint32_t> end_of_region(const Shading& shading) {
 std::vector<DoorPrograms> doors(const Shading& shading) {
     verify(shading);
     std::vector<DoorPrograms> all;
-    for (std::uint32_t s = 0; s < shading.opacities.size(); ++s) {
-        if (shading.opacities[s] == isa::door::levels) {
-            continue;
+    for (std::uint32_t s = 0; s < shading.screens.size(); ++s) {
+        if (shading.screens[s].opacity < isa::door::levels) {
+            all.push_back({s, shut(shading.screens[s]),
+                           texts().open_door.bind({{"background", packed(shading.background)}})});
         }
-        const Shift shift = shift_of(s);
-        all.push_back({s,
-                       texts().shut_door.bind({{"shift_x", shift.x},
-                                               {"shift_y", shift.y},
-                                               {"shift_both", shift.x + shift.y},
-                                               {"opacity", shading.opacities[s]}}),
-                       texts().open_door.bind({{"background", packed(shading.background)}})});
     }
     return all;
 }

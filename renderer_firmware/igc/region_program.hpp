@@ -28,6 +28,14 @@ struct Rgb {
     std::uint8_t r = 0, g = 0, b = 0;
 };
 
+/// Of a surface's pixels in each 4 x 4 of the picture, how many show it, and which.
+struct Screen {
+    std::uint32_t opacity = 16;  ///< 1..16 (isa::door::levels).
+    /// Surfaces with the same one share pixels. Of 0, 1 and 2 any two are such that what is behind
+    /// both is seen, and evenly. From 12 on they come again.
+    std::uint32_t pattern = 0;
+};
+
 /// How the pixels of a frame are lit. A pixel's colour is
 ///   surface * (ambient + sum I max(0, n.l)) + 255 * specular * sum I max(0, n.h)^power,
 /// held at 255, with n turned to the viewer and h = normalise(l + (0, 0, 1)).
@@ -38,8 +46,7 @@ struct Shading {
     std::uint32_t specular_power = 20;  ///< 1..128.
     Rgb background;
     std::vector<Rgb> surfaces;  ///< Surface field s of a pixel has surfaces[s - 1]; 0..255 of them.
-    /// Of each surface, in sixteenths, 1..16 (isa::door::levels); those that are left out are 16.
-    std::vector<std::uint32_t> opacities;
+    std::vector<Screen> screens;  ///< Of each surface; those that are left out are opaque.
 };
 
 /// Clears a region: every pixel background, far, without a normal. Throws as end_of_region().
@@ -51,9 +58,8 @@ std::vector<std::uint32_t> prologue(const Shading& shading);
 /// std::invalid_argument that names the value and its limit.
 std::vector<std::uint32_t> end_of_region(const Shading& shading);
 
-/// What runs before and behind the segments of a transparent surface. It shows in as many of each
-/// 4 x 4 pixels as its opacity says; which ones, depends on its index, so that few surfaces share
-/// pixels. Relies on prologue() of the same shading.
+/// What runs before and behind the segments of a transparent surface. Relies on prologue() of the
+/// same shading.
 struct DoorPrograms {
     std::uint32_t surface = 0;  ///< Index.
     std::vector<std::uint32_t> shut, open;

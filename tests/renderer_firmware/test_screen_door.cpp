@@ -17,19 +17,22 @@ constexpr int side = 128;
 constexpr std::uint32_t far_z = (1U << 24) - 1;
 using WordList = std::vector<std::uint32_t>;
 
-/// Bayer 1973: the ordered pattern of 4 x 4, by row.
+/// Bayer 1973: the ordered pattern of 4 x 4, by row; and that of lines.
 constexpr std::uint32_t bayer[4][4] = {
     {0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
+constexpr std::uint32_t lines[4][4] = {
+    {0, 5, 2, 7}, {8, 13, 10, 15}, {4, 1, 6, 3}, {12, 9, 14, 11}};
 
-/// Where in the pattern surface `index` begins.
-struct Shift {
-    int x, y;
-};
-constexpr Shift shifts[8] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 0}, {3, 0}, {2, 1}, {3, 1}};
-
-bool shows(std::uint32_t surface, std::uint32_t opacity, int x, int y) {
-    const Shift shift = shifts[surface];
-    return bayer[(y + shift.y) % 4][(x + shift.x) % 4] < opacity;
+std::uint32_t rank(std::uint32_t pattern, int x, int y) {
+    const int first = static_cast<int>(pattern / 3 % 2), second = static_cast<int>(pattern / 6 % 2);
+    switch (pattern % 3) {
+        case 0:
+            return bayer[(y + second) % 4][(x + first) % 4];
+        case 1:
+            return lines[(y + second) % 4][(x + first) % 4];
+        default:
+            return lines[(x + 1 + second) % 4][(y + first) % 4];
+    }
 }
 
 /// A triangle over the whole region.
@@ -59,7 +62,7 @@ struct Scene {
         for (std::uint32_t s = 0; s < 8; ++s) {
             const auto part = [&] { return static_cast<std::uint8_t>(random.below(256)); };
             shading.surfaces.push_back({part(), part(), part()});
-            shading.opacities.push_back(s == 2 ? 16 : 1 + random.below(16));
+            shading.screens.push_back({s == 2 ? 16 : 1 + random.below(16), random.below(12)});
             for (std::uint32_t slab = 0; slab < 3; ++slab) {
                 add(random, s, slab);
             }
@@ -98,7 +101,8 @@ std::uint32_t expected_at(const Scene& scene, int x, int y) {
     };
     std::uint32_t z = far_z, surface = 0;
     for (const Slab& slab : scene.slabs) {
-        if (!shows(slab.surface, scene.shading.opacities[slab.surface], x, y)) {
+        const renderer::Screen& screen = scene.shading.screens[slab.surface];
+        if (screen.opacity < 16 && rank(screen.pattern, x, y) >= screen.opacity) {
             continue;
         }
         for (const test::TrianglePlanes& t : slab.triangles) {
@@ -141,6 +145,28 @@ Drawn draw(isa::Executor& executor, const renderer::RegionPrograms& programs,
 std::uint32_t colour_of(const renderer::Shading& shading, std::uint32_t field) {
     const renderer::Rgb c = field == 0 ? shading.background : shading.surfaces[field - 1];
     return c.r | c.g << 8U | c.b << 16U;
+}
+
+/// Where in 4 x 4 pixels a surface shows, as drawn.
+std::vector<bool> drawn_screen(renderer::Screen screen) {
+    WordList words;
+    append(sheet(0, 5000), words);
+    renderer::Shading shading;
+    shading.surfaces = {{200, 100, 50}};
+    shading.screens = {screen};
+    renderer::fast::Fast fast;
+    const Drawn drawn = draw(fast, region_programs(shading, true), {{0, 0, 0, words, 0}});
+    std::vector<bool> shown(16);
+    for (int i = 0; i < side * side; ++i) {
+        const int x = i % side, y = i / side;
+        const auto place = static_cast<std::size_t>(y % 4 * 4 + x % 4);
+        const bool here = drawn.depths[static_cast<std::size_t>(i)] == (1 | 5000 << 8);
+        if (x < 4 && y < 4) {
+            shown[place] = here;
+        }
+        REQUIRE(shown[place] == here);
+    }
+    return shown;
 }
 
 }  // namespace
@@ -190,27 +216,10 @@ TEST_CASE("the reference executor draws doors and depths as the fast one does") 
 }
 
 TEST_CASE("each opacity shows in that many of every 4 x 4 pixels, and in those of the one before") {
-    WordList words;
-    append(sheet(0, 5000), words);
-    for (std::uint32_t surface = 0; surface < 16; ++surface) {
+    for (std::uint32_t pattern = 0; pattern < 12; ++pattern) {
         std::vector<bool> before(16, false);
         for (std::uint32_t opacity = 1; opacity <= 16; ++opacity) {
-            renderer::Shading shading;
-            shading.surfaces.assign(surface + 1, {200, 100, 50});
-            shading.opacities.assign(surface + 1, opacity);
-            renderer::fast::Fast fast;
-            const Drawn drawn =
-                draw(fast, region_programs(shading, true), {{surface, 0, 0, words, 0}});
-            std::vector<bool> now(16);
-            for (int i = 0; i < side * side; ++i) {
-                const int x = i % side, y = i / side;
-                const bool shown = drawn.depths[static_cast<std::size_t>(i)] == (1 | 5000 << 8);
-                const auto place = static_cast<std::size_t>(y % 4 * 4 + x % 4);
-                if (x < 4 && y < 4) {
-                    now[place] = shown;
-                }
-                REQUIRE(now[place] == shown);
-            }
+            const std::vector<bool> now = drawn_screen({opacity, pattern});
             CHECK(std::ranges::count(now, true) == opacity);
             for (std::size_t p = 0; p < 16; ++p) {
                 CHECK((now[p] || !before[p]));
@@ -220,33 +229,67 @@ TEST_CASE("each opacity shows in that many of every 4 x 4 pixels, and in those o
     }
 }
 
-TEST_CASE("the first two surfaces share no pixel up to opacity 8, the first four none up to 4") {
-    struct Case {
-        std::uint32_t surfaces, opacity;
-    };
-    for (const Case c : {Case{2, 8}, Case{4, 4}, Case{8, 2}, Case{16, 1}}) {
-        renderer::Shading shading;
-        shading.surfaces.assign(c.surfaces, {});
-        shading.opacities.assign(c.surfaces, c.opacity);
-        // The later, the farther: where two share a pixel, the first alone shows there.
-        std::vector<WordList> words(c.surfaces);
-        std::vector<renderer::Segment> segments;
-        for (std::uint32_t s = 0; s < c.surfaces; ++s) {
-            append(sheet(s, 5000 + s), words[s]);
-            segments.push_back({s, 0, 0, words[s], 0});
+TEST_CASE("two surfaces let through about the product of what each lets through") {
+    const auto through = [](std::initializer_list<renderer::Screen> screens) {
+        std::vector<bool> open(16, true);
+        for (const renderer::Screen& screen : screens) {
+            const std::vector<bool> shown = drawn_screen(screen);
+            for (std::size_t p = 0; p < 16; ++p) {
+                open[p] = open[p] && !shown[p];
+            }
         }
-        renderer::fast::Fast fast;
-        const Drawn drawn = draw(fast, region_programs(shading, true), segments);
-        for (std::uint32_t s = 0; s < c.surfaces; ++s) {
-            CHECK(std::ranges::count(drawn.depths, (s + 1) | (5000 + s) << 8) ==
-                  side * side * static_cast<int>(c.opacity) / 16);
+        return std::ranges::count(open, true);
+    };
+    for (std::uint32_t p = 0; p < 3; ++p) {
+        for (std::uint32_t q = 0; q < 3; ++q) {
+            if (p != q) {
+                CHECK(through({{8, p}, {8, q}}) == 4);
+                CHECK(std::abs(through({{12, p}, {12, q}}) - 1) <= 1);
+                CHECK(std::abs(through({{4, p}, {4, q}}) - 9) <= 1);
+                CHECK(std::abs(through({{4, p}, {8, q}}) - 6) <= 2);
+            }
+        }
+    }
+    CHECK(through({{8, 0}, {8, 1}, {8, 2}}) == 4);
+}
+
+TEST_CASE("what two surfaces of 8/16 leave to a third is even: no two of its pixels touch") {
+    for (const auto& [p, q] : {std::pair(0U, 1U), std::pair(0U, 2U), std::pair(1U, 2U)}) {
+        const std::vector<bool> one = drawn_screen({8, p}), other = drawn_screen({8, q});
+        const auto open = [&](int x, int y) {
+            const auto at = static_cast<std::size_t>((y & 3) * 4 + (x & 3));
+            return !one[at] && !other[at];
+        };
+        for (int i = 0; i < 16; ++i) {
+            for (int step = 0; step < 9 && open(i % 4, i / 4); ++step) {
+                if (step != 4) {
+                    CHECK_FALSE(open(i % 4 + step % 3 - 1, i / 4 + step / 3 - 1));
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("no pattern has clumps or stripes: the pixels of 4/16 do not touch by their sides") {
+    for (std::uint32_t pattern = 0; pattern < 12; ++pattern) {
+        const std::vector<bool> four = drawn_screen({4, pattern}), two = drawn_screen({2, pattern});
+        const auto at = [](const std::vector<bool>& shown, int x, int y) {
+            return shown[static_cast<std::size_t>((y & 3) * 4 + (x & 3))];
+        };
+        for (int y = 0; y < 4; ++y) {
+            for (int x = 0; x < 4; ++x) {
+                CHECK_FALSE((at(four, x, y) && (at(four, x + 1, y) || at(four, x, y + 1))));
+                for (int step = -1; step <= 1; ++step) {
+                    CHECK_FALSE((at(two, x, y) && at(two, x + step, y + 1)));
+                }
+            }
         }
     }
 }
 
 TEST_CASE("an opaque frame without depths runs just what it ran before") {
     Scene scene(test::seed_or(44));
-    scene.shading.opacities.assign(8, 16);
+    scene.shading.screens.assign(8, {});
     const renderer::RegionPrograms programs = region_programs(scene.shading);
     CHECK(programs.doors.empty());
     CHECK(programs.depths.empty());
@@ -257,7 +300,7 @@ TEST_CASE("an opaque frame without depths runs just what it ran before") {
 
 TEST_CASE("only surfaces that are in a region have doors there; a bad segment opens none") {
     Scene scene(test::seed_or(45));
-    scene.shading.opacities.assign(8, 8);
+    scene.shading.screens.assign(8, {8, 0});
     const renderer::RegionPrograms programs = region_programs(scene.shading);
     const WordList bad = {0xEE000000};
     renderer::fast::Fast fast;
@@ -276,11 +319,11 @@ TEST_CASE("an opacity that cannot be is refused by name") {
     renderer::Shading shading;
     shading.surfaces.assign(1, {});
     for (const std::uint32_t opacity : {0U, 17U}) {
-        shading.opacities = {opacity};
+        shading.screens = {{opacity, 0}};
         CHECK_THROWS_WITH(
             region_programs(shading),
             ("shading: opacity " + std::to_string(opacity) + "; must be 1..16").c_str());
     }
-    shading.opacities = {8, 8};
-    CHECK_THROWS_WITH(region_programs(shading), "shading: 2 opacities of 1 surfaces");
+    shading.screens.assign(2, {});
+    CHECK_THROWS_WITH(region_programs(shading), "shading: 2 screens of 1 surfaces");
 }
