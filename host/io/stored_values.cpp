@@ -47,7 +47,8 @@ std::uint64_t offset_after_lines(const fs::path& path, std::uint64_t offset, std
     std::ifstream stream(path, std::ios::binary);
     stream.seekg(static_cast<std::streamoff>(offset));
     for (std::uint64_t line = 0; line < lines; ++line) {
-        if (!stream.ignore(std::numeric_limits<std::streamsize>::max(), '\n')) {
+        stream.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+        if (!stream || stream.eof()) {
             throw ImportError(fmt::format("{}: line skip is {}, but only {} lines follow",
                                           path.string(), lines, line));
         }
