@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 #include <type_traits>
 
 #include "host/error.hpp"
+#include "host/surface/neighbour_links.hpp"
 #include "host/surface/typed_values.hpp"
 
 namespace pxpl5::host {
@@ -100,108 +103,141 @@ LevelGrid level_grid(const Volume& volume, std::span<const double> isovalues) {
     return grid;
 }
 
-/// Groups of voxels that grow level by level. A voxel that has come links to another of its group;
-/// one that has not, to the next of its level.
-class LevelGroups {
+/// In the order of the sweep inwards the highest levels come first, outwards the lowest; of equal
+/// ones the lower voxel. A voxel's links are its neighbours that came before it.
+template <Side side>
+class Sweep {
   public:
-    LevelGroups(const LevelGrid& grid, std::size_t level_count)
-        : links_(grid.levels.size()), heads_(level_count, end) {
-        // Backwards, so that each level's voxels ascend.
-        for (std::size_t z = grid.nz; z-- > 0;)
-            for (std::size_t y = grid.ny; y-- > 0;) {
-                const std::size_t first = grid.first_of_row(y, z);
-                for (std::size_t v = first + grid.nx; v-- > first;) {
-                    std::uint32_t& head = heads_[grid.levels[v]];
-                    links_[v] = head;
-                    head = static_cast<std::uint32_t>(v);
-                }
-            }
+    /// grid  Its rim is overwritten.
+    Sweep(LevelGrid& grid, std::size_t isovalue_count)
+        : grid_(grid),
+          never_(static_cast<Level>(side == Side::inside ? 0 : isovalue_count)),
+          groups_(isovalue_count + 1),
+          saddle_counts_(isovalue_count + 1),
+          parents_(grid.levels.size()),
+          is_saddle_((grid.levels.size() + 63) / 64) {
+        grid.fill_rim(side == Side::inside ? 0 : std::numeric_limits<Level>::max());
+        for (std::size_t k = 0; k < neighbour_count; ++k) {
+            const auto& [x, y, z] = neighbour_steps()[k];
+            steps_[k] = x + y * grid.row + z * grid.slice;
+        }
+        std::iota(parents_.begin(), parents_.end(), std::uint32_t{0});
     }
 
-    /// Lets a level's voxels come, in ascending order; calls visit(voxel) after each.
-    template <class Visit>
-    void add_level(std::size_t level, Visit visit) {
-        for (std::uint32_t v = heads_[level]; v != end;) {
-            const std::uint32_t next = links_[v];
-            links_[v] = v;
-            ++count_;
-            visit(v);
-            v = next;
+    /// Groups that begin with a voxel of each level, less those that are joined by one.
+    const std::vector<std::int64_t>& run() {
+        for (std::size_t z = 0; z < grid_.nz; ++z)
+            for (std::size_t y = 0; y < grid_.ny; ++y) join_row(grid_.first_of_row(y, z));
+        join_saddles();
+        return groups_;
+    }
+
+  private:
+    static bool is_before(Level other, Level level, bool is_lower_voxel) {
+        if constexpr (side == Side::inside) {
+            return is_lower_voxel ? other >= level : other > level;
+        } else {
+            return is_lower_voxel ? other <= level : other < level;
         }
     }
 
-    /// Both have come.
-    void join(std::uint32_t a, std::uint32_t b) {
-        a = root(a);
-        b = root(b);
-        if (a == b) return;
-        links_[std::max(a, b)] = std::min(a, b);
-        --count_;
+    std::uint32_t links_of(std::uint32_t v) const {
+        const Level* const at = grid_.levels.data() + v;
+        std::uint32_t links = 0;
+        for (std::size_t k = 0; k < neighbour_count; ++k)
+            links |= is_before(at[steps_[k]], at[0], steps_[k] < 0) ? 1U << k : 0U;
+        return links;
     }
-    std::uint32_t count() const { return count_; }
 
-  private:
-    static constexpr std::uint32_t end = 0;  ///< A voxel of the rim, which never comes.
+    /// Where all links of a voxel hang together around it, one of them joins it to them all: it
+    /// need not wait for its turn. The others are saddles.
+    void join_row(std::size_t first) {
+        const Level* const at = grid_.levels.data() + first;
+        links_.assign(grid_.nx, 0);
+        for (std::size_t k = 0; k < neighbour_count; ++k) {
+            const Level* const other = at + steps_[k];
+            const bool is_lower_voxel = steps_[k] < 0;
+            for (std::size_t x = 0; x < grid_.nx; ++x)
+                links_[x] |= static_cast<std::uint32_t>(is_before(other[x], at[x], is_lower_voxel))
+                             << k;
+        }
+        const LinkTable& hangs_together = link_table(side);
+        for (std::size_t x = 0; x < grid_.nx; ++x) {
+            if (at[x] == never_) continue;
+            ++groups_[at[x]];
+            const std::uint32_t links = links_[x] & joining_links(side);
+            if (links == 0) continue;
+            const auto v = static_cast<std::uint32_t>(first + x);
+            if (hangs_together.test(links_[x])) {
+                join(v, std::countr_zero(links));
+            } else {
+                is_saddle_[v / 64] |= std::uint64_t{1} << v % 64;
+                ++saddle_counts_[at[x]];
+            }
+        }
+    }
+
+    /// In the order of their levels, as Kruskal's algorithm takes edges.
+    void join_saddles() {
+        std::vector<std::size_t> next(saddle_counts_.size());
+        std::size_t sum = 0;
+        for (std::size_t i = 0; i < next.size(); ++i) {
+            const std::size_t level = side == Side::inside ? next.size() - 1 - i : i;
+            next[level] = sum;
+            sum += saddle_counts_[level];
+        }
+        std::vector<std::uint32_t> saddles(sum);
+        for (std::size_t word = 0; word < is_saddle_.size(); ++word)
+            for (std::uint64_t bits = is_saddle_[word]; bits != 0; bits &= bits - 1) {
+                const auto v =
+                    static_cast<std::uint32_t>(word * 64) + std::uint32_t(std::countr_zero(bits));
+                saddles[next[grid_.levels[v]]++] = v;
+            }
+        for (const std::uint32_t v : saddles)
+            for (std::uint32_t links = links_of(v) & joining_links(side); links != 0;
+                 links &= links - 1)
+                join(v, std::countr_zero(links));
+    }
+
+    void join(std::uint32_t v, int neighbour) {
+        const std::uint32_t a = root(v);
+        const std::uint32_t b =
+            root(static_cast<std::uint32_t>(v + steps_[static_cast<std::size_t>(neighbour)]));
+        if (a == b) return;
+        parents_[std::max(a, b)] = std::min(a, b);
+        --groups_[grid_.levels[v]];
+    }
 
     std::uint32_t root(std::uint32_t v) {
-        while (links_[v] != v) v = links_[v] = links_[links_[v]];
+        while (parents_[v] != v) v = parents_[v] = parents_[parents_[v]];
         return v;
     }
 
-    std::vector<std::uint32_t> links_;
-    std::vector<std::uint32_t> heads_;  ///< First voxel of each level.
-    std::uint32_t count_ = 0;
+    const LevelGrid& grid_;
+    Level never_;  ///< Of voxels that this sweep does not count at any isovalue.
+    std::array<std::ptrdiff_t, neighbour_count> steps_{};
+    std::vector<std::int64_t> groups_;  ///< By level.
+    std::vector<std::size_t> saddle_counts_;
+    std::vector<std::uint32_t> parents_;
+    std::vector<std::uint64_t> is_saddle_;
+    std::vector<std::uint32_t> links_;  ///< Of a row's voxels; bit k: neighbour k.
 };
 
 void count_inside(LevelGrid& grid, std::span<ComponentCounts> out) {
-    grid.fill_rim(0);  // Never inside.
-    LevelGroups groups(grid, out.size() + 1);
-    const std::array<std::ptrdiff_t, 3> steps = {1, grid.row, grid.slice};
-    for (std::size_t level = out.size(); level > 0; --level) {
-        groups.add_level(level, [&](std::uint32_t v) {
-            const Level* const at = grid.levels.data() + v;
-            for (const std::ptrdiff_t step : steps) {
-                // Of its own level, the lower neighbours have come.
-                if (at[-step] >= level) groups.join(v, static_cast<std::uint32_t>(v - step));
-                if (at[step] > level) groups.join(v, static_cast<std::uint32_t>(v + step));
-            }
-        });
-        out[level - 1].inside = groups.count();
+    const auto groups = Sweep<Side::inside>(grid, out.size()).run();
+    std::int64_t sum = 0;
+    for (std::size_t i = out.size(); i-- > 0;) {
+        sum += groups[i + 1];
+        out[i].inside = static_cast<std::uint32_t>(sum);
     }
 }
 
-/// A step to a neighbour across a face's diagonal, and the two steps that make it up.
-struct Diagonal {
-    std::ptrdiff_t step, along, across;
-};
-
 void count_outside(LevelGrid& grid, std::span<ComponentCounts> out) {
-    grid.fill_rim(std::numeric_limits<Level>::max());  // Never outside.
-    LevelGroups groups(grid, out.size() + 1);
-    const std::array<std::ptrdiff_t, 3> steps = {1, grid.row, grid.slice};
-    std::array<Diagonal, 6> diagonals{};
-    std::size_t count = 0;
-    for (const auto& [a, b] :
-         {std::pair{steps[0], steps[1]}, {steps[0], steps[2]}, {steps[1], steps[2]}}) {
-        diagonals[count++] = {a + b, a, b};
-        diagonals[count++] = {b - a, -a, b};
-    }
-    for (std::size_t level = 0; level < out.size(); ++level) {
-        groups.add_level(level, [&](std::uint32_t v) {
-            const Level* const at = grid.levels.data() + v;
-            for (const std::ptrdiff_t step : steps) {
-                if (at[-step] <= level) groups.join(v, static_cast<std::uint32_t>(v - step));
-                if (at[step] < level) groups.join(v, static_cast<std::uint32_t>(v + step));
-            }
-            // Only an ambiguous face, with both others inside, joins what edges do not.
-            for (const auto& [step, along, across] : diagonals) {
-                if (at[-step] <= level && at[-along] > level && at[-across] > level)
-                    groups.join(v, static_cast<std::uint32_t>(v - step));
-                if (at[step] < level && at[along] > level && at[across] > level)
-                    groups.join(v, static_cast<std::uint32_t>(v + step));
-            }
-        });
-        out[level].outside = groups.count();
+    const auto groups = Sweep<Side::outside>(grid, out.size()).run();
+    std::int64_t sum = 0;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        sum += groups[i];
+        out[i].outside = static_cast<std::uint32_t>(sum);
     }
 }
 
@@ -211,6 +247,12 @@ std::vector<ComponentCounts> count_components(const Volume& volume,
                                               std::span<const double> isovalues) {
     assert(std::is_sorted(isovalues.begin(), isovalues.end()));
     assert(isovalues.size() <= max_isovalues);
+    if (std::min({volume.nx, volume.ny, volume.nz}) < 2) {
+        throw RequestError(ExitCode::failed,
+                           fmt::format("counting components: {}x{}x{} voxels have no cell, which "
+                                       "takes 2 along each axis",
+                                       volume.nx, volume.ny, volume.nz));
+    }
     std::vector<ComponentCounts> out(isovalues.size());
     if (out.empty()) return out;
     LevelGrid grid = level_grid(volume, isovalues);

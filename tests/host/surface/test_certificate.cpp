@@ -175,6 +175,34 @@ TEST_SUITE("host/surface/certificate") {
         }
     }
 
+    TEST_CASE("between uneven slices, volumes and bounds are those of the slices' places") {
+        const std::vector<double> places = {0, 1, 2.5, 3, 7, 7.5};
+        const auto shaped = [&](auto field) {
+            Volume volume = make_volume({7, 6, 6}, gp::Scalar::float32, [&](int x, int y, int z) {
+                return field(glm::dvec3(x, y, places[static_cast<std::size_t>(z)]));
+            });
+            volume.shape.slice_places = places;
+            volume.shape.voxel_to_patient[2][2] = 2;
+            return volume;
+        };
+        for (const double cut : {0.25, 2.75, 6.0, 7.25}) {
+            const Certificate above =
+                certify_volume(shaped([&](glm::dvec3 p) { return p.z - cut; }), 0);
+            CHECK(above.good());
+            CHECK(above.volume_mm3 == doctest::Approx(6 * 5 * 2 * (7.5 - cut)));
+            CHECK(above.area_mm2 == doctest::Approx(6 * 5));
+            CHECK(above.bounds_mm.low.z == doctest::Approx(2 * cut));
+            const Certificate below =
+                certify_volume(shaped([&](glm::dvec3 p) { return cut - p.z; }), 0);
+            CHECK(below.volume_mm3 == doctest::Approx(6 * 5 * 2 * cut));
+        }
+        // A slanted half, whose border runs across the last x face and its rim.
+        const Certificate slanted = certify_volume(
+            shaped([&](glm::dvec3 p) { return p.y / 5 + p.z / 7.5 - 1 + 1e-6 * p.x; }), 0);
+        CHECK(slanted.good());
+        CHECK(slanted.volume_mm3 == doctest::Approx(6 * 5 * 2 * 7.5 / 2).epsilon(1e-4));
+    }
+
     TEST_CASE("a voxel that is the isovalue is eight triangles of no area and no volume") {
         const Certificate found = certify_volume(one_voxel(4), 4);
         CHECK(found.closed());
@@ -185,6 +213,28 @@ TEST_SUITE("host/surface/certificate") {
         CHECK(found.genus() == 0);
         CHECK(found.area_mm2 == 0);
         CHECK(std::abs(found.volume_mm3) < 1e-12);
+    }
+
+    TEST_CASE("next to no volume is not taken for the whole box, nor the box for nothing") {
+        // A voxel a hair above the isovalue: rounding decides the sign of the tiny volume.
+        const unsigned seed = seed_or(45);
+        CAPTURE(seed);
+        std::mt19937 random(seed);
+        std::size_t wrong = 0;
+        for (int i = 0; i < 300; ++i) {
+            const glm::ivec3 at(1 + random() % 28, 1 + random() % 8, 1 + random() % 6);
+            const double hair = std::pow(0.1, double(5 + random() % 4));
+            for (const double side : {1.0, -1.0}) {
+                const Volume volume =
+                    make_volume({30, 10, 8}, gp::Scalar::float32, [&](int x, int y, int z) {
+                        return side * (glm::ivec3(x, y, z) == at ? hair : -1.0);
+                    });
+                const double volume_mm3 = certify_volume(volume, 0).volume_mm3;
+                const double expected_mm3 = side > 0 ? 0 : 29 * 9 * 7;
+                wrong += std::abs(volume_mm3 - expected_mm3) < 1e-6 ? 0 : 1;
+            }
+        }
+        CHECK(wrong == 0);
     }
 
     TEST_CASE("slivers are triangles with an angle below 1 degree, in millimetres") {

@@ -51,6 +51,16 @@ const Row rows[] = {
     {"us/ball_phantom.nii.gz", {{60.5, 69088}, {90.5, 35412}, {110.5, 24354}}},
 };
 
+/// Of other formats, without isovalues of their own.
+const char* const variants[] = {"dicom_multiframe/emri_small.dcm",
+                                "nifti_variants/avg152T1_LR_nifti.nii.gz",
+                                "nifti_variants/avg152T1_LR_nifti2.nii.gz",
+                                "nifti_variants/air.hdr.gz",
+                                "nifti_variants/big.nii.gz",
+                                "nifti_variants/little.nii.gz",
+                                "nifti_variants/with_extension.nii.gz",
+                                "nrrd_variants/BallBinary30x30x30.nrrd"};
+
 bool has_data() {
     if (std::filesystem::is_directory(data_folder)) return true;
     std::printf("SKIPPED: %s is absent\n", data_folder.c_str());
@@ -98,6 +108,28 @@ TEST_SUITE("host/surface/data") {
                 CHECK(c.vertices == sums.vertices);
                 CHECK(c.area_mm2 == doctest::Approx(sums.area_mm2).epsilon(1e-9));
                 CHECK(c.volume_mm3 == doctest::Approx(sums.volume_mm3).epsilon(1e-6));
+            }
+        }
+    }
+
+    TEST_CASE(
+        "the formats' variants certify at a quarter, half and three quarters of their range") {
+        if (!has_data()) return;
+        for (const char* path : variants) {
+            CAPTURE(path);
+            const host::Volume volume = host::io::import_volume(data_folder + path);
+            const Volume gps_volume = for_gps(volume);
+            const Gp gp(gps_volume, {0, 1});
+            const host::VolumeGrid grid = host::grid_of(volume);
+            for (const double part : {0.25, 0.5, 0.75}) {
+                CAPTURE(part);
+                const std::vector<double> isovalue{volume.minimum +
+                                                   part * (volume.maximum - volume.minimum)};
+                const auto messages = messages_of(extract_slabs(gp.store, isovalue[0]));
+                const Certificate c = host::certify(gather(messages, grid), grid);
+                CHECK(c.triangles > 0);
+                CHECK(c.good());
+                CHECK(c.components == host::count_components(volume, isovalue)[0].surface());
             }
         }
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/error.hpp"
 #include "host/surface/components.hpp"
 #include "host/surface/isovalue_components.hpp"
 #include "tests/host/surface/surface_support.hpp"
@@ -132,5 +133,16 @@ TEST_SUITE("host/surface/isovalue_components") {
         CHECK(counts[5].inside == 0);
         CHECK(counts[5].outside == 1);
         CHECK(count_components(for_host(volume), {}).empty());
+    }
+
+    TEST_CASE("a single slice has no cells, and is refused") {
+        host::Volume volume =
+            for_host(make_volume({3, 4, 2}, gp::Scalar::uint8, [](int, int, int) { return 1; }));
+        volume.nz = 1;
+        volume.values.resize(volume.values.size() / 2);
+        CHECK_THROWS_WITH_AS(count_components(volume, std::vector<double>{1}),
+                             "counting components: 3x4x1 voxels have no cell, which takes 2 along "
+                             "each axis",
+                             host::RequestError);
     }
 }
