@@ -57,7 +57,7 @@ inline constexpr Size atlas_chart_size{1280, 860};
 /// Throws RequestError for fewer than 2 rows, or rows that do not ascend.
 AtlasChart atlas_chart(const AtlasContent& content, Size size = atlas_chart_size);
 
-inline constexpr int atlas_chart_least_px = 400;
+inline constexpr int atlas_chart_least_px = 560;  ///< Less, and its texts cannot be read.
 
 /// The atlas as a table for the terminal: at most `most` rows, evenly chosen with the first and the
 /// last, and then the plateaus.

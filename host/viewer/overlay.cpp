@@ -264,11 +264,12 @@ std::vector<LegendLine> legend_of(std::span<const Surface> surfaces) {
 
 std::vector<PictureMark> overlay_marks(const Overlay& overlay) {
     std::vector<PictureMark> marks;
-    if (std::min(overlay.size.width, overlay.size.height) < smallest_overlay_px) {
+    const int side_px = std::min(overlay.size.width, overlay.size.height);
+    if (side_px < smallest_overlay_px) {
         return marks;
     }
     const Measures m = measures_of(overlay);
-    if (overlay.directions) {
+    if (overlay.directions && side_px >= smallest_legend_px) {
         add_directions(overlay, m, marks);
     }
     if (overlay.letters) {
@@ -277,7 +278,9 @@ std::vector<PictureMark> overlay_marks(const Overlay& overlay) {
     if (overlay.scale) {
         add_scale(overlay, m, marks);
     }
-    add_legend(overlay, m, marks);
+    if (side_px >= smallest_legend_px) {
+        add_legend(overlay, m, marks);
+    }
     return marks;
 }
 

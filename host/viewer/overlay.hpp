@@ -53,10 +53,11 @@ struct Overlay {
 std::vector<LegendLine> legend_of(std::span<const Surface> surfaces);
 
 /// The marks, to be drawn in order. Sizes follow the picture's shorter side; below
-/// `smallest_overlay_px` there is no room for any, and none are given.
+/// `smallest_legend_px` there is room for letters and the scale bar alone, below
+/// `smallest_overlay_px` for none.
 std::vector<PictureMark> overlay_marks(const Overlay& overlay);
 
-inline constexpr int smallest_overlay_px = 96;
+inline constexpr int smallest_overlay_px = 96, smallest_legend_px = 200;
 
 /// The whole overlay of a scene in which `subject` is shown.
 std::vector<PictureMark> overlay_marks(const Scene& scene, const Subject& subject,

@@ -139,7 +139,7 @@ TEST_SUITE("host/surface/atlas_chart") {
         content.histogram.low = -5000;
         content.histogram.high = 9000;
         content.rows[3].components = 123'456;
-        for (const Size size : {Size{400, 400}, Size{1280, 860}, Size{4000, 900}}) {
+        for (const Size size : {Size{560, 560}, Size{1280, 860}, Size{4000, 900}}) {
             const AtlasChart chart = atlas_chart(content, size);
             for (const PictureMark& mark : chart.marks) {
                 for (const glm::vec2& p : mark.points) {
@@ -154,7 +154,7 @@ TEST_SUITE("host/surface/atlas_chart") {
 
     TEST_CASE("what cannot be drawn is refused with both values") {
         AtlasContent content = ball();
-        CHECK_THROWS_WITH_AS(atlas_chart(content, {399, 800}), doctest::Contains("399x800"),
+        CHECK_THROWS_WITH_AS(atlas_chart(content, {559, 800}), doctest::Contains("559x800"),
                              RequestError);
         content.rows[4].isovalue = 3;
         CHECK_THROWS_WITH_AS(atlas_chart(content), doctest::Contains("3 follows 3"), RequestError);
