@@ -148,10 +148,10 @@ std::string_view axes_name(MeshAxes axes) {
 }
 
 std::vector<std::string> mesh_notes(const MeshExport& mesh) {
-    std::vector<std::string> notes = {
-        mesh.axes == MeshAxes::LPS ? "axes LPS: x to the patient's left, y posterior, z superior"
-                                   : "axes RAS: x to the patient's right, y anterior, z superior",
-        "unit millimetre"};
+    std::vector<std::string> notes = {fmt::format("SPACE={} UNIT=mm", axes_name(mesh.axes)),
+                                      mesh.axes == MeshAxes::LPS
+                                          ? "x to the patient's left, y posterior, z superior"
+                                          : "x to the patient's right, y anterior, z superior"};
     if (!mesh.description.empty()) {
         notes.push_back(one_line(mesh.description));
     }

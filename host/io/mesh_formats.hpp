@@ -31,7 +31,8 @@ inline glm::vec3 turned(const glm::vec3& v, MeshAxes axes) {
 
 std::string_view axes_name(MeshAxes axes);  ///< "LPS" or "RAS".
 
-/// What a reader of the file must know, one line each: axes, unit, description.
+/// What a reader of the file must know, one line each: axes, unit, description. SPACE=LPS or
+/// SPACE=RAS is where 3D Slicer looks for the axes.
 std::vector<std::string> mesh_notes(const MeshExport& mesh);
 
 /// `text` on one line: control characters become blanks.

@@ -100,7 +100,7 @@ class Read(unittest.TestCase):
         for axes in ("LPS", "RAS"):
             reader = vtk.vtkSTLReader()
             self.check_shape(read(reader, self.path(axes, "stl")), axes)
-            self.assertIn(f"axes {axes}, unit mm", reader.GetHeader())
+            self.assertIn(f"SPACE={axes} UNIT=mm", reader.GetHeader())
 
     def test_ply(self):
         for axes in ("LPS", "RAS"):
@@ -129,7 +129,7 @@ class Read(unittest.TestCase):
                 self.assertEqual(colours.GetTuple(cell), colour)
                 self.assertEqual(surfaces.GetValue(cell), surface)
             texts = mesh.GetFieldData()
-            self.assertEqual(texts.GetAbstractArray("axes").GetValue(0), axes)
+            self.assertEqual(texts.GetAbstractArray("SPACE").GetValue(0), axes)
             self.assertEqual(texts.GetAbstractArray("unit").GetValue(0), "millimetre")
             self.assertEqual(texts.GetAbstractArray("description").GetValue(0), "two solids")
             names = texts.GetAbstractArray("surface names")

@@ -187,15 +187,16 @@ TEST_SUITE("host/io/mesh_export") {
             };
             const std::string stl = text(".stl");
             CHECK(!stl.starts_with("solid"));
-            CHECK(stl.substr(0, 80).find("axes " + name + ", unit mm, pxpl5: two solids with") !=
+            CHECK(stl.substr(0, 80).find("SPACE=" + name + " UNIT=mm, pxpl5: two solids with") !=
                   std::string::npos);
             CHECK(stl.size() == 84 + 50 * solids.triangles());
             for (const std::string suffix : {".ply", ".obj"}) {
                 const std::string mark = suffix == ".ply" ? "comment " : "# ";
                 const std::string head = text(suffix);
-                CHECK(head.find("\n" + mark + "axes " + name + ": x to the patient's ") !=
+                CHECK(head.find("\n" + mark + "SPACE=" + name + " UNIT=mm\n") != std::string::npos);
+                CHECK(head.find("\n" + mark + "x to the patient's " +
+                                (name == "LPS" ? "left, y posterior" : "right, y anterior")) !=
                       std::string::npos);
-                CHECK(head.find("\n" + mark + "unit millimetre\n") != std::string::npos);
                 CHECK(head.find("\n" + mark + "two solids with a second line\n") !=
                       std::string::npos);
             }
