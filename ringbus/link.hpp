@@ -26,6 +26,10 @@ class Link {
     /// Throws NodeFault if too much waits already or the payload is too large for any receiver.
     virtual void send(NodeId to, Payload payload) = 0;
 
+    /// Messages queued here because their receivers have given no credit. receive() takes credit
+    /// and sends them.
+    virtual std::size_t queued() const = 0;
+
     /// The next message, if one is here. Throws BadMessage for a message that cannot be trusted and
     /// WireFault (wire.hpp) for a lost one; the link goes on with the next.
     virtual std::optional<Message> receive() = 0;

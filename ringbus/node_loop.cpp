@@ -75,8 +75,10 @@ bool run_node(Node& node, Link& link, const std::function<bool()>& alive) {
             deliver(node, link.id(), *message, out);
             busy = true;
         }
-        busy = busy && work_once(node, link.id(), out);
-        if (!busy && !link.wait(quiet_ms) && !alive()) {
+        // Who is not keeping up with this node's messages need not have more of them made.
+        const bool held_up = link.queued() > 0;
+        busy = busy && (held_up || work_once(node, link.id(), out));
+        if ((!busy || held_up) && !link.wait(quiet_ms) && !alive()) {
             return false;
         }
     }

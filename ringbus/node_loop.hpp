@@ -34,7 +34,7 @@ void deliver(Node& node, NodeId self, const Message& message, Outbox& out);
 bool work_once(Node& node, NodeId self, Outbox& out);
 
 /// Delivers and works until Shutdown has come. Reads all waiting messages before each piece of
-/// work.
+/// work, and does none while messages are queued for want of credit.
 ///
 /// alive   Asked after each quiet second; false ends the loop.
 /// Returns true after Shutdown, false if no longer alive.

@@ -121,7 +121,8 @@ struct ZmqLink::Parts {
     }
 
     void flush(NodeId to, Peer& peer) {
-        while (!peer.waiting.empty() && peer.window.has_room(peer.waiting.front().bytes().size())) {
+        while (!peer.waiting.empty() && peer.window.has_room(peer.waiting.front().bytes().size(),
+                                                             peer.waiting.front().kind())) {
             const Payload payload = std::move(peer.waiting.front());
             peer.waiting.pop_front();
             peer.waiting_bytes -= payload.bytes().size();
@@ -279,6 +280,12 @@ bool ZmqLink::wait(int timeout_ms) {
 
 int ZmqLink::poll_fd() const {
     return static_cast<int>(parts_->inbound.get(zmq::sockopt::fd));
+}
+
+bool ZmqLink::takes_more(NodeId peer) const {
+    const auto found = parts_->peers.find(peer);
+    assert(found != parts_->peers.end());
+    return found->second.waiting.empty();
 }
 
 std::size_t ZmqLink::queued() const {

@@ -36,8 +36,9 @@ class ZmqLink final : public Link {
     /// Becomes readable when input may have come. Edge-triggered: call receive() until it has none
     /// before waiting.
     int poll_fd() const;
-    /// Messages queued here because their receivers have given no credit.
-    std::size_t queued() const;
+    std::size_t queued() const override;
+    /// Whether nothing is queued for `peer`.
+    bool takes_more(NodeId peer) const;
     /// Ring order and parameters for the stamps on messages.
     void set_model(const ChannelModel& model);
 

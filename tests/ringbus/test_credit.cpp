@@ -14,16 +14,18 @@ TEST_SUITE("ringbus/credit") {
     TEST_CASE("bytes and messages on their way are bounded") {
         Window bytes;
         bytes.take(batch_bytes);
-        CHECK(bytes.has_room(window_bytes - batch_bytes));
-        CHECK(!bytes.has_room(window_bytes - batch_bytes + 1));
+        CHECK(bytes.has_room(window_bytes - batch_bytes, Body::RegionPrograms));
+        CHECK(!bytes.has_room(window_bytes - batch_bytes + 1, Body::RegionPrograms));
+        CHECK(bytes.has_room(slices_window_bytes - batch_bytes, Body::Slices));
+        CHECK(!bytes.has_room(slices_window_bytes - batch_bytes + 1, Body::Slices));
         Window messages;
         for (std::uint32_t i = 0; i < window_messages; ++i) {
-            REQUIRE(messages.has_room(1));
+            REQUIRE(messages.has_room(1, Body::Slices));
             messages.take(1);
         }
-        CHECK(!messages.has_room(1));
+        CHECK(!messages.has_room(1, Body::Slices));
         CHECK(messages.give_back(1, 1));
-        CHECK(messages.has_room(1));
+        CHECK(messages.has_room(1, Body::Slices));
     }
 
     TEST_CASE("no more comes back than was taken") {
@@ -43,7 +45,7 @@ TEST_SUITE("ringbus/credit") {
             for (int i = 0; i < 300; ++i) {
                 const std::size_t size = random() % (max_body_bytes >> (random() % 31)) + 1;
                 // The receiver consumes all that has come.
-                REQUIRE(window.has_room(size));
+                REQUIRE(window.has_room(size, Body::Slices));
                 window.take(size);
                 on_its_way += size;
                 most = std::max(most, on_its_way);

@@ -43,6 +43,7 @@ class ScriptedLink final : public Link {
         sent.push_back(WireBytes(payload).read());
     }
 
+    std::size_t queued() const override { return waits < held_up_waits ? 1 : 0; }
     std::optional<Message> receive() override {
         if (events_.empty() || std::holds_alternative<Quiet>(events_.front())) {
             return std::nullopt;
@@ -69,6 +70,7 @@ class ScriptedLink final : public Link {
 
     std::vector<Message> sent;
     int waits = 0;
+    int held_up_waits = 0;  ///< So many waits bring no credit.
 
   private:
     std::deque<Event> events_;
@@ -126,6 +128,14 @@ TEST_SUITE("ringbus/node_loop") {
         CHECK(node.text == "rrrwwwrw");
         CHECK(link.waits == 2);
         CHECK(link.sent.empty());
+    }
+
+    TEST_CASE("a node reads on, but does not work, while its messages are queued for credit") {
+        ScriptedLink link({numbered(1), Quiet{}, numbered(2), Quiet{}, shutdown()});
+        link.held_up_waits = 1;
+        Diary node;
+        CHECK(run_node(node, link, always));
+        CHECK(node.text == "rrww");
     }
 
     TEST_CASE("nothing after Shutdown is looked at") {

@@ -26,6 +26,7 @@ class QueueLink final : public Link {
         receivers.push_back(to);
         sent.push_back(WireBytes(payload).read());
     }
+    std::size_t queued() const override { return 0; }
     std::optional<Message> receive() override {
         if (input.empty() || !input.front()) {
             return std::nullopt;
