@@ -62,6 +62,7 @@ class Launcher {
     /// The next message, if one is here; never one of the handshake. Throws MachineError.
     std::optional<bus::Message> receive();
     void send(bus::NodeId to, bus::Payload payload);
+    bool takes_more(bus::NodeId to) const { return link_.takes_more(to); }
     /// Waits for a message or for something that check_health() tells of.
     void wait();
 
@@ -69,8 +70,12 @@ class Launcher {
     void wait_readable(int fd);
 
     /// Throws MachineError if a node has died or a signal came, RequestError if the io process has
-    /// died.
+    /// died, Cancelled as allow_cancel() says.
     void check_health();
+
+    /// As MachinePort::allow_cancel().
+    void allow_cancel(bool allowed);
+    bool can_be_cancelled() const { return can_be_cancelled_; }
 
     bool is_recording() const { return recorder_.has_value(); }
     /// As MachinePort::save_traces().
@@ -98,6 +103,8 @@ class Launcher {
     /// Forgets io processes that have ended; kills those that have not.
     void bury_dismissed();
     void dismiss_io();
+    /// Ends the io process at once and throws Cancelled.
+    [[noreturn]] void cancel();
     std::string describe(const Death& death) const;
     [[noreturn]] void fail(int code, const std::string& text);
     /// Ends the machine because of a signal to the host, which is nobody's fault.
@@ -133,6 +140,7 @@ class Launcher {
     std::optional<RosterEntry> io_;
     int io_count_ = 0;
     ExitCode io_death_code_ = ExitCode::bad_data;
+    bool can_be_cancelled_ = false;
     bool launched_ = false;                         ///< All nodes have been told Go.
     std::map<bus::NodeId, std::string> dismissed_;  ///< io processes of the past, by name.
     /// Came while a handshake was going on, or while the host waited for its input.

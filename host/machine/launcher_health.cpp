@@ -90,6 +90,24 @@ void Launcher::dismiss_io() {
     io_.reset();
 }
 
+void Launcher::allow_cancel(bool allowed) {
+    can_be_cancelled_ = false;
+    if (allowed) {
+        check_health();  // A signal that came before was not meant for what begins now.
+    }
+    can_be_cancelled_ = allowed;
+}
+
+void Launcher::cancel() {
+    can_be_cancelled_ = false;
+    if (io_) {
+        supervisor_.kill(io_->name(), SIGKILL);
+        io_->endpoint.clear();
+        dismiss_io();
+    }
+    throw Cancelled();
+}
+
 void Launcher::bury_dismissed() {
     const std::vector<std::string> running = supervisor_.running();
     for (auto past = dismissed_.begin(); past != dismissed_.end();) {
@@ -126,7 +144,9 @@ void Launcher::check_health() {
             fail(death.code(), describe(death));
         }
     }
-    if (const int signal = supervisor_.take_interrupt(); signal != 0) {
+    if (const int signal = supervisor_.take_interrupt(); signal == SIGINT && can_be_cancelled_) {
+        cancel();
+    } else if (signal != 0) {
         give_in(interruption(signal));
     }
     if (io_death) {

@@ -43,9 +43,11 @@ void Machine::pump(const std::function<void(const bus::Message&)>& take,
     for (int count = 1; !done(); ++count) {
         if (const auto message = parts_->launcher.receive()) {
             take(*message);
-            if (count % messages_per_check != 0) {
+            if (count % messages_per_check != 0 && !parts_->launcher.can_be_cancelled()) {
                 continue;
             }
+        } else if (done()) {  // Asked again: receive() has taken what credit there was.
+            return;
         } else {
             parts_->launcher.wait();
         }
@@ -61,6 +63,12 @@ bus::NodeId Machine::start_io(ExitCode on_death) {
 }
 void Machine::release_io() {
     parts_->launcher.release_io();
+}
+bool Machine::takes_more(bus::NodeId to) const {
+    return parts_->launcher.takes_more(to);
+}
+void Machine::allow_cancel(bool allowed) {
+    parts_->launcher.allow_cancel(allowed);
 }
 bool Machine::is_recording() const {
     return parts_->launcher.is_recording();

@@ -22,8 +22,8 @@ struct MachineOptions {
 /// kernel ends the children when the thread that started them ends.
 ///
 /// While it lives, SIGINT, SIGTERM and SIGHUP end the machine: pump() and wait_readable() throw
-/// MachineError (128 + signal). SIGPIPE and SIGXFSZ are ignored from then on: who writes sees the
-/// error.
+/// MachineError (128 + signal), but see allow_cancel(). SIGPIPE and SIGXFSZ are ignored from then
+/// on: who writes sees the error.
 class Machine final : public MachinePort {
   public:
     /// Returns when every node is connected to every other.
@@ -38,11 +38,13 @@ class Machine final : public MachinePort {
     const std::vector<bus::NodeId>& gp_ids() const override;
     const std::vector<bus::NodeId>& renderer_ids() const override;
     void send(bus::NodeId to, bus::Payload payload) override;
+    bool takes_more(bus::NodeId to) const override;
     void pump(const std::function<void(const bus::Message&)>& take,
               const std::function<bool()>& done) override;
     void wait_readable(int fd) override;
     bus::NodeId start_io(ExitCode on_death = ExitCode::bad_data) override;
     void release_io() override;
+    void allow_cancel(bool allowed) override;
     bool is_recording() const override;
     SavedTraces save_traces() override;
 

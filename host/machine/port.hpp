@@ -19,6 +19,11 @@ struct MachineError : std::runtime_error {
     int code;  ///< The first failing child's exit code, 128 + signal, or 69 (unavailable).
 };
 
+/// The person pressed Ctrl-C, and what was under way can be given up by itself.
+struct Cancelled : RequestError {
+    Cancelled() : RequestError(ExitCode::failed, "cancelled") {}
+};
+
 /// What the nodes, the host among them, have written of what they received.
 struct SavedTraces {
     std::string folder;
@@ -37,10 +42,12 @@ class MachinePort {
     virtual const std::vector<bus::NodeId>& renderer_ids() const = 0;
 
     virtual void send(bus::NodeId to, bus::Payload payload) = 0;
+    /// Whether nothing that was sent to `to` waits here for its credit.
+    virtual bool takes_more(bus::NodeId to) const = 0;
 
     /// Hands every message that arrives to `take`, in order, until `done` returns true (it is asked
-    /// first, and again after each message). Throws MachineError when a node dies or the machine is
-    /// interrupted.
+    /// first, and again after each message and whenever credit may have come). Throws MachineError
+    /// when a node dies or the machine is interrupted.
     virtual void pump(const std::function<void(const bus::Message&)>& take,
                       const std::function<bool()>& done) = 0;
 
@@ -56,6 +63,11 @@ class MachinePort {
     virtual bus::NodeId start_io(ExitCode on_death = ExitCode::bad_data) = 0;
     /// Ends the io process.
     virtual void release_io() = 0;
+
+    /// While `allowed`, the first SIGINT ends only what is under way: pump() and start_io() throw
+    /// Cancelled, and an io process is killed. Any further one ends the machine, and so does one
+    /// that came before. Throws as pump().
+    virtual void allow_cancel(bool allowed) = 0;
 
     virtual bool is_recording() const = 0;
     /// Has every node write what it has recorded; recording goes on.

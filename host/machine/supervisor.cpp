@@ -13,6 +13,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <deque>
 #include <string_view>
 #include <utility>
 
@@ -23,6 +24,7 @@ namespace pxpl5::host {
 namespace {
 
 constexpr int unavailable = 69;
+constexpr std::size_t max_interrupts = 8;
 
 std::string signal_name(int signal) {
     const char* name = sigabbrev_np(signal);
@@ -99,7 +101,7 @@ struct Supervisor::Parts {
     uv_poll_t input_poll{};
     std::vector<std::unique_ptr<Child>> children;
     std::vector<Death> deaths;
-    int interrupt = 0;
+    std::deque<int> interrupts;  ///< At most max_interrupts: nobody means more by more.
     bool timer_fired = false, fd_readable = false, input_readable = false;
 
     void watch(int fd);
@@ -136,14 +138,18 @@ void Supervisor::Parts::watch_signals() {
         uv_signal_start(
             &signals[i],
             [](uv_signal_t* handle, int number) {
-                static_cast<Parts*>(handle->data)->interrupt = number;
+                Parts& parts = *static_cast<Parts*>(handle->data);
+                if (parts.interrupts.size() < max_interrupts) {
+                    parts.interrupts.push_back(number);
+                }
             },
             numbers[i]);
     }
 }
 
 void Supervisor::Parts::run_until_event() {
-    while (!timer_fired && !fd_readable && !input_readable && deaths.empty() && interrupt == 0) {
+    while (!timer_fired && !fd_readable && !input_readable && deaths.empty() &&
+           interrupts.empty()) {
         uv_run(&loop, UV_RUN_ONCE);
     }
 }
@@ -288,7 +294,12 @@ std::vector<Death> Supervisor::take_deaths() {
     return std::exchange(parts_->deaths, {});
 }
 int Supervisor::take_interrupt() {
-    return std::exchange(parts_->interrupt, 0);
+    if (parts_->interrupts.empty()) {
+        return 0;
+    }
+    const int signal = parts_->interrupts.front();
+    parts_->interrupts.pop_front();
+    return signal;
 }
 
 std::vector<std::string> Supervisor::running() const {

@@ -58,7 +58,7 @@ class Supervisor {
 
     /// Deaths since the last call, in the order in which they were noticed.
     std::vector<Death> take_deaths();
-    /// SIGINT, SIGTERM or SIGHUP, whichever came last since the last call; 0 if none.
+    /// SIGINT, SIGTERM or SIGHUP, in the order in which they came; 0 if there is none left.
     int take_interrupt();
 
     /// Names of the processes that have not ended.

@@ -244,6 +244,30 @@ TEST_CASE("an io process comes and goes; its death is the request's error, not t
     machine.shutdown();
 }
 
+TEST_CASE("Ctrl-C ends what may be cancelled, with its io process; the next one ends the machine") {
+    Bench bench;
+    Machine machine(bench.topology, bench.options);
+    machine.start_io();
+    machine.allow_cancel(true);
+    ::kill(getpid(), SIGINT);
+    CHECK_THROWS_WITH_AS(machine.pump(ignore, never), "cancelled", Cancelled);
+    ask_all(machine);  // Nobody counts the io process's death as somebody's failure.
+    machine.allow_cancel(true);
+    ::kill(getpid(), SIGINT);
+    CHECK_THROWS_AS(machine.start_io(), Cancelled);
+    ask_all(machine);
+    ::kill(getpid(), SIGINT);
+    CHECK(end_of(machine).code == 130);
+}
+
+TEST_CASE("SIGTERM ends the machine, whatever may be cancelled") {
+    Bench bench;
+    Machine machine(bench.topology, bench.options);
+    machine.allow_cancel(true);
+    ::kill(getpid(), SIGTERM);
+    CHECK(end_of(machine).code == 143);
+}
+
 TEST_CASE("what the nodes say while an io process starts is not lost") {
     Bench bench;
     Machine machine(bench.topology, bench.options);
