@@ -45,9 +45,20 @@ struct FrameReport {
 struct LoadReport {
     std::string source;
     double read_ms = 0;        ///< Decode or build the volume.
-    double distribute_ms = 0;  ///< Send the slice sets until the last GP has its gradients.
+    double distribute_ms = 0;  ///< From then on until the last GP has its slice sets.
     std::int64_t memory_bytes = 0;
 };
+
+/// How far loading has come.
+struct LoadProgress {
+    enum class Phase : std::uint8_t { reading, distributing };
+    Phase phase = Phase::distributing;
+    int done = 0, total = 0;  ///< Slices read, messages sent; total 0 while nobody knows.
+    friend bool operator==(const LoadProgress&, const LoadProgress&) = default;
+};
+
+/// What to do with a file's voxels; the path is left empty.
+using ImportOptions = bus::schema::ImportVolumeT;
 
 struct OrbitReport {
     int frames = 0;
@@ -65,11 +76,18 @@ class Session {
     std::size_t gp_count() const { return machine_.gp_ids().size(); }
     std::size_t renderer_count() const { return machine_.renderer_ids().size(); }
 
-    /// Reads a file or folder, or builds "phantom:NAME", and distributes it. Surfaces are dropped.
+    /// Reads a file or folder, or builds "phantom:NAME", and distributes it while it is read.
+    /// Surfaces are dropped. What was loaded stays if the new volume cannot be read; if it cannot
+    /// be held, or on Ctrl-C (which throws Cancelled), nothing is loaded.
     /// A PPHIGS archive is no volume, but a scene: it is drawn as it is.
-    LoadReport load(const std::string& source);
+    LoadReport load(const std::string& source, const ImportOptions& options = {});
+    /// Called while a volume is loaded; may be empty.
+    std::function<void(const LoadProgress&)> progress;
+    /// Of volumes loaded from now on; 0: as slabs_per_set_for() says. Changes no surface and no
+    /// picture.
+    int slabs_per_set = 0;
     /// Reads a volume without distributing it.
-    Volume read(const std::string& source);
+    Volume read(const std::string& source, const ImportOptions& options = {});
     bool has_volume() const { return volume_.has_value(); }
     /// The archive that is loaded, without its parts; null if none is.
     const phigs::Content* archive() const { return archive_ ? &archive_->content : nullptr; }
@@ -117,7 +135,14 @@ class Session {
     /// Takes a GP's message and says whether it answers the request under way.
     using Answer = std::function<bool(const bus::Message&)>;
 
+    struct Loading;
     LoadReport load_archive(const std::string& source);
+    LoadReport load_volume(Loading& loading, const ImportOptions& options);
+    void receive_volume(const std::string& source, const ImportOptions& options,
+                        const std::function<void()>& on_slices);
+    void distribute(Volume& volume, int slices_there, Loading& loading);
+    void tell(const LoadProgress& progress_now, Loading& loading);
+    void give_up_volume();
     Stage stage() const;
     void on_message(const bus::Message& message);
     void on_fault(const bus::schema::Fault& fault);

@@ -16,7 +16,7 @@ namespace {
 namespace schema = bus::schema;
 
 /// Few and large messages: waking a node costs more than a megabyte of copying.
-constexpr std::size_t batch_bytes = std::size_t{8} << 20;
+constexpr std::size_t batch_bytes = std::size_t{4} << 20;
 /// What the host takes into its memory.
 constexpr std::size_t max_volume_bytes = std::size_t{8} << 30;
 
@@ -30,14 +30,29 @@ std::size_t slice_bytes(const Volume& volume) {
            size_bytes(volume.type);
 }
 
+int owner_of(const Volume& volume, int gp_count, int slab) {
+    return slab / volume.slabs_per_set % gp_count;
+}
+
 }  // namespace
 
-std::vector<int> slices_for_gp(int slice_count, int gp_index, int gp_count) {
+int slabs_per_set_for(const Volume& volume, int gp_count) {
+    const std::size_t bytes = slice_bytes(volume) * static_cast<std::size_t>(volume.nz);
+    if (bytes <= max_paper_bytes) {
+        return 1;
+    }
+    const int sets = gp_count * sets_per_gp;
+    return std::clamp((volume.nz - 1 + sets - 1) / sets, 2, max_slabs_per_set);
+}
+
+std::vector<int> slices_for_gp(const Volume& volume, int gp_index, int gp_count) {
     std::vector<int> slices;
-    for (int slab = gp_index; slab < slice_count - 1; slab += gp_count) {
-        const int first = std::max({slab - 1, 0, slices.empty() ? 0 : slices.back() + 1});
-        for (int z = first; z <= std::min(slab + 2, slice_count - 1); ++z) {
-            slices.push_back(z);
+    for (int slab = 0; slab < volume.nz - 1; ++slab) {
+        if (owner_of(volume, gp_count, slab) == gp_index) {
+            const int first = std::max({slab - 1, 0, slices.empty() ? 0 : slices.back() + 1});
+            for (int z = first; z <= std::min(slab + 2, volume.nz - 1); ++z) {
+                slices.push_back(z);
+            }
         }
     }
     return slices;
@@ -86,33 +101,46 @@ bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, i
                                                      static_cast<std::uint32_t>(count), values));
 }
 
-void for_each_slice_batch(const Volume& volume, std::uint32_t id, const std::vector<int>& slices,
-                          const std::function<void(bus::Payload)>& send) {
+std::vector<SliceBatch> batches_for_gp(const Volume& volume, int gp_index, int gp_count) {
+    const auto is_own = [&](int z) {
+        return owner_of(volume, gp_count, std::max(std::min(z, volume.nz - 2), 0)) == gp_index;
+    };
     const int most = slices_per_batch(volume);
-    for (std::size_t i = 0; i < slices.size();) {
-        int count = 1;
-        while (count < most && i + static_cast<std::size_t>(count) < slices.size() &&
-               slices[i + static_cast<std::size_t>(count)] == slices[i] + count) {
-            ++count;
+    std::vector<SliceBatch> batches;
+    for (const int z : slices_for_gp(volume, gp_index, gp_count)) {
+        SliceBatch* last = batches.empty() ? nullptr : &batches.back();
+        if (last != nullptr && z == last->end() && last->count < most &&
+            is_own(z) == is_own(last->first)) {
+            ++last->count;
+        } else {
+            batches.push_back({z, 1});
         }
-        send(slices_message(volume, id, slices[i], count));
-        i += static_cast<std::size_t>(count);
+    }
+    return batches;
+}
+
+VolumeDistribution::VolumeDistribution(const Volume& volume, std::uint32_t id, int gp_count)
+    : id_(id) {
+    for (int gp = 0; gp < gp_count; ++gp) {
+        ways_.push_back({batches_for_gp(volume, gp, gp_count), 0});
+        total_ += static_cast<int>(ways_.back().batches.size());
     }
 }
 
-void for_each_slice_batch_of_gp(const Volume& volume, std::uint32_t id, int gp_index, int gp_count,
-                                const std::function<void(bus::Payload)>& send) {
-    const auto is_own = [&](int z) {
-        return std::max(std::min(z, volume.nz - 2), 0) % gp_count == gp_index;
-    };
-    std::vector<int> alike;
-    for (const int z : slices_for_gp(volume.nz, gp_index, gp_count)) {
-        if (!alike.empty() && is_own(z) != is_own(alike.back())) {
-            for_each_slice_batch(volume, id, std::exchange(alike, {}), send);
+void VolumeDistribution::send_more(const Volume& volume, int slices_there, const Road& road) {
+    for (std::size_t gp = 0; gp < ways_.size(); ++gp) {
+        Way& way = ways_[gp];
+        while (way.next < way.batches.size() && road.takes_more(gp) &&
+               way.batches[way.next].end() <= slices_there) {
+            const SliceBatch& batch = way.batches[way.next++];
+            road.send(gp, slices_message(volume, id_, batch.first, batch.count));
+            ++sent_;
         }
-        alike.push_back(z);
+        if (way.next == way.batches.size() && !way.ended) {
+            way.ended = true;
+            road.send(gp, bus::pack(schema::VolumeEndT{{}, id_}));
+        }
     }
-    for_each_slice_batch(volume, id, alike, send);
 }
 
 /// What is not needed to hold the voxels.
@@ -137,7 +165,6 @@ void VolumeReceiver::take_report(const schema::VolumeHeader& header) {
 
 void VolumeReceiver::begin(const schema::VolumeHeader& header) {
     volume_ = Volume{};
-    filled_ = 0;
     digest_ = {};
     volume_.name = header.name()->str();
     volume_.nx = static_cast<int>(header.nx());
@@ -156,29 +183,36 @@ void VolumeReceiver::begin(const schema::VolumeHeader& header) {
             fmt::format("{}: {} x {} x {} voxels need {} bytes, the limit is {}", volume_.name,
                         volume_.nx, volume_.ny, volume_.nz, total, max_volume_bytes));
     }
-    volume_.values.resize(total);
+    volume_.values.reserve(total);  // Pages are taken as slices come.
 }
 
 void VolumeReceiver::add(const schema::Slices& slices) {
     const std::size_t size = slice_bytes(volume_), bytes = slices.values()->size();
-    if (slices.first_slice() != filled_ || bytes != slices.slice_count() * size ||
-        (filled_ + slices.slice_count()) * size > volume_.values.size()) {
+    const auto filled = static_cast<std::size_t>(slices_there());
+    if (slices.first_slice() != filled || bytes != slices.slice_count() * size ||
+        filled + slices.slice_count() > static_cast<std::size_t>(volume_.nz)) {
         throw RequestError(ExitCode::bad_data,
                            fmt::format("{}: slices {}..{} with {} bytes came where slice {} of {} "
                                        "with {} bytes each was due",
                                        volume_.name, slices.first_slice(),
-                                       slices.first_slice() + slices.slice_count(), bytes, filled_,
+                                       slices.first_slice() + slices.slice_count(), bytes, filled,
                                        volume_.nz, size));
     }
-    std::memcpy(volume_.values.data() + filled_ * size, slices.values()->data(), bytes);
-    digest_.add(std::as_bytes(std::span(slices.values()->data(), bytes)));
-    filled_ += slices.slice_count();
+    const auto values = std::as_bytes(std::span(slices.values()->data(), bytes));
+    volume_.values.insert(volume_.values.end(), values.begin(), values.end());
+    digest_.add(values);
+}
+
+int VolumeReceiver::slices_there() const {
+    return volume_.values.empty() ? 0
+                                  : static_cast<int>(volume_.values.size() / slice_bytes(volume_));
 }
 
 Volume VolumeReceiver::finish() {
-    if (filled_ != static_cast<std::size_t>(volume_.nz)) {
-        throw RequestError(ExitCode::bad_data, fmt::format("{}: {} of {} slices arrived",
-                                                           volume_.name, filled_, volume_.nz));
+    if (slices_there() != volume_.nz) {
+        throw RequestError(
+            ExitCode::bad_data,
+            fmt::format("{}: {} of {} slices arrived", volume_.name, slices_there(), volume_.nz));
     }
     volume_.digest = digest_.value();
     return std::move(volume_);

@@ -1,6 +1,7 @@
 // A volume's way over the ring: to the GPs as slice sets, from the io process as slices.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <vector>
 
@@ -10,10 +11,22 @@
 
 namespace pxpl5::host {
 
+/// Up to this size a volume is distributed as in the paper, which balances best: sets of one slab.
+/// A slice then goes to up to four GPs, two of them keep it, and each holds 6 bytes of gradients
+/// with every voxel: up to 16 times 32 MiB on two GPs.
+inline constexpr std::size_t max_paper_bytes = std::size_t{32} << 20;
+/// Beyond it, sets are so large that a set of s slabs holds s + 3 slices for them, without
+/// gradients, but each GP has at least two, so that a dense part of the volume is nobody's alone.
+/// 32 make the slices of all sets 9 % more than the volume; larger sets would save little.
+inline constexpr int sets_per_gp = 2, max_slabs_per_set = 32;
+
+/// Volume::slabs_per_set for a machine of `gp_count` GPs. It changes no surface and no picture.
+int slabs_per_set_for(const Volume& volume, int gp_count);
+
 /// The slices that GP `gp_index` of `gp_count` needs, ascending: slab s (between slices s and s +
-/// 1) goes to GP s mod gp_count, and its slice set is s-1 .. s+2 as far as they exist. Source: Yoo
-/// & Chen, section IV, "Dataset-distribution".
-std::vector<int> slices_for_gp(int slice_count, int gp_index, int gp_count);
+/// 1) goes to GP (s / slabs_per_set) mod gp_count, with slices s-1 .. s+2 as far as they exist.
+/// Source: Yoo & Chen, section IV, "Dataset-distribution"; sets of several slabs are ours.
+std::vector<int> slices_for_gp(const Volume& volume, int gp_index, int gp_count);
 
 /// VolumeHeader for `volume` with the given id.
 bus::Payload volume_header(const Volume& volume, std::uint32_t id);
@@ -24,15 +37,47 @@ int slices_per_batch(const Volume& volume);
 /// Slices with slices first .. first + count - 1 of the volume.
 bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, int count);
 
-/// Calls `send` with the Slices messages for one GP, each of a few megabytes of consecutive slices.
-void for_each_slice_batch(const Volume& volume, std::uint32_t id, const std::vector<int>& slices,
-                          const std::function<void(bus::Payload)>& send);
+/// Consecutive slices that travel in one message.
+struct SliceBatch {
+    int first = 0, count = 0;
+    int end() const { return first + count; }
+    friend bool operator==(const SliceBatch&, const SliceBatch&) = default;
+};
 
-/// The Slices messages for GP `gp_index` of `gp_count`, likewise. Those that it owns (slice s of
-/// each of its slabs) are in other messages than those that other GPs own too: traces hold a slice
-/// once.
-void for_each_slice_batch_of_gp(const Volume& volume, std::uint32_t id, int gp_index, int gp_count,
-                                const std::function<void(bus::Payload)>& send);
+/// What goes to GP `gp_index` of `gp_count`, ascending, each of a few megabytes. Slices that it
+/// owns (slice s of each of its slabs) are in other messages than those that other GPs own too:
+/// traces hold a slice once.
+std::vector<SliceBatch> batches_for_gp(const Volume& volume, int gp_index, int gp_count);
+
+/// Hands a volume's slices to the GPs: those that are there, as far as the GPs take them.
+class VolumeDistribution {
+  public:
+    /// The ways to the GPs, by index.
+    struct Road {
+        std::function<bool(std::size_t gp)> takes_more;
+        std::function<void(std::size_t gp, bus::Payload)> send;
+    };
+
+    /// volume  Its shape counts; slices may still be missing.
+    VolumeDistribution(const Volume& volume, std::uint32_t id, int gp_count);
+
+    /// Sends what can go, and VolumeEnd after a GP's last slice.
+    /// slices_there  The first so many slices of `volume` are there.
+    void send_more(const Volume& volume, int slices_there, const Road& road);
+
+    int sent() const { return sent_; }    ///< Messages of slices.
+    int total() const { return total_; }  ///< Likewise, in the end.
+
+  private:
+    struct Way {
+        std::vector<SliceBatch> batches;
+        std::size_t next = 0;
+        bool ended = false;
+    };
+    std::uint32_t id_;
+    std::vector<Way> ways_;  ///< By GP.
+    int sent_ = 0, total_ = 0;
+};
 
 /// Puts an incoming volume together. Its digest is made on the way, while more slices come.
 class VolumeReceiver {
@@ -41,15 +86,17 @@ class VolumeReceiver {
     void begin(const bus::schema::VolumeHeader& header);
     /// Throws RequestError for slices outside the volume or in the wrong order.
     void add(const bus::schema::Slices& slices);
+    /// As far as it has come.
+    Volume& volume() { return volume_; }
+    int slices_there() const;
     /// The complete volume. Throws RequestError naming how many slices are missing.
     Volume finish();
 
   private:
     void take_report(const bus::schema::VolumeHeader& header);
 
-    Volume volume_;
-    std::size_t filled_ = 0;  ///< Slices so far.
-    Digest digest_;           ///< Of their values.
+    Volume volume_;  ///< With the values of the slices so far.
+    Digest digest_;  ///< Of them.
 };
 
 }  // namespace pxpl5::host

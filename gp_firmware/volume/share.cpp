@@ -22,8 +22,10 @@ std::vector<int> numbers_below(int end, Predicate predicate) {
     return numbers;
 }
 
-bool fits(const VolumeShape& shape, int gp_count, std::size_t memory_bytes,
-          std::size_t surface_bytes) {
+constexpr int sets_per_gp = 2, max_slabs_per_set = 32;
+
+bool fits(VolumeShape shape, int gp_count, std::size_t memory_bytes, std::size_t surface_bytes) {
+    shape.slabs_per_set = slabs_per_set_with(shape, gp_count);
     for (int i = 0; i < gp_count; ++i) {
         const Share share{i, gp_count};
         const std::size_t slabs = slabs_owned(shape, share).size();
@@ -38,6 +40,13 @@ bool fits(const VolumeShape& shape, int gp_count, std::size_t memory_bytes,
 
 int owner_of(const VolumeShape& shape, int gp_count, int slab) {
     return slab / shape.slabs_per_set % gp_count;
+}
+
+int slabs_per_set_with(const VolumeShape& shape, int gp_count) {
+    const int sets = gp_count * sets_per_gp;
+    return shape.slabs_per_set == 1
+               ? 1
+               : std::clamp((shape.slab_count() + sets - 1) / sets, 2, max_slabs_per_set);
 }
 
 int slab_that_records(const VolumeShape& shape, int z) {

@@ -45,6 +45,10 @@ int discarded_after(const VolumeShape& shape, Share share, int z);
 /// The most local memory that a GP's slices can take while they arrive, and after.
 std::size_t peak_bytes(const VolumeShape& shape, Share share);
 
+/// slabs_per_set that the host would choose for as many GPs: 1 stays 1, larger sets are shared out
+/// so that each GP has two at least (host/volume_transfer.hpp; a test holds the two together).
+int slabs_per_set_with(const VolumeShape& shape, int gp_count);
+
 /// The smallest number of GPs with `memory_bytes` each that can hold the volume, and beside it
 /// `surface_bytes` of surfaces spread evenly over the slabs; 0 if max_gp_count do not suffice.
 int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,

@@ -49,6 +49,8 @@ class SimulatedMachine final : public host::MachinePort {
         ring_.send(bus::host_id, to, payload);
     }
 
+    bool takes_more(bus::NodeId) const override { return true; }
+
     void pump(const std::function<void(const bus::Message&)>& take,
               const std::function<bool()>& done) override {
         while (!done()) {
@@ -71,6 +73,7 @@ class SimulatedMachine final : public host::MachinePort {
                                  "a simulated machine has no io process");
     }
     void release_io() override {}
+    void allow_cancel(bool) override {}  ///< Nobody presses a key.
 
     /// Tests that want to see messages tap the ring.
     bool is_recording() const override { return false; }

@@ -20,8 +20,10 @@ class RecordedSurface {
         for (std::size_t g = 0; g < ids.size(); ++g) {
             const auto send = [&, g](bus::Payload p) { recorded_.machine.send(ids[g], p); };
             send(host::volume_header(volume_, 1));
-            host::for_each_slice_batch(
-                volume_, 1, host::slices_for_gp(volume_.nz, static_cast<int>(g), gps), send);
+            for (const host::SliceBatch& batch :
+                 host::batches_for_gp(volume_, static_cast<int>(g), gps)) {
+                send(host::slices_message(volume_, 1, batch.first, batch.count));
+            }
             bus::schema::VolumeEndT end;
             end.volume = 1;
             send(bus::pack(end));

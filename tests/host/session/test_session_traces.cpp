@@ -19,10 +19,19 @@ class FaultyMachine final : public MachinePort {
     FaultyMachine(schema::FaultCode code, bool recording) : code_(code), recording_(recording) {}
     const std::vector<bus::NodeId>& gp_ids() const override { return ids_; }
     const std::vector<bus::NodeId>& renderer_ids() const override { return ids_; }
-    void send(bus::NodeId, bus::Payload) override {}
+    void send(bus::NodeId, bus::Payload payload) override {
+        const auto* end = schema::GetMessage(payload.bytes().data())->body_as_SceneEnd();
+        scene_ = end == nullptr ? scene_ : end->scene();
+    }
     void pump(const std::function<void(const bus::Message&)>& take,
               const std::function<bool()>& done) override {
         while (!done()) {
+            if (scene_ != 0) {  // What takes the place of a volume that was given up is welcome.
+                schema::VolumeReadyT ready;
+                ready.volume = scene_;
+                take(test::WireBytes(bus::pack(ready)).read());
+                continue;
+            }
             schema::FaultT fault;
             fault.code = code_;
             fault.node = ids_[0];
@@ -33,6 +42,8 @@ class FaultyMachine final : public MachinePort {
     void wait_readable(int) override {}
     bus::NodeId start_io(ExitCode) override { return 9; }
     void release_io() override {}
+    bool takes_more(pxpl5::bus::NodeId) const override { return true; }
+    void allow_cancel(bool) override {}
     bool is_recording() const override { return recording_; }
     SavedTraces save_traces() override {
         ++saves;
@@ -45,6 +56,7 @@ class FaultyMachine final : public MachinePort {
   private:
     schema::FaultCode code_;
     bool recording_;
+    std::uint32_t scene_ = 0;             ///< The last one that was sent whole.
     std::vector<bus::NodeId> ids_ = {3};  // As in WireBytes.
 };
 

@@ -1,8 +1,11 @@
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <set>
 
+#include "gp_firmware/volume/share.hpp"
 #include "host/error.hpp"
 #include "host/volume_transfer.hpp"
 #include "ringbus/message.hpp"
@@ -36,37 +39,76 @@ const schema::Slices* slices_of(const pxpl5::bus::Payload& payload) {
 }  // namespace
 
 TEST_SUITE("host/volume_transfer") {
-    TEST_CASE("each GP gets exactly the slices of its slabs' sets of four") {
+    TEST_CASE("each GP gets exactly the slices of its slabs and their neighbours") {
+        Volume volume;
         for (const int slice_count : {2, 3, 4, 5, 56}) {
             for (const int gp_count : {1, 2, 3, 36, 64}) {
-                for (int gp = 0; gp < gp_count; ++gp) {
-                    std::set<int> wanted;
-                    for (int slab = 0; slab < slice_count - 1; ++slab) {
-                        for (int z = slab - 1; slab % gp_count == gp && z <= slab + 2; ++z) {
-                            if (z >= 0 && z < slice_count) {
-                                wanted.insert(z);
+                for (const int slabs_per_set : {1, 2, 3, 100}) {
+                    for (int gp = 0; gp < gp_count; ++gp) {
+                        std::set<int> wanted;
+                        for (int slab = 0; slab < slice_count - 1; ++slab) {
+                            const bool owns = slab / slabs_per_set % gp_count == gp;
+                            for (int z = slab - 1; owns && z <= slab + 2; ++z) {
+                                if (z >= 0 && z < slice_count) {
+                                    wanted.insert(z);
+                                }
                             }
                         }
+                        volume.nz = slice_count;
+                        volume.slabs_per_set = slabs_per_set;
+                        CHECK(slices_for_gp(volume, gp, gp_count) ==
+                              std::vector<int>(wanted.begin(), wanted.end()));
                     }
-                    const std::vector<int> got = slices_for_gp(slice_count, gp, gp_count);
-                    CHECK(got == std::vector<int>(wanted.begin(), wanted.end()));
                 }
             }
         }
     }
 
+    TEST_CASE("host and GPs go by the same rule, for shares and for the size of sets") {
+        for (const int nz : {2, 7, 60, 300, 4096}) {
+            Volume volume;
+            volume.nx = volume.ny = 512;
+            volume.nz = nz;
+            for (const int gp_count : {1, 2, 5, 36, 64}) {
+                volume.slabs_per_set = slabs_per_set_for(volume, gp_count);
+                pxpl5::gp::VolumeShape shape;
+                shape.nx = shape.ny = 512;
+                shape.nz = nz;
+                shape.slabs_per_set = volume.slabs_per_set;
+                for (int gp = 0; gp < gp_count; ++gp) {
+                    CHECK(slices_for_gp(volume, gp, gp_count) ==
+                          pxpl5::gp::slices_needed(shape, {gp, gp_count}));
+                }
+                for (const int other : {1, 2, 3, 17, 64}) {
+                    CHECK(pxpl5::gp::slabs_per_set_with(shape, other) ==
+                          slabs_per_set_for(volume, other));
+                }
+            }
+        }
+    }
+
+    TEST_CASE("a volume that fits easily has sets of one slab, a large one has larger sets") {
+        Volume volume;
+        volume.nx = volume.ny = 512;
+        volume.nz = 64;  // 32 MiB.
+        CHECK(slabs_per_set_for(volume, 2) == 1);
+        volume.nz = 65;
+        CHECK(slabs_per_set_for(volume, 2) == 16);  // 64 slabs in 4 sets.
+        CHECK(slabs_per_set_for(volume, 64) == 2);
+        volume.nz = 300;
+        CHECK(slabs_per_set_for(volume, 2) == 32);
+        CHECK(slabs_per_set_for(volume, 16) == 10);  // 299 slabs in 30 sets.
+    }
+
     TEST_CASE("a volume sent whole arrives as it was") {
         const Volume volume = numbered_volume(5, 3, 9);
-        std::vector<int> all;
-        for (int z = 0; z < volume.nz; ++z) {
-            all.push_back(z);
-        }
         VolumeReceiver receiver;
         const auto header = volume_header(volume, 3);
         receiver.begin(*schema::GetMessage(header.bytes().data())->body_as_VolumeHeader());
-        for_each_slice_batch(volume, 3, all, [&](const pxpl5::bus::Payload& batch) {
-            receiver.add(*slices_of(batch));
-        });
+        for (const SliceBatch& batch : batches_for_gp(volume, 0, 1)) {
+            receiver.add(*slices_of(slices_message(volume, 3, batch.first, batch.count)));
+            CHECK(receiver.slices_there() == batch.end());
+        }
         const Volume arrived = receiver.finish();
         CHECK(arrived.values == volume.values);
         CHECK(arrived.voxel_to_patient == volume.voxel_to_patient);
@@ -101,32 +143,72 @@ TEST_SUITE("host/volume_transfer") {
     TEST_CASE("a GP is sent its slices in order, its own apart from those that others own too") {
         for (const int nz : {2, 3, 5, 20}) {
             for (const int gp_count : {1, 2, 3, 5, 36}) {
-                for (int gp = 0; gp < gp_count; ++gp) {
-                    std::vector<int> sent;
-                    const auto take = [&](const pxpl5::bus::Payload& batch) {
-                        const int first = static_cast<int>(slices_of(batch)->first_slice());
-                        const int count = static_cast<int>(slices_of(batch)->slice_count());
-                        const auto slab = [nz](int z) { return z == nz - 1 ? z - 1 : z; };
-                        const bool is_own = slab(first) % gp_count == gp;
-                        for (int z = first; z < first + count; ++z) {
-                            sent.push_back(z);
-                            CHECK((slab(z) % gp_count == gp) == is_own);
+                for (const int slabs_per_set : {1, 3}) {
+                    Volume volume = numbered_volume(2, 2, nz);
+                    volume.slabs_per_set = slabs_per_set;
+                    for (int gp = 0; gp < gp_count; ++gp) {
+                        const auto is_own = [&](int z) {
+                            return std::min(z, nz - 2) / slabs_per_set % gp_count == gp;
+                        };
+                        std::vector<int> sent;
+                        for (const SliceBatch& batch : batches_for_gp(volume, gp, gp_count)) {
+                            for (int z = batch.first; z < batch.end(); ++z) {
+                                sent.push_back(z);
+                                CHECK(is_own(z) == is_own(batch.first));
+                            }
                         }
-                    };
-                    for_each_slice_batch_of_gp(numbered_volume(2, 2, nz), 1, gp, gp_count, take);
-                    CHECK(sent == slices_for_gp(nz, gp, gp_count));
+                        CHECK(sent == slices_for_gp(volume, gp, gp_count));
+                    }
                 }
             }
         }
     }
 
-    TEST_CASE("consecutive slices share a message, others do not") {
-        const Volume volume = numbered_volume(4, 4, 12);
-        std::vector<std::pair<unsigned, unsigned>> batches;
-        for_each_slice_batch(volume, 1, {0, 1, 2, 5, 6, 11}, [&](const pxpl5::bus::Payload& batch) {
-            batches.emplace_back(slices_of(batch)->first_slice(), slices_of(batch)->slice_count());
-        });
-        CHECK(batches == std::vector<std::pair<unsigned, unsigned>>{{0, 3}, {5, 2}, {11, 1}});
+    TEST_CASE("slices that follow each other share a message, up to a few megabytes") {
+        Volume volume;
+        volume.nx = volume.ny = 512;  // Half a MiB each.
+        volume.nz = 20;
+        volume.slabs_per_set = 100;
+        CHECK(batches_for_gp(volume, 0, 2) == std::vector<SliceBatch>{{0, 8}, {8, 8}, {16, 4}});
+        volume.slabs_per_set = 9;  // GP 1 owns slices 9 .. 17, and needs 8, 18, 19 too.
+        CHECK(batches_for_gp(volume, 1, 2) ==
+              std::vector<SliceBatch>{{8, 1}, {9, 8}, {17, 1}, {18, 2}});
+    }
+
+    TEST_CASE("slices go on as they come, and only where they are taken") {
+        const Volume volume = [] {
+            Volume v = numbered_volume(2, 2, 9);
+            v.slabs_per_set = 3;  // GP 0: slabs 0-2 and 6-7; GP 1: slabs 3-5.
+            return v;
+        }();
+        VolumeDistribution distribution(volume, 5, 2);
+        std::vector<std::string> sent;
+        std::set<std::size_t> full;
+        const VolumeDistribution::Road road{
+            [&](std::size_t gp) { return !full.contains(gp); },
+            [&](std::size_t gp, const pxpl5::bus::Payload& payload) {
+                const auto* s = slices_of(payload);
+                sent.push_back(
+                    s == nullptr ? fmt::format("{} end", gp)
+                                 : fmt::format("{} {}+{}", gp, s->first_slice(), s->slice_count()));
+            }};
+        const auto sends = [&](int slices_there) {
+            sent.clear();
+            distribution.send_more(volume, slices_there, road);
+            return sent;
+        };
+        using Texts = std::vector<std::string>;
+        CHECK(sends(2) == Texts{});
+        CHECK(sends(4) == Texts{"0 0+3", "1 2+1"});
+        full = {1};
+        CHECK(sends(8) == Texts{"0 3+3"});
+        CHECK(distribution.sent() == 3);
+        full = {};
+        CHECK(sends(8) == Texts{"1 3+3", "1 6+2", "1 end"});
+        CHECK(sends(8) == Texts{});
+        CHECK(sends(9) == Texts{"0 6+3", "0 end"});
+        CHECK(sends(9) == Texts{});
+        CHECK(distribution.sent() == distribution.total());
     }
 
     TEST_CASE("missing slices and slices out of order are refused with both numbers") {
@@ -134,9 +216,8 @@ TEST_SUITE("host/volume_transfer") {
         VolumeReceiver receiver;
         const auto header = volume_header(volume, 1);
         receiver.begin(*schema::GetMessage(header.bytes().data())->body_as_VolumeHeader());
-        for_each_slice_batch(volume, 1, {2}, [&](const pxpl5::bus::Payload& batch) {
-            CHECK_THROWS_AS(receiver.add(*slices_of(batch)), RequestError);
-        });
+        const auto batch = slices_message(volume, 1, 2, 1);
+        CHECK_THROWS_AS(receiver.add(*slices_of(batch)), RequestError);
         CHECK_THROWS_WITH_AS(receiver.finish(), "numbered: 0 of 4 slices arrived", RequestError);
     }
 }
