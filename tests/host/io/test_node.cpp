@@ -54,13 +54,13 @@ bus::Payload import_request(const std::string& path) {
     return bus::pack(request);
 }
 
-/// A MetaImage of 2048 x 1024 x 11 uint8: slices of 2 MiB, four to a message.
+/// A MetaImage of 1024 x 1024 x 11 uint8: slices of 1 MiB, four to a message.
 std::string large_meta_image() {
     std::string values;
     for (char slice = 0; slice < 11; ++slice) {
-        values += std::string(std::size_t{2048} * 1024, static_cast<char>('a' + slice));
+        values += std::string(std::size_t{1024} * 1024, static_cast<char>('a' + slice));
     }
-    return "ObjectType = Image\nNDims = 3\nDimSize = 2048 1024 11\nOffset = 1 2 3\n"
+    return "ObjectType = Image\nNDims = 3\nDimSize = 1024 1024 11\nOffset = 1 2 3\n"
            "ElementSpacing = 0.5 1 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
            values;
 }
@@ -77,7 +77,7 @@ TEST_SUITE("host/io/node") {
         const auto* header = got[0].as<schema::VolumeHeader>();
         REQUIRE(header != nullptr);
         CHECK(header->name()->str() == "large");
-        CHECK(header->nx() == 2048);
+        CHECK(header->nx() == 1024);
         CHECK(header->nz() == 11);
         CHECK(header->type() == schema::ScalarType::uint8);
         CHECK(header->minimum() == 'a');
@@ -91,7 +91,7 @@ TEST_SUITE("host/io/node") {
             REQUIRE(slices != nullptr);
             CHECK(slices->volume() == header->volume());
             CHECK(slices->first_slice() == next);
-            CHECK(slices->values()->size() == slices->slice_count() * 2048 * 1024);
+            CHECK(slices->values()->size() == slices->slice_count() * 1024 * 1024);
             CHECK(slices->values()->Get(0) == 'a' + next);
             next += slices->slice_count();
             CHECK(slices->values()->Get(slices->values()->size() - 1) == 'a' + next - 1);
