@@ -1,8 +1,8 @@
 // What DICOM files say of their slices. Only dicom_header.cpp and dicom_pixels.cpp include GDCM.
 #include "host/io/dicom_file.hpp"
+#include "host/io/dicom_structure.hpp"
 
 #include <fmt/format.h>
-#include <gdcmAttribute.h>
 #include <gdcmReader.h>
 #include <gdcmSequenceOfItems.h>
 #include <gdcmTrace.h>
@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <glm/geometric.hpp>
 
@@ -48,16 +49,18 @@ std::vector<double> numbers_of(const std::string& file, const gdcm::DataSet& dat
     return numbers(file, fmt::format("({:04x},{:04x})", tag.GetGroup(), tag.GetElement()), text);
 }
 
-template <std::uint16_t group, std::uint16_t element>
-int unsigned_of(const gdcm::DataSet& data) {
-    gdcm::Attribute<group, element> attribute;
-    const gdcm::Tag tag(group, element);
-    if (!data.FindDataElement(tag) || data.GetDataElement(tag).GetByteValue() == nullptr ||
-        data.GetDataElement(tag).GetByteValue()->GetLength() < 2) {
+/// A US element; GDCM has put it into this machine's byte order. 0 if it is absent or too short.
+int unsigned_of(const gdcm::DataSet& data, gdcm::Tag tag) {
+    if (!data.FindDataElement(tag)) {
         return 0;
     }
-    attribute.SetFromDataElement(data.GetDataElement(tag));
-    return static_cast<int>(attribute.GetValue());
+    const gdcm::ByteValue* bytes = data.GetDataElement(tag).GetByteValue();
+    std::uint16_t value = 0;
+    if (bytes == nullptr || bytes->GetPointer() == nullptr || bytes->GetLength() < sizeof value) {
+        return 0;
+    }
+    std::memcpy(&value, bytes->GetPointer(), sizeof value);
+    return value;
 }
 
 /// The data sets in which a frame's element may be: the frame's own functional group, the shared
@@ -225,8 +228,8 @@ DicomSlice read_shared(const fs::path& path, const gdcm::Reader& reader) {
     };
     slice.series_number = whole(gdcm::Tag(0x0020, 0x0011));
     slice.instance_number = whole(gdcm::Tag(0x0020, 0x0013));
-    slice.rows = unsigned_of<0x0028, 0x0010>(data);
-    slice.columns = unsigned_of<0x0028, 0x0011>(data);
+    slice.rows = unsigned_of(data, gdcm::Tag(0x0028, 0x0010));
+    slice.columns = unsigned_of(data, gdcm::Tag(0x0028, 0x0011));
     const double frames = first_or(numbers_of(file, data, gdcm::Tag(0x0028, 0x0008)), 1);
     if (!(frames >= 1) || frames > static_cast<double>(max_slices)) {
         throw ImportError(fmt::format("{}: number of frames (0028,0008) is {}, must be 1 to {}",
@@ -236,6 +239,8 @@ DicomSlice read_shared(const fs::path& path, const gdcm::Reader& reader) {
     slice.is_lossy = is_lossy(reader, data);
     slice.is_inverted = text_of(data, gdcm::Tag(0x0028, 0x0004)) == "MONOCHROME1";
     slice.frame_step_mm = frame_step(file, data);
+    slice.samples = std::max(unsigned_of(data, gdcm::Tag(0x0028, 0x0002)), 1);
+    slice.bits = unsigned_of(data, gdcm::Tag(0x0028, 0x0100));
     using gdcm::TransferSyntax;
     // Positions in a deflated file are not those in its text.
     if (reader.GetFile().GetHeader().GetDataSetTransferSyntax() !=
@@ -243,6 +248,30 @@ DicomSlice read_shared(const fs::path& path, const gdcm::Reader& reader) {
         slice.pixel_offset_bytes = reader.GetStreamCurrentPosition();
     }
     return slice;
+}
+
+/// The file must have the bytes that its pixels need; compressed ones, a fragment for each frame.
+void check_size(const std::string& file, const gdcm::Reader& reader, const DicomSlice& slice) {
+    constexpr std::uint64_t fragment_bytes = 8;
+    if (slice.pixel_offset_bytes == 0) {
+        return;
+    }
+    const std::uint64_t size = fs::file_size(slice.path);
+    const std::uint64_t has = size - std::min(size, slice.pixel_offset_bytes);
+    const bool compressed =
+        reader.GetFile().GetHeader().GetDataSetTransferSyntax().IsEncapsulated();
+    const std::uint64_t pixels = static_cast<std::uint64_t>(slice.columns) *
+                                 static_cast<std::uint64_t>(slice.rows) *
+                                 static_cast<std::uint64_t>(slice.frames * slice.samples);
+    const auto bytes = static_cast<std::uint64_t>((slice.bits + 7) / 8);
+    const std::uint64_t needed = compressed
+                                     ? fragment_bytes * static_cast<std::uint64_t>(slice.frames)
+                                     : pixels * static_cast<std::uint64_t>(slice.bits) / 8;
+    if (has < needed) {
+        throw ImportError(fmt::format(
+            "{}: pixel data (7fe0,0010) have {} bytes, {}x{}x{} of {} bytes need {}{}", file, has,
+            slice.columns, slice.rows, slice.frames, bytes, needed, compressed ? " or more" : ""));
+    }
 }
 
 void check_shape(const std::string& file, const DicomSlice& slice) {
@@ -270,6 +299,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
     if (!begins_as_dicom(path)) {
         return {};
     }
+    check_dicom_structure(path);
     gdcm::Trace::WarningOff();
     gdcm::Trace::ErrorOff();
     gdcm::Reader reader;
@@ -283,6 +313,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
         return {};
     }
     check_shape(file, shared);
+    check_size(file, reader, shared);
     std::vector<DicomSlice> slices;
     for (int frame = 0; frame < shared.frames; ++frame) {
         DicomSlice slice = shared;

@@ -21,8 +21,6 @@ DicomPixels::~DicomPixels() = default;
 
 namespace {
 
-const gdcm::Tag pixel_data(0x7fe0, 0x0010);
-
 Component component_of(const std::string& file, const gdcm::PixelFormat& format) {
     switch (format.GetScalarType()) {
         case gdcm::PixelFormat::UINT8:
@@ -48,6 +46,15 @@ Component component_of(const std::string& file, const gdcm::PixelFormat& format)
                                   format.GetScalarTypeAsString()));
 }
 
+/// GDCM asserts on more than four samples.
+void check_grey(const std::string& file, const DicomSlice& slice) {
+    if (slice.samples != 1) {
+        throw ImportError(
+            fmt::format("{}: samples per pixel (0028,0002) are {}, must be 1: colour is not read",
+                        file, slice.samples));
+    }
+}
+
 /// Broken sizes must not become gigabytes: nothing compresses so well.
 void check_ratio(const std::string& file, const DicomSlice& slice) {
     constexpr std::uint64_t unsuspicious_bytes = std::uint64_t{1} << 29, max_ratio = 1000;
@@ -61,8 +68,8 @@ void check_ratio(const std::string& file, const DicomSlice& slice) {
     }
 }
 
-void check_pixels(const std::string& file, const DicomSlice& slice, const gdcm::File& dicom,
-                  const gdcm::Image& image, std::size_t needed) {
+void check_pixels(const std::string& file, const DicomSlice& slice, const gdcm::Image& image,
+                  std::size_t needed) {
     const gdcm::PixelFormat& format = image.GetPixelFormat();
     if (format.GetSamplesPerPixel() != 1 ||
         image.GetPhotometricInterpretation() == gdcm::PhotometricInterpretation::PALETTE_COLOR) {
@@ -80,25 +87,6 @@ void check_pixels(const std::string& file, const DicomSlice& slice, const gdcm::
                         image.GetDimension(0), image.GetDimension(1), frames, slice.columns,
                         slice.rows, slice.frames));
     }
-    const gdcm::DataElement& element = dicom.GetDataSet().GetDataElement(pixel_data);
-    const gdcm::ByteValue* bytes = element.GetByteValue();
-    if (bytes != nullptr) {
-        // The element states a length; a cut file holds less, which GDCM fills with zeros.
-        const std::uint64_t stated = static_cast<std::uint32_t>(bytes->GetLength());
-        const std::uint64_t has =
-            slice.pixel_offset_bytes == 0
-                ? stated
-                : std::min<std::uint64_t>(stated,
-                                          fs::file_size(slice.path) -
-                                              std::min<std::uint64_t>(fs::file_size(slice.path),
-                                                                      slice.pixel_offset_bytes));
-        if (has < needed) {
-            throw ImportError(fmt::format(
-                "{}: pixel data (7fe0,0010) have {} bytes, {}x{}x{} of "
-                "{} bytes need {}",
-                file, has, slice.columns, slice.rows, slice.frames, format.GetPixelSize(), needed));
-        }
-    }
     if (image.GetBufferLength() != needed) {
         throw ImportError(fmt::format("{}: its pixel data decode to {} bytes, {}x{}x{} need {}",
                                       file, image.GetBufferLength(), slice.columns, slice.rows,
@@ -113,6 +101,7 @@ void DicomPixels::add(const DicomSlice& slice, ValueSink& sink) {
     if (file_->path != slice.path) {
         *file_ = File{};
         check_ratio(file, slice);
+        check_grey(file, slice);
         gdcm::ImageReader reader;
         reader.SetFileName(file.c_str());
         if (!reader.Read()) {
@@ -123,7 +112,7 @@ void DicomPixels::add(const DicomSlice& slice, ValueSink& sink) {
         const std::size_t needed =
             static_cast<std::size_t>(slice.columns) * static_cast<std::size_t>(slice.rows) *
             static_cast<std::size_t>(slice.frames) * component_bytes(file_->component);
-        check_pixels(file, slice, reader.GetFile(), image, needed);
+        check_pixels(file, slice, image, needed);
         file_->values.resize(needed);
         if (!image.GetBuffer(file_->values.data())) {
             throw ImportError(fmt::format(

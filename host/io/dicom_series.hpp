@@ -24,6 +24,7 @@ struct DicomSlice {
     std::string description, modality;
     int series_number = 0, instance_number = 0;
     int columns = 0, rows = 0;
+    int samples = 1, bits = 0;  ///< Of a pixel: 1 is grey; bits allocated of each sample.
     glm::dvec3 x_step_mm{1, 0, 0}, y_step_mm{0, 1, 0};  ///< One column and one row further, LPS.
     glm::dvec3 origin_mm{0};                            ///< Centre of the first voxel, LPS.
     bool spacing_stated = true;                         ///< Else x and y steps have length 1.

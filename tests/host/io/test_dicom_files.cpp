@@ -11,6 +11,8 @@ using namespace pxpl5::host;
 using namespace pxpl5::host::io;
 using namespace pxpl5::test;
 
+using namespace std::string_literals;
+
 namespace {
 
 constexpr int columns = 6, rows = 4;
@@ -188,8 +190,40 @@ TEST_SUITE("host/io/dicom_files") {
         CHECK(complaint(folder, set.text(0x28, 8, "IS", "99999999").file()) ==
               "number of frames (0028,0008) is 99999999, must be 1 to 65536");
         set = slice_at(0, 1);
-        CHECK(complaint(folder, set.number(0x28, 2, 3).text(0x28, 4, "CS", "RGB").file())
-                  .find("colour is not read") != std::string::npos);
+        set.number(0x28, 2, 3).text(0x28, 4, "CS", "RGB");
+        set.put(0x7fe0, 0x10, "OW", std::string(3 * 48, 'x'));
+        CHECK(complaint(folder, set.file()) ==
+              "samples per pixel (0028,0002) are 3, must be 1: colour is not read");
+    }
+
+    TEST_CASE("elements that do not fit into the file are refused before GDCM sees them") {
+        const TemporaryFolder folder;
+        const std::string whole = slice_at(0, 1).file();
+        std::string bytes = whole;
+        const std::size_t modality = bytes.find("CS", bytes.find("\x08\0\x60\0"s)) - 4;
+        bytes.replace(modality + 4, 2, "??");
+        CHECK(complaint(folder, bytes) ==
+              fmt::format("element (0008,0060) at byte {} is of type '??', which DICOM does not "
+                          "know",
+                          modality));
+        bytes = whole;
+        bytes.replace(modality + 6, 2, "\xff\x7f");
+        CHECK(complaint(folder, bytes) ==
+              fmt::format("element (0008,0060) at byte {} has a length of 32767 bytes, {} are left",
+                          modality, bytes.size() - modality - 8));
+        const std::string frames = enhanced({0, 1, 2}).file();
+        const std::size_t item = frames.find("\xfe\xff\x00\xe0"s);
+        bytes = frames;
+        bytes[item + 2] = 0x0d;  // The end of an item.
+        CHECK(complaint(folder, bytes).find("stands where an item of a sequence must be") !=
+              std::string::npos);
+        std::string deep;
+        for (int i = 0; i < 40; ++i) {
+            deep += "\x40\0\x60\xa7SQ\0\0\xff\xff\xff\xff\xfe\xff\0\xe0\xff\xff\xff\xff"s;
+        }
+        DicomSet none;
+        CHECK(complaint(folder, none.file() + deep).find("is nested more than 32 deep") !=
+              std::string::npos);
     }
 
     TEST_CASE("a DICOM file without an image is no image") {
