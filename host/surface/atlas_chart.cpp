@@ -127,6 +127,13 @@ void add_histogram(const Box& box, Drawing& d) {
     d.marks.push_back(area_mark(std::move(outline), histogram_grey));
 }
 
+/// The isovalue to a thousandth of the axis: in a label, what cannot be seen is in the way.
+std::string short_text(double isovalue, const Drawing& d) {
+    const double range = d.isovalues.high - d.isovalues.low;
+    const double step = std::pow(10.0, std::floor(std::log10(range / 1000)));
+    return grouped(std::round(isovalue / step) * step + 0.0);
+}
+
 /// Bands over all panels, and above them their numbers, with the range where there is room.
 void add_plateaus(const Box& all, Drawing& d) {
     int number = 0;
@@ -137,8 +144,8 @@ void add_plateaus(const Box& all, Drawing& d) {
             continue;
         }
         d.marks.push_back(area_mark(rectangle({left, all.top, right, all.bottom}), plateau_tint));
-        const std::string range =
-            fmt::format("{}: {} to {}", number, grouped(plateau.from), grouped(plateau.to));
+        const std::string range = fmt::format("{}: {} to {}", number, short_text(plateau.from, d),
+                                              short_text(plateau.to, d));
         const bool has_room = right - left > d.px(8.0) * static_cast<double>(range.size());
         d.marks.push_back(text_mark(at((left + right) / 2, all.top - d.px(4)),
                                     has_room ? range : fmt::format("{}", number), plateau_ink,

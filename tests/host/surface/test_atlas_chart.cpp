@@ -134,6 +134,16 @@ TEST_SUITE("host/surface/atlas_chart") {
         text_of(atlas_chart(ct), "isovalue, HU");
     }
 
+    TEST_CASE("a plateau's label has no more digits than the axis shows") {
+        AtlasContent content = ball();
+        for (AtlasRow& row : content.rows) {
+            row.isovalue *= 40;  // 0 to 3960: a thousandth is 4, so that whole numbers are enough.
+        }
+        content.plateaus = {{-0.2, 799.6171}, {2400.4999, 3200.51}};
+        text_of(atlas_chart(content), "1: 0 to 800");
+        text_of(atlas_chart(content), "2: 2,400 to 3,201");
+    }
+
     TEST_CASE("all marks lie within the picture, whatever its shape and the histogram's range") {
         AtlasContent content = ball();
         content.histogram.low = -5000;
