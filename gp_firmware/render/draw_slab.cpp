@@ -91,10 +91,6 @@ std::uint32_t draw_triangle(const ScreenVertex& a, const ScreenVertex& b, const 
     return emitted;
 }
 
-bool is_hidden(std::span<const std::uint8_t> hidden, std::size_t triangle) {
-    return !hidden.empty() && (hidden[triangle / 8] >> triangle % 8 & 1) != 0;
-}
-
 }  // namespace
 
 DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const RegionGrid& grid,

@@ -23,6 +23,11 @@ struct SurfaceStyle {
     std::span<const std::uint8_t> hidden{};
 };
 
+/// Whether a mask as SurfaceStyle::hidden hides the slab's triangle.
+inline bool is_hidden(std::span<const std::uint8_t> hidden, std::size_t triangle) {
+    return !hidden.empty() && (hidden[triangle / 8] >> triangle % 8 & 1) != 0;
+}
+
 /// Buffers kept from slab to slab, so that drawing allocates nothing.
 struct DrawScratch {
     std::vector<ScreenVertex> vertices;

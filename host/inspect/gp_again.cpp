@@ -49,6 +49,48 @@ renderer::Words recorded_words(const RecordedRegion& region, std::uint32_t surfa
     return {};
 }
 
+/// The masks that one GP went by when it drew the frame, of its own slabs.
+void take_masks(const RecordedRun& run, std::uint32_t frame, std::uint32_t gp, ShownSurface& s) {
+    const NodeTrace* trace = run.find(schema::Role::gp, gp);
+    std::optional<bus::Message> header, mask;
+    for (std::size_t n = 0; trace != nullptr && n < trace->entries.size(); ++n) {
+        const bus::Body kind = trace->entries[n].kind();
+        if (kind != bus::Body::VolumeHeader && kind != bus::Body::SetSurface &&
+            kind != bus::Body::MaskSurface && kind != bus::Body::DrawFrame &&
+            kind != bus::Body::BeginFrame) {
+            continue;
+        }
+        const bus::Message message = trace->load(trace->entries[n]);
+        const auto* draw = message.as<schema::DrawFrame>();
+        const auto* begin = message.as<schema::BeginFrame>();
+        if ((draw != nullptr && draw->frame() == frame) ||
+            (begin != nullptr && begin->draw()->frame() == frame)) {
+            break;
+        }
+        const auto* set = message.as<schema::SetSurface>();
+        const auto* newer = message.as<schema::MaskSurface>();
+        if (kind == bus::Body::VolumeHeader) {
+            header = message;
+            mask.reset();
+        } else if (set != nullptr && set->surface() == s.id) {
+            mask.reset();
+        } else if (newer != nullptr && newer->surface() == s.id &&
+                   newer->revision() == s.revision) {
+            mask = message;
+        }
+    }
+    if (!header || !mask) {
+        return;
+    }
+    const gp::VolumeShape shape = gp::shape_of(*header->as<schema::VolumeHeader>());
+    for (const schema::SlabMask* slab : *mask->as<schema::MaskSurface>()->slabs()) {
+        const int k = static_cast<int>(slab->slab());
+        if (gp::owner_of(shape, static_cast<int>(run.gp_count()), k) == static_cast<int>(gp)) {
+            s.hidden[k].assign(slab->hidden()->begin(), slab->hidden()->end());
+        }
+    }
+}
+
 }  // namespace
 
 std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFrame& frame) {
@@ -66,6 +108,9 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
             const auto& set = *message->as<schema::SetSurface>();
             s.isovalue = set.isovalue();
             s.rule = static_cast<gp::CaseRule>(set.table());
+        }
+        for (std::uint32_t gp = 0; gp < run.gp_count(); ++gp) {
+            take_masks(run, frame.number, gp, s);
         }
     }
     return surfaces;
@@ -113,6 +158,15 @@ const SlabAgain& GpAgain::slab(std::uint32_t surface, int k, int view) {
     return again;
 }
 
+std::span<const std::uint8_t> GpAgain::hidden(std::uint32_t surface, int k) {
+    const auto found = surfaces_.at(surface).hidden.find(k);
+    // A mask of a wrong size was refused.
+    return found == surfaces_.at(surface).hidden.end() ||
+                   found->second.size() != (mesh(surface, k).indices.size() / 3 + 7) / 8
+               ? std::span<const std::uint8_t>()
+               : found->second;
+}
+
 const gp::RegionPrograms& GpAgain::programs(std::uint32_t surface, int k) {
     const auto [at, is_new] = programs_.try_emplace({surface, k});
     if (is_new) {
@@ -122,7 +176,8 @@ const gp::RegionPrograms& GpAgain::programs(std::uint32_t surface, int k) {
         gp::DrawScratch scratch;
         for (int view = 0; draws(surface, k) && view < views; ++view) {
             gp::draw_slab(mesh(surface, k), projection(view), grid(view),
-                          {static_cast<std::uint16_t>(surface), surfaces_.at(surface).cull_back},
+                          {static_cast<std::uint16_t>(surface), surfaces_.at(surface).cull_back,
+                           hidden(surface, k)},
                           scratch, at->second);
         }
     }

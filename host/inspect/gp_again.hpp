@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ struct ShownSurface {
     std::uint32_t opacity = 0;       ///< Sixteenths.
     std::optional<double> isovalue;  ///< Nothing if its SetSurface is not recorded.
     gp::CaseRule rule{};             ///< If the isovalue is known.
+    /// By slab, which of its triangles a mask hides, as of MaskSurface.
+    std::map<int, std::vector<std::uint8_t>> hidden;
 };
 std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFrame& frame);
 
@@ -65,6 +68,8 @@ class GpAgain {
     const SlabAgain& slab(std::uint32_t surface, int k, int view);
     /// Whether the frame draws slab k of the surface.
     bool draws(std::uint32_t surface, int k) const;
+    /// Of slab k, as gp::SurfaceStyle::hidden.
+    std::span<const std::uint8_t> hidden(std::uint32_t surface, int k);
     /// Every emitted word of the slab, by region, with origins; none of a slab that is not drawn.
     const gp::RegionPrograms& programs(std::uint32_t surface, int k);
     /// Whether the recorded streams hold just those words in every region that is recorded.

@@ -31,6 +31,7 @@ enum class Verdict : std::uint8_t {
     outside_edge,     ///< Emitted in this region; the pixel's centre lies outside.
     other_region,     ///< Emitted, but not in the pixel's region.
     left_out,         ///< Sent, but its Renderer refused the segment.
+    masked,           ///< Hidden by a mask.
     clipped,
     back_face,
     no_pixel_centre,  ///< So small that it covers no pixel's centre.

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "gp_firmware/geometry/clip.hpp"
+#include "gp_firmware/render/draw_slab.hpp"
 #include "gp_firmware/render/plane_setup.hpp"
 #include "host/inspect/why_not.hpp"
 
@@ -194,7 +195,11 @@ std::optional<TriangleVerdict> removed_from_ray(PixelInquiry& inquiry, const Sla
         const Corners corners = corners_of(slab, n);
         const gp::Origin& o = slab.mesh.origins[n];
         const TriangleName name{surface, o.i, o.j, k, o.triangle};
-        if (corners.outside_any() != 0) {
+        if (gp::is_hidden(inquiry.again->hidden(surface, k), n)) {
+            if (on_ray(inquiry, projection, corners)) {
+                return verdict_on(name, Verdict::masked);
+            }
+        } else if (corners.outside_any() != 0) {
             const std::uint32_t cut =
                 on_ray(inquiry, projection, corners) ? cut_on_ray(inquiry, projection, corners) : 0;
             if (cut != 0) {
@@ -243,7 +248,11 @@ std::optional<TriangleVerdict> verdict_of_stages(PixelInquiry& inquiry, const Tr
     }
     const int view = inquiry.place.view;
     const SlabAgain& slab = again.slab(name.surface, name.k, view);
-    const Corners corners = corners_of(slab, find_triangle(slab.mesh, name).value());
+    const std::size_t number = find_triangle(slab.mesh, name).value();
+    if (gp::is_hidden(again.hidden(name.surface, name.k), number)) {
+        return verdict_on(name, Verdict::masked);
+    }
+    const Corners corners = corners_of(slab, number);
     if (corners.outside_all() != 0) {
         return clipped(name, again.camera(view), corners.outside_all());
     }

@@ -10,11 +10,10 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-constexpr std::array<std::string_view, 16> verdict_names = {
-    "shown",        "overwritten",     "lost_depth_test", "shut_out",
-    "outside_edge", "other_region",    "left_out",        "clipped",
-    "back_face",    "no_pixel_centre", "no_area",         "not_sent",
-    "not_crossed",  "nothing",         "not_in_frame",    "unknown"};
+constexpr std::array<std::string_view, 17> verdict_names = {
+    "shown",    "overwritten", "lost_depth_test", "shut_out",     "outside_edge",    "other_region",
+    "left_out", "masked",      "clipped",         "back_face",    "no_pixel_centre", "no_area",
+    "not_sent", "not_crossed", "nothing",         "not_in_frame", "unknown"};
 
 std::string name_of(Verdict verdict) {
     return std::string(verdict_names.at(static_cast<std::size_t>(verdict)));
@@ -104,6 +103,8 @@ std::string fate_of(const WhyNotFinding& f, const TriangleVerdict& v) {
                                f.place.column, f.place.row, regions_text(v));
         case Verdict::left_out:
             return "was sent, but its Renderer left the segment out: " + v.reason;
+        case Verdict::masked:
+            return "is hidden by a mask";
         case Verdict::clipped:
             return "was clipped away by " + v.plane;
         case Verdict::back_face:

@@ -85,7 +85,8 @@ inline void check_pixels(RecordedSurface& recorded, double isovalue, int count, 
         const glm::dvec3 px = view.to_px(cell.hit_voxel);
         CHECK(px.x == doctest::Approx(x + 0.5).epsilon(1e-6));
         CHECK(px.y == doctest::Approx(y + 0.5).epsilon(1e-6));
-        CHECK(finding.shown()->gp == static_cast<unsigned>(cell.name.k) % run.gp_count());
+        const int set = cell.name.k / recorded.volume().slabs_per_set;
+        CHECK(finding.shown()->gp == static_cast<unsigned>(set) % run.gp_count());
         sole += candidates(ray, centre_of(x, y)) == 1 ? 1 : 0;
         hidden += ray.sure.size() > 1 ? 1 : 0;
     }

@@ -47,6 +47,41 @@ class RecordedSurface {
             [&] { return built == recorded_.machine.gp_ids().size(); });
     }
 
+    /// Hides triangles of the first surface: those that `hide` wishes for (slab, triangle).
+    void mask(const std::function<bool(std::uint32_t, std::size_t)>& hide) {
+        bus::schema::FetchMeshT fetch;
+        fetch.surface = surfaces_.front();
+        bus::schema::MaskSurfaceT mask;
+        mask.surface = surfaces_.front();
+        mask.revision = 1;
+        const std::vector<bus::NodeId>& gps = recorded_.machine.gp_ids();
+        for (const bus::NodeId gp : gps) {
+            recorded_.machine.send(gp, bus::pack(fetch));
+        }
+        std::size_t came = 0;
+        recorded_.machine.pump(
+            [&](const bus::Message& m) {
+                const auto* part = m.as<bus::schema::MeshPart>();
+                came += part == nullptr ? 0 : 1;
+                for (std::uint32_t s = 0; part != nullptr && s < part->slabs()->size(); ++s) {
+                    const auto* slab = part->slabs()->Get(s);
+                    auto wire = std::make_unique<bus::schema::SlabMaskT>();
+                    wire->slab = slab->slab();
+                    const std::size_t triangles = slab->indices()->size() / 3;
+                    wire->hidden.resize((triangles + 7) / 8);
+                    for (std::size_t t = 0; t < triangles; ++t) {
+                        wire->hidden[t / 8] |=
+                            static_cast<std::uint8_t>((hide(slab->slab(), t) ? 1U : 0U) << t % 8);
+                    }
+                    mask.slabs.push_back(std::move(wire));
+                }
+            },
+            [&] { return came == gps.size(); });
+        for (const bus::NodeId gp : gps) {
+            recorded_.machine.send(gp, bus::pack(mask));
+        }
+    }
+
     /// Draws width x height pixels as seen by `camera`, the frame changed by `change`.
     void draw(const host::Camera& camera, int width, int height,
               const std::function<void(bus::schema::DrawFrameT&)>& change = {}) {

@@ -107,6 +107,16 @@ struct TrueView {
     }
 };
 
+/// The place in the grid of what lies at z, counted in slices.
+inline double grid_z(const host::Volume& volume, double z) {
+    const auto slice = static_cast<std::size_t>(std::floor(z));
+    if (volume.slice_places.empty() || slice + 1 >= volume.slice_places.size()) {
+        return volume.slice_places.empty() ? z : volume.slice_places.back();
+    }
+    return std::lerp(volume.slice_places[slice], volume.slice_places[slice + 1],
+                     z - static_cast<double>(slice));
+}
+
 /// All triangles, in the order in which they are drawn: slab by slab, row by row.
 inline std::vector<TrueTriangle> true_triangles(const host::Volume& volume, double isovalue,
                                                 const TrueView& view, std::uint32_t surface = 0) {
@@ -131,6 +141,7 @@ inline std::vector<TrueTriangle> true_triangles(const host::Volume& volume, doub
                     const double v1 = value[static_cast<std::size_t>(ends[1])];
                     glm::dvec3 p(i + (ends[0] & 1), j + (ends[0] >> 1 & 1), k + (ends[0] >> 2));
                     p[edge / 4] += (isovalue - v0) / (v1 - v0);
+                    p.z = grid_z(volume, p.z);
                     return p;
                 };
                 for (int t = 0; t < entry.triangle_count; ++t) {
