@@ -139,7 +139,7 @@ struct Scenario {
                 message.tiles.emplace_back(static_cast<std::uint16_t>(r), cycles[r], 3 * cycles[r]);
                 message.pixels.insert(message.pixels.end(), regions[r].begin(), regions[r].end());
                 for (std::size_t i = 0; read_depths && i < regions[r].size(); ++i) {
-                    message.depths.push_back(~regions[r][i]);
+                    message.depths.push_back(depth_of(regions[r][i]));
                 }
             }
         }
@@ -154,10 +154,11 @@ struct Scenario {
                                [](std::uint32_t word) { return opaque | word; });
         return picture;
     }
-    /// Here depths are their pixels, inverted.
+    /// Here depths are made from pixels, with any bit set or clear.
+    static std::uint32_t depth_of(std::uint32_t pixel) { return pixel * 0x9E3779B1U; }
     std::vector<std::uint32_t> expected_depths() const {
         std::vector<std::uint32_t> depths = words();
-        std::ranges::transform(depths, depths.begin(), [](std::uint32_t word) { return ~word; });
+        std::ranges::transform(depths, depths.begin(), depth_of);
         return depths;
     }
     std::vector<std::uint32_t> words() const {

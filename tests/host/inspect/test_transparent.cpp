@@ -5,9 +5,11 @@
 
 #include "host/inspect/replay.hpp"
 #include "host/inspect/run_stats.hpp"
+#include "host/inspect/scoped_reference.hpp"
 #include "host/inspect/step_view.hpp"
 #include "host/inspect/why_not.hpp"
 #include "host/phantom/phantom.hpp"
+#include "isa/triangle_shape.hpp"
 #include "tests/host/inspect/recorded_surface.hpp"
 
 using namespace pxpl5;
@@ -160,6 +162,42 @@ TEST_SUITE("transparent surfaces") {
         }
         CHECK(open == 20);
         CHECK(shut == 20);
+    }
+    TEST_CASE("a visit ends before the door opens: what the door stores is not in it") {
+        RecordedSurface recorded(host::make_phantom("phantom:sphere"), 2, 1);
+        recorded.add_surface(outer);
+        // So near that the last triangle of each region covers pixels.
+        recorded.draw({{30, 25}, 5.0}, width, height,
+                      [](bus::schema::DrawFrameT& draw) { draw.surfaces[0].mutate_opacity(1); });
+        const inspect::RecordedRun run = recorded.run();
+        const inspect::RecordedFrame frame = run.frame(0);
+        int shut = 0;
+        for (const auto& [number, region] : frame.regions) {
+            const auto& parts = region.plan.parts;
+            const auto opens = std::ranges::find(parts, renderer::RegionPlan::Kind::open_door,
+                                                 &renderer::RegionPlan::Part::kind);
+            if (opens == parts.end()) {
+                continue;
+            }
+            // The last triangle behind the door, on the pixels of its box.
+            const auto last_part = static_cast<std::size_t>(opens - parts.begin()) - 1;
+            const renderer::Words words = parts[last_part].segment.words;
+            const isa::reference::Window box =
+                inspect::triangle_box(words.data() + words.size() - isa::triangle::word_count);
+            for (int i = 0; i < box.width * box.height; ++i) {
+                const int x = region.place.x0_px + box.x0 + i % box.width,
+                          y = region.place.y0_px + box.y0 + i / box.width;
+                const inspect::PixelHistory h = inspect::history_of(frame, region, x, y);
+                for (const inspect::PixelVisit& visit : h.visits) {
+                    if (h.primitives[visit.primitive].part == last_part &&
+                        visit.primitive + 1 == h.primitives.size()) {
+                        CHECK((visit.after.z == 0) == (bayer[y % 4][x % 4] >= 1));
+                        shut += visit.after.z == 0 ? 1 : 0;
+                    }
+                }
+            }
+        }
+        CHECK(shut > 0);
     }
     TEST_CASE("slabs in gaps are drawn by the choice that names them, with a colour of their own") {
         host::Volume volume = host::make_phantom("phantom:sphere");
