@@ -146,7 +146,7 @@ void add_plateaus(const Box& all, Drawing& d) {
         d.marks.push_back(area_mark(rectangle({left, all.top, right, all.bottom}), plateau_tint));
         const std::string range = fmt::format("{}: {} to {}", number, short_text(plateau.from, d),
                                               short_text(plateau.to, d));
-        const bool has_room = right - left > d.px(8.0) * static_cast<double>(range.size());
+        const bool has_room = right - left > d.px(7.3) * static_cast<double>(range.size());
         d.marks.push_back(text_mark(at((left + right) / 2, all.top - d.px(4)),
                                     has_room ? range : fmt::format("{}", number), plateau_ink,
                                     {d.px(13), 0.5F, 1, d.px(2)}));
@@ -238,7 +238,7 @@ AtlasChart atlas_chart(const AtlasContent& content, Size size) {
     }
     const double unit = std::min(static_cast<double>(size.width) / atlas_chart_size.width,
                                  static_cast<double>(size.height) / atlas_chart_size.height);
-    Drawing d{content, unit, linear_axis(rows.front().isovalue, rows.back().isovalue, 12), {}};
+    Drawing d{content, unit, linear_axis(rows.front().isovalue, rows.back().isovalue, 14), {}};
     const Box all{d.px(96), d.px(100), size.width - 28 * unit, size.height - 58 * unit};
     const double gap = d.px(16), height = (all.bottom - all.top - 3 * gap) / 4;
     const std::array panels = panels_of(content);
