@@ -75,6 +75,14 @@ void give_back(std::vector<std::byte>& values, std::size_t begin, std::size_t en
     }
 }
 
+/// Each picture of an animation may take as long as a request: 360 of a megapixel take minutes.
+Limits limits_for(const bus::Message& request, Limits limits) {
+    if (request.kind() == bus::Body::ExportPicture) {
+        limits.cpu_s *= request.as<schema::ExportPicture>()->count();
+    }
+    return limits;
+}
+
 }  // namespace
 
 void IoNode::receive(const bus::Message& message, bus::Outbox&) {
@@ -103,7 +111,7 @@ bool IoNode::work(bus::Outbox& out) {
     } else if (!requests_.empty()) {
         const bus::Message request = std::move(requests_.front());
         requests_.pop_front();
-        limit_next_request(limits_);
+        limit_next_request(limits_for(request, limits_));
         if (request.kind() == bus::Body::ImportVolume) {
             begin_import(request, out);
         } else if (request.kind() == bus::Body::ExportMesh) {

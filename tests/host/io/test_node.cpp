@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <sys/resource.h>
 
 #include <array>
 #include <cstring>
@@ -161,6 +162,29 @@ TEST_SUITE("host/io/node") {
         CHECK(!bad[0].as<schema::IoDone>()->ok());
         CHECK(bad[0].as<schema::IoDone>()->error()->str().find("suffix is '.unknown'") !=
               std::string::npos);
+    }
+
+    TEST_CASE("each picture of an animation may take as long as a request") {
+        const TemporaryFolder folder;
+        constexpr rlim_t long_s = 100'000;
+        IoNode node({0, long_s});
+        schema::ExportPictureT request;
+        request.path = folder.file("a.gif");
+        request.width = request.height = 2;
+        request.count = 3;
+        request.rgba.resize(48, 255);
+        const auto limit_s = [&] {
+            const std::vector<bus::Message> answer = answers_to(node, bus::pack(request));
+            REQUIRE(answer.size() == 1);
+            CHECK(answer[0].as<schema::IoDone>()->ok());
+            rlimit cpu{};
+            getrlimit(RLIMIT_CPU, &cpu);
+            return cpu.rlim_cur;
+        };
+        CHECK(limit_s() / long_s == 3);
+        request.count = 1;
+        request.rgba.resize(16);
+        CHECK(limit_s() / long_s == 1);
     }
 
     TEST_CASE("a mesh is written from the message, and the answer counts its triangles") {
