@@ -188,15 +188,29 @@ void read_scale(const std::string& file, const gdcm::DataSet& data, const FrameG
 
 /// Signed distance of frames that have no positions of their own.
 std::optional<double> frame_step(const std::string& file, const gdcm::DataSet& data) {
-    const std::vector<double> offsets = numbers_of(file, data, gdcm::Tag(0x3004, 0x000c));
-    if (offsets.size() > 1) {
-        return offsets[1] - offsets[0];
-    }
     const std::vector<double> spacing = numbers_of(file, data, gdcm::Tag(0x0018, 0x0088));
     if (!spacing.empty() && std::isfinite(spacing[0]) && spacing[0] != 0) {
         return spacing[0];
     }
     return std::nullopt;
+}
+
+/// Frames of a dose lie at offsets from the file's position, along its normal (3004,000c).
+void place_by_offsets(const std::string& file, const gdcm::DataSet& data,
+                      std::vector<DicomSlice>& slices) {
+    const std::vector<double> offsets = numbers_of(file, data, gdcm::Tag(0x3004, 0x000c));
+    const bool has_place = data.FindDataElement(gdcm::Tag(0x0020, 0x0032)) &&
+                           data.FindDataElement(gdcm::Tag(0x0020, 0x0037));
+    // The standard's other way counts from the isocentre, which the file does not state.
+    if (offsets.size() != slices.size() || offsets.empty() || offsets[0] != 0 || !has_place) {
+        return;
+    }
+    for (std::size_t i = 0; i < slices.size(); ++i) {
+        DicomSlice& slice = slices[i];
+        slice.origin_mm +=
+            offsets[i] * glm::normalize(glm::cross(slice.x_step_mm, slice.y_step_mm));
+        slice.position_stated = std::isfinite(offsets[i]);
+    }
 }
 
 bool is_lossy(const gdcm::Reader& reader, const gdcm::DataSet& data) {
@@ -329,6 +343,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
         }
         slices.push_back(std::move(slice));
     }
+    place_by_offsets(file, data, slices);
     return slices;
 }
 

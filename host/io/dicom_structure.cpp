@@ -149,14 +149,25 @@ class Walker {
             return element;
         }
         if (!is_one_of(element.vr, long_vrs)) {
-            fail(element,
-                 fmt::format("is of type '{}', which DICOM does not know", shown(element.vr)));
+            return read_implicit(element, end);
         }
         if (at + 12 > end) {
             fail(element, fmt::format("needs 12 bytes, {} are left", end - at));
         }
         element.length = number<std::uint32_t>(at + 8);
         element.value = at + 12;
+        return element;
+    }
+
+    /// Some writers put implicit elements among explicit ones; what does not even fit is broken.
+    Element read_implicit(Element element, std::uint64_t end) const {
+        element.length = number<std::uint32_t>(element.begin + 4);
+        element.value = element.begin + 8;
+        if (element.length > end - element.value) {
+            fail(element,
+                 fmt::format("is of type '{}', which DICOM does not know", shown(element.vr)));
+        }
+        element.vr = {};
         return element;
     }
 

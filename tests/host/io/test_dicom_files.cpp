@@ -131,6 +131,19 @@ TEST_SUITE("host/io/dicom_files") {
         CHECK(reports(volume, FindingKind::assumption, "taken as 2.5 mm apart (0018,0088)"));
     }
 
+    TEST_CASE("frames of a dose lie at their offsets, uneven ones too, and are scaled") {
+        const TemporaryFolder folder;
+        DicomSet set = enhanced({0, 0, 0, 0});
+        set.remove(0x5200, 0x9230).remove(0x5200, 0x9229);
+        dicom_place(set, {1, 2, 10}, {1, 0, 0}, {0, 1, 0}, 0.5, 0.75);
+        set.text(0x3004, 0xc, "DS", "0\\2\\4\\10").text(0x3004, 0xe, "DS", "0.5");
+        const Volume volume = import_volume(folder.write("x.dcm", set.file()));
+        CHECK(volume.slice_places == std::vector<double>{0, 1, 2, 5});
+        CHECK(volume.gap_slabs == std::vector<int>{2});
+        CHECK(volume.voxel_to_patient[3].z == 10);
+        CHECK(volume.maximum == 15.5);
+    }
+
     TEST_CASE("a missing slice in a folder leaves a gap, and the rest where it is") {
         const TemporaryFolder folder;
         for (const int z : {0, 1, 2, 4, 5}) {
@@ -169,6 +182,20 @@ TEST_SUITE("host/io/dicom_files") {
         CHECK(volume.type == Scalar::float32);
     }
 
+    TEST_CASE("of 12 bits stored in 16 the twelfth is the sign, and what is above is no value") {
+        const TemporaryFolder folder;
+        std::vector<std::int16_t> stored(columns * rows, 0x07ff);
+        stored[1] = 0x0fff;
+        stored[2] = 0x0800;
+        DicomSet set = slice_at(0, 0);
+        set.number(0x28, 0x101, 12).number(0x28, 0x102, 11);
+        set.put(0x7fe0, 0x10, "OW", bytes_of(stored));
+        const Volume volume = import_volume(folder.write("x.dcm", set.file()));
+        CHECK(value_at(volume, 0) == 2047);
+        CHECK(value_at(volume, 1) == -1);
+        CHECK(value_at(volume, 2) == -2048);
+    }
+
     TEST_CASE("headers that make no sense are refused with field and value") {
         const TemporaryFolder folder;
         const std::string whole = slice_at(0, 1).file();
@@ -201,9 +228,9 @@ TEST_SUITE("host/io/dicom_files") {
         const std::string whole = slice_at(0, 1).file();
         std::string bytes = whole;
         const std::size_t modality = bytes.find("CS", bytes.find("\x08\0\x60\0"s)) - 4;
-        bytes.replace(modality + 4, 2, "??");
+        bytes.replace(modality + 4, 2, "#!");
         CHECK(complaint(folder, bytes) ==
-              fmt::format("element (0008,0060) at byte {} is of type '??', which DICOM does not "
+              fmt::format("element (0008,0060) at byte {} is of type '#!', which DICOM does not "
                           "know",
                           modality));
         bytes = whole;

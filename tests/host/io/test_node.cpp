@@ -102,6 +102,58 @@ TEST_SUITE("host/io/node") {
         CHECK(got[4].as<schema::VolumeEnd>()->volume() == header->volume());
     }
 
+    TEST_CASE("all that a request asks for reaches the import, and findings come back") {
+        const TemporaryFolder folder;
+        IoNode node({0, 0});
+        schema::ImportVolumeT request;
+        std::string bytes = "ab";
+        for (int i = 0; i < 6 * 5 * 4; ++i) {
+            bytes.push_back(static_cast<char>(1));
+            bytes.push_back(static_cast<char>(i));  // Big endian: 256 + i.
+        }
+        request.path = folder.write("v.bin", bytes);
+        request.raw = std::make_unique<schema::RawLayoutT>();
+        request.raw->nx = 6;
+        request.raw->ny = 5;
+        request.raw->nz = 4;
+        request.raw->type = "int16";
+        request.raw->big_endian = true;
+        request.raw->offset = 2;
+        request.spacing_mm = {1, 2, 3};
+        request.crop_first = {1, 1, 1};
+        request.crop_size = {5, 3, 3};
+        request.resample_size = {9, 3, 3};
+        const std::vector<bus::Message> got = answers_to(node, bus::pack(request));
+        REQUIRE(got.size() == 3);
+        const auto* header = got[0].as<schema::VolumeHeader>();
+        CHECK(header->nx() == 9);
+        CHECK(header->nz() == 3);
+        CHECK(header->source()->str() == request.path);
+        CHECK(header->voxel_to_patient()->m()->Get(0) == 0.5);
+        CHECK(header->voxel_to_patient()->m()->Get(12) == 1);
+        CHECK(header->voxel_to_patient()->m()->Get(14) == 3);
+        CHECK(header->minimum() == 256 + 30 + 6 + 1);
+        // Two assumptions: spacing and place; two things done.
+        REQUIRE(header->findings()->size() == 4);
+        CHECK(header->findings()->Get(1)->kind() == schema::FindingKind::assumption);
+        CHECK(header->findings()->Get(2)->kind() == schema::FindingKind::processed);
+        request.resample_size.clear();
+        request.resample_spacing_mm = {2, 2, 3};
+        request.smooth_mm = 1.5;
+        const std::vector<bus::Message> smooth = answers_to(node, bus::pack(request));
+        REQUIRE(smooth.size() == 3);
+        CHECK(smooth[0].as<schema::VolumeHeader>()->nx() == 3);
+        CHECK(smooth[0].as<schema::VolumeHeader>()->findings()->size() == 5);
+        request.series = "2";
+        request.raw.reset();
+        request.path = folder.write("v.nrrd", "NRRD0004");
+        const std::vector<bus::Message> refused = answers_to(node, bus::pack(request));
+        REQUIRE(refused.size() == 1);
+        CHECK(refused[0].as<schema::IoDone>()->error()->str().find("series is '2'") !=
+              std::string::npos);
+        CHECK(refused[0].as<schema::IoDone>()->bad_data());
+    }
+
     TEST_CASE("a file that cannot be imported is answered by its complaint, and the node goes on") {
         const TemporaryFolder folder;
         IoNode node({0, 0});
