@@ -32,6 +32,7 @@
 #include "gp_firmware/node_messages.hpp"
 #include "gp_firmware/render/frame_drawing.hpp"
 #include "gp_firmware/surface/case_tables.hpp"
+#include "gp_firmware/surface/marching_cubes.hpp"
 #include "gp_firmware/volume/slice_store.hpp"
 #include "ringbus/node.hpp"
 
@@ -75,6 +76,7 @@ class GpNode final : public bus::Node {
         CaseRule rule = CaseRule::watertight;
         Clock::time_point since;
         std::size_t next_slab = 0;  ///< Index into the store's slabs.
+        bool slab_begun = false;    ///< extraction_ is of that one.
     };
     struct Remove {
         std::uint16_t surface = 0;
@@ -145,6 +147,7 @@ class GpNode final : public bus::Node {
     bool scene_ = false;  ///< What volume_ counts is a scene.
     Clock::time_point volume_since_;
     Surfaces surfaces_;
+    SlabExtraction extraction_;  ///< Of the job in front, if that extracts; it fills scratch_.
     SlabMesh scratch_;  ///< Grows as slabs are extracted, so that those that are held need not.
     std::deque<Job> jobs_;
     std::optional<Measure> measuring_;  ///< Behind all jobs.

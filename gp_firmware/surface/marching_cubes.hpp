@@ -1,6 +1,9 @@
 // Marching cubes in one slab.
 #pragma once
 
+#include <cstddef>
+#include <functional>
+
 #include "gp_firmware/surface/case_tables.hpp"
 #include "gp_firmware/surface/mesh.hpp"
 #include "gp_firmware/volume/slice_store.hpp"
@@ -19,6 +22,14 @@ namespace pxpl5::gp {
 /// Source    Lorensen & Cline 1987; Yoo & Chen, section V. Masks of 64 voxels are ours.
 void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
                   SlabMesh& out, bool origins = false);
+
+/// Goes on until about so many triangles more are there. Returns false when the slab is done; it is
+/// not called again then.
+using SlabExtraction = std::function<bool(std::size_t triangles)>;
+
+/// extract_slab() in pieces. store, table and out outlive it, and out is its own until it is done.
+SlabExtraction begin_slab(const SliceStore& store, int slab, double isovalue,
+                          const CaseTable& table, SlabMesh& out, bool origins = false);
 
 /// What extract_slab() would count, to the last bit, without normals and keys.
 /// scratch  Overwritten; only its capacity is worth keeping.
