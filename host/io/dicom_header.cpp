@@ -313,7 +313,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
     if (!begins_as_dicom(path)) {
         return {};
     }
-    check_dicom_structure(path);
+    const PixelBytes pixels = check_dicom_structure(path);
     gdcm::Trace::WarningOff();
     gdcm::Trace::ErrorOff();
     gdcm::Reader reader;
@@ -328,6 +328,10 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
     }
     check_shape(file, shared);
     check_size(file, reader, shared);
+    if (pixels.stated > pixels.left + 1) {  // Some writers forget the byte that makes it even.
+        throw ImportError(fmt::format("{}: pixel data (7fe0,0010) state {} bytes, {} are left",
+                                      file, pixels.stated, pixels.left));
+    }
     std::vector<DicomSlice> slices;
     for (int frame = 0; frame < shared.frames; ++frame) {
         DicomSlice slice = shared;

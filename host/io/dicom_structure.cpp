@@ -81,7 +81,7 @@ class Walker {
   public:
     Walker(std::string file, std::string_view bytes) : file_(std::move(file)), bytes_(bytes) {}
 
-    void walk() {
+    PixelBytes walk() {
         is_explicit_ = true;
         std::uint64_t at = first_element;
         std::string syntax;
@@ -104,6 +104,7 @@ class Walker {
         if (trimmed(syntax) != "1.2.840.10008.1.2.1.99") {
             walk_elements(at, bytes_.size(), 0);
         }
+        return pixels_;
     }
 
   private:
@@ -189,6 +190,7 @@ class Walker {
             const bool is_pixels = depth == 0 && element.tag == pixel_data;
             if (is_pixels && element.length != undefined) {
                 // Fewer pixels than stated: who knows the picture's size says so.
+                pixels_ = {element.length, end - element.value};
                 at = element.value + std::min<std::uint64_t>(element.length, end - element.value);
             } else if (element.length == undefined) {
                 at = walk_items(element, end, is_pixels, depth + 1);
@@ -261,13 +263,14 @@ class Walker {
     std::string_view bytes_;
     bool is_explicit_ = true, is_big_endian_ = false;
     std::uint64_t elements_ = 0;
+    PixelBytes pixels_;
 };
 
 }  // namespace
 
-void check_dicom_structure(const fs::path& path) {
+PixelBytes check_dicom_structure(const fs::path& path) {
     const MappedFile file(path);
-    Walker(path.string(), file.bytes()).walk();
+    return Walker(path.string(), file.bytes()).walk();
 }
 
 }  // namespace pxpl5::host::io

@@ -238,6 +238,10 @@ TEST_SUITE("host/io/dicom_files") {
         CHECK(complaint(folder, bytes) ==
               fmt::format("element (0008,0060) at byte {} has a length of 32767 bytes, {} are left",
                           modality, bytes.size() - modality - 8));
+        bytes = whole;
+        bytes.replace(bytes.size() - 52, 4, "\0\0\0\x7f"s);
+        CHECK(complaint(folder, bytes) ==
+              "pixel data (7fe0,0010) state 2130706432 bytes, 48 are left");
         const std::string frames = enhanced({0, 1, 2}).file();
         const std::size_t item = frames.find("\xfe\xff\x00\xe0"s);
         bytes = frames;
