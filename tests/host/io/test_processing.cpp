@@ -90,10 +90,10 @@ TEST_SUITE("host/io/processing") {
         Volume volume = volume_of<std::uint8_t>(2, 2, 5, [](int, int, int z) { return z; });
         volume.slice_places = {0, 1, 3, 4, 6};
         volume.gap_slabs = {1, 3};
-        crop("v", {0, 0, 1}, {2, 2, 3}, volume);
-        CHECK(volume.slice_places == std::vector<double>{0, 2, 3});
-        CHECK(volume.gap_slabs == std::vector<int>{0});
-        CHECK(volume.voxel_to_patient[3].z == 1);
+        crop("v", {0, 0, 2}, {2, 2, 3}, volume);
+        CHECK(volume.slice_places == std::vector<double>{0, 1, 3});
+        CHECK(volume.gap_slabs == std::vector<int>{1});
+        CHECK(volume.voxel_to_patient[3].z == 3);
     }
 
     TEST_CASE("a crop beyond the volume, or of half a wish, is refused with both values") {
