@@ -109,6 +109,29 @@ TEST_SUITE("gp_firmware/node_trace") {
         CHECK(copied(received(slices(7, 1), 2)));  // The last one, with slice 6: GP 2.
     }
 
+    TEST_CASE("a flight recorder does without slices that it could not keep all of") {
+        for (const auto recording : {schema::Recording::flight, schema::Recording::full}) {
+            for (const unsigned nx : {1024U, 4096U}) {  // 14 of 56 slices: 14 or 224 MiB.
+                gp::CopiedSlices copied;
+                schema::TopologyT machine;
+                schema::GetMessage(topology(4).bytes().data())
+                    ->body_as_Topology()
+                    ->UnPackTo(&machine);
+                machine.recording = recording;
+                schema::VolumeHeaderT volume;
+                schema::GetMessage(header(56).bytes().data())
+                    ->body_as_VolumeHeader()
+                    ->UnPackTo(&volume);
+                volume.nx = volume.ny = nx;
+                CHECK(!copied(received(bus::pack(machine), 2)));
+                CHECK(!copied(received(bus::pack(volume), 2)));
+                const bool does_without = recording == schema::Recording::flight && nx == 4096;
+                CHECK(copied(received(slices(5, 1), 2)) == does_without);  // Its own.
+                CHECK(copied(received(slices(6, 1), 2)));                  // Another's.
+            }
+        }
+    }
+
     TEST_CASE("slices that are not of the volume are held: somebody will want to see them") {
         gp::CopiedSlices copied = told(4, 1, 8);
         CHECK(!copied(received(slices(8, 1), 2)));
