@@ -60,7 +60,9 @@ flatbuffers::Offset<flatbuffers::Vector<const schema::Origin*>> origins_to_wire(
     static_assert(FLATBUFFERS_LITTLEENDIAN);
     schema::Origin* out = nullptr;
     const auto at = builder.CreateUninitializedVectorOfStructs(origins.size(), &out);
-    std::memcpy(static_cast<void*>(out), origins.data(), origins.size_bytes());
+    if (!origins.empty()) {  // Of a slab without triangles there is no pointer.
+        std::memcpy(static_cast<void*>(out), origins.data(), origins.size_bytes());
+    }
     return at;
 }
 
