@@ -113,6 +113,7 @@ class GpNode final : public bus::Node {
     void note_part(const bus::Message& message);
     void drop_all(bus::Outbox& out);
     void note_surface(const bus::schema::SetSurface& set);
+    void take_mask(const bus::schema::MaskSurface& mask);
     void note_measure(const bus::Message& message);
     void drop_volume(const bus::schema::DropVolume& drop, bus::Outbox& out);
     void begin_frame(const bus::Message& message, bus::Outbox& out);

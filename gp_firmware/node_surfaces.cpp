@@ -181,13 +181,23 @@ std::span<const Origin> GpNode::origins_of(const HeldSurface& surface, const Sla
     return mesh.origins;
 }
 
-/// A mask of a revision that is not held any more, or was never asked for, hides nothing.
-bool GpNode::step(Mask& job, bus::Outbox&) {
+bool GpNode::step(Mask& job, bus::Outbox& out) {
     const auto& mask = *job.message.as<schema::MaskSurface>();
+    take_mask(mask);
+    schema::SurfaceBuiltT built;
+    built.surface = mask.surface();
+    built.revision = mask.revision();
+    built.memory_bytes = memory_->used_bytes();
+    out.send(bus::host_id, bus::pack(built));
+    return true;
+}
+
+/// A mask of a revision that is not held any more, or was never asked for, hides nothing.
+void GpNode::take_mask(const schema::MaskSurface& mask) {
     const auto held = surfaces_.find(mask.surface());
     if (held == surfaces_.end() || held->second.revision != mask.revision() ||
         !held->second.complete) {
-        return true;
+        return;
     }
     HeldSurface& surface = held->second;
     std::vector<std::vector<std::uint8_t>> hidden(surface.slabs.size());
@@ -209,7 +219,6 @@ bool GpNode::step(Mask& job, bus::Outbox&) {
             slab->hidden()->begin(), slab->hidden()->end());
     }
     surface.hidden = std::move(hidden);
-    return true;
 }
 
 /// A newer request takes the place of one that is not answered yet.

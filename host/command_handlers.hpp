@@ -21,12 +21,26 @@ Reply run_size(Session& session, const Arguments& arguments);
 Reply run_snapshot(Session& session, const Arguments& arguments);
 Reply run_orbit(Session& session, const Arguments& arguments);
 Reply run_stats(Session& session, const Arguments& arguments);
+Reply run_presets(Session& session, const Arguments& arguments);
+Reply run_clip(Session& session, const Arguments& arguments);
+Reply run_overlay(Session& session, const Arguments& arguments);
+Reply run_tint(Session& session, const Arguments& arguments);
+Reply run_pick(Session& session, const Arguments& arguments);
+Reply run_atlas(Session& session, const Arguments& arguments);
+Reply run_components(Session& session, const Arguments& arguments);
+Reply run_certificate(Session& session, const Arguments& arguments);
+Reply run_compare(Session& session, const Arguments& arguments);
+Reply run_export(Session& session, const Arguments& arguments);
 Reply run_digest(Session& session, const Arguments& arguments);
 Reply run_trace(Session& session, const Arguments& arguments);
 Reply run_help(Session& session, const Arguments& arguments);
 Reply run_quit(Session& session, const Arguments& arguments);
 
-/// What is known of a volume: shape, spacing, orientation, range, notes.
-Reply describe_volume(const Volume& volume);
+/// One surface, for people and programs.
+std::string surface_text(const Surface& surface, const SurfaceReport& report);
+Fields surface_fields(const Surface& surface, const SurfaceReport& report);
+
+/// "watertight", "lorensen1987" or "asymptotic". Throws RequestError.
+CaseTable parse_table(const std::string& text);
 
 }  // namespace pxpl5::host

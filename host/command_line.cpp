@@ -14,10 +14,6 @@ namespace pxpl5::host {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& text) {
-    throw RequestError(ExitCode::usage, text);
-}
-
 /// A word and the place of its first '=' outside quotes.
 struct Word {
     std::string text;
@@ -42,7 +38,7 @@ Word read_word(std::string_view line, std::size_t& at) {
         }
     }
     if (quote != 0) {
-        refuse(fmt::format("the quote {} is not closed in: {}", quote, line));
+        refuse_command(fmt::format("the quote {} is not closed in: {}", quote, line));
     }
     return word;
 }
@@ -85,6 +81,10 @@ std::optional<Colour> hex_colour(std::string_view text) {
 
 }  // namespace
 
+void refuse_command(const std::string& text) {
+    throw RequestError(ExitCode::usage, text);
+}
+
 std::string Arguments::text(std::string_view key, std::string_view otherwise) const {
     const auto found = options.find(std::string(key));
     return found == options.end() ? std::string(otherwise) : found->second;
@@ -114,7 +114,7 @@ Arguments parse_line(std::string_view line) {
                         .emplace(word.text.substr(0, word.equals),
                                  word.text.substr(word.equals + 1))
                         .second) {
-            refuse(fmt::format("'{}' is given twice", word.text.substr(0, word.equals)));
+            refuse_command(fmt::format("'{}' is given twice", word.text.substr(0, word.equals)));
         }
     }
     return arguments;
@@ -135,23 +135,52 @@ double parse_number(std::string_view what, std::string_view text, double low, do
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
-        refuse(fmt::format("{}: '{}' is not a number", what, text));
+        refuse_command(fmt::format("{}: '{}' is not a number", what, text));
     }
     if (value < low || value > high) {
-        refuse(fmt::format("{}: {} is outside {} .. {}", what, text, low, high));
+        refuse_command(fmt::format("{}: {} is outside {} .. {}", what, text, low, high));
     }
     return value;
+}
+
+int parse_whole(std::string_view what, std::string_view text, int low, int high) {
+    const double value = parse_number(what, text, low, high);
+    if (value != std::floor(value)) {
+        refuse_command(fmt::format("{}: '{}' is not a whole number", what, text));
+    }
+    return static_cast<int>(value);
+}
+
+glm::dvec3 parse_triple(std::string_view what, std::string_view text, double low, double high) {
+    const char separator = text.find(',') != std::string_view::npos ? ',' : 'x';
+    const std::size_t first = text.find(separator), second = text.rfind(separator);
+    if (first == second) {
+        refuse_command(fmt::format("{}: '{}' is not three numbers, as 1,2,3", what, text));
+    }
+    return {parse_number(what, text.substr(0, first), low, high),
+            parse_number(what, text.substr(first + 1, second - first - 1), low, high),
+            parse_number(what, text.substr(second + 1), low, high)};
+}
+
+std::pair<int, int> parse_pair(std::string_view what, std::string_view text) {
+    const std::size_t comma = text.find(',');
+    if (comma == std::string_view::npos) {
+        refuse_command(fmt::format("{}: '{}' is not two numbers, as 120,80", what, text));
+    }
+    constexpr int most = 1 << 20;
+    return {parse_whole(what, text.substr(0, comma), 0, most),
+            parse_whole(what, text.substr(comma + 1), 0, most)};
 }
 
 Size parse_size(std::string_view text, int low, int high) {
     const std::size_t x = text.find('x');
     if (x == std::string_view::npos) {
-        refuse(fmt::format("size: '{}' is not of the form WIDTHxHEIGHT", text));
+        refuse_command(fmt::format("size: '{}' is not of the form WIDTHxHEIGHT", text));
     }
     const double width = parse_number("width", text.substr(0, x), low, high);
     const double height = parse_number("height", text.substr(x + 1), low, high);
     if (width != std::floor(width) || height != std::floor(height)) {
-        refuse(fmt::format("size: '{}' is not in whole pixels", text));
+        refuse_command(fmt::format("size: '{}' is not in whole pixels", text));
     }
     return {static_cast<int>(width), static_cast<int>(height)};
 }
@@ -169,8 +198,8 @@ Colour parse_colour(std::string_view text) {
     }
     const std::size_t first = text.find(','), second = text.rfind(',');
     if (first == second) {
-        refuse(fmt::format("colour: '{}' is not #rrggbb, r,g,b or a name{}", text,
-                           did_you_mean(text, names)));
+        refuse_command(fmt::format("colour: '{}' is not #rrggbb, r,g,b or a name{}", text,
+                                   did_you_mean(text, names)));
     }
     const auto part = [](std::string_view number) {
         return static_cast<std::uint8_t>(parse_number("colour", number, 0, 255));

@@ -2,12 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace pxpl5::host {
+
+/// Throws RequestError (usage).
+[[noreturn]] void refuse_command(const std::string& text);
 
 /// A command's words after its name, and its options.
 struct Arguments {
@@ -32,6 +37,16 @@ std::string to_line(const Arguments& arguments);
 
 /// The whole of `text` as a number in [low, high]. Throws RequestError naming `what` and both.
 double parse_number(std::string_view what, std::string_view text, double low, double high);
+
+/// The whole of `text` as a whole number in [low, high]. Throws RequestError naming `what` and
+/// both.
+int parse_whole(std::string_view what, std::string_view text, int low, int high);
+
+/// "1,2,3" or "1x2x3" as three numbers, each in [low, high]. Throws RequestError.
+glm::dvec3 parse_triple(std::string_view what, std::string_view text, double low, double high);
+
+/// "120,80" as two whole numbers. Throws RequestError.
+std::pair<int, int> parse_pair(std::string_view what, std::string_view text);
 
 /// "640x480" as two whole numbers, each in [low, high]. Throws RequestError.
 struct Size {

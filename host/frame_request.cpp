@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "host/viewer/clip.hpp"
+
 namespace pxpl5::host {
 
 namespace {
@@ -40,13 +42,6 @@ std::unique_ptr<schema::ViewT> view_of(const Scene& scene, const Stage& stage) {
         std::make_unique<schema::Matrix>(to_wire(camera.patient_to_eye * stage.voxel_to_patient));
     view->projection = std::make_unique<schema::Matrix>(to_wire(camera.projection));
     return view;
-}
-
-/// A plane of the patient as one of the grid: n.(M p) + d = (n M).p + d.
-schema::ClipPlane to_wire(const glm::dvec4& plane_mm, const glm::dmat4& voxel_to_patient) {
-    const glm::dvec4 plane = plane_mm * voxel_to_patient;
-    return {static_cast<float>(plane.x), static_cast<float>(plane.y), static_cast<float>(plane.z),
-            static_cast<float>(plane.w)};
 }
 
 }  // namespace
@@ -92,8 +87,9 @@ bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t
             surface.id, surface.revision, to_wire(drawn.colour), surface.cull_back, drawn.slabs,
             static_cast<std::uint8_t>(surface.opacity)));
     }
-    for (const glm::dvec4& plane : scene.clip_planes) {
-        draw.clip_planes.push_back(to_wire(plane, stage.voxel_to_patient));
+    for (const SceneClip& clip : scene.clips) {
+        const glm::vec4 plane(grid_plane(clip.plane, stage.voxel_to_patient));
+        draw.clip_planes.emplace_back(plane.x, plane.y, plane.z, plane.w);
     }
     draw.read_depths = read_back == ReadBack::pixels_and_depths;
     draw.read_back = true;

@@ -54,7 +54,8 @@ std::string write_picture(Session& session, const PaperRow& row, const std::stri
         (std::filesystem::path(folder) /
          fmt::format("{}-{}.png", row.volume.substr(row.volume.find(':') + 1), row.surface))
             .string();
-    session.export_picture(session.draw(), path, picture_text(session));
+    const Picture picture = session.draw();
+    session.export_pictures({&picture, 1}, path, picture_extras(session, session.scene.camera));
     return path;
 }
 
@@ -74,7 +75,8 @@ void report_paper(Session& session, const std::string& pictures) {
         const PhantomSurface surface = phantom_surface(row);
         const SurfaceReport built = extract(session, surface);
         session.scene.camera = {row.view, 1};
-        const OrbitReport orbit = session.orbit(rate_frames, [](int, const Picture&) {});
+        const OrbitReport orbit =
+            session.orbit(rate_frames, [](int, const Picture&, const Camera&) {});
         if (!pictures.empty()) {
             paths.push_back(write_picture(session, row, pictures));
         }

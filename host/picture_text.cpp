@@ -2,89 +2,54 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
-#include <glm/geometric.hpp>
 #include <span>
 
-#include "host/command_handlers.hpp"
 #include "host/digest.hpp"
-#include "host/phantom/phantom.hpp"
+#include "host/viewer/overlay.hpp"
+#include "host/volume_text.hpp"
 
 namespace pxpl5::host {
 
 namespace {
 
-constexpr std::array<std::string_view, 4> scalar_names = {"uint8", "int16", "uint16", "float32"};
+using Attributes = std::vector<std::pair<std::string, std::string>>;
 
-glm::dvec3 axis_mm(const Volume& volume, int axis) {
-    return glm::dvec3(volume.voxel_to_patient[axis]);
+std::string title_of(const Session& session) {
+    return session.archive() != nullptr ? session.archive()->file : session.volume().name;
 }
 
-constexpr std::array<int, 5> quantile_percent = {5, 25, 50, 75, 95};
-constexpr std::size_t max_sampled = 200'000;
+std::string spacing_text(const Volume& volume) {
+    const glm::dvec3 spacing = spacing_mm(volume);
+    return fmt::format("{:.6g}x{:.6g}x{:.6g}", spacing.x, spacing.y, spacing.z);
+}
 
-template <typename T>
-std::vector<double> quantiles_of(std::span<const std::byte> bytes) {
-    const std::size_t count = bytes.size() / sizeof(T);
-    const std::size_t step = count / max_sampled + 1;
-    std::vector<T> sample;
-    for (std::size_t i = 0; i < count; i += step) {
-        T value;
-        std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
-        if (value == value) {  // Not a number has no place in an order.
-            sample.push_back(value);
-        }
+std::string view_text(const Camera& camera) {
+    return fmt::format("azimuth {:.6g} elevation {:.6g} zoom {:.6g}", camera.angles.azimuth_deg,
+                       camera.angles.elevation_deg, camera.zoom);
+}
+
+Attributes attributes_of(const Session& session, const Camera& camera) {
+    Attributes attributes = {{"view", view_text(camera)}};
+    if (session.archive() != nullptr) {
+        attributes.emplace_back("scene", session.archive()->file);
+        return attributes;
     }
-    std::sort(sample.begin(), sample.end());
-    std::vector<double> values;
-    for (const int percent : quantile_percent) {
-        if (!sample.empty()) {
-            const std::size_t last = sample.size() - 1;
-            values.push_back(
-                static_cast<double>(sample[last * static_cast<std::size_t>(percent) / 100]));
-        }
+    const Volume& volume = session.volume();
+    attributes.emplace_back("volume", volume.source);
+    attributes.emplace_back("dims", fmt::format("{}x{}x{}", volume.nx, volume.ny, volume.nz));
+    attributes.emplace_back("spacing_mm", spacing_text(volume));
+    attributes.emplace_back("axes", orientation_letters(volume));
+    std::string isovalues;
+    for (const Surface& surface : session.scene.surfaces) {
+        isovalues +=
+            fmt::format("{}{}={}", isovalues.empty() ? "" : ", ", surface.name, surface.isovalue);
     }
-    return values;
+    attributes.emplace_back("isovalues", isovalues);
+    return attributes;
 }
 
-/// Values that so many percent of the voxels do not exceed, from every n-th voxel: where isovalues
-/// are worth trying.
-std::vector<double> quantiles(const Volume& volume) {
-    switch (volume.type) {
-        case Scalar::uint8:
-            return quantiles_of<std::uint8_t>(volume.values);
-        case Scalar::int16:
-            return quantiles_of<std::int16_t>(volume.values);
-        case Scalar::uint16:
-            return quantiles_of<std::uint16_t>(volume.values);
-        case Scalar::float32:
-            return quantiles_of<float>(volume.values);
-    }
-    return {};
-}
-
-}  // namespace
-
-glm::dvec3 spacing_mm(const Volume& volume) {
-    return {glm::length(axis_mm(volume, 0)), glm::length(axis_mm(volume, 1)),
-            glm::length(axis_mm(volume, 2))};
-}
-
-std::string orientation_letters(const Volume& volume) {
-    std::string letters;
-    for (int axis = 0; axis < 3; ++axis) {
-        const glm::dvec3 direction = axis_mm(volume, axis);
-        const glm::dvec3 size = glm::abs(direction);
-        const int largest = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-        letters += direction[largest] > 0 ? "LPS"[largest] : "RAI"[largest];
-    }
-    return letters;
-}
-
-std::string picture_text(const Session& session) {
+/// The same in one line, for formats with one text only.
+std::string describe_scene(const Session& session, const Camera& camera) {
     const Scene& scene = session.scene;
     std::string text;
     if (const phigs::Content* archive = session.archive()) {
@@ -92,69 +57,52 @@ std::string picture_text(const Session& session) {
                            archive->triangles, archive->spheres, archive->lines);
     } else {
         const Volume& volume = session.volume();
-        const glm::dvec3 spacing = spacing_mm(volume);
-        text = fmt::format("volume {} {}x{}x{} spacing {:.6g}x{:.6g}x{:.6g} mm", volume.name,
-                           volume.nx, volume.ny, volume.nz, spacing.x, spacing.y, spacing.z);
+        text = fmt::format("volume {} {}x{}x{} spacing {} mm", volume.name, volume.nx, volume.ny,
+                           volume.nz, spacing_text(volume));
     }
-    text += fmt::format("; view azimuth {:.6g} elevation {:.6g} zoom {:.6g}",
-                        scene.camera.angles.azimuth_deg, scene.camera.angles.elevation_deg,
-                        scene.camera.zoom);
+    text += "; view " + view_text(camera);
     for (const Surface& surface : scene.surfaces) {
         text += fmt::format("; surface {} isovalue {}", surface.name, surface.isovalue);
     }
     return text;
 }
 
+}  // namespace
+
+PictureExtras picture_extras(const Session& session, const Camera& camera) {
+    PictureExtras extras{describe_scene(session, camera), attributes_of(session, camera), {}, 40};
+    if (session.scene.overlay) {
+        Scene seen = session.scene;
+        seen.camera = camera;
+        if (seen.surfaces.empty() && session.archive() == nullptr) {
+            return extras;  // Nothing to explain.
+        }
+        extras.marks = overlay_marks(seen, session.subject(), title_of(session));
+    }
+    return extras;
+}
+
+PictureExtras animation_extras(const Session& session) {
+    const Scene& scene = session.scene;
+    PictureExtras extras{describe_scene(session, scene.camera), {}, {}};
+    if (scene.overlay) {
+        Overlay overlay;
+        overlay.camera = scene.camera;
+        overlay.subject = session.subject();
+        overlay.size = scene.size;
+        overlay.background = {scene.background.r, scene.background.g, scene.background.b};
+        overlay.title = title_of(session);
+        overlay.legend = legend_of(scene.surfaces);
+        overlay.letters = overlay.directions = false;
+        extras.marks = overlay_marks(overlay);
+    }
+    return extras;
+}
+
 std::uint64_t picture_digest(const Picture& picture) {
     Digest digest;
     digest.add(std::as_bytes(std::span(picture.rgba)));
     return digest.value();
-}
-
-Reply describe_volume(const Volume& volume) {
-    const glm::dvec3 spacing = spacing_mm(volume),
-                     extent = spacing * glm::dvec3(volume.nx - 1, volume.ny - 1, volume.nz - 1);
-    const glm::dvec3 origin(volume.voxel_to_patient[3]);
-    const std::string type(scalar_names[static_cast<std::size_t>(volume.type)]);
-    const std::string letters = orientation_letters(volume);
-    Reply reply;
-    reply.text = fmt::format(
-        "{}: {} x {} x {} voxels of {}, spacing {:.4g} x {:.4g} x {:.4g} mm, {:.0f} x {:.0f} x "
-        "{:.0f} mm\nvalues {} .. {}; axes point to {}, first voxel at ({:.1f}, {:.1f}, {:.1f}) mm "
-        "LPS",
-        volume.name, volume.nx, volume.ny, volume.nz, type, spacing.x, spacing.y, spacing.z,
-        extent.x, extent.y, extent.z, volume.minimum, volume.maximum, letters, origin.x, origin.y,
-        origin.z);
-    const std::vector<double> shares = quantiles(volume);
-    reply.text += "\nof the voxels";
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-        reply.text += fmt::format("{} {} % are up to {:.6g}", i == 0 ? "" : ",",
-                                  quantile_percent[i], shares[i]);
-    }
-    std::vector<Fields> notes;
-    for (const Finding& finding : volume.findings) {
-        reply.text += "\nnote: " + finding.text;
-        notes.push_back({{"note", finding.text}});
-    }
-    std::vector<Fields> surfaces;
-    for (const PhantomSurface& surface : suggested_surfaces(volume.name)) {
-        reply.text += fmt::format("\nsurface {}: iso={}", surface.name, surface.isovalue);
-        surfaces.push_back({{"name", surface.name}, {"isovalue", surface.isovalue}});
-    }
-    reply.fields = {
-        {"name", volume.name},
-        {"dims", std::vector<double>{static_cast<double>(volume.nx), static_cast<double>(volume.ny),
-                                     static_cast<double>(volume.nz)}},
-        {"type", type},
-        {"spacing_mm", std::vector<double>{spacing.x, spacing.y, spacing.z}},
-        {"origin_mm", std::vector<double>{origin.x, origin.y, origin.z}},
-        {"orientation", letters},
-        {"minimum", volume.minimum},
-        {"maximum", volume.maximum},
-        {"quantiles", shares},
-        {"notes", notes},
-        {"surfaces", surfaces}};
-    return reply;
 }
 
 Reply describe_archive(const phigs::Content& content) {

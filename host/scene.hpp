@@ -18,6 +18,7 @@ inline constexpr std::size_t max_surfaces = 16;
 inline constexpr std::size_t max_lights = 4;
 inline constexpr int max_picture_px = 4096;
 inline constexpr double max_specular_power = 128;
+inline constexpr std::size_t max_clips = 16;
 inline constexpr int opaque = 16;  ///< Sixteenths.
 
 enum class CaseTable : std::uint8_t { watertight, lorensen1987, asymptotic };
@@ -26,15 +27,10 @@ inline constexpr std::array<std::string_view, 3> case_table_names = {"watertight
 
 /// Which connected components of a surface are drawn.
 struct ComponentFilter {
-    enum class Kind : std::uint8_t {
-        all,
-        largest,       ///< By area.
-        at_least_mm2,  ///< Of area.
-        at_point       ///< The nearest to a point.
-    };
+    enum class Kind : std::uint8_t { all, largest, at_least_mm2, at_least_ml, at_point };
     Kind kind = Kind::all;
-    double least_mm2 = 0;
-    glm::dvec3 p_mm{0};  ///< Patient, LPS.
+    double least = 0;    ///< For the kinds at_least_*; largest is by number of triangles.
+    glm::dvec3 p_mm{0};  ///< For at_point: the component nearest to it; patient, LPS.
 };
 
 struct Surface {
@@ -62,6 +58,12 @@ struct Material {
     std::uint32_t specular_power = 24;       ///< 1..128.
 };
 
+/// One clip plane.
+struct SceneClip {
+    std::string words;  ///< What was asked for: "R 20", "box 0,0,0 63,63,30".
+    glm::dvec4 plane;   ///< Of the patient (mm, LPS); kept where plane . (x, y, z, 1) >= 0.
+};
+
 struct Scene {
     Camera camera;
     /// From above left, and a weaker one from the right, so that no side is without shape.
@@ -70,9 +72,8 @@ struct Scene {
     Colour background{18, 22, 30};
     Size size{512, 512};
     std::vector<Surface> surfaces;  ///< In drawing order.
-    /// Kept is what lies on the positive side of all: (normal, offset) in patient millimetres.
-    std::vector<glm::dvec4> clip_planes;
-    bool tint_gaps = false;  ///< Surfaces across missing slices are drawn in gap_colour.
+    std::vector<SceneClip> clips;   ///< What is drawn lies on the kept side of all.
+    bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in gap_colour.
     Colour gap_colour{226, 84, 62};
     bool overlay = true;  ///< Pictures in files carry orientation letters and a scale bar.
 };

@@ -74,6 +74,8 @@ void Session::on_message(const bus::Message& message) {
         received_ = receiver_->finish();
     } else if (const auto* outcome = message.as<schema::IoDone>()) {
         io_done_ = true;
+        io_report_ = {static_cast<std::int64_t>(outcome->triangles()),
+                      outcome->text() != nullptr ? outcome->text()->str() : ""};
         if (!outcome->ok()) {
             throw RequestError(
                 outcome->bad_data() ? ExitCode::bad_data : ExitCode::failed,

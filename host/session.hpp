@@ -7,13 +7,21 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/frame_request.hpp"
 #include "host/machine/port.hpp"
 #include "host/phigs/content.hpp"
 #include "host/scene.hpp"
+#include "host/surface/atlas_chart.hpp"
+#include "host/surface/components.hpp"
+#include "host/surface/volume_grid.hpp"
+#include "host/surface/welded_mesh.hpp"
+#include "host/viewer/marks.hpp"
+#include "host/viewer/pick.hpp"
 #include "host/volume.hpp"
 #include "host/volume_transfer.hpp"
 
@@ -60,6 +68,27 @@ struct LoadProgress {
 /// What to do with a file's voxels; the path is left empty.
 using ImportOptions = bus::schema::ImportVolumeT;
 
+/// What goes into a picture's file besides its pixels.
+struct PictureExtras {
+    std::string description;
+    std::vector<std::pair<std::string, std::string>> attributes;  ///< Word and value.
+    std::vector<PictureMark> marks;                               ///< Drawn over it.
+    int delay_ms = 40;  ///< Between the pictures of an animation.
+};
+
+/// How a mesh is written.
+struct MeshExport {
+    std::vector<std::string> surfaces;  ///< By name; empty for all visible ones.
+    bool ras = false;                   ///< Axes to the right, anterior, superior instead of LPS.
+    double keep = 1;                    ///< Share of the triangles that decimation leaves.
+    std::string description;
+};
+
+struct MeshExportReport {
+    std::int64_t triangles = 0;  ///< In the file.
+    std::string text;            ///< What the writer says.
+};
+
 struct OrbitReport {
     int frames = 0;
     double elapsed_ms = 0;
@@ -100,19 +129,48 @@ class Session {
     void remove_surface(const std::string& name);
     /// The surface of that name, if there is one.
     std::optional<Surface> surface(const std::string& name) const;
-    void set_colour(const std::string& name, Colour colour);
+    /// Changes how a surface is drawn: colour, visible, opacity, cull_back. The rest is not looked
+    /// at.
+    void set_style(const Surface& like);
     const SurfaceReport& report_of(const std::string& name) const;
 
     /// Draws the scene once.
     Picture draw();
     /// Draws `frames` frames, the azimuth growing by 360/frames each, two in flight; hands each to
-    /// `take` in order. The camera ends where it was.
-    OrbitReport orbit(int frames, const std::function<void(int, const Picture&)>& take);
+    /// `take` in order, with the camera that it was seen by. The camera ends where it was.
+    using TakeFrame = std::function<void(int, const Picture&, const Camera&)>;
+    OrbitReport orbit(int frames, const TakeFrame& take);
     const FrameReport& last_frame() const { return last_frame_; }
 
-    /// Writes a picture through the io process. Throws RequestError if that fails.
-    void export_picture(const Picture& picture, const std::string& path,
-                        const std::string& description);
+    /// What pixel (x, y) from the top left shows; nothing for the background. Draws the scene
+    /// once. Surfaces of archives are not picked: throws RequestError.
+    struct Picked {
+        Pick pick;
+        std::string surface;
+    };
+    std::optional<Picked> pick(int x, int y);
+
+    /// Writes pictures of one size through the io process, several as one animation. Throws
+    /// RequestError if that fails.
+    void export_pictures(std::span<const Picture> pictures, const std::string& path,
+                         const PictureExtras& extras);
+
+    /// The surface as one mesh. cells: with the cell of each triangle.
+    WeldedMesh mesh(const std::string& name, bool cells = false);
+    VolumeGrid grid() const { return grid_of(volume()); }
+    /// The sphere that the camera looks at.
+    Subject subject() const { return stage().subject; }
+    /// Draws only the shown triangles of `mesh`, until the surface changes.
+    void show_triangles(const std::string& name, const WeldedMesh& mesh, const Shown& shown);
+    /// Draws only these components, also after the isovalue changes. Returns how many there are,
+    /// and how many are drawn.
+    std::pair<std::size_t, std::size_t> set_components(const std::string& name,
+                                                       const ComponentFilter& filter);
+    /// Writes surfaces, as far as their components are drawn, through the io process.
+    MeshExportReport export_mesh(const std::string& path, const MeshExport& wish);
+
+    /// What extraction would give at each isovalue (ascending); without components.
+    std::vector<AtlasRow> measure_isovalues(std::span<const double> isovalues, CaseTable table);
 
     /// Has every node write what it has recorded. Throws RequestError if not all of them can.
     SavedTraces save_traces();
@@ -163,8 +221,12 @@ class Session {
     Surface& find_surface(const std::string& name);
     /// Hands each GP's part of the surface's mesh to `take`, in any order.
     void fetch_mesh(const std::string& name, bool origins,
-                    const std::function<void(const bus::schema::MeshPart&)>& take);
-    void submit_frame();
+                    const std::function<void(const bus::Message&)>& take);
+    /// The surface's mesh, without the components that are not drawn.
+    WeldedMesh drawn_mesh(const Surface& surface);
+    /// Masks what the filter leaves out. Returns as set_components().
+    std::pair<std::size_t, std::size_t> apply_filter(const Surface& surface);
+    void submit_frame(ReadBack read_back = ReadBack::pixels);
     Picture take_frame();  ///< The oldest frame under way.
     /// Starts the io process, sends `request` to it and waits until `done`, then lets it go.
     void with_io(const std::string& what, ExitCode on_death, bus::Payload request,
@@ -182,11 +244,13 @@ class Session {
     std::map<std::string, SurfaceReport, std::less<>> reports_;
     std::deque<PendingFrame> pending_;
     std::deque<Picture> finished_;
+    std::vector<std::uint32_t> depths_;  ///< Of the newest frame that was asked for them.
     std::vector<std::uint64_t> region_costs_;
     FrameReport last_frame_;
     std::optional<VolumeReceiver> receiver_;
     std::optional<Volume> received_;
     bool io_done_ = false;
+    MeshExportReport io_report_;  ///< Of the request that is done.
     std::optional<std::string> fault_;
     bool fault_is_ours_ = false;  ///< And not the user's: its traces are of interest.
 };

@@ -31,13 +31,16 @@ LoadReport Session::load_archive(const std::string& source) {
 
     start_ns = now_ns();
     scene.surfaces.clear();
+    scene.clips.clear();
     reports_.clear();
     region_costs_.clear();
     volume_.reset();
     archive_.reset();
     std::vector<std::uint16_t> ids;
     for (const phigs::Material& material : held.content.materials) {
-        Surface surface{"", next_surface_id_++, 1};
+        Surface surface;
+        surface.id = next_surface_id_++;
+        surface.revision = 1;
         surface.colour = material.colour;
         surface.cull_back = material.cull_back;
         held.surfaces.push_back(surface);

@@ -26,8 +26,9 @@ Stage Session::stage() const {
             held.voxel_to_patient, !held.gap_slabs.empty()};
 }
 
-void Session::submit_frame() {
-    const bus::Payload request = frame_request(scene, stage(), next_frame_, region_costs_);
+void Session::submit_frame(ReadBack read_back) {
+    const bus::Payload request =
+        frame_request(scene, stage(), next_frame_, region_costs_, read_back);
     pending_.push_back({next_frame_++, now_ns()});
     machine_.send(machine_.gp_ids().front(), request);
 }
@@ -45,6 +46,9 @@ void Session::on_frame_done(const schema::FrameDone& done) {
     Picture picture{static_cast<int>(done.width()),
                     static_cast<int>(done.height() * done.views()),
                     {done.pixels()->begin(), done.pixels()->end()}};
+    if (done.depths() != nullptr) {
+        depths_.assign(done.depths()->begin(), done.depths()->end());
+    }
     finished_.push_back(std::move(picture));
     pending_.pop_front();
 }
@@ -71,7 +75,22 @@ Picture Session::draw() {
     return take_frame();
 }
 
-OrbitReport Session::orbit(int frames, const std::function<void(int, const Picture&)>& take) {
+std::optional<Session::Picked> Session::pick(int x, int y) {
+    const Volume& held = volume();  // Throws for archives.
+    depths_.clear();
+    submit_frame(ReadBack::pixels_and_depths);
+    const Picture picture = take_frame();
+    const Stage shown = stage();
+    const std::optional<Pick> found =
+        host::pick({matrices_of(scene, shown), picture.width, picture.height, depths_}, x, y, held);
+    if (!found) {
+        return std::nullopt;
+    }
+    const std::vector<DrawnSurface> drawn = drawn_surfaces(scene, shown);
+    return Picked{*found, drawn.at(static_cast<std::size_t>(found->surface)).surface->name};
+}
+
+OrbitReport Session::orbit(int frames, const TakeFrame& take) {
     // Whatever `take` throws, the camera is where it was and no frame of the orbit is left over.
     struct Restore {
         Session& session;
@@ -82,15 +101,19 @@ OrbitReport Session::orbit(int frames, const std::function<void(int, const Pictu
         }
     };
     const Restore restore{*this};
+    const auto camera_of = [&](int index) {
+        Camera camera = restore.before;
+        camera.angles.azimuth_deg += 360.0 * index / frames;
+        return camera;
+    };
     const std::int64_t start_ns = now_ns();
     for (int submitted = 0, taken = 0; taken < frames; ++taken) {
         for (; submitted < frames && pending_.size() + finished_.size() < frames_in_flight;
              ++submitted) {
-            scene.camera.angles.azimuth_deg =
-                restore.before.angles.azimuth_deg + 360.0 * submitted / frames;
+            scene.camera = camera_of(submitted);
             submit_frame();
         }
-        take(taken, take_frame());
+        take(taken, take_frame(), camera_of(taken));
     }
     return {frames, ms_since(start_ns)};
 }

@@ -1,8 +1,11 @@
 // What a session reads back of surfaces.
+#include <algorithm>
 #include <span>
 
 #include "host/digest.hpp"
 #include "host/session.hpp"
+#include "host/surface/mesh_gather.hpp"
+#include "host/surface/mesh_mask.hpp"
 
 namespace pxpl5::host {
 
@@ -22,10 +25,29 @@ std::uint64_t digest_of(const schema::SlabMesh& mesh) {
     return digest.value();
 }
 
+Shown shown_by(const ComponentFilter& filter, const WeldedMesh& mesh, const MeshComponents& parts,
+               const VolumeGrid& grid) {
+    switch (parts.components.empty() ? ComponentFilter::Kind::all : filter.kind) {
+        case ComponentFilter::Kind::largest:
+            return show_component(parts, 0);
+        case ComponentFilter::Kind::at_least_mm2:
+            return show_at_least(parts, ComponentMeasure::area_mm2, filter.least);
+        case ComponentFilter::Kind::at_least_ml:
+            return show_at_least(parts, ComponentMeasure::volume_ml, filter.least);
+        case ComponentFilter::Kind::at_point: {
+            const std::optional<SurfacePoint> nearest = nearest_point(mesh, grid, filter.p_mm);
+            return show_component(parts, parts.of_triangle[nearest.value().triangle]);
+        }
+        case ComponentFilter::Kind::all:
+            break;
+    }
+    return Shown(mesh.triangles.size(), 1);
+}
+
 }  // namespace
 
 void Session::fetch_mesh(const std::string& name, bool origins,
-                         const std::function<void(const schema::MeshPart&)>& take) {
+                         const std::function<void(const bus::Message&)>& take) {
     const Surface& surface = find_surface(name);
     schema::FetchMeshT request;
     request.surface = surface.id;
@@ -36,15 +58,15 @@ void Session::fetch_mesh(const std::string& name, bool origins,
             part->revision() != surface.revision) {
             return false;
         }
-        take(*part);
+        take(message);
         return true;
     });
 }
 
 std::uint64_t Session::mesh_digest(const std::string& name) {
     std::map<std::uint32_t, std::uint64_t> slab_digests;
-    fetch_mesh(name, false, [&](const schema::MeshPart& part) {
-        for (const auto* mesh : *part.slabs()) {
+    fetch_mesh(name, false, [&](const bus::Message& message) {
+        for (const auto* mesh : *message.as<schema::MeshPart>()->slabs()) {
             slab_digests[mesh->slab()] = digest_of(*mesh);
         }
     });
@@ -53,6 +75,88 @@ std::uint64_t Session::mesh_digest(const std::string& name) {
         digest.add(std::as_bytes(std::span(&value, 1)));
     }
     return digest.value();
+}
+
+WeldedMesh Session::mesh(const std::string& name, bool cells) {
+    const Surface& surface = find_surface(name);
+    MeshGather gather(grid(), surface.id, surface.revision);
+    fetch_mesh(name, cells, [&gather](const bus::Message& part) { gather.add(part); });
+    return gather.finish();
+}
+
+void Session::show_triangles(const std::string& name, const WeldedMesh& mesh, const Shown& shown) {
+    const Surface& surface = find_surface(name);
+    ask_gps("mask of " + name, mask_message(mesh, shown, surface.id, surface.revision),
+            [&](const bus::Message& message) {
+                const auto* taken = message.as<schema::SurfaceBuilt>();
+                return taken != nullptr && taken->surface() == surface.id &&
+                       taken->revision() == surface.revision;
+            });
+}
+
+std::pair<std::size_t, std::size_t> Session::apply_filter(const Surface& surface) {
+    const WeldedMesh whole = mesh(surface.name);
+    const MeshComponents parts = find_components(whole, grid());
+    const Shown shown = shown_by(surface.components, whole, parts, grid());
+    show_triangles(surface.name, whole, shown);
+    std::set<std::uint32_t> drawn;
+    for (std::size_t t = 0; t < shown.size(); ++t) {
+        if (shown[t] != 0) {
+            drawn.insert(parts.of_triangle[t]);
+        }
+    }
+    return {parts.components.size(), drawn.size()};
+}
+
+WeldedMesh Session::drawn_mesh(const Surface& surface) {
+    WeldedMesh whole = mesh(surface.name);
+    if (surface.components.kind == ComponentFilter::Kind::all) {
+        return whole;
+    }
+    const MeshComponents parts = find_components(whole, grid());
+    return shown_part(whole, shown_by(surface.components, whole, parts, grid()));
+}
+
+std::pair<std::size_t, std::size_t> Session::set_components(const std::string& name,
+                                                            const ComponentFilter& filter) {
+    Surface& surface = find_surface(name);
+    surface.components = filter;
+    return apply_filter(surface);
+}
+
+std::vector<AtlasRow> Session::measure_isovalues(std::span<const double> isovalues,
+                                                 CaseTable table) {
+    volume();
+    schema::MeasureIsovaluesT request;
+    request.isovalues.assign(isovalues.begin(), isovalues.end());
+    request.table = static_cast<schema::CaseTable>(table);
+    // Sums in slab order, so that rounding does not depend on which GP held which slab.
+    std::map<std::uint32_t, std::vector<schema::IsovalueCounts>> slabs;
+    ask_gps("isovalues", bus::pack(request), [&](const bus::Message& message) {
+        const auto* measured = message.as<schema::IsovaluesMeasured>();
+        if (measured == nullptr) {
+            return false;
+        }
+        for (const auto* slab : *measured->slabs()) {
+            auto& counts = slabs[slab->slab()];
+            for (const schema::IsovalueCounts* each : *slab->counts()) {
+                counts.push_back(*each);
+            }
+        }
+        return true;
+    });
+    std::vector<AtlasRow> rows;
+    for (const double isovalue : isovalues) {
+        rows.push_back({isovalue, 0, 0, 0, 0});
+    }
+    for (const auto& [slab, counts] : slabs) {
+        for (std::size_t i = 0; i < std::min(rows.size(), counts.size()); ++i) {
+            rows[i].triangles += counts[i].triangles();
+            rows[i].area_mm2 += counts[i].area_mm2();
+            rows[i].volume_mm3 += counts[i].volume_mm3();
+        }
+    }
+    return rows;
 }
 
 }  // namespace pxpl5::host

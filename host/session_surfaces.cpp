@@ -58,8 +58,12 @@ std::optional<Surface> Session::surface(const std::string& name) const {
     return std::nullopt;
 }
 
-void Session::set_colour(const std::string& name, Colour colour) {
-    find_surface(name).colour = colour;
+void Session::set_style(const Surface& like) {
+    Surface& surface = find_surface(like.name);
+    surface.colour = like.colour;
+    surface.visible = like.visible;
+    surface.opacity = like.opacity;
+    surface.cull_back = like.cull_back;
 }
 
 SurfaceReport Session::set_surface(const std::string& name, double isovalue, CaseTable table,
@@ -73,7 +77,10 @@ SurfaceReport Session::set_surface(const std::string& name, double isovalue, Cas
                                                             "before adding '{}'",
                                                             max_surfaces, name));
         }
-        scene.surfaces.push_back({name, next_surface_id_++});
+        Surface added;
+        added.name = name;
+        added.id = next_surface_id_++;
+        scene.surfaces.push_back(added);
         found = scene.surfaces.end() - 1;
     }
     found->isovalue = isovalue;
@@ -111,6 +118,10 @@ SurfaceReport Session::set_surface(const std::string& name, double isovalue, Cas
     report.elapsed_ms = ms_since(start_ns);
     report.memory_bytes = memory_bytes;
     reports_.insert_or_assign(name, report);
+    if (const Surface& built = find_surface(name);
+        built.components.kind != ComponentFilter::Kind::all) {
+        apply_filter(built);
+    }
     return report;
 }
 

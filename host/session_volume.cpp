@@ -1,4 +1,4 @@
-// What a session does with files: volumes in, pictures out, by the io process.
+// What a session does with volumes: has the io process read them, and hands them to the GPs.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -151,6 +151,7 @@ void Session::distribute(Volume& volume, int slices_there, Loading& loading) {
     if (!loading.distribution) {
         // What was loaded goes only now: until here the new volume might have been unreadable.
         scene.surfaces.clear();
+        scene.clips.clear();
         reports_.clear();
         region_costs_.clear();
         archive_.reset();
@@ -215,21 +216,6 @@ void Session::give_up_volume() {
     for (const bus::NodeId gp : machine_.gp_ids()) {
         machine_.send(gp, bus::pack(drop));
     }
-}
-
-void Session::export_picture(const Picture& picture, const std::string& path,
-                             const std::string& description) {
-    flatbuffers::FlatBufferBuilder builder(picture.rgba.size() * 4 + 1024);
-    const auto rgba = builder.CreateVector(
-        reinterpret_cast<const std::uint8_t*>(picture.rgba.data()), picture.rgba.size() * 4);
-    const auto path_text = builder.CreateString(path);
-    const auto description_text = builder.CreateString(description);
-    with_io(path, ExitCode::failed,
-            bus::finish(builder,
-                        schema::CreateExportPicture(
-                            builder, path_text, static_cast<std::uint32_t>(picture.width),
-                            static_cast<std::uint32_t>(picture.height), rgba, description_text)),
-            [this] { return io_done_; });
 }
 
 }  // namespace pxpl5::host

@@ -62,7 +62,9 @@ void finish(const ComponentSums& sums, const MeshMeasure& measure, MeshComponent
     if (component.closed) {
         component.volume_mm3 = measure.plain_mm3(sums.volume);
     } else if (sums.open_edges == 0) {
-        component.volume_mm3 = measure.within_box_mm3(sums.volume);
+        const double inner_mm3 = measure.within_box_mm3(sums.volume);
+        component.volume_mm3 =
+            inner_mm3 > measure.box_mm3() / 2 ? inner_mm3 - measure.box_mm3() : inner_mm3;
     }
     // Of a component without area, the middle of its box.
     component.centre_mm = component.area_mm2 > 0

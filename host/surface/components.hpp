@@ -15,9 +15,10 @@ struct MeshComponent {
     std::size_t first_triangle = 0;  ///< The lowest.
     std::size_t triangles = 0;
     double area_mm2 = 0;
-    /// Of what is on the component's inner side: if closed the plain divergence sum, which is
-    /// negative for a cavity; if open only at the volume's border, closed by the volume's own
-    /// faces; none if it has holes.
+    /// Of what the component encloses: if closed the plain divergence sum, which is negative for a
+    /// cavity; if open only at the volume's border, closed by the volume's own faces on the smaller
+    /// of the two sides that it parts the volume into, negative if that is the outside; none if it
+    /// has holes.
     std::optional<double> volume_mm3;
     bool closed = false;
     BoxMm bounds_mm;

@@ -79,6 +79,11 @@ double MeshMeasure::plain_mm3(const VolumeSums& sums) const {
     return scale_ * sums.flux / 6;
 }
 
+double MeshMeasure::box_mm3() const {
+    const double height = grid_.place(grid_.nz - 1) - grid_.place(0);
+    return std::abs(scale_) * (grid_.nx - 1) * (grid_.ny - 1) * height;
+}
+
 double MeshMeasure::within_box_mm3(const VolumeSums& sums) const {
     const double sign = scale_ < 0 ? -1 : 1;
     const double last_x = grid_.nx - 1, last_y = grid_.ny - 1;

@@ -53,6 +53,8 @@ class MeshMeasure {
 
     /// The plain divergence sum of a closed surface, negative if it is a cavity.
     double plain_mm3(const VolumeSums& sums) const;
+    /// Of the whole volume, between the outermost voxels' centres.
+    double box_mm3() const;
     /// Of what is inside, between nothing and the whole box; of no triangles nothing.
     double within_box_mm3(const VolumeSums& sums) const;
 

@@ -62,7 +62,7 @@ Results results_of(Session& session, bool with_saves) {
     results.push_back(session.mesh_digest("inner"));
     add(session.draw());
     save();
-    session.orbit(4, [&](int, const Picture& picture) { add(picture); });
+    session.orbit(4, [&](int, const Picture& picture, const Camera&) { add(picture); });
     save();
     session.set_surface("outer", middle * 0.9, CaseTable::watertight, {200, 180, 160});
     add(session.draw());
@@ -183,13 +183,13 @@ TEST_CASE("a Renderer that is killed at work leaves a trace that is read up to t
     session.load("phantom:letters");
     const double middle = (session.volume().minimum + session.volume().maximum) / 2;
     session.set_surface("outer", middle, CaseTable::watertight, {200, 180, 160});
-    session.orbit(5, [](int, const Picture&) {});
+    session.orbit(5, [](int, const Picture&, const Camera&) {});
     session.save_traces();  // What has come by now is in the file.
     int pid = 0;
     for (const Machine::Process& process : machine.processes()) {
         pid = process.name == "renderer-0" ? process.pid : pid;
     }
-    const auto kill_it = [&](int frame, const Picture&) {
+    const auto kill_it = [&](int frame, const Picture&, const Camera&) {
         if (frame == 3) {
             ::kill(pid, SIGKILL);
         }

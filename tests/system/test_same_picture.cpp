@@ -41,8 +41,9 @@ Results results_of(MachinePort& machine) {
     results.meshes = {session.mesh_digest("outer"), session.mesh_digest("inner")};
     results.pictures.push_back(session.draw().rgba);
     results.instructions = session.last_frame().instructions;
-    session.orbit(3,
-                  [&](int, const Picture& picture) { results.pictures.push_back(picture.rgba); });
+    session.orbit(3, [&](int, const Picture& picture, const Camera&) {
+        results.pictures.push_back(picture.rgba);
+    });
     return results;
 }
 

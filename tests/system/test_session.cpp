@@ -43,7 +43,7 @@ TEST_CASE("an orbit that is broken off leaves no frame and no turned camera behi
     session.set_surface("s", 0.5, CaseTable::watertight, grey);
     const Picture before = session.draw();
     CHECK_THROWS_AS(session.orbit(7,
-                                  [](int index, const Picture&) {
+                                  [](int index, const Picture&, const Camera&) {
                                       if (index == 2) {
                                           throw std::runtime_error("the disk is full");
                                       }
@@ -58,7 +58,9 @@ TEST_CASE("a frame asked for too early does not stand in the way of later ones")
     test::SimulatedMachine machine(machine_of(1, 1));
     Session session(machine);
     CHECK(error_of([&] { session.draw(); }).find("no volume is loaded") == 0);
-    CHECK(error_of([&] { session.orbit(3, [](int, const Picture&) {}); }).find("no volume") == 0);
+    CHECK(error_of([&] {
+              session.orbit(3, [](int, const Picture&, const Camera&) {});
+          }).find("no volume") == 0);
     session.load("phantom:sphere");
     CHECK(session.draw().rgba.size() == 512 * 512);
 }

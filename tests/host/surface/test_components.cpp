@@ -109,6 +109,17 @@ TEST_SUITE("host/surface/components") {
                                                   p.parts.components[1].volume_mm3.value()));
     }
 
+    TEST_CASE("a cavity that the border cuts has its own volume, negative") {
+        const Volume volume =
+            make_volume({20, 16, 14}, gp::Scalar::float32, [](int x, int y, int z) {
+                return glm::distance(glm::dvec3(x, y, z), glm::dvec3(19, 15, 13)) - 6;
+            });
+        const Parts p = parts_of(volume, 0);
+        REQUIRE(p.parts.components.size() == 1);
+        CHECK(p.parts.components[0].volume_mm3.value() ==
+              doctest::Approx(-pi / 6 * 6 * 6 * 6).epsilon(chord_error(6)));
+    }
+
     TEST_CASE("a component that the border cuts has the volume within; one with holes has none") {
         const Volume volume =
             make_volume({20, 16, 14}, gp::Scalar::float32, [](int x, int y, int z) {

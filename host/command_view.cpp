@@ -1,0 +1,242 @@
+// Commands about how the scene is looked at.
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "host/command_handlers.hpp"
+#include "host/error.hpp"
+#include "host/nearest.hpp"
+#include "host/viewer/clip.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr double max_angle_deg = 36000;
+constexpr double min_zoom = 0.05, max_zoom = 100;
+constexpr double max_place_mm = 1e6;
+
+/// "off" or "on" at words[0].
+bool parse_switch(const Arguments& arguments) {
+    const std::string& word = arguments.words[0];
+    if (word != "on" && word != "off") {
+        refuse_command(fmt::format("{}: '{}' is neither on nor off", arguments.name, word));
+    }
+    return word == "on";
+}
+
+Reply describe_clips(const Session& session) {
+    Reply reply;
+    std::vector<Fields> list;
+    const std::string* last = nullptr;
+    for (const SceneClip& clip : session.scene.clips) {
+        if (last != nullptr && *last == clip.words) {
+            continue;  // A box has six planes.
+        }
+        last = &clip.words;
+        reply.text += fmt::format("{}clip {}", reply.text.empty() ? "" : "\n", clip.words);
+        list.push_back({{"clip", clip.words}});
+    }
+    if (list.empty()) {
+        reply.text = "nothing is cut off";
+    }
+    reply.fields = {{"clips", list}};
+    return reply;
+}
+
+/// Across a patient's axis, through a place in millimetres or the volume's centre.
+void add_plane(Session& session, const Arguments& arguments) {
+    const std::string& letter = arguments.words[0];
+    double at_mm = 0;
+    if (arguments.words.size() > 1) {
+        at_mm = parse_number("place", arguments.words[1], -max_place_mm, max_place_mm);
+    } else if (const auto unit = letter.size() == 1 ? axis_plane(letter[0], 1) : std::nullopt) {
+        at_mm = glm::dot(session.subject().centre_mm, glm::dvec3(*unit));
+    }
+    const auto plane = letter.size() == 1 ? axis_plane(letter[0], at_mm) : std::nullopt;
+    if (!plane) {
+        refuse_command(
+            fmt::format("clip: '{}' is none of L R P A S I, box, off: the letter names the side "
+                        "that is kept",
+                        letter));
+    }
+    session.scene.clips.push_back({fmt::format("{} {:.6g}", letter, at_mm), *plane});
+}
+
+void add_box(Session& session, const Arguments& arguments) {
+    const Volume& volume = session.volume();
+    if (arguments.words.size() != 3) {
+        refuse_command("clip box: give two corner voxels, as clip box 10,10,0 90,90,40");
+    }
+    const glm::dvec3 first = parse_triple("first corner", arguments.words[1], -1e5, 1e5);
+    const glm::dvec3 last = parse_triple("last corner", arguments.words[2], -1e5, 1e5);
+    try {
+        for (const glm::dvec4& plane :
+             box_planes_voxels(first, last, {volume.voxel_to_patient, volume.slice_places})) {
+            session.scene.clips.push_back(
+                {fmt::format("box {} {}", arguments.words[1], arguments.words[2]), plane});
+        }
+    } catch (const std::invalid_argument& error) {
+        refuse_command(std::string("clip box: ") + error.what());
+    }
+}
+
+}  // namespace
+
+Reply run_view(Session& session, const Arguments& arguments) {
+    Camera camera = session.scene.camera;
+    if (arguments.words.size() == 1) {
+        const auto angles = find_view(arguments.words[0]);
+        if (!angles) {
+            std::vector<std::string_view> names;
+            for (const NamedView& view : named_views()) {
+                names.push_back(view.name);
+            }
+            refuse_command(fmt::format("there is no view '{}'{}", arguments.words[0],
+                                       did_you_mean(arguments.words[0], names)));
+        }
+        camera.angles = *angles;
+    } else if (arguments.words.size() == 2) {
+        camera.angles = {parse_number("azimuth", arguments.words[0], -max_angle_deg, max_angle_deg),
+                         parse_number("elevation", arguments.words[1], -90, 90)};
+    }
+    camera.zoom = arguments.number("zoom", camera.zoom, min_zoom, max_zoom);
+    session.scene.camera = camera;
+    return {fmt::format("azimuth {} elevation {} zoom {}", camera.angles.azimuth_deg,
+                        camera.angles.elevation_deg, camera.zoom),
+            {{"azimuth_deg", camera.angles.azimuth_deg},
+             {"elevation_deg", camera.angles.elevation_deg},
+             {"zoom", camera.zoom}}};
+}
+
+Reply run_light(Session& session, const Arguments& arguments) {
+    auto& lights = session.scene.lights;
+    const double number = parse_number("light", arguments.words[0], 1, max_lights);
+    const auto index = static_cast<std::size_t>(number) - 1;
+    if (number != std::floor(number) || index > lights.size()) {
+        refuse_command(fmt::format("light {} cannot be set: {} are on; the next is {}",
+                                   arguments.words[0], lights.size(), lights.size() + 1));
+    }
+    if (arguments.words[1] == "off") {
+        if (index < lights.size()) {
+            lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(index));
+        }
+    } else if (arguments.words.size() == 3) {
+        const double before = index < lights.size() ? lights[index].intensity : 0.8;
+        const Light light{
+            parse_number("azimuth", arguments.words[1], -max_angle_deg, max_angle_deg),
+            parse_number("elevation", arguments.words[2], -90, 90),
+            arguments.number("intensity", before, 0, 4)};
+        index < lights.size() ? lights[index] = light : lights.emplace_back(light);
+    } else {
+        refuse_command(fmt::format("light {}: give AZ EL or off, got '{}'", arguments.words[0],
+                                   arguments.words[1]));
+    }
+    return {fmt::format("{} of {} lights on", lights.size(), max_lights),
+            {{"lights", static_cast<std::int64_t>(lights.size())}}};
+}
+
+Reply run_material(Session& session, const Arguments& arguments) {
+    Material material = session.scene.material;
+    material.ambient = arguments.number("ambient", material.ambient, 0, 1);
+    material.specular = arguments.number("specular", material.specular, 0, 1);
+    const double power = arguments.number("power", material.specular_power, 1, 128);
+    material.specular_power = static_cast<std::uint32_t>(power);
+    session.scene.material = material;
+    return {fmt::format("ambient {} specular {} power {}", material.ambient, material.specular,
+                        material.specular_power),
+            {{"ambient", material.ambient},
+             {"specular", material.specular},
+             {"power", static_cast<std::int64_t>(material.specular_power)}}};
+}
+
+Reply run_background(Session& session, const Arguments& arguments) {
+    session.scene.background = parse_colour(arguments.words[0]);
+    return {"background " + arguments.words[0], {{"background", arguments.words[0]}}};
+}
+
+Reply run_size(Session& session, const Arguments& arguments) {
+    session.scene.size = parse_size(arguments.words[0], 1, max_picture_px);
+    return {"size " + arguments.words[0],
+            {{"width", std::int64_t{session.scene.size.width}},
+             {"height", std::int64_t{session.scene.size.height}}}};
+}
+
+Reply run_clip(Session& session, const Arguments& arguments) {
+    const std::vector<SceneClip> before = session.scene.clips;
+    if (arguments.words.empty()) {
+        return describe_clips(session);
+    }
+    if (arguments.words[0] == "off") {
+        session.scene.clips.clear();
+    } else if (arguments.words[0] == "box") {
+        add_box(session, arguments);
+    } else {
+        add_plane(session, arguments);
+    }
+    if (session.scene.clips.size() > max_clips) {
+        const std::size_t wished = session.scene.clips.size();
+        session.scene.clips = before;
+        refuse_command(fmt::format("clip: {} planes, {} are the most; 'clip off' removes all",
+                                   wished, max_clips));
+    }
+    return describe_clips(session);
+}
+
+Reply run_overlay(Session& session, const Arguments& arguments) {
+    session.scene.overlay = parse_switch(arguments);
+    return {"overlay " + arguments.words[0], {{"overlay", session.scene.overlay}}};
+}
+
+Reply run_tint(Session& session, const Arguments& arguments) {
+    if (arguments.words[0] != "gaps" && arguments.words[0] != "off") {
+        refuse_command(fmt::format("tint: '{}' is neither gaps nor off", arguments.words[0]));
+    }
+    session.scene.tint_gaps = arguments.words[0] == "gaps";
+    if (arguments.has("color")) {
+        session.scene.gap_colour = parse_colour(arguments.text("color", ""));
+    }
+    const std::size_t gaps = session.volume().gap_slabs.size();
+    return {fmt::format("tint {}: the volume has {} gap{}", arguments.words[0], gaps,
+                        gaps == 1 ? "" : "s"),
+            {{"tint_gaps", session.scene.tint_gaps}, {"gaps", static_cast<std::int64_t>(gaps)}}};
+}
+
+Reply run_pick(Session& session, const Arguments& arguments) {
+    const auto& size = session.scene.size;
+    const int x = parse_whole("X", arguments.words[0], 0, size.width - 1);
+    const int y = parse_whole("Y", arguments.words[1], 0, size.height - 1);
+    const auto picked = session.pick(x, y);
+    if (!picked) {
+        return {fmt::format("nothing at ({}, {}): the background", x, y), {{"hit", false}}};
+    }
+    const Pick& pick = picked->pick;
+    Reply reply;
+    reply.text = fmt::format(
+        "{} at ({:.2f}, {:.2f}, {:.2f}) mm LPS; voxel ({}, {}, {}) has {}, {:.6g} between voxels",
+        picked->surface, pick.p_mm.x, pick.p_mm.y, pick.p_mm.z, pick.x, pick.y, pick.z,
+        pick.value ? fmt::format("{:.6g}", *pick.value) : "no value known",
+        pick.value_between.value_or(std::nan("")));
+    reply.fields = {
+        {"hit", true},
+        {"surface", picked->surface},
+        {"p_mm", std::vector<double>{pick.p_mm.x, pick.p_mm.y, pick.p_mm.z}},
+        {"p_voxel", std::vector<double>{pick.p_voxel.x, pick.p_voxel.y, pick.p_voxel.z}},
+        {"voxel", std::vector<double>{static_cast<double>(pick.x), static_cast<double>(pick.y),
+                                      static_cast<double>(pick.z)}}};
+    if (pick.value) {
+        reply.fields.push_back({"value", *pick.value});
+    }
+    if (arguments.has("set") && pick.value) {
+        Arguments surface;
+        surface.name = "surface";
+        surface.words = {arguments.text("set", "")};
+        surface.options["iso"] = fmt::format("{}", *pick.value);
+        const Reply built = run_surface(session, surface);
+        reply.text += "\n" + built.text;
+        reply.fields.push_back({"set", built.fields});
+    }
+    return reply;
+}
+
+}  // namespace pxpl5::host

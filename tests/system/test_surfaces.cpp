@@ -1,0 +1,167 @@
+// Surfaces that are masked, transparent, cut or hidden, on a simulated machine: whatever its size
+// and the order of arrival, and whatever came before.
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include "host/commands.hpp"
+#include "host/error.hpp"
+#include "host/session.hpp"
+#include "host/surface/certificate.hpp"
+#include "host/surface/isovalue_components.hpp"
+#include "tests/system/simulated_machine.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+
+namespace {
+
+constexpr Colour grey{160, 160, 160};
+
+Topology machine_of(int gps, int renderers, std::uint64_t seed = 11) {
+    Topology topology;
+    topology.gp.count = gps;
+    topology.renderer.count = renderers;
+    topology.frame_buffer.count = 1;
+    topology.gp_memory_mib = 256;
+    topology.seed = seed;
+    return topology;
+}
+
+/// A session of its own on a machine of its own, with the built-in pelvis' bone.
+struct Bone {
+    explicit Bone(const Topology& topology) : machine(topology), session(machine) {
+        session.load("phantom:pelvis");
+        session.scene.size = {200, 170};
+        session.set_surface("bone", 250.5, CaseTable::watertight, grey);
+    }
+    Reply run(const std::string& line) { return run_command(session, parse_line(line)); }
+    std::vector<std::uint32_t> draw() { return session.draw().rgba; }
+
+    test::SimulatedMachine machine;
+    Session session;
+};
+
+}  // namespace
+
+TEST_CASE("masks, doors and cuts give the same picture on any machine, in any order of arrival") {
+    std::vector<std::vector<std::uint32_t>> first;
+    const struct {
+        int gps, renderers;
+        std::uint64_t seed;
+    } machines[] = {{1, 1, 1}, {2, 2, 2}, {2, 2, 3}, {3, 5, 4}, {3, 5, 5}};
+    for (const auto& m : machines) {
+        CAPTURE(m.gps);
+        CAPTURE(m.seed);
+        Bone bone(machine_of(m.gps, m.renderers, m.seed));
+        std::vector<std::vector<std::uint32_t>> pictures;
+        for (const char* line :
+             {"components bone show=largest", "surface skin opacity=0.4", "clip L", "compare bone",
+              "compare bone off", "components bone show=all", "clip off"}) {
+            bone.run(line);
+            pictures.push_back(bone.draw());
+        }
+        if (first.empty()) {
+            first = pictures;
+        }
+        CHECK(pictures == first);
+    }
+}
+
+TEST_CASE("what is chosen of a surface's components stays chosen when the isovalue moves") {
+    Bone chosen_first(machine_of(2, 2)), chosen_last(machine_of(2, 2));
+    chosen_first.run("components bone show=largest");
+    chosen_first.run("surface bone iso=260.5");
+    chosen_last.run("surface bone iso=260.5");
+    const auto whole = chosen_last.draw();
+    chosen_last.run("components bone show=largest");
+    CHECK(chosen_first.draw() == chosen_last.draw());
+    CHECK(chosen_first.draw() != whole);
+    chosen_first.run("components bone show=all");
+    CHECK(chosen_first.draw() == whole);
+}
+
+TEST_CASE("a comparison leaves nothing behind") {
+    Bone bone(machine_of(2, 2));
+    const auto before = bone.draw();
+    bone.run("compare bone");
+    CHECK(bone.draw() != before);
+    CHECK(bone.session.scene.surfaces.size() == 3);
+    bone.run("compare bone off");
+    CHECK(bone.draw() == before);
+    CHECK(bone.session.scene.surfaces.size() == 1);
+}
+
+TEST_CASE("a hidden surface is as if it were not there") {
+    Bone bone(machine_of(2, 2));
+    const auto before = bone.draw();
+    bone.run("surface skin");
+    CHECK(bone.draw() != before);
+    bone.run("surface skin visible=no");
+    CHECK(bone.draw() == before);
+    CHECK(bone.session.scene.surfaces.size() == 2);
+}
+
+TEST_CASE("a picked point has the isovalue between its voxels") {
+    Bone bone(machine_of(2, 2));
+    int hits = 0;
+    for (int x = 20; x < 180; x += 8) {
+        if (const auto picked = bone.session.pick(x, 85)) {
+            ++hits;
+            CHECK(picked->surface == "bone");
+            // Trilinear between voxels, linear along the edges of a triangle: not the same, but
+            // far less apart than bone and what is around it.
+            CHECK(picked->pick.value_between.value() == doctest::Approx(250.5).epsilon(0.35));
+        }
+    }
+    CHECK(hits > 3);
+    CHECK_FALSE(bone.session.pick(0, 0).has_value());
+}
+
+TEST_CASE("the atlas tells what the surfaces would be") {
+    Bone bone(machine_of(3, 1));
+    const std::vector<double> isovalues = {-300.5, -20.5, 250.5, 700.5};
+    const auto rows = bone.session.measure_isovalues(isovalues, CaseTable::watertight);
+    const auto components = count_components(bone.session.volume(), isovalues);
+    for (std::size_t i = 0; i < isovalues.size(); ++i) {
+        const SurfaceReport report =
+            bone.session.set_surface("s", isovalues[i], CaseTable::watertight, grey);
+        CHECK(static_cast<std::int64_t>(rows[i].triangles) == report.triangles);
+        CHECK(rows[i].area_mm2 == doctest::Approx(report.area_mm2).epsilon(1e-9));
+        CHECK(rows[i].volume_mm3 == doctest::Approx(report.volume_mm3).epsilon(1e-9));
+        const Certificate certificate = certify(bone.session.mesh("s"), bone.session.grid());
+        CHECK(certificate.good());
+        CHECK(certificate.components == components[i].surface());
+    }
+}
+
+TEST_CASE("wrong words about surfaces are refused and change nothing") {
+    Bone bone(machine_of(1, 1));
+    const auto before = bone.draw();
+    for (const char* line : {"surface bone opacity=0",
+                             "surface bone visible=maybe",
+                             "surface bone preset=bones",
+                             "components bone show=some",
+                             "components bone at=0,0",
+                             "components skull",
+                             "compare skull",
+                             "compare bone on",
+                             "clip X 3",
+                             "clip box 1,1,1",
+                             "clip box 9,9,9 1,1,1",
+                             "tint holes",
+                             "overlay maybe",
+                             "pick 200 0",
+                             "pick 1.5 2",
+                             "certificate skull",
+                             "export",
+                             "atlas from=5 to=1",
+                             "atlas steps=1",
+                             "load phantom:pelvis crop=1:2",
+                             "load phantom:pelvis resample=2x2x2 resample_mm=1,1,1",
+                             "orbit 3 picture.png"}) {
+        CAPTURE(line);
+        CHECK_THROWS_AS(bone.run(line), RequestError);
+    }
+    CHECK(bone.draw() == before);
+}
