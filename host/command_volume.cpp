@@ -32,11 +32,9 @@ std::vector<double> even_isovalues(double low, double high, int count) {
     return isovalues;
 }
 
-AtlasContent atlas_content(const Volume& volume, const std::vector<AtlasRow>& rows,
-                           CaseTable table) {
+AtlasContent atlas_content(const Volume& volume, const std::vector<AtlasRow>& rows) {
     AtlasContent content;
-    content.title =
-        fmt::format("{}, {}", volume.name, case_table_names[static_cast<std::size_t>(table)]);
+    content.title = volume.name + ", watertight";
     content.value_unit = volume.modality == "CT" ? "HU" : "";
     content.rows = rows;
     content.plateaus = find_plateaus(rows);
@@ -115,14 +113,13 @@ Reply run_atlas(Session& session, const Arguments& arguments) {
     if (!(low < high)) {
         refuse_command(fmt::format("atlas: from={} is not below to={}", low, high));
     }
-    const CaseTable table = parse_table(arguments.text("table", "watertight"));
     const std::vector<double> isovalues = even_isovalues(low, high, steps);
-    std::vector<AtlasRow> rows = session.measure_isovalues(isovalues, table);
+    std::vector<AtlasRow> rows = session.measure_isovalues(isovalues, CaseTable::watertight);
     const std::vector<ComponentCounts> components = count_components(volume, isovalues);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         rows[i].components = rows[i].triangles == 0 ? 0 : components[i].surface();
     }
-    const AtlasContent content = atlas_content(volume, rows, table);
+    const AtlasContent content = atlas_content(volume, rows);
     Reply reply{atlas_text(content), atlas_fields(rows)};
     if (!arguments.words.empty()) {
         write_chart(session, content, arguments.words[0]);

@@ -22,8 +22,9 @@ Stage Session::stage() const {
         return {archive_->surfaces, phigs::scene_subject(), glm::dmat4(1.0), false};
     }
     const Volume& held = volume();
-    return {scene.surfaces, subject_of(held.nx, held.ny, held.nz, held.voxel_to_patient),
-            held.voxel_to_patient, !held.gap_slabs.empty()};
+    const glm::dvec3 last(held.nx - 1, held.ny - 1, last_place(held));
+    return {scene.surfaces, subject_of(last, held.voxel_to_patient), held.voxel_to_patient,
+            !held.gap_slabs.empty()};
 }
 
 void Session::submit_frame(ReadBack read_back) {

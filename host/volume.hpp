@@ -58,4 +58,9 @@ struct Volume {
     std::uint64_t digest = 0;       ///< FNV-1a over the values; 0 if not known.
 };
 
+/// z of the last slice in the grid.
+inline double last_place(const Volume& volume) {
+    return volume.slice_places.empty() ? volume.nz - 1 : volume.slice_places.back();
+}
+
 }  // namespace pxpl5::host

@@ -105,7 +105,8 @@ std::string orientation_letters(const Volume& volume) {
 
 Reply describe_volume(const Volume& volume) {
     const glm::dvec3 spacing = spacing_mm(volume),
-                     extent = spacing * glm::dvec3(volume.nx - 1, volume.ny - 1, volume.nz - 1);
+                     extent =
+                         spacing * glm::dvec3(volume.nx - 1, volume.ny - 1, last_place(volume));
     const glm::dvec3 origin(volume.voxel_to_patient[3]);
     const std::string type(scalar_names[static_cast<std::size_t>(volume.type)]);
     const std::string letters = orientation_letters(volume);

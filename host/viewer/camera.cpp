@@ -35,7 +35,10 @@ std::optional<ViewAngles> find_view(std::string_view name) {
 }
 
 Subject subject_of(int nx, int ny, int nz, const glm::dmat4& voxel_to_patient) {
-    const glm::dvec3 last = glm::dvec3(nx, ny, nz) - 1.0;
+    return subject_of(glm::dvec3(nx, ny, nz) - 1.0, voxel_to_patient);
+}
+
+Subject subject_of(const glm::dvec3& last, const glm::dmat4& voxel_to_patient) {
     const auto place = [&](glm::dvec3 p_voxel) {
         return glm::dvec3(voxel_to_patient * glm::dvec4(p_voxel, 1.0));
     };

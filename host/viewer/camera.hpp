@@ -33,8 +33,10 @@ struct Subject {
     double radius_mm = 1;
 };
 
-/// The sphere around the box of an nx x ny x nz volume (voxel centres) placed by
+/// The sphere around the box from the grid's origin to its `last` position, placed by
 /// `voxel_to_patient`.
+Subject subject_of(const glm::dvec3& last, const glm::dmat4& voxel_to_patient);
+/// The same for nx x ny x nz voxel centres that are evenly spaced.
 Subject subject_of(int nx, int ny, int nz, const glm::dmat4& voxel_to_patient);
 
 struct Camera {
