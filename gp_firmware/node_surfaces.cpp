@@ -102,12 +102,18 @@ void GpNode::extract_next(Extract& job, HeldSurface& surface) {
         return;
     }
     job.slab_begun = false;
-    copy_closely(scratch_, mesh);
+    if (store_->shape().holds_gradients()) {
+        std::swap(scratch_, mesh);  // A small volume: time counts, not the room to grow in.
+    } else {
+        copy_closely(scratch_, mesh);
+    }
     ++job.next_slab;
     memory_->release(before);
     try {
-        memory_->charge(size_bytes(mesh), fmt::format("surface {}", job.surface),
-                        memory_advice(job, job.next_slab));
+        const std::size_t bytes = size_bytes(mesh);
+        const bool fits = bytes <= memory_->available_bytes();  // Advice costs time.
+        memory_->charge(bytes, fmt::format("surface {}", job.surface),
+                        fits ? std::string() : memory_advice(job, job.next_slab));
     } catch (const OutOfLocalMemory&) {
         mesh = SlabMesh{};  // Not charged for.
         throw;

@@ -98,9 +98,17 @@ class SlabWalk {
   private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-    Gradient gradient(std::size_t slice, std::size_t x, std::size_t y) const {
-        return shape_.holds_gradients() ? slices_[slice]->gradients[y * at(shape_.nx) + x]
-                                        : estimates_[slice].at(x, y);
+    /// Inlined by force: called, it would take a third of a small volume's extraction.
+    [[gnu::always_inline]] Gradient gradient(std::size_t slice, std::size_t x,
+                                             std::size_t y) const {
+        if (shape_.holds_gradients()) [[likely]] {
+            return slices_[slice]->gradients[y * at(shape_.nx) + x];
+        }
+        return estimated_gradient(slice, x, y);
+    }
+    [[gnu::noinline]] Gradient estimated_gradient(std::size_t slice, std::size_t x,
+                                                  std::size_t y) const {
+        return estimates_[slice].at(x, y);
     }
 
     void classify(int y) {

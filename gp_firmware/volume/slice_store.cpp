@@ -45,8 +45,9 @@ SliceStore::~SliceStore() {
 }
 
 void SliceStore::charge(std::size_t bytes, int z) {
+    const bool fits = bytes <= memory_.available_bytes();  // Advice costs time.
     memory_.charge(bytes, "slice " + std::to_string(z),
-                   gp_count_advice(shape_, memory_.size_bytes()));
+                   fits ? std::string() : gp_count_advice(shape_, memory_.size_bytes()));
     charged_bytes_ += bytes;
 }
 
