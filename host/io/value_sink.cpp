@@ -18,6 +18,7 @@ namespace pxpl5::host::io {
 namespace {
 
 constexpr std::size_t block_values = 4096;  // Of float64: 32 KiB stay in the cache.
+constexpr double max_value = std::numeric_limits<float>::max();  // What float32 holds.
 
 std::optional<Scalar> kept_type(Component component) {
     switch (component) {
@@ -199,6 +200,11 @@ void ValueSink::finish(const std::string& file, Volume& volume) {
     assert(count() == value_count_);
     if (not_finite_ == count()) {
         throw ImportError(fmt::format("{}: none of its {} values is finite", file, count()));
+    }
+    if (minimum_ < -max_value || maximum_ > max_value) {
+        throw ImportError(
+            fmt::format("{}: its values reach from {:g} to {:g}, must be within +-{:g} (float32)",
+                        file, minimum_, maximum_, max_value));
     }
     if (not_finite_ > 0) {
         volume.findings.push_back({FindingKind::note, fmt::format("{} of {} values are not finite",

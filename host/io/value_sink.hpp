@@ -35,7 +35,7 @@ class ValueSink {
 
     /// Hands over type, values, minimum and maximum, and says what was converted.
     /// file     For error texts.
-    /// Throws   ImportError if no value is finite.
+    /// Throws   ImportError if no value is finite, or one is beyond float32.
     void finish(const std::string& file, Volume& volume);
 
   private:

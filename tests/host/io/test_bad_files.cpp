@@ -207,4 +207,23 @@ TEST_SUITE("host/io/bad_files") {
             "space directions: (1,0,0) (1,0,0) (0,0,1)\nencoding: raw\n\n12345678"));
         CHECK(text.find("flat.nrrd: its axes span no volume") == 0);
     }
+
+    TEST_CASE("values beyond float32 are refused, since the volume would hold infinities") {
+        const TemporaryFolder folder;
+        const auto with_last = [&](double last) {
+            std::vector<double> values = {1, 2, 3, 4, 5, 6, 7.5};
+            values.push_back(last);
+            return complaint(folder.write("d.nrrd",
+                                          "NRRD0004\ntype: double\ndimension: 3\nsizes: 2 2 2\n"
+                                          "endian: little\nencoding: raw\n\n" +
+                                              bytes_of(values)));
+        };
+        CHECK(with_last(1e39) ==
+              "d.nrrd: its values reach from 1 to 1e+39, must be within +-3.40282e+38 (float32)");
+        CHECK(with_last(-1e300) ==
+              "d.nrrd: its values reach from -1e+300 to 7.5, must be within +-3.40282e+38 "
+              "(float32)");
+        CHECK(with_last(-double{std::numeric_limits<float>::max()}) == "");
+        CHECK(with_last(std::numeric_limits<double>::infinity()) == "");
+    }
 }
