@@ -16,7 +16,8 @@ void take_spacing(const std::string& file, const ImportRequest& request,
                   const std::array<bool, 3>& stated, Volume& volume);
 
 /// Reports shear and reflection.
-/// Throws   ImportError: the affine is not finite or its axes span no volume.
+/// Throws   ImportError: the affine is not finite, its axes span no volume, or voxels lie closer,
+///          farther apart or farther away than the machine takes.
 void check_place(const std::string& file, Volume& volume);
 
 }  // namespace pxpl5::host::io

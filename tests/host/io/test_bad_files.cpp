@@ -226,4 +226,25 @@ TEST_SUITE("host/io/bad_files") {
         CHECK(with_last(-double{std::numeric_limits<float>::max()}) == "");
         CHECK(with_last(std::numeric_limits<double>::infinity()) == "");
     }
+
+    TEST_CASE("spacings and places that no machine can draw are refused with their limits") {
+        const TemporaryFolder folder;
+        const auto placed = [&](const std::string& directions, const std::string& origin) {
+            return complaint(folder.write(
+                "p.nrrd",
+                "NRRD0004\ntype: uchar\ndimension: 3\nspace: left-posterior-superior\n"
+                "sizes: 2 2 2\nspace directions: " +
+                    directions + "\nspace origin: " + origin + "\nencoding: raw\n\n12345678"));
+        };
+        const std::string usual = "(1,0,0) (0,1,0) (0,0,1)";
+        CHECK(placed("(1,0,0) (0,1e102,0) (0,0,1)", "(0,0,0)") ==
+              "p.nrrd: spacing along y is 1e+102 mm, must be 1e-06 to 1000000 mm");
+        CHECK(placed("(1,0,0) (0,1,0) (0,0,1e-7)", "(0,0,0)") ==
+              "p.nrrd: spacing along z is 1e-07 mm, must be 1e-06 to 1000000 mm");
+        CHECK(placed(usual, "(0,-2e7,0)") ==
+              "p.nrrd: y of voxel 0,0,0 is -20000000 mm, must be within +-1000000 mm");
+        CHECK(placed(usual, "(0,0,1e6)") ==
+              "p.nrrd: z of voxel 0,0,1 is 1000001 mm, must be within +-1000000 mm");
+        CHECK(placed("(1e6,0,0) (0,1e-6,0) (0,0,1)", "(0,-1e6,0)") == "");
+    }
 }

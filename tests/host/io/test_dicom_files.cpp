@@ -155,6 +155,15 @@ TEST_SUITE("host/io/dicom_files") {
         CHECK(reports(volume, FindingKind::missing_slices, "4.000 mm from s2 to s4"));
     }
 
+    TEST_CASE("a slice more than a million steps from the others is refused") {
+        const TemporaryFolder folder;
+        for (const double z_mm : {0.0, 0.001, 0.002, 1000.5}) {
+            folder.write("s" + std::to_string(z_mm), slice_at(z_mm, 1).file());
+        }
+        CHECK_THROWS_WITH_AS(import_volume(folder.file("")),
+                             doctest::Contains("its last slice lies 1000500"), ImportError);
+    }
+
     TEST_CASE("folders inside the folder are looked into, and two series in them are listed") {
         const TemporaryFolder folder;
         std::filesystem::create_directories(folder.file("a/b"));
