@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "host/io/header_text.hpp"
 
@@ -105,10 +106,18 @@ void report_slices(const Series& slices, std::vector<Finding>& findings) {
     }
 }
 
+std::array<bool, 3> spacing_stated(const Series& slices) {
+    const bool pixels = std::all_of(slices.begin(), slices.end(),
+                                    [](const DicomSlice& slice) { return slice.spacing_stated; });
+    const DicomSlice& first = slices.front();
+    return {pixels, pixels,
+            slices.size() > 1 && (first.position_stated || first.frame_step_mm.has_value())};
+}
+
 }  // namespace
 
-Volume assemble_series(const std::string& source, std::vector<DicomSlice> slices,
-                       const ImportRequest& request, const DecodeSlice& decode) {
+SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> slices,
+                             const ImportRequest& request, const DecodeSlice& decode) {
     const std::vector<Series> all = series_of(std::move(slices));
     const std::size_t chosen = choose(source, all, request.series);
     Volume volume;
@@ -142,7 +151,7 @@ Volume assemble_series(const std::string& source, std::vector<DicomSlice> slices
         decode(slice, sink);
     }
     sink.finish(source, volume);
-    return volume;
+    return {std::move(volume), spacing_stated(ordered.slices)};
 }
 
 }  // namespace pxpl5::host::io

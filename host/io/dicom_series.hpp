@@ -1,6 +1,7 @@
 // DICOM slices become one volume: which of them, in which order, how far apart.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -41,6 +42,11 @@ struct DicomSlice {
 /// ascending in space.
 using DecodeSlice = std::function<void(const DicomSlice&, ValueSink&)>;
 
+struct SeriesVolume {
+    Volume volume;
+    std::array<bool, 3> spacing_stated{};  ///< By the slices that were taken, along x, y, z.
+};
+
 /// Puts the slices of one series in order along their normal. The z step comes from the slices'
 /// positions alone: thickness is not distance, and a tilted gantry shears. Where steps differ, the
 /// volume's slice_places and gap_slabs say so. What was left out or is odd is in the findings.
@@ -48,8 +54,8 @@ using DecodeSlice = std::function<void(const DicomSlice&, ValueSink&)>;
 /// source   File or folder, for error texts.
 /// request  Its series is the one to take; must be given if there are several.
 /// Throws   ImportError: several series (listed), an unknown one, slices without positions.
-Volume assemble_series(const std::string& source, std::vector<DicomSlice> slices,
-                       const ImportRequest& request, const DecodeSlice& decode);
+SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> slices,
+                             const ImportRequest& request, const DecodeSlice& decode);
 
 /// Slices of one volume in order, and how far along their normal each lies.
 struct OrderedSlices {

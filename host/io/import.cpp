@@ -61,16 +61,12 @@ std::vector<fs::path> files_of(const fs::path& folder) {
 Volume import_slices(const std::string& source, std::vector<DicomSlice> slices,
                      const ImportRequest& request) {
     DicomPixels pixels;
-    const bool spacing_stated = std::all_of(
-        slices.begin(), slices.end(), [](const DicomSlice& slice) { return slice.spacing_stated; });
-    const bool z_stated =
-        slices.size() > 1 && (slices[0].position_stated || slices[0].frame_step_mm.has_value());
-    Volume volume =
+    auto [volume, stated] =
         assemble_series(source, std::move(slices), request,
                         [&](const DicomSlice& slice, ValueSink& sink) { pixels.add(slice, sink); });
-    take_spacing(source, request, {spacing_stated, spacing_stated, z_stated || !request.spacing_mm},
-                 volume);
-    return volume;
+    stated[2] = stated[2] || !request.spacing_mm;  // What is assumed along z was said already.
+    take_spacing(source, request, stated, volume);
+    return std::move(volume);
 }
 
 Volume import_folder(const fs::path& folder, const ImportRequest& request) {

@@ -164,6 +164,32 @@ TEST_SUITE("host/io/dicom_files") {
                              doctest::Contains("its last slice lies 1000500"), ImportError);
     }
 
+    TEST_CASE("whether spacing is stated is asked of the series that is chosen, not of others") {
+        const TemporaryFolder folder;
+        const auto series = [&](const char* uid, int z, bool stated) {
+            DicomSet set = slice_at(2.0 * z, z).text(0x20, 0xe, "UI", uid);
+            folder.write(uid + std::to_string(z), (stated ? set : set.remove(0x28, 0x30)).file());
+        };
+        for (const int z : {0, 1}) {
+            series("1.2.3", z, true);
+            series("1.2.4", z, false);
+        }
+        ImportRequest request;
+        request.path = folder.file("");
+        request.series = "1.2.3";
+        const Volume stated = import_volume(request);
+        CHECK(stated.voxel_to_patient[0].x == 0.5);
+        CHECK_FALSE(reports(stated, FindingKind::assumption, ""));
+        request.spacing_mm = glm::dvec3(3, 3, 3);
+        CHECK_THROWS_WITH_AS(import_volume(request), doctest::Contains("states its spacing"),
+                             ImportError);
+        request.series = "1.2.4";
+        const Volume asked = import_volume(request);
+        CHECK(asked.voxel_to_patient[0].x == 3);
+        CHECK(asked.voxel_to_patient[2].z == 2);
+        CHECK(reports(asked, FindingKind::assumption, "along xy: taken as asked for"));
+    }
+
     TEST_CASE("folders inside the folder are looked into, and two series in them are listed") {
         const TemporaryFolder folder;
         std::filesystem::create_directories(folder.file("a/b"));

@@ -35,13 +35,16 @@ struct Table {
     }
 
     Volume assemble() const {
-        return assemble_series(
-            "folder", slices, request, [&](const DicomSlice& slice, ValueSink& sink) {
-                const std::byte value{values.at(slice.path)};
-                const auto type = components.find(slice.path);
-                sink.add(std::array{value, value, value, value},
-                         type == components.end() ? Component::uint8 : type->second, slice.scale);
-            });
+        return assemble_series("folder", slices, request,
+                               [&](const DicomSlice& slice, ValueSink& sink) {
+                                   const std::byte value{values.at(slice.path)};
+                                   const auto type = components.find(slice.path);
+                                   sink.add(
+                                       std::array{value, value, value, value},
+                                       type == components.end() ? Component::uint8 : type->second,
+                                       slice.scale);
+                               })
+            .volume;
     }
 };
 
