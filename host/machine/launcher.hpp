@@ -103,6 +103,8 @@ class Launcher {
     /// Forgets io processes that have ended; kills those that have not.
     void bury_dismissed();
     void dismiss_io();
+    /// Whether an io process of the past died, which may do so as it likes.
+    bool was_dismissed(const Death& death) const;
     /// Ends the io process at once and throws Cancelled.
     [[noreturn]] void cancel();
     std::string describe(const Death& death) const;

@@ -121,6 +121,11 @@ void Launcher::bury_dismissed() {
     }
 }
 
+bool Launcher::was_dismissed(const Death& death) const {
+    return std::any_of(dismissed_.begin(), dismissed_.end(),
+                       [&death](const auto& past) { return past.second == death.name; });
+}
+
 std::string Launcher::describe(const Death& death) const {
     const std::filesystem::path log = folder_ / (death.name + ".log");
     const std::string said = last_words(log);
@@ -135,12 +140,9 @@ void Launcher::check_health() {
     supervisor_.wait(link_.poll_fd(), 0);
     std::optional<Death> io_death;
     for (const Death& death : supervisor_.take_deaths()) {
-        const bool was_dismissed =
-            std::any_of(dismissed_.begin(), dismissed_.end(),
-                        [&death](const auto& past) { return past.second == death.name; });
         if (io_ && io_->name() == death.name) {
             io_death = death;
-        } else if (!was_dismissed) {
+        } else if (!was_dismissed(death)) {
             fail(death.code(), describe(death));
         }
     }
@@ -199,7 +201,7 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
         discard_messages();
         for (const Death& death : supervisor_.take_deaths()) {
             const bool expected = death.signal == 0 && death.exit_code == 0;
-            if (!cause && !expected) {
+            if (!cause && !expected && !was_dismissed(death)) {
                 cause.emplace(death.code(), describe(death));
             }
         }

@@ -195,6 +195,22 @@ TEST_CASE("Ctrl-C while a volume is read or handed out gives up the volume alone
     machine.shutdown();
 }
 
+TEST_CASE("a machine whose last load was given up ends in order") {
+    Bench bench;
+    Machine machine(machine_of(2), bench.options);
+    Session session(machine);
+    bool pressed = false;
+    session.progress = [&](const LoadProgress& now) {
+        if (!pressed && now.phase == LoadProgress::Phase::reading && now.done > 0) {
+            pressed = true;
+            std::raise(SIGINT);
+        }
+    };
+    CHECK(error_of<Cancelled>([&] { session.load(bench.file); }) == "cancelled");
+    // The io process dies of SIGKILL meanwhile, which was the machine's own doing.
+    CHECK(error_of<MachineError>([&] { machine.shutdown(); }) == "none");
+}
+
 TEST_CASE("a second Ctrl-C, and one outside of loading, ends the machine") {
     Bench bench;
     for (const bool outside : {false, true}) {
