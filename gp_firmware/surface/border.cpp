@@ -1,23 +1,24 @@
 #include "gp_firmware/surface/border.hpp"
 
 #include <array>
-#include <cmath>
 #include <glm/vec2.hpp>
 
+#include "gp_firmware/surface/edge_vertex.hpp"
 #include "gp_firmware/volume/typed.hpp"
 
 namespace pxpl5::gp {
 
 namespace {
 
-/// Values at the corners of a unit square, counter-clockwise.
+/// Values at the corners of a unit square, counter-clockwise from the lowest voxel.
 using Square = std::array<double, 4>;
 
-/// Part of the edge from an inside corner to an outside one that is inside; a half where a value is
-/// not finite and gives none.
-double inside_part(double inside, double outside, double isovalue) {
-    const double part = (inside - isovalue) / (inside - outside);
-    return std::isfinite(part) ? part : 0.5;
+/// Where the surface crosses the side from corner k to the next, from 0 at corner k to 1: as the
+/// mesh has it, whose edges begin at the lower voxel.
+double crossing_of_side(const Square& values, std::size_t k, double isovalue) {
+    const std::size_t next = (k + 1) % 4;
+    return k < 2 ? crossing(values[k], values[next], isovalue)
+                 : 1 - crossing(values[next], values[k], isovalue);
 }
 
 /// Area of the polygon through the inside corners and the crossings, in their order.
@@ -32,8 +33,7 @@ double polygon_area(const Square& values, double isovalue) {
             points[count++] = corners[k];
         }
         if (here != there) {
-            const double part = here ? inside_part(values[k], values[next], isovalue)
-                                     : 1 - inside_part(values[next], values[k], isovalue);
+            const double part = crossing_of_side(values, k, isovalue);
             points[count++] = corners[k] + part * (corners[next] - corners[k]);
         }
     }
@@ -53,8 +53,8 @@ double inside_area(const Square& values, double isovalue) {
     double area = 0;  // Two corners across: a triangle at each.
     for (std::size_t k = 0; k < 4; ++k) {
         if (inside(k)) {
-            area += inside_part(values[k], values[(k + 1) % 4], isovalue) *
-                    inside_part(values[k], values[(k + 3) % 4], isovalue) / 2;
+            area += crossing_of_side(values, k, isovalue) *
+                    (1 - crossing_of_side(values, (k + 3) % 4, isovalue)) / 2;
         }
     }
     return area;

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <glm/glm.hpp>
+#include <limits>
 #include <numbers>
 
 #include "tests/gp_firmware/surface/mesh_check.hpp"
@@ -222,6 +223,24 @@ TEST_SUITE("gp/shapes") {
                                       .epsilon(0.02));
             }
         }
+    }
+
+    TEST_CASE("the last x face is cut where the surface is, also beside an infinite voxel") {
+        // A prism along x: one infinite corner of the square of y and z. The surface cuts the edge
+        // from the lower, finite voxel at that voxel, and the one from the infinite voxel halfway.
+        const double infinity = std::numeric_limits<double>::infinity();
+        const auto prism = make_volume({4, 2, 2}, Scalar::float32, [&](int, int y, int z) {
+            return y == 1 && z == 0 ? infinity : 0;
+        });
+        const Certificate certificate = certify(extract_all(prism, 5.5), prism.shape);
+        CHECK_MESSAGE(certificate.good(), certificate);
+        CHECK(certificate.area_mm2 == doctest::Approx(3 * std::hypot(1, 0.5)));
+        CHECK(certificate.volume_mm3 == doctest::Approx(3 * 0.25));
+        // Two such corners across: each has one side cut at a finite voxel, one halfway.
+        const auto pair = make_volume({4, 2, 2}, Scalar::float32,
+                                      [&](int, int y, int z) { return y != z ? infinity : 0; });
+        const Certificate both = certify(extract_all(pair, 5.5), pair.shape);
+        CHECK(both.volume_mm3 == doctest::Approx(3 * (0.25 + 0.25)));
     }
 
     TEST_CASE("where everything is inside, the volume is the box") {
