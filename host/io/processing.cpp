@@ -144,12 +144,30 @@ void resample_as_asked(const ImportRequest& request, Volume& volume) {
                        was_uneven ? "; uneven slices have become even" : ""));
 }
 
+/// Findings on the slices of the whole file, some of which the crop may have left out.
+void date_slice_findings(Volume& volume) {
+    for (Finding& finding : volume.findings) {
+        if (finding.kind == FindingKind::missing_slices ||
+            finding.kind == FindingKind::uneven_slices) {
+            finding.text = "before cropping, " + finding.text;
+        }
+    }
+}
+
 void crop_as_asked(const ImportRequest& request, Volume& volume) {
     if (!request.crop_first || !request.crop_size) {
         throw ImportError(request.path + ": a crop needs a first voxel and a size");
     }
     const Sizes before = sizes_of(volume);
+    const std::size_t gaps_before = volume.gap_slabs.size();
     crop(request.path, *request.crop_first, *request.crop_size, volume);
+    if (volume.nz < static_cast<int>(before[2])) {
+        date_slice_findings(volume);
+    }
+    if (const std::size_t gaps = volume.gap_slabs.size(); gaps < gaps_before) {
+        report(volume, fmt::format("the crop leaves out {} of {} gaps of missing slices",
+                                   gaps_before - gaps, gaps_before));
+    }
     report(volume,
            fmt::format("cropped to {} voxels from voxel {},{},{} of {}",
                        text_of(*request.crop_size), (*request.crop_first)[0],

@@ -96,6 +96,30 @@ TEST_SUITE("host/io/processing") {
         CHECK(volume.voxel_to_patient[3].z == 3);
     }
 
+    TEST_CASE("what was said of missing slices is said of the file once slices are cropped away") {
+        Volume whole = volume_of<std::uint8_t>(3, 3, 5, [](int, int, int z) { return z; });
+        whole.slice_places = {0, 1, 3, 4, 6};
+        whole.gap_slabs = {1, 3};
+        whole.findings = {{FindingKind::missing_slices, "about 2 slices are missing"},
+                          {FindingKind::note, "a note"}};
+        const auto cropped = [&](std::uint32_t nx, std::uint32_t first_z, std::uint32_t nz) {
+            Volume volume = whole;
+            ImportRequest request = request_for();
+            request.crop_first = {0, 0, first_z};
+            request.crop_size = {nx, 3, nz};
+            process_volume(request, volume);
+            return volume;
+        };
+        const Volume late = cropped(3, 2, 2);
+        CHECK(late.findings[0].text == "before cropping, about 2 slices are missing");
+        CHECK(late.findings[1].text == "a note");
+        CHECK(reports(late, "the crop leaves out 2 of 2 gaps of missing slices"));
+        CHECK(reports(cropped(3, 2, 3), "the crop leaves out 1 of 2 gaps of missing slices"));
+        const Volume narrow = cropped(2, 0, 5);
+        CHECK(narrow.findings[0].text == "about 2 slices are missing");
+        CHECK_FALSE(reports(narrow, "leaves out"));
+    }
+
     TEST_CASE("a crop beyond the volume, or of half a wish, is refused with both values") {
         Volume volume = volume_of<std::uint8_t>(6, 5, 4, [](int, int, int) { return 1; });
         ImportRequest request = request_for();
