@@ -1,5 +1,6 @@
 #include "host/io/part_file.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -70,6 +71,13 @@ void PartFile::write(std::string_view bytes) {
     if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) {
         note_failure();
     }
+}
+
+std::string PartFile::lack_of_room(std::uint64_t bytes) const {
+    const int failure =
+        file_ == nullptr ? failure_ : posix_fallocate(fileno(file_), 0, static_cast<off_t>(bytes));
+    const bool is_lack = failure == ENOSPC || failure == EFBIG || failure == EDQUOT;
+    return is_lack ? std::generic_category().message(failure) : "";
 }
 
 std::string PartFile::keep() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <span>
@@ -43,6 +44,10 @@ class PartFile {
 
     /// Whether something could not be written, so that going on is in vain.
     bool has_failed() const { return failure_ != 0; }
+
+    /// What the system says if the disk has no room for a file of `bytes`; empty if it has, or
+    /// cannot tell. Takes the room: for use after a failure, when the part is thrown away.
+    std::string lack_of_room(std::uint64_t bytes) const;
 
     /// Gives the file its name. Returns why that failed, as "No space left on device", or nothing.
     std::string keep();

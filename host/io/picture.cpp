@@ -21,6 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t head_bytes = std::size_t{1} << 16;  // Of a file, beside its pixels.
+
 std::size_t bytes_of_one(const Picture& picture) {
     return 4 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
 }
@@ -186,6 +188,24 @@ void encode(const std::string& name, Memory* memory, const Picture& picture) {
     }
 }
 
+/// The first line of what OpenImageIO says: a full disk makes it say the same for each block.
+std::string first_line(const std::string& text) {
+    return text.substr(0, text.find('\n'));
+}
+
+/// encode() to the file. Says what the system says where the disk has no room for the picture,
+/// since the writers' own words for it differ and do not name it.
+void encode_to(const PartFile& part, const Picture& picture) {
+    try {
+        encode(part.path().string(), nullptr, picture);
+    } catch (const PictureError& error) {
+        const std::size_t raw_bytes =
+            bytes_of_one(picture) * static_cast<std::size_t>(picture.count) + head_bytes;
+        const std::string lack = part.lack_of_room(raw_bytes);
+        throw PictureError(lack.empty() ? first_line(error.what()) : lack);
+    }
+}
+
 /// Why the picture cannot be written; empty once it is.
 std::string written(const fs::path& path, const Picture& picture) {
     try {
@@ -198,7 +218,7 @@ std::string written(const fs::path& path, const Picture& picture) {
             encode(part.path().string(), &memory, picture);
             part.write_raw(std::span<const unsigned char>(bytes));
         } else if (!part.has_failed()) {
-            encode(part.path().string(), nullptr, picture);
+            encode_to(part, picture);
         }
         return part.keep();
     } catch (const PictureError& error) {
