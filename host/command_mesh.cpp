@@ -14,7 +14,6 @@ namespace pxpl5::host {
 namespace {
 
 constexpr std::size_t listed_components = 10;
-constexpr Colour only_watertight{64, 180, 166}, only_lorensen{232, 128, 64};
 
 /// What the options say; nothing if there are none.
 std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& arguments) {
@@ -79,23 +78,6 @@ Reply list_components(const MeshComponents& parts) {
     return reply;
 }
 
-/// The names of the surfaces that `compare` shows instead of `name`.
-std::pair<std::string, std::string> compared_names(const std::string& name) {
-    return {name + ":watertight", name + ":lorensen1987"};
-}
-
-Reply end_comparison(Session& session, Surface surface) {
-    const auto [ours, theirs] = compared_names(surface.name);
-    for (const std::string& derived : {ours, theirs}) {
-        if (session.surface(derived)) {
-            session.remove_surface(derived);
-        }
-    }
-    surface.visible = true;
-    session.set_style(surface);
-    return {surface.name + " is whole again", {{"name", surface.name}}};
-}
-
 }  // namespace
 
 Reply run_components(Session& session, const Arguments& arguments) {
@@ -113,7 +95,7 @@ Reply run_components(Session& session, const Arguments& arguments) {
 Reply run_certificate(Session& session, const Arguments& arguments) {
     std::vector<std::string> names = arguments.words;
     for (const Surface& surface : session.scene.surfaces) {
-        if (arguments.words.empty()) {
+        if (arguments.words.empty() && surface.compared_with.empty()) {
             names.push_back(surface.name);
         }
     }
@@ -134,28 +116,18 @@ Reply run_certificate(Session& session, const Arguments& arguments) {
 
 Reply run_compare(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
-    const Volume& volume = session.volume();
-    const std::optional<Surface> known = session.surface(name);
-    if (!known) {
-        session.report_of(name);  // Throws.
-    }
+    session.report_of(name);  // Throws if there is no such surface.
     if (arguments.words.size() > 1) {
         if (arguments.words[1] != "off") {
             refuse_command(fmt::format("compare: '{}' is not off", arguments.words[1]));
         }
-        return end_comparison(session, *known);
+        if (!session.end_comparison(name)) {
+            refuse_command(fmt::format("compare: {} is not compared", name));
+        }
+        return {name + " is whole again", {{"name", name}}};
     }
-    const auto [ours, theirs] = compared_names(name);
-    session.set_surface(ours, known->isovalue, CaseTable::watertight, only_watertight);
-    session.set_surface(theirs, known->isovalue, CaseTable::lorensen1987, only_lorensen);
-    const WeldedMesh a = session.mesh(ours, true), b = session.mesh(theirs, true);
-    const MeshComparison comparison = compare_meshes(a, b, grid_of(volume));
-    session.show_triangles(ours, a, comparison.shown_a);
-    session.show_triangles(theirs, b, comparison.shown_b);
-    Surface hidden = *known;
-    hidden.visible = false;
-    session.set_style(hidden);
-    Reply reply = comparison_reply(comparison, ours, theirs);
+    const MeshComparison comparison = session.compare(name);
+    Reply reply = comparison_reply(comparison, name + ":watertight", name + ":lorensen1987");
     reply.text += fmt::format("\nonly these cells are drawn until 'compare {} off'", name);
     return reply;
 }

@@ -137,6 +137,8 @@ Reply run_surface(Session& session, const Arguments& arguments) {
     const std::optional<Surface> known = session.surface(name);
     const Surface wish = wished_surface(volume, known, arguments);
     if (!known || arguments.has("iso") || arguments.has("preset") || arguments.has("table")) {
+        session.end_comparison(known && !known->compared_with.empty() ? known->compared_with
+                                                                      : name);
         session.set_surface(name, wish.isovalue, wish.table, wish.colour);
     }
     session.set_style(wish);
@@ -150,7 +152,13 @@ Reply run_surface(Session& session, const Arguments& arguments) {
 }
 
 Reply run_remove(Session& session, const Arguments& arguments) {
-    session.remove_surface(arguments.words[0]);
+    const std::optional<Surface> known = session.surface(arguments.words[0]);
+    if (known && !known->compared_with.empty()) {
+        session.end_comparison(known->compared_with);
+    } else {
+        session.end_comparison(arguments.words[0]);
+        session.remove_surface(arguments.words[0]);
+    }
     return {"removed " + arguments.words[0], {{"removed", arguments.words[0]}}};
 }
 

@@ -15,6 +15,7 @@ namespace {
 constexpr double max_angle_deg = 36000;
 constexpr double min_zoom = 0.05, max_zoom = 100;
 constexpr double max_place_mm = 1e6;
+constexpr std::size_t box_planes = 6;  ///< In a row.
 
 /// "off" or "on" at words[0].
 bool parse_switch(const Arguments& arguments) {
@@ -28,12 +29,11 @@ bool parse_switch(const Arguments& arguments) {
 Reply describe_clips(const Session& session) {
     Reply reply;
     std::vector<Fields> list;
-    const std::string* last = nullptr;
-    for (const SceneClip& clip : session.scene.clips) {
-        if (last != nullptr && *last == clip.words) {
-            continue;  // A box has six planes.
+    for (std::size_t i = 0; i < session.scene.clips.size(); ++i) {
+        const SceneClip& clip = session.scene.clips[i];
+        if (clip.words.starts_with("box")) {
+            i += box_planes - 1;
         }
-        last = &clip.words;
         reply.text += fmt::format("{}clip {}", reply.text.empty() ? "" : "\n", clip.words);
         list.push_back({{"clip", clip.words}});
     }
@@ -192,11 +192,11 @@ Reply run_tint(Session& session, const Arguments& arguments) {
     if (arguments.words[0] != "gaps" && arguments.words[0] != "off") {
         refuse_command(fmt::format("tint: '{}' is neither gaps nor off", arguments.words[0]));
     }
-    session.scene.tint_gaps = arguments.words[0] == "gaps";
+    const std::size_t gaps = session.volume().gap_slabs.size();
     if (arguments.has("color")) {
         session.scene.gap_colour = parse_colour(arguments.text("color", ""));
     }
-    const std::size_t gaps = session.volume().gap_slabs.size();
+    session.scene.tint_gaps = arguments.words[0] == "gaps";
     return {fmt::format("tint {}: the volume has {} gap{}", arguments.words[0], gaps,
                         gaps == 1 ? "" : "s"),
             {{"tint_gaps", session.scene.tint_gaps}, {"gaps", static_cast<std::int64_t>(gaps)}}};

@@ -54,7 +54,7 @@ CameraMatrices matrices_of(const Scene& scene, const Stage& stage) {
 std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage) {
     std::vector<DrawnSurface> drawn;
     for (const Surface& surface : stage.surfaces) {
-        if (!surface.visible) {
+        if (!surface.visible || is_compared(stage.surfaces, surface)) {
             continue;
         }
         if (!scene.tint_gaps || !stage.has_gaps) {

@@ -60,7 +60,7 @@ struct Flags {
     MachineFlags machine;
     bool json = false, dry_run = false, keep_going = false, paper = false;
     std::string script, volume, view, size, output, pictures;
-    std::vector<std::string> commands, surfaces;
+    std::vector<std::string> commands, surfaces, load_words;
     std::optional<double> isovalue;
 };
 
@@ -91,6 +91,20 @@ Arguments surface_command(const std::string& text) {
     return surface;
 }
 
+/// load or info with the key=value words of the command line.
+Arguments volume_command(const std::string& name, const Flags& flags) {
+    Arguments volume = command(name, {flags.volume});
+    for (const std::string& word : flags.load_words) {
+        const std::size_t equals = word.find('=');
+        if (equals == std::string::npos || equals == 0) {
+            throw RequestError(ExitCode::usage,
+                               fmt::format("'{}' is not of the form KEY=VALUE, as series=2", word));
+        }
+        volume.options[word.substr(0, equals)] = word.substr(equals + 1);
+    }
+    return volume;
+}
+
 /// `render` is nothing but these commands.
 std::vector<Arguments> render_commands(const Flags& flags) {
     std::vector<Arguments> commands;
@@ -100,7 +114,7 @@ std::vector<Arguments> render_commands(const Flags& flags) {
     if (!flags.view.empty()) {
         commands.push_back(parse_line("view " + flags.view));
     }
-    commands.push_back(command("load", {flags.volume}));
+    commands.push_back(volume_command("load", flags));
     if (flags.isovalue) {
         commands.push_back(
             command("surface", {"surface"}, {{"iso", fmt::format("{}", *flags.isovalue)}}));
@@ -164,7 +178,7 @@ int info(Flags flags) {
     flags.machine.topology = "one-of-each";
     flags.machine.record = "off";
     return flags.machine.with_session([&](Session& session, MachinePort&) {
-        return run_script(session, lines_of_commands({command("info", {flags.volume})}),
+        return run_script(session, lines_of_commands({volume_command("info", flags)}),
                           {.json = flags.json});
     });
 }
@@ -201,6 +215,10 @@ void declare(CLI::App& app, Flags& flags) {
     CLI::App* info_app = app.add_subcommand("info", "Tell what is known of a volume");
     info_app->add_option("volume", flags.volume, "File, DICOM folder or phantom:NAME")->required();
 
+    for (CLI::App* each : {render_app, info_app}) {
+        each->add_option("options", flags.load_words,
+                         "KEY=VALUE as of the command load: series=2, spacing=1,1,2, crop=...");
+    }
     flags.machine.add_folder_to(*info_app);
 
     CLI::App* report_app = app.add_subcommand("report", "Measure this machine");

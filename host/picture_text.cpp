@@ -74,6 +74,9 @@ PictureExtras picture_extras(const Session& session, const Camera& camera) {
     if (session.scene.overlay) {
         Scene seen = session.scene;
         seen.camera = camera;
+        for (Surface& surface : seen.surfaces) {
+            surface.visible = surface.visible && !is_compared(session.scene.surfaces, surface);
+        }
         if (seen.surfaces.empty() && session.archive() == nullptr) {
             return extras;  // Nothing to explain.
         }

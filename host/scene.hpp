@@ -1,10 +1,12 @@
 // What is shown and how: everything that a frame depends on besides the volume.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +46,7 @@ struct Surface {
     bool visible = true;
     int opacity = opaque;  ///< Sixteenths of the pixels that show it; 1..16.
     ComponentFilter components;
+    std::string compared_with;  ///< Of a surface that `compare` has made: the one that it is of.
 };
 
 /// Directional light as seen by the viewer.
@@ -77,5 +80,10 @@ struct Scene {
     Colour gap_colour{226, 84, 62};
     bool overlay = true;  ///< Pictures in files carry orientation letters and a scale bar.
 };
+
+/// Whether `compare` shows two other surfaces in place of this one.
+inline bool is_compared(std::span<const Surface> surfaces, const Surface& surface) {
+    return std::ranges::count(surfaces, surface.name, &Surface::compared_with) != 0;
+}
 
 }  // namespace pxpl5::host

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 #include "host/error.hpp"
@@ -10,6 +11,18 @@
 namespace pxpl5::host {
 
 namespace schema = bus::schema;
+
+/// The frame that a fault's text begins with, as the nodes write it: "frame 12: ...".
+std::optional<std::uint32_t> frame_of_fault(std::string_view reason) {
+    constexpr std::string_view word = "frame ";
+    std::uint32_t frame = 0;
+    if (!reason.starts_with(word)) {
+        return std::nullopt;
+    }
+    const auto [end, error] =
+        std::from_chars(reason.data() + word.size(), reason.data() + reason.size(), frame);
+    return error == std::errc{} ? std::optional(frame) : std::nullopt;
+}
 
 Session::Session(MachinePort& machine) : machine_(machine) {}
 
@@ -60,9 +73,22 @@ void Session::wait_for_gps(const std::string& what) {
     });
 }
 
+/// Whether the fault is of a frame that is not waited for any more: one that fails on several GPs
+/// is told by each of them, and only the first is news.
+bool Session::is_stale(const schema::Fault& fault) const {
+    const std::optional<std::uint32_t> frame = frame_of_fault(fault.reason()->string_view());
+    return frame && std::ranges::none_of(pending_, [&](const PendingFrame& pending) {
+               return pending.frame == *frame;
+           });
+}
+
 void Session::on_message(const bus::Message& message) {
+    const auto* fault = message.as<schema::Fault>();
+    if (fault != nullptr && is_stale(*fault)) {
+        return;
+    }
     on_answer(message);
-    if (const auto* fault = message.as<schema::Fault>()) {
+    if (fault != nullptr) {
         on_fault(*fault);
     } else if (const auto* frame = message.as<schema::FrameDone>()) {
         on_frame_done(*frame);

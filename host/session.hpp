@@ -9,6 +9,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "host/phigs/content.hpp"
 #include "host/scene.hpp"
 #include "host/surface/atlas_chart.hpp"
+#include "host/surface/compare.hpp"
 #include "host/surface/components.hpp"
 #include "host/surface/volume_grid.hpp"
 #include "host/surface/welded_mesh.hpp"
@@ -94,6 +96,9 @@ struct OrbitReport {
     double elapsed_ms = 0;
 };
 
+/// The frame that a node's Fault is about, if its text begins with one.
+std::optional<std::uint32_t> frame_of_fault(std::string_view reason);
+
 /// Drives a machine. Every operation waits for its result; errors are RequestError (a request that
 /// cannot be obeyed, or a node's Fault) and MachineError (a process died).
 class Session {
@@ -169,6 +174,12 @@ class Session {
     /// Writes surfaces, as far as their components are drawn, through the io process.
     MeshExportReport export_mesh(const std::string& path, const MeshExport& wish);
 
+    /// Shows the cells where `watertight` and `lorensen1987` differ, as two surfaces of their own,
+    /// in place of `name`. Ends with end_comparison(), or when either of the three changes.
+    MeshComparison compare(const std::string& name);
+    /// Whether there was one.
+    bool end_comparison(const std::string& name);
+
     /// What extraction would give at each isovalue (ascending); without components.
     std::vector<AtlasRow> measure_isovalues(std::span<const double> isovalues, CaseTable table);
 
@@ -203,6 +214,7 @@ class Session {
     void give_up_volume();
     Stage stage() const;
     void on_message(const bus::Message& message);
+    bool is_stale(const bus::schema::Fault& fault) const;
     void on_fault(const bus::schema::Fault& fault);
     void on_answer(const bus::Message& message);
     void on_frame_done(const bus::schema::FrameDone& done);

@@ -13,7 +13,7 @@ namespace {
 
 namespace schema = bus::schema;
 
-/// Room in one message for an animation's pixels.
+/// Room in one message for an animation's pixels, or for meshes.
 constexpr std::size_t max_export_bytes = std::size_t{768} << 20;
 
 /// The mesh in millimetres.
@@ -75,11 +75,23 @@ MeshExportReport Session::export_mesh(const std::string& path, const MeshExport&
     std::vector<flatbuffers::Offset<schema::ExportSurface>> surfaces;
     for (const Surface& surface : scene.surfaces) {
         const bool wanted = wish.surfaces.empty()
-                                ? surface.visible
+                                ? surface.visible && surface.compared_with.empty()
                                 : std::ranges::count(wish.surfaces, surface.name) != 0;
-        if (wanted) {
-            surfaces.push_back(to_wire(builder, surface, drawn_mesh(surface), grid()));
+        if (!wanted) {
+            continue;
         }
+        const WeldedMesh mesh = drawn_mesh(surface);
+        const std::size_t bytes = builder.GetSize() +
+                                  mesh.keys.size() * sizeof(schema::MeshVertex) +
+                                  mesh.triangles.size() * sizeof(mesh.triangles[0]);
+        if (bytes > max_export_bytes) {
+            throw RequestError(
+                ExitCode::usage,
+                fmt::format("{}: the surfaces up to {} have {} bytes, {} are the most in one file; "
+                            "name fewer, as surfaces={}, or load with crop= or resample=",
+                            path, surface.name, bytes, max_export_bytes, surface.name));
+        }
+        surfaces.push_back(to_wire(builder, surface, mesh, grid()));
     }
     for (const std::string& name : wish.surfaces) {
         find_surface(name);  // Throws for a name that there is none of.

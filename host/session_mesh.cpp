@@ -1,8 +1,11 @@
 // What a session reads back of surfaces.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <span>
 
 #include "host/digest.hpp"
+#include "host/error.hpp"
 #include "host/session.hpp"
 #include "host/surface/mesh_gather.hpp"
 #include "host/surface/mesh_mask.hpp"
@@ -121,7 +124,12 @@ std::pair<std::size_t, std::size_t> Session::set_components(const std::string& n
                                                             const ComponentFilter& filter) {
     Surface& surface = find_surface(name);
     surface.components = filter;
-    return apply_filter(surface);
+    try {
+        return apply_filter(surface);
+    } catch (...) {
+        surface.components = {};  // What is drawn is what is said.
+        throw;
+    }
 }
 
 std::vector<AtlasRow> Session::measure_isovalues(std::span<const double> isovalues,
@@ -157,6 +165,50 @@ std::vector<AtlasRow> Session::measure_isovalues(std::span<const double> isovalu
         }
     }
     return rows;
+}
+
+MeshComparison Session::compare(const std::string& name) {
+    end_comparison(name);
+    const Surface whole = find_surface(name);
+    if (!whole.compared_with.empty()) {
+        throw RequestError(ExitCode::usage, fmt::format("{} is a comparison itself", name));
+    }
+    if (scene.surfaces.size() + 2 > max_surfaces) {
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("compare: {} surfaces and two more are {}, {} are the most",
+                        scene.surfaces.size(), scene.surfaces.size() + 2, max_surfaces));
+    }
+    const std::string ours = name + ":watertight", theirs = name + ":lorensen1987";
+    for (const std::string& made : {ours, theirs}) {
+        if (surface(made)) {
+            throw RequestError(ExitCode::usage,
+                               fmt::format("compare: there is a surface '{}' already", made));
+        }
+    }
+    constexpr Colour only_ours{64, 180, 166}, only_theirs{232, 128, 64};
+    set_surface(ours, whole.isovalue, CaseTable::watertight, only_ours);
+    find_surface(ours).compared_with = name;
+    set_surface(theirs, whole.isovalue, CaseTable::lorensen1987, only_theirs);
+    find_surface(theirs).compared_with = name;
+    const WeldedMesh a = mesh(ours, true), b = mesh(theirs, true);
+    MeshComparison comparison = compare_meshes(a, b, grid());
+    show_triangles(ours, a, comparison.shown_a);
+    show_triangles(theirs, b, comparison.shown_b);
+    return comparison;
+}
+
+bool Session::end_comparison(const std::string& name) {
+    std::vector<std::string> made;
+    for (const Surface& surface : scene.surfaces) {
+        if (surface.compared_with == name) {
+            made.push_back(surface.name);
+        }
+    }
+    for (const std::string& each : made) {
+        remove_surface(each);
+    }
+    return !made.empty();
 }
 
 }  // namespace pxpl5::host

@@ -120,7 +120,7 @@ SurfaceReport Session::set_surface(const std::string& name, double isovalue, Cas
     reports_.insert_or_assign(name, report);
     if (const Surface& built = find_surface(name);
         built.components.kind != ComponentFilter::Kind::all) {
-        apply_filter(built);
+        set_components(name, ComponentFilter(built.components));
     }
     return report;
 }

@@ -149,6 +149,13 @@ LoadReport Session::load_volume(Loading& loading, const ImportOptions& options) 
 void Session::distribute(Volume& volume, int slices_there, Loading& loading) {
     const std::vector<bus::NodeId>& gps = machine_.gp_ids();
     if (!loading.distribution) {
+        if (volume.nz < 2) {
+            throw RequestError(
+                ExitCode::bad_data,
+                fmt::format("{}: {} x {} x {} voxels are a single slice, which has no surface; "
+                            "'info' tells of it",
+                            loading.source, volume.nx, volume.ny, volume.nz));
+        }
         // What was loaded goes only now: until here the new volume might have been unreadable.
         scene.surfaces.clear();
         scene.clips.clear();

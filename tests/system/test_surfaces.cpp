@@ -92,6 +92,36 @@ TEST_CASE("a comparison leaves nothing behind") {
     CHECK(bone.session.scene.surfaces.size() == 1);
 }
 
+TEST_CASE("a comparison ends when its surface changes, goes, or is hidden already") {
+    Bone bone(machine_of(2, 2)), other(machine_of(2, 2));
+    bone.run("compare bone");
+    bone.run("surface bone iso=300.5");
+    other.run("surface bone iso=300.5");
+    CHECK(bone.draw() == other.draw());
+    bone.run("compare bone");
+    bone.run("remove bone:watertight");
+    CHECK(bone.draw() == other.draw());
+    bone.run("surface bone visible=no");
+    bone.run("compare bone");
+    bone.run("compare bone off");
+    CHECK_FALSE(bone.session.surface("bone")->visible);
+    bone.run("compare bone");
+    bone.run("remove bone");
+    CHECK(bone.session.scene.surfaces.empty());
+    for (int i = 0; i < 15; ++i) {
+        bone.run("surface s" + std::to_string(i) + " iso=800.5");
+    }
+    CHECK_THROWS_AS(bone.run("compare s0"), RequestError);
+    CHECK(bone.session.scene.surfaces.size() == 15);
+}
+
+TEST_CASE("a fault names its frame, or none") {
+    CHECK(frame_of_fault("frame 12: GP 3 has 9 bytes") == 12);
+    CHECK(frame_of_fault("frame 7 shows surface 1") == 7);
+    CHECK_FALSE(frame_of_fault("surface 3: no room").has_value());
+    CHECK_FALSE(frame_of_fault("frame x").has_value());
+}
+
 TEST_CASE("a hidden surface is as if it were not there") {
     Bone bone(machine_of(2, 2));
     const auto before = bone.draw();
