@@ -95,6 +95,9 @@ double Arguments::number(std::string_view key, double otherwise, double low, dou
 }
 
 Arguments parse_line(std::string_view line) {
+    while (line.ends_with('\r')) {
+        line.remove_suffix(1);  // Of a script with the line ends of Windows.
+    }
     Arguments arguments;
     for (std::size_t at = 0; at < line.size();) {
         if (line[at] == ' ' || line[at] == '\t' || line[at] == '\r') {

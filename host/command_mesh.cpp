@@ -109,6 +109,9 @@ Reply run_certificate(Session& session, const Arguments& arguments) {
             certificate_reply(certify(session.mesh(name, true), session.grid()), name);
         reply.text += (reply.text.empty() ? "" : "\n") + one.text;
         list.push_back(one.fields);
+        if (session.surface(name)->components.kind != ComponentFilter::Kind::all) {
+            reply.text += "\n  of the whole surface; not all of its components are drawn";
+        }
     }
     reply.fields = {{"certificates", list}};
     return reply;
@@ -124,11 +127,11 @@ Reply run_compare(Session& session, const Arguments& arguments) {
         if (!session.end_comparison(name)) {
             refuse_command(fmt::format("compare: {} is not compared", name));
         }
-        return {name + " is whole again", {{"name", name}}};
+        return {name + " is drawn again", {{"name", name}}};
     }
     const MeshComparison comparison = session.compare(name);
     Reply reply = comparison_reply(comparison, name + ":watertight", name + ":lorensen1987");
-    reply.text += fmt::format("\nonly these cells are drawn until 'compare {} off'", name);
+    reply.text += fmt::format("\nof {0} only these cells are drawn until 'compare {0} off'", name);
     return reply;
 }
 
@@ -147,7 +150,14 @@ Reply run_export(Session& session, const Arguments& arguments) {
     }
     wish.description = picture_extras(session, session.scene.camera).description;
     const MeshExportReport report = session.export_mesh(arguments.words[0], wish);
-    return {fmt::format("wrote {}: {}", arguments.words[0], report.text),
+    std::string notes;
+    if (!session.scene.clips.empty()) {
+        notes += "\nclip planes cut the picture, not the mesh: crop= of load does";
+    }
+    if (is_assumed(session.volume())) {
+        notes += "\nplace or spacing of the volume is assumed, so the mesh's is too: see info";
+    }
+    return {fmt::format("wrote {}: {}{}", arguments.words[0], report.text, notes),
             {{"file", arguments.words[0]}, {"triangles", report.triangles}, {"axes", axes}}};
 }
 

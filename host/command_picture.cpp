@@ -1,6 +1,9 @@
 // Commands that write pictures.
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "host/command_handlers.hpp"
 #include "host/error.hpp"
 #include "host/picture_text.hpp"
@@ -19,8 +22,10 @@ Reply run_snapshot(Session& session, const Arguments& arguments) {
     const double draw_ms = session.last_frame().elapsed_ms;
     session.export_pictures({&picture, 1}, arguments.words[0],
                             picture_extras(session, session.scene.camera));
-    return {fmt::format("wrote {} ({}x{}, drawn in {:.1f} ms)", arguments.words[0], picture.width,
-                        picture.height, draw_ms),
+    const bool is_empty =
+        std::ranges::count(picture.rgba, picture.rgba[0]) == std::ssize(picture.rgba);
+    return {fmt::format("wrote {} ({}x{}, drawn in {:.1f} ms){}", arguments.words[0], picture.width,
+                        picture.height, draw_ms, is_empty ? "; nothing is visible in it" : ""),
             {{"file", arguments.words[0]},
              {"width", std::int64_t{picture.width}},
              {"height", std::int64_t{picture.height}},

@@ -18,9 +18,10 @@ namespace {
 
 constexpr int atlas_isovalues = 256, max_atlas_isovalues = 4096, atlas_bins = 256;
 
-Reply describe_loaded(const Session& session) {
+Reply describe_loaded(const Session& session, VolumeDetail detail) {
     const phigs::Content* archive = session.archive();
-    return archive != nullptr ? describe_archive(*archive) : describe_volume(session.volume());
+    return archive != nullptr ? describe_archive(*archive)
+                              : describe_volume(session.volume(), detail);
 }
 
 /// `count` isovalues evenly between the volume's least and greatest value, neither of them.
@@ -83,7 +84,7 @@ Reply run_load(Session& session, const Arguments& arguments) {
         const ProgressBar bar(session);
         return session.load(arguments.words[0], load_options(arguments));
     }();
-    Reply reply = describe_loaded(session);
+    Reply reply = describe_loaded(session, VolumeDetail::brief);
     reply.text += fmt::format(
         "\nread in {:.0f} ms, distributed in {:.0f} ms; {:.1f} MiB on the GPs", report.read_ms,
         report.distribute_ms, static_cast<double>(report.memory_bytes) / (1 << 20));
@@ -95,7 +96,7 @@ Reply run_load(Session& session, const Arguments& arguments) {
 
 Reply run_info(Session& session, const Arguments& arguments) {
     if (arguments.words.empty()) {
-        return describe_loaded(session);
+        return describe_loaded(session, VolumeDetail::all);
     }
     const std::string& source = arguments.words[0];
     return phigs::is_archive(source)

@@ -75,13 +75,16 @@ LineSource lines_of_commands(std::vector<Arguments> commands) {
     };
 }
 
-/// "name=isovalue[,colour]" of --surface.
+/// "name[=isovalue[,colour]]" of --surface.
 Arguments surface_command(const std::string& text) {
     const std::size_t equals = text.find('='), comma = text.find(',');
+    if (equals == std::string::npos && comma == std::string::npos) {
+        return command("surface", {text});  // A tissue of CT, or as a built-in volume suggests.
+    }
     if (equals == std::string::npos || equals == 0) {
         throw RequestError(
             ExitCode::usage,
-            fmt::format("--surface '{}' is not of the form name=isovalue[,colour]", text));
+            fmt::format("--surface '{}' is not of the form name[=isovalue[,colour]]", text));
     }
     Arguments surface = command("surface", {text.substr(0, equals)});
     surface.options["iso"] = text.substr(equals + 1, comma - equals - 1);
@@ -206,7 +209,8 @@ void declare(CLI::App& app, Flags& flags) {
     render_app->add_option("volume", flags.volume, "File, DICOM folder or phantom:NAME")
         ->required();
     render_app->add_option("--iso", flags.isovalue, "Isovalue of the surface");
-    render_app->add_option("--surface", flags.surfaces, "Several surfaces: name=isovalue[,colour]");
+    render_app->add_option("--surface", flags.surfaces,
+                           "Several surfaces: name[=isovalue[,colour]]");
     render_app->add_option("--view", flags.view, "Named view, or \"AZ EL [zoom=Z]\"");
     render_app->add_option("--size", flags.size,
                            "WIDTHxHEIGHT of the picture, 512x512 if not given");

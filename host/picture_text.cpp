@@ -12,10 +12,27 @@ namespace pxpl5::host {
 
 namespace {
 
+/// An archive has units of its own and no patient: its file's name alone.
+std::vector<PictureMark> archive_marks(const Session& session) {
+    const Colour& back = session.scene.background;
+    Overlay overlay;
+    overlay.camera = session.scene.camera;
+    overlay.subject = session.subject();
+    overlay.size = session.scene.size;
+    overlay.background = {back.r, back.g, back.b};
+    overlay.title = session.archive()->file;
+    overlay.letters = overlay.directions = overlay.scale = false;
+    return overlay_marks(overlay);
+}
+
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 std::string title_of(const Session& session) {
-    return session.archive() != nullptr ? session.archive()->file : session.volume().name;
+    if (session.archive() != nullptr) {
+        return session.archive()->file;
+    }
+    const Volume& volume = session.volume();
+    return volume.name + (is_assumed(volume) ? "  (place or spacing ASSUMED: see info)" : "");
 }
 
 std::string spacing_text(const Volume& volume) {
@@ -80,7 +97,9 @@ PictureExtras picture_extras(const Session& session, const Camera& camera) {
         if (seen.surfaces.empty() && session.archive() == nullptr) {
             return extras;  // Nothing to explain.
         }
-        extras.marks = overlay_marks(seen, session.subject(), title_of(session));
+        extras.marks = session.archive() != nullptr
+                           ? archive_marks(session)
+                           : overlay_marks(seen, session.subject(), title_of(session));
     }
     return extras;
 }

@@ -83,7 +83,9 @@ struct Scene {
 
 /// Whether `compare` shows two other surfaces in place of this one.
 inline bool is_compared(std::span<const Surface> surfaces, const Surface& surface) {
-    return std::ranges::count(surfaces, surface.name, &Surface::compared_with) != 0;
+    return std::ranges::any_of(surfaces, [&](const Surface& other) {
+        return !other.compared_with.empty() && other.compared_with == surface.name;
+    });
 }
 
 }  // namespace pxpl5::host

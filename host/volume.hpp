@@ -1,6 +1,7 @@
 // A volume in the host's memory.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
@@ -57,6 +58,11 @@ struct Volume {
     std::string source;             ///< File, folder or phantom:NAME that it was read from.
     std::uint64_t digest = 0;       ///< FNV-1a over the values; 0 if not known.
 };
+
+/// Whether something of its place or spacing is not stated by its file, but assumed.
+inline bool is_assumed(const Volume& volume) {
+    return std::ranges::count(volume.findings, FindingKind::assumption, &Finding::kind) != 0;
+}
 
 /// z of the last slice in the grid.
 inline double last_place(const Volume& volume) {

@@ -103,7 +103,7 @@ std::string orientation_letters(const Volume& volume) {
     return letters;
 }
 
-Reply describe_volume(const Volume& volume) {
+Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     const glm::dvec3 spacing = spacing_mm(volume),
                      extent =
                          spacing * glm::dvec3(volume.nx - 1, volume.ny - 1, last_place(volume));
@@ -128,7 +128,9 @@ Reply describe_volume(const Volume& volume) {
         reply.text += fmt::format("{} {} % are up to {:.6g}", i == 0 ? "" : ",",
                                   quantile_percent[i], shares[i]);
     }
-    reply.text += histogram_text(counted);
+    if (detail == VolumeDetail::all) {
+        reply.text += histogram_text(counted);
+    }
     std::vector<Fields> notes;
     for (const Finding& finding : volume.findings) {
         const std::string kind(finding_names[static_cast<std::size_t>(finding.kind)]);
@@ -137,7 +139,7 @@ Reply describe_volume(const Volume& volume) {
     }
     std::vector<Fields> surfaces;
     for (const PhantomSurface& surface : suggested_surfaces(volume.name)) {
-        reply.text += fmt::format("\nsurface {}: iso={}", surface.name, surface.isovalue);
+        reply.text += fmt::format("\nsuggested: surface {} iso={}", surface.name, surface.isovalue);
         surfaces.push_back({{"name", surface.name}, {"isovalue", surface.isovalue}});
     }
     reply.fields = {
