@@ -45,9 +45,17 @@ double polygon_area(const Square& values, double isovalue) {
     return doubled / 2;
 }
 
-double inside_area(const Square& values, double isovalue) {
+/// Whether an ambiguous face's inside corners are joined: as SlabWalk::decide_faces().
+bool is_joined(const Square& values, double isovalue) {
+    const double even = (values[0] - isovalue) * (values[2] - isovalue);
+    const double odd = (values[1] - isovalue) * (values[3] - isovalue);
+    return values[0] >= isovalue ? even > odd : odd > even;
+}
+
+double inside_area(const Square& values, double isovalue, bool decides_faces) {
     const auto inside = [&](std::size_t k) { return values[k] >= isovalue; };
-    if (inside(0) != inside(2) || inside(1) != inside(3) || inside(0) == inside(1)) {
+    if (inside(0) != inside(2) || inside(1) != inside(3) || inside(0) == inside(1) ||
+        (decides_faces && is_joined(values, isovalue))) {
         return polygon_area(values, isovalue);
     }
     double area = 0;  // Two corners across: a triangle at each.
@@ -62,7 +70,7 @@ double inside_area(const Square& values, double isovalue) {
 
 }  // namespace
 
-double inside_of_last_face(const SliceStore& store, int slab, double isovalue) {
+double inside_of_last_face(const SliceStore& store, int slab, double isovalue, bool decides_faces) {
     const VolumeShape& shape = store.shape();
     const auto nx = static_cast<std::size_t>(shape.nx), ny = static_cast<std::size_t>(shape.ny);
     double area = 0;
@@ -74,7 +82,7 @@ double inside_of_last_face(const SliceStore& store, int slab, double isovalue) {
         };
         for (std::size_t y = 0; y + 1 < ny; ++y) {
             area += inside_area({at(lower, y), at(lower, y + 1), at(upper, y + 1), at(upper, y)},
-                                isovalue);
+                                isovalue, decides_faces);
         }
     });
     return area * shape.height(slab);

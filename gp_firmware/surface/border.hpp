@@ -6,8 +6,9 @@
 namespace pxpl5::gp {
 
 /// Area inside the surface on the face x = nx - 1 between slices slab and slab + 1, in the grid
-/// (0 .. (ny - 1) * height(slab)): linear along the cells' edges, inside corners apart where a face
-/// is ambiguous.
-double inside_of_last_face(const SliceStore& store, int slab, double isovalue);
+/// (0 .. (ny - 1) * height(slab)): linear along the cells' edges.
+/// decides_faces  As of the CaseTable: where a face is ambiguous, inside corners are apart, or, if
+///                it decides, joined where the saddle is inside.
+double inside_of_last_face(const SliceStore& store, int slab, double isovalue, bool decides_faces);
 
 }  // namespace pxpl5::gp

@@ -35,8 +35,9 @@ SlabExtraction begin_walk(const SliceStore& store, int slab, double isovalue,
     assert(std::binary_search(store.slabs().begin(), store.slabs().end(), slab));
     out.slab = slab;
     out.counts = {};
-    const auto finish = [&store, slab, isovalue, &out](std::size_t) {
-        measure(store.shape(), inside_of_last_face(store, slab, isovalue), out);
+    const auto finish = [&store, slab, isovalue, decides_faces = table.decides_faces,
+                         &out](std::size_t) {
+        measure(store.shape(), inside_of_last_face(store, slab, isovalue, decides_faces), out);
         return false;
     };
     SlabExtraction extraction = finish;

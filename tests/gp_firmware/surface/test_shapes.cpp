@@ -243,6 +243,21 @@ TEST_SUITE("gp/shapes") {
         CHECK(both.volume_mm3 == doctest::Approx(3 * (0.25 + 0.25)));
     }
 
+    TEST_CASE("an ambiguous last x face is closed as its case table decides") {
+        // A prism along x: inside corners across, whose saddle is inside. Edges are cut at 5/6.
+        const auto prism = make_volume({4, 2, 2}, Scalar::int16,
+                                       [](int, int y, int z) { return y == z ? 10 : 4; });
+        const auto per_length = [&](CaseRule rule) {
+            double enclosed = 0;
+            for (const SlabMesh& mesh : extract_all(prism, 5, rule)) {
+                enclosed += mesh.counts.volume_mm3;
+            }
+            return enclosed / 3;
+        };
+        CHECK(per_length(CaseRule::watertight) == doctest::Approx(25.0 / 36));
+        CHECK(per_length(CaseRule::asymptotic) == doctest::Approx(1 - 1.0 / 36));
+    }
+
     TEST_CASE("where everything is inside, the volume is the box") {
         const auto volume = make_volume({5, 4, 3}, Scalar::int16, [](int, int, int) { return 9; });
         double enclosed = 0;
