@@ -47,7 +47,7 @@ Words triangles(std::size_t count) {
         const auto at = static_cast<std::int32_t>(800 + i % 13);
         test::put_edges({at, at}, {at + 160, at}, {at, at + 160}, t);
         t.z[2] = (0x7000 - static_cast<std::int32_t>(i)) << 16;
-        t.surface = 1 + i % 200;
+        t.surface = static_cast<std::uint32_t>(1 + i % 200);
         append(t, words);
     }
     return words;
