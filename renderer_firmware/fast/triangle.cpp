@@ -214,15 +214,18 @@ HWY_NOINLINE bool find_large_box(const Triangle& t, Box& box) {
     std::int64_t slope = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         std::memcpy(edges[k], t.edge(k), sizeof edges[k]);
-        const auto magnitude = [&](int i) { return std::llabs(std::int64_t{edges[k][i]}); };
-        const std::int64_t most = (magnitude(0) + magnitude(1)) * last_px + magnitude(2);
+        const std::int64_t a = edges[k][0], b = edges[k][1], c = edges[k][2];
+        const auto end = [&](std::int64_t m, std::int64_t n) {
+            return HWY_MAX(m * last_px, 0) + HWY_MAX(n * last_px, 0);
+        };
+        const std::int64_t most = HWY_MAX(c + end(a, b), ~(c - end(-a, -b)));
         const std::uint32_t n = t.edge_width(k);
         const bool known =
             n == shape::edge_widths[0] || n == shape::edge_widths[1] || n == shape::edge_widths[2];
         if (!known || most >= std::int64_t{1} << (n - 1)) {
             return false;
         }
-        slope = HWY_MAX(slope, HWY_MAX(magnitude(0), magnitude(1)));
+        slope = HWY_MAX(slope, HWY_MAX(std::llabs(a), std::llabs(b)));
     }
     if (slope < max_box_slope) {
         box_in_doubles(edges, box);
@@ -252,11 +255,17 @@ HWY_INLINE bool find_box(const Triangle& t, Box& box) {
     const VI4 e1 = hn::LoadU(i, signed_words + shape::at_edge[1]);
     const VI4 e2 = hn::LoadU(i, signed_words + shape::at_edge[2]);
     const Lines p = lines_at(e0, e1, e2, e0), q = lines_at(e1, e2, e0, e1);
-    const VI4 a = hn::Abs(p.a), b = hn::Abs(p.b), c = hn::Abs(p.c);
-    const VI4 most = hn::Add(hn::Mul(hn::Add(a, b), hn::Set(i, last_px)), c);
     // By bits, because the magnitude of the least number is still negative.
-    const VI4 upper = hn::And(hn::Or(hn::Or(a, b), c), hn::Set(i, -max_small));
+    const VI4 upper =
+        hn::And(hn::Or(hn::Or(hn::Abs(p.a), hn::Abs(p.b)), hn::Abs(p.c)), hn::Set(i, -max_small));
     const auto small = hn::Eq(upper, hn::Zero(i));
+    // An edge's values lie between those at the region's corners.
+    const VI4 along_x = hn::Mul(p.a, hn::Set(i, last_px)),
+              along_y = hn::Mul(p.b, hn::Set(i, last_px));
+    const VI4 zero = hn::Zero(i);
+    const VI4 high = hn::Add(p.c, hn::Add(hn::Max(along_x, zero), hn::Max(along_y, zero)));
+    const VI4 low = hn::Add(p.c, hn::Add(hn::Min(along_x, zero), hn::Min(along_y, zero)));
+    const VI4 most = hn::Max(high, hn::Not(low));
     const bool in_floats =
         hn::AllTrue(i, hn::And(small, hn::Lt(most, sign_limit(p.op)))) && box_in_floats(p, q, box);
     return in_floats || find_large_box(t, box);
