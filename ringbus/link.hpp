@@ -26,6 +26,10 @@ class Link {
     /// Throws NodeFault if too much waits already or the payload is too large for any receiver.
     virtual void send(NodeId to, Payload payload) = 0;
 
+    /// Memory for builders of large bodies, from which they leave without being copied, or null for
+    /// the heap. Valid as long as the link; so are the bodies.
+    virtual flatbuffers::Allocator* body_allocator() { return nullptr; }
+
     /// Messages queued here because their receivers have given no credit. receive() takes credit
     /// and sends them.
     virtual std::size_t queued() const = 0;

@@ -13,6 +13,8 @@ class Outbox {
   public:
     virtual ~Outbox() = default;
     virtual void send(NodeId to, Payload payload) = 0;
+    /// Link::body_allocator() of the link behind it.
+    virtual flatbuffers::Allocator* body_allocator() { return nullptr; }
 
     void send(std::span<const NodeId> to, const Payload& payload) {
         for (const NodeId id : to) {

@@ -15,6 +15,7 @@ class LinkOutbox final : public Outbox {
     using Outbox::send;
     explicit LinkOutbox(Link& link) : link_(link) {}
     void send(NodeId to, Payload payload) override { link_.send(to, std::move(payload)); }
+    flatbuffers::Allocator* body_allocator() override { return link_.body_allocator(); }
 
   private:
     Link& link_;

@@ -89,6 +89,7 @@ class RecordingLink final : public Link {
     void add_peer(NodeId id, const std::string& endpoint) override { link_.add_peer(id, endpoint); }
     void remove_peer(NodeId id) override { link_.remove_peer(id); }
     void send(NodeId to, Payload payload) override { link_.send(to, std::move(payload)); }
+    flatbuffers::Allocator* body_allocator() override { return link_.body_allocator(); }
     std::size_t queued() const override { return link_.queued(); }
     std::optional<Message> receive() override;
     bool wait(int timeout_ms) override;
