@@ -1,6 +1,7 @@
 // What each command of the table does. See commands.cpp for their arguments.
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "host/command_line.hpp"
@@ -20,6 +21,7 @@ Reply run_background(Session& session, const Arguments& arguments);
 Reply run_size(Session& session, const Arguments& arguments);
 Reply run_snapshot(Session& session, const Arguments& arguments);
 Reply run_orbit(Session& session, const Arguments& arguments);
+Reply run_sweep(Session& session, const Arguments& arguments);
 Reply run_stats(Session& session, const Arguments& arguments);
 Reply run_presets(Session& session, const Arguments& arguments);
 Reply run_clip(Session& session, const Arguments& arguments);
@@ -35,6 +37,9 @@ Reply run_digest(Session& session, const Arguments& arguments);
 Reply run_trace(Session& session, const Arguments& arguments);
 Reply run_help(Session& session, const Arguments& arguments);
 Reply run_quit(Session& session, const Arguments& arguments);
+
+/// Isovalues beyond this are no floats.
+inline constexpr double max_isovalue = std::numeric_limits<float>::max();
 
 /// One surface, for people and programs.
 std::string surface_text(const Surface& surface, const SurfaceReport& report);

@@ -15,6 +15,70 @@ namespace {
 constexpr int max_orbit_frames = 100'000;
 constexpr int max_animation_frames = 2'000;
 
+/// Where the pictures of a command go that draws many: nowhere, into a file each, or into one
+/// animation.
+class PictureFiles {
+  public:
+    /// Refuses the command if its `at`-th word, which may be missing, names no such place.
+    PictureFiles(Session& session, const Arguments& arguments, std::size_t at, int count)
+        : session_(session), delay_ms_(arguments.number("delay_ms", 40, 10, 60'000)) {
+        if (arguments.words.size() > at) {
+            pattern_ = arguments.words[at];
+        }
+        is_animation_ = pattern_.ends_with(".gif");
+        if (!pattern_.empty() && !is_animation_ && pattern_.find("{}") == std::string::npos) {
+            refuse_command(
+                fmt::format("{}: '{}' is no .gif and has no {{}} where the frame's number goes",
+                            arguments.name, pattern_));
+        }
+        if (is_animation_ && count > max_animation_frames) {
+            refuse_command(fmt::format("{}: {} frames are too many for {}, {} are the most",
+                                       arguments.name, count, pattern_, max_animation_frames));
+        }
+    }
+
+    void take(int index, const Picture& picture, const Camera& camera) {
+        if (is_animation_) {
+            pictures_.push_back(picture);
+        } else if (!pattern_.empty()) {
+            std::string path = pattern_;
+            path.replace(path.find("{}"), 2, fmt::format("{:04}", index));
+            session_.export_pictures({&picture, 1}, path, picture_extras(session_, camera));
+            ++written_;
+        }
+    }
+    /// Writes the animation, if it is one.
+    void finish() {
+        if (is_animation_) {
+            PictureExtras extras = animation_extras(session_);
+            extras.delay_ms = static_cast<int>(delay_ms_);
+            session_.export_pictures(pictures_, pattern_, extras);
+            written_ = 1;
+        }
+    }
+    std::int64_t written() const { return written_; }
+    /// Whether files were written between the pictures: times then tell of writing.
+    bool has_interrupted() const { return written_ != 0 && !is_animation_; }
+    /// For the end of the command's answer.
+    std::string text() const {
+        return has_interrupted() ? fmt::format(", {} pictures written", written_)
+               : written_ != 0   ? "; wrote " + pattern_
+                                 : "";
+    }
+
+  private:
+    Session& session_;
+    double delay_ms_;
+    std::string pattern_;
+    bool is_animation_ = false;
+    std::int64_t written_ = 0;
+    std::vector<Picture> pictures_;
+};
+
+Fields to_fields(const Spread& spread) {
+    return {{"median", spread.median}, {"p95", spread.p95}, {"max", spread.max}};
+}
+
 }  // namespace
 
 Reply run_snapshot(Session& session, const Arguments& arguments) {
@@ -34,49 +98,60 @@ Reply run_snapshot(Session& session, const Arguments& arguments) {
 
 Reply run_orbit(Session& session, const Arguments& arguments) {
     const int count = parse_whole("frames", arguments.words[0], 1, max_orbit_frames);
-    const std::string pattern = arguments.words.size() > 1 ? arguments.words[1] : "";
-    const bool is_animation = pattern.ends_with(".gif");
-    if (!pattern.empty() && !is_animation && pattern.find("{}") == std::string::npos) {
-        refuse_command(fmt::format(
-            "orbit: '{}' is no .gif and has no {{}} where the frame's number goes", pattern));
-    }
-    if (is_animation && count > max_animation_frames) {
-        refuse_command(fmt::format("orbit: {} frames are too many for {}, {} are the most", count,
-                                   pattern, max_animation_frames));
-    }
-    const int delay_ms = static_cast<int>(arguments.number("delay_ms", 40, 10, 60'000));
-    std::int64_t written = 0;
-    std::vector<Picture> pictures;
-    const auto take = [&](int index, const Picture& picture, const Camera& camera) {
-        if (is_animation) {
-            pictures.push_back(picture);
-        } else if (!pattern.empty()) {
-            std::string path = pattern;
-            path.replace(path.find("{}"), 2, fmt::format("{:04}", index));
-            session.export_pictures({&picture, 1}, path, picture_extras(session, camera));
-            ++written;
-        }
-    };
-    const OrbitReport report = session.orbit(count, take);
-    if (is_animation) {
-        PictureExtras extras = animation_extras(session);
-        extras.delay_ms = delay_ms;
-        session.export_pictures(pictures, pattern, extras);
-        written = 1;
-    }
+    const int in_flight =
+        parse_whole("inflight", arguments.text("inflight", "2"), 1, max_frames_in_flight);
+    PictureFiles files(session, arguments, 1, count);
+    const OrbitReport report = session.orbit(
+        count,
+        [&](int index, const Picture& picture, const Camera& camera) {
+            files.take(index, picture, camera);
+        },
+        in_flight);
+    files.finish();
+    const double rate = report.frames * 1000.0 / report.elapsed_ms;
     Reply reply{fmt::format("{} frames in {:.0f} ms", report.frames, report.elapsed_ms),
                 {{"frames", std::int64_t{report.frames}},
                  {"elapsed_ms", report.elapsed_ms},
-                 {"written", written}}};
-    if (written != 0 && !is_animation) {  // Most of the time went into writing.
-        reply.text += fmt::format(", {} pictures written", written);
-    } else {
-        const double rate = report.frames * 1000.0 / report.elapsed_ms;
+                 {"inflight", std::int64_t{in_flight}},
+                 {"latency_ms", to_fields(report.latency_ms)},
+                 {"written", files.written()}}};
+    if (!files.has_interrupted()) {
         reply.text +=
-            fmt::format(", {:.1f} frames/s{}", rate, is_animation ? "; wrote " + pattern : "");
+            fmt::format(", {:.1f} frames/s, a view's picture after {:.1f} ms (p95 {:.1f})", rate,
+                        report.latency_ms.median, report.latency_ms.p95);
         reply.fields.push_back({"frames_per_s", rate});
     }
+    reply.text += files.text();
     return reply;
+}
+
+Reply run_sweep(Session& session, const Arguments& arguments) {
+    const std::string& name = arguments.words[0];
+    const double first = parse_number("FROM", arguments.words[1], -max_isovalue, max_isovalue);
+    const double last = parse_number("TO", arguments.words[2], -max_isovalue, max_isovalue);
+    const int count = parse_whole("N", arguments.words[3], 2, max_orbit_frames);
+    PictureFiles files(session, arguments, 4, count);
+    if (const std::optional<Surface> known = session.surface(name)) {
+        session.end_comparison(known->compared_with.empty() ? name : known->compared_with);
+    }
+    std::vector<double> isovalues;
+    for (int i = 0; i < count; ++i) {
+        isovalues.push_back(first + (last - first) * i / (count - 1));
+    }
+    const SweepReport report = session.sweep(
+        name, isovalues, [&](int index, const Picture& picture, const SurfaceReport&) {
+            files.take(index, picture, session.scene.camera);
+        });
+    files.finish();
+    return {fmt::format("{} isovalues {} .. {}: extracted in {:.1f} ms (p95 {:.1f}), picture after "
+                        "{:.1f} ms (p95 {:.1f}){}",
+                        report.changes, first, last, report.extraction_ms.median,
+                        report.extraction_ms.p95, report.picture_ms.median, report.picture_ms.p95,
+                        files.text()),
+            {{"changes", std::int64_t{report.changes}},
+             {"extraction_ms", to_fields(report.extraction_ms)},
+             {"picture_ms", to_fields(report.picture_ms)},
+             {"written", files.written()}}};
 }
 
 }  // namespace pxpl5::host

@@ -2,7 +2,6 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <limits>
 
 #include "host/command_handlers.hpp"
 #include "host/error.hpp"
@@ -13,8 +12,6 @@
 namespace pxpl5::host {
 
 namespace {
-
-constexpr double max_isovalue = std::numeric_limits<float>::max();
 
 bool parse_yes(std::string_view key, const std::string& text) {
     if (text != "yes" && text != "no") {

@@ -124,14 +124,21 @@ std::span<const Command> command_table() {
          {},
          run_snapshot},
         {"orbit",
-         "N [PATTERN|FILE.gif] [delay_ms=D]",
-         "Draws N views around the volume; writes them where PATTERN has {} for the number, or as "
-         "an "
-         "animation.",
+         "N [PATTERN|FILE.gif] [delay_ms=D] [inflight=1|2]",
+         "Draws N views around the volume, two at a time; writes them where PATTERN has {} for the "
+         "number, or as an animation.",
          1,
          2,
-         {"delay_ms"},
+         {"delay_ms", "inflight"},
          run_orbit},
+        {"sweep",
+         "NAME FROM TO N [PATTERN|FILE.gif] [delay_ms=D]",
+         "Moves a surface's isovalue in N steps and draws each; writes them as orbit does. The "
+         "surface is then as it was.",
+         4,
+         5,
+         {"delay_ms"},
+         run_sweep},
         {"stats", "", "Tells what the machine has done so far.", 0, 0, {}, run_stats},
         {"digest", "", "Prints fingerprints of the frame and of each mesh.", 0, 0, {}, run_digest},
         {"trace", "save", "Writes the traces of all nodes to files.", 1, 1, {}, run_trace},

@@ -17,6 +17,7 @@
 #include "host/machine/port.hpp"
 #include "host/phigs/content.hpp"
 #include "host/scene.hpp"
+#include "host/spread.hpp"
 #include "host/surface/atlas_chart.hpp"
 #include "host/surface/compare.hpp"
 #include "host/surface/components.hpp"
@@ -94,7 +95,17 @@ struct MeshExportReport {
 struct OrbitReport {
     int frames = 0;
     double elapsed_ms = 0;
+    Spread latency_ms;  ///< Of a frame's request to its picture.
 };
+
+struct SweepReport {
+    int changes = 0;
+    Spread extraction_ms;  ///< As SurfaceReport::elapsed_ms.
+    Spread picture_ms;     ///< Isovalue changed to the picture that shows it.
+};
+
+/// GPs prepare one frame while Renderers draw the other.
+inline constexpr int max_frames_in_flight = 2;
 
 /// The frame that a node's Fault is about, if its text begins with one.
 std::optional<std::uint32_t> frame_of_fault(std::string_view reason);
@@ -141,10 +152,17 @@ class Session {
 
     /// Draws the scene once.
     Picture draw();
-    /// Draws `frames` frames, the azimuth growing by 360/frames each, two in flight; hands each to
-    /// `take` in order, with the camera that it was seen by. The camera ends where it was.
+    /// Draws `frames` frames, the azimuth growing by 360/frames each, `in_flight` (1 or 2) at a
+    /// time; hands each to `take` in order, with the camera that it was seen by. The camera ends
+    /// where it was.
     using TakeFrame = std::function<void(int, const Picture&, const Camera&)>;
-    OrbitReport orbit(int frames, const TakeFrame& take);
+    OrbitReport orbit(int frames, const TakeFrame& take, int in_flight = max_frames_in_flight);
+    /// Gives the surface, which is there, one isovalue after the other and draws each, one in
+    /// flight; hands each to `take` in order. The surface ends as it was, also if `take` throws
+    /// RequestError.
+    using TakeChange = std::function<void(int, const Picture&, const SurfaceReport&)>;
+    SweepReport sweep(const std::string& name, std::span<const double> isovalues,
+                      const TakeChange& take);
     const FrameReport& last_frame() const { return last_frame_; }
 
     /// What pixel (x, y) from the top left shows; nothing for the background. Draws the scene

@@ -1,4 +1,5 @@
 // What a session does with frames: asks for them, two in flight, and takes them.
+#include <cassert>
 #include <utility>
 
 #include "host/error.hpp"
@@ -11,9 +12,6 @@ namespace pxpl5::host {
 namespace {
 
 namespace schema = bus::schema;
-
-/// GPs prepare one frame while Renderers draw the other.
-constexpr std::size_t frames_in_flight = 2;
 
 }  // namespace
 
@@ -91,7 +89,8 @@ std::optional<Session::Picked> Session::pick(int x, int y) {
     return Picked{*found, drawn.at(static_cast<std::size_t>(found->surface)).surface->name};
 }
 
-OrbitReport Session::orbit(int frames, const TakeFrame& take) {
+OrbitReport Session::orbit(int frames, const TakeFrame& take, int in_flight) {
+    assert(in_flight >= 1 && in_flight <= max_frames_in_flight);
     // Whatever `take` throws, the camera is where it was and no frame of the orbit is left over.
     struct Restore {
         Session& session;
@@ -107,16 +106,45 @@ OrbitReport Session::orbit(int frames, const TakeFrame& take) {
         camera.angles.azimuth_deg += 360.0 * index / frames;
         return camera;
     };
+    std::vector<double> latencies_ms;
     const std::int64_t start_ns = now_ns();
     for (int submitted = 0, taken = 0; taken < frames; ++taken) {
-        for (; submitted < frames && pending_.size() + finished_.size() < frames_in_flight;
-             ++submitted) {
+        for (; submitted < frames && submitted - taken < in_flight; ++submitted) {
             scene.camera = camera_of(submitted);
             submit_frame();
         }
-        take(taken, take_frame(), camera_of(taken));
+        const Picture picture = take_frame();
+        latencies_ms.push_back(last_frame_.elapsed_ms);
+        take(taken, picture, camera_of(taken));
     }
-    return {frames, ms_since(start_ns)};
+    return {frames, ms_since(start_ns), spread_of(std::move(latencies_ms))};
+}
+
+SweepReport Session::sweep(const std::string& name, std::span<const double> isovalues,
+                           const TakeChange& take) {
+    const Surface before = find_surface(name);
+    std::vector<double> extractions_ms, pictures_ms;
+    const auto change_to = [&](double isovalue) {
+        return set_surface(name, isovalue, before.table, before.colour);
+    };
+    try {
+        for (const double isovalue : isovalues) {
+            const std::int64_t start_ns = now_ns();
+            const SurfaceReport report = change_to(isovalue);
+            const Picture picture = draw();
+            pictures_ms.push_back(ms_since(start_ns));
+            extractions_ms.push_back(report.elapsed_ms);
+            take(static_cast<int>(pictures_ms.size()) - 1, picture, report);
+        }
+    } catch (const RequestError&) {
+        if (surface(name)) {  // What cannot be extracted is gone.
+            change_to(before.isovalue);
+        }
+        throw;
+    }
+    change_to(before.isovalue);
+    return {static_cast<int>(pictures_ms.size()), spread_of(std::move(extractions_ms)),
+            spread_of(std::move(pictures_ms))};
 }
 
 }  // namespace pxpl5::host

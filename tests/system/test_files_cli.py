@@ -107,6 +107,19 @@ class Files(unittest.TestCase):
         self.assertNotEqual(pathlib.Path(self.path("plain.png")).read_bytes(),
                             pathlib.Path(self.path("bare.png")).read_bytes())
 
+    def test_sweep(self):
+        results = self.run_commands(
+            "load phantom:sphere", "surface sphere iso=0.5", "size 100x100",
+            "sweep sphere 0 1500 4 iso-{}.png", "surface sphere", "orbit 3 inflight=1")
+        sweep, surface, orbit = results[3:]
+        self.assertEqual([sweep["changes"], sweep["written"]], [4, 4])
+        pictures = {pathlib.Path(self.path(f"iso-{k:04}.png")).read_bytes() for k in range(4)}
+        self.assertEqual(len(pictures), 4)
+        self.assertGreater(sweep["picture_ms"]["median"], sweep["extraction_ms"]["median"])
+        self.assertEqual(surface["isovalue"], 0.5)
+        self.assertEqual(orbit["inflight"], 1)
+        self.assertGreaterEqual(orbit["latency_ms"]["p95"], orbit["latency_ms"]["median"])
+
     def test_cropped_and_resampled(self):
         results = self.run_commands(
             "load phantom:sphere", "surface sphere iso=0.5",

@@ -108,3 +108,60 @@ TEST_CASE("the newest isovalue of a surface is what is drawn") {
     session.set_surface("s", 0.5, CaseTable::watertight, grey);
     CHECK(session.draw().rgba == large.rgba);
 }
+
+TEST_CASE("a sweep shows each isovalue and leaves the surface as it was") {
+    test::SimulatedMachine machine(machine_of(2, 2));
+    Session session(machine);
+    session.load("phantom:sphere");
+    session.scene.size = {100, 100};
+    const std::vector<double> isovalues = {0.5, 900.5, 1500.5};
+    std::vector<std::vector<std::uint32_t>> wanted;
+    for (const double isovalue : isovalues) {
+        session.set_surface("s", isovalue, CaseTable::watertight, grey);
+        wanted.push_back(session.draw().rgba);
+    }
+    session.set_surface("s", 300.5, CaseTable::watertight, grey);
+    const Picture before = session.draw();
+
+    std::vector<std::vector<std::uint32_t>> shown;
+    const SweepReport report = session.sweep(
+        "s", isovalues, [&](int index, const Picture& picture, const SurfaceReport& built) {
+            CHECK(index == static_cast<int>(shown.size()));
+            CHECK(built.triangles > 0);
+            shown.push_back(picture.rgba);
+        });
+    CHECK(shown == wanted);
+    CHECK(report.changes == 3);
+    CHECK(report.picture_ms.median >= report.extraction_ms.median);
+    CHECK(session.surface("s")->isovalue == 300.5);
+    CHECK(session.draw().rgba == before.rgba);
+
+    CHECK_THROWS_AS(session.sweep("s", isovalues,
+                                  [](int, const Picture&, const SurfaceReport&) {
+                                      throw RequestError(ExitCode::failed, "the disk is full");
+                                  }),
+                    RequestError);
+    CHECK(session.draw().rgba == before.rgba);
+    CHECK(error_of([&] { session.sweep("t", isovalues, {}); }).find("no surface 't'") !=
+          std::string::npos);
+}
+
+TEST_CASE("views drawn one at a time are those drawn two at a time") {
+    test::SimulatedMachine machine(machine_of(2, 2));
+    Session session(machine);
+    session.load("phantom:sphere");
+    session.scene.size = {100, 100};
+    session.set_surface("s", 0.5, CaseTable::watertight, grey);
+    std::vector<std::vector<std::uint32_t>> drawn[max_frames_in_flight];
+    for (int in_flight = 1; in_flight <= max_frames_in_flight; ++in_flight) {
+        const OrbitReport report = session.orbit(
+            4,
+            [&](int, const Picture& picture, const Camera&) {
+                drawn[in_flight - 1].push_back(picture.rgba);
+            },
+            in_flight);
+        CHECK(report.latency_ms.median > 0);
+        CHECK(report.latency_ms.max <= report.elapsed_ms);
+    }
+    CHECK(drawn[0] == drawn[1]);
+}
