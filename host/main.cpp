@@ -22,7 +22,7 @@ using namespace pxpl5::host;
 struct MachineFlags {
     std::string topology = "default";
     std::vector<std::string> overrides;
-    std::string run_folder = "run", record;
+    std::string run_folder = "run", record, vector_target;
 
     void add_to(CLI::App& app) {
         app.add_option("--topology", topology, "Machine to launch: a name or a file")
@@ -30,6 +30,9 @@ struct MachineFlags {
         app.add_option("--set", overrides, "Change one value of the topology, e.g. gp.count=4");
         app.add_option("--record", record, "What nodes keep of their messages, for inspection")
             ->check(CLI::IsMember({"off", "flight", "full"}));
+        app.add_option("--vector-target", vector_target,
+                       "Vector instructions that nodes compute with; all give the same bits")
+            ->check(CLI::IsMember({"best", "sse4", "avx2", "avx512"}));
         add_folder_to(app);
     }
     /// The machine that these flags ask for.
@@ -37,6 +40,9 @@ struct MachineFlags {
         Topology plan = load_topology(topology, overrides);
         if (!record.empty()) {
             apply_override(plan, "record=" + record);
+        }
+        if (!vector_target.empty()) {
+            apply_override(plan, "vector_target=" + vector_target);
         }
         return plan;
     }

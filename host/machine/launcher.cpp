@@ -109,8 +109,12 @@ void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
     const auto& cores = settings.cpu;
     const int core =
         cores.empty() ? -1 : cores[static_cast<std::size_t>(node.index) % cores.size()];
+    std::vector<std::string> env = settings.env;
+    if (topology_.vector_target != VectorTarget::best) {
+        env.push_back(fmt::format("PXPL5_TARGET={}", host::name_of(topology_.vector_target)));
+    }
     node.pid = supervisor_.spawn({name, options_.binaries / node.binary(), std::move(arguments),
-                                  settings.env, core, folder_ / (name + ".log")});
+                                  std::move(env), core, folder_ / (name + ".log")});
 }
 
 Roster Launcher::bring_up(Roster nodes) {

@@ -29,7 +29,9 @@ struct NumberKey {
     int& (*in)(Topology&);
 };
 
+constexpr std::array<std::string_view, 2> transport_names = {"ipc", "tcp"};
 constexpr std::array<std::string_view, 3> record_names = {"off", "flight", "full"};
+constexpr std::array<std::string_view, 4> target_names = {"best", "sse4", "avx2", "avx512"};
 // One view of a picture needs one frame buffer; both eyes of a stereo picture share it, stacked.
 constexpr int max_frame_buffers = 1;
 constexpr int max_memory_mib = 1 << 20;
@@ -123,19 +125,16 @@ std::vector<int> core_list(std::string_view key, std::string_view text) {
     return cores;
 }
 
-Transport transport_named(std::string_view text) {
-    if (text != "ipc" && text != "tcp") {
-        refuse(fmt::format("ring.transport is '{}', must be ipc or tcp", text));
+/// The value of an enumeration whose values, in order, are called so.
+template <typename Enum, std::size_t count>
+Enum value_named(std::string_view key, std::string_view text,
+                 const std::array<std::string_view, count>& names) {
+    const auto name = std::find(names.begin(), names.end(), text);
+    if (name == names.end()) {
+        refuse(fmt::format("{} is '{}', must be {} or {}", key, text,
+                           fmt::join(names.begin(), names.end() - 1, ", "), names.back()));
     }
-    return text == "ipc" ? Transport::ipc : Transport::tcp;
-}
-
-Record record_named(std::string_view text) {
-    const auto* name = std::find(record_names.begin(), record_names.end(), text);
-    if (name == record_names.end()) {
-        refuse(fmt::format("record is '{}', must be off, flight or full", text));
-    }
-    return static_cast<Record>(name - record_names.begin());
+    return static_cast<Enum>(name - names.begin());
 }
 
 /// Returns false if `key` does not belong to a role's lists.
@@ -154,7 +153,7 @@ bool set_role_list(Topology& topology, std::string_view key, std::string_view va
 }
 
 [[noreturn]] void refuse_key(std::string_view key) {
-    std::vector<std::string_view> known = {"record", "ring.transport", "seed"};
+    std::vector<std::string_view> known = {"record", "ring.transport", "seed", "vector_target"};
     for (const NumberKey& number : number_keys) {
         known.push_back(number.name);
     }
@@ -173,9 +172,11 @@ void set_value(Topology& topology, std::string_view key, std::string_view value)
     } else if (key == "seed") {
         topology.seed = whole_number<std::uint64_t>(key, value);
     } else if (key == "ring.transport") {
-        topology.ring.transport = transport_named(value);
+        topology.ring.transport = value_named<Transport>(key, value, transport_names);
     } else if (key == "record") {
-        topology.record = record_named(value);
+        topology.record = value_named<Record>(key, value, record_names);
+    } else if (key == "vector_target") {
+        topology.vector_target = value_named<VectorTarget>(key, value, target_names);
     } else if (!set_role_list(topology, key, value)) {
         refuse_key(key);
     }
@@ -210,6 +211,10 @@ std::filesystem::path find_named(const std::string& name) {
 }
 
 }  // namespace
+
+std::string_view name_of(VectorTarget target) {
+    return target_names[static_cast<std::size_t>(target)];
+}
 
 void apply_override(Topology& topology, std::string_view assignment) {
     const std::size_t equals = assignment.find('=');

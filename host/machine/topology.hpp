@@ -16,6 +16,13 @@ enum class Transport : std::uint8_t { ipc, tcp };
 /// What nodes keep of the messages that they receive: nothing, the newest, or all. As on the ring.
 enum class Record : std::uint8_t { off, flight, full };
 
+/// Vector instructions that nodes compute with: the widest that this machine has, or these. All
+/// give the same bits.
+enum class VectorTarget : std::uint8_t { best, sse4, avx2, avx512 };
+
+/// "sse4": as PXPL5_TARGET and the topology write it.
+std::string_view name_of(VectorTarget target);
+
 /// All nodes of one role.
 struct RoleSettings {
     int count = 0;                 ///< 1..64; in a file, 0 means as many as this process has cores.
@@ -37,6 +44,7 @@ struct Topology {
     int gp_memory_mib = 4096;  ///< Local memory of each GP.
     RingSettings ring;
     Record record = Record::off;
+    VectorTarget vector_target = VectorTarget::best;
     std::uint64_t seed = 0;  ///< For everything that is random on purpose: simulated arrival order.
 };
 
@@ -53,8 +61,8 @@ Topology parse_topology(std::string_view text, const std::string& file,
                         const std::vector<std::string>& overrides = {});
 
 /// Sets one value: "gp.count=4", "gp.memory_mib=8", "gp.cpu=0,1", "renderer.env=A=b",
-/// "ring.transport=tcp", "record=full", "seed=7". A count of 0 is resolved. Throws RequestError
-/// (usage).
+/// "ring.transport=tcp", "record=full", "vector_target=sse4", "seed=7". A count of 0 is resolved.
+/// Throws RequestError (usage).
 void apply_override(Topology& topology, std::string_view assignment);
 
 /// The plan as a topology file that load_topology reads back to the same plan.

@@ -64,6 +64,7 @@ Topology plan_of(const config::MachineT& machine) {
                  ring.hop_ns};
     plan.seed = machine.seed;
     plan.record = static_cast<Record>(machine.record);
+    plan.vector_target = static_cast<VectorTarget>(machine.vector_target);
     return plan;
 }
 
@@ -74,6 +75,16 @@ std::unique_ptr<RoleTable> role_table(const RoleSettings& role) {
     table->env = role.env;
     table->cpu = role.cpu;
     return table;
+}
+
+/// The parser takes any number for an enumeration.
+template <typename Enum>
+void check_enum(const std::string& file, std::string_view key, Enum value,
+                std::string_view values) {
+    if (value > Enum::MAX) {
+        throw RequestError(ExitCode::usage, fmt::format("{}: {} is {}, must be {}", file, key,
+                                                        static_cast<int>(value), values));
+    }
 }
 
 void learn_schema(flatbuffers::Parser& parser) {
@@ -90,16 +101,11 @@ Topology read_topology_file(std::string_view text, const std::string& file) {
         refuse(parser, file);
     }
     const auto machine = config::UnPackMachine(parser.builder_.GetBufferPointer());
-    if (machine->ring && machine->ring->transport > config::Transport::MAX) {
-        throw RequestError(ExitCode::usage,
-                           fmt::format("{}: ring.transport is {}, must be ipc or tcp", file,
-                                       static_cast<int>(machine->ring->transport)));
+    if (machine->ring) {
+        check_enum(file, "ring.transport", machine->ring->transport, "ipc or tcp");
     }
-    if (machine->record > config::Record::MAX) {
-        throw RequestError(ExitCode::usage,
-                           fmt::format("{}: record is {}, must be off, flight or full", file,
-                                       static_cast<int>(machine->record)));
-    }
+    check_enum(file, "record", machine->record, "off, flight or full");
+    check_enum(file, "vector_target", machine->vector_target, "best, sse4, avx2 or avx512");
     return plan_of(*machine);
 }
 
@@ -117,6 +123,7 @@ std::string resolved_json(const Topology& topology) {
     machine.ring->hop_ns = topology.ring.hop_ns;
     machine.seed = topology.seed;
     machine.record = static_cast<config::Record>(topology.record);
+    machine.vector_target = static_cast<config::VectorTarget>(topology.vector_target);
 
     flatbuffers::FlatBufferBuilder builder;
     builder.Finish(config::CreateMachine(builder, &machine));

@@ -107,6 +107,8 @@ TEST_CASE("a value out of range is refused with the value and the range") {
               "frame_buffer.count is 2, must be 1..1"));
     CHECK(has(refusal_of("{ ring: { transport: 7 } }"), "ring.transport is 7, must be ipc or tcp"));
     CHECK(has(refusal_of("{ record: 7 }"), "record is 7, must be off, flight or full"));
+    CHECK(has(refusal_of("{ vector_target: 9 }"),
+              "vector_target is 9, must be best, sse4, avx2 or avx512"));
     CHECK(has(refusal_of("{ roles: { gp: { env: [\"=x\"] } } }"), "gp.env has '=x'"));
     CHECK(has(refusal_of("{ roles: { gp: { cpu: [-1] } } }"), "gp.cpu names core -1"));
 }
@@ -115,7 +117,8 @@ TEST_CASE("an override sets one value") {
     const Topology plan = parse_topology(
         small, "small.json",
         {"gp.count=4", "gp.memory_mib=16", "ring.transport=ipc", "seed=18446744073709551615",
-         "renderer.cpu=0,1", "frame_buffer.env=A=b=c", "record=full"});
+         "renderer.cpu=0,1", "frame_buffer.env=A=b=c", "record=full", "vector_target=avx2"});
+    CHECK(plan.vector_target == VectorTarget::avx2);
     CHECK(plan.record == Record::full);
     CHECK(plan.gp.count == 4);
     CHECK(plan.gp_memory_mib == 16);
@@ -133,6 +136,8 @@ TEST_CASE("an override that cannot be obeyed names key, value and range") {
     CHECK(has(refusal_of_override("gp.count"), "must be key=value"));
     CHECK(has(refusal_of_override("gp.count=4x"), "gp.count is '4x', must be a whole number"));
     CHECK(has(refusal_of_override("ring.transport=udp"), "'udp', must be ipc or tcp"));
+    CHECK(
+        has(refusal_of_override("vector_target=mmx"), "'mmx', must be best, sse4, avx2 or avx512"));
     CHECK(has(refusal_of_override("record=on"), "record is 'on', must be off, flight or full"));
 }
 
@@ -140,7 +145,7 @@ TEST_CASE("the resolved plan, read again, is the same plan") {
     const Topology plan =
         load_topology("default", {"gp.cpu=0,1", "renderer.env=NAME=a \"quoted\" value",
                                   "seed=12345678901234567890", "ring.transport=tcp",
-                                  "ring.hop_ns=0", "record=off"});
+                                  "ring.hop_ns=0", "record=off", "vector_target=sse4"});
     const std::string text = resolved_json(plan);
     const Topology again = parse_topology(text, "default.json");
     CHECK(resolved_json(again) == text);
@@ -150,6 +155,7 @@ TEST_CASE("the resolved plan, read again, is the same plan") {
     CHECK(again.renderer.env == plan.renderer.env);
     CHECK(again.seed == plan.seed);
     CHECK(again.record == Record::off);
+    CHECK(again.vector_target == VectorTarget::sse4);
     CHECK(load_topology("default").record == Record::flight);
     CHECK(again.ring.transport == Transport::tcp);
     CHECK(again.ring.hop_ns == 0);
