@@ -11,14 +11,13 @@ namespace pxpl5::renderer::fast::HWY_NAMESPACE {
 void pixels_to_fb(Board& board, [[maybe_unused]] BlockRange range, Operands o, Coefficients) {
     assert(range.first == 0 && range.end == hal::block_count);
     const Field<Narrow> from(o.a, o.n);
-    hal::Port::Words& stored = board.port.stored();
     for (std::size_t b = 0; b < hal::block_count; ++b) {
+        HWY_ALIGN std::uint32_t words[hal::block_pixels];
         for (std::size_t at = 0; at < hal::block_pixels; at += lanes) {
-            const V value = from.load(board.pixels.blocks[b], at).lo;
-            hn::Store(value, D(), &stored[b * hal::block_pixels + at]);
+            hn::Store(from.load(board.pixels.blocks[b], at).lo, D(), words + at);
         }
+        board.port.put(b, words);
     }
-    board.port.turn();
 }
 
 }  // namespace pxpl5::renderer::fast::HWY_NAMESPACE

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -26,7 +27,7 @@ class Fast final : public isa::Executor {
     void reset();
 
     /// All that instructions act on, 460 KB and 64 KB a backing-store block in use. What the port
-    /// held is no part of it: PIXELSTOFB writes all of it before anybody reads.
+    /// held, and where, is no part of it: PIXELSTOFB writes all of it before anybody reads.
     struct State {
         std::unique_ptr<const hal::PixelArray> pixels;
         std::vector<std::pair<std::uint32_t, hal::BackingStore::Words>> blocks;
@@ -34,6 +35,11 @@ class Fast final : public isa::Executor {
     };
     State save() const;
     void restore(const State& state);
+
+    /// From now on PIXELSTOFB writes its words to `rows`, row by row (index y * 128 + x), before
+    /// the readout sink gets to see them there. `rows` holds a region's words and outlives its use;
+    /// an empty one means memory of the executor's own.
+    void read_out_into(std::span<std::uint32_t> rows) { board_->port.aim(rows); }
 
     /// For tools that look at all pixels at once.
     const hal::PixelArray& pixels() const { return board_->pixels; }

@@ -1,17 +1,24 @@
 #include "renderer_firmware/hal/port.hpp"
 
+#include <cassert>
 #include <cstring>
-
-#include "renderer_firmware/hal/pixel_array.hpp"
 
 namespace pxpl5::renderer::hal {
 
-void Port::turn() {
-    // Four pixels of a tile's row lie side by side in both orders.
-    for (std::size_t i = 0; i < stored_.size(); i += tile_side) {
-        const Place p = place_of(i);
-        std::memcpy(&rows_[p.y * isa::region::size_px + p.x], &stored_[i],
-                    tile_side * sizeof stored_[0]);
+void Port::aim(std::span<std::uint32_t> rows) {
+    assert(rows.empty() || rows.size() == isa::region_pixels);
+    rows_ = rows.empty() ? std::span<std::uint32_t>(own_) : rows;
+}
+
+void Port::put(std::size_t block, std::span<const std::uint32_t, block_pixels> words) {
+    const Place corner = place_of(block * block_pixels);
+    std::uint32_t* row = &rows_[corner.y * isa::region::size_px + corner.x];
+    for (std::size_t y = 0; y < block_height; ++y) {
+        // Four pixels of a tile's row lie side by side in both orders.
+        for (std::size_t x = 0; x < block_width; x += tile_side) {
+            std::memcpy(row + x, &words[pixel_index({x, y})], tile_side * sizeof words[0]);
+        }
+        row += isa::region::size_px;
     }
 }
 

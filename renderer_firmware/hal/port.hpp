@@ -2,29 +2,29 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
-#include "isa/executor.hpp"
+#include "renderer_firmware/hal/pixel_array.hpp"
 
 namespace pxpl5::renderer::hal {
 
 class Port {
   public:
-    using Words = std::array<std::uint32_t, isa::region_pixels>;
+    /// Words go to `rows` from now on, which has room for a region and outlives its use; if it is
+    /// empty, to memory of the port's own.
+    void aim(std::span<std::uint32_t> rows);
 
-    /// Where the words are put, in the order of pixel_index().
-    Words& stored() { return stored_; }
+    /// Puts the words of one block, in the order of pixel_index(), in their rows.
+    void put(std::size_t block, std::span<const std::uint32_t, block_pixels> words);
 
-    /// Turns what is stored into rows.
-    void turn();
-
-    /// What was turned last, row by row: index y * 128 + x.
+    /// What was put last, row by row: index y * 128 + x.
     std::span<const std::uint32_t> rows() const { return rows_; }
 
   private:
-    alignas(64) Words stored_{};
-    alignas(64) Words rows_{};
+    alignas(64) std::array<std::uint32_t, isa::region_pixels> own_{};
+    std::span<std::uint32_t> rows_ = own_;
 };
 
 }  // namespace pxpl5::renderer::hal

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "renderer_firmware/hal/board.hpp"
+#include "tests/renderer_firmware/targets.hpp"
 
 using namespace pxpl5::renderer::hal;
 namespace isa = pxpl5::isa;
@@ -47,16 +48,49 @@ TEST_CASE("a field of any width at any bit is read across columns") {
     }
 }
 
-TEST_CASE("the port turns storage order into rows") {
-    auto port = std::make_unique<Port>();
+TEST_CASE("the port turns storage order into rows, its own or those it is given") {
+    std::vector<std::uint32_t> stored(isa::region_pixels);
     for (std::size_t i = 0; i < isa::region_pixels; ++i) {
         const Place p = place_of(i);
-        port->stored()[i] = static_cast<std::uint32_t>(p.y * 128 + p.x);
+        stored[i] = static_cast<std::uint32_t>(p.y * 128 + p.x);
     }
-    port->turn();
-    for (std::uint32_t i = 0; i < isa::region_pixels; ++i) {
-        REQUIRE(port->rows()[i] == i);
+    const auto port = std::make_unique<Port>();
+    std::vector<std::uint32_t> given(isa::region_pixels);
+    for (const bool is_own : {true, false, true}) {
+        port->aim(is_own ? std::span<std::uint32_t>() : std::span(given));
+        for (std::size_t b = 0; b < block_count; ++b) {
+            port->put(b, std::span(stored).subspan(b * block_pixels).first<block_pixels>());
+        }
+        CHECK((port->rows().data() == given.data()) != is_own);
+        for (std::uint32_t i = 0; i < isa::region_pixels; ++i) {
+            REQUIRE(port->rows()[i] == i);
+        }
+        given.assign(isa::region_pixels, 0);
     }
+    CHECK(given == std::vector<std::uint32_t>(isa::region_pixels));
+}
+
+TEST_CASE("PIXELSTOFB writes where it was told to, and the sink sees it there") {
+    pxpl5::test::on_every_target([](pxpl5::renderer::fast::Fast& fast) {
+        std::vector<std::uint32_t> given(isa::region_pixels);
+        const std::uint32_t* seen = nullptr;
+        fast.set_readout([&](auto words) { seen = words.data(); });
+        const std::int32_t place[] = {1, 128, 0};
+        fast.execute({isa::Op::set_enabs, {}}, {});
+        fast.execute({isa::Op::tree_into_mem, {77, 0, 14}}, place);
+        fast.read_out_into(given);
+        fast.execute({isa::Op::pixels_to_fb, {77, 0, 13}}, {});
+        CHECK(seen == given.data());
+        for (std::uint32_t i = 0; i < isa::region_pixels; ++i) {
+            REQUIRE(given[i] == i % 8192);
+        }
+        const std::vector<std::uint32_t> before = given;
+        fast.read_out_into({});
+        fast.execute({isa::Op::pixels_to_fb, {77, 0, 3}}, {});
+        CHECK(seen != given.data());
+        CHECK(seen[15] == 7);
+        CHECK(given == before);
+    });
 }
 
 TEST_CASE("a backing-store block takes room when it is first opened, and starts as 0") {
