@@ -6,6 +6,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "isa/vector_target.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace pxpl5::gp::HWY_NAMESPACE {
 
@@ -73,25 +75,20 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pxpl5::gp {
 
-HWY_EXPORT(compare_uint8);
-HWY_EXPORT(compare_int16);
-HWY_EXPORT(compare_uint16);
-HWY_EXPORT(compare_float);
-
 void compare_row(const std::uint8_t* row, std::size_t count, std::uint8_t threshold,
                  std::uint64_t* mask) {
-    HWY_DYNAMIC_DISPATCH(compare_uint8)(row, count, threshold, mask);
+    PXPL5_DISPATCH(compare_uint8)(row, count, threshold, mask);
 }
 void compare_row(const std::int16_t* row, std::size_t count, std::int16_t threshold,
                  std::uint64_t* mask) {
-    HWY_DYNAMIC_DISPATCH(compare_int16)(row, count, threshold, mask);
+    PXPL5_DISPATCH(compare_int16)(row, count, threshold, mask);
 }
 void compare_row(const std::uint16_t* row, std::size_t count, std::uint16_t threshold,
                  std::uint64_t* mask) {
-    HWY_DYNAMIC_DISPATCH(compare_uint16)(row, count, threshold, mask);
+    PXPL5_DISPATCH(compare_uint16)(row, count, threshold, mask);
 }
 void compare_row(const float* row, std::size_t count, float threshold, std::uint64_t* mask) {
-    HWY_DYNAMIC_DISPATCH(compare_float)(row, count, threshold, mask);
+    PXPL5_DISPATCH(compare_float)(row, count, threshold, mask);
 }
 
 }  // namespace pxpl5::gp

@@ -48,7 +48,7 @@ ExecutorKind parse_one(std::string_view text) {
     }
     const ExecutorKind kind = found->first;
     const fast::Target target = target_of(kind);
-    const std::vector<fast::Target> there = fast::available_targets();
+    const std::vector<fast::Target> there = isa::available_targets();
     if (target != fast::Target::best && std::ranges::find(there, target) == there.end()) {
         throw RequestError(ExitCode::usage,
                            fmt::format("executor '{}': this machine lacks it", text));

@@ -17,7 +17,7 @@ class Fast final : public isa::Executor {
   public:
     /// Pixels start cleared and disabled.
     /// Throws std::invalid_argument if this machine lacks `target`.
-    explicit Fast(Target target = target_from_environment()) : Fast(backend(target)) {}
+    explicit Fast(Target target = isa::process_target()) : Fast(backend(target)) {}
 
     /// With the handlers of `code`: for tests that plant a wrong one.
     explicit Fast(const Backend& code);

@@ -5,9 +5,7 @@
 // Behind foreach_target.h, which compiles what follows once per target.
 #include <hwy/highway.h>
 
-#include <cstdlib>
-#include <stdexcept>
-
+#include "isa/vector_target.hpp"
 #include "renderer_firmware/fast/handlers.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -46,87 +44,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pxpl5::renderer::fast {
 
-HWY_EXPORT(compiled_backend);
-
-namespace {
-
-struct TargetRow {
-    Target target;
-    std::string_view name;
-    std::int64_t highway;  ///< Highway's bits for it.
-};
-constexpr TargetRow target_rows[] = {
-    {Target::sse4, "sse4", HWY_SSE4},
-    {Target::avx2, "avx2", HWY_AVX2},
-    {Target::avx512, "avx512", HWY_AVX3},
-};
-
-/// Highway's bits that were compiled and that this machine has.
-std::int64_t usable_bits() {
-    return HWY_TARGETS & hwy::SupportedTargets();
-}
-
-std::string available_names() {
-    std::string names = "best";
-    for (const Target target : available_targets()) {
-        names += ", " + std::string(target_name(target));
-    }
-    return names;
-}
-
-[[noreturn]] void refuse(std::string_view name) {
-    throw std::invalid_argument("vector target \"" + std::string(name) +
-                                "\" is not available here; PXPL5_TARGET may be " +
-                                available_names());
-}
-
-}  // namespace
-
-std::string_view target_name(Target target) {
-    for (const TargetRow& row : target_rows) {
-        if (row.target == target) {
-            return row.name;
-        }
-    }
-    return "best";
-}
-
-std::vector<Target> available_targets() {
-    std::vector<Target> targets;
-    for (const TargetRow& row : target_rows) {
-        if ((row.highway & usable_bits()) != 0) {
-            targets.push_back(row.target);
-        }
-    }
-    return targets;
-}
-
-Target target_from_environment() {
-    const char* value = std::getenv("PXPL5_TARGET");
-    const std::string_view name = value == nullptr ? "" : value;
-    if (name.empty() || name == "best") {
-        return Target::best;
-    }
-    for (const Target target : available_targets()) {
-        if (name == target_name(target)) {
-            return target;
-        }
-    }
-    refuse(name);
-}
-
 const Backend& backend(Target target) {
-    std::int64_t bits = usable_bits();
-    for (const TargetRow& row : target_rows) {
-        bits = row.target == target ? bits & row.highway : bits;
-    }
-    if (bits == 0) {
-        refuse(target_name(target));
-    }
-    // Highway's own choice is global to the process; this one belongs to the caller.
-    hwy::ChosenTarget chosen;
-    chosen.Update(bits);
-    return HWY_DISPATCH_TABLE(compiled_backend)[chosen.GetIndex()]();
+    return PXPL5_PER_TARGET(compiled_backend)[isa::resolve(target)]();
 }
 
 }  // namespace pxpl5::renderer::fast

@@ -4,11 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "isa/executor.hpp"
+#include "isa/vector_target.hpp"
 #include "renderer_firmware/hal/board.hpp"
 
 namespace pxpl5::renderer::fast {
@@ -36,17 +34,7 @@ struct Backend {
     TriangleRun triangles;  ///< Runs the triangles at the head of `words`, fused.
 };
 
-/// Vector instruction sets. `best` is the widest that this machine has.
-enum class Target : std::uint8_t { best, sse4, avx2, avx512 };
-
-std::string_view target_name(Target target);
-
-/// Those of sse4, avx2, avx512 that this machine can run.
-std::vector<Target> available_targets();
-
-/// The target named by the environment variable PXPL5_TARGET; best if it is unset or empty.
-/// Throws std::invalid_argument if its value names no target that this machine has.
-Target target_from_environment();
+using Target = isa::VectorTarget;
 
 /// The code for `target`.
 /// Throws std::invalid_argument if this machine lacks it.

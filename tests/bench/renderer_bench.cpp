@@ -142,8 +142,8 @@ void bench_region(Fast& fast) {
 }  // namespace
 
 int main() {
-    for (const renderer::fast::Target target : renderer::fast::available_targets()) {
-        fmt::print("{}\n", renderer::fast::target_name(target));
+    for (const renderer::fast::Target target : isa::available_targets()) {
+        fmt::print("{}\n", isa::target_name(target));
         Fast fast(target);
         bench_triangles(fast);
         bench_instructions(fast);

@@ -12,8 +12,8 @@ namespace pxpl5::test {
 /// Calls check(fast executor) once per target, with a fresh executor.
 template <typename Check>
 void on_every_target(const Check& check) {
-    for (const renderer::fast::Target target : renderer::fast::available_targets()) {
-        CAPTURE(std::string(renderer::fast::target_name(target)));
+    for (const renderer::fast::Target target : isa::available_targets()) {
+        CAPTURE(std::string(isa::target_name(target)));
         renderer::fast::Fast fast(target);
         check(fast);
     }

@@ -151,7 +151,7 @@ TEST_CASE("a wrong handler is caught, and the text names its instruction and the
 }
 
 TEST_CASE("a target that this machine lacks is refused by name") {
-    const std::vector<Target> targets = renderer::fast::available_targets();
+    const std::vector<Target> targets = isa::available_targets();
     for (const Target target : {Target::sse4, Target::avx2, Target::avx512}) {
         if (std::find(targets.begin(), targets.end(), target) == targets.end()) {
             CHECK_THROWS_WITH_AS(renderer::fast::backend(target),

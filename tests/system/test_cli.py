@@ -53,6 +53,27 @@ class Cli(unittest.TestCase):
         return subprocess.run([BIN / "pxpl5", *arguments, *flags], capture_output=True, text=True,
                               timeout=LIMIT_S, cwd=self.folder.name)
 
+    def test_every_vector_target_gives_the_same_bits(self):
+        digests = {}
+        for target in ("sse4", "avx2", "avx512"):
+            done = self.pxpl5("run", "--vector-target", target, "--set", "gp.count=2", "-c",
+                              "load phantom:fetus;surface face;surface inner iso=140 opacity=0.5;"
+                              "size 300x200;digest")
+            if done.returncode != 0:  # An older computer.
+                self.assertIn(f'vector target "{target}" is not available here', done.stderr)
+                print(f"SKIPPED here: {target}")
+                continue
+            digests[target] = done.stdout.splitlines()[-3:]
+            self.assertEqual([line.split()[0] for line in digests[target]],
+                             ["frame", "mesh", "mesh"])
+        self.assertGreaterEqual(len(digests), 1)
+        self.assertEqual(len({tuple(lines) for lines in digests.values()}), 1, digests)
+        # A name that no computer knows ends every role, GPs too.
+        done = self.pxpl5("run", "--set", "gp.env=PXPL5_TARGET=mmx", "-c",
+                          "load phantom:sphere;surface s iso=0.5")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn('vector target "mmx" is not available here', done.stderr)
+
     def test_version(self):
         done = self.pxpl5("--version", machine=False)
         self.assertEqual(done.returncode, 0)
