@@ -73,7 +73,9 @@ HWY_INLINE M mask_of(std::uint32_t bits) {
 HWY_INLINE std::uint32_t bits_of(M mask) {
     std::uint8_t bytes[8] = {};
     hn::StoreMaskBits(D(), mask, bytes);
-    return (bytes[0] | std::uint32_t{bytes[1]} << 8) & all_lanes;
+    std::uint16_t bits = 0;
+    std::memcpy(&bits, bytes, sizeof bits);
+    return bits & all_lanes;
 }
 
 /// The bits of the vector that starts at stored pixel `index`.
