@@ -178,6 +178,7 @@ int render(const Flags& flags) {
     }
     const std::vector<Arguments> commands = render_commands(flags);
     return flags.machine.with_session([&](Session& session, MachinePort&) {
+        session.will_write = true;
         return run_script(session, lines_of_commands(commands), {.json = flags.json});
     });
 }
@@ -197,6 +198,7 @@ int report(const Flags& flags) {
         throw RequestError(ExitCode::usage, "report needs --paper: there is no other report");
     }
     return flags.machine.with_session([&](Session& session, MachinePort&) {
+        session.will_write = !flags.pictures.empty();
         report_paper(session, flags.pictures);
         return 0;
     });

@@ -131,6 +131,9 @@ class Session {
     /// Of volumes loaded from now on; 0: as slabs_per_set_for() says. Changes no surface and no
     /// picture.
     int slabs_per_set = 0;
+    /// Whether pictures or meshes will be written soon after a volume is loaded: what writes them
+    /// is then made ready meanwhile.
+    bool will_write = false;
     /// Reads a volume without distributing it.
     Volume read(const std::string& source, const ImportOptions& options = {});
     bool has_volume() const { return volume_.has_value(); }

@@ -57,6 +57,9 @@ Volume Session::read(const std::string& source, const ImportOptions& options) {
 void Session::receive_volume(const std::string& source, const ImportOptions& options,
                              const std::function<void()>& on_slices) {
     if (is_phantom(source) && is_plain(options)) {
+        if (will_write) {
+            machine_.prepare_io();
+        }
         try {
             received_ = make_phantom(source);
         } catch (const std::invalid_argument& error) {
@@ -79,6 +82,9 @@ void Session::receive_volume(const std::string& source, const ImportOptions& opt
         }
         return received_.has_value();
     });
+    if (will_write) {
+        machine_.prepare_io();
+    }
     receiver_.reset();
 }
 

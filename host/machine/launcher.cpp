@@ -184,10 +184,24 @@ void Launcher::keep(const bus::Message& message) {
     backlog_.push_back(message);
 }
 
+/// Whether an io process of the past sent it, or one that is only prepared: its Hello is kept, and
+/// more it does not say unasked.
+bool Launcher::is_not_for_now(const bus::Message& message) {
+    if (prepared_io_ && prepared_io_->id == message.source()) {
+        note(message);
+        early_hello_ = message;
+        return true;
+    }
+    return dismissed_.count(message.source()) != 0;
+}
+
 std::optional<bus::Message> Launcher::take_from_link() {
     try {
+        if (early_hello_ && !prepared_io_) {  // The process is wanted now.
+            return std::exchange(early_hello_, std::nullopt);
+        }
         std::optional<bus::Message> message = link_.receive();
-        while (message && dismissed_.count(message->source()) != 0) {
+        while (message && is_not_for_now(*message)) {
             message = link_.receive();
         }
         if (message) {

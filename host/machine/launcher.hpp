@@ -53,6 +53,8 @@ class Launcher {
     /// Starts all nodes and takes them through the barriers. Throws MachineError.
     void launch();
 
+    /// As MachinePort::prepare_io().
+    void prepare_io();
     /// Starts one more process, which knows the host alone. Throws RequestError if it ends early,
     /// with the code `on_death`, as check_health() does later; MachineError as check_health().
     bus::NodeId start_io(ExitCode on_death);
@@ -98,8 +100,11 @@ class Launcher {
     void take_control(const bus::Message& message, Handshake& handshake);
     /// Adds to the backlog. Throws MachineError if it is full.
     void keep(const bus::Message& message);
-    /// The next message that is here, unless an io process of the past sent it.
+    /// The next message that is here and for now.
     std::optional<bus::Message> take_from_link();
+    bool is_not_for_now(const bus::Message& message);
+    RosterEntry spawn_io();
+    void drop_prepared_io();
     /// Forgets io processes that have ended; kills those that have not.
     void bury_dismissed();
     void dismiss_io();
@@ -140,6 +145,8 @@ class Launcher {
     Supervisor supervisor_;  // Behind the link: children end before the socket that they know.
     Roster roster_;          ///< Host first.
     std::optional<RosterEntry> io_;
+    std::optional<RosterEntry> prepared_io_;   ///< Started, and not yet taken into the machine.
+    std::optional<bus::Message> early_hello_;  ///< Of the prepared one.
     int io_count_ = 0;
     ExitCode io_death_code_ = ExitCode::bad_data;
     bool can_be_cancelled_ = false;

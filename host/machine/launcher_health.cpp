@@ -50,9 +50,8 @@ MachineError interruption(int signal) {
 
 }  // namespace
 
-bus::NodeId Launcher::start_io(ExitCode on_death) {
+RosterEntry Launcher::spawn_io() {
     bury_dismissed();
-    dismiss_io();
     RosterEntry node;
     node.id = static_cast<bus::NodeId>(roster_.size() + static_cast<std::size_t>(io_count_));
     node.role = schema::Role::io;
@@ -64,10 +63,31 @@ bus::NodeId Launcher::start_io(ExitCode on_death) {
     } catch (const MachineError& error) {
         throw RequestError(ExitCode::unavailable, error.what());
     }
+    return node;
+}
+
+void Launcher::prepare_io() {
+    if (!prepared_io_) {
+        prepared_io_ = spawn_io();
+    }
+}
+
+bus::NodeId Launcher::start_io(ExitCode on_death) {
+    dismiss_io();
+    io_ = prepared_io_ ? *std::exchange(prepared_io_, std::nullopt) : spawn_io();
     io_death_code_ = on_death;
-    io_ = node;
-    io_ = bring_up({node}).front();
-    return node.id;
+    io_ = bring_up({*io_}).front();
+    return io_->id;
+}
+
+/// Ends a prepared process that nobody has asked anything.
+void Launcher::drop_prepared_io() {
+    if (prepared_io_) {
+        supervisor_.kill(prepared_io_->name(), SIGKILL);
+        dismissed_.emplace(prepared_io_->id, prepared_io_->name());
+        prepared_io_.reset();
+        early_hello_.reset();
+    }
 }
 
 void Launcher::release_io() {
@@ -142,6 +162,9 @@ void Launcher::check_health() {
     for (const Death& death : supervisor_.take_deaths()) {
         if (io_ && io_->name() == death.name) {
             io_death = death;
+        } else if (prepared_io_ && prepared_io_->name() == death.name) {
+            prepared_io_.reset();  // The next start_io() tries again, and tells.
+            early_hello_.reset();
         } else if (!was_dismissed(death)) {
             fail(death.code(), describe(death));
         }
@@ -185,6 +208,7 @@ void Launcher::shutdown() {
 }
 
 std::optional<MachineError> Launcher::bring_down(int grace_ms) {
+    drop_prepared_io();
     for (const RosterEntry& node : roster_) {
         if (node.id != bus::host_id && !node.endpoint.empty()) {
             link_.send(node.id, shutdown_message());

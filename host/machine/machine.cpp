@@ -58,6 +58,9 @@ void Machine::pump(const std::function<void(const bus::Message&)>& take,
 void Machine::wait_readable(int fd) {
     parts_->launcher.wait_readable(fd);
 }
+void Machine::prepare_io() {
+    parts_->launcher.prepare_io();
+}
 bus::NodeId Machine::start_io(ExitCode on_death) {
     return parts_->launcher.start_io(on_death);
 }

@@ -42,6 +42,7 @@ class Machine final : public MachinePort {
     void pump(const std::function<void(const bus::Message&)>& take,
               const std::function<bool()>& done) override;
     void wait_readable(int fd) override;
+    void prepare_io() override;
     bus::NodeId start_io(ExitCode on_death = ExitCode::bad_data) override;
     void release_io() override;
     void allow_cancel(bool allowed) override;

@@ -55,6 +55,10 @@ class MachinePort {
     /// meanwhile are kept for the next pump(). Throws MachineError as pump() does.
     virtual void wait_readable(int fd) = 0;
 
+    /// Lets the next start_io() find its process started: it loads hundreds of libraries, while
+    /// something else goes on. Throws RequestError (unavailable) if it cannot be started.
+    virtual void prepare_io() = 0;
+
     /// Starts a pxpl5-io process and returns its id. Its death before release_io() is a
     /// RequestError thrown by pump(), and leaves the machine running.
     ///

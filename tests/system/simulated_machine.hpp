@@ -68,6 +68,7 @@ class SimulatedMachine final : public host::MachinePort {
     /// Its nodes cannot die by themselves: whoever reads may wait in read().
     void wait_readable(int) override {}
 
+    void prepare_io() override {}
     bus::NodeId start_io(host::ExitCode) override {
         throw host::RequestError(host::ExitCode::unavailable,
                                  "a simulated machine has no io process");

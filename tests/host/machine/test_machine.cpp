@@ -244,6 +244,27 @@ TEST_CASE("an io process comes and goes; its death is the request's error, not t
     machine.shutdown();
 }
 
+TEST_CASE("a prepared io process is the next one that is started, or ends with the machine") {
+    Bench bench;
+    Machine machine(bench.topology, bench.options);
+    machine.prepare_io();
+    machine.prepare_io();  // One is enough.
+    ask_all(machine);      // Its Hello may come now: it is no answer to anything.
+    const bus::NodeId io = machine.start_io();
+    CHECK(machine.node_name(io) == "io-0");
+    bool answered = false;
+    machine.send(io, order(Order::answer));
+    machine.pump([&](const bus::Message& m) { answered = answered || m.source() == io; },
+                 [&] { return answered; });
+    machine.release_io();
+    machine.prepare_io();
+    CHECK(machine.node_name(machine.start_io()) == "io-1");
+    machine.release_io();
+    machine.prepare_io();
+    ask_all(machine);
+    machine.shutdown();  // Throws if the third is in its way.
+}
+
 TEST_CASE("Ctrl-C ends what may be cancelled, with its io process; the next one ends the machine") {
     Bench bench;
     Machine machine(bench.topology, bench.options);

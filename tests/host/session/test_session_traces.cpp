@@ -40,6 +40,7 @@ class FaultyMachine final : public MachinePort {
         }
     }
     void wait_readable(int) override {}
+    void prepare_io() override {}
     bus::NodeId start_io(ExitCode) override { return 9; }
     void release_io() override {}
     bool takes_more(pxpl5::bus::NodeId) const override { return true; }
