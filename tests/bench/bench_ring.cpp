@@ -1,0 +1,87 @@
+// What a message between two nodes costs, by size: there by itself, back a short answer.
+#include <benchmark/benchmark.h>
+
+#include <cstring>
+#include <thread>
+
+#include "ringbus/zmq_link.hpp"
+#include "tests/ringbus/ipc_address.hpp"
+
+using namespace pxpl5;
+namespace schema = bus::schema;
+
+namespace {
+
+constexpr bus::NodeId near_id = 1, far_id = 2;
+constexpr std::uint32_t last_volume = 0xFFFFFFFF;  ///< Of the message that ends the answerer.
+constexpr std::size_t line_bytes = 64;
+constexpr int patience_ms = 10'000;
+
+/// A message of about `bytes`, written anew as a sender does, in the memory that its link gives.
+bus::Payload message_of(std::size_t bytes, std::uint32_t volume, bus::ZmqLink& link) {
+    flatbuffers::FlatBufferBuilder builder(bytes + 1024, link.body_allocator());
+    std::uint8_t* values = nullptr;
+    const auto vector = builder.CreateUninitializedVector(bytes, &values);
+    std::memset(values, static_cast<int>(volume & 0xFF), bytes);
+    return bus::finish(builder, schema::CreateSlices(builder, volume, 0, 1, vector));
+}
+
+/// Reads a byte of every cache line, as whoever uses a message does at least.
+std::uint64_t read_lines(const flatbuffers::Vector<std::uint8_t>& values) {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < values.size(); i += line_bytes) {
+        sum += values.data()[i];
+    }
+    return sum;
+}
+
+bus::Message next(bus::ZmqLink& link) {
+    while (true) {
+        if (auto message = link.receive()) {
+            return *message;
+        }
+        if (!link.wait(patience_ms)) {
+            throw std::runtime_error("no message came");
+        }
+    }
+}
+
+/// Reads what comes and answers with a short message, until it is told to end.
+void answer(bus::ZmqLink& link) {
+    while (true) {
+        const bus::Message message = next(link);
+        const auto* slices = message.as<schema::Slices>();
+        if (slices->volume() == last_volume) {
+            return;
+        }
+        benchmark::DoNotOptimize(read_lines(*slices->values()));
+        link.send(near_id, message_of(1, 0, link));
+    }
+}
+
+/// There and back. Its CPU time, of all threads, is what two wake-ups and `bytes` cost.
+void there_and_back(benchmark::State& state) {
+    const auto bytes = static_cast<std::size_t>(state.range(0));
+    bus::ZmqLink here(near_id, test::ipc_address("near"));
+    bus::ZmqLink there(far_id, test::ipc_address("far"));
+    here.add_peer(far_id, there.endpoint());
+    there.add_peer(near_id, here.endpoint());
+    std::thread other([&there] { answer(there); });
+    std::uint32_t number = 0;
+    for (auto _ : state) {
+        here.send(far_id, message_of(bytes, ++number, here));
+        benchmark::DoNotOptimize(next(here));
+    }
+    here.send(far_id, message_of(1, last_volume, here));
+    other.join();
+    state.SetBytesProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(there_and_back)
+    ->ArgName("bytes")
+    ->RangeMultiplier(16)
+    ->Range(64, 16 << 20)
+    ->UseRealTime()
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMicrosecond);
+
+}  // namespace
