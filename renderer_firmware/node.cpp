@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
+#include <span>
 #include <utility>
 
 #include "ringbus/ranges.hpp"
@@ -26,13 +26,55 @@ constexpr std::size_t max_faults = 16;
     throw NodeFault(code, reason);
 }
 
+/// A word for every pixel of some regions, in the body of a message that is not finished yet.
+struct RegionWords {
+    flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> offset;
+    std::span<std::uint32_t> words;
+
+    RegionWords() = default;
+    RegionWords(flatbuffers::FlatBufferBuilder& body, std::size_t regions) {
+        std::uint32_t* first = nullptr;
+        const std::size_t count = regions * isa::region_pixels;
+        offset = body.CreateUninitializedVector<std::uint32_t>(count, &first);
+        words = {first, count};
+    }
+    /// Of the region that comes at `place`.
+    std::span<std::uint32_t> region(std::size_t place) const {
+        return words.subspan(place * isa::region_pixels, isa::region_pixels);
+    }
+};
+
+/// Bytes of a body around its pixels and its tiles.
+constexpr std::size_t body_margin_bytes = 1024;
+
+/// Bytes of the body that takes `regions` regions to the frame buffer.
+std::size_t body_bytes(std::size_t regions, bool wants_depths) {
+    const std::size_t words = isa::region_pixels * (wants_depths ? 2 : 1);
+    return regions * (words * sizeof(std::uint32_t) + sizeof(schema::RegionTile)) +
+           body_margin_bytes;
+}
+
 }  // namespace
 
-/// A frame of which everything is here.
+/// A frame of which everything is here. Its regions are read out straight into the message that
+/// takes them to the frame buffer.
 struct RendererNode::Drawing {
+    Drawing(FrameMessages messages, std::uint32_t renderer, flatbuffers::Allocator* memory)
+        : inputs(std::move(messages)),
+          plan(plan_frame(inputs, renderer)),
+          body(body_bytes(plan.regions.size(), wants_depths()), memory),
+          pixels(body, plan.regions.size()) {
+        if (wants_depths()) {
+            depths = RegionWords(body, plan.regions.size());
+        }
+    }
+    bool wants_depths() const { return !plan.programs.depths.empty(); }
+
     FrameMessages inputs;  ///< Keeps the messages that the plan points into.
     FramePlan plan;
     std::size_t next_region = 0;
+    flatbuffers::FlatBufferBuilder body;
+    RegionWords pixels, depths;
     std::vector<schema::RegionTile> tiles;  ///< Of the regions drawn so far.
     std::vector<schema::FaultT> faults;     ///< Not yet told.
     std::size_t fault_count = 0;
@@ -56,14 +98,7 @@ void RendererNode::Drawing::note(FaultCode code, std::uint32_t gp, const std::st
     faults.push_back(std::move(fault));
 }
 
-RendererNode::RendererNode() {
-    executor_.set_readout([this](Words pixels) {
-        if (read_out_ != nullptr) {
-            read_out_->insert(read_out_->end(), pixels.begin(), pixels.end());
-        }
-    });
-}
-
+RendererNode::RendererNode() = default;
 RendererNode::~RendererNode() = default;
 
 void RendererNode::receive(const bus::Message& message, bus::Outbox&) {
@@ -150,7 +185,7 @@ void RendererNode::on_programs(const bus::Message& message) {
 
 bool RendererNode::work(bus::Outbox& out) {
     if (!drawing_) {
-        start_next();
+        start_next(out);
     }
     if (!drawing_) {
         return false;
@@ -166,46 +201,46 @@ bool RendererNode::work(bus::Outbox& out) {
 }
 
 /// Begins to draw the oldest frame of which everything is here.
-void RendererNode::start_next() {
+void RendererNode::start_next(bus::Outbox& out) {
     const auto complete = std::find_if(waiting_.begin(), waiting_.end(), [&](const auto& entry) {
         return entry.second.begin && entry.second.programs.size() == gp_ids_.size();
     });
     if (complete == waiting_.end()) {
         return;
     }
-    auto drawing = std::make_unique<Drawing>();
-    drawing->plan.frame = complete->first;
-    drawing->inputs = std::move(complete->second);
     newest_drawn_ = complete->first;
+    FrameMessages inputs = std::move(complete->second);
+    const auto newer = waiting_.erase(complete);
+    auto drawing = std::make_unique<Drawing>(std::move(inputs), index_, out.body_allocator());
     // Senders keep their order, so what an older frame still lacks is lost for good.
-    for (auto old = waiting_.begin(); old != complete; ++old) {
+    for (auto old = waiting_.begin(); old != newer; ++old) {
         drawing->note(FaultCode::lost_message, no_gp,
                       fmt::format("before it: frame {} is given up, {} and {} of {} GPs' programs "
                                   "came",
                                   old->first, old->second.begin ? "its beginning" : "no beginning",
                                   old->second.programs.size(), gp_ids_.size()));
     }
-    waiting_.erase(waiting_.begin(), std::next(complete));
-    drawing->plan = plan_frame(drawing->inputs, index_);
+    waiting_.erase(waiting_.begin(), newer);
     for (const FrameFault& fault : drawing->plan.faults) {
         drawing->note(fault.code, fault.gp, fault.reason);
     }
-    pixels_.clear();
-    depths_.clear();
     drawing_ = std::move(drawing);
 }
 
 void RendererNode::draw_next_region() {
-    FramePlan::Region& region = drawing_->plan.regions[drawing_->next_region++];
-    // A segment that reads out, which none of ours does, would put the tiles out of step.
-    const auto route = [this](RegionPlan::Kind kind) {
-        read_out_ = kind == RegionPlan::Kind::end_of_region ? &pixels_
-                    : kind == RegionPlan::Kind::depths      ? &depths_
-                                                            : nullptr;
+    const std::size_t place = drawing_->next_region++;
+    FramePlan::Region& region = drawing_->plan.regions[place];
+    // What a segment reads out, which none of ours does, goes nowhere.
+    const auto route = [&](RegionPlan::Kind kind) {
+        executor_.read_out_into(kind == RegionPlan::Kind::end_of_region
+                                    ? drawing_->pixels.region(place)
+                                : kind == RegionPlan::Kind::depths ? drawing_->depths.region(place)
+                                                                   : std::span<std::uint32_t>());
     };
     executor_.reset();
     const RegionResult result = draw_region(executor_, region_frame(drawing_->plan.programs),
                                             std::move(region.segments), route);
+    executor_.read_out_into({});
     drawing_->tiles.emplace_back(static_cast<std::uint16_t>(region.number), result.counts.cycles,
                                  result.counts.instructions);
     for (const SegmentFault& fault : result.faults) {
@@ -225,15 +260,12 @@ void RendererNode::tell_faults(bus::Outbox& out) {
 }
 
 void RendererNode::send_pixels(bus::Outbox& out) {
-    flatbuffers::FlatBufferBuilder builder(
-        (pixels_.size() + depths_.size()) * sizeof(std::uint32_t) + 1024);
-    const auto tiles = builder.CreateVectorOfStructs(drawing_->tiles);
-    const auto pixels = builder.CreateVector(pixels_);
-    const auto depths = drawing_->plan.programs.depths.empty() ? 0 : builder.CreateVector(depths_);
+    flatbuffers::FlatBufferBuilder& body = drawing_->body;
+    const auto tiles = body.CreateVectorOfStructs(drawing_->tiles);
     out.send(frame_buffer_,
-             bus::finish(builder, schema::CreateRegionPixels(builder, drawing_->plan.frame,
-                                                             static_cast<std::uint16_t>(index_),
-                                                             tiles, pixels, depths)));
+             bus::finish(body, schema::CreateRegionPixels(
+                                   body, drawing_->plan.frame, static_cast<std::uint16_t>(index_),
+                                   tiles, drawing_->pixels.offset, drawing_->depths.offset)));
     drawing_.reset();
 }
 

@@ -9,7 +9,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "renderer_firmware/fast/fast.hpp"
 #include "renderer_firmware/node_frame.hpp"
@@ -36,7 +35,7 @@ class RendererNode final : public bus::Node {
     void on_begin(const bus::Message& message);
     void on_programs(const bus::Message& message);
     FrameMessages& inputs_of(std::uint32_t frame);
-    void start_next();
+    void start_next(bus::Outbox& out);
     void draw_next_region();
     void send_pixels(bus::Outbox& out);
     void tell_faults(bus::Outbox& out);
@@ -47,10 +46,7 @@ class RendererNode final : public bus::Node {
     std::map<std::uint32_t, FrameMessages> waiting_;  ///< By frame, those not yet drawn.
     std::optional<std::uint32_t> newest_drawn_;       ///< Frames up to it are over.
     fast::Fast executor_;
-    std::unique_ptr<Drawing> drawing_;   ///< The frame being drawn.
-    std::vector<std::uint32_t> pixels_;  ///< Its finished regions, 128 x 128 words each.
-    std::vector<std::uint32_t> depths_;  ///< Likewise, if the frame wants them.
-    std::vector<std::uint32_t>* read_out_ = nullptr;  ///< Where the part under way reads out to.
+    std::unique_ptr<Drawing> drawing_;  ///< The frame being drawn.
 };
 
 }  // namespace pxpl5::renderer
