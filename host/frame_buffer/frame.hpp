@@ -29,8 +29,8 @@ struct Frame {
     std::vector<bool> region_is_in;            ///< By region.
     std::vector<std::uint64_t> region_cycles;  ///< By region.
     std::uint64_t instructions = 0;            ///< Over all regions.
-    std::vector<std::uint32_t> picture;        ///< shape.pixels(), top row first.
-    std::vector<std::uint32_t> depths;         ///< Likewise; empty unless read_depths.
+    std::span<std::uint32_t> picture;  ///< shape.pixels(), top row first; empty unless read_back.
+    std::span<std::uint32_t> depths;   ///< Likewise; empty unless read_depths.
 
     bool complete() const;
 };

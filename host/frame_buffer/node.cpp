@@ -92,7 +92,10 @@ void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
         frame.region_is_in[tile->region()] = true;
         frame.region_cycles[tile->region()] = tile->cycles();
         frame.instructions += tile->instructions();
-        place_region(frame.shape, tile->region(), words.subspan(at, tile_pixels), frame.picture);
+        if (frame.read_back) {
+            place_region(frame.shape, tile->region(), words.subspan(at, tile_pixels),
+                         frame.picture);
+        }
         if (frame.read_depths) {
             place_depths(frame.shape, tile->region(), {pixels.depths()->data() + at, tile_pixels},
                          frame.depths);
@@ -102,18 +105,49 @@ void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
     frame.renderer_is_in[pixels.renderer()] = true;
 }
 
-bus::Payload frame_done(const Frame& frame) {
-    const std::size_t words = (frame.read_back ? frame.picture.size() : 0) + frame.depths.size();
-    flatbuffers::FlatBufferBuilder builder(words * sizeof(std::uint32_t) + 4096);
-    const auto cycles = builder.CreateVector(frame.region_cycles);
-    const auto pixels = frame.read_back ? builder.CreateVector(frame.picture) : 0;
-    const auto depths = frame.read_depths ? builder.CreateVector(frame.depths) : 0;
+/// Bytes of a FrameDone around its pixels and cycles.
+constexpr std::size_t body_margin_bytes = 1024;
+
+/// What is known of a frame at its beginning, with room for its pictures in a message of `memory`.
+FrameInFlight begun(const schema::BeginFrame& begin, std::size_t renderer_count,
+                    flatbuffers::Allocator* memory) {
+    Frame frame;
+    frame.number = begin.draw()->frame();
+    frame.shape = shape_of(*begin.draw());
+    frame.read_back = begin.draw()->read_back();
+    frame.read_depths = begin.draw()->read_depths();
+    frame.assignment = assignment_of(begin, frame.shape, renderer_count);
+    frame.renderer_is_in.resize(renderer_count);
+    frame.region_is_in.resize(frame.assignment.size());
+    frame.region_cycles.resize(frame.assignment.size());
+
+    const std::size_t pixels = frame.shape.pixels();
+    const std::size_t words = (frame.read_back ? pixels : 0) + (frame.read_depths ? pixels : 0);
+    flatbuffers::FlatBufferBuilder body(words * sizeof(std::uint32_t) +
+                                            frame.region_cycles.size() * sizeof(std::uint64_t) +
+                                            body_margin_bytes,
+                                        memory);
+    // Every pixel is of a region that comes, so nothing need be cleared.
+    const auto room = [&](std::span<std::uint32_t>& picture) {
+        std::uint32_t* first = nullptr;
+        const auto offset = body.CreateUninitializedVector<std::uint32_t>(pixels, &first);
+        picture = {first, pixels};
+        return FrameInFlight::Words(offset);
+    };
+    const FrameInFlight::Words picture = frame.read_back ? room(frame.picture) : 0;
+    const FrameInFlight::Words depths = frame.read_depths ? room(frame.depths) : 0;
+    return {std::move(frame), std::move(body), picture, depths};
+}
+
+bus::Payload frame_done(FrameInFlight& done) {
+    const Frame& frame = done.frame;
+    const auto cycles = done.body.CreateVector(frame.region_cycles);
     return bus::finish(
-        builder, schema::CreateFrameDone(builder, frame.number,
-                                         static_cast<std::uint32_t>(frame.shape.width),
-                                         static_cast<std::uint32_t>(frame.shape.height),
-                                         static_cast<std::uint16_t>(frame.shape.views), cycles,
-                                         frame.instructions, pixels, depths));
+        done.body, schema::CreateFrameDone(done.body, frame.number,
+                                           static_cast<std::uint32_t>(frame.shape.width),
+                                           static_cast<std::uint32_t>(frame.shape.height),
+                                           static_cast<std::uint16_t>(frame.shape.views), cycles,
+                                           frame.instructions, done.picture, done.depths));
 }
 
 }  // namespace
@@ -151,21 +185,9 @@ void FrameBufferNode::on_begin_frame(const schema::BeginFrame& begin, bus::Outbo
         refuse(schema::FaultCode::bad_message,
                fmt::format("frame {} begins after frame {}", number, next_frame_ - 1));
     }
-    Frame frame;
-    frame.number = number;
-    frame.shape = shape_of(*begin.draw());
-    frame.read_back = begin.draw()->read_back();
-    frame.read_depths = begin.draw()->read_depths();
-    frame.assignment = assignment_of(begin, frame.shape, renderer_ids_.size());
-    frame.renderer_is_in.resize(renderer_ids_.size());
-    frame.region_is_in.resize(frame.assignment.size());
-    frame.region_cycles.resize(frame.assignment.size());
-    frame.picture = std::exchange(back_, {});
-    frame.picture.resize(frame.shape.pixels());
-    frame.depths.resize(frame.read_depths ? frame.shape.pixels() : 0);
+    in_flight_.push_back(begun(begin, renderer_ids_.size(), out.body_allocator()));
     next_frame_ = number + 1;
-    in_flight_.push_back(std::move(frame));
-    give_up_before(in_flight_.size() > max_in_flight ? in_flight_[1].number : 0);
+    give_up_before(in_flight_.size() > max_in_flight ? in_flight_[1].frame.number : 0);
     take_early(out);
 }
 
@@ -190,16 +212,17 @@ void FrameBufferNode::on_region_pixels(const bus::Message& message, bus::Outbox&
         hold(message);
         return;
     }
-    const auto frame = std::find_if(in_flight_.begin(), in_flight_.end(),
-                                    [&](const Frame& f) { return f.number == pixels.frame(); });
-    if (frame == in_flight_.end()) {
+    const auto found = std::find_if(in_flight_.begin(), in_flight_.end(), [&](const auto& f) {
+        return f.frame.number == pixels.frame();
+    });
+    if (found == in_flight_.end()) {
         refuse(schema::FaultCode::bad_message,
                fmt::format("frame {}, Renderer {}: its regions come late, the frame is over",
                            pixels.frame(), pixels.renderer()));
     }
-    take_tiles(*frame, pixels);
-    if (frame->complete()) {
-        give_up_before(frame->number);
+    take_tiles(found->frame, pixels);
+    if (found->frame.complete()) {
+        give_up_before(found->frame.number);
         swap_in(out);
     }
 }
@@ -224,8 +247,8 @@ void FrameBufferNode::hold(const bus::Message& message) {
 }
 
 void FrameBufferNode::give_up_before(std::uint32_t number) {
-    while (!in_flight_.empty() && in_flight_.front().number < number) {
-        const Frame& lost = in_flight_.front();
+    while (!in_flight_.empty() && in_flight_.front().frame.number < number) {
+        const Frame& lost = in_flight_.front().frame;
         const auto missing =
             std::find(lost.renderer_is_in.begin(), lost.renderer_is_in.end(), false);
         // Whoever failed has sent its Fault; this is for the log.
@@ -236,10 +259,8 @@ void FrameBufferNode::give_up_before(std::uint32_t number) {
 }
 
 void FrameBufferNode::swap_in(bus::Outbox& out) {
-    Frame& done = in_flight_.front();
-    assert(done.complete());
-    out.send(bus::host_id, frame_done(done));
-    back_ = std::exchange(front_, std::move(done.picture));
+    assert(in_flight_.front().frame.complete());
+    out.send(bus::host_id, frame_done(in_flight_.front()));
     in_flight_.pop_front();
 }
 

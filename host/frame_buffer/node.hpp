@@ -14,6 +14,15 @@
 
 namespace pxpl5::host {
 
+/// A frame and the message in which it goes to the host: regions are put in their places there.
+struct FrameInFlight {
+    using Words = flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>;
+
+    Frame frame;  ///< Its pictures lie in `body`.
+    flatbuffers::FlatBufferBuilder body;
+    Words picture, depths;
+};
+
 /// Role frame_buffer. A frame is complete when every Renderer has sent its RegionPixels. Frames
 /// complete in order, because every Renderer sends its frames in order.
 class FrameBufferNode final : public bus::Node {
@@ -34,11 +43,10 @@ class FrameBufferNode final : public bus::Node {
     /// Shows the oldest frame, which is complete, and tells the host.
     void swap_in(bus::Outbox& out);
 
-    std::vector<bus::NodeId> renderer_ids_;    ///< By index.
-    std::deque<Frame> in_flight_;              ///< Oldest first.
-    std::vector<bus::Message> early_;          ///< Regions that overtook their BeginFrame.
-    std::vector<std::uint32_t> front_, back_;  ///< Pixels shown, and storage for the next frame.
-    std::uint32_t next_frame_ = 0;             ///< Frames below this have begun.
+    std::vector<bus::NodeId> renderer_ids_;  ///< By index.
+    std::deque<FrameInFlight> in_flight_;    ///< Oldest first.
+    std::vector<bus::Message> early_;        ///< Regions that overtook their BeginFrame.
+    std::uint32_t next_frame_ = 0;           ///< Frames below this have begun.
 };
 
 }  // namespace pxpl5::host
