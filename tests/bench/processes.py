@@ -15,15 +15,17 @@ class Stat(NamedTuple):
     """What is needed of /proc/PID/stat."""
     name: str
     parent: int
-    cpu_s: float  # User and system.
 
 
 def parse_stat(text: str) -> Stat:
     """The name may hold blanks and brackets: it ends at the last one."""
     opening, closing = text.index("("), text.rindex(")")
-    fields = text[closing + 1:].split()
-    ticks = int(fields[11]) + int(fields[12])
-    return Stat(text[opening + 1:closing], int(fields[1]), ticks / os.sysconf("SC_CLK_TCK"))
+    return Stat(text[opening + 1:closing], int(text[closing + 1:].split()[1]))
+
+
+def parse_ran(text: str) -> float:
+    """Seconds that a thread has run, from the text of its schedstat, which counts nanoseconds."""
+    return int(text.split()[0]) / 1e9
 
 
 def pss_kib(text: str) -> int:
@@ -70,12 +72,11 @@ def cpu_seconds(pids: List[int]) -> Dict[str, float]:
         if process is None:
             continue
         name = parse_stat(process).name
-        for task in (PROC / str(pid) / "task").glob("*/stat"):
-            text = _read(task)
-            if text:
-                stat = parse_stat(text)
-                is_io = stat.name.startswith(IO_THREAD)
-                seconds[name + (" io" if is_io else "")] += stat.cpu_s
+        for task in (PROC / str(pid) / "task").iterdir():
+            thread, ran = _read(task / "comm"), _read(task / "schedstat")
+            if thread and ran:
+                is_io = thread.startswith(IO_THREAD)
+                seconds[name + (" io" if is_io else "")] += parse_ran(ran)
     return dict(seconds)
 
 

@@ -147,13 +147,19 @@ class Answers(unittest.TestCase):
 
 class Processes(unittest.TestCase):
     def test_a_process_may_have_blanks_and_brackets_in_its_name(self):
-        fields = "S 41 1 1 0 -1 0 0 0 0 0 250 50 0 0"
-        stat = processes.parse_stat(f"42 (a) b (c) {fields}")
-        ticks = os.sysconf("SC_CLK_TCK")
-        self.assertEqual(stat, ("a) b (c", 41, 300 / ticks))
+        self.assertEqual(processes.parse_stat("42 (a) b (c) S 41 1 1 0 -1"), ("a) b (c", 41))
+
+    def test_a_threads_time_is_what_it_ran_not_what_it_waited(self):
+        self.assertEqual(processes.parse_ran("1500000000 7000000000 12\n"), 1.5)
+
+    def test_work_of_a_process_is_found_under_its_name(self):
+        name = pathlib.Path("/proc/self/comm").read_text(encoding="utf-8").strip()
+        before = processes.cpu_seconds([os.getpid()])[name]
+        sum(number * number for number in range(100000))
+        self.assertGreater(processes.cpu_seconds([os.getpid()])[name], before)
 
     def test_proportional_memory_is_read_from_its_own_line(self):
-        self.assertEqual(processes.pss_kib("Rss: 9 kB\nPss:     5 kB\nPss_Anon: 4 kB\n"), 5)
+        self.assertEqual(processes.pss_kib("Rss: 9 kB\nPss_Dirty: 4 kB\nPss:     5 kB\n"), 5)
         self.assertRaises(ValueError, processes.pss_kib, "Rss: 9 kB\n")
 
     def test_shares_add_up_with_what_was_idle_and_what_others_took(self):
