@@ -4,6 +4,8 @@ import pathlib
 import subprocess
 from typing import List, NamedTuple, Tuple
 
+from session import MeasureError
+
 
 class Load(NamedTuple):
     """One of the paper's five surfaces."""
@@ -33,12 +35,12 @@ NUDGE = 0.25  # Isovalues alternate by this: the work is done again, the surface
 
 
 def real_loads(data: str) -> List[Load]:
-    """The real volumes in folder `data`. Raises FileNotFoundError naming the one that lacks."""
+    """The real volumes in folder `data`. Raises MeasureError naming the one that lacks."""
     loads = []
     for key, name, isovalue in REAL:
         path = pathlib.Path(data) / name
         if not path.is_file():
-            raise FileNotFoundError(f"{path}: not there; --data names the folder of real volumes")
+            raise MeasureError(f"{path}: not there; --data names the folder of real volumes")
         loads.append(Load(key, str(path.resolve()), key, isovalue))
     return loads
 
@@ -60,6 +62,7 @@ def chosen_loads(program: str, data: str, keys: str) -> Tuple[str, List[Load]]:
 
     data  Folder of real volumes; "phantoms" asks for the built-in ones; "" takes the real ones
           if they are where the project keeps them.
+    Raises MeasureError for a key that is none, or a volume that is not there.
     """
     usual = pathlib.Path(__file__).resolve().parents[3] / "shared" / "data"
     folder = data or (str(usual) if usual.is_dir() else "phantoms")
@@ -67,7 +70,7 @@ def chosen_loads(program: str, data: str, keys: str) -> Tuple[str, List[Load]]:
     wanted = keys.split(",") if keys else [load.key for load in loads]
     unknown = sorted(set(wanted) - {load.key for load in loads})
     if unknown:
-        raise ValueError(f"--loads: there is no {', '.join(unknown)}; there are "
-                         f"{', '.join(load.key for load in loads)}")
+        raise MeasureError(f"--loads: there is no {', '.join(unknown)}; there are "
+                           f"{', '.join(load.key for load in loads)}")
     kind = "phantoms" if folder == "phantoms" else "real"
     return kind, [load for load in loads if load.key in wanted]

@@ -16,6 +16,7 @@ import sys
 import goals
 import loads
 import measure
+import session
 
 PARTS = ("stages", "loads", "big", "memory", "start", "recording")
 STARTS = 3
@@ -94,4 +95,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(session.told_errors(main))

@@ -1,12 +1,17 @@
 """A running pxpl5 that takes commands and answers with JSON, one at a time."""
 import json
 import subprocess
+import sys
 import tempfile
 import time
-from typing import List, Optional
+from typing import Callable, List, Optional
 
 
-class CommandFailed(Exception):
+class MeasureError(Exception):
+    """Nothing can be measured, for a reason that its text tells whoever asked."""
+
+
+class CommandFailed(MeasureError):
     """A command was refused, or pxpl5 ended. Says the command and why."""
 
 
@@ -78,3 +83,12 @@ class Session:
 
     def __exit__(self, *_):
         self.close()
+
+
+def told_errors(main: Callable[[], int]) -> int:
+    """main()'s exit code; what cannot be measured is one line on standard error, and 65."""
+    try:
+        return main()
+    except (MeasureError, subprocess.CalledProcessError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 65

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The measuring programs themselves: statistics, parsers, goals. No time is measured here."""
+import contextlib
 import gzip
 import json
 import os
@@ -15,6 +16,7 @@ sys.path[:0] = [str(HERE), str(HERE / "peers")]
 import compare  # noqa: E402
 import figures  # noqa: E402
 import goals  # noqa: E402
+import loads  # noqa: E402
 import machine  # noqa: E402
 import measure  # noqa: E402
 import processes  # noqa: E402
@@ -101,15 +103,12 @@ class Goals(unittest.TestCase):
         self.assertAlmostEqual(half.limit({half.peer: 5.0}), 2.5)
 
     def test_check_fails_on_a_missed_goal_and_on_nothing_to_check(self):
-        with open(os.devnull, "w", encoding="utf-8") as nowhere:
-            before, sys.stderr = sys.stderr, nowhere
-            try:
-                self.assertEqual(machine.tell({"end_of_region_us": 39.0}, True), 0)
-                self.assertEqual(machine.tell({"end_of_region_us": 41.0}, True), 1)
-                self.assertEqual(machine.tell({}, True), 1)
-                self.assertEqual(machine.tell({"end_of_region_us": 41.0}, False), 0)
-            finally:
-                sys.stderr = before
+        with open(os.devnull, "w", encoding="utf-8") as nowhere, \
+                contextlib.redirect_stderr(nowhere):
+            self.assertEqual(machine.tell({"end_of_region_us": 39.0}, True), 0)
+            self.assertEqual(machine.tell({"end_of_region_us": 41.0}, True), 1)
+            self.assertEqual(machine.tell({}, True), 1)
+            self.assertEqual(machine.tell({"end_of_region_us": 41.0}, False), 0)
 
     def test_a_row_says_how_many_times_better_we_are(self):
         verdict = goals.judge({"extraction_ms/default/skin": 0.8}, {"vtk_extraction_ms/skin": 2.4})
@@ -121,7 +120,7 @@ class Goals(unittest.TestCase):
 
     def test_other_surfaces_are_not_compared(self):
         compare.require_same_work("skin", 1000, 1005)
-        self.assertRaises(RuntimeError, compare.require_same_work, "skin", 1000, 1020)
+        self.assertRaises(session.MeasureError, compare.require_same_work, "skin", 1000, 1020)
 
 
 class Answers(unittest.TestCase):
@@ -131,6 +130,27 @@ class Answers(unittest.TestCase):
             session.parse_answer('{"ok":false,"error":"no such file"}', "load x")
         with self.assertRaisesRegex(session.CommandFailed, "not JSON"):
             session.parse_answer("oops", "load x")
+
+    def test_volumes_and_surfaces_that_are_not_there_are_named(self):
+        with self.assertRaisesRegex(session.MeasureError, "/nowhere/ct/knee.*: not there"):
+            loads.chosen_loads("", "/nowhere", "")
+        with tempfile.TemporaryDirectory() as folder:
+            for _, name, _ in loads.REAL:
+                path = pathlib.Path(folder) / name
+                path.parent.mkdir(exist_ok=True)
+                path.touch()
+            with self.assertRaisesRegex(session.MeasureError, "there is no tooth; there are skin"):
+                loads.chosen_loads("", folder, "skin,tooth")
+            kind, chosen = loads.chosen_loads("", folder, "head,skin")
+        self.assertEqual((kind, [load.key for load in chosen]), ("real", ["skin", "head"]))
+
+    def test_what_cannot_be_measured_is_an_exit_code(self):
+        def fail():
+            raise session.MeasureError("why")
+        with open(os.devnull, "w", encoding="utf-8") as nowhere, \
+                contextlib.redirect_stderr(nowhere):
+            self.assertEqual(session.told_errors(fail), 65)
+        self.assertEqual(session.told_errors(lambda: 3), 3)
 
     def test_stages_are_found_by_name_and_turned_into_the_goals_units(self):
         text = json.dumps({"benchmarks": [
