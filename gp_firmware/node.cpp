@@ -88,7 +88,7 @@ void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
 
 bool GpNode::work(bus::Outbox& out) {
     const bool measures = jobs_.empty();
-    if (measures && !measuring_) {
+    if ((measures && !measuring_) || awaits_surface()) {
         return false;
     }
     const auto forget = [&] {
@@ -155,6 +155,7 @@ void GpNode::drop_all(bus::Outbox& out) {
         drop_surface(surfaces_.begin()->first);
     }
     store_.reset();
+    announced_.clear();
     scene_ = false;
 }
 
@@ -190,7 +191,18 @@ void GpNode::note_slices(const bus::Message& message) {
     }
 }
 
+/// Whether the job in front draws a revision that has not been announced. It was sent before the
+/// frame was asked for, but the frame comes from another node, and may overtake it.
+bool GpNode::awaits_surface() const {
+    const auto* draw = jobs_.empty() ? nullptr : std::get_if<Draw>(&jobs_.front());
+    return draw != nullptr && std::ranges::any_of(draw->request.surfaces, [&](const auto& wanted) {
+               const auto newest = announced_.find(wanted.surface);
+               return newest != announced_.end() && newest->second < wanted.revision;
+           });
+}
+
 void GpNode::note_surface(const schema::SetSurface& set) {
+    announced_[set.surface()] = set.revision();
     if (!store_) {
         throw NodeFault(
             FaultCode::bad_input,
@@ -209,8 +221,17 @@ void GpNode::note_surface(const schema::SetSurface& set) {
             job = jobs_.erase(job);
         }
     }
-    jobs_.push_back(Extract{set.surface(), set.revision(), set.isovalue(),
-                            static_cast<CaseRule>(set.table()), Clock::now()});
+    // Before the frames that wait for it.
+    const auto shows_it = [&](const Job& job) {
+        const Draw* draw = std::get_if<Draw>(&job);
+        return draw != nullptr &&
+               std::ranges::any_of(draw->request.surfaces, [&](const SurfaceWanted& wanted) {
+                   return wanted.surface == set.surface() && wanted.revision >= set.revision();
+               });
+    };
+    jobs_.insert(std::ranges::find_if(jobs_, shows_it),
+                 Extract{set.surface(), set.revision(), set.isovalue(),
+                         static_cast<CaseRule>(set.table()), Clock::now()});
 }
 
 bool GpNode::step(TakeSlices& job, bus::Outbox&) {

@@ -113,6 +113,7 @@ class GpNode final : public bus::Node {
     void note_part(const bus::Message& message);
     void drop_all(bus::Outbox& out);
     void note_surface(const bus::schema::SetSurface& set);
+    bool awaits_surface() const;
     void take_mask(const bus::schema::MaskSurface& mask);
     void note_measure(const bus::Message& message);
     void drop_volume(const bus::schema::DropVolume& drop, bus::Outbox& out);
@@ -148,6 +149,7 @@ class GpNode final : public bus::Node {
     bool scene_ = false;  ///< What volume_ counts is a scene.
     Clock::time_point volume_since_;
     Surfaces surfaces_;
+    std::map<std::uint16_t, std::uint32_t> announced_;  ///< Newest revision asked for, by surface.
     SlabExtraction extraction_;  ///< Of the job in front, if that extracts; it fills scratch_.
     SlabMesh scratch_;  ///< Grows as slabs are extracted, so that those that are held need not.
     std::deque<Job> jobs_;

@@ -244,6 +244,7 @@ class Session {
     /// Sends `request` to every GP and waits until each has answered.
     void ask_gps(const std::string& what, const bus::Payload& request, Answer answer);
     void begin_request(Answer answer);
+    void send_to_gps(const bus::Payload& request);
     /// Of VolumeReady for the current volume or scene.
     void begin_volume_request();
     /// Waits until every GP has answered what begin_request() announced.
@@ -252,6 +253,11 @@ class Session {
     /// What to add to a fault's text: where its traces are, if there are any.
     std::string traces_of_fault();
     Surface& find_surface(const std::string& name);
+    Surface& put_surface(const std::string& name);
+    struct Building;
+    void begin_surface(Building& building, const std::string& name, double isovalue,
+                       CaseTable table, Colour colour);
+    SurfaceReport finish_surface(Building& building);
     /// Hands each GP's part of the surface's mesh to `take`, in any order.
     void fetch_mesh(const std::string& name, bool origins,
                     const std::function<void(const bus::Message&)>& take);

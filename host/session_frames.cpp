@@ -120,31 +120,4 @@ OrbitReport Session::orbit(int frames, const TakeFrame& take, int in_flight) {
     return {frames, ms_since(start_ns), spread_of(std::move(latencies_ms))};
 }
 
-SweepReport Session::sweep(const std::string& name, std::span<const double> isovalues,
-                           const TakeChange& take) {
-    const Surface before = find_surface(name);
-    std::vector<double> extractions_ms, pictures_ms;
-    const auto change_to = [&](double isovalue) {
-        return set_surface(name, isovalue, before.table, before.colour);
-    };
-    try {
-        for (const double isovalue : isovalues) {
-            const std::int64_t start_ns = now_ns();
-            const SurfaceReport report = change_to(isovalue);
-            const Picture picture = draw();
-            pictures_ms.push_back(ms_since(start_ns));
-            extractions_ms.push_back(report.elapsed_ms);
-            take(static_cast<int>(pictures_ms.size()) - 1, picture, report);
-        }
-    } catch (const RequestError&) {
-        if (surface(name)) {  // What cannot be extracted is gone.
-            change_to(before.isovalue);
-        }
-        throw;
-    }
-    change_to(before.isovalue);
-    return {static_cast<int>(pictures_ms.size()), spread_of(std::move(extractions_ms)),
-            spread_of(std::move(pictures_ms))};
-}
-
 }  // namespace pxpl5::host

@@ -66,37 +66,16 @@ void Session::set_style(const Surface& like) {
     surface.cull_back = like.cull_back;
 }
 
-SurfaceReport Session::set_surface(const std::string& name, double isovalue, CaseTable table,
-                                   Colour colour) {
-    volume();
-    auto found = std::find_if(scene.surfaces.begin(), scene.surfaces.end(),
-                              [&](const Surface& surface) { return surface.name == name; });
-    if (found == scene.surfaces.end()) {
-        if (scene.surfaces.size() == max_surfaces) {
-            throw RequestError(ExitCode::usage, fmt::format("{} surfaces are the most; remove one "
-                                                            "before adding '{}'",
-                                                            max_surfaces, name));
-        }
-        Surface added;
-        added.name = name;
-        added.id = next_surface_id_++;
-        scene.surfaces.push_back(added);
-        found = scene.surfaces.end() - 1;
-    }
-    found->isovalue = isovalue;
-    found->table = table;
-    found->colour = colour;
-    ++found->revision;
-
-    const std::int64_t start_ns = now_ns();
+/// A surface's new revision, which the GPs extract.
+struct Session::Building {
+    std::string name;
     schema::SetSurfaceT request;
-    request.surface = found->id;
-    request.revision = found->revision;
-    request.isovalue = isovalue;
-    request.table = static_cast<schema::CaseTable>(table);
     std::vector<schema::SlabCounts> slabs;
     std::int64_t memory_bytes = 0;
-    const auto take = [&](const bus::Message& message) {
+    std::int64_t start_ns = 0;
+
+    /// Whether the message is a GP's part of it.
+    bool take(const bus::Message& message) {
         const auto* built = message.as<schema::SurfaceBuilt>();
         if (built == nullptr || built->surface() != request.surface ||
             built->revision() != request.revision) {
@@ -107,32 +86,108 @@ SurfaceReport Session::set_surface(const std::string& name, double isovalue, Cas
         }
         memory_bytes += static_cast<std::int64_t>(built->memory_bytes());
         return true;
-    };
+    }
+};
+
+/// The surface of that name, added if there is none.
+Surface& Session::put_surface(const std::string& name) {
+    auto found = std::find_if(scene.surfaces.begin(), scene.surfaces.end(),
+                              [&](const Surface& surface) { return surface.name == name; });
+    if (found != scene.surfaces.end()) {
+        return *found;
+    }
+    if (scene.surfaces.size() == max_surfaces) {
+        throw RequestError(ExitCode::usage, fmt::format("{} surfaces are the most; remove one "
+                                                        "before adding '{}'",
+                                                        max_surfaces, name));
+    }
+    Surface added;
+    added.name = name;
+    added.id = next_surface_id_++;
+    return scene.surfaces.emplace_back(added);
+}
+
+/// Has the GPs extract the surface's new revision; finish_surface() must follow.
+void Session::begin_surface(Building& building, const std::string& name, double isovalue,
+                            CaseTable table, Colour colour) {
+    volume();
+    Surface& surface = put_surface(name);
+    surface.isovalue = isovalue;
+    surface.table = table;
+    surface.colour = colour;
+    ++surface.revision;
+
+    building.name = name;
+    building.start_ns = now_ns();
+    building.request.surface = surface.id;
+    building.request.revision = surface.revision;
+    building.request.isovalue = isovalue;
+    building.request.table = static_cast<schema::CaseTable>(table);
+    begin_request([&building](const bus::Message& message) { return building.take(message); });
+    send_to_gps(bus::pack(building.request));
+}
+
+/// Waits until all GPs have extracted it. A surface that cannot be extracted is removed.
+SurfaceReport Session::finish_surface(Building& building) {
     try {
-        ask_gps("surface " + name, bus::pack(request), take);
+        wait_for_gps("surface " + building.name);
     } catch (const RequestError&) {
-        remove_surface(name);
+        remove_surface(building.name);
         throw;
     }
-    SurfaceReport report = sum_slabs(slabs);
-    report.elapsed_ms = ms_since(start_ns);
-    report.memory_bytes = memory_bytes;
-    reports_.insert_or_assign(name, report);
-    if (const Surface& built = find_surface(name);
+    SurfaceReport report = sum_slabs(building.slabs);
+    report.elapsed_ms = ms_since(building.start_ns);
+    report.memory_bytes = building.memory_bytes;
+    reports_.insert_or_assign(building.name, report);
+    if (const Surface& built = find_surface(building.name);
         built.components.kind != ComponentFilter::Kind::all) {
-        set_components(name, ComponentFilter(built.components));
+        set_components(building.name, ComponentFilter(built.components));
     }
     return report;
+}
+
+SurfaceReport Session::set_surface(const std::string& name, double isovalue, CaseTable table,
+                                   Colour colour) {
+    Building building;
+    begin_surface(building, name, isovalue, table, colour);
+    return finish_surface(building);
+}
+
+SweepReport Session::sweep(const std::string& name, std::span<const double> isovalues,
+                           const TakeChange& take) {
+    const Surface before = find_surface(name);
+    const bool is_whole = before.components.kind == ComponentFilter::Kind::all;
+    std::vector<double> extractions_ms, pictures_ms;
+    try {
+        for (const double isovalue : isovalues) {
+            Building building;
+            begin_surface(building, name, isovalue, before.table, before.colour);
+            if (is_whole) {  // Otherwise what is drawn is known only when all of it is there.
+                submit_frame();
+            }
+            const SurfaceReport report = finish_surface(building);
+            const Picture picture = is_whole ? take_frame() : draw();
+            pictures_ms.push_back(ms_since(building.start_ns));
+            extractions_ms.push_back(report.elapsed_ms);
+            take(static_cast<int>(pictures_ms.size()) - 1, picture, report);
+        }
+    } catch (const RequestError&) {
+        give_up_frames();
+        if (surface(name)) {  // What cannot be extracted is gone.
+            set_surface(name, before.isovalue, before.table, before.colour);
+        }
+        throw;
+    }
+    set_surface(name, before.isovalue, before.table, before.colour);
+    return {static_cast<int>(pictures_ms.size()), spread_of(std::move(extractions_ms)),
+            spread_of(std::move(pictures_ms))};
 }
 
 void Session::remove_surface(const std::string& name) {
     const Surface& surface = find_surface(name);
     schema::RemoveSurfaceT request;
     request.surface = surface.id;
-    const bus::Payload payload = bus::pack(request);
-    for (const bus::NodeId gp : machine_.gp_ids()) {
-        machine_.send(gp, payload);
-    }
+    send_to_gps(bus::pack(request));
     reports_.erase(name);
     std::erase_if(scene.surfaces, [&](const Surface& other) { return other.name == name; });
 }

@@ -146,6 +146,28 @@ TEST_CASE("a sweep shows each isovalue and leaves the surface as it was") {
           std::string::npos);
 }
 
+TEST_CASE("a frame waits for the isovalue that it shows, whichever comes first") {
+    const std::vector<double> isovalues = {0.5, 900.5, 1500.5, 300.5};
+    std::vector<std::vector<std::uint32_t>> wanted;
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        Topology topology = machine_of(3, 2);
+        topology.seed = seed;
+        CAPTURE(seed);
+        test::SimulatedMachine machine(topology);
+        Session session(machine);
+        session.load("phantom:sphere");
+        session.scene.size = {60, 50};
+        session.set_surface("s", 100.5, CaseTable::watertight, grey);
+        std::vector<std::vector<std::uint32_t>> shown;
+        session.sweep("s", isovalues, [&](int, const Picture& picture, const SurfaceReport&) {
+            shown.push_back(picture.rgba);
+        });
+        wanted = seed == 0 ? shown : wanted;
+        REQUIRE(shown.size() == isovalues.size());
+        CHECK(shown == wanted);
+    }
+}
+
 TEST_CASE("views drawn one at a time are those drawn two at a time") {
     test::SimulatedMachine machine(machine_of(2, 2));
     Session session(machine);
