@@ -126,6 +126,7 @@ CaseTable generate(CaseRule rule, std::string_view name) {
         for (unsigned packed = 0; packed < 1U << std::popcount(ambiguous); ++packed)
             add_entry(inside, spread(packed, ambiguous), table);
     }
+    table.slots = {case_slots(table, false), case_slots(table, true)};
     return table;
 }
 

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "gp_firmware/surface/case_slots.hpp"
+
 namespace pxpl5::gp {
 
 // Corner c of a cell is at (c & 1, c >> 1 & 1, c >> 2). Edges 0..3 run along x from the corners
@@ -42,6 +44,7 @@ struct CaseTable {
                                         ///< from outside in a right-handed frame.
     std::vector<std::uint8_t> rings;    ///< Edges whose mean is the centre vertex.
     int centre_count = 0;               ///< Entries that need a centre vertex.
+    std::array<CaseSlots, 2> slots;     ///< [1]: triangles turned over.
 
     /// inside  Bit c: corner c is inside.
     /// joined  Bit f: on ambiguous face f the inside corners are joined. Other bits are ignored.

@@ -16,6 +16,7 @@ namespace pxpl5::gp {
 /// Takes gradients per voxel step to normals in the patient.
 class NormalFrame {
   public:
+    NormalFrame() = default;
     /// voxel_to_patient  Its 3x3 part must be invertible.
     explicit NormalFrame(const glm::dmat4& voxel_to_patient) {
         const glm::dmat3 m = -glm::transpose(glm::inverse(glm::dmat3(voxel_to_patient)));
@@ -31,8 +32,10 @@ class NormalFrame {
         return columns_[0] * gradient.x + columns_[1] * gradient.y + columns_[2] * gradient.z;
     }
 
+    const glm::vec3& column(std::size_t c) const { return columns_[c]; }
+
   private:
-    std::array<glm::vec3, 3> columns_;
+    std::array<glm::vec3, 3> columns_{};
 };
 
 /// Unit vector along n in steps of 1 / normal_one.

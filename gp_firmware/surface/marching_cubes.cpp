@@ -27,7 +27,8 @@ bool is_empty(const SliceStore& store, int slab, double isovalue) {
 }
 
 SlabExtraction begin_walk(const SliceStore& store, int slab, double isovalue,
-                          const CaseTable& table, SlabMesh& out, Wanted wanted) {
+                          const CaseTable& table, SlabMesh& out, Wanted wanted,
+                          isa::VectorTarget target) {
     if (!std::isfinite(isovalue))
         throw std::invalid_argument("an isovalue is a finite number, not " +
                                     std::to_string(isovalue));
@@ -35,9 +36,10 @@ SlabExtraction begin_walk(const SliceStore& store, int slab, double isovalue,
     assert(std::binary_search(store.slabs().begin(), store.slabs().end(), slab));
     out.slab = slab;
     out.counts = {};
-    const auto finish = [&store, slab, isovalue, decides_faces = table.decides_faces,
-                         &out](std::size_t) {
-        measure(store.shape(), inside_of_last_face(store, slab, isovalue, decides_faces), out);
+    const auto finish = [&store, slab, isovalue, decides_faces = table.decides_faces, &out,
+                         target](std::size_t) {
+        measure(store.shape(), inside_of_last_face(store, slab, isovalue, decides_faces), out,
+                target);
         return false;
     };
     SlabExtraction extraction = finish;
@@ -49,7 +51,8 @@ SlabExtraction begin_walk(const SliceStore& store, int slab, double isovalue,
         out.origins.clear();
     } else {
         with_scalar(store.shape().type, [&]<class T>(T) {
-            auto walk = std::make_shared<SlabWalk<T>>(store, slab, isovalue, table, out, wanted);
+            auto walk =
+                std::make_shared<SlabWalk<T>>(store, slab, isovalue, table, out, wanted, target);
             extraction = [walk, finish](std::size_t triangles) {
                 return walk->advance(triangles) || finish(0);
             };
@@ -59,8 +62,8 @@ SlabExtraction begin_walk(const SliceStore& store, int slab, double isovalue,
 }
 
 void walk_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-               SlabMesh& out, Wanted wanted) {
-    const SlabExtraction extraction = begin_walk(store, slab, isovalue, table, out, wanted);
+               SlabMesh& out, Wanted wanted, isa::VectorTarget target) {
+    const SlabExtraction extraction = begin_walk(store, slab, isovalue, table, out, wanted, target);
     while (extraction(all_triangles)) {
     }
 }
@@ -68,20 +71,20 @@ void walk_slab(const SliceStore& store, int slab, double isovalue, const CaseTab
 }  // namespace
 
 void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-                  SlabMesh& out, bool origins) {
-    walk_slab(store, slab, isovalue, table, out,
-              origins ? Wanted::mesh_with_origins : Wanted::mesh);
+                  SlabMesh& out, bool origins, isa::VectorTarget target) {
+    walk_slab(store, slab, isovalue, table, out, origins ? Wanted::mesh_with_origins : Wanted::mesh,
+              target);
 }
 
 SlabExtraction begin_slab(const SliceStore& store, int slab, double isovalue,
                           const CaseTable& table, SlabMesh& out, bool origins) {
     return begin_walk(store, slab, isovalue, table, out,
-                      origins ? Wanted::mesh_with_origins : Wanted::mesh);
+                      origins ? Wanted::mesh_with_origins : Wanted::mesh, isa::process_target());
 }
 
 SlabCounts measure_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
                         SlabMesh& scratch) {
-    walk_slab(store, slab, isovalue, table, scratch, Wanted::measures);
+    walk_slab(store, slab, isovalue, table, scratch, Wanted::measures, isa::process_target());
     return scratch.counts;
 }
 

@@ -7,6 +7,7 @@
 #include "gp_firmware/surface/case_tables.hpp"
 #include "gp_firmware/surface/mesh.hpp"
 #include "gp_firmware/volume/slice_store.hpp"
+#include "isa/vector_target.hpp"
 
 namespace pxpl5::gp {
 
@@ -18,10 +19,12 @@ namespace pxpl5::gp {
 /// isovalue  In the volume's unit.
 /// out       Overwritten; its capacity is reused.
 /// origins   Whether out.origins is filled, too; else it is left empty.
+/// target    Resolved. It decides how fast, not what.
 /// Throws    std::invalid_argument if isovalue is not finite.
 /// Source    Lorensen & Cline 1987; Yoo & Chen, section V. Masks of 64 voxels are ours.
 void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-                  SlabMesh& out, bool origins = false);
+                  SlabMesh& out, bool origins = false,
+                  isa::VectorTarget target = isa::process_target());
 
 /// Goes on until about so many triangles more are there. Returns false when the slab is done; it is
 /// not called again then.

@@ -4,16 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
 #include "gp_firmware/surface/case_tables.hpp"
+#include "gp_firmware/surface/cell_row.hpp"
 #include "gp_firmware/surface/classify.hpp"
-#include "gp_firmware/surface/edge_vertex.hpp"
+#include "gp_firmware/surface/edge_batch.hpp"
 #include "gp_firmware/surface/mesh.hpp"
 #include "gp_firmware/volume/slice_store.hpp"
 #include "gp_firmware/volume/typed.hpp"
@@ -23,51 +24,55 @@ namespace pxpl5::gp {
 
 inline constexpr std::size_t max_triangles_per_cell = 12;
 
+template <class T>
+[[gnu::noinline]] void grow(std::vector<T>& elements, std::size_t count) {
+    if (count > elements.capacity()) elements.reserve(std::max(count, 2 * elements.capacity()));
+    elements.resize(std::min(std::max(count, elements.size() / 4 * 5), elements.capacity()));
+}
+
 /// Makes room for `count` elements, by doubling; never shrinks. The elements beyond those in use
-/// keep what an earlier surface left there, so that a mesh that is extracted again costs no
-/// clearing.
+/// keep what an earlier surface left there, and few more are cleared than are in use.
 template <class T>
 void make_room(std::vector<T>& elements, std::size_t count) {
-    if (elements.size() >= count) return;
-    const bool fits = count <= elements.capacity();
-    elements.resize(fits ? elements.capacity() : std::max(count, 2 * elements.capacity()));
+    if (elements.size() < count) [[unlikely]]
+        grow(elements, count);
 }
 
 /// What a walk leaves in the mesh beside positions and triangles.
 enum class Wanted : std::uint8_t { measures, mesh, mesh_with_origins };
 
-/// Goes up the rows of a slab. Of edges it remembers the vertices of two rows only; rows y and
-/// y - 1 alternate in the arrays with [parity].
+/// Goes up the rows of a slab. Of edges it remembers the vertices of two rows only, in slots
+/// (case_slots.hpp); rows y and y - 1 alternate in the arrays with [parity].
 template <class T>
 class SlabWalk {
   public:
     SlabWalk(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-             SlabMesh& out, Wanted wanted)
+             SlabMesh& out, Wanted wanted, isa::VectorTarget target)
         : shape_(store.shape()),
-          isovalue_(isovalue),
           table_(table),
+          slots_(table.slots[mirrors(shape_) ? 1 : 0]),
           out_(out),
-          frame_(shape_.voxel_to_patient),
-          flip_(glm::determinant(glm::dmat3(shape_.voxel_to_patient)) < 0 ? 1 : 0),
           words_(mask_words(shape_.nx)),
           slab_(slab),
           wanted_(wanted),
+          target_(target),
           origins_(wanted == Wanted::mesh_with_origins) {
+        frame_.isovalue = isovalue;
+        frame_.height = shape_.height(slab);
+        frame_.normals = NormalFrame(shape_.voxel_to_patient);
         for (const int s : {0, 1}) {
             slices_[at(s)] = &store.slice(slab + s);
             values_[at(s)] = typed<T>(slices_[at(s)]->values);
-            z_factors_[at(s)] = z_factor(shape_, slab + s);
+            frame_.places[at(s)] = shape_.place(slab + s);
+            frame_.z_factors[at(s)] = z_factor(shape_, slab + s);
             if (!shape_.holds_gradients())
                 estimates_[at(s)] = VoxelGradients<T>(shape_, store.neighbours(slab + s));
         }
-        const auto nx = static_cast<std::size_t>(shape_.nx);
         // One word more: the right neighbour of a row's last word.
         for (auto& masks : masks_)
             for (auto& mask : masks) mask.assign(words_ + 1, 0);
-        for (auto* edges : {&x_edges_[0], &x_edges_[1]})
-            for (auto& row : *edges) row.resize(nx);
-        for (auto& row : y_edges_) row.resize(nx);
-        for (auto& row : z_edges_) row.resize(nx);
+        vertices_.resize(slots_per_voxel * at(shape_.nx));
+        cells_.resize(at(shape_.nx));
     }
 
     /// Goes up the rows until `triangles` more are there. Returns false when all rows are done.
@@ -85,6 +90,7 @@ class SlabWalk {
                 ++out_.counts.rows_skipped;
             }
         }
+        flush();
         out_.vertices.resize(vertex_count_);
         out_.keys.resize(vertex_count_);
         out_.indices.resize(index_count_);
@@ -98,23 +104,15 @@ class SlabWalk {
   private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-    /// Inlined by force: called, it would take a third of a small volume's extraction.
-    [[gnu::always_inline]] Gradient gradient(std::size_t slice, std::size_t x,
-                                             std::size_t y) const {
-        if (shape_.holds_gradients()) [[likely]] {
-            return slices_[slice]->gradients[y * at(shape_.nx) + x];
-        }
-        return estimated_gradient(slice, x, y);
-    }
-    [[gnu::noinline]] Gradient estimated_gradient(std::size_t slice, std::size_t x,
-                                                  std::size_t y) const {
-        return estimates_[slice].at(x, y);
+    /// Whether triangles must turn, because voxel_to_patient mirrors.
+    static bool mirrors(const VolumeShape& shape) {
+        return glm::determinant(glm::dmat3(shape.voxel_to_patient)) < 0;
     }
 
     void classify(int y) {
         const std::size_t row = at(y & 1);
         for (const std::size_t s : {0U, 1U})
-            sides_[row][s] = classify_row(shape_, *slices_[s], y, isovalue_,
+            sides_[row][s] = classify_row(shape_, *slices_[s], y, frame_.isovalue,
                                           std::span(masks_[row][s]).first(words_));
     }
 
@@ -129,31 +127,35 @@ class SlabWalk {
     void make_row_vertices(int y) {
         const std::size_t row = at(y & 1);
         const auto& mask = masks_[row];
-        for (const int s : {0, 1}) {
-            if (sides_[row][at(s)] != RowSide::mixed) continue;
+        for (const std::size_t s : {0U, 1U}) {
+            if (sides_[row][s] != RowSide::mixed) continue;
             const std::size_t before = vertex_count_;
-            const auto& m = mask[at(s)];
-            make_vertices(x_edges_[row][at(s)], {0, y, s}, 0, [&](std::size_t w) {
+            const auto& m = mask[s];
+            make_edges({y, x_slot(row, s), along_slice(s)}, [&](std::size_t w) {
                 const std::uint64_t right = m[w] >> 1 | m[w + 1] << 63;
                 return (m[w] ^ right) & cells_in_word(w);
             });
             if (s == 1) upper_count_ += vertex_count_ - before;
         }
         if (sides_[row][0] == RowSide::mixed || sides_[row][0] != sides_[row][1])
-            make_vertices(z_edges_[row], {0, y, 0}, 2,
-                          [&](std::size_t w) { return mask[0][w] ^ mask[1][w]; });
+            make_edges({y, z_slot(row), along_z | upper_end_above},
+                       [&](std::size_t w) { return mask[0][w] ^ mask[1][w]; });
         if (y > 0) make_vertices_between_rows(y);
     }
 
     void make_vertices_between_rows(int y) {
-        for (const int s : {0, 1}) {
-            const RowSide side = sides_[0][at(s)];
-            if (side != RowSide::mixed && side == sides_[1][at(s)]) continue;
+        for (const std::size_t s : {0U, 1U}) {
+            const RowSide side = sides_[0][s];
+            if (side != RowSide::mixed && side == sides_[1][s]) continue;
             const std::size_t before = vertex_count_;
-            make_vertices(y_edges_[at(s)], {0, y - 1, s}, 1,
-                          [&](std::size_t w) { return masks_[0][at(s)][w] ^ masks_[1][at(s)][w]; });
+            make_edges({y - 1, y_slot(s), along_y | along_slice(s)},
+                       [&](std::size_t w) { return masks_[0][s][w] ^ masks_[1][s][w]; });
             if (s == 1) upper_count_ += vertex_count_ - before;
         }
+    }
+
+    static std::uint32_t along_slice(std::size_t s) {
+        return s == 0 ? 0U : lower_end_above | upper_end_above;
     }
 
     /// Bits of the word's cells: a row has one less than voxels.
@@ -162,91 +164,117 @@ class SlabWalk {
         return rest >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << rest) - 1;
     }
 
-    /// Makes the vertices of a row of edges along `axis`.
-    /// start    Voxel of the row's first edge; z counts from the slab.
+    /// Parallel edges of a row.
+    struct EdgeRow {
+        int y = 0;  ///< Of their lower ends.
+        std::size_t slot = 0;
+        std::uint32_t kind = 0;  ///< EdgeKind.
+    };
+
+    /// Makes the vertices of a row's crossed edges.
     /// crossed  Crossed edges of a word.
     template <class Crossed>
-    void make_vertices(std::vector<std::uint32_t>& edges, glm::ivec3 start, int axis,
-                       Crossed crossed) {
-        const std::size_t row = at(start.y) * at(shape_.nx);
-        const std::size_t lower = at(start.z), upper = lower + (axis == 2 ? 1 : 0);
-        const std::size_t x_step = axis == 0 ? 1 : 0, y_step = axis == 1 ? 1 : 0;
-        const std::size_t step = x_step + y_step * at(shape_.nx);
-        const T* values_0 = values_[lower] + row;
-        const T* values_1 = values_[upper] + row + step;
+    void make_edges(const EdgeRow& row, Crossed crossed) {
+        const std::size_t nx = at(shape_.nx), y = at(row.y);
+        const std::size_t lower = row.kind & lower_end_above ? 1 : 0;
+        const std::size_t upper = row.kind & upper_end_above ? 1 : 0;
+        const std::size_t y_step = row.kind & along_y ? 1 : 0;
+        const std::size_t x_step = row.kind & (along_y | along_z) ? 0 : 1;
+        if (wanted_ == Wanted::measures) {
+            stage_edges(row, crossed, [](std::size_t, std::size_t) {});
+        } else if (shape_.holds_gradients()) [[likely]] {
+            const Gradient* g_0 = slices_[lower]->gradients.data() + y * nx;
+            const Gradient* g_1 = slices_[upper]->gradients.data() + (y + y_step) * nx + x_step;
+            stage_edges(row, crossed, [this, g_0, g_1](std::size_t i, std::size_t x) {
+                batch_.name_gradients(i, g_0 + x, g_1 + x);
+            });
+        } else {
+            const VoxelGradients<T>&e_0 = estimates_[lower], &e_1 = estimates_[upper];
+            stage_edges(row, crossed, [&](std::size_t i, std::size_t x) {
+                batch_.set_gradients(i, e_0.at(x, y), e_1.at(x + x_step, y + y_step));
+            });
+        }
+    }
+
+    /// set_gradients  Of the batch's edge i, which begins at voxel x.
+    template <class Crossed, class SetGradients>
+    void stage_edges(const EdgeRow& row, Crossed crossed, SetGradients set_gradients) {
+        const std::size_t nx = at(shape_.nx), voxel = at(row.y) * nx;
+        const std::size_t lower = row.kind & lower_end_above ? 1 : 0;
+        const std::size_t upper = row.kind & upper_end_above ? 1 : 0;
+        const std::size_t axis = row.kind & along_z ? 2 : row.kind & along_y ? 1 : 0;
+        const T* values_0 = values_[lower] + voxel;
+        const T* values_1 = values_[upper] + voxel + (axis == 0 ? 1 : axis == 1 ? nx : 0);
+        const std::uint32_t row_and_kind =
+            static_cast<std::uint32_t>(row.y) << edge_kind_bits | row.kind;
         const std::uint64_t first_key =
-            4 * (shape_.slice_voxels() * at(slab_ + start.z) + row) + at(axis);
-        const glm::dvec3 p_start(0, start.y, shape_.place(slab_ + start.z));
-        const double length = axis == 2 ? shape_.height(slab_) : 1;
+            4 * (shape_.slice_voxels() * (at(slab_) + lower) + voxel) + axis;
+        std::uint32_t* slots = vertices_.data() + row.slot;
         for (std::size_t w = 0; w < words_; ++w) {
             std::uint64_t bits = crossed(w);
             if (bits == 0) continue;
-            const std::size_t room = vertex_count_ + 64;
-            make_room(out_.vertices, room);
-            make_room(out_.keys, room);
-            for (; bits != 0; bits &= bits - 1) {
+            make_room_in_batch();
+            std::size_t i = batch_.count;
+            auto vertex = static_cast<std::uint32_t>(vertex_count_);
+            std::uint64_t* keys = out_.keys.data();
+            for (; bits != 0; bits &= bits - 1, ++i, ++vertex) {
                 const std::size_t x = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-                const auto value_0 = static_cast<double>(values_0[x]);
-                const auto value_1 = static_cast<double>(values_1[x]);
-                const double t = crossing(value_0, value_1, isovalue_);
-                glm::dvec3 p = p_start;
-                p.x = static_cast<double>(x);
-                p[axis] += t * length;
-                Vertex& vertex = out_.vertices[vertex_count_];
-                vertex.p_voxel = glm::vec3(p);
-                edges[x] = static_cast<std::uint32_t>(vertex_count_++);
-                if (wanted_ == Wanted::measures) continue;
-                const EdgeEnds ends{value_0,
-                                    value_1,
-                                    gradient(lower, x, at(start.y)),
-                                    gradient(upper, x + x_step, at(start.y) + y_step),
-                                    z_factors_[lower],
-                                    z_factors_[upper]};
-                vertex.normal = edge_normal(ends, static_cast<float>(t), axis, isovalue_, frame_);
-                vertex.unused = 0;
-                out_.keys[edges[x]] = first_key + 4 * x;
+                batch_.value_0[i] = static_cast<float>(values_0[x]);
+                batch_.value_1[i] = static_cast<float>(values_1[x]);
+                batch_.x[i] = static_cast<std::uint32_t>(x);
+                batch_.row_and_kind[i] = row_and_kind;
+                set_gradients(i, x);
+                slots[slots_per_voxel * x] = vertex;
+                keys[vertex] = first_key + 4 * x;
             }
+            batch_.count = i;
+            vertex_count_ = vertex;
         }
+    }
+
+    /// For a word's edges.
+    void make_room_in_batch() {
+        if (batch_.count + 64 > EdgeBatch::capacity) flush();
+        make_room(out_.vertices, vertex_count_ + 64);
+        make_room(out_.keys, vertex_count_ + 64);
+    }
+
+    /// Makes the vertices of the edges in the batch: the last ones so far.
+    void flush() {
+        const bool normals = wanted_ != Wanted::measures;
+        if (normals && shape_.holds_gradients()) batch_.take_gradients();
+        pxpl5::gp::make_vertices(target_, batch_, frame_, normals,
+                                 out_.vertices.data() + (vertex_count_ - batch_.count));
+        batch_.count = 0;
     }
 
     /// Triangles of the cells between rows y and y + 1.
     void make_cells(int y) {
         const std::size_t low = at(y & 1), high = 1 - low;
-        const std::array<const std::uint64_t*, 4> masks = {
-            masks_[low][0].data(), masks_[high][0].data(), masks_[low][1].data(),
-            masks_[high][1].data()};
-        const std::array<const std::uint32_t*, cell_edge_count> edges = {
-            x_edges_[low][0].data(),  x_edges_[high][0].data(), x_edges_[low][1].data(),
-            x_edges_[high][1].data(), y_edges_[0].data(),       y_edges_[0].data() + 1,
-            y_edges_[1].data(),       y_edges_[1].data() + 1,   z_edges_[low].data(),
-            z_edges_[low].data() + 1, z_edges_[high].data(),    z_edges_[high].data() + 1};
-        for (std::size_t w = 0; w < words_; ++w) {
-            std::array<std::uint64_t, 4> left, right;
-            std::uint64_t any = 0, all = ~std::uint64_t{0};
-            for (std::size_t i = 0; i < 4; ++i) {
-                left[i] = masks[i][w];
-                right[i] = left[i] >> 1 | masks[i][w + 1] << 63;
-                any |= left[i] | right[i];
-                all &= left[i] & right[i];
-            }
-            std::uint64_t active = any & ~all & cells_in_word(w);
-            if (active == 0) continue;
-            const auto cells = static_cast<std::size_t>(std::popcount(active));
-            out_.counts.cells_active += static_cast<std::uint32_t>(cells);
-            make_room(out_.indices, index_count_ + 3 * max_triangles_per_cell * cells);
-            if (origins_) make_room(out_.origins, out_.indices.size() / 3 + 1);
-            for (; active != 0; active &= active - 1) {
-                const int bit = std::countr_zero(active);
-                std::uint64_t inside = 0;
-                for (std::size_t i = 0; i < 4; ++i)
-                    inside |= (left[i] >> bit & 1) << 2 * i | (right[i] >> bit & 1) << (2 * i + 1);
-                make_cell(static_cast<std::uint8_t>(inside), w * 64 + at(bit), y, edges);
-            }
+        const std::size_t count =
+            find_crossed_cells(target_,
+                               {masks_[low][0].data(), masks_[high][0].data(),
+                                masks_[low][1].data(), masks_[high][1].data()},
+                               at(shape_.nx) - 1, cells_.data());
+        if (count == 0) return;
+        out_.counts.cells_active += static_cast<std::uint32_t>(count);
+        make_room(out_.indices, index_count_ + 3 * max_triangles_per_cell * count);
+        if (origins_) make_room(out_.origins, index_count_ / 3 + max_triangles_per_cell * count);
+        for (std::size_t done = 0; done < count; ++done) {
+            const CellsDone listed = make_triangles(
+                target_, std::span(cells_).subspan(done, count - done), vertices_.data(), slots_, y,
+                {out_.indices.data() + index_count_,
+                 origins_ ? out_.origins.data() + index_count_ / 3 : nullptr});
+            index_count_ += listed.corners;
+            out_.counts.cells_ambiguous += static_cast<std::uint32_t>(listed.ambiguous_cells);
+            done += listed.cells;
+            if (done < count)
+                make_cell(static_cast<std::uint8_t>(cells_[done]), cells_[done] >> 8, y);
         }
     }
 
-    void make_cell(std::uint8_t inside, std::size_t x, int y,
-                   const std::array<const std::uint32_t*, cell_edge_count>& edges) {
+    /// A cell whose case is unlisted.
+    void make_cell(std::uint8_t inside, std::size_t x, int y) {
         const std::uint8_t ambiguous = table_.ambiguous[inside];
         std::uint8_t joined = 0;
         if (ambiguous != 0) {
@@ -255,23 +283,29 @@ class SlabWalk {
         }
         const CaseEntry& entry = table_.entry(inside, joined);
         std::uint32_t centre = 0;
-        if (entry.ring_size != 0) centre = make_centre(entry, x, y, edges);
+        if (entry.ring_size != 0) centre = make_centre(entry, x, y);
         const std::uint8_t* corners = table_.corners.data() + entry.first_corner;
         std::uint32_t* indices = out_.indices.data() + index_count_;
         const auto vertex = [&](std::size_t i) {
-            return corners[i] == centre_corner ? centre : edges[corners[i]][x];
+            return corners[i] == centre_corner ? centre : vertex_on(corners[i], x, y);
         };
         const std::size_t count = std::size_t{entry.triangle_count} * 3;
+        const std::size_t flip = &slots_ == &table_.slots[1] ? 1 : 0;
         for (std::size_t i = 0; i < count; i += 3) {
             indices[i] = vertex(i);
-            indices[i + 1] = vertex(i + 1 + flip_);
-            indices[i + 2] = vertex(i + 2 - flip_);
+            indices[i + 1] = vertex(i + 1 + flip);
+            indices[i + 2] = vertex(i + 2 - flip);
         }
         if (origins_)
             note_origins({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), inside,
                           joined, 0, 0},
                          entry.triangle_count);
         index_count_ += count;
+    }
+
+    /// The vertex on a cell's edge.
+    std::uint32_t vertex_on(std::uint8_t edge, std::size_t x, int y) const {
+        return vertices_[slots_per_voxel * x + slot_of_edge(edge, at(y & 1))];
     }
 
     /// Of a cell's triangles, which begin at index_count_.
@@ -287,7 +321,7 @@ class SlabWalk {
         const std::size_t nx = at(shape_.nx), voxel = at(y) * nx + x;
         const auto above = [&](int corner) {
             const std::size_t offset = (corner & 1 ? 1U : 0U) + (corner & 2 ? nx : 0U);
-            return static_cast<double>(values_[at(corner >> 2)][voxel + offset]) - isovalue_;
+            return static_cast<double>(values_[at(corner >> 2)][voxel + offset]) - frame_.isovalue;
         };
         unsigned joined = 0;
         for (; ambiguous != 0; ambiguous &= ambiguous - 1) {
@@ -301,13 +335,13 @@ class SlabWalk {
     }
 
     /// The cell's own vertex: the mean of a ring of others, with their mean normal.
-    std::uint32_t make_centre(const CaseEntry& entry, std::size_t x, int y,
-                              const std::array<const std::uint32_t*, cell_edge_count>& edges) {
+    std::uint32_t make_centre(const CaseEntry& entry, std::size_t x, int y) {
+        flush();
         glm::dvec3 sum(0);
         glm::vec3 n(0);
         const auto ring = table_.ring_of(entry);
         for (const std::uint8_t edge : ring) {
-            const Vertex& vertex = out_.vertices[edges[edge][x]];
+            const Vertex& vertex = out_.vertices[vertex_on(edge, x, y)];
             sum += glm::dvec3(vertex.p_voxel);
             n += glm::vec3(vertex.normal[0], vertex.normal[1], vertex.normal[2]);
         }
@@ -318,7 +352,7 @@ class SlabWalk {
         centre.p_voxel = glm::vec3(sum / static_cast<double>(ring.size()));
         // Normals that cancel out give no direction; then the first of the ring is as good as any.
         centre.normal = length_squared > 0 ? pack_normal(n, length_squared)
-                                           : out_.vertices[edges[ring[0]][x]].normal;
+                                           : out_.vertices[vertex_on(ring[0], x, y)].normal;
         centre.unused = 0;
         out_.keys[vertex_count_] =
             4 * (shape_.slice_voxels() * at(slab_) + at(y) * at(shape_.nx) + x) + 3;
@@ -326,25 +360,24 @@ class SlabWalk {
     }
 
     const VolumeShape& shape_;
-    double isovalue_;
     const CaseTable& table_;
+    const CaseSlots& slots_;
     SlabMesh& out_;
-    NormalFrame frame_;
-    std::size_t flip_;  ///< 1 where voxel_to_patient mirrors, so that triangles must turn too.
+    SlabFrame frame_;
     std::size_t words_;
     int slab_;
     int next_row_ = 0;
     Wanted wanted_;
+    isa::VectorTarget target_;
     bool origins_;
     std::array<const HeldSlice*, 2> slices_{};
     std::array<const T*, 2> values_{};
     std::array<VoxelGradients<T>, 2> estimates_;  ///< Only if gradients are not held.
-    std::array<float, 2> z_factors_{};
-    std::array<std::array<std::vector<std::uint64_t>, 2>, 2> masks_;    ///< [parity][slice]
-    std::array<std::array<RowSide, 2>, 2> sides_{};                     ///< [parity][slice]
-    std::array<std::array<std::vector<std::uint32_t>, 2>, 2> x_edges_;  ///< [parity][slice]
-    std::array<std::vector<std::uint32_t>, 2> y_edges_;                 ///< [slice]
-    std::array<std::vector<std::uint32_t>, 2> z_edges_;                 ///< [parity]
+    std::array<std::array<std::vector<std::uint64_t>, 2>, 2> masks_;  ///< [parity][slice]
+    std::array<std::array<RowSide, 2>, 2> sides_{};                   ///< [parity][slice]
+    std::vector<std::uint32_t> vertices_;                             ///< Of two rows, by slot.
+    std::vector<CrossedCell> cells_;                                  ///< Of a row.
+    EdgeBatch batch_;
     std::size_t vertex_count_ = 0, index_count_ = 0;
     std::size_t upper_count_ = 0;  ///< Vertices in the upper slice, which the next slab owns.
 };
