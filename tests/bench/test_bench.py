@@ -118,6 +118,24 @@ class Goals(unittest.TestCase):
         row = compare.row_of(verdict[0], {})
         self.assertEqual(row[3:], ["2.34", "at least 213.7", "**no**"])
 
+    def test_rates_and_work_without_a_goal_are_shown_beside_the_peers(self):
+        ours = {"frames_per_s/default/512x512/skin": 200.0,
+                "cpu_ms_per_frame/default/512x512/skin": 8.0}
+        peers = {"egl_draw_ms/512x512/skin": 20.0, "vtk_draw_cpu_ms/512x512/skin": 24.0,
+                 "vtk_loop_cpu_ms/512x512/skin": 9.0, "egl_draw_ms/512x512/head": 1.0}
+        self.assertEqual(compare.other_rows(ours, peers), [
+            ["frames_per_s/default/512x512/skin", "200", "50 (egl_draw_ms)", "4.00", "-", "-"],
+            ["cpu_ms_per_frame/default/512x512/skin", "8", "24 (vtk_draw_cpu_ms)", "3.00", "-",
+             "-"]])
+
+    def test_of_the_numbers_of_threads_the_quicker_counts(self):
+        peers = compare.Peers.__new__(compare.Peers)
+        peers.runs = measure.Figures()
+        peers.keep_best("vtk_draw_ms/512x512/skin", [{"ms": [9, 1, 5], "cpu_ms": 5},
+                                                     {"ms": [4, 4, 4], "cpu_ms": 8}])
+        self.assertEqual(peers.runs.over_runs(), {"vtk_draw_ms/512x512/skin": 4,
+                                                  "vtk_draw_cpu_ms/512x512/skin": 8})
+
     def test_other_surfaces_are_not_compared(self):
         compare.require_same_work("skin", 1000, 1005)
         self.assertRaises(session.MeasureError, compare.require_same_work, "skin", 1000, 1020)

@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <stdexcept>
@@ -192,23 +193,33 @@ void draw(const Wish& wish, const View& view, double azimuth_deg, std::size_t in
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(indices), GL_UNSIGNED_INT, nullptr);
 }
 
-/// Milliseconds of each view but those of the warm-up.
-std::vector<double> measure(const Wish& wish, const peer::Mesh& mesh,
-                            std::vector<std::uint8_t>& pixels) {
+/// Of each view but those of the warm-up, ms.
+struct Samples {
+    std::vector<double> wall;
+    double cpu_mean = 0;  ///< Of all threads.
+};
+
+Samples measure(const Wish& wish, const peer::Mesh& mesh, std::vector<std::uint8_t>& pixels) {
     const GLuint made = program();
     const View view{glGetUniformLocation(made, "patient_to_eye"),
                     glGetUniformLocation(made, "projection")};
-    std::vector<double> samples;
+    Samples samples;
+    std::clock_t cpu_start = 0;
     for (int i = 0; i < warm_up + wish.count; ++i) {
+        if (i == warm_up) {
+            cpu_start = std::clock();
+        }
         const auto start = std::chrono::steady_clock::now();
         draw(wish, view, i * step_deg, mesh.indices.size());
         glReadPixels(0, 0, wish.width_px, wish.height_px, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
         const std::chrono::duration<double, std::milli> took =
             std::chrono::steady_clock::now() - start;
         if (i >= warm_up) {
-            samples.push_back(took.count());
+            samples.wall.push_back(took.count());
         }
     }
+    samples.cpu_mean =
+        1000.0 * static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC / wish.count;
     return samples;
 }
 
@@ -228,17 +239,17 @@ void run(const Wish& wish) {
     upload(mesh);
     std::vector<std::uint8_t> pixels(static_cast<std::size_t>(wish.width_px) *
                                      static_cast<std::size_t>(wish.height_px) * 4);
-    const std::vector<double> samples = measure(wish, mesh, pixels);
+    const Samples samples = measure(wish, mesh, pixels);
     require(covered(pixels) > 0, "the picture is empty");
     std::string list;
-    for (const double sample : samples) {
+    for (const double sample : samples.wall) {
         list += (list.empty() ? "" : ", ") + std::to_string(sample);
     }
     fmt::print(
         "{{\"work\": \"draw\", \"triangles\": {}, \"covered_px\": {}, \"backend\": \"{}\", "
-        "\"ms\": [{}]}}\n",
+        "\"cpu_ms\": {:.3f}, \"ms\": [{}]}}\n",
         mesh.indices.size() / 3, covered(pixels),
-        reinterpret_cast<const char*>(glGetString(GL_RENDERER)), list);
+        reinterpret_cast<const char*>(glGetString(GL_RENDERER)), samples.cpu_mean, list);
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <map>
 #include <sstream>
 #include <stdexcept>
-#include <string_view>
 
 namespace pxpl5::peer {
 
@@ -83,7 +82,9 @@ class Cursor {
     std::size_t at_;
 };
 
-Mesh parse(std::string_view data) {
+}  // namespace
+
+Mesh parse_ply(std::string_view data) {
     Head head = parse_head(data);
     const Element vertex = head.elements["vertex"], face = head.elements["face"];
     if (!head.vertex_properties.starts_with("x y z nx ny nz ")) {
@@ -116,13 +117,11 @@ Mesh parse(std::string_view data) {
     return mesh;
 }
 
-}  // namespace
-
 Mesh read_ply(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     const std::string data{std::istreambuf_iterator<char>(file), {}};
     try {
-        return parse(data);
+        return parse_ply(data);
     } catch (const std::runtime_error& error) {
         throw std::runtime_error(path + ": " + error.what());
     }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pxpl5::peer {
@@ -18,8 +19,11 @@ struct Mesh {
     std::vector<std::uint32_t> indices;  ///< 3 per triangle.
 };
 
-/// Reads a little-endian PLY of triangles whose vertices begin with x y z nx ny nz as floats.
-/// Throws std::runtime_error naming the file and what is wrong in it.
+/// A little-endian PLY of triangles whose vertices begin with x y z nx ny nz as floats.
+/// Throws std::runtime_error that says what is wrong in it.
+Mesh parse_ply(std::string_view data);
+
+/// The same from a file, which an error names.
 Mesh read_ply(const std::string& path);
 
 }  // namespace pxpl5::peer

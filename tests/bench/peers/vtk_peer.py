@@ -9,7 +9,7 @@ WORK     extraction  isovalue changed -> vtkFlyingEdges3D's surface with normals
          loop        isovalue changed -> picture of it in memory
 threads  Of flying edges (TBB); how many llvmpipe uses is the environment's LP_NUM_THREADS.
 
-Prints one JSON line: triangles, and the samples in ms. Drawing needs an X server; xvfb-run serves.
+Prints one JSON line: triangles, the samples and the CPU time of one, in ms. Drawing needs an X server; xvfb-run serves.
 """
 import argparse
 import json
@@ -112,14 +112,16 @@ class Picture:
         writer.Write()
 
 
-def times_ms(count: int, action):
-    """Samples of action(number), the first WARM_UP left out."""
+def times_ms(count: int, action) -> dict:
+    """Samples of action(number), WARM_UP more left out, and the CPU time of one, of all threads."""
     samples = []
-    for number in range(WARM_UP + count):
+    for number in range(-WARM_UP, count):
+        if number == 0:
+            cpu_start = time.process_time()
         start = time.perf_counter()
         action(number)
         samples.append((time.perf_counter() - start) * 1000)
-    return samples[WARM_UP:]
+    return {"ms": samples[WARM_UP:], "cpu_ms": (time.process_time() - cpu_start) * 1000 / count}
 
 
 def measure(args) -> dict:
@@ -134,7 +136,7 @@ def measure(args) -> dict:
     result = {"work": args.work, "threads": args.threads,
               "triangles": edges.GetOutput().GetNumberOfPolys()}
     if args.work == "extraction":
-        result["ms"] = times_ms(args.count, lambda number: (change(number), edges.Update()))
+        result.update(times_ms(args.count, lambda number: (change(number), edges.Update())))
         return result
     width, height = (int(side) for side in args.size.split("x"))
     picture = Picture(image, edges, width, height)
@@ -143,9 +145,9 @@ def measure(args) -> dict:
     if args.picture:
         picture.write(args.picture)
     if args.work == "draw":
-        result["ms"] = times_ms(args.count, lambda _: (picture.turn(), picture.take()))
+        result.update(times_ms(args.count, lambda _: (picture.turn(), picture.take())))
     else:
-        result["ms"] = times_ms(args.count, lambda number: (change(number), picture.take()))
+        result.update(times_ms(args.count, lambda number: (change(number), picture.take())))
     return result
 
 
