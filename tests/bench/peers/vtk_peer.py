@@ -9,7 +9,8 @@ WORK     extraction  isovalue changed -> vtkFlyingEdges3D's surface with normals
          loop        isovalue changed -> picture of it in memory
 threads  Of flying edges (TBB); how many llvmpipe uses is the environment's LP_NUM_THREADS.
 
-Prints one JSON line: triangles, the samples and the CPU time of one, in ms. Drawing needs an X server; xvfb-run serves.
+Prints one JSON line: triangles, the samples and the CPU time of one, in ms. Drawing needs an X
+server; xvfb-run serves.
 """
 import argparse
 import json
