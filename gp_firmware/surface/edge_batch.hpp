@@ -34,19 +34,6 @@ struct EdgeBatch {
     alignas(64) Column<std::uint32_t> x{};             ///< Of the lower end, voxels.
     alignas(64) Column<std::uint32_t> row_and_kind{};  ///< y << edge_kind_bits | EdgeKind.
 
-    Column<const Gradient*> held_0{}, held_1{};  ///< Where take_gradients() finds the gradients.
-
-    /// Names edge i's gradients, and begins to fetch them: they are seldom in the cache, and the
-    /// edges of a batch wait for them together.
-    void name_gradients(std::size_t i, const Gradient* lower, const Gradient* upper) {
-        held_0[i] = lower;
-        held_1[i] = upper;
-        __builtin_prefetch(lower);
-        __builtin_prefetch(upper);
-    }
-    void take_gradients() {
-        for (std::size_t i = 0; i < count; ++i) set_gradients(i, *held_0[i], *held_1[i]);
-    }
     void set_gradients(std::size_t i, const Gradient& lower, const Gradient& upper) {
         std::memcpy(&gradient_xy_0[i], lower.data(), sizeof(std::uint32_t));
         std::memcpy(&gradient_xy_1[i], upper.data(), sizeof(std::uint32_t));

@@ -15,6 +15,7 @@
 #include "gp_firmware/surface/cell_row.hpp"
 #include "gp_firmware/surface/classify.hpp"
 #include "gp_firmware/surface/edge_batch.hpp"
+#include "gp_firmware/surface/make_room.hpp"
 #include "gp_firmware/surface/mesh.hpp"
 #include "gp_firmware/volume/slice_store.hpp"
 #include "gp_firmware/volume/typed.hpp"
@@ -23,20 +24,6 @@
 namespace pxpl5::gp {
 
 inline constexpr std::size_t max_triangles_per_cell = 12;
-
-template <class T>
-[[gnu::noinline]] void grow(std::vector<T>& elements, std::size_t count) {
-    if (count > elements.capacity()) elements.reserve(std::max(count, 2 * elements.capacity()));
-    elements.resize(std::min(std::max(count, elements.size() / 4 * 5), elements.capacity()));
-}
-
-/// Makes room for `count` elements, by doubling; never shrinks. The elements beyond those in use
-/// keep what an earlier surface left there, and few more are cleared than are in use.
-template <class T>
-void make_room(std::vector<T>& elements, std::size_t count) {
-    if (elements.size() < count) [[unlikely]]
-        grow(elements, count);
-}
 
 /// What a walk leaves in the mesh beside positions and triangles.
 enum class Wanted : std::uint8_t { measures, mesh, mesh_with_origins };
@@ -65,8 +52,7 @@ class SlabWalk {
             values_[at(s)] = typed<T>(slices_[at(s)]->values);
             frame_.places[at(s)] = shape_.place(slab + s);
             frame_.z_factors[at(s)] = z_factor(shape_, slab + s);
-            if (!shape_.holds_gradients())
-                estimates_[at(s)] = VoxelGradients<T>(shape_, store.neighbours(slab + s));
+            take_source(store, s);
         }
         // One word more: the right neighbour of a row's last word.
         for (auto& masks : masks_)
@@ -107,6 +93,21 @@ class SlabWalk {
     /// Whether triangles must turn, because voxel_to_patient mirrors.
     static bool mirrors(const VolumeShape& shape) {
         return glm::determinant(glm::dmat3(shape.voxel_to_patient)) < 0;
+    }
+
+    /// Where the gradients of slice 0 or 1 come from.
+    void take_source(const SliceStore& store, int s) {
+        const HeldSlice& slice = *slices_[at(s)];
+        if (shape_.holds_gradients()) {
+            needed_[at(s)] = reinterpret_cast<const std::byte*>(slice.gradients.data());
+            needed_bytes_ = wanted_ == Wanted::measures ? 0 : sizeof(Gradient);
+        } else {
+            const SliceNeighbours slices = store.neighbours(slab_ + s);
+            estimates_[at(s)] = VoxelGradients<T>(shape_, slices);
+            // Of the slices that they take the walk reads the slab's two anyway.
+            needed_[at(s)] = (s == 0 ? slices.below : slices.above).data();
+            needed_bytes_ = wanted_ == Wanted::measures ? 0 : sizeof(T);
+        }
     }
 
     void classify(int y) {
@@ -171,40 +172,20 @@ class SlabWalk {
         std::uint32_t kind = 0;  ///< EdgeKind.
     };
 
-    /// Makes the vertices of a row's crossed edges.
+    /// Lists the crossed edges of a row in the batch, and begins to fetch what their gradients come
+    /// from: that is seldom in the cache, and the edges of a batch wait for it together.
     /// crossed  Crossed edges of a word.
     template <class Crossed>
     void make_edges(const EdgeRow& row, Crossed crossed) {
-        const std::size_t nx = at(shape_.nx), y = at(row.y);
-        const std::size_t lower = row.kind & lower_end_above ? 1 : 0;
-        const std::size_t upper = row.kind & upper_end_above ? 1 : 0;
-        const std::size_t y_step = row.kind & along_y ? 1 : 0;
-        const std::size_t x_step = row.kind & (along_y | along_z) ? 0 : 1;
-        if (wanted_ == Wanted::measures) {
-            stage_edges(row, crossed, [](std::size_t, std::size_t) {});
-        } else if (shape_.holds_gradients()) [[likely]] {
-            const Gradient* g_0 = slices_[lower]->gradients.data() + y * nx;
-            const Gradient* g_1 = slices_[upper]->gradients.data() + (y + y_step) * nx + x_step;
-            stage_edges(row, crossed, [this, g_0, g_1](std::size_t i, std::size_t x) {
-                batch_.name_gradients(i, g_0 + x, g_1 + x);
-            });
-        } else {
-            const VoxelGradients<T>&e_0 = estimates_[lower], &e_1 = estimates_[upper];
-            stage_edges(row, crossed, [&](std::size_t i, std::size_t x) {
-                batch_.set_gradients(i, e_0.at(x, y), e_1.at(x + x_step, y + y_step));
-            });
-        }
-    }
-
-    /// set_gradients  Of the batch's edge i, which begins at voxel x.
-    template <class Crossed, class SetGradients>
-    void stage_edges(const EdgeRow& row, Crossed crossed, SetGradients set_gradients) {
         const std::size_t nx = at(shape_.nx), voxel = at(row.y) * nx;
         const std::size_t lower = row.kind & lower_end_above ? 1 : 0;
         const std::size_t upper = row.kind & upper_end_above ? 1 : 0;
         const std::size_t axis = row.kind & along_z ? 2 : row.kind & along_y ? 1 : 0;
+        const std::size_t step = axis == 0 ? 1 : axis == 1 ? nx : 0;  // Within the slice.
         const T* values_0 = values_[lower] + voxel;
-        const T* values_1 = values_[upper] + voxel + (axis == 0 ? 1 : axis == 1 ? nx : 0);
+        const T* values_1 = values_[upper] + voxel + step;
+        const std::byte* needed_0 = needed_[lower] + voxel * needed_bytes_;
+        const std::byte* needed_1 = needed_[upper] + (voxel + step) * needed_bytes_;
         const std::uint32_t row_and_kind =
             static_cast<std::uint32_t>(row.y) << edge_kind_bits | row.kind;
         const std::uint64_t first_key =
@@ -223,7 +204,8 @@ class SlabWalk {
                 batch_.value_1[i] = static_cast<float>(values_1[x]);
                 batch_.x[i] = static_cast<std::uint32_t>(x);
                 batch_.row_and_kind[i] = row_and_kind;
-                set_gradients(i, x);
+                __builtin_prefetch(needed_0 + x * needed_bytes_);
+                __builtin_prefetch(needed_1 + x * needed_bytes_);
                 slots[slots_per_voxel * x] = vertex;
                 keys[vertex] = first_key + 4 * x;
             }
@@ -239,10 +221,31 @@ class SlabWalk {
         make_room(out_.keys, vertex_count_ + 64);
     }
 
+    /// gradient  Of voxel (x, y) of slice 0 or 1.
+    template <class GradientOf>
+    void take_gradients(GradientOf gradient) {
+        for (std::size_t i = 0; i < batch_.count; ++i) {
+            const std::uint32_t kind = batch_.row_and_kind[i], x = batch_.x[i];
+            const std::uint32_t y = kind >> edge_kind_bits;
+            const std::uint32_t x_step = kind & (along_y | along_z) ? 0 : 1;
+            const std::uint32_t y_step = kind & along_y ? 1 : 0;
+            batch_.set_gradients(i, gradient(kind & lower_end_above ? 1 : 0, x, y),
+                                 gradient(kind & upper_end_above ? 1 : 0, x + x_step, y + y_step));
+        }
+    }
+
     /// Makes the vertices of the edges in the batch: the last ones so far.
     void flush() {
         const bool normals = wanted_ != Wanted::measures;
-        if (normals && shape_.holds_gradients()) batch_.take_gradients();
+        if (normals && shape_.holds_gradients()) {
+            take_gradients([this](std::size_t s, std::size_t x, std::size_t y) {
+                return slices_[s]->gradients[y * at(shape_.nx) + x];
+            });
+        } else if (normals) {
+            take_gradients([this](std::size_t s, std::size_t x, std::size_t y) {
+                return estimates_[s].at(x, y);
+            });
+        }
         pxpl5::gp::make_vertices(target_, batch_, frame_, normals,
                                  out_.vertices.data() + (vertex_count_ - batch_.count));
         batch_.count = 0;
@@ -375,8 +378,10 @@ class SlabWalk {
     std::array<VoxelGradients<T>, 2> estimates_;  ///< Only if gradients are not held.
     std::array<std::array<std::vector<std::uint64_t>, 2>, 2> masks_;  ///< [parity][slice]
     std::array<std::array<RowSide, 2>, 2> sides_{};                   ///< [parity][slice]
-    std::vector<std::uint32_t> vertices_;                             ///< Of two rows, by slot.
-    std::vector<CrossedCell> cells_;                                  ///< Of a row.
+    std::array<const std::byte*, 2> needed_{};  ///< Slices that gradients come from.
+    std::size_t needed_bytes_ = 0;              ///< Per voxel.
+    std::vector<std::uint32_t> vertices_;       ///< Of two rows, by slot.
+    std::vector<CrossedCell> cells_;            ///< Of a row.
     EdgeBatch batch_;
     std::size_t vertex_count_ = 0, index_count_ = 0;
     std::size_t upper_count_ = 0;  ///< Vertices in the upper slice, which the next slab owns.
