@@ -62,7 +62,7 @@ def measure_topology(args, topology: str, wanted, out: measure.Figures):
         out.add(f"first_picture_s/{topology}",
                 [measure.first_picture_s(program, topology) for _ in range(STARTS)])
     if "recording" in args.parts:
-        measure.measure_recording(program, topology, wanted[0], args.count, args.runs, out)
+        measure.measure_recording(program, topology, wanted[0], args.runs, out)
 
 
 def tell(medians, check: bool) -> int:

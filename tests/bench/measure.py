@@ -17,6 +17,8 @@ import session
 
 WARM_UP = 10  # Frames or changes that are not counted.
 MEMORY_FRAMES = 40
+RECORDINGS = ("off", "flight", "full")
+RECORDED_FRAMES = 100
 BIG = (512, 512, 300)
 BIG_ISOVALUE = 290.5
 
@@ -145,24 +147,27 @@ def memory_mib(program: str, topology: str, load: loads.Load) -> float:
         return memory.peak_kib / 1024
 
 
-def recording_rates(program: str, topology: str, load: loads.Load, frames: int,
-                    out: Dict[str, List[float]]):
-    """Frames/s without recording, with the flight recorder and with everything recorded."""
-    for record in ("off", "flight", "full"):
-        with session.Session(program, topology, record) as machine:
-            machine.run("size 512x512")
-            out[record].append(Load(machine, load).rate(frames))
+def recorded(program: str, topology: str, load: loads.Load, record: str) -> Tuple[float, float]:
+    """Frames/s, and CPU ms for a frame, once the recorder's memory has been used."""
+    with session.Session(program, topology, record) as machine:
+        machine.run("size 512x512")
+        at = Load(machine, load)
+        at.rate(RECORDED_FRAMES)
+        return at.rate_and_cpu(RECORDED_FRAMES)
 
 
-def measure_recording(program: str, topology: str, load: loads.Load, frames: int, runs: int,
-                      out: Figures):
-    """Ratios to the rate without recording, each run against its neighbour in time."""
-    rates: Dict[str, List[float]] = collections.defaultdict(list)
-    for _ in range(runs):
-        recording_rates(program, topology, load, frames, rates)
-    for record in ("flight", "full"):
-        ratio = figures.pairwise_ratio(rates[record], rates["off"])
-        out.add_one(f"{record}_ratio/{topology}", ratio)
+def measure_recording(program: str, topology: str, load: loads.Load, runs: int, out: Figures):
+    """Ratios to no recording, each run against its neighbour in time; who goes first changes."""
+    taken: Dict[str, List[Tuple[float, float]]] = collections.defaultdict(list)
+    for run in range(runs):
+        first = run % len(RECORDINGS)
+        for record in RECORDINGS[first:] + RECORDINGS[:first]:
+            taken[record].append(recorded(program, topology, load, record))
+    for record in RECORDINGS[1:]:
+        for which, name in enumerate(("ratio", "cpu_ratio")):
+            ratio = figures.pairwise_ratio([one[which] for one in taken[record]],
+                                           [one[which] for one in taken[RECORDINGS[0]]])
+            out.add_one(f"{record}_{name}/{topology}", ratio)
 
 
 @contextlib.contextmanager
