@@ -12,6 +12,7 @@
 #include <vector>
 #include <zmq.hpp>
 
+#include "ringbus/arena.hpp"
 #include "ringbus/credit.hpp"
 #include "ringbus/wire.hpp"
 
@@ -22,6 +23,7 @@ namespace {
 /// Option 10 of a context: without zero-copy receive, buffers come from malloc and are aligned.
 constexpr int zero_copy_receive = 10;
 constexpr std::uintptr_t body_alignment = 8;
+constexpr std::string_view ipc_scheme = "ipc://";
 
 zmq::context_t make_context() {
     zmq::context_t context(1);
@@ -89,8 +91,38 @@ Message message_of(const schema::Header& header, const std::shared_ptr<zmq::mess
     return {header, {reinterpret_cast<const std::uint8_t*>(copy->data()), body->size()}, copy};
 }
 
+/// A ZeroMQ part of a header and what follows it.
+template <typename Extra>
+zmq::message_t part_of(const schema::Header& header, const Extra& extra) {
+    zmq::message_t part(sizeof header + sizeof extra);
+    std::memcpy(part.data(), &header, sizeof header);
+    std::memcpy(part.data<std::uint8_t>() + sizeof header, &extra, sizeof extra);
+    return part;
+}
+
+/// What follows the header in the first part of a message.
+template <typename Extra>
+std::optional<Extra> extra_of(const zmq::message_t& head) {
+    if (head.size() != sizeof(schema::Header) + sizeof(Extra)) {
+        return std::nullopt;
+    }
+    Extra extra;
+    std::memcpy(&extra, head.data<std::uint8_t>() + sizeof(schema::Header), sizeof extra);
+    return extra;
+}
+
+/// A message as it came.
+struct Arrived {
+    schema::Header header;
+    std::shared_ptr<zmq::message_t> body;  ///< Null if it lies in the sender's arena.
+    std::optional<ArenaPlace> place;
+    std::optional<ArenaOffer> offer;
+};
+
 struct Peer {
     zmq::socket_t socket;
+    bool is_near = false;  ///< On this computer, so that it may be able to read in the arena.
+    bool has_offer = false;
     Window window;
     std::deque<Payload> waiting;  ///< For credit.
     std::uint64_t waiting_bytes = 0;
@@ -107,17 +139,30 @@ struct ZmqLink::Parts {
     explicit Parts(NodeId own_id) : id(own_id) {}
 
     NodeId id;
+    Arena arena;  ///< Goes after the context, whose thread may be sending bodies from it.
     zmq::context_t context = make_context();
     zmq::socket_t inbound{context, zmq::socket_type::pull};
     std::string endpoint;
     std::map<NodeId, Peer> peers;
+    std::map<NodeId, std::shared_ptr<ArenaView>> views;  ///< Arenas of those who offered theirs.
     Wire wire{id};
 
     void transmit(NodeId to, Peer& peer, const Payload& payload) {
         const schema::Header header = wire.header_for(to, payload.kind(), payload.bytes().size());
-        zmq::message_t head(&header, sizeof header), body = part_of(payload);
-        uninterrupted([&] { return peer.socket.send(head, zmq::send_flags::sndmore); });
-        uninterrupted([&] { return peer.socket.send(body, zmq::send_flags::none); });
+        if (const auto place = arena.lend(to, payload)) {
+            send_part(peer, part_of(header, *place), zmq::send_flags::none);
+            return;
+        }
+        const bool offers = peer.is_near && !peer.has_offer && arena.can_lend(payload);
+        peer.has_offer = peer.has_offer || offers;
+        send_part(peer,
+                  offers ? part_of(header, arena.offer()) : zmq::message_t(&header, sizeof header),
+                  zmq::send_flags::sndmore);
+        send_part(peer, part_of(payload), zmq::send_flags::none);
+    }
+
+    static void send_part(Peer& peer, zmq::message_t part, zmq::send_flags flags) {
+        uninterrupted([&] { return peer.socket.send(part, flags); });
     }
 
     void flush(NodeId to, Peer& peer) {
@@ -131,36 +176,65 @@ struct ZmqLink::Parts {
         }
     }
 
-    /// The header in `head`; its body goes into `body`. Whatever came, all its parts are taken.
-    schema::Header receive_parts(zmq::message_t& head, zmq::message_t& body) {
-        const std::size_t size = head.size();
-        int parts = 1;
+    /// The message that begins with `head`. Whatever came, all its parts are taken.
+    Arrived receive_parts(const zmq::message_t& head) {
+        Arrived arrived;
+        std::size_t parts = 1;
         for (bool more = head.more(); more; ++parts) {
+            arrived.body = std::make_shared<zmq::message_t>();
             static_cast<void>(
-                uninterrupted([&] { return inbound.recv(body, zmq::recv_flags::none); }));
-            more = body.more();
+                uninterrupted([&] { return inbound.recv(*arrived.body, zmq::recv_flags::none); }));
+            more = arrived.body->more();
         }
-        if (parts != 2 || size != sizeof(schema::Header)) {
+        arrived.place = extra_of<ArenaPlace>(head);
+        arrived.offer = extra_of<ArenaOffer>(head);
+        const bool known = head.size() == sizeof(schema::Header) || arrived.place || arrived.offer;
+        const std::size_t wanted = arrived.place ? 1 : 2;
+        if (!known || parts != wanted) {
             throw BadMessage(
-                fmt::format("a message of {} parts with a header of {} bytes, expected 2 "
+                fmt::format("a message of {} parts with a header of {} bytes, expected {} "
                             "parts and {} bytes",
-                            parts, size, sizeof(schema::Header)));
+                            parts, head.size(), wanted, sizeof(schema::Header)));
         }
-        schema::Header header;
-        std::memcpy(&header, head.data(), sizeof header);
-        return header;
+        std::memcpy(&arrived.header, head.data(), sizeof arrived.header);
+        return arrived;
+    }
+
+    /// The verified message, if it came as its sender numbered it.
+    Message read(const Arrived& arrived) {
+        const schema::Header& header = arrived.header;
+        const auto found = arrived.place ? views.find(header.source()) : views.end();
+        const bool is_known = found != views.end();
+        // Whatever is wrong with the message, its memory is given back.
+        auto owner = is_known ? found->second->hold(arrived.place->ticket) : nullptr;
+        wire.accept(header);
+        if (arrived.place && !is_known) {
+            throw BadMessage(header, fmt::format("message from node {}: its body is at {} of an "
+                                                 "arena that was never offered",
+                                                 header.source(), arrived.place->offset));
+        }
+        if (arrived.place) {
+            return {header, found->second->body(header, *arrived.place), std::move(owner)};
+        }
+        if (arrived.offer && Wire::is_ours(header)) {
+            if (auto view = ArenaView::open(*arrived.offer, id)) {
+                views.insert_or_assign(header.source(), std::move(view));
+            }
+        }
+        return message_of(header, arrived.body);
     }
 
     /// Counts what `header` brought, whether it can be trusted or not: its sender's window would
     /// shrink for ever otherwise. Nothing is owed to a node that is not connected yet.
-    void count_consumed(const schema::Header& header, std::size_t body_bytes) {
+    void count_consumed(const Arrived& arrived) {
+        const schema::Header& header = arrived.header;
         const auto found = peers.find(header.source());
         if (!Wire::is_ours(header) || found == peers.end() ||
             !needs_credit(static_cast<Body>(header.kind()))) {
             return;
         }
         Consumed& consumed = found->second.consumed;
-        consumed.add(body_bytes);
+        consumed.add(arrived.body ? arrived.body->size() : header.body_bytes());
         if (consumed.is_due()) {
             schema::CreditT returned;
             returned.messages = consumed.messages;
@@ -210,6 +284,7 @@ void ZmqLink::set_model(const ChannelModel& model) {
 void ZmqLink::add_peer(NodeId id, const std::string& endpoint) {
     assert(parts_->peers.count(id) == 0);
     Peer peer;
+    peer.is_near = endpoint.compare(0, ipc_scheme.size(), ipc_scheme) == 0;
     peer.socket = zmq::socket_t(parts_->context, zmq::socket_type::push);
     prepare(peer.socket);
     uninterrupted([&] { peer.socket.connect(endpoint); });
@@ -219,6 +294,8 @@ void ZmqLink::add_peer(NodeId id, const std::string& endpoint) {
 void ZmqLink::remove_peer(NodeId id) {
     parts_->peers.erase(id);
     parts_->wire.forget(id);
+    parts_->arena.forget(id);
+    parts_->views.erase(id);
 }
 
 void ZmqLink::send(NodeId to, Payload payload) {
@@ -253,17 +330,19 @@ std::optional<Message> ZmqLink::receive() {
             })) {
             return std::nullopt;
         }
-        auto body = std::make_shared<zmq::message_t>();
-        const schema::Header header = parts_->receive_parts(head, *body);
-        parts_->count_consumed(header, body->size());
-        parts_->wire.accept(header);
-        Message message = message_of(header, body);
+        const Arrived arrived = parts_->receive_parts(head);
+        parts_->count_consumed(arrived);
+        Message message = parts_->read(arrived);
         const auto* credit = message.as<schema::Credit>();
         if (credit == nullptr) {
             return message;
         }
         parts_->take_back(message, *credit);
     }
+}
+
+flatbuffers::Allocator* ZmqLink::body_allocator() {
+    return &parts_->arena;
 }
 
 bool ZmqLink::wait(int timeout_ms) {

@@ -24,8 +24,11 @@ class ZmqLink final : public Link {
     NodeId id() const override;
     const std::string& endpoint() const override;
     void add_peer(NodeId id, const std::string& endpoint) override;
+    /// The process behind `id` has ended: what it was lent comes back.
     void remove_peer(NodeId id) override;
     void send(NodeId to, Payload payload) override;
+    /// Bodies from here are read where they lie by nodes of this computer (arena.hpp).
+    flatbuffers::Allocator* body_allocator() override;
     std::optional<Message> receive() override;
     bool wait(int timeout_ms) override;
 

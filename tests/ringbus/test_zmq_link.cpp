@@ -4,14 +4,17 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstring>
 #include <thread>
 #include <zmq.hpp>
 
+#include "ringbus/arena.hpp"
 #include "ringbus/credit.hpp"
 #include "ringbus/wire.hpp"
 #include "ringbus/zmq_link.hpp"
 #include "tests/ringbus/examples.hpp"
 #include "tests/ringbus/ipc_address.hpp"
+#include "tests/ringbus/large_bodies.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 
 using namespace pxpl5::bus;
@@ -41,6 +44,19 @@ Message next(ZmqLink& link) {
             return *message;
         }
         REQUIRE(link.wait(patience_ms));
+    }
+}
+
+/// Sends a raw message: a header for node 2 and what follows it in the same part.
+template <typename Extra>
+void send_raw(zmq::socket_t& socket, const schema::Header& header, const Extra& extra,
+              const Payload* body) {
+    zmq::message_t part(sizeof header + sizeof extra);
+    std::memcpy(part.data(), &header, sizeof header);
+    std::memcpy(part.data<std::uint8_t>() + sizeof header, &extra, sizeof extra);
+    socket.send(part, body != nullptr ? zmq::send_flags::sndmore : zmq::send_flags::none);
+    if (body != nullptr) {
+        socket.send(zmq::buffer(body->bytes().data(), body->bytes().size()));
     }
 }
 
@@ -290,5 +306,54 @@ TEST_SUITE("ringbus/zmq_link") {
         disturber.join();
         sigaction(SIGUSR1, &before, nullptr);
         CHECK(good == 2 * sent);
+    }
+
+    TEST_CASE("places that no sender gave are refused, and the next message still comes") {
+        constexpr std::size_t body_bytes = 100'000;
+        const std::uint64_t seed = pxpl5::test::ring_seed();
+        INFO("PXPL5_SEED=", seed);
+        std::mt19937_64 random(seed);
+        ZmqLink link(2, ipc_address("places"));
+        Arena arena;
+        const Payload payload = pxpl5::test::large_slices(&arena, body_bytes, 1);
+        zmq::context_t context(1);
+        zmq::socket_t socket(context, zmq::socket_type::push);
+        socket.set(zmq::sockopt::linger, 0);
+        socket.connect(link.endpoint());
+        Wire wire(1);
+        const auto header = [&] {
+            return wire.header_for(2, payload.kind(), payload.bytes().size());
+        };
+        send_raw(socket, header(), ArenaPlace{}, nullptr);
+        CHECK_THROWS_WITH_AS(next(link),
+                             "message from node 1: its body is at 0 of an arena that was never "
+                             "offered",
+                             BadMessage);
+        send_raw(socket, Wire(1).header_for(2, payload.kind(), 8), ArenaPlace{}, &payload);
+        CHECK_THROWS_AS(next(link), BadMessage);  // A place and a body, too.
+        send_raw(socket, header(), arena.offer(), &payload);
+        CHECK(pxpl5::test::is_whole(next(link), body_bytes, 1));
+        int refused = 0;
+        for (int i = 0; i < 2000; ++i) {
+            const auto place = arena.lend(2, payload);
+            REQUIRE(place);
+            ArenaPlace bad = *place;
+            schema::Header stated = header();
+            bad.offset = random() % 2 == 0 ? random() >> (random() % 64) : bad.offset;
+            bad.ticket = random() % 8 == 0 ? static_cast<std::uint32_t>(random()) : bad.ticket;
+            if (random() % 2 == 0) {
+                stated.mutate_body_bytes(random() >> (random() % 64));
+            }
+            send_raw(socket, stated, bad, nullptr);
+            try {
+                const Message good = next(link);
+                CHECK(pxpl5::test::is_whole(good, body_bytes, 1));
+            } catch (const BadMessage&) {
+                ++refused;
+            }
+        }
+        CHECK(refused > 1000);
+        send_raw(socket, header(), *arena.lend(2, payload), nullptr);
+        CHECK(pxpl5::test::is_whole(next(link), body_bytes, 1));
     }
 }

@@ -1,0 +1,184 @@
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <deque>
+#include <filesystem>
+
+#include "ringbus/arena.hpp"
+#include "tests/ringbus/ipc_address.hpp"
+#include "tests/ringbus/large_bodies.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::bus;
+using pxpl5::test::ipc_address;
+using pxpl5::test::is_whole;
+using pxpl5::test::large_slices;
+using pxpl5::test::next_of;
+
+namespace {
+
+constexpr std::size_t body_bytes = 100'000;
+
+Payload slices_from(ZmqLink& link, std::size_t bytes, std::uint32_t number) {
+    return large_slices(link.body_allocator(), bytes, number);
+}
+
+std::ptrdiff_t count_of(const char* folder) {
+    return std::distance(std::filesystem::directory_iterator(folder), {});
+}
+
+/// Runs `act` in a process of its own, which never returns from here.
+template <typename Act>
+pid_t run_apart(const Act& act) {
+    const pid_t child = fork();
+    if (child == 0) {
+        act();
+        while (true) {
+            pause();
+        }
+    }
+    return child;
+}
+
+void kill_and_bury(pid_t child) {
+    kill(child, SIGKILL);
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+}
+
+}  // namespace
+
+TEST_SUITE("ringbus/shared_bodies") {
+    TEST_CASE("a thousand bodies of any size arrive to the last byte, over ipc and over tcp") {
+        const std::uint64_t seed = test::ring_seed();
+        INFO("PXPL5_SEED=", seed);
+        for (const char* tcp : {"", "tcp://127.0.0.1:*"}) {
+            std::mt19937_64 random(seed);
+            ZmqLink a(1, *tcp != 0 ? tcp : ipc_address("random-a"));
+            ZmqLink b(2, *tcp != 0 ? tcp : ipc_address("random-b"));
+            a.add_peer(2, b.endpoint());
+            b.add_peer(1, a.endpoint());
+            std::deque<std::pair<Message, std::size_t>> kept;  // Some longer than others.
+            for (std::uint32_t i = 0; i < 1000; ++i) {
+                const std::size_t bytes = 1 + (random() >> (44 + random() % 20));
+                a.send(2, slices_from(a, bytes, i));
+                kept.emplace_back(next_of(b), bytes);
+                CHECK(!a.receive());  // Takes the credit.
+                REQUIRE(is_whole(kept.back().first, bytes, i));
+                if (kept.size() > 20) {
+                    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(random() % 20));
+                }
+            }
+            for (const auto& [message, bytes] : kept) {
+                CHECK(is_whole(message, bytes, message.as<schema::Slices>()->first_slice()));
+            }
+        }
+    }
+
+    TEST_CASE("over ipc, bodies from the second on stay in the sender's memory until read") {
+        ZmqLink a(1, ipc_address("stay-a")), b(2, ipc_address("stay-b"));
+        a.add_peer(2, b.endpoint());
+        const std::uint8_t* first = nullptr;
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const Payload payload = slices_from(a, body_bytes, i);
+            first = i == 0 ? nullptr : payload.bytes().data();
+            a.send(2, payload);
+            if (i < 2) {
+                CHECK(is_whole(next_of(b), body_bytes, i));
+            }
+        }
+        CHECK(slices_from(a, body_bytes, 9).bytes().data() != first);
+        const std::optional<Message> message = next_of(b);
+        CHECK(is_whole(*message, body_bytes, 2));
+        CHECK(slices_from(a, body_bytes, 9).bytes().data() != first);
+    }
+
+    TEST_CASE("a sender whose arena is full sends inside the messages") {
+        ZmqLink a(1, ipc_address("full-a")), b(2, ipc_address("full-b"));
+        a.add_peer(2, b.endpoint());
+        a.send(2, slices_from(a, body_bytes, 0));
+        std::vector<Message> kept = {next_of(b)};
+        std::vector<Payload> filling;
+        constexpr std::size_t piece = arena_bytes / 8 - 4096;
+        flatbuffers::Allocator& memory = *a.body_allocator();
+        std::vector<std::uint8_t*> pieces;
+        for (int i = 0; i < 9; ++i) {
+            pieces.push_back(memory.allocate(piece));
+        }
+        const Payload large = slices_from(a, 1 << 20, 1);
+        a.send(2, large);
+        kept.push_back(next_of(b));
+        CHECK(is_whole(kept.back(), 1 << 20, 1));
+        for (std::uint8_t* p : pieces) {
+            memory.deallocate(p, piece);
+        }
+    }
+
+    TEST_CASE("what a receiver that was killed had borrowed is free when its peer is removed") {
+        const std::string to_child = ipc_address("killed-child"), to_us = ipc_address("killed-us");
+        const pid_t child = run_apart([&] {
+            static ZmqLink link(2, to_child);
+            link.add_peer(1, to_us);
+            static std::vector<Message> held;
+            for (std::uint32_t i = 0; i < 2; ++i) {
+                held.push_back(next_of(link));
+                link.send(1, pack(schema::DropVolumeT{}));
+            }
+        });
+        ZmqLink link(1, to_us);
+        link.add_peer(2, to_child);
+        std::vector<const std::uint8_t*> places;
+        for (std::uint32_t i = 0; i < 2; ++i) {
+            const Payload payload = slices_from(link, body_bytes, i);
+            places.push_back(payload.bytes().data());
+            link.send(2, payload);
+            next_of(link);
+        }
+        CHECK(slices_from(link, body_bytes, 3).bytes().data() != places[1]);
+        kill_and_bury(child);
+        CHECK(slices_from(link, body_bytes, 3).bytes().data() != places[1]);
+        link.remove_peer(2);
+        CHECK(slices_from(link, body_bytes, 3).bytes().data() == places[1]);
+    }
+
+    TEST_CASE("what a sender that was killed has sent can be read") {
+        const std::string to_us = ipc_address("widow");
+        const pid_t child = run_apart([&] {
+            static ZmqLink link(2, ipc_address("dead-sender"));
+            link.add_peer(1, to_us);
+            for (std::uint32_t i = 0; i < 3; ++i) {
+                link.send(1, slices_from(link, body_bytes, i));
+                next_of(link);
+            }
+        });
+        ZmqLink link(1, to_us);
+        link.add_peer(2, ipc_address("dead-sender"));
+        std::vector<Message> kept;
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            kept.push_back(next_of(link));
+            link.send(2, pack(schema::DropVolumeT{}));
+        }
+        kill_and_bury(child);
+        link.remove_peer(2);
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            CHECK(is_whole(kept[i], body_bytes, i));
+        }
+    }
+
+    TEST_CASE("nothing is left of shared memory when links have ended") {
+        const auto shm_before = count_of("/dev/shm"), open_before = count_of("/proc/self/fd");
+        {
+            ZmqLink a(1, ipc_address("left-a")), b(2, ipc_address("left-b"));
+            a.add_peer(2, b.endpoint());
+            for (std::uint32_t i = 0; i < 3; ++i) {
+                a.send(2, slices_from(a, body_bytes, i));
+                next_of(b);
+            }
+            CHECK(count_of("/proc/self/fd") > open_before);
+        }
+        CHECK(count_of("/dev/shm") == shm_before);
+        CHECK(count_of("/proc/self/fd") == open_before);
+    }
+}
