@@ -62,6 +62,7 @@ struct RendererNode::Drawing {
     Drawing(FrameMessages messages, std::uint32_t renderer, flatbuffers::Allocator* memory)
         : inputs(std::move(messages)),
           plan(plan_frame(inputs, renderer)),
+          programs(region_frame(plan.programs)),
           body(body_bytes(plan.regions.size(), wants_depths()), memory),
           pixels(body, plan.regions.size()) {
         if (wants_depths()) {
@@ -72,6 +73,7 @@ struct RendererNode::Drawing {
 
     FrameMessages inputs;  ///< Keeps the messages that the plan points into.
     FramePlan plan;
+    RegionFrame programs;  ///< The Renderer's own.
     std::size_t next_region = 0;
     flatbuffers::FlatBufferBuilder body;
     RegionWords pixels, depths;
@@ -238,8 +240,8 @@ void RendererNode::draw_next_region() {
                                                                    : std::span<std::uint32_t>());
     };
     executor_.reset();
-    const RegionResult result = draw_region(executor_, region_frame(drawing_->plan.programs),
-                                            std::move(region.segments), route);
+    const RegionResult result =
+        draw_region(executor_, drawing_->programs, std::move(region.segments), route);
     executor_.read_out_into({});
     drawing_->tiles.emplace_back(static_cast<std::uint16_t>(region.number), result.counts.cycles,
                                  result.counts.instructions);

@@ -92,6 +92,7 @@ RegionFrame region_frame(const RegionPrograms& programs) {
         frame.doors.push_back({door.surface, door.shut, door.open});
     }
     frame.depths = programs.depths;
+    check_own(frame);
     return frame;
 }
 

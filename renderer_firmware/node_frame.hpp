@@ -50,6 +50,7 @@ std::string place_of(std::uint32_t gp, std::uint32_t region, std::uint32_t surfa
                      std::uint32_t slab);
 
 /// A plan's programs as a region runs them; they point into `programs`.
+/// Throws std::logic_error if one of them is none (a bug of ours).
 RegionFrame region_frame(const RegionPrograms& programs);
 
 /// messages  Hold `begin`; programs of other regions than the Renderer's are a fault.

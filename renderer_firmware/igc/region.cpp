@@ -29,7 +29,7 @@ class Planner {
     explicit Planner(const RegionFrame& frame) : frame_(frame) {}
 
     RegionPlan plan(std::span<const Segment> segments) {
-        add(Kind::prologue, frame_.prologue, "prologue");
+        add(Kind::prologue, frame_.prologue);
         for (std::size_t i = 0; i < segments.size(); ++i) {
             const Segment& s = segments[i];
             if (i > 0 && place(segments[i - 1]) == place(s)) {
@@ -45,9 +45,9 @@ class Planner {
         }
         leave_door();
         if (!frame_.depths.empty()) {
-            add(Kind::depths, frame_.depths, "program of depths");
+            add(Kind::depths, frame_.depths);
         }
-        add(Kind::end_of_region, frame_.end_of_region, "end-of-region program");
+        add(Kind::end_of_region, frame_.end_of_region);
         return std::move(plan_);
     }
 
@@ -55,10 +55,7 @@ class Planner {
     using Kind = RegionPlan::Kind;
 
     /// One of the Renderer's own programs.
-    void add(Kind kind, Words words, const char* name, std::uint32_t surface = 0) {
-        if (const std::optional<isa::ProgramError> error = Igc::check(words)) {
-            throw std::logic_error(fmt::format("{}, word {}: {}", name, error->word, error->text));
-        }
+    void add(Kind kind, Words words, std::uint32_t surface = 0) {
         RegionPlan::Part part;
         part.kind = kind;
         part.segment.surface = surface;
@@ -74,7 +71,7 @@ class Planner {
             const auto found = std::ranges::find(frame_.doors, s.surface, &Door::surface);
             if (found != frame_.doors.end()) {
                 door_ = &*found;
-                add(Kind::shut_door, door_->shut, "program that shuts a door", s.surface);
+                add(Kind::shut_door, door_->shut, s.surface);
             }
         }
         plan_.parts.push_back({Kind::segment, s});
@@ -82,7 +79,7 @@ class Planner {
 
     void leave_door() {
         if (door_ != nullptr) {
-            add(Kind::open_door, door_->open, "program that opens a door", door_->surface);
+            add(Kind::open_door, door_->open, door_->surface);
         }
         door_ = nullptr;
     }
@@ -93,6 +90,21 @@ class Planner {
 };
 
 }  // namespace
+
+void check_own(const RegionFrame& frame) {
+    const auto check = [](const char* name, Words words) {
+        if (const std::optional<isa::ProgramError> error = Igc::check(words)) {
+            throw std::logic_error(fmt::format("{}, word {}: {}", name, error->word, error->text));
+        }
+    };
+    check("prologue", frame.prologue);
+    check("end-of-region program", frame.end_of_region);
+    check("program of depths", frame.depths);
+    for (const Door& door : frame.doors) {
+        check("program that shuts a door", door.shut);
+        check("program that opens a door", door.open);
+    }
+}
 
 RegionPlan plan_region(const RegionFrame& frame, std::vector<Segment> segments) {
     std::sort(segments.begin(), segments.end(), [](const Segment& p, const Segment& q) {

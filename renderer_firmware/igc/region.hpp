@@ -42,12 +42,16 @@ struct Door {
     Words shut, open;
 };
 
-/// The Renderer's own programs of a region; checked when they are made.
+/// The Renderer's own programs of the regions of a frame. They have passed check_own().
 struct RegionFrame {
     Words prologue, end_of_region;
     std::vector<Door> doors{};  ///< Of the transparent surfaces.
     Words depths{};             ///< Empty unless depths are wanted.
 };
+
+/// Throws std::logic_error if one of the programs is none (a bug of ours). Once a frame: a check
+/// takes longer than all else of planning an empty region.
+void check_own(const RegionFrame& frame);
 
 /// What a region runs, in order: prologue, by surface its segments, behind its door if it has one,
 /// depths, end-of-region program.
@@ -72,7 +76,6 @@ struct RegionPlan {
 /// Segments may come in any order: they run by surface, then slab, so that ties of depth do not
 /// depend on arrival. Of two segments of one surface and slab the one of the lower GP is run. A
 /// segment that is no program is left out.
-/// Throws std::logic_error if prologue or end-of-region program are no programs (a bug of ours).
 RegionPlan plan_region(const RegionFrame& frame, std::vector<Segment> segments);
 
 /// Called before a part runs: what is read out then is that part's.

@@ -85,6 +85,30 @@ TEST_CASE("a bad segment is left out and named; the others are drawn") {
     });
 }
 
+TEST_CASE("of the Renderer's own programs the one that is none is named, with its word") {
+    const WordList wrong = {isa::encode({isa::Op::set_enabs, {}}), 0xFF000000};
+    const auto refused = [](const renderer::RegionFrame& frame) -> std::string {
+        try {
+            check_own(frame);
+        } catch (const std::logic_error& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    const auto begins = [](const std::string& text, const std::string& start) {
+        CHECK_MESSAGE(text.starts_with(start), text);
+    };
+    CHECK(refused({prologue, end_of_region, {{0, prologue, end_of_region}}, end_of_region}) ==
+          "accepted");
+    begins(refused({wrong, end_of_region}), "prologue, word 1: ");
+    begins(refused({prologue, wrong}), "end-of-region program, word 1: ");
+    begins(refused({prologue, end_of_region, {{0, wrong, prologue}}}),
+           "program that shuts a door, word 1: ");
+    begins(refused({prologue, end_of_region, {{0, prologue, wrong}}}),
+           "program that opens a door, word 1: ");
+    begins(refused({prologue, end_of_region, {}, wrong}), "program of depths, word 1: ");
+}
+
 TEST_CASE("a surface and slab that comes twice is drawn once and named") {
     test::on_every_target([](renderer::fast::Fast& fast) {
         const WordList first = sheet(1, 6000), again = sheet(2, 10);
