@@ -146,7 +146,7 @@ void GpNode::set_machine(const bus::Message& message) {
 void GpNode::drop_all(bus::Outbox& out) {
     for (const Job& job : jobs_) {
         if (const Draw* draw = std::get_if<Draw>(&job)) {
-            send_nothing(draw->request, out);  // Renderers wait for every GP's part.
+            send_nothing(*draw, out);  // Renderers wait for every GP's part.
         }
     }
     jobs_.clear();

@@ -30,6 +30,7 @@
 
 #include "gp_firmware/hal/local_memory.hpp"
 #include "gp_firmware/node_messages.hpp"
+#include "gp_firmware/node_programs.hpp"
 #include "gp_firmware/render/frame_drawing.hpp"
 #include "gp_firmware/surface/case_tables.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
@@ -92,8 +93,9 @@ class GpNode final : public bus::Node {
         bus::Message message;
     };
     struct Draw {
+        enum class Stage : std::uint8_t { waiting, drawing, sending };
         FrameRequest request;
-        bool begun = false;
+        Stage stage = Stage::waiting;
     };
     using Job =
         std::variant<TakeSlices, EndVolume, TakePart, EndScene, Extract, Remove, Fetch, Mask, Draw>;
@@ -139,8 +141,8 @@ class GpNode final : public bus::Node {
     const HeldSurface& surface_to_fetch(std::uint16_t surface) const;
     std::span<const Origin> origins_of(const HeldSurface& surface, const SlabMesh& mesh);
     std::string memory_advice(const Extract& job, std::size_t slabs_done) const;
-    void send_programs(const FrameRequest& request, bus::Outbox& out);
-    void send_nothing(const FrameRequest& request, bus::Outbox& out);
+    void send_nothing(const Draw& job, bus::Outbox& out);
+    std::uint16_t gp_index() const;
 
     std::optional<Machine> machine_;
     std::optional<LocalMemory> memory_;
@@ -154,7 +156,8 @@ class GpNode final : public bus::Node {
     SlabMesh scratch_;  ///< Grows as slabs are extracted, so that those that are held need not.
     std::deque<Job> jobs_;
     std::optional<Measure> measuring_;  ///< Behind all jobs.
-    FrameDrawing drawing_;
+    FrameDrawing drawing_;              ///< Of the job in front, if that draws.
+    ProgramsMessages programs_;         ///< Of drawing_.
 };
 
 }  // namespace pxpl5::gp

@@ -80,41 +80,40 @@ bool GpNode::step(Draw& job, bus::Outbox& out) {
     try {
         return draw_piece(job, out);
     } catch (...) {
-        send_nothing(job.request, out);  // Renderers wait for every GP's part.
+        send_nothing(job, out);  // Renderers wait for every GP's part.
         throw;
     }
 }
 
 bool GpNode::draw_piece(Draw& job, bus::Outbox& out) {
-    if (!job.begun) {
-        job.begun = true;
+    if (job.stage == Draw::Stage::waiting) {
         const std::string missing = missing_surface(job.request, surfaces_);
         if (!missing.empty()) {
             throw NodeFault(FaultCode::bad_input, missing);
         }
         drawing_.begin(job.request);
+        job.stage = Draw::Stage::drawing;
     }
-    if (drawing_.draw(surfaces_, triangles_per_piece)) {
-        return false;
+    if (job.stage == Draw::Stage::drawing) {
+        if (drawing_.draw(surfaces_, triangles_per_piece)) {
+            return false;
+        }
+        programs_.begin(job.request, gp_index(), machine_->renderers.size(), drawing_);
+        job.stage = Draw::Stage::sending;
     }
-    send_programs(job.request, out);
-    return true;
+    return !programs_.send(drawing_, triangles_per_piece, machine_->renderers, out);
 }
 
-void GpNode::send_programs(const FrameRequest& request, bus::Outbox& out) {
-    const auto gp = static_cast<std::uint16_t>(machine_->share.gp_index);
-    const auto programs = programs_messages(request, gp, machine_->renderers.size(), drawing_);
-    for (std::size_t r = 0; r < programs.size(); ++r) {
-        out.send(machine_->renderers[r], programs[r]);
-    }
+std::uint16_t GpNode::gp_index() const {
+    return static_cast<std::uint16_t>(machine_->share.gp_index);
 }
 
-/// The frame without anything of this GP's: Renderers wait for every GP's part.
-void GpNode::send_nothing(const FrameRequest& request, bus::Outbox& out) {
-    FrameRequest empty = request;
-    empty.surfaces.clear();
-    drawing_.begin(empty);
-    send_programs(empty, out);
+/// The frame, or the rest of it, without anything of this GP's: Renderers wait for every GP's part.
+void GpNode::send_nothing(const Draw& job, bus::Outbox& out) {
+    const std::size_t sent = job.stage == Draw::Stage::sending ? programs_.sent_count() : 0;
+    programs_.drop();
+    out.send(std::span<const bus::NodeId>(machine_->renderers).subspan(sent),
+             empty_programs_message(job.request.frame, gp_index(), {}));
 }
 
 }  // namespace pxpl5::gp

@@ -49,22 +49,7 @@ schema::MeshVertex to_wire(const Vertex& v) {
 }
 
 // What a table, a vector and a segment add to the words, with room for alignment.
-constexpr std::size_t message_overhead_bytes = 256, region_overhead_bytes = 64;
-constexpr std::size_t slab_overhead_bytes = 96;
-
-static_assert(sizeof(Origin) == sizeof(schema::Origin) && alignof(Origin) == 2);
-
-/// Fields lie as in the message: they are copied as they are.
-flatbuffers::Offset<flatbuffers::Vector<const schema::Origin*>> origins_to_wire(
-    flatbuffers::FlatBufferBuilder& builder, std::span<const Origin> origins) {
-    static_assert(FLATBUFFERS_LITTLEENDIAN);
-    schema::Origin* out = nullptr;
-    const auto at = builder.CreateUninitializedVectorOfStructs(origins.size(), &out);
-    if (!origins.empty()) {  // Of a slab without triangles there is no pointer.
-        std::memcpy(static_cast<void*>(out), origins.data(), origins.size_bytes());
-    }
-    return at;
-}
+constexpr std::size_t message_overhead_bytes = 256, slab_overhead_bytes = 96;
 
 /// What a surface's MeshPart takes, at most.
 std::size_t size_bytes(const HeldSurface& held, bool origins) {
@@ -78,40 +63,21 @@ std::size_t size_bytes(const HeldSurface& held, bool origins) {
     return bytes;
 }
 
-/// A region's program as part of a message. Its words are copied once.
-flatbuffers::Offset<schema::RegionProgram> to_wire(flatbuffers::FlatBufferBuilder& builder,
-                                                   std::size_t region,
-                                                   const RegionProgram& program) {
-    const auto words_in = program.words.words();
-    std::uint8_t* words = nullptr;
-    const auto words_at =
-        builder.CreateUninitializedVector(words_in.size(), sizeof(std::uint32_t), &words);
-    std::memcpy(words, words_in.data(), words_in.size_bytes());
-    schema::Segment* segments = nullptr;
-    const auto segments_at =
-        builder.CreateUninitializedVectorOfStructs(program.segments.size(), &segments);
-    std::ranges::transform(program.segments, segments, [](const Segment& s) {
-        return schema::Segment(s.surface, s.slab, s.first_word, s.word_count);
-    });
-    return schema::CreateRegionProgram(
-        builder, static_cast<std::uint16_t>(region), segments_at,
-        flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>(words_at),
-        program.origins.empty() ? 0 : origins_to_wire(builder, program.origins));
-}
-
-/// What a Renderer's message takes, at most.
-std::size_t size_bytes(std::span<const RegionProgram> regions,
-                       const std::vector<std::size_t>& mine) {
-    std::size_t bytes = message_overhead_bytes;
-    for (const std::size_t region : mine) {
-        bytes += regions[region].words.words().size_bytes() + region_overhead_bytes +
-                 regions[region].segments.size() * sizeof(schema::Segment) +
-                 regions[region].origins.size() * sizeof(schema::Origin);
-    }
-    return bytes;
-}
-
 }  // namespace
+
+static_assert(sizeof(Origin) == sizeof(schema::Origin) && alignof(Origin) == 2);
+
+flatbuffers::Offset<flatbuffers::Vector<const schema::Origin*>> origins_to_wire(
+    flatbuffers::FlatBufferBuilder& builder, std::span<const Origin> origins) {
+    static_assert(FLATBUFFERS_LITTLEENDIAN);
+    // Fields lie as in the message: they are copied as they are.
+    schema::Origin* out = nullptr;
+    const auto at = builder.CreateUninitializedVectorOfStructs(origins.size(), &out);
+    if (!origins.empty()) {  // Of a slab without triangles there is no pointer.
+        std::memcpy(static_cast<void*>(out), origins.data(), origins.size_bytes());
+    }
+    return at;
+}
 
 void rethrow_as_fault() {
     try {
@@ -286,40 +252,6 @@ bus::Payload isovalues_measured_message(const std::vector<int>& slabs,
         measured.slabs.push_back(std::move(curve));
     }
     return bus::pack(measured);
-}
-
-std::vector<bus::Payload> programs_messages(const FrameRequest& request, std::uint16_t gp_index,
-                                            std::size_t renderer_count,
-                                            const FrameDrawing& drawing) {
-    const auto regions = drawing.programs().regions();
-    std::vector<std::vector<std::size_t>> regions_of(renderer_count);
-    for (std::size_t region = 0; region < regions.size(); ++region) {
-        if (regions[region].words.size() > 0) {
-            regions_of[request.assignment[region]].push_back(region);
-        }
-    }
-    std::vector<bus::Payload> messages;
-    for (const std::vector<std::size_t>& mine : regions_of) {
-        const std::size_t bytes = size_bytes(regions, mine);
-        if (bytes > bus::max_body_bytes) {
-            throw bus::NodeFault(
-                schema::FaultCode::out_of_memory,
-                fmt::format("frame {}: GP {} has {} bytes of programs for one Renderer, a message "
-                            "holds {}; more GPs or Renderers share them",
-                            request.frame, gp_index, bytes, bus::max_body_bytes));
-        }
-        flatbuffers::FlatBufferBuilder builder(bytes);  // Large enough: it never moves its words.
-        std::vector<flatbuffers::Offset<schema::RegionProgram>> programs;
-        for (const std::size_t region : mine) {
-            programs.push_back(to_wire(builder, region, regions[region]));
-        }
-        const auto programs_at = builder.CreateVector(programs);
-        messages.push_back(bus::finish(
-            builder, schema::CreateRegionPrograms(builder, request.frame, gp_index, programs_at,
-                                                  drawing.counts().triangles_in,
-                                                  drawing.counts().triangles_out)));
-    }
-    return messages;
 }
 
 }  // namespace pxpl5::gp

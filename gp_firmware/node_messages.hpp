@@ -34,6 +34,10 @@ std::span<const std::uint64_t> costs_of(const bus::schema::DrawFrame& draw);
 bus::Payload begin_frame_message(const bus::schema::DrawFrame& draw,
                                  const std::vector<std::uint16_t>& assignment);
 
+/// Origins as a message has them.
+flatbuffers::Offset<flatbuffers::Vector<const bus::schema::Origin*>> origins_to_wire(
+    flatbuffers::FlatBufferBuilder& builder, std::span<const Origin> origins);
+
 /// What a part of a scene holds.
 SlabMesh slab_mesh_of(const bus::schema::ScenePart& part);
 
@@ -62,11 +66,5 @@ class MeshPartBuilder {
 /// counts  Of each slab, of each isovalue.
 bus::Payload isovalues_measured_message(const std::vector<int>& slabs,
                                         std::span<const SlabCounts> counts);
-
-/// One RegionPrograms for each Renderer, with those of its regions that have words.
-/// Throws bus::NodeFault if a Renderer's part is larger than a message may be.
-std::vector<bus::Payload> programs_messages(const FrameRequest& request, std::uint16_t gp_index,
-                                            std::size_t renderer_count,
-                                            const FrameDrawing& drawing);
 
 }  // namespace pxpl5::gp

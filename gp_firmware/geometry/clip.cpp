@@ -109,9 +109,9 @@ Corner corner_of(const Vertex& vertex, const ScreenVertex& screen, const Project
     corner.p_grid = projection.voxel_to_grid_exact * glm::dvec4(corner.p_voxel, 1.0);
     corner.normal = glm::dvec3(0);
     for (std::size_t k = 0; k < 3; ++k) {
-        const Float4& column = projection.normal_to_eye[k];
+        const std::array<float, 3>& column = projection.normal_to_eye[k];
         corner.normal +=
-            glm::dvec3(column[1], column[2], column[3]) * static_cast<double>(vertex.normal[k]);
+            glm::dvec3(column[0], column[1], column[2]) * static_cast<double>(vertex.normal[k]);
     }
     corner.outside = screen.outside;
     corner.own = &screen;

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "gp_firmware/geometry/lanes.hpp"
 #include "gp_firmware/surface/mesh.hpp"
 #include "isa/region_layout.hpp"
+#include "isa/vector_target.hpp"
 
 namespace pxpl5::gp {
 
@@ -34,11 +34,11 @@ struct Camera {
 struct Projection {
     /// Columns of voxel -> homogeneous (x, y, z, w); x / w, y / w in 1/16 px from the top left
     /// corner, y down; z / w in depth units.
-    std::array<Float4, 4> voxel_to_grid;
+    std::array<std::array<float, 4>, 4> voxel_to_grid;
     glm::dmat4 voxel_to_grid_exact;  ///< The same, for clipping.
     glm::dmat3 patient_to_eye;       ///< A rotation, perhaps with a reflection.
-    /// Columns of patient -> eye, in lanes 1..3, scaled from normal_one to normal_unit.
-    std::array<Float4, 3> normal_to_eye;
+    /// Columns of patient -> eye, scaled from normal_one to normal_unit.
+    std::array<std::array<float, 3>, 3> normal_to_eye;
     std::vector<glm::vec4> clip_planes;
 };
 
@@ -54,24 +54,47 @@ enum Outside : std::uint32_t {
     outside_user = 256,  ///< Of clip plane 0; then one bit each.
 };
 
-struct alignas(32) ScreenVertex {
-    std::int32_t x = 0, y = 0;  ///< 1/16 px from the picture's top left corner, y down.
-    std::uint32_t outside = 0;  ///< Outside bits; if any, the position means nothing.
-    std::int32_t unused = 0;
+struct ScreenVertex {
+    std::int32_t x = 0, y = 0;            ///< 1/16 px from the picture's top left corner, y down.
     std::int32_t z = 0;                   ///< Depth: z_margin .. z_far - z_margin.
     std::int32_t nx = 0, ny = 0, nz = 0;  ///< Normal, eye axes; normal_unit is unit length.
+    std::uint32_t outside = 0;            ///< Outside bits; if any, the position means nothing.
 };
-static_assert(sizeof(ScreenVertex) == 32);
+
+/// A vertex inside of all planes, as the inner loops keep it: one load fetches it.
+struct alignas(16) GridVertex {
+    std::int32_t x = 0, y = 0, z = 0;  ///< As ScreenVertex.
+    std::uint32_t normal = 0;          ///< nx, ny, nz: 10 bits each, signed, nx in the lowest.
+    friend bool operator==(const GridVertex&, const GridVertex&) = default;
+};
+static_assert(sizeof(GridVertex) == 16 && isa::region::normal_unit < 1 << 9);
+
+/// The same vertex, its normal by component.
+inline ScreenVertex screen_vertex(const GridVertex& v, std::uint32_t outside = 0) {
+    // Up to the sign bit, and down again with it.
+    const auto component = [&v](int above) {
+        return static_cast<std::int32_t>(v.normal << above) >> 22;
+    };
+    return {v.x, v.y, v.z, component(22), component(12), component(2), outside};
+}
 
 /// Prepares `camera`. Throws std::invalid_argument, naming the value, if a matrix or plane is not
 /// finite, if voxel_to_eye is not a rigid motion of patient space, or if the picture's size or the
 /// number of clip planes is out of range.
 Projection prepare(const Camera& camera);
 
-/// Transforms vertices to the grid.
+/// Transforms vertices to the grid, in floats of one fixed operand order: the bits are the same on
+/// every target.
 ///
-/// out  As long as `vertices`.
-void transform(std::span<const Vertex> vertices, const Projection& projection,
-               std::span<ScreenVertex> out);
+/// out      As long as `vertices`.
+/// outside  Likewise: the Outside bits of each.
+/// Returns  All bits that any vertex has.
+std::uint32_t transform(std::span<const Vertex> vertices, const Projection& projection,
+                        std::span<GridVertex> out, std::span<std::uint32_t> outside,
+                        isa::VectorTarget target = isa::process_target());
+
+/// transform(), for those who look at vertices one by one.
+std::vector<ScreenVertex> transformed(std::span<const Vertex> vertices,
+                                      const Projection& projection);
 
 }  // namespace pxpl5::gp

@@ -1,11 +1,13 @@
 #include "gp_firmware/render/draw_slab.hpp"
 
 #include <array>
+#include <bit>
 #include <cassert>
-#include <utility>
+#include <optional>
 
 #include "gp_firmware/geometry/clip.hpp"
 #include "gp_firmware/render/plane_setup.hpp"
+#include "gp_firmware/render/select_triangles.hpp"
 #include "gp_firmware/render/triangle_program.hpp"
 #include "isa/triangle_shape.hpp"
 
@@ -15,10 +17,6 @@ namespace {
 
 constexpr int region_bits = 7;
 static_assert(1 << region_bits == isa::region::size_px);
-
-/// Boxes of at most this many pixels are searched: most triangles of a fine surface touch no
-/// centre, and to find that out here is cheaper than to send them.
-constexpr int searched_px = 4;
 
 /// What stays the same for all triangles of a slab.
 struct Target {
@@ -43,23 +41,37 @@ bool covers_a_centre(const std::array<Edge, 3>& edges, const PixelBox& box) {
     return false;
 }
 
-/// Emits the triangle into the region in this column and row. Returns 1, or 0 if it is not there.
-std::uint32_t emit(const std::array<Edge, 3>& edges, const AttributePlanes& planes, int column,
-                   int row, const Target& target) {
-    const int x0 = column << region_bits, y0 = row << region_bits;
+/// The edges as the region whose first pixel is (x0, y0) takes them; nothing if it is not touched.
+std::optional<std::array<RegionEdge, 3>> region_edges(const std::array<Edge, 3>& edges, int x0,
+                                                      int y0) {
     std::array<RegionEdge, 3> here;
     for (std::size_t k = 0; k < 3; ++k) {
         const std::optional<RegionEdge> edge = region_edge(edges[k], x0, y0);
         if (!edge) {
-            return 0;
+            return std::nullopt;
         }
         here[k] = *edge;
     }
-    const int region = target.grid.first_region + row * target.grid.columns + column;
-    std::uint32_t* words =
-        target.programs.append(static_cast<std::size_t>(region), isa::triangle::word_count);
-    write_triangle(here, planes, x0, y0, target.surface_word, words);
-    return 1;
+    return here;
+}
+
+/// Calls put(region, edges there, x0, y0) for every region that the triangle touches. Returns how
+/// many there are.
+template <typename Put>
+std::uint32_t for_regions(const std::array<Edge, 3>& edges, const PixelBox& box,
+                          const RegionGrid& grid, const Put& put) {
+    std::uint32_t count = 0;
+    for (int row = box.y0 >> region_bits; row <= box.y1 >> region_bits; ++row) {
+        for (int column = box.x0 >> region_bits; column <= box.x1 >> region_bits; ++column) {
+            const int x0 = column << region_bits, y0 = row << region_bits;
+            if (const auto here = region_edges(edges, x0, y0)) {
+                const int region = grid.first_region + row * grid.columns + column;
+                put(static_cast<std::size_t>(region), *here, x0, y0);
+                ++count;
+            }
+        }
+    }
+    return count;
 }
 
 /// Culls, sets up and emits one triangle with no corner outside. Returns in how many regions.
@@ -82,11 +94,120 @@ std::uint32_t draw_triangle(const ScreenVertex& a, const ScreenVertex& b, const 
         return 0;
     }
     const AttributePlanes planes = planes_of(a, v1, v2, det > 0 ? det : -det);
+    return for_regions(
+        edges, box, target.grid,
+        [&](std::size_t region, const std::array<RegionEdge, 3>& here, int x0, int y0) {
+            write_triangle(here, planes, x0, y0, target.surface_word,
+                           target.programs.append(region, isa::triangle::word_count));
+        });
+}
+
+/// A slab on its way, and what its triangles need that are not drawn in vectors.
+class SlabDrawing {
+  public:
+    SlabDrawing(const SlabMesh& mesh, const Projection& projection, const RegionGrid& grid,
+                const SurfaceStyle& style, DrawScratch& scratch, RegionPrograms& programs)
+        : mesh_(mesh),
+          projection_(projection),
+          scratch_(scratch),
+          target_{grid, programs, isa::triangle::surface_word(style.index + 1U), style.cull_back},
+          hidden_(style.hidden),
+          origins_(programs.keeps_origins() && !mesh.origins.empty()) {}
+
+    /// Returns how many triangles were emitted, over all regions.
+    std::uint32_t draw(isa::VectorTarget vectors);
+
+  private:
+    std::uint32_t draw_one(std::size_t triangle, std::uint32_t region, const NamedTriangle& named);
+    std::uint32_t add_to_many(const NamedTriangle& named);
+    std::uint32_t draw_by_itself(std::size_t triangle);
+
+    const SlabMesh& mesh_;
+    const Projection& projection_;
+    DrawScratch& scratch_;
+    Target target_;
+    std::span<const std::uint8_t> hidden_;
+    bool origins_;
+    const GridVertex* vertices_ = nullptr;
+};
+
+std::uint32_t SlabDrawing::draw(isa::VectorTarget vectors) {
+    const std::size_t vertex_count = mesh_.vertices.size();
+    scratch_.outside.resize(vertex_count);
+    ScreenSlab slab;
+    slab.first_corner = static_cast<std::uint32_t>(target_.programs.corner_count());
+    GridVertex* corners = target_.programs.add_corners(vertex_count);
+    const bool all_inside = transform(mesh_.vertices, projection_, {corners, vertex_count},
+                                      scratch_.outside, vectors) == 0;
+    slab.vertices = vertices_ = corners;
+    slab.indices = mesh_.indices;
+    slab.outside = all_inside ? nullptr : scratch_.outside.data();
+    slab.surface_word = target_.surface_word;
+    slab.cull_back = target_.cull_back;
+
+    const SelectTriangles select = select_triangles(vectors);
+    Selection selection;
     std::uint32_t emitted = 0;
-    for (int row = box.y0 >> region_bits; row <= box.y1 >> region_bits; ++row) {
-        for (int column = box.x0 >> region_bits; column <= box.x1 >> region_bits; ++column) {
-            emitted += emit(edges, planes, column, row, target);
+    for (std::size_t first = 0; first < mesh_.indices.size() / 3; first += Selection::size) {
+        select(slab, target_.grid, first, selection);
+        for (std::uint64_t rest = selection.chosen; rest != 0; rest &= rest - 1) {
+            const auto i = static_cast<std::size_t>(std::countr_zero(rest));
+            emitted += draw_one(first + i, selection.regions[i], selection.triangles[i]);
         }
+    }
+    return emitted;
+}
+
+std::uint32_t SlabDrawing::draw_one(std::size_t triangle, std::uint32_t region,
+                                    const NamedTriangle& named) {
+    if (is_hidden(hidden_, triangle)) {
+        return 0;
+    }
+    if (origins_) {
+        target_.programs.set_origin(mesh_.origins[triangle]);
+    }
+    if (region == Selection::many_regions) {
+        return add_to_many(named);
+    }
+    if (region == Selection::by_itself) {
+        return draw_by_itself(triangle);
+    }
+    target_.programs.add(region, named);
+    return 1;
+}
+
+std::uint32_t SlabDrawing::add_to_many(const NamedTriangle& named) {
+    const auto corners = target_.programs.corners();
+    const ScreenVertex v0 = screen_vertex(corners[named.v0]), v1 = screen_vertex(corners[named.v1]),
+                       v2 = screen_vertex(corners[named.v2]);
+    return for_regions(edges_of(v0, v1, v2), pixel_box(v0, v1, v2, target_.grid), target_.grid,
+                       [&](std::size_t region, const std::array<RegionEdge, 3>&, int, int) {
+                           target_.programs.add(region, named);
+                       });
+}
+
+/// Clips the triangle, if it is to be clipped, and draws what there is of it.
+std::uint32_t SlabDrawing::draw_by_itself(std::size_t triangle) {
+    const std::uint32_t* index = &mesh_.indices[3 * triangle];
+    std::array<ScreenVertex, 3> screen;
+    for (std::size_t k = 0; k < 3; ++k) {
+        screen[k] = screen_vertex(vertices_[index[k]], scratch_.outside[index[k]]);
+    }
+    const auto& [a, b, c] = screen;
+    if ((a.outside | b.outside | c.outside) == 0) {
+        return draw_triangle(a, b, c, target_);
+    }
+    const auto vertex = [&](std::size_t k) { return &mesh_.vertices[index[k]]; };
+    clip_triangle({vertex(0), vertex(1), vertex(2)}, {&a, &b, &c}, projection_, scratch_.polygon);
+    std::uint32_t emitted = 0;
+    for (std::size_t k = 2; k < scratch_.polygon.size(); ++k) {
+        if (origins_) {
+            Origin origin = mesh_.origins[triangle];
+            origin.piece = static_cast<std::uint8_t>(k - 2);
+            target_.programs.set_origin(origin);
+        }
+        emitted += draw_triangle(scratch_.polygon[0], scratch_.polygon[k - 1], scratch_.polygon[k],
+                                 target_);
     }
     return emitted;
 }
@@ -94,47 +215,11 @@ std::uint32_t draw_triangle(const ScreenVertex& a, const ScreenVertex& b, const 
 }  // namespace
 
 DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const RegionGrid& grid,
-                     const SurfaceStyle& style, DrawScratch& scratch, RegionPrograms& programs) {
+                     const SurfaceStyle& style, DrawScratch& scratch, RegionPrograms& programs,
+                     isa::VectorTarget vectors) {
     assert(style.index < max_surfaces);
-    scratch.vertices.resize(mesh.vertices.size());
-    transform(mesh.vertices, projection, scratch.vertices);
-
-    const Target target{grid, programs, isa::triangle::surface_word(style.index + 1U),
-                        style.cull_back};
-    DrawCounts counts;
-    counts.triangles_in = static_cast<std::uint32_t>(mesh.indices.size() / 3);
-    const bool origins = programs.keeps_origins() && !mesh.origins.empty();
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        if (is_hidden(style.hidden, i / 3)) {
-            continue;
-        }
-        const std::uint32_t* index = &mesh.indices[i];
-        const ScreenVertex& a = scratch.vertices[index[0]];
-        const ScreenVertex& b = scratch.vertices[index[1]];
-        const ScreenVertex& c = scratch.vertices[index[2]];
-        if (origins) {
-            programs.set_origin(mesh.origins[i / 3]);
-        }
-        if ((a.outside | b.outside | c.outside) == 0) [[likely]] {
-            counts.triangles_out += draw_triangle(a, b, c, target);
-            continue;
-        }
-        if ((a.outside & b.outside & c.outside) != 0) {
-            continue;
-        }
-        const auto vertex = [&](std::size_t k) { return &mesh.vertices[index[k]]; };
-        clip_triangle({vertex(0), vertex(1), vertex(2)}, {&a, &b, &c}, projection, scratch.polygon);
-        for (std::size_t k = 2; k < scratch.polygon.size(); ++k) {
-            if (origins) {
-                Origin origin = mesh.origins[i / 3];
-                origin.piece = static_cast<std::uint8_t>(k - 2);
-                programs.set_origin(origin);
-            }
-            counts.triangles_out += draw_triangle(scratch.polygon[0], scratch.polygon[k - 1],
-                                                  scratch.polygon[k], target);
-        }
-    }
-    return counts;
+    return {static_cast<std::uint32_t>(mesh.indices.size() / 3),
+            SlabDrawing(mesh, projection, grid, style, scratch, programs).draw(vectors)};
 }
 
 std::uint32_t draw_screen_triangle(const ScreenVertex& a, const ScreenVertex& b,

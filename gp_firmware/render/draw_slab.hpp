@@ -30,7 +30,7 @@ inline bool is_hidden(std::span<const std::uint8_t> hidden, std::size_t triangle
 
 /// Buffers kept from slab to slab, so that drawing allocates nothing.
 struct DrawScratch {
-    std::vector<ScreenVertex> vertices;
+    std::vector<std::uint32_t> outside;  ///< Bits of the slab's vertices.
     std::vector<ScreenVertex> polygon;
 };
 
@@ -41,7 +41,8 @@ struct DrawCounts {
 
 /// Draws one slab into one view's regions. The caller has called begin_slab().
 DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const RegionGrid& grid,
-                     const SurfaceStyle& style, DrawScratch& scratch, RegionPrograms& programs);
+                     const SurfaceStyle& style, DrawScratch& scratch, RegionPrograms& programs,
+                     isa::VectorTarget vectors = isa::process_target());
 
 /// Draws one triangle of the screen with no corner outside. Returns in how many regions.
 std::uint32_t draw_screen_triangle(const ScreenVertex& a, const ScreenVertex& b,

@@ -84,6 +84,7 @@ bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
             }
         }
     }
+    programs_.end_frame();
     return false;
 }
 

@@ -74,6 +74,8 @@ class FrameDrawing {
     /// done. Returns   true while there is more to draw.
     bool draw(const Surfaces& surfaces, std::size_t triangle_count);
 
+    /// Of the views of the frame. There is none without surfaces.
+    const RegionGrid& grid() const { return eyes_.at(0).grid; }
     const RegionPrograms& programs() const { return programs_; }
     const DrawCounts& counts() const { return counts_; }
 

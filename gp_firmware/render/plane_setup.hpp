@@ -1,11 +1,12 @@
 // Plane set-up: a triangle's edges and attribute planes, as exact integers.
 //
-// In the header, so that it is inlined: it runs once per triangle.
+// One triangle at a time: the definition. set_up_triangles does the same for many at a time.
 #pragma once
 
 #include <array>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -47,44 +48,35 @@ inline Edge edge(const ScreenVertex& p, const ScreenVertex& q) {
     return {a, b, c16 >> shift};
 }
 
-/// Values 2h and 2h + 1.
-inline Double2 half_of(const Values& v, std::size_t h) {
-    return Double2{static_cast<double>(v[2 * h]), static_cast<double>(v[2 * h + 1])};
-}
-
 /// The same slopes in integers throughout. Slow; for slivers so steep that a double's 53 bits would
 /// not do.
 Slopes exact_slopes(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
                     std::int64_t det);
 
+/// Steeper slopes than this need exact_slopes().
+inline constexpr double max_rounded_slope = 0x1p40;
+/// Added to a double below 2^51, this leaves its nearest integer in the low bits.
+inline constexpr double to_nearest = 0x1.8p52;
+
 inline Slopes slopes_of(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
                         std::int64_t det) {
-    constexpr double z_scale = double{1U << (shift + isa::region::z_fraction_bits)};
-    constexpr double n_scale = double{1U << (shift + isa::region::normal_fraction_bits)};
-    constexpr std::array<Double2, 2> scales = {Double2{z_scale, n_scale}, {n_scale, n_scale}};
-    // Added to a double below 2^51, this leaves its nearest integer in the low bits.
-    constexpr Double2 round = {0x1.8p52, 0x1.8p52};
-    constexpr Double2 limit = {0x1p40, 0x1p40};
-
     const double x1 = v1.x - v0.x, y1 = v1.y - v0.y, x2 = v2.x - v0.x, y2 = v2.y - v0.y;
     const double inverse = 1.0 / static_cast<double>(det);
     const Values at0 = values_of(v0), at1 = values_of(v1), at2 = values_of(v2);
-    std::array<Double2, 4> rounded{};
-    Long2 beyond{};
-    for (std::size_t h = 0; h < 2; ++h) {
-        const Double2 d1 = half_of(at1, h) - half_of(at0, h),
-                      d2 = half_of(at2, h) - half_of(at0, h);
+    Slopes slopes{};
+    for (std::size_t k = 0; k < 4; ++k) {
+        const double d1 = at1[k] - at0[k], d2 = at2[k] - at0[k];
+        const double scale = inverse * (1U << (shift + fraction[k]));
         // Numerators are below 2^45 and so exact; scales are powers of 2.
-        const Double2 a = (d1 * y2 - d2 * y1) * (scales[h] * inverse);
-        const Double2 b = (d2 * x1 - d1 * x2) * (scales[h] * inverse);
-        beyond |= (a > limit) | (a < -limit) | (b > limit) | (b < -limit);
-        rounded[h] = a + round;
-        rounded[2 + h] = b + round;
+        const double a = (d1 * y2 - d2 * y1) * scale;
+        const double b = (d2 * x1 - d1 * x2) * scale;
+        if (std::abs(a) > max_rounded_slope || std::abs(b) > max_rounded_slope) [[unlikely]] {
+            return exact_slopes(v0, v1, v2, det);
+        }
+        slopes.a[k] = std::bit_cast<std::uint64_t>(a + to_nearest);
+        slopes.b[k] = std::bit_cast<std::uint64_t>(b + to_nearest);
     }
-    if ((beyond[0] | beyond[1]) != 0) [[unlikely]] {
-        return exact_slopes(v0, v1, v2, det);
-    }
-    return std::bit_cast<Slopes>(rounded);
+    return slopes;
 }
 
 }  // namespace setup

@@ -152,8 +152,7 @@ const SlabAgain& GpAgain::slab(std::uint32_t surface, int k, int view) {
     SlabAgain& again = slabs_[{{surface, k}, view}];
     if (again.mesh.origins.empty()) {
         again.mesh = mesh(surface, k);
-        again.screen.resize(again.mesh.vertices.size());
-        gp::transform(again.mesh.vertices, projection(view), again.screen);
+        again.screen = gp::transformed(again.mesh.vertices, projection(view));
     }
     return again;
 }
@@ -180,15 +179,17 @@ const gp::RegionPrograms& GpAgain::programs(std::uint32_t surface, int k) {
                            hidden(surface, k)},
                           scratch, at->second);
         }
+        at->second.end_frame();
     }
     return at->second;
 }
 
 std::string GpAgain::difference(std::uint32_t surface, int k) {
-    const auto again = programs(surface, k).regions();
+    const gp::RegionPrograms& again = programs(surface, k);
     for (const auto& [number, region] : frame_.regions) {
         const renderer::Words recorded = recorded_words(region, surface, k);
-        const auto words = again[number].words.words();
+        std::vector<std::uint32_t> words(again.regions()[number].word_count());
+        gp::write_words(again, number, grid(0), words.data());
         if (!std::ranges::equal(recorded, words)) {
             return fmt::format(
                 "slab {} of surface {}, drawn again, gives {} words in region "

@@ -105,9 +105,7 @@ std::uint32_t cut_on_ray(const PixelInquiry& inquiry, const gp::Projection& proj
     gp::Vertex hit;
     hit.p_voxel = glm::vec3(w.x * points[0] + w.y * points[1] + w.z * points[2]);
     hit.normal = corners.mesh[0]->normal;
-    gp::ScreenVertex screen;
-    gp::transform(std::span(&hit, 1), projection, std::span(&screen, 1));
-    return screen.outside;
+    return gp::transformed(std::span(&hit, 1), projection).front().outside;
 }
 
 /// Why a triangle with all corners in view is not emitted.

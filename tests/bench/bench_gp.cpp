@@ -109,15 +109,19 @@ void transform(benchmark::State& state) {
     camera.voxel_to_patient = shape.voxel_to_patient;
     camera.width_px = camera.height_px = 512;
     const gp::Projection projection = gp::prepare(camera);
-    std::vector<gp::ScreenVertex> screen;
+    std::vector<gp::GridVertex> screen;
+    std::vector<std::uint32_t> outside;
     std::size_t vertices = 0;
     for (const gp::SlabMesh& mesh : meshes) {
         vertices += mesh.vertices.size();
         screen.resize(std::max(screen.size(), mesh.vertices.size()));
+        outside.resize(screen.size());
     }
     for (auto _ : state) {
         for (const gp::SlabMesh& mesh : meshes) {
-            gp::transform(mesh.vertices, projection, std::span(screen).first(mesh.vertices.size()));
+            const std::size_t count = mesh.vertices.size();
+            gp::transform(mesh.vertices, projection, std::span(screen).first(count),
+                          std::span(outside).first(count));
             benchmark::ClobberMemory();
         }
     }

@@ -62,6 +62,7 @@ Scene drawn(Size size, gp::CaseRule rule, std::mt19937& random) {
         s.programs.begin_slab(0, static_cast<std::uint32_t>(slab));
         gp::draw_slab(mesh, projection, s.grid, {0, false}, scratch, s.programs);
     }
+    s.programs.end_frame();
     return s;
 }
 
@@ -113,8 +114,8 @@ std::vector<gp::Vertex> triangle_again(const Scene& s, const gp::Origin& o, int 
 bool has_set_up_of(const Scene& s, const std::vector<gp::Vertex>& corners, const gp::Origin& o,
                    std::size_t region, const std::uint32_t* words) {
     const gp::Projection projection = gp::prepare(s.camera);
-    std::vector<gp::ScreenVertex> screen(3), polygon;
-    gp::transform(corners, projection, screen);
+    const std::vector<gp::ScreenVertex> screen = gp::transformed(corners, projection);
+    std::vector<gp::ScreenVertex> polygon;
     gp::clip_triangle({&corners[0], &corners[1], &corners[2]}, {&screen[0], &screen[1], &screen[2]},
                       projection, polygon);
     if (polygon.size() < std::size_t{o.piece} + 3U) {
@@ -147,12 +148,13 @@ std::pair<int, int> check_all(const Scene& s) {
     int primitives = 0, pieces = 0, wrong = 0;
     for (std::size_t region = 0; region < s.programs.regions().size(); ++region) {
         const gp::RegionProgram& program = s.programs.regions()[region];
-        const auto words = program.words.words();
+        std::vector<std::uint32_t> words(program.word_count());
+        gp::write_words(s.programs, region, s.grid, words.data());
         REQUIRE(program.origins.size() * isa::triangle::word_count == words.size());
         for (const gp::Segment& segment : program.segments) {
             for (std::size_t at = segment.first_word; at < segment.first_word + segment.word_count;
                  at += isa::triangle::word_count) {
-                const gp::Origin& o = program.origins[at / isa::triangle::word_count];
+                const gp::Origin& o = program.origins.values()[at / isa::triangle::word_count];
                 const auto corners = triangle_again(s, o, static_cast<int>(segment.slab));
                 wrong += has_set_up_of(s, corners, o, region, &words[at]) ? 0 : 1;
                 ++primitives;

@@ -24,8 +24,7 @@ Vertex vertex(float x, float y, float z) {
 
 std::vector<ScreenVertex> clipped(const std::array<Vertex, 3>& t, const Camera& camera) {
     const Projection projection = prepare(camera);
-    std::array<ScreenVertex, 3> screen;
-    transform(t, projection, screen);
+    const auto screen = transformed(t, projection);
     std::vector<ScreenVertex> polygon;
     clip_triangle({&t[0], &t[1], &t[2]}, {&screen[0], &screen[1], &screen[2]}, projection, polygon);
     return polygon;
@@ -160,8 +159,7 @@ TEST_SUITE("gp/clip") {
                 vertex(anywhere(engine) * 100, anywhere(engine), anywhere(engine)),
                 vertex(anywhere(engine), anywhere(engine) * 100, anywhere(engine))};
             const auto polygon = clipped(t, c);
-            std::array<ScreenVertex, 3> screen;
-            transform(t, prepare(c), screen);
+            const auto screen = transformed(t, prepare(c));
             for (const ScreenVertex& own : screen) {
                 // Its neighbours that are not clipped have the same, to the last bit of depth.
                 CHECK((polygon.empty() || own.outside != 0 || has_own(polygon, own)));

@@ -38,8 +38,51 @@ Vertex vertex(glm::vec3 p, glm::dvec3 n) {
 }
 
 ScreenVertex transformed(const Vertex& v, const Camera& c) {
+    return pxpl5::gp::transformed({&v, 1}, prepare(c)).front();
+}
+
+/// What transform() is, in floats.
+ScreenVertex one_by_one(const Vertex& vertex, const Projection& m) {
     ScreenVertex out;
-    transform({&v, 1}, prepare(c), {&out, 1});
+    const glm::vec3& p = vertex.p_voxel;
+    const auto row = [&](std::size_t r) {
+        const auto& g = m.voxel_to_grid;
+        return ((g[0][r] * p.x + g[1][r] * p.y) + g[2][r] * p.z) + g[3][r];
+    };
+    const auto held = [](float v, float low, float high) {
+        v = v > low ? v : low;
+        return v < high ? v : high;
+    };
+    constexpr float guard = 16384 * 16, z_low = 1024, z_high = (1 << 24) - 1 - 1024;
+    const float w = row(3), x = row(0) / w, y = row(1) / w, z = row(2) / w;
+    const auto beyond = [&out](float v, float low, float high, std::uint32_t below,
+                               std::uint32_t above) {
+        out.outside |= (v >= low ? 0 : below) | (v <= high ? 0 : above);
+    };
+    beyond(x, -guard, guard, outside_left, outside_right);
+    beyond(y, -guard, guard, outside_top, outside_bottom);
+    beyond(z, z_low, z_high, outside_near, outside_far);
+    if (!(w >= w_min)) {
+        out.outside = outside_w;
+    }
+    out.x = static_cast<int>(held(x, -guard, guard) + (guard + 0.5F)) - 16384 * 16;
+    out.y = static_cast<int>(held(y, -guard, guard) + (guard + 0.5F)) - 16384 * 16;
+    out.z = static_cast<int>(held(z, z_low, z_high));
+    for (std::size_t k = 0; k < m.clip_planes.size(); ++k) {
+        const glm::vec4& plane = m.clip_planes[k];
+        const float d = ((plane.x * p.x + plane.y * p.y) + plane.z * p.z) + plane.w;
+        out.outside |= d >= 0 ? 0 : outside_user << k;
+    }
+    const auto turned = [&](std::size_t k) {
+        const auto& n = m.normal_to_eye;
+        const float sum = (n[0][k] * static_cast<float>(vertex.normal[0]) +
+                           n[1][k] * static_cast<float>(vertex.normal[1])) +
+                          n[2][k] * static_cast<float>(vertex.normal[2]);
+        return static_cast<int>(held(sum, -510, 510) + 1020.5F) - 1020;
+    };
+    out.nx = turned(0);
+    out.ny = turned(1);
+    out.nz = turned(2);
     return out;
 }
 
@@ -84,6 +127,45 @@ TEST_SUITE("gp/transform") {
                 CHECK(std::abs(out.nx - n.x) < 0.51);
                 CHECK(std::abs(out.ny - n.y) < 0.51);
                 CHECK(std::abs(out.nz - n.z) < 0.51);
+            }
+        }
+    }
+
+    TEST_CASE("every target gives the bits of one fixed order of operations, one by one") {
+        std::mt19937 engine(6);
+        // Also what lies beside, behind and far beyond.
+        std::uniform_real_distribution<float> voxel(-400, 500), far(-1e30F, 1e30F);
+        std::uniform_int_distribution<int> component(-32767, 32767);
+        Camera c = camera(0.7, 512, 384);
+        c.clip_planes = {{1, 0.5, 0.2, -40}, {-1, 0.2, 0, 90}};
+        for (const std::size_t count : {0, 1, 3, 4, 7, 8, 15, 16, 17, 33, 5000}) {
+            std::vector<Vertex> vertices;
+            for (std::size_t i = 0; i < count; ++i) {
+                const auto n = [&] { return static_cast<std::int16_t>(component(engine)); };
+                const auto p = [&] { return i % 50 == 49 ? far(engine) : voxel(engine); };
+                vertices.push_back({{p(), p(), p()}, {n(), n(), n()}, 0});
+            }
+            const Projection projection = prepare(c);
+            for (const auto target : pxpl5::isa::available_targets()) {
+                INFO(std::string(pxpl5::isa::target_name(target)), ", ", count);
+                std::vector<GridVertex> grid(count);
+                std::vector<std::uint32_t> outside(count);
+                const std::uint32_t any = transform(vertices, projection, grid, outside, target);
+                int wrong = 0;
+                std::uint32_t all = 0;
+                for (std::size_t i = 0; i < count; ++i) {
+                    const ScreenVertex v = one_by_one(vertices[i], projection);
+                    const ScreenVertex got = screen_vertex(grid[i], outside[i]);
+                    all |= v.outside;
+                    wrong +=
+                        got.outside != v.outside || got.nx != v.nx || got.ny != v.ny ||
+                                got.nz != v.nz ||
+                                (v.outside == 0 && (got.x != v.x || got.y != v.y || got.z != v.z))
+                            ? 1
+                            : 0;
+                }
+                CHECK(wrong == 0);
+                CHECK(any == all);
             }
         }
     }

@@ -156,11 +156,19 @@ inline gp::SlabMesh slab_of(std::span<const Triangle> triangles, int slab = 0) {
     return mesh;
 }
 
+/// A region's stream as it is sent.
+inline std::vector<std::uint32_t> words_of(const gp::RegionPrograms& programs, std::size_t region,
+                                           const gp::RegionGrid& grid) {
+    std::vector<std::uint32_t> words(programs.regions()[region].word_count());
+    gp::write_words(programs, region, grid, words.data());
+    return words;
+}
+
 /// How often the streams' triangles cover each pixel of the picture, row by row.
 inline std::vector<int> coverage(const gp::RegionPrograms& programs, const gp::RegionGrid& grid) {
     std::vector<int> counts(static_cast<std::size_t>(grid.width_px * grid.height_px), 0);
     for (int region = 0; region < grid.count(); ++region) {
-        const auto words = programs.regions()[static_cast<std::size_t>(region)].words.words();
+        const auto words = words_of(programs, static_cast<std::size_t>(region), grid);
         const int x0 = region % grid.columns * 128, y0 = region / grid.columns * 128;
         for (std::size_t at = 0; at < words.size(); at += shape::word_count) {
             for (int y = y0; y < std::min(y0 + 128, grid.height_px); ++y) {

@@ -84,6 +84,7 @@ Drawing draw(const std::vector<gp::SlabMesh>& meshes, const gp::Camera& camera, 
             d.counts.triangles_out += c.triangles_out;
         }
     }
+    d.programs.end_frame();
     return d;
 }
 
@@ -94,9 +95,9 @@ std::map<std::pair<std::size_t, std::uint32_t>, std::vector<std::uint32_t>> by_s
     for (const Drawing& d : drawings) {
         for (std::size_t region = 0; region < d.programs.regions().size(); ++region) {
             const gp::RegionProgram& program = d.programs.regions()[region];
-            const auto words = program.words.words();
+            const auto words = words_of(d.programs, region, d.grid);
             for (const gp::Segment& s : program.segments) {
-                const auto part = words.subspan(s.first_word, s.word_count);
+                const auto part = std::span(words).subspan(s.first_word, s.word_count);
                 auto& all = result[{region, s.slab}];
                 all.insert(all.end(), part.begin(), part.end());
             }
@@ -167,13 +168,13 @@ TEST_SUITE("gp/draw slab") {
         CHECK(d.counts.triangles_in == slabs * around * 2);
         std::size_t words = 0;
         for (const gp::RegionProgram& region : d.programs.regions()) {
-            words += region.words.size();
+            words += region.word_count();
             std::size_t in_segments = 0;
             for (const gp::Segment& s : region.segments) {
                 CHECK(s.first_word == in_segments);
                 in_segments += s.word_count;
             }
-            CHECK(in_segments == region.words.size());
+            CHECK(in_segments == region.word_count());
         }
         CHECK(words == d.counts.triangles_out * shape::word_count);
     }
@@ -261,7 +262,7 @@ TEST_SUITE("gp/draw slab") {
         gp::DrawScratch scratch;
         gp::draw_slab(slab_of(std::span(&t, 1)), gp::prepare(pixel_camera(256, 256)), grid, {},
                       scratch, programs);
-        CHECK(programs.regions()[4].words.size() == shape::word_count);
-        CHECK(programs.regions()[0].words.size() == 0);
+        CHECK(programs.regions()[4].word_count() == shape::word_count);
+        CHECK(programs.regions()[0].word_count() == 0);
     }
 }

@@ -154,7 +154,7 @@ void draw(const std::vector<gp::Sphere>& spheres, const gp::Camera& camera, int 
         mesh.spheres.push_back(spheres[i]);
         gp::draw_spheres(mesh, projection, grid, {index, false}, programs);
     }
-    const auto words = programs.regions()[static_cast<std::size_t>(region_index)].words.words();
+    const auto words = words_of(programs, static_cast<std::size_t>(region_index), grid);
     REQUIRE(isa::check(words).ok());
     clear(pixels);
     run(words, pixels);
@@ -366,7 +366,7 @@ TEST_SUITE("gp/spheres") {
         for (int r = 0; r < 4; ++r) {
             pixels.reset();
             clear(pixels);
-            run(programs.regions()[static_cast<std::size_t>(r)].words.words(), pixels);
+            run(words_of(programs, static_cast<std::size_t>(r), grid), pixels);
             for (int y = 0; y < 128; ++y) {
                 for (int x = 0; x < 128; ++x) {
                     const double px = (r % 2 * 128 + x + 0.5) * 24 / size_px - 12;

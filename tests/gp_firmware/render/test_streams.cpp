@@ -97,7 +97,7 @@ void check_window(const std::vector<Triangle>& triangles, int region_index,
             pixels.set_field(x, y, region::z.address, region::z.width, region::z_far);
         }
     }
-    const auto words = programs.regions()[static_cast<std::size_t>(region_index)].words.words();
+    const auto words = words_of(programs, static_cast<std::size_t>(region_index), grid);
     REQUIRE(isa::check(words).ok());
     run(words, pixels);
 
@@ -151,8 +151,8 @@ TEST_SUITE("gp/streams") {
         programs.begin_slab(6, 0);
         gp::draw_slab(slab_of(random_triangles(50, 2000, 128, 128, random)),
                       gp::prepare(pixel_camera(256, 256)), grid, {6, false}, scratch, programs);
-        for (const gp::RegionProgram& program : programs.regions()) {
-            const auto words = program.words.words();
+        for (std::size_t r = 0; r < programs.regions().size(); ++r) {
+            const auto words = words_of(programs, r, grid);
             REQUIRE(!words.empty());
             REQUIRE(words.size() % shape::word_count == 0);
             const isa::CheckResult result = isa::check(words);

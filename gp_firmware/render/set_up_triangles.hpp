@@ -1,0 +1,32 @@
+// Set up triangles: the instruction words of many triangles of one region, in vectors.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "gp_firmware/geometry/transform.hpp"
+#include "isa/vector_target.hpp"
+
+namespace pxpl5::gp {
+
+struct NamedTriangle;
+
+/// The first pixel of a region in its view.
+struct RegionPlace {
+    int x0_px = 0, y0_px = 0;
+};
+
+/// Larger triangles do not fit the vectors' 32-bit arithmetic: draw_triangle() draws them.
+inline constexpr int max_extent = 1 << 14;  ///< 1/16 px, in x and in y.
+
+/// Writes each triangle's isa::triangle::word_count words: the same bits as plane_setup.hpp and
+/// triangle_program.hpp give, on every target.
+///
+/// triangles  Of positive determinant, of extents below max_extent; the pixels in their bounding
+///            box are partly in the region, and none of their edges excludes the region.
+/// corners    By number, what the triangles name.
+void set_up_triangles(std::span<const NamedTriangle> triangles, std::span<const GridVertex> corners,
+                      RegionPlace place, std::uint32_t* words,
+                      isa::VectorTarget target = isa::process_target());
+
+}  // namespace pxpl5::gp
