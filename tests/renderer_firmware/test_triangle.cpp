@@ -159,3 +159,40 @@ TEST_CASE("triangles are run fused: the executor takes them all at once") {
         CHECK(taken.instructions == 10 * isa::triangle::instruction_count);
     });
 }
+
+TEST_CASE("a fused run that ends before an odd triangle leaves what its instructions leave") {
+    const std::uint64_t first = test::seed_or(1300);
+    for (std::uint64_t seed = first; seed < first + 60; ++seed) {
+        CAPTURE(seed);
+        test::RandomPrograms random(seed);
+        const Window window{56, 58, 8, 8};
+        // From no triangle to some more than three of the largest batch.
+        const std::size_t before = random.below(52);
+        std::vector<std::uint32_t> words;
+        for (std::size_t i = 0; i < before + 4; ++i) {
+            test::TrianglePlanes t = test::random_triangle(random, {960, 992}, 100);
+            // Each before the others, so that the last one leaves enables.
+            t.z[0] = t.z[1] = 0;
+            t.z[2] = (1000 - static_cast<std::int32_t>(i)) << 12;
+            t.widths[0] = i == before ? 40 : 0;  // No width of the shape.
+            append(t, words);
+        }
+        const std::size_t fused = before * isa::triangle::word_count;
+        test::on_every_target([&](Fast& fast) {
+            Reference reference(window);
+            test::Lockstep both(reference, fast);
+            isa::Controller trusted, tested;
+            isa::run(start(), reference, trusted);
+            isa::run(start(), fast, tested);
+            const isa::RunCounts expected =
+                isa::run(std::span(words).first(fused), reference, trusted);
+            if (before > 0) {
+                const isa::Taken taken = fast.execute_ahead(words);
+                REQUIRE(taken.words == fused);
+                CHECK(taken.instructions == expected.instructions);
+                CHECK(taken.cycles == expected.cycles);
+            }
+            REQUIRE_NOTHROW(both.compare_all("before the odd triangle"));
+        });
+    }
+}
