@@ -34,7 +34,7 @@ std::size_t mesh_bytes(const HeldSurface& surface) {
 template <class T>
 void copy_closely(const std::vector<T>& from, std::vector<T>& to) {
     if (to.capacity() < from.size() || to.capacity() / 2 > from.size()) {
-        to = {};
+        to = std::vector<T>();  // Frees; an empty list would not.
         to.reserve(from.size());
     }
     to.assign(from.begin(), from.end());
@@ -47,6 +47,14 @@ void copy_closely(const SlabMesh& from, SlabMesh& to) {
     copy_closely(from.keys, to.keys);
     copy_closely(from.indices, to.indices);
     copy_closely(from.origins, to.origins);
+}
+
+/// Whether the mesh could do with half of its room: a few pages do not count.
+bool is_roomy(const SlabMesh& mesh) {
+    constexpr std::size_t spare_bytes = 4096;
+    const std::size_t used_bytes = mesh.vertices.size() * (sizeof(Vertex) + sizeof(std::uint64_t)) +
+                                   mesh.indices.size() * sizeof(std::uint32_t);
+    return size_bytes(mesh) > 2 * used_bytes + spare_bytes;
 }
 
 std::size_t cost_ns(const VolumeShape& shape, const SlabCounts& counts) {
@@ -102,8 +110,8 @@ void GpNode::extract_next(Extract& job, HeldSurface& surface) {
         return;
     }
     job.slab_begun = false;
-    if (store_->shape().holds_gradients()) {
-        std::swap(scratch_, mesh);  // A small volume: time counts, not the room to grow in.
+    if (store_->shape().holds_gradients() && !is_roomy(scratch_)) {
+        std::swap(scratch_, mesh);  // A small volume: time counts, not some room to grow in.
     } else {
         copy_closely(scratch_, mesh);
     }

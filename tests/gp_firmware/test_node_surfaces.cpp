@@ -282,6 +282,22 @@ TEST_SUITE("gp/node_surfaces") {
         CHECK(built[0]->slabs()->size() == n - 1);
     }
 
+    TEST_CASE("a surface that has become small gives its memory back") {
+        Gp gp({1, 1}, 0);
+        load(gp);
+        const auto loaded_bytes = gp.box.of<schema::VolumeReady>()[0]->memory_bytes();
+        const auto bytes_of = [&](std::uint32_t revision, double isovalue) {
+            gp.receive(set_surface(4, revision, isovalue));
+            gp.work();
+            return gp.box.of<schema::SurfaceBuilt>().back()->memory_bytes() - loaded_bytes;
+        };
+        const auto large_bytes = bytes_of(1, 80),
+                   small_bytes = bytes_of(2, 150);  // 9 and 2 voxels.
+        CHECK(small_bytes < large_bytes / 4);
+        CHECK(bytes_of(3, 80) <= 2 * large_bytes);
+        CHECK(bytes_of(4, 150) < large_bytes / 4);
+    }
+
     TEST_CASE("a dropped volume is gone with its surfaces, its work and its memory") {
         Gp gp({1, 1}, 0);
         load(gp);
