@@ -141,7 +141,9 @@ void save_at_failure(trace::Recorder& recorder) {
 /// The same, recording. What a flight holds is written if the node ends by an exception.
 int drive_recorded(ZmqLink& ring, const ProcessFlags& flags, schema::Role role, Node& node,
                    const std::function<bool()>& alive, const LeaveOut& leave_out) {
-    trace::Recorder recorder(flags.trace_file, trace_info(flags, role));
+    trace::Limits limits;
+    limits.share_bytes = static_cast<std::size_t>(flags.flight_kib) * 1024;
+    trace::Recorder recorder(flags.trace_file, trace_info(flags, role), limits);
     trace::RecordingLink link(ring, recorder, leave_out);
     try {
         const int code = drive(ring, link, node, alive);
@@ -175,8 +177,9 @@ std::vector<std::string> to_arguments(const ProcessFlags& flags) {
                                           "--index",         std::to_string(flags.index),
                                           "--parent-pid",    std::to_string(flags.parent_pid)};
     if (flags.record != schema::Recording::off) {
-        arguments.insert(arguments.end(), {"--record", schema::EnumNameRecording(flags.record),
-                                           "--trace-file", flags.trace_file});
+        arguments.insert(arguments.end(),
+                         {"--record", schema::EnumNameRecording(flags.record), "--trace-file",
+                          flags.trace_file, "--flight-kib", std::to_string(flags.flight_kib)});
     }
     return arguments;
 }
@@ -205,6 +208,8 @@ ProcessFlags parse_flags(int argc, char** argv) {
             flags.record = parse_recording(flag, value());
         } else if (flag == "--trace-file") {
             flags.trace_file = value();
+        } else if (flag == "--flight-kib") {
+            flags.flight_kib = parse_whole(flag, value(), 0, 1 << 20);
         }
     }
     if (flags.host_endpoint.empty() || flags.bind.empty() || flags.node_id == 0) {

@@ -21,6 +21,7 @@ struct ProcessFlags {
     int parent_pid = 0;         ///< --parent-pid: ends when that process is no longer its parent.
     schema::Recording record = schema::Recording::off;  ///< --record: off, flight or full.
     std::string trace_file{};                           ///< --trace-file: where to; then needed.
+    int flight_kib = 1 << 16;  ///< --flight-kib: share of the machine's flight recording, in KiB.
 };
 
 /// The flags as a command line that parse_flags reads back.

@@ -103,6 +103,7 @@ void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
     if (recorder_ && node.role != Role::io) {
         flags.record = static_cast<schema::Recording>(topology_.record);
         flags.trace_file = trace_path(name).string();
+        flags.flight_kib = flight_share_kib();
     }
     const std::vector<std::string> common = bus::to_arguments(flags);
     arguments.insert(arguments.begin(), common.begin(), common.end());

@@ -22,6 +22,10 @@
 
 namespace pxpl5::host {
 
+/// What flight recorders hold in all, beside the last two frames. More of it would be shared memory
+/// that nodes fill anew for every frame instead of finding it in their caches.
+inline constexpr std::size_t flight_kib = std::size_t{64} << 10;
+
 /// What may wait for the session while it does not pump; more is a node gone wild.
 inline constexpr std::size_t max_backlog_messages = std::size_t{1} << 14;
 inline constexpr std::size_t max_backlog_bytes = 2 * bus::max_body_bytes;
@@ -122,6 +126,8 @@ class Launcher {
 
     // Recording, in launcher_traces.cpp.
     void start_recording();
+    /// Each node's share of flight_kib.
+    int flight_share_kib() const;
     void note(const bus::Message& message);
     /// Runs what may fail to write; a failure is thrown by the next check_health().
     void guard_recording(const std::function<void()>& act);

@@ -27,6 +27,10 @@ std::filesystem::path Launcher::trace_path(const std::string& file) const {
     return folder_ / "traces" / (file + ".mcap");
 }
 
+int Launcher::flight_share_kib() const {
+    return static_cast<int>(flight_kib / roster_.size());
+}
+
 void Launcher::start_recording() {
     if (topology_.record == Record::off) {
         return;
@@ -45,7 +49,9 @@ void Launcher::start_recording() {
     info.more = {{"isa_hash", std::string(isa::table_hash())},
                  {"topology", resolved_json(topology_)}};
     try {
-        recorder_.emplace(trace_path("host-0"), info);
+        bus::trace::Limits limits;
+        limits.share_bytes = static_cast<std::size_t>(flight_share_kib()) * 1024;
+        recorder_.emplace(trace_path("host-0"), info, limits);
     } catch (const TraceError& failure) {
         throw RequestError(ExitCode::failed, failure.what());
     }

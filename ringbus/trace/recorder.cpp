@@ -100,7 +100,7 @@ void Recorder::Parts::note_in_window(const Message& message, const Instant& when
         // before its beginning, but not before that of the frame before it.
         const std::uint64_t number = noted - window.size() + 1;
         return (newest_frame == 0 || number < older_frame) &&
-               when.steady - oldest.came > limits.span;
+               (window_bytes > limits.share_bytes || when.steady - oldest.came > limits.span);
     };
     while (window.size() > 1 && (window_bytes > limits.window_bytes || is_over(window.front()))) {
         window_bytes -= window.front().held.message.bytes().size();

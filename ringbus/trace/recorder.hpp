@@ -19,7 +19,8 @@ namespace pxpl5::bus::trace {
 /// How much a recorder keeps.
 struct Limits {
     std::chrono::nanoseconds span = std::chrono::seconds(10);
-    std::size_t window_bytes = std::size_t{64} << 20;    ///< Of messages, the newest.
+    std::size_t share_bytes = std::size_t{64} << 20;     ///< Of messages, the newest.
+    std::size_t window_bytes = std::size_t{64} << 20;    ///< With all of the last two frames.
     std::size_t setup_bytes = std::size_t{64} << 20;     ///< Of what came before and still holds.
     std::uint64_t file_bytes = std::uint64_t{16} << 30;  ///< Of a full recording, which ends then.
 };

@@ -1,12 +1,14 @@
 #include "ringbus/process.hpp"
 
 #include <doctest/doctest.h>
+#include <sched.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
+#include <filesystem>
 
 #include "ringbus/trace/trace_file.hpp"
 #include "ringbus/zmq_link.hpp"
@@ -248,8 +250,8 @@ TEST_SUITE("ringbus/process") {
     }
 
     TEST_CASE("flags survive the command line") {
-        const ProcessFlags flags{"ipc://h",    "ipc://b", 7, 3, 4242, schema::Recording::full,
-                                 "t/gp-3.mcap"};
+        const ProcessFlags flags{"ipc://h",     "ipc://b", 7, 3, 4242, schema::Recording::full,
+                                 "t/gp-3.mcap", 1234};
         std::vector<std::string> words = to_arguments(flags);
         words.insert(words.begin(), "program");
         words.emplace_back("--memory-mib");  // For the program's own main.
@@ -266,6 +268,7 @@ TEST_SUITE("ringbus/process") {
         CHECK(back.parent_pid == 4242);
         CHECK(back.record == schema::Recording::full);
         CHECK(back.trace_file == "t/gp-3.mcap");
+        CHECK(back.flight_kib == 1234);
     }
 
     TEST_CASE("missing and malformed flags are named") {

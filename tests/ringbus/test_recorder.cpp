@@ -135,7 +135,7 @@ TEST_SUITE("ringbus/recorder") {
         const std::size_t size = frame_done(1).bytes().size();
         for (const bool by_bytes : {true, false}) {
             trace::Limits limits;
-            limits.window_bytes = by_bytes ? 10 * size : 1000 * size;
+            limits.share_bytes = by_bytes ? 10 * size : 1000 * size;
             limits.span = std::chrono::seconds(by_bytes ? 1000 : 9);
             Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight), limits);
             trace::Instant when = trace::Instant::now();
@@ -175,6 +175,29 @@ TEST_SUITE("ringbus/recorder") {
         note_after(60, frame_done(3));
         note_after(1, frame_done(4));
         CHECK(recorder.save().messages == 2);
+    }
+
+    TEST_CASE("a flight holds the last two frames beyond its share, and all else within it") {
+        const test::ScratchFolder folder;
+        const std::size_t size = frame_done(1).bytes().size();
+        trace::Limits limits;
+        limits.share_bytes = 6 * size;
+        limits.window_bytes = 11 * size;
+        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight), limits);
+        for (std::uint32_t frame = 1; frame <= 30; ++frame) {
+            recorder.note(from(2, frame_done(frame)));
+        }
+        CHECK(recorder.save().messages == 6);
+        const auto note_others = [&](int count) {
+            for (int i = 0; i < count; ++i) {
+                recorder.note(from(2, pack(schema::TraceSavedT{})));
+            }
+            return recorder.save().messages;
+        };
+        const std::size_t other = pack(schema::TraceSavedT{}).bytes().size();
+        const auto beyond_share = static_cast<int>(5 * size / other);
+        CHECK(note_others(beyond_share) == 2U + static_cast<unsigned>(beyond_share));
+        CHECK(note_others(20 * beyond_share) <= 11 * size / other);
     }
 
     TEST_CASE("whatever a flight has forgotten, its node would know the same again") {
