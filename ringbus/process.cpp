@@ -1,6 +1,7 @@
 #include "ringbus/process.hpp"
 
 #include <fmt/core.h>
+#include <sched.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -48,6 +49,13 @@ schema::Recording parse_recording(std::string_view flag, std::string_view text) 
 bool tie_to_parent(int parent_pid) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     return parent_pid == 0 || getppid() == parent_pid;
+}
+
+/// A message does not interrupt who works, be it the sender or another node: with more threads than
+/// cores, most of what a frame brings then waits for its receiver at once, and wakes it once.
+void work_without_preemption() {
+    const sched_param none{};
+    sched_setscheduler(0, SCHED_BATCH, &none);
 }
 
 Payload hello_message(schema::Role role, const ProcessFlags& flags, const std::string& endpoint) {
@@ -248,6 +256,7 @@ int run_process(int argc, char** argv, schema::Role role, const NodeFactory& mak
         // Ctrl-C reaches the whole terminal; the host decides what it means.
         std::signal(SIGINT, SIG_IGN);
         std::signal(SIGXFSZ, SIG_IGN);  // A trace that grows too large is an error of its writer.
+        work_without_preemption();
         return tie_to_parent(flags.parent_pid) ? run(flags, role, make_node, leave_out)
                                                : unavailable;
     } catch (const std::invalid_argument& error) {

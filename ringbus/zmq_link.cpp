@@ -120,7 +120,9 @@ struct Arrived {
 };
 
 struct Peer {
-    zmq::socket_t socket;
+    std::string endpoint;
+    zmq::socket_t socket;  ///< None until something is sent to it: most nodes are never sent to.
+    int linger_ms = 0;
     bool is_near = false;  ///< On this computer, so that it may be able to read in the arena.
     bool has_offer = false;
     Window window;
@@ -145,9 +147,11 @@ struct ZmqLink::Parts {
     std::string endpoint;
     std::map<NodeId, Peer> peers;
     std::map<NodeId, std::shared_ptr<ArenaView>> views;  ///< Arenas of those who offered theirs.
+    std::size_t queued = 0;                              ///< Messages that wait, over all peers.
     Wire wire{id};
 
     void transmit(NodeId to, Peer& peer, const Payload& payload) {
+        connect(peer);
         const schema::Header header = wire.header_for(to, payload.kind(), payload.bytes().size());
         if (const auto place = arena.lend(to, payload)) {
             send_part(peer, part_of(header, *place), zmq::send_flags::none);
@@ -161,6 +165,15 @@ struct ZmqLink::Parts {
         send_part(peer, part_of(payload), zmq::send_flags::none);
     }
 
+    void connect(Peer& peer) {
+        if (peer.socket.handle() == nullptr) {
+            peer.socket = zmq::socket_t(context, zmq::socket_type::push);
+            prepare(peer.socket);
+            peer.socket.set(zmq::sockopt::linger, peer.linger_ms);
+            uninterrupted([&] { peer.socket.connect(peer.endpoint); });
+        }
+    }
+
     static void send_part(Peer& peer, zmq::message_t part, zmq::send_flags flags) {
         uninterrupted([&] { return peer.socket.send(part, flags); });
     }
@@ -171,6 +184,7 @@ struct ZmqLink::Parts {
             const Payload payload = std::move(peer.waiting.front());
             peer.waiting.pop_front();
             peer.waiting_bytes -= payload.bytes().size();
+            --queued;
             peer.window.take(payload.bytes().size());
             transmit(to, peer, payload);
         }
@@ -284,15 +298,16 @@ void ZmqLink::set_model(const ChannelModel& model) {
 void ZmqLink::add_peer(NodeId id, const std::string& endpoint) {
     assert(parts_->peers.count(id) == 0);
     Peer peer;
+    peer.endpoint = endpoint;
     peer.is_near = endpoint.compare(0, ipc_scheme.size(), ipc_scheme) == 0;
-    peer.socket = zmq::socket_t(parts_->context, zmq::socket_type::push);
-    prepare(peer.socket);
-    uninterrupted([&] { peer.socket.connect(endpoint); });
     parts_->peers.insert_or_assign(id, std::move(peer));
 }
 
 void ZmqLink::remove_peer(NodeId id) {
-    parts_->peers.erase(id);
+    if (const auto found = parts_->peers.find(id); found != parts_->peers.end()) {
+        parts_->queued -= found->second.waiting.size();
+        parts_->peers.erase(found);
+    }
     parts_->wire.forget(id);
     parts_->arena.forget(id);
     parts_->views.erase(id);
@@ -313,13 +328,17 @@ void ZmqLink::send(NodeId to, Payload payload) {
     }
     peer.waiting_bytes += payload.bytes().size();
     peer.waiting.push_back(std::move(payload));
+    ++parts_->queued;
     parts_->flush(to, peer);
 }
 
 void ZmqLink::linger(NodeId peer, int patience_ms) {
     const auto found = parts_->peers.find(peer);
     assert(found != parts_->peers.end());
-    found->second.socket.set(zmq::sockopt::linger, patience_ms);
+    found->second.linger_ms = patience_ms;
+    if (found->second.socket.handle() != nullptr) {
+        found->second.socket.set(zmq::sockopt::linger, patience_ms);
+    }
 }
 
 std::optional<Message> ZmqLink::receive() {
@@ -368,11 +387,7 @@ bool ZmqLink::takes_more(NodeId peer) const {
 }
 
 std::size_t ZmqLink::queued() const {
-    std::size_t count = 0;
-    for (const auto& [id, peer] : parts_->peers) {
-        count += peer.waiting.size();
-    }
-    return count;
+    return parts_->queued;
 }
 
 }  // namespace pxpl5::bus

@@ -156,6 +156,20 @@ TEST_SUITE("ringbus/process") {
         CHECK(wait_for(machine.pid) == 0);
     }
 
+    TEST_CASE("no thread of a node interrupts who works") {
+        EchoMachine machine;
+        machine.connect();
+        int threads = 0;
+        for (const auto& task : std::filesystem::directory_iterator(
+                 "/proc/" + std::to_string(machine.pid) + "/task")) {
+            CHECK(sched_getscheduler(std::stoi(task.path().filename())) == SCHED_BATCH);
+            ++threads;
+        }
+        CHECK(threads >= 2);  // Its own, and ZeroMQ's.
+        machine.host.send(1, pack(schema::ShutdownT{}));
+        CHECK(wait_for(machine.pid) == 0);
+    }
+
     TEST_CASE("Shutdown before Go ends a node too") {
         EchoMachine machine;
         machine.host.add_peer(1, machine.endpoint);

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
 #include <thread>
 #include <zmq.hpp>
 
@@ -252,6 +253,33 @@ TEST_SUITE("ringbus/zmq_link") {
             CHECK(contains(fault.what(), "node 2 takes nothing: 1048576 messages of"));
         }
         CHECK(pair.a.queued() == max_waiting_messages);
+    }
+
+    TEST_CASE("what waits for a peer that is removed waits no more") {
+        Pair pair = ipc_pair();
+        const Payload payload = slices(10, 1);
+        for (std::size_t i = 0; i < window_messages + 5; ++i) {
+            pair.a.send(2, payload);
+        }
+        CHECK(pair.a.queued() == 5);
+        pair.a.remove_peer(2);
+        CHECK(pair.a.queued() == 0);
+    }
+
+    TEST_CASE("a peer that is never sent anything costs no socket") {
+        const auto open_files = [] {
+            return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
+        };
+        ZmqLink link(1, ipc_address("quiet")), other(2, ipc_address("heard"));
+        const auto before = open_files();
+        for (NodeId id = 3; id < 53; ++id) {
+            link.add_peer(id, ipc_address("never"));
+        }
+        CHECK(open_files() == before);
+        link.add_peer(2, other.endpoint());
+        link.send(2, slices(10, 1));
+        CHECK(next(other).as<schema::Slices>()->first_slice() == 1);
+        CHECK(open_files() > before);
     }
 
     TEST_CASE("what was sent last still leaves when the link is destroyed, if asked") {
