@@ -9,6 +9,7 @@
 #include <array>
 #include <cassert>
 #include <cstddef>
+#include <cstring>
 
 #include "gp_firmware/geometry/transform.hpp"
 
@@ -39,11 +40,27 @@ HWY_INLINE F clamp(F v, F low, F high) {
     return hn::IfThenElse(hn::Lt(v, high), v, high);
 }
 
-/// 32-bit word `at` of each vertex.
-HWY_INLINE I words_of(const Vertex* vertices, int at) {
-    constexpr int vertex_words = sizeof(Vertex) / sizeof(std::int32_t);
-    const I places = hn::Mul(hn::Iota(DI(), 0), splat(vertex_words));
-    return hn::GatherIndex(DI(), reinterpret_cast<const std::int32_t*>(vertices) + at, places);
+/// Some vertices, word by word: position, nx and ny, nz.
+struct VertexWords {
+    I x, y, z, normal_xy, normal_z;
+};
+
+/// Copies that leave each vertex's last word out are faster than gathering the other four.
+HWY_INLINE VertexWords words_of(const Vertex* vertices) {
+    constexpr std::size_t copied_bytes = 16;
+    static_assert(offsetof(Vertex, p_voxel) == 0 && offsetof(Vertex, normal) == 12 &&
+                  sizeof(Vertex) == copied_bytes + sizeof(std::int32_t));
+    alignas(64) std::array<std::int32_t, 4 * lanes> first_words;
+    alignas(64) std::array<std::int32_t, lanes> last_word;
+    for (std::size_t i = 0; i < lanes; ++i) {
+        std::memcpy(&first_words[4 * i], vertices + i, copied_bytes);
+        std::memcpy(&last_word[i], reinterpret_cast<const char*>(vertices + i) + copied_bytes,
+                    sizeof last_word[i]);
+    }
+    VertexWords words;
+    hn::LoadInterleaved4(DI(), first_words.data(), words.x, words.y, words.z, words.normal_xy);
+    words.normal_z = hn::Load(DI(), last_word.data());
+    return words;
 }
 
 struct Positions {
@@ -117,13 +134,13 @@ HWY_INLINE I cut_off(const Projection& m, const Positions& p) {
 /// Transforms `lanes` vertices. Returns their Outside bits, which it stores, too.
 HWY_INLINE I transform_some(const Vertex* vertices, const Projection& m, GridVertex* out,
                             std::uint32_t* outside) {
-    static_assert(offsetof(Vertex, p_voxel) == 0 && offsetof(Vertex, normal) == 12);
     constexpr Limits across{-guard, guard, outside_left, outside_right};
     constexpr Limits down{-guard, guard, outside_top, outside_bottom};
     constexpr Limits deep{region::z_margin, region::z_far - region::z_margin, outside_near,
                           outside_far};
-    const auto floats = [&](int at) HWY_ATTR { return hn::BitCast(DF(), words_of(vertices, at)); };
-    const Positions p{floats(0), floats(1), floats(2)};
+    const VertexWords words = words_of(vertices);
+    const Positions p{hn::BitCast(DF(), words.x), hn::BitCast(DF(), words.y),
+                      hn::BitCast(DF(), words.z)};
     const F w = row_of(m, 3, p);
     const Coordinate x = coordinate(hn::Div(row_of(m, 0, p), w), across, guard + 0.5F);
     const Coordinate y = coordinate(hn::Div(row_of(m, 1, p), w), down, guard + 0.5F);
@@ -133,7 +150,7 @@ HWY_INLINE I transform_some(const Vertex* vertices, const Projection& m, GridVer
                                      splat(int{outside_w}));
     const I all = hn::Or(by_view, cut_off(m, p));
     hn::StoreInterleaved4(hn::Sub(x.value, splat(guard)), hn::Sub(y.value, splat(guard)), z.value,
-                          turned(m, words_of(vertices, 3), words_of(vertices, 4)), DI(),
+                          turned(m, words.normal_xy, words.normal_z), DI(),
                           reinterpret_cast<std::int32_t*>(out));
     hn::StoreU(all, DI(), reinterpret_cast<std::int32_t*>(outside));
     return all;

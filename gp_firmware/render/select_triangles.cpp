@@ -5,6 +5,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <cstddef>
 
 #include "gp_firmware/render/select_triangles.hpp"
 #include "gp_firmware/render/set_up_triangles.hpp"
@@ -37,12 +38,19 @@ struct Points {
     I x, y;
 };
 
-/// The vertices' grid positions.
+/// The vertices' grid positions: x and y are gathered as one.
 HWY_INLINE Points points_at(const GridVertex* vertices, I index) {
-    const auto* base = &vertices->x;
-    const I at = hn::ShiftLeft<2>(index);
-    static_assert(sizeof(GridVertex) == 4 * sizeof *base);
-    return {hn::GatherIndex(DI(), base, at), hn::GatherIndex(DI(), base + 1, at)};
+    using Pairs = hn::RepartitionToWide<DI>;
+    static_assert(offsetof(GridVertex, y) == 4 && sizeof(GridVertex) == 2 * sizeof(std::int64_t));
+    const auto* base = reinterpret_cast<const std::int64_t*>(vertices);
+    const auto pairs = [base](auto half_of_index) HWY_ATTR {
+        const auto at = hn::ShiftLeft<1>(hn::PromoteTo(Pairs(), half_of_index));
+        return hn::BitCast(DI(), hn::GatherIndex(Pairs(), base, at));
+    };
+    const hn::Half<DI> half_lanes;
+    const I lower = pairs(hn::LowerHalf(half_lanes, index));
+    const I upper = pairs(hn::UpperHalf(half_lanes, index));
+    return {hn::ConcatEven(DI(), upper, lower), hn::ConcatOdd(DI(), upper, lower)};
 }
 
 struct Range {
