@@ -79,10 +79,15 @@ struct Slope {
     U high;  ///< Bits 4..35.
 };
 
-/// setup::Slopes of one plane. Grows `steepest` by the slope's magnitude.
-HWY_INLINE Slope slope(const Doubles& numerator, const Doubles& scale, D& steepest) {
+/// As setup::Slopes have it, of one plane: `numerator` times `scale`, a power of 2 over det.
+///
+/// Unlike larger triangles', these slopes never need setup::exact_slopes(): the numerator and the
+/// power of 2 make an N below 2^51, and N / det is computed to better than 2^-52 of itself, which
+/// is less than 1 / (2 det): what it is at least away from where rounding turns, unless it lies
+/// right there. It only can if det has more factors 2 than the power, 2^12 or more, has; and then
+/// it is below 2^40, where the definition rounds doubles, too.
+HWY_INLINE Slope slope(const Doubles& numerator, const Doubles& scale) {
     const Doubles exact = product(numerator, scale);
-    steepest = hn::Max(steepest, hn::Max(hn::Abs(exact.lower), hn::Abs(exact.upper)));
     const D round = hn::Set(DD(), setup::to_nearest);
     const U lower = hn::BitCast(DU(), hn::Add(exact.lower, round));
     const U upper = hn::BitCast(DU(), hn::Add(exact.upper, round));
@@ -154,9 +159,8 @@ HWY_INLINE void put_edges(const Setup& s, Block& out) {
             edge(hn::Neg(s.dx2), hn::Neg(s.dy2), hn::Sub(s.to_x, s.dx2), hn::Sub(s.to_y, s.dy2)));
 }
 
-/// Returns the largest magnitude of a slope in each lane, of the lower lanes' and of the upper's.
-HWY_INLINE D put_planes(const Corners& v0, const Corners& v1, const Corners& v2, const Setup& s,
-                        Block& out) {
+HWY_INLINE void put_planes(const Corners& v0, const Corners& v1, const Corners& v2, const Setup& s,
+                           Block& out) {
     const Doubles det = to_doubles(hn::Sub(hn::Mul(s.dx1, s.dy2), hn::Mul(s.dx2, s.dy1)));
     const D one = hn::Set(DD(), 1.0);
     const Doubles inverse{hn::Div(one, det.lower), hn::Div(one, det.upper)};
@@ -164,17 +168,14 @@ HWY_INLINE D put_planes(const Corners& v0, const Corners& v1, const Corners& v2,
         const D scale = hn::Set(DD(), static_cast<double>(1U << (setup::shift + fraction)));
         return Doubles{hn::Mul(inverse.lower, scale), hn::Mul(inverse.upper, scale)};
     };
-    D steepest = hn::Zero(DD());
 
     // Depths do not fit 32 bits once they are multiplied; doubles hold them exactly.
     const Doubles z1 = to_doubles(hn::Sub(v1.z, v0.z)), z2 = to_doubles(hn::Sub(v2.z, v0.z));
     const Doubles z_scale = scaled(isa::region::z_fraction_bits);
     const Slope za =
-        slope(difference(product(z1, to_doubles(s.dy2)), product(z2, to_doubles(s.dy1))), z_scale,
-              steepest);
+        slope(difference(product(z1, to_doubles(s.dy2)), product(z2, to_doubles(s.dy1))), z_scale);
     const Slope zb =
-        slope(difference(product(z2, to_doubles(s.dx1)), product(z1, to_doubles(s.dx2))), z_scale,
-              steepest);
+        slope(difference(product(z2, to_doubles(s.dx1)), product(z1, to_doubles(s.dx2))), z_scale);
     Instruction z = plane<isa::region::z_fraction_bits>(shape::z_test_word, za, zb, v0.z, s);
     out.put(3, z);
     z.word = word(shape::z_store_word);
@@ -184,28 +185,11 @@ HWY_INLINE D put_planes(const Corners& v0, const Corners& v1, const Corners& v2,
     for (std::size_t k = 0; k < 3; ++k) {
         const I n0 = v0.component(k);
         const I n1 = hn::Sub(v1.component(k), n0), n2 = hn::Sub(v2.component(k), n0);
-        const Slope a =
-            slope(to_doubles(hn::Sub(hn::Mul(n1, s.dy2), hn::Mul(n2, s.dy1))), n_scale, steepest);
-        const Slope b =
-            slope(to_doubles(hn::Sub(hn::Mul(n2, s.dx1), hn::Mul(n1, s.dx2))), n_scale, steepest);
+        const Slope a = slope(to_doubles(hn::Sub(hn::Mul(n1, s.dy2), hn::Mul(n2, s.dy1))), n_scale);
+        const Slope b = slope(to_doubles(hn::Sub(hn::Mul(n2, s.dx1), hn::Mul(n1, s.dx2))), n_scale);
         out.put(5 + k,
                 plane<isa::region::normal_fraction_bits>(shape::normal_words[k], a, b, n0, s));
     }
-    return steepest;
-}
-
-/// One triangle by the definition, for slopes that doubles do not give exactly.
-void set_up_exactly(const NamedTriangle& t, std::span<const GridVertex> corners, RegionPlace place,
-                    std::uint32_t* words) {
-    const ScreenVertex v0 = screen_vertex(corners[t.v0]), v1 = screen_vertex(corners[t.v1]),
-                       v2 = screen_vertex(corners[t.v2]);
-    const std::array<Edge, 3> edges = edges_of(v0, v1, v2);
-    std::array<RegionEdge, 3> here;
-    for (std::size_t k = 0; k < 3; ++k) {
-        here[k] = *region_edge(edges[k], place.x0_px, place.y0_px);
-    }
-    write_triangle(here, planes_of(v0, v1, v2, determinant(v0, v1, v2)), place.x0_px, place.y0_px,
-                   t.surface_word, words);
 }
 
 /// The corners of some triangles, side by side.
@@ -222,8 +206,8 @@ struct Batch {
     }
 };
 
-/// Sets up `lanes` triangles of the batch. Returns whether all slopes are exact.
-HWY_INLINE bool set_up_some(const Batch& batch, std::size_t first, RegionPlace place, Block& out) {
+/// Sets up `lanes` triangles of the batch.
+HWY_INLINE void set_up_some(const Batch& batch, std::size_t first, RegionPlace place, Block& out) {
     const Corners v0 = batch.load(0, first), v1 = batch.load(1, first), v2 = batch.load(2, first);
     const Setup s{hn::Sub(v1.x, v0.x),
                   hn::Sub(v1.y, v0.y),
@@ -232,8 +216,7 @@ HWY_INLINE bool set_up_some(const Batch& batch, std::size_t first, RegionPlace p
                   hn::Sub(splat(place.x0_px * subpixels + setup::half), v0.x),
                   hn::Sub(splat(place.y0_px * subpixels + setup::half), v0.y)};
     put_edges(s, out);
-    const D steepest = put_planes(v0, v1, v2, s, out);
-    return hn::AllTrue(DD(), hn::Le(steepest, hn::Set(DD(), setup::max_rounded_slope)));
+    put_planes(v0, v1, v2, s, out);
 }
 
 HWY_INLINE void write_one(const Block& block, std::size_t lane, std::uint32_t surface_word,
@@ -261,13 +244,9 @@ void set_up_all(std::span<const NamedTriangle> triangles, std::span<const GridVe
             batch.corners[2][i] = corners[t.v2];
         }
         for (std::size_t i = 0; i < count; i += lanes) {
-            const bool exact = set_up_some(batch, i, place, block);
+            set_up_some(batch, i, place, block);
             for (std::size_t k = i; k < std::min(i + lanes, count); ++k) {
-                const NamedTriangle& t = triangles[first + k];
-                write_one(block, k - i, t.surface_word, words);
-                if (!exact) {
-                    set_up_exactly(t, corners, place, words);
-                }
+                write_one(block, k - i, triangles[first + k].surface_word, words);
                 words += shape::word_count;
             }
         }
