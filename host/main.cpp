@@ -159,8 +159,8 @@ int run(const Flags& flags) {
         }
         if (isatty(STDIN_FILENO) != 0) {
             options.keep_going = true;
-            fmt::print("pxpl5 {}: {} GPs, {} Renderers; 'help' lists the commands\n", version,
-                       session.gp_count(), session.renderer_count());
+            fmt::print("pxpl5 {}: {}; 'help' lists the commands\n", version,
+                       size_text(flags.machine.plan()));
             run_script(session, lines_of_prompt(&machine), options);
             return 0;
         }
@@ -199,7 +199,7 @@ int report(const Flags& flags) {
     }
     return flags.machine.with_session([&](Session& session, MachinePort&) {
         session.will_write = !flags.pictures.empty();
-        report_paper(session, flags.pictures);
+        report_paper(session, size_text(flags.machine.plan()), flags.pictures);
         return 0;
     });
 }

@@ -61,7 +61,7 @@ std::string write_picture(Session& session, const PaperRow& row, const std::stri
 
 }  // namespace
 
-void report_paper(Session& session, const std::string& pictures) {
+void report_paper(Session& session, const std::string& machine, const std::string& pictures) {
     fmt::print("{:<24}{:>20}{:>24}{:>22}\n", "", "triangles", "surface built in, ms", "frames/s");
     fmt::print("{:<24}{:>10}{:>10}{:>12}{:>12}{:>11}{:>11}\n", "volume, surface", "paper", "here",
                "paper", "here", "paper", "here");
@@ -89,9 +89,8 @@ void report_paper(Session& session, const std::string& pictures) {
     }
     fmt::print(
         "paper: 36 GPs, 16 Renderers, 1993, wall time of that machine; here: wall time of "
-        "this one, {} GPs, {} Renderers, {}x{}, every view newly drawn\n",
-        session.gp_count(), session.renderer_count(), session.scene.size.width,
-        session.scene.size.height);
+        "this one, {}, {}x{}, every view newly drawn\n",
+        machine, session.scene.size.width, session.scene.size.height);
     if (!paths.empty()) {
         fmt::print("pictures:\n");
         for (const std::string& path : paths) {

@@ -74,7 +74,9 @@ int core_count() {
 
 void resolve_counts(Topology& topology) {
     for (RoleSettings* role : {&topology.gp, &topology.renderer}) {
-        role->count = role->count == 0 ? core_count() : role->count;
+        if (role->count == 0) {
+            role->count = topology.fitted_to_cores = core_count();
+        }
     }
 }
 
@@ -169,6 +171,7 @@ void set_value(Topology& topology, std::string_view key, std::string_view value)
                                      [key](const NumberKey& k) { return k.name == key; });
     if (number != number_keys.end()) {
         number->in(topology) = whole_number<int>(key, value);
+        topology.fitted_to_cores = key.ends_with(".count") ? 0 : topology.fitted_to_cores;
     } else if (key == "seed") {
         topology.seed = whole_number<std::uint64_t>(key, value);
     } else if (key == "ring.transport") {
@@ -214,6 +217,17 @@ std::filesystem::path find_named(const std::string& name) {
 
 std::string_view name_of(VectorTarget target) {
     return target_names[static_cast<std::size_t>(target)];
+}
+
+std::string size_text(const Topology& topology) {
+    const auto counted = [](int count, std::string_view word) {
+        return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
+    };
+    const std::string size = fmt::format("{}, {}", counted(topology.gp.count, "GP"),
+                                         counted(topology.renderer.count, "Renderer"));
+    return topology.fitted_to_cores == 0
+               ? size
+               : fmt::format("{}, fitted to {}", size, counted(topology.fitted_to_cores, "core"));
 }
 
 void apply_override(Topology& topology, std::string_view assignment) {

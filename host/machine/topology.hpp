@@ -41,6 +41,7 @@ struct RingSettings {
 struct Topology {
     std::string name;  ///< The file's name without folder and suffix.
     RoleSettings gp, renderer, frame_buffer;
+    int fitted_to_cores = 0;   ///< What counts of 0 were resolved to; 0 if there were none.
     int gp_memory_mib = 4096;  ///< Local memory of each GP.
     RingSettings ring;
     Record record = Record::off;
@@ -64,6 +65,9 @@ Topology parse_topology(std::string_view text, const std::string& file,
 /// "ring.transport=tcp", "record=full", "vector_target=sse4", "seed=7". A count of 0 is resolved.
 /// Throws RequestError (usage).
 void apply_override(Topology& topology, std::string_view assignment);
+
+/// "2 GPs, 2 Renderers, fitted to 2 cores": for people.
+std::string size_text(const Topology& topology);
 
 /// The plan as a topology file that load_topology reads back to the same plan.
 std::string resolved_json(const Topology& topology);

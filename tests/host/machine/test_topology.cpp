@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <fmt/core.h>
 #include <sched.h>
 #include <unistd.h>
 
@@ -127,6 +128,15 @@ TEST_CASE("an override sets one value") {
     CHECK(plan.renderer.cpu == std::vector<int>{0, 1});
     CHECK(plan.frame_buffer.env == std::vector<std::string>{"A=b=c"});
     CHECK(parse_topology(small, "small.json", {"gp.count=0"}).gp.count == cores());
+}
+
+TEST_CASE("a plan says how large it is, and whether this computer's cores decided that") {
+    const std::string fitted = fmt::format("fitted to {} core{}", cores(), cores() == 1 ? "" : "s");
+    CHECK(size_text(load_topology("paper-1993")) == "36 GPs, 16 Renderers");
+    CHECK(size_text(load_topology("one-of-each")) == "1 GP, 1 Renderer");
+    CHECK(has(size_text(load_topology("default")), fitted));
+    CHECK(!has(size_text(load_topology("default", {"gp.count=3"})), "fitted"));
+    CHECK(has(size_text(load_topology("paper-1993", {"renderer.count=0"})), fitted));
 }
 
 TEST_CASE("an override that cannot be obeyed names key, value and range") {
