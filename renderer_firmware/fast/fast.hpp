@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "renderer_firmware/fast/handlers.hpp"
+#include "renderer_firmware/fast/stretch.hpp"
 
 namespace pxpl5::renderer::fast {
 
@@ -46,8 +46,7 @@ class Fast final : public isa::Executor {
 
     void execute(isa::Instruction in, isa::Coefficients coefficients) override;
 
-    /// Runs triangles fused, and other straight-line stretches block group by block group, so that
-    /// a group's memory stays in the first-level cache.
+    /// Runs triangles fused, and other straight-line stretches block group by block group.
     isa::Taken execute_ahead(std::span<const std::uint32_t> words) override;
 
     bool any_enabled() const override { return board_->pixels.any_enabled(); }
@@ -57,17 +56,9 @@ class Fast final : public isa::Executor {
     std::uint32_t backing_block(int x, int y, std::uint32_t block) const override;
 
   private:
-    struct Step {
-        Handler run;
-        isa::Operands operands;
-        isa::Coefficients coefficients;
-    };
-
-    isa::Taken gather(std::span<const std::uint32_t> words);
-
     const Backend& code_;
     std::unique_ptr<hal::Board> board_;
-    std::vector<Step> steps_;  ///< The stretch being run.
+    Stretch stretch_;  ///< The one being run.
 };
 static_assert(isa::Restorable<Fast>);
 

@@ -22,6 +22,9 @@ namespace pxpl5::renderer::fast::HWY_NAMESPACE {
 // In triangle.cpp.
 isa::Taken run_triangles(hal::Board& board, const std::uint32_t* words, std::size_t word_count);
 
+// In fused.cpp.
+std::span<const Fused> fused_programs();
+
 HandlerTable make_handlers() {
     HandlerTable table{};
 #define PXPL5_OP(id, ...)                                  \
@@ -34,7 +37,7 @@ HandlerTable make_handlers() {
 }
 
 const Backend& compiled_backend() {
-    static const Backend code{make_handlers(), run_triangles};
+    static const Backend code{make_handlers(), run_triangles, fused_programs()};
     return code;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "isa/executor.hpp"
 #include "isa/vector_target.hpp"
@@ -28,10 +29,27 @@ using HandlerTable = std::array<Handler, isa::op_count>;
 using TriangleRun = isa::Taken (*)(hal::Board& board, const std::uint32_t* words,
                                    std::size_t word_count);
 
+/// A tile of pixels.
+struct Tile {
+    std::uint32_t* first;  ///< Word 0 of its first pixel; word k lies k * block_pixels behind.
+    std::size_t index;     ///< Where its first pixel is stored (pixel_index()).
+};
+/// Tiles of the same block side by side.
+using Tiles = std::span<const Tile>;
+
+/// A stretch of the region programs' texts that runs as one.
+struct Fused {
+    /// The words of it that `words` begins with; 0 if it begins with something else.
+    std::size_t (*match)(std::span<const std::uint32_t> words);
+    /// Runs it, as it lies at `words`, on some tiles.
+    void (*run)(hal::Board& board, Tiles tiles, std::span<const std::uint32_t> words);
+};
+
 /// The same machine code interface for every vector target.
 struct Backend {
     HandlerTable handlers;
     TriangleRun triangles;  ///< Runs the triangles at the head of `words`, fused.
+    std::span<const Fused> fused;
 };
 
 using Target = isa::VectorTarget;

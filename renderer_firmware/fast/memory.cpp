@@ -3,7 +3,7 @@
 #define HWY_TARGET_INCLUDE "renderer_firmware/fast/memory.cpp"
 #include <hwy/foreach_target.h>
 // Behind foreach_target.h, which compiles what follows once per target.
-#include "renderer_firmware/fast/vector-inl.hpp"
+#include "renderer_firmware/fast/values-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pxpl5::renderer::fast::HWY_NAMESPACE {
@@ -66,25 +66,6 @@ HWY_INLINE void test_constant(Board& board, BlockRange range, Operands o, Coeffi
         });
     });
 }
-
-struct IsLess {
-    template <typename N>
-    HWY_INLINE M operator()(N p, N q) const {
-        return less(p, q);
-    }
-};
-struct IsAtLeast {
-    template <typename N>
-    HWY_INLINE M operator()(N p, N q) const {
-        return hn::Not(less(p, q));
-    }
-};
-struct IsEqual {
-    template <typename N>
-    HWY_INLINE M operator()(N p, N q) const {
-        return equal(p, q);
-    }
-};
 
 void mem_into_mem(Board& board, BlockRange range, Operands o, Coefficients) {
     combine_fields(board, range, o, [](auto, auto from) PXPL5_BODY { return from; });

@@ -9,6 +9,7 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
 #include <cassert>
 #include <cstring>
 
@@ -66,8 +67,12 @@ HWY_INLINE Corner corner(std::size_t block, std::size_t at) {
 
 // ---- masks and bits
 
+// Bit i of a number, of Highway's mask bytes and of PixelBits is lane i: all are little-endian.
+static_assert(std::endian::native == std::endian::little);
+
 HWY_INLINE M mask_of(std::uint32_t bits) {
-    std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8)};
+    std::uint8_t bytes[8];
+    std::memcpy(bytes, &bits, sizeof bits);
     return hn::LoadMaskBits(D(), bytes);
 }
 HWY_INLINE std::uint32_t bits_of(M mask) {
@@ -81,15 +86,17 @@ HWY_INLINE std::uint32_t bits_of(M mask) {
 /// The bits of the vector that starts at stored pixel `index`.
 HWY_INLINE std::uint32_t load_bits(const hal::PixelBits& bits, std::size_t index) {
     if constexpr (lanes == 16) {
-        return bits[index / 8] | std::uint32_t{bits[index / 8 + 1]} << 8;
+        std::uint16_t value = 0;
+        std::memcpy(&value, &bits[index / 8], sizeof value);
+        return value;
     } else {
         return bits[index / 8] >> index % 8 & all_lanes;
     }
 }
 HWY_INLINE void store_bits(hal::PixelBits& bits, std::size_t index, std::uint32_t value) {
     if constexpr (lanes == 16) {
-        bits[index / 8] = static_cast<std::uint8_t>(value);
-        bits[index / 8 + 1] = static_cast<std::uint8_t>(value >> 8);
+        const auto stored = static_cast<std::uint16_t>(value);
+        std::memcpy(&bits[index / 8], &stored, sizeof stored);
     } else if constexpr (lanes == 8) {
         bits[index / 8] = static_cast<std::uint8_t>(value);
     } else {

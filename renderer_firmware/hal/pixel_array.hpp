@@ -14,6 +14,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "isa/executor.hpp"
 
@@ -72,6 +73,12 @@ struct PixelArray {
     void set_occupied(std::size_t block, bool any) {
         const std::uint64_t bit = std::uint64_t{1} << block % 64;
         occupied[block / 64] = any ? occupied[block / 64] | bit : occupied[block / 64] & ~bit;
+    }
+    /// Sets a block's bit in `occupied` to what its enables say.
+    void note_occupied(std::size_t block) {
+        std::uint64_t bits[block_pixels / 64];
+        std::memcpy(bits, &enable[block * block_pixels / 8], sizeof bits);
+        set_occupied(block, (bits[0] | bits[1]) != 0);
     }
     /// All bits 0.
     void clear();

@@ -3,105 +3,41 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cassert>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 
-#include "isa/assemble.hpp"
-#include "isa/executor.hpp"
-#include "isa/region_layout.hpp"
+#include "isa/program.hpp"
 #include "isa/screen_door.hpp"
+#include "renderer_firmware/programs/texts.hpp"
 
 namespace pxpl5::renderer {
 namespace {
-
-#include "program_texts.inc"
-
-// Places that registers.pxasm names and that this file computes with.
-constexpr std::uint32_t place_x = 64, place_y = 80, place_z = 96;
-constexpr std::uint32_t place_t = 128, place_fraction = place_t + 29, place_base = 192;
-constexpr std::uint32_t fraction_bits = 16;
 
 constexpr double light_one = 16384;      ///< 1.0 of `light`.
 constexpr double light_half_step = 16;   ///< finish.pxasm drops 5 bits of it.
 constexpr double diffuse_one = 8192;     ///< 1.0 of a lamp in its dot product.
 constexpr double dot_one = 32768;        ///< Unit length in a highlight's dot product.
-constexpr double fraction_one = 65536;   ///< 1.0 of `fraction`.
+constexpr double cosine_one = 65536;     ///< 1.0 of `cosine`.
 constexpr double gloss_weight_one = 16;  ///< Weight per step of colour; see gloss.pxasm.
 constexpr double dimmest_step = 0.125;   ///< A highlight below this part of a step is dropped.
 
 /// What truncation takes from a cosine near 1, on average and over the whole power: half a bit each
-/// for the fraction and the products, one for the inverse.
-constexpr double mean_loss = 2 / fraction_one;
+/// for the cosine and the products, one for the inverse.
+constexpr double mean_loss = 2 / cosine_one;
 
-/// The fields of region_layout.hpp as names for the assembler.
-std::string layout_names() {
-    using namespace isa::region;
-    namespace door = isa::door;
-    return fmt::format(
-        ".def surface {}\n.def z {}\n.def normal_x {}\n.def normal_y {}\n.def normal_z {}\n.def "
-        "rgb "
-        "{}\n.def kept_z {}\n.def rank {}\n.def shut {}\n",
-        surface.address, z.address, normal_x.address, normal_y.address, normal_z.address,
-        rgb.address, door::kept_z.address, door::rank.address, door::shut);
-}
-
-isa::Program assembled(std::string_view source, const std::string& names = {}) {
-    return isa::assemble(fmt::format("{}{}{}{}", layout_names(), text::registers, names, source));
-}
-
-/// A text that works on a place given as .def, assembled for every place that is used.
-class Placed {
-  public:
-    Placed(std::string_view name, std::string_view source, std::span<const std::uint32_t> places) {
-        for (const std::uint32_t place : places) {
-            programs_[place] = assembled(source, fmt::format(".def {} {}\n", name, place));
-        }
+/// The words of a text, with the values of its open coefficients. Throws as isa::Program::bind().
+template <std::size_t words, std::size_t open>
+std::vector<std::uint32_t> bound(const programs::Text<words, open>& text,
+                                 const isa::Parameters& values = {}) {
+    isa::Program program;
+    program.words.assign(text.words.begin(), text.words.end());
+    for (const programs::Open& coefficient : text.open) {
+        program.patches.push_back({std::string(coefficient.name), coefficient.word});
     }
-    const isa::Program& at(std::uint32_t place) const {
-        assert(programs_[place]);
-        return *programs_[place];
-    }
-
-  private:
-    std::array<std::optional<isa::Program>, isa::memory_bits> programs_;
-};
-
-constexpr std::array places_n = {place_x, place_y, place_z};
-
-/// Where the power so far may lie: at the fraction or moved down, 16 bits on with each product.
-/// From the first 3 a product ends below the base, from the first 6 it ends within the memory.
-constexpr std::array<std::uint32_t, 8> places_q = {128, 144, 160, 157, 173, 176, 189, 192};
-
-/// Every text, assembled.
-struct Texts {
-    isa::Program prologue = assembled(text::prologue), cover = assembled(text::cover),
-                 normal = assembled(text::normal), ambient = assembled(text::ambient),
-                 unlit = assembled(text::unlit), scale = assembled(text::scale),
-                 diffuse = assembled(text::diffuse), visible = assembled(text::visible),
-                 keep_base = assembled(text::keep_base),
-                 colour_first = assembled(text::colour_first),
-                 colour_next = assembled(text::colour_next),
-                 enable_covered = assembled(text::enable_covered), finish = assembled(text::finish),
-                 readout = assembled(text::readout), rank_bayer = assembled(text::rank_bayer),
-                 rank_lines = assembled(text::rank_lines), shut_door = assembled(text::shut_door),
-                 open_door = assembled(text::open_door), depths = assembled(text::depths);
-    Placed dot_first{"N", text::dot_first, places_n}, dot_next{"N", text::dot_next, places_n};
-    Placed move_down{"Q", text::move_down, places_q};
-    Placed square{"Q", text::square, std::span(places_q).first(6)};
-    Placed times_base{"Q", text::times_base, std::span(places_q).first(3)};
-    Placed gloss{"Q", text::gloss, places_q};
-};
-
-const Texts& texts() {
-    static const Texts assembled_once;
-    return assembled_once;
+    return program.bind(values);
 }
 
 struct Vector {
@@ -120,10 +56,9 @@ std::int64_t packed(Rgb c) {
     return c.r | c.g << 8 | c.b << 16;
 }
 
-/// 4 (value) of each, 11 bits apart; see colour_first.pxasm.
+/// 11 bits apart; see colour_first.pxasm.
 std::int64_t spread(Rgb c) {
-    const auto part = [](std::uint8_t value) { return std::int64_t{value} * 4; };
-    return part(c.r) | part(c.g) << 11 | part(c.b) << 22;
+    return c.r | c.g << 11 | c.b << 22;
 }
 
 /// Writes the end-of-region program of one shading, text after text.
@@ -132,28 +67,36 @@ class Writer {
     explicit Writer(const Shading& shading) : shading_(shading) {}
 
     std::vector<std::uint32_t> end_of_region() {
-        add(texts().cover, {{"readout", 0}});
+        add(programs::cover);
+        add(programs::skip_empty, {{"readout", 0}});
         const std::size_t skip = words_.size() - 1;
         light();
         colours();
-        add(texts().finish);
+        add(programs::finish);
         words_[skip] = static_cast<std::uint32_t>(words_.size());
-        add(texts().readout);
+        add(programs::readout);
         return std::move(words_);
     }
 
   private:
-    void add(const isa::Program& program, const isa::Parameters& values = {}) {
-        const std::vector<std::uint32_t> bound = program.bind(values);
-        words_.insert(words_.end(), bound.begin(), bound.end());
+    template <typename Text>
+    void add(const Text& text, const isa::Parameters& values = {}) {
+        const std::vector<std::uint32_t> more = bound(text, values);
+        words_.insert(words_.end(), more.begin(), more.end());
     }
 
     void light() {
-        add(texts().ambient,
+        add(programs::ambient,
             {{"ambient", std::lround(shading_.ambient * light_one + light_half_step)}});
         const bool any =
             std::ranges::any_of(shading_.lights, [](const Light& l) { return l.intensity > 0; });
-        add(any ? texts().normal : texts().unlit);
+        if (any) {
+            add(programs::normal);
+            add(programs::length);
+            add(programs::inverse);
+        } else {
+            add(programs::unlit);
+        }
         for (const Light& lamp : shading_.lights) {
             if (lamp.intensity > 0) {
                 this->lamp(lamp);
@@ -165,8 +108,8 @@ class Writer {
         const Light::Direction& d = lamp.direction;
         const Vector l = *normalised({d.x, d.y, d.z});
         if (dot(l, diffuse_one * lamp.intensity)) {
-            add(texts().scale);
-            add(texts().diffuse);
+            add(programs::scale);
+            add(programs::diffuse);
         }
         // A lamp straight behind has no half vector, and lights nothing that is seen.
         const std::optional<Vector> half = normalised({l.x, l.y, l.z + 1});
@@ -177,70 +120,61 @@ class Writer {
 
     /// T = normal . (scale * v), in 32 bits; false if that is 0 for every normal.
     bool dot(Vector v, double scale) {
-        const std::int64_t k[] = {std::lround(v.x * scale), std::lround(v.y * scale),
-                                  std::lround(v.z * scale)};
-        bool first = true;
-        for (std::size_t i = 0; i < 3; ++i) {
-            if (k[i] != 0) {
-                add((first ? texts().dot_first : texts().dot_next).at(places_n[i]), {{"k", k[i]}});
-                first = false;
-            }
+        const std::int64_t x = std::lround(v.x * scale), y = std::lround(v.y * scale),
+                           z = std::lround(v.z * scale);
+        if (x != 0) {
+            add(programs::dot_first_x, {{"k", x}});
         }
-        return !first;
+        if (y != 0) {
+            x == 0 ? add(programs::dot_first_y, {{"k", y}}) : add(programs::dot_next_y, {{"k", y}});
+        }
+        if (z != 0) {
+            x == 0 && y == 0 ? add(programs::dot_first_z, {{"k", z}})
+                             : add(programs::dot_next_z, {{"k", z}});
+        }
+        return x != 0 || y != 0 || z != 0;
     }
 
     /// The half vector is shortened by the power-th root of 2: no product runs over, the power is
     /// below one half, as gloss.pxasm needs it, and the weight makes up for it.
     void highlight(Vector half, double weight) {
         const double power = shading_.specular_power;
-        const double shortened = std::pow(0.5, 1 / power) * (1 - 1 / fraction_one);
+        const double shortened = std::pow(0.5, 1 / power) * (1 - 1 / cosine_one);
         const double steps = 255 * weight;
         const double weight_word =
             steps * gloss_weight_one / std::pow(shortened - mean_loss, power);
         const double least = std::pow(std::min(1.0, dimmest_step / steps), 1 / power) * shortened;
         dot(half, dot_one * shortened);
-        add(texts().scale);
-        add(texts().visible, {{"least", std::lround(least * fraction_one)}});
-        const std::uint32_t place = raise(shading_.specular_power);
-        add(texts().gloss.at(place), {{"weight", std::lround(weight_word)}});
+        add(programs::scale);
+        add(programs::visible, {{"least", std::lround(least * cosine_one)}});
+        raise(shading_.specular_power);
+        add(programs::gloss, {{"weight", std::lround(weight_word)}});
     }
 
-    /// Raises the fraction to `power`, from the power's top bit down: square, and multiply where
-    /// a bit is set. Returns the place of the result.
-    std::uint32_t raise(std::uint32_t power) {
-        const bool needs_base = (power & (power - 1)) != 0;
-        if (needs_base) {
-            add(texts().keep_base);
+    /// Raises the cosine to `power`, from the power's top bit down: square, and multiply where a
+    /// bit is set.
+    void raise(std::uint32_t power) {
+        if (!std::has_single_bit(power)) {
+            add(programs::keep_base);
         }
-        const std::uint32_t room_end = needs_base ? place_base : isa::memory_bits;
-        std::uint32_t at = place_fraction;
-        const auto step = [&](const Placed& product) {
-            if (at + 2 * fraction_bits > room_end) {
-                add(texts().move_down.at(at));
-                at = place_t;
-            }
-            add(product.at(at));
-            at += fraction_bits;
-        };
         std::uint32_t bit = std::bit_floor(power);
         while ((bit >>= 1U) != 0) {
-            step(texts().square);
+            add(programs::square);
             if ((power & bit) != 0) {
-                step(texts().times_base);
+                add(programs::times_base);
             }
         }
-        return at;
     }
 
     void colours() {
         const std::vector<Rgb>& surfaces = shading_.surfaces;
-        add(texts().colour_first, {{"colour", spread(surfaces.empty() ? Rgb{} : surfaces[0])}});
+        add(programs::colour_first, {{"colour", spread(surfaces.empty() ? Rgb{} : surfaces[0])}});
         for (std::size_t i = 1; i < surfaces.size(); ++i) {
-            add(texts().colour_next, {{"surface_number", static_cast<std::int64_t>(i + 1)},
-                                      {"colour", spread(surfaces[i])}});
+            add(programs::colour_next, {{"surface_number", static_cast<std::int64_t>(i + 1)},
+                                        {"colour", spread(surfaces[i])}});
         }
         if (surfaces.size() > 1) {
-            add(texts().enable_covered);
+            add(programs::enable_covered);
         }
     }
 
@@ -297,14 +231,13 @@ std::vector<std::uint32_t> shut(const Screen& screen) {
     constexpr PlaceForm u[kinds] = {{1, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     constexpr PlaceForm v[kinds] = {{0, 1, 0}, {0, 1, 0}, {1, 0, 1}};
     const std::uint32_t kind = screen.pattern % kinds, moved = screen.pattern / kinds;
-    const isa::Program& rank = kind == 0 ? texts().rank_bayer : texts().rank_lines;
-    std::vector<std::uint32_t> words = rank.bind({{"u_x", u[kind].x},
-                                                  {"u_y", u[kind].y},
-                                                  {"u_1", u[kind].one + (moved & 1)},
-                                                  {"v_x", v[kind].x},
-                                                  {"v_y", v[kind].y},
-                                                  {"v_1", v[kind].one + (moved >> 1 & 1)}});
-    const std::vector<std::uint32_t> rest = texts().shut_door.bind({{"opacity", screen.opacity}});
+    const isa::Parameters forms = {
+        {"u_x", u[kind].x}, {"u_y", u[kind].y}, {"u_1", u[kind].one + (moved & 1)},
+        {"v_x", v[kind].x}, {"v_y", v[kind].y}, {"v_1", v[kind].one + (moved >> 1 & 1)}};
+    std::vector<std::uint32_t> words =
+        kind == 0 ? bound(programs::rank_bayer, forms) : bound(programs::rank_lines, forms);
+    const std::vector<std::uint32_t> rest =
+        bound(programs::shut_door, {{"opacity", screen.opacity}});
     words.insert(words.end(), rest.begin(), rest.end());
     return words;
 }
@@ -313,7 +246,7 @@ std::vector<std::uint32_t> shut(const Screen& screen) {
 
 std::vector<std::uint32_t> prologue(const Shading& shading) {
     verify(shading);
-    return texts().prologue.bind({{"background", packed(shading.background)}});
+    return bound(programs::prologue, {{"background", packed(shading.background)}});
 }
 
 std::vector<std::uint32_t> end_of_region(const Shading& shading) {
@@ -326,15 +259,16 @@ std::vector<DoorPrograms> doors(const Shading& shading) {
     std::vector<DoorPrograms> all;
     for (std::uint32_t s = 0; s < shading.screens.size(); ++s) {
         if (shading.screens[s].opacity < isa::door::levels) {
-            all.push_back({s, shut(shading.screens[s]),
-                           texts().open_door.bind({{"background", packed(shading.background)}})});
+            all.push_back(
+                {s, shut(shading.screens[s]),
+                 bound(programs::open_door, {{"background", packed(shading.background)}})});
         }
     }
     return all;
 }
 
 std::vector<std::uint32_t> depths() {
-    return texts().depths.bind({});
+    return bound(programs::depths);
 }
 
 RegionPrograms region_programs(const Shading& shading, bool wants_depths) {

@@ -1,0 +1,112 @@
+// Assembles the region programs' texts while pxpl5 is built, as constants for texts.hpp.
+//
+//     pxpl5_assemble_texts OUTPUT registers.pxasm NAME.pxasm...
+//
+// A text NAME_n.pxasm is one for each of the registers X, Y and Z, which it calls N: NAME_x, NAME_y
+// and NAME_z. Exits with 1, and says why, if a text is no program.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+
+#include "isa/assemble.hpp"
+#include "isa/region_layout.hpp"
+#include "isa/screen_door.hpp"
+
+namespace {
+
+using namespace pxpl5;
+
+std::string read(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) {
+        throw std::runtime_error("cannot be read");
+    }
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// The fields of region_layout.hpp and screen_door.hpp as names.
+std::string layout_names() {
+    namespace region = isa::region;
+    namespace door = isa::door;
+    std::string names;
+    const auto name = [&](const char* text, std::uint32_t address) {
+        names += fmt::format(".def {} {}\n", text, address);
+    };
+    name("surface", region::surface.address);
+    name("z", region::z.address);
+    name("normal_x", region::normal_x.address);
+    name("normal_y", region::normal_y.address);
+    name("normal_z", region::normal_z.address);
+    name("rgb", region::rgb.address);
+    name("kept_z", door::kept_z.address);
+    name("rank", door::rank.address);
+    name("shut", door::shut);
+    return names;
+}
+
+/// A program as the constant `name`.
+std::string constant(const std::string& name, const isa::Program& program) {
+    std::string words, open;
+    for (const std::uint32_t word : program.words) {
+        words += fmt::format("{:#010x}, ", word);
+    }
+    for (const isa::Program::Patch& patch : program.patches) {
+        if (patch.is_operand) {
+            throw std::runtime_error("$" + patch.name + " is no coefficient");
+        }
+        open += fmt::format("Open{{\"{}\", {}}}, ", patch.name, patch.word);
+    }
+    return fmt::format("inline constexpr Text<{}, {}> {} = {{{{{}}}, {{{}}}}};\n",
+                       program.words.size(), program.patches.size(), name, words, open);
+}
+
+/// All constants of the text at `path`.
+std::string constants(const std::filesystem::path& path, const std::string& names) {
+    const std::string name = path.stem().string();
+    const std::string text = read(path);
+    if (!name.ends_with("_n")) {
+        return constant(name, isa::assemble(names + text));
+    }
+    std::string all;
+    for (const char axis : {'x', 'y', 'z'}) {
+        const std::string place = fmt::format(".def N {:c}\n", axis - 'x' + 'X');
+        all +=
+            constant(name.substr(0, name.size() - 1) + axis, isa::assemble(names + place + text));
+    }
+    return all;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    constexpr int first_text = 3;
+    if (count < first_text) {
+        fmt::print(stderr, "usage: {} OUTPUT registers.pxasm NAME.pxasm...\n", arguments[0]);
+        return 64;
+    }
+    const char* at = arguments[2];
+    try {
+        const std::string names = layout_names() + read(at);
+        std::string code;
+        for (int i = first_text; i < count; ++i) {
+            at = arguments[i];
+            code += constants(at, names);
+        }
+        at = arguments[1];
+        std::ofstream output(at, std::ios::binary);
+        output << code;
+        if (!output.flush()) {
+            throw std::runtime_error("cannot be written");
+        }
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "{}: {}\n", at, error.what());
+        return 1;
+    }
+    return 0;
+}
