@@ -105,7 +105,6 @@ void ProgramsMessages::make(const FrameDrawing& drawing, bus::Outbox& out) {
     const auto regions = drawing.programs().regions();
     // Large enough: it never moves its words.
     flatbuffers::FlatBufferBuilder builder(size_bytes(regions, mine), out.body_allocator());
-    builder.TrackMinAlign(sizeof(std::uint64_t));  // Renderers read it where it lies.
     std::vector<flatbuffers::Offset<schema::RegionProgram>> programs;
     programs.reserve(mine.size());
     for (const std::size_t region : mine) {

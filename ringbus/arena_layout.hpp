@@ -14,10 +14,9 @@ namespace pxpl5::bus {
 inline constexpr std::size_t arena_bytes = std::size_t{512} << 20;
 /// Smaller bodies travel inside their messages: there, copying costs less than lending.
 inline constexpr std::size_t min_arena_body_bytes = 4096;
-/// Bodies of one sender that may be out at a time, counted once for each receiver.
-/// Of a body that is read where it lies; others travel inside their messages. A builder of a body
-/// without fields of 8 bytes sees to it by TrackMinAlign().
+/// Of a body that is read where it lies, as finish() makes it.
 inline constexpr std::uint64_t arena_body_alignment = 8;
+/// Bodies of one sender that may be out at a time, counted once for each receiver.
 inline constexpr std::uint32_t max_tickets = 4096;
 /// Nodes from this id on get their bodies inside the messages.
 inline constexpr NodeId max_arena_readers = 4088;

@@ -40,6 +40,7 @@ class Payload {
 /// Finishes `builder` with `body` as the message and takes the buffer out of it.
 template <typename T>
 Payload finish(flatbuffers::FlatBufferBuilder& builder, flatbuffers::Offset<T> body) {
+    builder.TrackMinAlign(sizeof(std::uint64_t));  // A receiver may read it where it lies.
     builder.Finish(schema::CreateMessage(builder, schema::BodyTraits<T>::enum_value, body.Union()),
                    schema::MessageIdentifier());
     return Payload(builder.Release());

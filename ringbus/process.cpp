@@ -54,8 +54,10 @@ bool tie_to_parent(int parent_pid) {
 /// A message does not interrupt who works, be it the sender or another node: with more threads than
 /// cores, most of what a frame brings then waits for its receiver at once, and wakes it once.
 void work_without_preemption() {
-    const sched_param none{};
-    sched_setscheduler(0, SCHED_BATCH, &none);
+    if (sched_getscheduler(0) == SCHED_OTHER) {  // Else who started it has chosen.
+        const sched_param none{};
+        sched_setscheduler(0, SCHED_BATCH, &none);
+    }
 }
 
 Payload hello_message(schema::Role role, const ProcessFlags& flags, const std::string& endpoint) {

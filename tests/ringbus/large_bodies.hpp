@@ -12,7 +12,6 @@ namespace pxpl5::test {
 inline bus::Payload large_slices(flatbuffers::Allocator* memory, std::size_t bytes,
                                  std::uint32_t number) {
     flatbuffers::FlatBufferBuilder builder(bytes + 256, memory);
-    builder.TrackMinAlign(8);
     std::uint8_t* values = nullptr;
     const auto values_at = builder.CreateUninitializedVector(bytes, &values);
     for (std::size_t i = 0; i < bytes; ++i) {
