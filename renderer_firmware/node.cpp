@@ -262,13 +262,14 @@ void RendererNode::tell_faults(bus::Outbox& out) {
 }
 
 void RendererNode::send_pixels(bus::Outbox& out) {
-    flatbuffers::FlatBufferBuilder& body = drawing_->body;
-    const auto tiles = body.CreateVectorOfStructs(drawing_->tiles);
+    // A send that throws must not leave it behind: its body can be finished but once.
+    const std::unique_ptr<Drawing> drawn = std::move(drawing_);
+    flatbuffers::FlatBufferBuilder& body = drawn->body;
+    const auto tiles = body.CreateVectorOfStructs(drawn->tiles);
     out.send(frame_buffer_,
              bus::finish(body, schema::CreateRegionPixels(
-                                   body, drawing_->plan.frame, static_cast<std::uint16_t>(index_),
-                                   tiles, drawing_->pixels.offset, drawing_->depths.offset)));
-    drawing_.reset();
+                                   body, drawn->plan.frame, static_cast<std::uint16_t>(index_),
+                                   tiles, drawn->pixels.offset, drawn->depths.offset)));
 }
 
 }  // namespace pxpl5::renderer

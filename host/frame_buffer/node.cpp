@@ -260,8 +260,10 @@ void FrameBufferNode::give_up_before(std::uint32_t number) {
 
 void FrameBufferNode::swap_in(bus::Outbox& out) {
     assert(in_flight_.front().frame.complete());
-    out.send(bus::host_id, frame_done(in_flight_.front()));
+    // A send that throws must not leave it behind: its body can be finished but once.
+    FrameInFlight done = std::move(in_flight_.front());
     in_flight_.pop_front();
+    out.send(bus::host_id, frame_done(done));
 }
 
 }  // namespace pxpl5::host

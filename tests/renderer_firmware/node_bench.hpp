@@ -28,9 +28,13 @@ struct Outbox final : bus::Outbox {
         bus::Payload payload;
     };
     void send(bus::NodeId to, bus::Payload payload) override {
+        if (payload.kind() == refused) {
+            throw bus::NodeFault(schema::FaultCode::out_of_memory, "the receiver is full");
+        }
         sent.push_back({to, std::move(payload)});
     }
     std::vector<Sent> sent;
+    Body refused = Body::NONE;  ///< Sending this throws.
 };
 
 struct SegmentWords {

@@ -233,3 +233,21 @@ TEST_CASE("a topology without this Renderer is refused") {
     const std::string reason = bench.refused(bus::host_id, bus::pack(topology));
     CHECK(reason.find("node 10 is not a Renderer, 0 GPs, no frame buffer 0") != std::string::npos);
 }
+
+TEST_CASE("a frame that cannot be sent is a fault, and the next one is drawn") {
+    Bench bench(1, 1, 0);
+    bench.take(first_gp, begin(1, {0}));
+    bench.from_gp(0, programs(1, 0, {{0, {{0, 3, sheet(0, 5000)}}}}));
+    bench.out.refused = Body::RegionPixels;
+    CHECK_THROWS_AS(bench.work(), bus::NodeFault);
+    bench.work();  // Nothing of it is left to be sent again.
+    CHECK(bench.frames().empty());
+
+    bench.out.refused = Body::NONE;
+    bench.take(first_gp, begin(2, {0}));
+    bench.from_gp(0, programs(2, 0, {{0, {{0, 3, sheet(1, 5000)}}}}));
+    bench.work();
+    REQUIRE(bench.frames().size() == 1);
+    CHECK(bench.frames()[0]->frame() == 2);
+    CHECK(is_all(*bench.frames()[0], 0, colours[1]));
+}

@@ -26,9 +26,13 @@ struct Outbox final : bus::Outbox {
     using bus::Outbox::send;
     void send(bus::NodeId to, bus::Payload payload) override {
         CHECK(to == bus::host_id);
+        if (is_full) {
+            throw bus::NodeFault(schema::FaultCode::out_of_memory, "the host is full");
+        }
         sent.push_back(std::move(payload));
     }
     std::vector<bus::Payload> sent;
+    bool is_full = false;  ///< Sending throws.
 };
 
 inline bus::Message delivered(bus::NodeId source, const bus::Payload& payload) {

@@ -257,3 +257,22 @@ TEST_CASE("depths that are missing, or that nobody asked for, are refused by nam
                       : "frame 3, Renderer 0: it sends depths, the frame wants none"));
     }
 }
+
+TEST_CASE("a frame that cannot be sent is a fault, and the next one is shown") {
+    std::mt19937 random(seed());
+    CAPTURE(seed());
+    const Scenario lost = random_scenario(random, 1, {300, 200, 1}, 1);
+    const Scenario next = random_scenario(random, 2, {300, 200, 1}, 1);
+    FrameBufferBench bench(1);
+    bench.take(master_gp, lost.begin());
+    bench.out.is_full = true;
+    CHECK(bench.fault(first_renderer, lost.pixels(0)) == "the host is full");
+
+    bench.out.is_full = false;
+    CHECK(bench.fault(first_renderer, lost.pixels(0)).find("the frame is over") !=
+          std::string::npos);
+    bench.take(master_gp, next.begin());
+    bench.from_renderer(0, next.pixels(0));
+    REQUIRE(bench.done() == std::vector<std::uint32_t>{2});
+    CHECK(picture_of(bench.out.sent[0]) == next.expected());
+}
