@@ -7,7 +7,8 @@ usage: compare.py PXPL5 [--data FOLDER|phantoms] [--loads skin,head] [--size 512
 
 Peers: VTK (Debian's python3-vtk9, under xvfb-run), and egl_peer if it was built; README.md says
 what to install. Every run measures ours, then the peers; medians over the runs are compared. Peers
-draw with one and with two threads, and the better counts.
+draw with one thread and with one for each core that they may use, and the better counts; flying
+edges has all cores. "(statement)" marks what no peer measured: a figure of another computer.
 """
 import argparse
 import json
@@ -31,7 +32,8 @@ sys.path.insert(0, str(HERE / "peers"))
 import volume_file  # noqa: E402  The folder above is no package.
 
 SCREEN = "-screen 0 1280x1024x24"
-THREADS = (1, 2)
+CORES = len(os.sched_getaffinity(0))
+THREADS = sorted({1, CORES})
 TRIANGLES_DIFFER = 0.01
 PYTHON = "/usr/bin/python3"  # Debian's own: no other one on the path has its VTK.
 
@@ -82,10 +84,10 @@ class Peers:
         self.runs.add_one(name.replace("_ms/", "_cpu_ms/", 1), best["cpu_ms"])
 
     def extraction(self, load: loads.Load, name: str, triangles: int):
-        """Flying edges on two threads. Raises MeasureError if its surface is another than ours."""
+        """Flying edges on all cores. Raises MeasureError if its surface is another than ours."""
         if not self.vtk:
             return
-        answer = self.vtk_work("extraction", load, 2)
+        answer = self.vtk_work("extraction", load, CORES)
         require_same_work(name, triangles, answer["triangles"])
         self.runs.add(f"vtk_extraction_ms/{name}", answer["ms"])
 
@@ -151,8 +153,8 @@ def row_of(verdict: goals.Verdict, peers: Dict[str, float]) -> List[str]:
     peer = peers.get(goal.peer) if goal.peer else None
     baseline = goal.baseline if peer is None else peer if goal.at_most else 1000 / peer
     ratio = baseline / value if goal.at_most else value / baseline
-    return [goal.figure, f"{value:.4g}",
-            f"{baseline:.4g}" + (f" ({goal.peer.split('/')[0]})" if peer else ""),
+    source = goal.peer.split("/")[0] if peer else "statement"
+    return [goal.figure, f"{value:.4g}", f"{baseline:.4g} ({source})",
             f"{ratio:.2f}", f"{'at most' if goal.at_most else 'at least'} {limit:.4g}",
             "yes" if met else "**no**"]
 
@@ -173,10 +175,16 @@ def other_rows(ours: Dict[str, float], peers: Dict[str, float]) -> List[List[str
     return rows
 
 
+def threads_text() -> str:
+    """What the peers are given: "1 or 2 threads"."""
+    return " or ".join(map(str, THREADS)) + (" thread" if CORES == 1 else " threads")
+
+
 def tables(ours: Dict[str, float], peers: Dict[str, float]) -> str:
     """All that was measured, against its goals."""
     rows = [row_of(verdict, peers) for verdict in goals.judge(ours, peers)]
-    return figures.table(["work", "ours", "peer or limit", "ratio", "goal", "met"],
+    return figures.table(["work", "ours", f"peer ({threads_text()}) or limit", "ratio", "goal",
+                          "met"],
                          rows + other_rows(ours, peers))
 
 
@@ -225,6 +233,7 @@ def main() -> int:
     parser.add_argument("--big", action="store_true", help="512x512x300, too")
     parser.add_argument("--json", default="", help="file for the figures")
     args = parser.parse_args()
+    measure.check_count(parser, args.count)
     kind, wanted = loads.chosen_loads(args.program, args.data, args.loads)
     with tempfile.TemporaryDirectory(prefix="pxpl5-bench-") as folder:
         ours, peers = measure_all(args, wanted, folder)

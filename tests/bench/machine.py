@@ -39,8 +39,9 @@ def parse(arguments):
     for part in args.parts:
         if part not in PARTS:
             parser.error(f"--only: there is no {part}; there are {', '.join(PARTS)}")
-    if args.runs < 1 or args.count < 1:
-        parser.error(f"--runs and --count are 1 or more; they are {args.runs} and {args.count}")
+    if args.runs < 1:
+        parser.error(f"--runs is 1 or more; it is {args.runs}")
+    measure.check_count(parser, args.count)
     return args
 
 

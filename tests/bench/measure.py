@@ -1,4 +1,5 @@
 """The measurements of a whole machine: each asks a session and keeps figures by name."""
+import argparse
 import collections
 import contextlib
 import json
@@ -16,12 +17,19 @@ import processes
 import session
 
 WARM_UP = 10  # Frames or changes that are not counted.
+COUNTS = range(2, 100001)  # Changes and frames of a run: what pxpl5's sweep takes.
 FIRST_FRAMES = 60  # Of a machine, not counted either: they touch the recorders' memory first.
 MEMORY_FRAMES = 40
 RECORDINGS = ("off", "flight", "full")
 RECORDED_FRAMES = 100
 BIG = (512, 512, 300)
 BIG_ISOVALUE = 290.5
+
+
+def check_count(parser: argparse.ArgumentParser, count: int):
+    """Ends the program unless so many changes can be asked for."""
+    if count not in COUNTS:
+        parser.error(f"--count is {COUNTS[0]} to {COUNTS[-1]}; it is {count}")
 
 
 class Figures:

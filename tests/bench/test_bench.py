@@ -2,6 +2,7 @@
 """The measuring programs themselves: statistics, parsers, goals. No time is measured here."""
 import contextlib
 import gzip
+import io
 import json
 import os
 import pathlib
@@ -116,7 +117,7 @@ class Goals(unittest.TestCase):
         self.assertEqual(row[1:], ["0.8", "2.4 (vtk_extraction_ms)", "3.00", "at most 1.2", "yes"])
         verdict = goals.judge({"frames_per_s/default/1280x1024/skin": 100.0})
         row = compare.row_of(verdict[0], {})
-        self.assertEqual(row[3:], ["2.34", "at least 213.7", "**no**"])
+        self.assertEqual(row[2:], ["42.74 (statement)", "2.34", "at least 213.7", "**no**"])
 
     def test_rates_and_work_without_a_goal_are_shown_beside_the_peers(self):
         ours = {"frames_per_s/default/512x512/skin": 200.0,
@@ -136,9 +137,23 @@ class Goals(unittest.TestCase):
         self.assertEqual(peers.runs.over_runs(), {"vtk_draw_ms/512x512/skin": 4,
                                                   "vtk_draw_cpu_ms/512x512/skin": 8})
 
+    def test_peers_may_use_all_cores_that_we_may_and_the_table_says_so(self):
+        self.assertEqual(set(compare.THREADS), {1, len(os.sched_getaffinity(0))})
+        head = compare.tables({}, {}).splitlines()[0]
+        self.assertIn(f"{len(os.sched_getaffinity(0))} thread", head)
+
     def test_other_surfaces_are_not_compared(self):
         compare.require_same_work("skin", 1000, 1005)
         self.assertRaises(session.MeasureError, compare.require_same_work, "skin", 1000, 1020)
+
+
+class CommandLine(unittest.TestCase):
+    def test_a_count_that_sweep_would_refuse_is_refused_at_once(self):
+        for count in (1, 100001):
+            with contextlib.redirect_stderr(io.StringIO()) as told:
+                self.assertRaises(SystemExit, machine.parse, ["pxpl5", "--count", str(count)])
+            self.assertIn(f"--count is 2 to 100000; it is {count}", told.getvalue())
+        self.assertEqual(machine.parse(["pxpl5", "--count", "2"]).count, 2)
 
 
 class Answers(unittest.TestCase):
