@@ -83,10 +83,12 @@ VectorTarget resolve(VectorTarget target) {
     if (!has(target)) {
         refuse(target_name(target));
     }
+    if (target != VectorTarget::best) {
+        return target;
+    }
+    // Other processors than x86 have one code and no name for it: it stands in all three places.
     const std::vector<VectorTarget> there = available_targets();
-    // Where there is no such choice, all three names stand for the one code there is.
-    return target != VectorTarget::best || there.empty() ? std::max(target, VectorTarget::sse4)
-                                                         : there.back();
+    return there.empty() ? VectorTarget::sse4 : there.back();
 }
 
 VectorTarget process_target() {
