@@ -11,28 +11,15 @@
 #include <cstddef>
 #include <cstring>
 
+#include "gp_firmware/geometry/lanes-inl.hpp"
 #include "gp_firmware/geometry/transform.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pxpl5::gp::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
 namespace region = isa::region;
 
-using DF = hn::ScalableTag<float>;
-using DI = hn::RebindToSigned<DF>;
-using F = hn::Vec<DF>;
-using I = hn::Vec<DI>;
-inline constexpr std::size_t lanes = HWY_LANES(float);
-
 inline constexpr int guard = guard_px * subpixels;
-
-HWY_INLINE F splat(float value) {
-    return hn::Set(DF(), value);
-}
-HWY_INLINE I splat(int value) {
-    return hn::Set(DI(), value);
-}
 
 /// What is not a number becomes `low`.
 HWY_INLINE F clamp(F v, F low, F high) {

@@ -15,9 +15,6 @@ namespace {
 
 namespace region = isa::region;
 
-constexpr int region_bits = 7;
-static_assert(1 << region_bits == region::size_px);
-
 /// Corners of a box stay within the guard band when its axis stays so far within.
 constexpr double guard = guard_px * subpixels - line_width_subpixels;
 constexpr double z_first = region::z_margin, z_last = region::z_far - region::z_margin;

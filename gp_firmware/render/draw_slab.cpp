@@ -15,9 +15,6 @@ namespace pxpl5::gp {
 
 namespace {
 
-constexpr int region_bits = 7;
-static_assert(1 << region_bits == isa::region::size_px);
-
 /// What stays the same for all triangles of a slab.
 struct Target {
     const RegionGrid& grid;

@@ -7,29 +7,19 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "gp_firmware/geometry/lanes-inl.hpp"
 #include "gp_firmware/render/select_triangles.hpp"
 #include "gp_firmware/render/set_up_triangles.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pxpl5::gp::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using DI = hn::ScalableTag<std::int32_t>;
-using DU = hn::RebindToUnsigned<DI>;
-using I = hn::Vec<DI>;
 using M = hn::Mask<DI>;
-inline constexpr std::size_t lanes = HWY_LANES(std::int32_t);
 static_assert(Selection::size % lanes == 0);
 
-inline constexpr int region_bits = 7;
-static_assert(1 << region_bits == isa::region::size_px);
 inline constexpr int half = subpixels / 2;
 inline constexpr int grid_bits = isa::region::subpixel_bits;
 
-HWY_INLINE I splat(int value) {
-    return hn::Set(DI(), value);
-}
 HWY_INLINE M at_most(I a, I b) {
     return hn::Not(hn::Gt(a, b));
 }

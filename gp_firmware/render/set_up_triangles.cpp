@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "gp_firmware/geometry/lanes-inl.hpp"
 #include "gp_firmware/render/plane_setup.hpp"
 #include "gp_firmware/render/region_programs.hpp"
 #include "gp_firmware/render/set_up_triangles.hpp"
@@ -18,21 +19,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace pxpl5::gp::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
 namespace shape = isa::triangle;
 
-using DI = hn::ScalableTag<std::int32_t>;
-using DU = hn::RebindToUnsigned<DI>;
-using I = hn::Vec<DI>;
-using U = hn::Vec<DU>;
 using DD = hn::Repartition<double, DI>;
 using D = hn::Vec<DD>;
 using Half = hn::Half<DI>;
-inline constexpr std::size_t lanes = HWY_LANES(std::int32_t);
 
-HWY_INLINE I splat(int value) {
-    return hn::Set(DI(), value);
-}
 HWY_INLINE U word(std::uint32_t value) {
     return hn::Set(DU(), value);
 }
