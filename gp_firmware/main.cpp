@@ -10,8 +10,8 @@
 
 namespace {
 
-/// Every frame's messages take megabytes and are gone a frame later. Given back to the system in
-/// between, their pages cost more than filling them does.
+/// Meshes grow and are made anew with every isovalue: given back to the system in between, their
+/// pages cost up to a tenth of an extraction. Messages over tcp lie there, too.
 void keep_freed_memory() {
 #ifdef __GLIBC__
     constexpr int kept_bytes = 1 << 30;
