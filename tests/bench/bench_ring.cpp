@@ -63,7 +63,8 @@ void answer(bus::ZmqLink& link) {
 /// Whether a message of so many bytes can be lent, or is small enough to be copied.
 bool is_lent_if_large(std::size_t bytes, bus::ZmqLink& link) {
     const auto& arena = dynamic_cast<const bus::Arena&>(*link.body_allocator());
-    const bus::Payload payload = message_of(bytes, 0, link);
+    // Not volume 0, the default, which takes no room: bodies would lie otherwise.
+    const bus::Payload payload = message_of(bytes, 1, link);
     return payload.bytes().size() < bus::min_arena_body_bytes || arena.can_lend(payload);
 }
 
