@@ -71,8 +71,9 @@ Payload hello_message(schema::Role role, const ProcessFlags& flags, const std::s
     return pack(hello);
 }
 
-/// Takes the ring's order and parameters from the topology and connects to everybody.
-void connect_to_all(ZmqLink& link, const schema::Topology& topology) {
+/// Takes the addresses of all others and the ring's order and parameters from the topology. Sockets
+/// come with the first message.
+void learn_ring(ZmqLink& link, const schema::Topology& topology) {
     std::vector<NodeId> order;
     for (const auto* node : *topology.nodes()) {
         order.push_back(node->id());
@@ -102,7 +103,7 @@ bool join(ZmqLink& ring, Link& link, Node& node, LinkOutbox& out,
             continue;
         }
         if (const auto* topology = message->as<schema::Topology>()) {
-            connect_to_all(ring, *topology);
+            learn_ring(ring, *topology);
             deliver(node, link.id(), *message, out);
             link.send(host_id, pack(schema::ConnectedT{}));
         } else if (message->kind() == Body::Go) {

@@ -16,7 +16,7 @@ struct Identity {
     std::uint64_t schema_hash = 0;
 };
 
-/// Which of `nodes` have said Hello, and which are connected.
+/// Which of `nodes` have said Hello, and which Connected.
 class Handshake {
   public:
     /// nodes   Without the host; their pids are known.
@@ -25,10 +25,10 @@ class Handshake {
     /// Notes who can be reached where. Throws MachineError (69) for a node that was not started,
     /// said it before, or is of another build or schema: names the node and both values.
     void hello(const bus::schema::Hello& hello);
-    /// Notes that `id` has connected to all. Throws MachineError (69) if it is unknown.
+    /// Notes that `id` knows all others. Throws MachineError (69) if it is unknown.
     void connected(bus::NodeId id);
 
-    /// Names of the nodes that have not said Hello, or have not connected.
+    /// Names of the nodes that have not said Hello, or not Connected.
     std::vector<std::string> without_hello() const;
     std::vector<std::string> unconnected() const;
 

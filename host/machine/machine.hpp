@@ -26,7 +26,7 @@ struct MachineOptions {
 /// on: who writes sees the error.
 class Machine final : public MachinePort {
   public:
-    /// Returns when every node is connected to every other.
+    /// Returns when every node knows every other.
     /// Throws MachineError naming the node that could not start, died, is of another build, or did
     /// not answer in time; no process is left then.
     Machine(const Topology& topology, const MachineOptions& options);
