@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cassert>
 #include <numeric>
+#include <utility>
 
 namespace pxpl5::bus {
 
@@ -46,6 +47,11 @@ void unmap(const void* memory, std::size_t bytes) {
 /// A closed file when it goes.
 struct OpenFile {
     int number = -1;
+
+    explicit OpenFile(int opened = -1) : number(opened) {}
+    OpenFile(OpenFile&& other) noexcept : number(std::exchange(other.number, -1)) {}
+    OpenFile(const OpenFile&) = delete;
+    OpenFile& operator=(const OpenFile&) = delete;
     ~OpenFile() {
         if (number >= 0) {
             close(number);
@@ -53,18 +59,29 @@ struct OpenFile {
     }
 };
 
-/// Nobody can make it shorter, so reading in it cannot end a process.
-bool is_arena(int file, const ArenaOffer& offer) {
+/// The file that `offer` leads to, or none if it is no arena. Opening a device or a pipe can have
+/// effects, so it is only looked at (O_PATH) until it is known to be the file that is meant.
+OpenFile open_arena(const ArenaOffer& offer) {
+    const std::string path = fmt::format("/proc/{}/fd/{}", offer.pid, offer.descriptor);
+    const OpenFile found{open(path.c_str(), O_PATH | O_CLOEXEC)};
     struct stat facts {};
-    const int seals = fcntl(file, F_GET_SEALS);
-    return fstat(file, &facts) == 0 && facts.st_ino == offer.inode &&
-           static_cast<std::size_t>(facts.st_size) == arena_file_bytes && seals >= 0 &&
-           (seals & F_SEAL_SHRINK) != 0;
+    if (found.number < 0 || fstat(found.number, &facts) != 0 || !S_ISREG(facts.st_mode) ||
+        facts.st_dev != offer.device || facts.st_ino != offer.inode ||
+        static_cast<std::size_t>(facts.st_size) != arena_file_bytes) {
+        return OpenFile{};
+    }
+    const std::string same = fmt::format("/proc/self/fd/{}", found.number);
+    OpenFile file{open(same.c_str(), O_RDWR | O_CLOEXEC)};
+    // Nobody can make it shorter, so reading in it cannot end a process.
+    const int seals = file.number < 0 ? -1 : fcntl(file.number, F_GET_SEALS);
+    return seals >= 0 && (seals & F_SEAL_SHRINK) != 0 ? std::move(file) : OpenFile{};
 }
 
 }  // namespace
 
-Arena::Arena() = default;
+Arena::Arena(std::size_t lendable_bytes) : blocks_(lendable_bytes) {
+    assert(lendable_bytes <= arena_bytes);
+}
 
 Arena::~Arena() {
     unmap(control_, sizeof(ArenaControl));
@@ -95,7 +112,7 @@ bool Arena::open() {
     }
     // All else begins as zero, as the new file's pages do.
     control_->returned.store(no_ticket, std::memory_order_relaxed);
-    offer_ = {facts.st_ino, static_cast<std::uint32_t>(getpid()),
+    offer_ = {facts.st_dev, facts.st_ino, static_cast<std::uint32_t>(getpid()),
               static_cast<std::uint32_t>(file_)};
     loans_.resize(max_tickets);
     tickets_.resize(max_tickets);
@@ -126,7 +143,9 @@ std::uint8_t* Arena::allocate(std::size_t bytes) {
 }
 
 void Arena::deallocate(std::uint8_t* memory, std::size_t bytes) {
-    if (!contains(memory)) {
+    // Whoever drops a small body may do so during open(). A large one, also from the heap, was
+    // allocated after it.
+    if (bytes < min_arena_body_bytes || !contains(memory)) {
         delete[] memory;
         return;
     }
@@ -172,7 +191,7 @@ void Arena::trim() {
 bool Arena::can_lend(const Payload& payload) const {
     const auto bytes = payload.bytes();
     return bytes.size() >= min_arena_body_bytes && contains(bytes.data()) &&
-           static_cast<std::uint64_t>(bytes.data() - bodies_) % arena_body_alignment == 0;
+           static_cast<std::uint64_t>(bytes.data() - bodies_) % body_alignment == 0;
 }
 
 std::optional<ArenaPlace> Arena::lend(NodeId reader, const Payload& payload) {
@@ -187,7 +206,7 @@ std::optional<ArenaPlace> Arena::lend(NodeId reader, const Payload& payload) {
     const std::uint32_t ticket = tickets_.back();
     tickets_.pop_back();
     loans_[ticket] = Loan{payload, reader};
-    control_->is_out[ticket].store(1, std::memory_order_release);
+    control_->states[ticket].store(lent_to(reader), std::memory_order_release);
     ArenaPlace place;
     place.offset = static_cast<std::uint64_t>(payload.bytes().data() - bodies_);
     place.ticket = ticket;
@@ -201,7 +220,8 @@ void Arena::collect() {
     }
     // Receivers write this list: it may be nonsense, but it must end.
     for (std::uint32_t n = 0; n < max_tickets && ticket < max_tickets; ++n) {
-        if (control_->is_out[ticket].load(std::memory_order_relaxed) == 0 && loans_[ticket]) {
+        const TicketState state = control_->states[ticket].load(std::memory_order_relaxed);
+        if (state == ticket_free && loans_[ticket]) {
             loans_[ticket].reset();
             tickets_.push_back(ticket);
         }
@@ -218,7 +238,7 @@ void Arena::forget(NodeId reader) {
     for (std::uint32_t ticket = 0; ticket < max_tickets; ++ticket) {
         if (loans_[ticket] && loans_[ticket]->reader == reader) {
             loans_[ticket].reset();
-            control_->is_out[ticket].store(0, std::memory_order_relaxed);
+            control_->states[ticket].store(ticket_free, std::memory_order_relaxed);
             tickets_.push_back(ticket);
         }
     }
@@ -228,12 +248,11 @@ std::shared_ptr<ArenaView> ArenaView::open(const ArenaOffer& offer, NodeId self)
     if (self >= max_arena_readers || !has_address_space()) {
         return nullptr;
     }
-    const std::string path = fmt::format("/proc/{}/fd/{}", offer.pid, offer.descriptor);
-    const OpenFile file{::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK)};
-    if (file.number < 0 || !is_arena(file.number, offer)) {
+    const OpenFile file = open_arena(offer);
+    if (file.number < 0) {
         return nullptr;
     }
-    const std::shared_ptr<ArenaView> view(new ArenaView);
+    const std::shared_ptr<ArenaView> view(new ArenaView(self));
     view->control_ =
         map_part<ArenaControl>(file.number, 0, sizeof(ArenaControl), PROT_READ | PROT_WRITE);
     view->bodies_ =
@@ -251,7 +270,10 @@ ArenaView::~ArenaView() {
 }
 
 std::shared_ptr<const void> ArenaView::hold(std::uint32_t ticket) {
-    if (ticket >= max_tickets) {
+    TicketState lent = lent_to(self_);
+    if (ticket >= max_tickets ||
+        !control_->states[ticket].compare_exchange_strong(
+            lent, read_by(self_), std::memory_order_acquire, std::memory_order_relaxed)) {
         return nullptr;
     }
     const auto give_back = [view = shared_from_this(), ticket](const void*) {
@@ -268,19 +290,21 @@ std::span<const std::uint8_t> ArenaView::body(const schema::Header& header,
                                              header.source(), place.ticket, max_tickets - 1));
     }
     if (place.offset > arena_bytes || header.body_bytes() > arena_bytes - place.offset ||
-        place.offset % arena_body_alignment != 0) {
+        place.offset % body_alignment != 0) {
         throw BadMessage(
             header, fmt::format("message from node {}: its body is at {} and has {} bytes, the "
                                 "sender's arena has {} bytes in words of {}",
                                 header.source(), place.offset, header.body_bytes(), arena_bytes,
-                                arena_body_alignment));
+                                body_alignment));
     }
     return {bodies_ + place.offset, static_cast<std::size_t>(header.body_bytes())};
 }
 
 void ArenaView::give_back(std::uint32_t ticket) {
-    if (control_->is_out[ticket].exchange(0, std::memory_order_acq_rel) == 0) {
-        return;  // Twice in the list, a ticket would make it endless.
+    TicketState held = read_by(self_);
+    if (!control_->states[ticket].compare_exchange_strong(
+            held, ticket_free, std::memory_order_acq_rel, std::memory_order_relaxed)) {
+        return;  // The sender has forgotten this node, and may have lent it to another.
     }
     std::uint32_t first = control_->returned.load(std::memory_order_relaxed);
     do {

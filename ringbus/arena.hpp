@@ -25,7 +25,9 @@ namespace pxpl5::bus {
 /// One thread uses it, except deallocate(): ZeroMQ's thread may drop the last owner of a body.
 class Arena final : public flatbuffers::Allocator {
   public:
-    Arena();
+    /// lendable_bytes  That much of it is given out for bodies, beyond that the heap. A multiple of
+    ///                 ArenaBlocks::grain_bytes, at most arena_bytes.
+    explicit Arena(std::size_t lendable_bytes = arena_bytes);
     /// All bodies are gone. Receivers keep what they have borrowed.
     ~Arena() override;
     Arena(const Arena&) = delete;
@@ -65,7 +67,7 @@ class Arena final : public flatbuffers::Allocator {
     std::uint8_t* bodies_ = nullptr;
 
     std::mutex blocks_mutex_;
-    ArenaBlocks blocks_{arena_bytes};
+    ArenaBlocks blocks_;
     std::size_t touched_ = 0;        ///< Bytes from the beginning that have memory.
     std::size_t recently_used_ = 0;  ///< Where blocks have ended since the last trim().
     std::uint32_t allocations_ = 0;  ///< Likewise.
@@ -84,16 +86,18 @@ class ArenaView : public std::enable_shared_from_this<ArenaView> {
     ArenaView(const ArenaView&) = delete;
     ArenaView& operator=(const ArenaView&) = delete;
 
-    /// An owner of what was lent: gives the ticket back at its end. Null for no such ticket.
+    /// An owner of what was lent: gives the ticket back at its end. Null if the ticket is not lent
+    /// to this node, or is held already.
     std::shared_ptr<const void> hold(std::uint32_t ticket);
     /// The body that `header` announces, as long as it is held. Throws BadMessage if it would not
     /// lie in the arena, or its ticket is none.
     std::span<const std::uint8_t> body(const schema::Header& header, const ArenaPlace& place) const;
 
   private:
-    ArenaView() = default;
+    explicit ArenaView(NodeId self) : self_(self) {}
     void give_back(std::uint32_t ticket);
 
+    NodeId self_;
     ArenaControl* control_ = nullptr;
     const std::uint8_t* bodies_ = nullptr;
 };

@@ -12,8 +12,6 @@ namespace pxpl5::bus {
 
 namespace {
 
-constexpr std::size_t body_alignment = 8;
-
 void check(bool good, const schema::Header& header, std::string_view field, std::uint64_t got,
            std::uint64_t wanted) {
     if (!good) {

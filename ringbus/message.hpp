@@ -19,6 +19,8 @@ inline constexpr NodeId host_id = 0;  ///< The host is node 0 of every machine.
 inline constexpr std::uint32_t header_magic = 0x35505850;  ///< "PXP5", little endian.
 inline constexpr std::uint16_t protocol_version = 3;
 inline constexpr std::size_t max_body_bytes = std::size_t{1} << 30;
+/// Of a finished body, wherever it lies: no field of a message needs more.
+inline constexpr std::size_t body_alignment = sizeof(std::uint64_t);
 inline constexpr std::size_t max_body_depth = 16;
 inline constexpr std::size_t max_body_tables = 1'000'000;
 
@@ -40,7 +42,7 @@ class Payload {
 /// Finishes `builder` with `body` as the message and takes the buffer out of it.
 template <typename T>
 Payload finish(flatbuffers::FlatBufferBuilder& builder, flatbuffers::Offset<T> body) {
-    builder.TrackMinAlign(sizeof(std::uint64_t));  // A receiver may read it where it lies.
+    builder.TrackMinAlign(body_alignment);  // A receiver may read it where it lies.
     builder.Finish(schema::CreateMessage(builder, schema::BodyTraits<T>::enum_value, body.Union()),
                    schema::MessageIdentifier());
     return Payload(builder.Release());
@@ -66,7 +68,7 @@ struct BadMessage : std::runtime_error {
 /// A received, verified message. Copies share the bytes.
 class Message {
   public:
-    /// Verifies header and body. `owner` keeps `body` alive; `body` must be 8-byte aligned.
+    /// Verifies header and body. `owner` keeps `body` alive; `body` must be aligned.
     /// Throws BadMessage.
     Message(const schema::Header& header, std::span<const std::uint8_t> body,
             std::shared_ptr<const void> owner);

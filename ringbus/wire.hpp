@@ -53,6 +53,12 @@ class Wire {
         return header.magic() == header_magic && header.version() == protocol_version;
     }
 
+    /// Whether its number, if it can be believed, is none that its sender has used before.
+    bool is_new(const schema::Header& header) const {
+        const auto expected = received_.find(header.source());
+        return expected == received_.end() || header.sequence() >= expected->second;
+    }
+
     /// Throws WireFault if messages from this sender are missing, repeated or meant for another
     /// node.
     void accept(const schema::Header& header) {

@@ -22,7 +22,6 @@ namespace {
 
 /// Option 10 of a context: without zero-copy receive, buffers come from malloc and are aligned.
 constexpr int zero_copy_receive = 10;
-constexpr std::uintptr_t body_alignment = 8;
 constexpr std::string_view ipc_scheme = "ipc://";
 
 zmq::context_t make_context() {
@@ -138,7 +137,7 @@ struct Peer {
 }  // namespace
 
 struct ZmqLink::Parts {
-    explicit Parts(NodeId own_id) : id(own_id) {}
+    Parts(NodeId own_id, std::size_t lendable_bytes) : id(own_id), arena(lendable_bytes) {}
 
     NodeId id;
     Arena arena;  ///< Goes after the context, whose thread may be sending bodies from it.
@@ -219,8 +218,10 @@ struct ZmqLink::Parts {
         const schema::Header& header = arrived.header;
         const auto found = arrived.place ? views.find(header.source()) : views.end();
         const bool is_known = found != views.end();
-        // Whatever is wrong with the message, its memory is given back.
-        auto owner = is_known ? found->second->hold(arrived.place->ticket) : nullptr;
+        // Whatever is wrong with a new message, its memory is given back. A repeated one has none:
+        // its ticket may by now be that of a message on its way.
+        auto owner =
+            is_known && wire.is_new(header) ? found->second->hold(arrived.place->ticket) : nullptr;
         wire.accept(header);
         if (arrived.place && !is_known) {
             throw BadMessage(header, fmt::format("message from node {}: its body is at {} of an "
@@ -228,7 +229,12 @@ struct ZmqLink::Parts {
                                                  header.source(), arrived.place->offset));
         }
         if (arrived.place) {
-            return {header, found->second->body(header, *arrived.place), std::move(owner)};
+            const auto body = found->second->body(header, *arrived.place);
+            if (!owner) {
+                throw BadMessage(header, fmt::format("message from node {}: ticket {} is not lent",
+                                                     header.source(), arrived.place->ticket));
+            }
+            return {header, body, std::move(owner)};
         }
         if (arrived.offer && Wire::is_ours(header)) {
             if (auto view = ArenaView::open(*arrived.offer, id)) {
@@ -239,7 +245,7 @@ struct ZmqLink::Parts {
     }
 
     /// Counts what `header` brought, whether it can be trusted or not: its sender's window would
-    /// shrink for ever otherwise. Nothing is owed to a node that is not connected yet.
+    /// shrink for ever otherwise. Nothing is owed to a node that is no peer yet.
     void count_consumed(const Arrived& arrived) {
         const schema::Header& header = arrived.header;
         const auto found = peers.find(header.source());
@@ -271,7 +277,8 @@ struct ZmqLink::Parts {
     }
 };
 
-ZmqLink::ZmqLink(NodeId id, const std::string& bind) : parts_(std::make_unique<Parts>(id)) {
+ZmqLink::ZmqLink(NodeId id, const std::string& bind, std::size_t lendable_bytes)
+    : parts_(std::make_unique<Parts>(id, lendable_bytes)) {
     check_address(bind);
     prepare(parts_->inbound);
     try {

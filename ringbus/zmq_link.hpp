@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "ringbus/arena_layout.hpp"
 #include "ringbus/channel_model.hpp"
 #include "ringbus/link.hpp"
 
@@ -14,9 +15,10 @@ class ZmqLink final : public Link {
     /// Binds the inbound socket of node `id`.
     ///
     /// bind     "ipc:///path/name" or "tcp://127.0.0.1:*"; nothing here is encrypted.
+    /// lendable_bytes  Of its Arena.
     /// Throws   std::invalid_argument for any other address, std::runtime_error if it cannot be
     ///          bound.
-    ZmqLink(NodeId id, const std::string& bind);
+    ZmqLink(NodeId id, const std::string& bind, std::size_t lendable_bytes = arena_bytes);
     ~ZmqLink() override;
     ZmqLink(const ZmqLink&) = delete;
     ZmqLink& operator=(const ZmqLink&) = delete;

@@ -2,12 +2,16 @@
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
+#include <sys/inotify.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
+#include <string>
+#include <thread>
 
 #include "tests/ringbus/large_bodies.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
@@ -112,6 +116,61 @@ TEST_SUITE("ringbus/arena") {
         CHECK(large_slices(&lent.arena, body_bytes, 4).bytes().data() == body);
     }
 
+    TEST_CASE("a ticket is held once, by the node it was lent to, until it is lent again") {
+        Lent lent;
+        const auto other_view = ArenaView::open(lent.arena.offer(), 3);
+        REQUIRE(other_view);
+        const std::uint8_t* const body = lent.payload.bytes().data();
+        const auto place = lent.arena.lend(2, lent.payload);
+        REQUIRE(place);
+        lent.payload = {};
+        CHECK(!other_view->hold(place->ticket));
+        auto owner = lent.view->hold(place->ticket);
+        REQUIRE(owner);
+        CHECK(!lent.view->hold(place->ticket));
+        CHECK(!other_view->hold(place->ticket));
+        CHECK(large_slices(&lent.arena, body_bytes, 2).bytes().data() != body);
+        owner.reset();
+        CHECK(!lent.view->hold(place->ticket));
+        CHECK(large_slices(&lent.arena, body_bytes, 3).bytes().data() == body);
+    }
+
+    TEST_CASE("what a forgotten reader gives back late is not what another was lent since") {
+        Lent lent;
+        const auto other_view = ArenaView::open(lent.arena.offer(), 3);
+        const auto place = lent.arena.lend(2, lent.payload);
+        REQUIRE(place);
+        auto late = lent.view->hold(place->ticket);
+        lent.arena.forget(2);
+        REQUIRE(lent.arena.lend(3, lent.payload)->ticket == place->ticket);
+        const auto owner = other_view->hold(place->ticket);
+        REQUIRE(owner);
+        const std::uint8_t* const body = lent.payload.bytes().data();
+        lent.payload = {};
+        late.reset();
+        CHECK(large_slices(&lent.arena, body_bytes, 2).bytes().data() != body);
+    }
+
+    TEST_CASE("a small body may be dropped by another thread while the first large one is made") {
+        // The thread sanitizer sees the race, if there is one.
+        Arena arena;
+        std::uint8_t* const small = arena.allocate(min_arena_body_bytes - 1);
+        std::thread other([&] { arena.deallocate(small, min_arena_body_bytes - 1); });
+        const Payload large = large_slices(&arena, body_bytes, 1);
+        other.join();
+        CHECK(arena.can_lend(large));
+    }
+
+    TEST_CASE("a large body of the heap may be dropped by another thread") {
+        Arena arena(ArenaBlocks::grain_bytes);
+        std::uint8_t* const large = arena.allocate(body_bytes);
+        std::thread other([&] { arena.deallocate(large, body_bytes); });
+        std::uint8_t* const next = arena.allocate(body_bytes);
+        other.join();
+        arena.deallocate(next, body_bytes);
+        CHECK(!arena.can_lend(large_slices(&arena, body_bytes, 1)));
+    }
+
     TEST_CASE("without tickets nothing is lent, and with one that came back it is again") {
         Lent lent;
         std::optional<ArenaPlace> place;
@@ -193,10 +252,29 @@ TEST_SUITE("ringbus/arena") {
         REQUIRE(ftruncate(file, static_cast<off_t>(arena_file_bytes)) == 0);
         struct stat facts {};
         REQUIRE(fstat(file, &facts) == 0);
-        offer = {facts.st_ino, static_cast<std::uint32_t>(getpid()),
+        offer = {facts.st_dev, facts.st_ino, static_cast<std::uint32_t>(getpid()),
                  static_cast<std::uint32_t>(file)};
         CHECK(!ArenaView::open(offer, 2));
         close(file);
+    }
+
+    TEST_CASE("what an offer leads to is opened only if it is the file that is meant") {
+        const Lent lent;
+        ArenaOffer offer = lent.arena.offer();
+        const int events = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+        REQUIRE(events >= 0);
+        const std::string path = "/proc/self/fd/" + std::to_string(offer.descriptor);
+        REQUIRE(inotify_add_watch(events, path.c_str(), IN_OPEN) >= 0);
+        std::array<char, 256> event{};
+        offer.device += 1;
+        CHECK(!ArenaView::open(offer, 2));
+        offer = lent.arena.offer();
+        offer.inode += 1;
+        CHECK(!ArenaView::open(offer, 2));
+        CHECK(read(events, event.data(), event.size()) < 0);
+        CHECK(ArenaView::open(lent.arena.offer(), 2));
+        CHECK(read(events, event.data(), event.size()) > 0);
+        close(events);
     }
 
     TEST_CASE("a process with limited address space neither lends nor borrows") {

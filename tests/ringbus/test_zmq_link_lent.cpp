@@ -1,0 +1,124 @@
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <zmq.hpp>
+
+#include "ringbus/arena.hpp"
+#include "ringbus/wire.hpp"
+#include "tests/ringbus/ipc_address.hpp"
+#include "tests/ringbus/large_bodies.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::bus;
+using pxpl5::test::is_whole;
+using pxpl5::test::large_slices;
+using pxpl5::test::next_of;
+
+namespace {
+
+constexpr std::size_t body_bytes = 100'000;
+
+/// A link, node 2, that has opened the arena of node 1, whose messages are made by hand here.
+struct Borrower {
+    ZmqLink link{2, test::ipc_address("borrower")};
+    Arena arena;
+    Wire wire{1};
+    zmq::context_t context{1};
+    zmq::socket_t socket{context, zmq::socket_type::push};
+
+    Borrower() {
+        socket.set(zmq::sockopt::linger, 0);
+        socket.connect(link.endpoint());
+        const Payload payload = body(0);
+        const schema::Header header = header_of(payload);
+        send_part(header, arena.offer(), zmq::send_flags::sndmore);
+        socket.send(zmq::buffer(payload.bytes().data(), payload.bytes().size()));
+        CHECK(is_whole(next_of(link), body_bytes, 0));
+    }
+
+    Payload body(std::uint32_t number) { return large_slices(&arena, body_bytes, number); }
+
+    schema::Header header_of(const Payload& payload) {
+        return wire.header_for(2, payload.kind(), payload.bytes().size());
+    }
+
+    template <typename Extra>
+    void send_part(const schema::Header& header, const Extra& extra,
+                   zmq::send_flags flags = zmq::send_flags::none) {
+        zmq::message_t part(sizeof header + sizeof extra);
+        std::memcpy(part.data(), &header, sizeof header);
+        std::memcpy(part.data<std::uint8_t>() + sizeof header, &extra, sizeof extra);
+        socket.send(part, flags);
+    }
+};
+
+}  // namespace
+
+TEST_SUITE("ringbus/zmq_link_lent") {
+    TEST_CASE("a message that is repeated does not free the body that is being read") {
+        Borrower to;
+        Payload payload = to.body(1);
+        const std::uint8_t* const place_of_body = payload.bytes().data();
+        const schema::Header header = to.header_of(payload);
+        const ArenaPlace place = *to.arena.lend(2, payload);
+        payload = {};
+        to.send_part(header, place);
+        std::optional<Message> first = next_of(to.link);
+        to.send_part(header, place);
+        CHECK_THROWS_WITH_AS(next_of(to.link), "message 1 from node 1 came where 2 was due",
+                             WireFault);
+        CHECK(to.body(2).bytes().data() != place_of_body);
+        CHECK(is_whole(*first, body_bytes, 1));
+        first.reset();
+        CHECK(to.body(3).bytes().data() == place_of_body);
+    }
+
+    TEST_CASE("a message that is repeated does not free the body of one that is on its way") {
+        Borrower to;
+        const schema::Header header = to.header_of(to.body(1));
+        const ArenaPlace place = *to.arena.lend(2, to.body(1));
+        to.send_part(header, place);
+        CHECK(is_whole(next_of(to.link), body_bytes, 1));
+        Payload later = to.body(2);
+        const std::uint8_t* const place_of_body = later.bytes().data();
+        REQUIRE(to.arena.lend(2, later)->ticket == place.ticket);
+        later = {};
+        to.send_part(header, place);
+        CHECK_THROWS_AS(next_of(to.link), WireFault);
+        CHECK(to.body(3).bytes().data() != place_of_body);
+    }
+
+    TEST_CASE("a new message that names a ticket again, or one lent to another, frees nothing") {
+        Borrower to;
+        const auto view_of_3 = ArenaView::open(to.arena.offer(), 3);
+        REQUIRE(view_of_3);
+        for (const NodeId reader : {NodeId{2}, NodeId{3}}) {
+            Payload payload = to.body(1);
+            const std::uint8_t* const place_of_body = payload.bytes().data();
+            const ArenaPlace place = *to.arena.lend(reader, payload);
+            std::optional<Message> first;
+            if (reader == 2) {
+                to.send_part(to.header_of(payload), place);
+                first = next_of(to.link);
+            }
+            to.send_part(to.header_of(payload), place);
+            payload = {};
+            CHECK_THROWS_WITH_AS(next_of(to.link), "message from node 1: ticket 0 is not lent",
+                                 BadMessage);
+            CHECK(to.body(2).bytes().data() != place_of_body);
+            CHECK((!first || is_whole(*first, body_bytes, 1)));
+        }
+    }
+
+    TEST_CASE("a message that comes too early is refused, and its body is free") {
+        Borrower to;
+        Payload payload = to.body(1);
+        const std::uint8_t* const place_of_body = payload.bytes().data();
+        static_cast<void>(to.header_of(payload));  // Lost.
+        to.send_part(to.header_of(payload), *to.arena.lend(2, payload));
+        payload = {};
+        CHECK_THROWS_WITH_AS(next_of(to.link), "message 2 from node 1 came where 1 was due",
+                             WireFault);
+        CHECK(to.body(2).bytes().data() == place_of_body);
+    }
+}
