@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <utility>
 
 #include "gp_firmware/node_messages.hpp"
@@ -62,7 +63,7 @@ void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
             note_surface(*message.as<schema::SetSurface>());
             break;
         case bus::Body::RemoveSurface:
-            jobs_.push_back(Remove{message.as<schema::RemoveSurface>()->surface()});
+            note_removal(message.as<schema::RemoveSurface>()->surface());
             break;
         case bus::Body::FetchMesh:
             jobs_.push_back(Fetch{message.as<schema::FetchMesh>()->surface(), message.source(),
@@ -137,6 +138,7 @@ void GpNode::set_machine(const bus::Message& message) {
     jobs_.clear();
     measuring_.reset();
     surfaces_.clear();
+    announced_.clear();
     store_.reset();
     memory_.emplace(machine.memory_bytes);
     machine_ = std::move(machine);
@@ -199,6 +201,12 @@ bool GpNode::awaits_surface() const {
                const auto newest = announced_.find(wanted.surface);
                return newest != announced_.end() && newest->second < wanted.revision;
            });
+}
+
+/// No frame waits for a surface that goes: the host removes one whose new revision did not arrive.
+void GpNode::note_removal(std::uint16_t surface) {
+    announced_[surface] = std::numeric_limits<std::uint32_t>::max();
+    jobs_.push_back(Remove{surface});
 }
 
 void GpNode::note_surface(const schema::SetSurface& set) {

@@ -115,6 +115,7 @@ class GpNode final : public bus::Node {
     void note_part(const bus::Message& message);
     void drop_all(bus::Outbox& out);
     void note_surface(const bus::schema::SetSurface& set);
+    void note_removal(std::uint16_t surface);
     bool awaits_surface() const;
     void take_mask(const bus::schema::MaskSurface& mask);
     void note_measure(const bus::Message& message);

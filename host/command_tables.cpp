@@ -134,7 +134,7 @@ std::span<const Command> command_table() {
         {"sweep",
          "NAME FROM TO N [PATTERN|FILE.gif] [delay_ms=D]",
          "Moves a surface's isovalue in N steps and draws each; writes them as orbit does. The "
-         "surface is then as it was.",
+         "surface is then as it was; a comparison ends.",
          4,
          5,
          {"delay_ms"},

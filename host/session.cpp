@@ -116,8 +116,11 @@ void Session::on_message(const bus::Message& message) {
 
 /// A GP's word on what was asked for.
 void Session::on_answer(const bus::Message& message) {
-    // A fault is an answer too, so that none is left over for the next request.
-    if (message.kind() == bus::Body::Fault || (answer_ && answer_(message))) {
+    // A fault is an answer too, so that none is left over for the next request; but not what is
+    // wrong with a frame that is drawn meanwhile.
+    const auto* fault = message.as<schema::Fault>();
+    const bool refused = fault != nullptr && !frame_of_fault(fault->reason()->string_view());
+    if (refused || (answer_ && answer_(message))) {
         answered_.insert(message.source());
     }
 }
@@ -125,6 +128,7 @@ void Session::on_answer(const bus::Message& message) {
 void Session::on_fault(const schema::Fault& fault) {
     if (!fault_) {  // The first cause is the one to tell.
         fault_ = fault.reason()->str();
+        fault_is_of_frame_ = frame_of_fault(*fault_).has_value();
         fault_is_ours_ = fault.code() != schema::FaultCode::bad_input &&
                          fault.code() != schema::FaultCode::out_of_memory;
     }

@@ -291,6 +291,7 @@ class Session {
     bool io_done_ = false;
     MeshExportReport io_report_;  ///< Of the request that is done.
     std::optional<std::string> fault_;
+    bool fault_is_of_frame_ = false;
     bool fault_is_ours_ = false;  ///< And not the user's: its traces are of interest.
 };
 

@@ -68,6 +68,12 @@ void Session::set_style(const Surface& like) {
 
 /// A surface's new revision, which the GPs extract.
 struct Session::Building {
+    explicit Building(Session& who) : session(who) {}
+    ~Building() { session.answer_ = nullptr; }  // Which refers to this.
+    Building(const Building&) = delete;
+    Building& operator=(const Building&) = delete;
+
+    Session& session;
     std::string name;
     schema::SetSurfaceT request;
     std::vector<schema::SlabCounts> slabs;
@@ -127,12 +133,15 @@ void Session::begin_surface(Building& building, const std::string& name, double 
     send_to_gps(bus::pack(building.request));
 }
 
-/// Waits until all GPs have extracted it. A surface that cannot be extracted is removed.
+/// Waits until all GPs have extracted it. A surface that cannot be extracted is removed; a fault of
+/// the frame that shows it is none of the surface.
 SurfaceReport Session::finish_surface(Building& building) {
     try {
         wait_for_gps("surface " + building.name);
     } catch (const RequestError&) {
-        remove_surface(building.name);
+        if (!fault_is_of_frame_) {  // The surface itself is well.
+            remove_surface(building.name);
+        }
         throw;
     }
     SurfaceReport report = sum_slabs(building.slabs);
@@ -148,7 +157,7 @@ SurfaceReport Session::finish_surface(Building& building) {
 
 SurfaceReport Session::set_surface(const std::string& name, double isovalue, CaseTable table,
                                    Colour colour) {
-    Building building;
+    Building building(*this);
     begin_surface(building, name, isovalue, table, colour);
     return finish_surface(building);
 }
@@ -160,7 +169,7 @@ SweepReport Session::sweep(const std::string& name, std::span<const double> isov
     std::vector<double> extractions_ms, pictures_ms;
     try {
         for (const double isovalue : isovalues) {
-            Building building;
+            Building building(*this);
             begin_surface(building, name, isovalue, before.table, before.colour);
             if (is_whole) {  // Otherwise what is drawn is known only when all of it is there.
                 submit_frame();

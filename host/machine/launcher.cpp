@@ -190,7 +190,9 @@ void Launcher::keep(const bus::Message& message) {
 bool Launcher::is_not_for_now(const bus::Message& message) {
     if (prepared_io_ && prepared_io_->id == message.source()) {
         note(message);
-        early_hello_ = message;
+        if (message.kind() == schema::Body::Hello) {
+            early_hello_ = message;
+        }
         return true;
     }
     return dismissed_.count(message.source()) != 0;

@@ -74,6 +74,7 @@ void Launcher::prepare_io() {
 
 bus::NodeId Launcher::start_io(ExitCode on_death) {
     dismiss_io();
+    check_health();  // A prepared process that has died is nobody's bad data.
     io_ = prepared_io_ ? *std::exchange(prepared_io_, std::nullopt) : spawn_io();
     io_death_code_ = on_death;
     io_ = bring_up({*io_}).front();

@@ -67,3 +67,42 @@ TEST_CASE("a damaged message ends in an error that says so, or changes nothing")
                       static_cast<int>(damage));
     }
 }
+
+TEST_CASE("a sweep with a refused message leaves a machine that works") {
+    // From the message with which the sweep begins, about, to its end.
+    constexpr std::uint64_t first = 40, last = 170;
+    int failed = 0, kept = 0;
+    for (std::uint64_t message = first; message < last; ++message) {
+        CAPTURE(message);
+        test::SimulatedMachine machine(small_machine(), {bus::Damage::flip_bit, message});
+        Session session(machine);
+        const auto set_and_draw = [&session](const char* name) {
+            session.set_surface(name, 0.5, CaseTable::watertight, {200, 180, 160});
+            session.draw();
+        };
+        bool sweeps = false;
+        try {
+            session.load("phantom:sphere");
+            session.scene.size = {100, 100};
+            set_and_draw("s");
+            sweeps = true;
+            session.sweep("s", std::vector<double>{0.5, 100.5, 200.5},
+                          [](int, const Picture&, const SurfaceReport&) {});
+        } catch (const RequestError&) {
+            if (!sweeps) {
+                continue;
+            }
+            ++failed;
+            kept += session.surface("s") ? 1 : 0;
+            // What was lost may be told once more, by the frame that comes behind it.
+            try {
+                set_and_draw("t");
+            } catch (const RequestError&) {
+            }
+            CHECK_NOTHROW(set_and_draw("t"));
+        } catch (const MachineError&) {  // The host itself was sent what it cannot trust.
+        }
+    }
+    CHECK(failed >= 10);
+    CHECK(kept >= 1);
+}
