@@ -24,10 +24,14 @@ Reply run_stats(Session& session, const Arguments&) {
                                   archive->triangles, archive->spheres, archive->lines);
     }
     const FrameReport& frame = session.last_frame();
+    reply.text += fmt::format("machine: {} GPs, {} Renderers\n", session.gp_count(),
+                              session.renderer_count());
     reply.text +=
         fmt::format("last frame: {:.1f} ms, {} instructions, {} Renderer cycles (modelled)",
                     frame.elapsed_ms, frame.instructions, frame.renderer_cycles);
     reply.fields = {{"surfaces", list},
+                    {"gps", static_cast<std::int64_t>(session.gp_count())},
+                    {"renderers", static_cast<std::int64_t>(session.renderer_count())},
                     {"frame", Fields{{"elapsed_ms", frame.elapsed_ms},
                                      {"instructions", frame.instructions},
                                      {"renderer_cycles", frame.renderer_cycles}}}};

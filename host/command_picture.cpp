@@ -138,20 +138,29 @@ Reply run_sweep(Session& session, const Arguments& arguments) {
     for (int i = 0; i < count; ++i) {
         isovalues.push_back(first + (last - first) * i / (count - 1));
     }
+    std::int64_t empty = 0;
     const SweepReport report = session.sweep(
-        name, isovalues, [&](int index, const Picture& picture, const SurfaceReport&) {
+        name, isovalues, [&](int index, const Picture& picture, const SurfaceReport& built) {
+            empty += built.triangles == 0 ? 1 : 0;
             files.take(index, picture, session.scene.camera);
         });
     files.finish();
-    return {fmt::format("{} isovalues {} .. {}: extracted in {:.1f} ms (p95 {:.1f}), picture after "
-                        "{:.1f} ms (p95 {:.1f}){}",
-                        report.changes, first, last, report.extraction_ms.median,
-                        report.extraction_ms.p95, report.picture_ms.median, report.picture_ms.p95,
-                        files.text()),
-            {{"changes", std::int64_t{report.changes}},
-             {"extraction_ms", to_fields(report.extraction_ms)},
-             {"picture_ms", to_fields(report.picture_ms)},
-             {"written", files.written()}}};
+    Reply reply{
+        fmt::format("{} isovalues {} .. {}: extracted in {:.1f} ms (p95 {:.1f}), picture after "
+                    "{:.1f} ms (p95 {:.1f}){}",
+                    report.changes, first, last, report.extraction_ms.median,
+                    report.extraction_ms.p95, report.picture_ms.median, report.picture_ms.p95,
+                    files.text()),
+        {{"changes", std::int64_t{report.changes}},
+         {"extraction_ms", to_fields(report.extraction_ms)},
+         {"picture_ms", to_fields(report.picture_ms)},
+         {"empty", empty},
+         {"written", files.written()}}};
+    if (empty != 0) {
+        reply.text += fmt::format("\n{} of them have no surface: the volume's values are {} .. {}",
+                                  empty, session.volume().minimum, session.volume().maximum);
+    }
+    return reply;
 }
 
 }  // namespace pxpl5::host

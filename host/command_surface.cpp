@@ -1,6 +1,7 @@
 // Commands about isosurfaces: what they are and how they look.
 #include <fmt/core.h>
 
+#include <array>
 #include <cmath>
 
 #include "host/command_handlers.hpp"
@@ -18,6 +19,15 @@ bool parse_yes(std::string_view key, const std::string& text) {
         refuse_command(fmt::format("{}: '{}' is neither yes nor no", key, text));
     }
     return text == "yes";
+}
+
+/// The tissue's colour if the name is one, else one that the surfaces before it do not have.
+Colour first_colour(const std::string& name, std::size_t surfaces_before) {
+    constexpr std::array others = {Colour{236, 226, 200}, Colour{120, 170, 220},
+                                   Colour{150, 200, 130}, Colour{220, 150, 110},
+                                   Colour{190, 150, 210}, Colour{225, 205, 110}};
+    const Tissue* tissue = find_tissue(name);
+    return tissue != nullptr ? tissue->colour : others[surfaces_before % others.size()];
 }
 
 /// What a name alone says of a new surface: a built-in volume's suggestion, or a tissue of CT.
@@ -66,10 +76,14 @@ void take_style(const Arguments& arguments, Surface& wish) {
 }
 
 /// The surface as it was, or as its name suggests, changed by the arguments.
-Surface wished_surface(const Volume& volume, const std::optional<Surface>& known,
+Surface wished_surface(const Session& session, const std::optional<Surface>& known,
                        const Arguments& arguments) {
+    const Volume& volume = session.volume();
     Surface wish = known.value_or(Surface{});
     wish.name = arguments.words[0];
+    if (!known) {
+        wish.colour = first_colour(wish.name, session.scene.surfaces.size());
+    }
     if (wish.name.empty()) {
         refuse_command("a surface needs a name; it is empty");
     }
@@ -132,7 +146,7 @@ Reply run_surface(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
     const Volume& volume = session.volume();
     const std::optional<Surface> known = session.surface(name);
-    const Surface wish = wished_surface(volume, known, arguments);
+    const Surface wish = wished_surface(session, known, arguments);
     if (!known || arguments.has("iso") || arguments.has("preset") || arguments.has("table")) {
         session.end_comparison(known && !known->compared_with.empty() ? known->compared_with
                                                                       : name);
