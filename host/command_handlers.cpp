@@ -24,7 +24,7 @@ Reply run_stats(Session& session, const Arguments&) {
                                   archive->triangles, archive->spheres, archive->lines);
     }
     const FrameReport& frame = session.last_frame();
-    reply.text += fmt::format("machine: {} GPs, {} Renderers\n", session.gp_count(),
+    reply.text += fmt::format("machine: GPs {}, Renderers {}\n", session.gp_count(),
                               session.renderer_count());
     reply.text +=
         fmt::format("last frame: {:.1f} ms, {} instructions, {} Renderer cycles (modelled)",

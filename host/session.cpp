@@ -60,17 +60,17 @@ void Session::send_to_gps(const bus::Payload& request) {
 }
 
 void Session::ask_gps(const std::string& what, const bus::Payload& request, Answer answer) {
+    struct Forget {
+        Answer& answer;
+        ~Forget() { answer = nullptr; }  // It may refer to the caller's variables.
+    };
     begin_request(std::move(answer));
+    const Forget forget{answer_};
     send_to_gps(request);
     wait_for_gps(what);
 }
 
 void Session::wait_for_gps(const std::string& what) {
-    struct Forget {
-        Answer& answer;
-        ~Forget() { answer = nullptr; }  // It may refer to the caller's variables.
-    };
-    const Forget forget{answer_};
     wait(what, [this] {
         return std::all_of(machine_.gp_ids().begin(), machine_.gp_ids().end(),
                            [this](bus::NodeId gp) { return answered_.count(gp) != 0; });

@@ -31,7 +31,6 @@ struct NumberKey {
 
 constexpr std::array<std::string_view, 2> transport_names = {"ipc", "tcp"};
 constexpr std::array<std::string_view, 3> record_names = {"off", "flight", "full"};
-constexpr std::array<std::string_view, 4> target_names = {"best", "sse4", "avx2", "avx512"};
 // One view of a picture needs one frame buffer; both eyes of a stereo picture share it, stacked.
 constexpr int max_frame_buffers = 1;
 constexpr int max_memory_mib = 1 << 20;
@@ -53,6 +52,13 @@ constexpr std::array number_keys = {
               [](Topology& t) -> int& { return t.ring.channel_mb_s; }},
     NumberKey{"ring.hop_ns", 0, max_hop_ns, [](Topology& t) -> int& { return t.ring.hop_ns; }},
 };
+
+/// In the order of their values.
+std::array<std::string_view, 4> target_names() {
+    using enum isa::VectorTarget;
+    return {isa::target_name(best), isa::target_name(sse4), isa::target_name(avx2),
+            isa::target_name(avx512)};
+}
 
 struct RoleKey {
     std::string_view cpu, env;
@@ -179,7 +185,7 @@ void set_value(Topology& topology, std::string_view key, std::string_view value)
     } else if (key == "record") {
         topology.record = value_named<Record>(key, value, record_names);
     } else if (key == "vector_target") {
-        topology.vector_target = value_named<VectorTarget>(key, value, target_names);
+        topology.vector_target = value_named<isa::VectorTarget>(key, value, target_names());
     } else if (!set_role_list(topology, key, value)) {
         refuse_key(key);
     }
@@ -214,10 +220,6 @@ std::filesystem::path find_named(const std::string& name) {
 }
 
 }  // namespace
-
-std::string_view name_of(VectorTarget target) {
-    return target_names[static_cast<std::size_t>(target)];
-}
 
 std::string size_text(const Topology& topology) {
     const auto counted = [](int count, std::string_view word) {

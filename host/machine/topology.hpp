@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "isa/vector_target.hpp"
+
 namespace pxpl5::host {
 
 inline constexpr int max_nodes_per_role = 64;
@@ -15,13 +17,6 @@ enum class Transport : std::uint8_t { ipc, tcp };
 
 /// What nodes keep of the messages that they receive: nothing, the newest, or all. As on the ring.
 enum class Record : std::uint8_t { off, flight, full };
-
-/// Vector instructions that nodes compute with: the widest that this machine has, or these. All
-/// give the same bits.
-enum class VectorTarget : std::uint8_t { best, sse4, avx2, avx512 };
-
-/// "sse4": as PXPL5_TARGET and the topology write it.
-std::string_view name_of(VectorTarget target);
 
 /// All nodes of one role.
 struct RoleSettings {
@@ -45,7 +40,7 @@ struct Topology {
     int gp_memory_mib = 4096;  ///< Local memory of each GP.
     RingSettings ring;
     Record record = Record::off;
-    VectorTarget vector_target = VectorTarget::best;
+    isa::VectorTarget vector_target = isa::VectorTarget::best;  ///< Of all nodes.
     std::uint64_t seed = 0;  ///< For everything that is random on purpose: simulated arrival order.
 };
 

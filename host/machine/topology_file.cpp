@@ -64,7 +64,7 @@ Topology plan_of(const config::MachineT& machine) {
                  ring.hop_ns};
     plan.seed = machine.seed;
     plan.record = static_cast<Record>(machine.record);
-    plan.vector_target = static_cast<VectorTarget>(machine.vector_target);
+    plan.vector_target = static_cast<isa::VectorTarget>(machine.vector_target);
     return plan;
 }
 

@@ -24,6 +24,13 @@ Topology machine_of(int gps, int renderers, int gp_memory_mib = 64) {
     return topology;
 }
 
+/// Loads a sphere and shows it in a picture of this size.
+void show_sphere(Session& session, int width, int height, double isovalue) {
+    session.load("phantom:sphere");
+    session.scene.size = {width, height};
+    session.set_surface("s", isovalue, CaseTable::watertight, grey);
+}
+
 std::string error_of(const std::function<void()>& act) {
     try {
         act();
@@ -38,9 +45,7 @@ std::string error_of(const std::function<void()>& act) {
 TEST_CASE("an orbit that is broken off leaves no frame and no turned camera behind") {
     test::SimulatedMachine machine(machine_of(2, 2));
     Session session(machine);
-    session.load("phantom:sphere");
-    session.scene.size = {150, 130};
-    session.set_surface("s", 0.5, CaseTable::watertight, grey);
+    show_sphere(session, 150, 130, 0.5);
     const Picture before = session.draw();
     CHECK_THROWS_AS(session.orbit(7,
                                   [](int index, const Picture&, const Camera&) {
@@ -99,9 +104,7 @@ TEST_CASE("a surface that no GP has room for is gone, and the others stay") {
 TEST_CASE("the newest isovalue of a surface is what is drawn") {
     test::SimulatedMachine machine(machine_of(3, 2));
     Session session(machine);
-    session.load("phantom:sphere");
-    session.scene.size = {100, 100};
-    session.set_surface("s", 0.5, CaseTable::watertight, grey);
+    show_sphere(session, 100, 100, 0.5);
     const Picture large = session.draw();
     session.set_surface("s", 1500.5, CaseTable::watertight, grey);
     CHECK(session.draw().rgba != large.rgba);
@@ -155,9 +158,7 @@ TEST_CASE("a frame waits for the isovalue that it shows, whichever comes first")
         CAPTURE(seed);
         test::SimulatedMachine machine(topology);
         Session session(machine);
-        session.load("phantom:sphere");
-        session.scene.size = {60, 50};
-        session.set_surface("s", 100.5, CaseTable::watertight, grey);
+        show_sphere(session, 60, 50, 100.5);
         std::vector<std::vector<std::uint32_t>> shown;
         session.sweep("s", isovalues, [&](int, const Picture& picture, const SurfaceReport&) {
             shown.push_back(picture.rgba);
@@ -171,9 +172,7 @@ TEST_CASE("a frame waits for the isovalue that it shows, whichever comes first")
 TEST_CASE("views drawn one at a time are those drawn two at a time") {
     test::SimulatedMachine machine(machine_of(2, 2));
     Session session(machine);
-    session.load("phantom:sphere");
-    session.scene.size = {100, 100};
-    session.set_surface("s", 0.5, CaseTable::watertight, grey);
+    show_sphere(session, 100, 100, 0.5);
     std::vector<std::vector<std::uint32_t>> drawn[max_frames_in_flight];
     for (int in_flight = 1; in_flight <= max_frames_in_flight; ++in_flight) {
         const OrbitReport report = session.orbit(

@@ -119,7 +119,7 @@ TEST_CASE("an override sets one value") {
         small, "small.json",
         {"gp.count=4", "gp.memory_mib=16", "ring.transport=ipc", "seed=18446744073709551615",
          "renderer.cpu=0,1", "frame_buffer.env=A=b=c", "record=full", "vector_target=avx2"});
-    CHECK(plan.vector_target == VectorTarget::avx2);
+    CHECK(plan.vector_target == pxpl5::isa::VectorTarget::avx2);
     CHECK(plan.record == Record::full);
     CHECK(plan.gp.count == 4);
     CHECK(plan.gp_memory_mib == 16);
@@ -165,7 +165,7 @@ TEST_CASE("the resolved plan, read again, is the same plan") {
     CHECK(again.renderer.env == plan.renderer.env);
     CHECK(again.seed == plan.seed);
     CHECK(again.record == Record::off);
-    CHECK(again.vector_target == VectorTarget::sse4);
+    CHECK(again.vector_target == pxpl5::isa::VectorTarget::sse4);
     CHECK(load_topology("default").record == Record::flight);
     CHECK(again.ring.transport == Transport::tcp);
     CHECK(again.ring.hop_ns == 0);
