@@ -1,0 +1,102 @@
+// The web server: who may connect, what they say, and the pictures and texts that go to them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace pxpl5::host::serve {
+
+/// A driver may do everything, a watcher only look.
+enum class Role : std::uint8_t { driver, watcher };
+
+struct ServerOptions {
+    std::string bind = "127.0.0.1";   ///< An address of this computer, IPv4 or IPv6.
+    int port = 0;                     ///< 0: a free one.
+    bool insecure = false;            ///< Bind elsewhere than on loopback without TLS.
+    std::string tls_cert, tls_key;    ///< PEM files; both or neither.
+    std::filesystem::path page;       ///< Empty: as built in.
+    std::filesystem::path uploads;    ///< What viewers upload goes below it; made if missing.
+    std::filesystem::path downloads;  ///< What `/download/NAME` serves; made if missing.
+};
+
+/// Viewers are counted from 1; a number is never used again.
+struct Joined {
+    std::uint32_t viewer = 0;
+    Role role = Role::watcher;
+};
+struct Left {
+    std::uint32_t viewer = 0;
+};
+/// A text message, as it came; `shown` messages stay with the server.
+struct Said {
+    std::uint32_t viewer = 0;
+    Role role = Role::watcher;
+    std::string text;
+};
+/// A batch of files is complete.
+struct Uploaded {
+    std::uint32_t viewer = 0;  ///< 0 if the request did not say.
+    std::string path;          ///< The file, or the folder if several came.
+    std::string name;          ///< As the person knows it.
+};
+using Event = std::variant<Joined, Left, Said, Uploaded>;
+
+/// A frame for everybody.
+struct Shown {
+    std::shared_ptr<const std::vector<std::uint32_t>> pixels;  ///< width * height, red lowest.
+    int width = 0, height = 0;
+    std::uint32_t revision = 0;  ///< Of the state that it shows.
+    int samples = 1;             ///< A pixel.
+    bool rests = false;          ///< The picture itself: sent lossless, to every viewer.
+    bool last = false;           ///< No refinement follows.
+    float machine_ms = 0;        ///< Request to picture.
+    std::uint64_t digest = 0;    ///< 0 while moving.
+};
+
+/// What the slowest driver's connection allows.
+struct LinkAdvice {
+    double scale = 1;  ///< Of moving frames against resting ones: 1, 3/4 or 1/2.
+};
+
+/// Serves the page and its WebSocket from a thread of its own. Every call below may be made from
+/// any one thread, returns at once and never throws because of what a viewer does.
+class Server {
+  public:
+    /// Throws RequestError: usage if the options contradict each other, unavailable naming address
+    /// and reason if it cannot listen, bad_data if page or certificate cannot be read.
+    explicit Server(const ServerOptions& options);
+    ~Server();
+    Server(const Server&) = delete;
+    Server& operator=(const Server&) = delete;
+
+    std::string url() const;        ///< For a driver, token included.
+    std::string watch_url() const;  ///< For a watcher.
+    int port() const;
+
+    /// Readable while events wait, and when wants_frame() may have become true; take() resets it.
+    int event_fd() const;
+    std::vector<Event> take();
+
+    /// Texts reach a viewer in the order of these calls, and binary messages with them.
+    void send(std::uint32_t viewer, std::string text);
+    void broadcast(std::string text);
+    void send_binary(std::uint32_t viewer, std::string bytes);
+
+    /// Takes the place of a frame that has not been sent yet. A viewer who joins later gets the
+    /// newest one, too.
+    void show(Shown frame);
+
+    /// Whether some viewer would take a moving frame now.
+    bool wants_frame() const;
+    LinkAdvice advice() const;
+
+  private:
+    class Core;
+    std::unique_ptr<Core> core_;
+};
+
+}  // namespace pxpl5::host::serve
