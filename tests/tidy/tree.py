@@ -4,7 +4,7 @@ import re
 import subprocess
 from typing import List
 
-CODE = {".hpp", ".cpp", ".h", ".def", ".fbs", ".py", ".sh", ".cmake"}
+CODE = {".hpp", ".cpp", ".h", ".def", ".fbs", ".py", ".sh", ".cmake", ".js", ".css"}
 CPP = {".hpp", ".cpp", ".h"}
 
 

@@ -1,0 +1,289 @@
+// The WebSocket to the server: commands and questions with their answers, events, reconnection.
+import {ANSWER_MAGIC, FRAME_MAGIC, magicOf, parseAnswer, parseFrame} from './messages.js';
+import {subjectOf} from './lines.js';
+
+/** @typedef {import('./types.js').Reply} Reply */
+/** @typedef {import('./types.js').Answer} Answer */
+
+const FIRST_WAIT_MS = 250;
+const LONGEST_WAIT_MS = 4000;
+/** What a person should know of the codes with which the server closes. */
+const CLOSED_BECAUSE = new Map([
+  [1008, 'The server closed the connection: too many messages, or not allowed.'],
+  [1009, 'The server closed the connection: a message was too long.'],
+  [1013, 'The server closed the connection: this page read too slowly.'],
+]);
+const LOST = 'The connection was lost before the answer came.';
+
+/**
+ * @typedef {object} Waiting            Who waits for the answer to a message.
+ * @property {string} line              '' for a question.
+ * @property {number} sentAt            performance.now().
+ * @property {(reply: Reply) => void} reply
+ * @property {(answer: Answer) => void} [answer]
+ */
+
+/**
+ * @typedef {object} Setting            A subject's newest line that waits for the one under way.
+ * @property {string} line
+ * @property {(reply: Reply) => void} reply
+ */
+
+/**
+ * Events, and what listeners get: `hello` Hello, `state` State, `frame` {header, picture},
+ * `progress` Progress or null, `machine` any, `note` Note, `open` (connected), `lost` a sentence,
+ * `reply` {line, reply, sentAt}, `failed` {line, error} of a `do` or `set` that was refused.
+ * @typedef {'hello' | 'state' | 'frame' | 'progress' | 'machine' | 'note' | 'open' | 'lost'
+ *   | 'reply' | 'failed'} EventName
+ */
+
+export class Connection {
+  /** @param {URL} url  ws: or wss:, with the token if there is one. */
+  constructor(url) {
+    /** @private */
+    this.url_ = url;
+    /** @private @type {WebSocket | null} */
+    this.socket_ = null;
+    /** @private */
+    this.nextId_ = 1;
+    /** @private @type {Map<number, Waiting>} */
+    this.waiting_ = new Map();
+    /** @private @type {Map<string, Setting | null>} under way per subject; the newest that waits */
+    this.settings_ = new Map();
+    /** @private @type {Map<EventName, Set<(what: any) => void>>} */
+    this.listeners_ = new Map();
+    /** @private */
+    this.waitMs_ = FIRST_WAIT_MS;
+    /** @private */
+    this.wantsMachine_ = false;
+    /** @type {import('./types.js').Hello | null} */
+    this.hello = null;
+  }
+
+  /** Connects, and again after each loss. Call once, when all listeners are there. */
+  open() {
+    const socket = new WebSocket(this.url_);
+    socket.binaryType = 'arraybuffer';
+    socket.onopen = () => {
+      this.emit_('open', null);
+      if (this.wantsMachine_) {
+        this.send_({panel: true});
+      }
+    };
+    socket.onmessage = event => this.take_(event.data);
+    socket.onclose = event => this.lost_(event.code);
+    this.socket_ = socket;
+  }
+
+  get connected() {
+    return this.socket_?.readyState === WebSocket.OPEN;
+  }
+
+  /** Whether this page may only watch. */
+  get watches() {
+    return this.hello?.role === 'watcher';
+  }
+
+  /**
+   * @param {EventName} name
+   * @param {(what: any) => void} act
+   * @returns {() => void} ends it
+   */
+  on(name, act) {
+    const acts = this.listeners_.get(name) ?? new Set();
+    this.listeners_.set(name, acts.add(act));
+    return () => void acts.delete(act);
+  }
+
+  /**
+   * Does a command line. Always answers; a failure is also told by the event `failed`, so that no
+   * caller need show it.
+   * @param {string} line
+   * @param {{quiet?: boolean}} [options]  quiet: the caller shows failures itself.
+   * @returns {Promise<Reply>}
+   */
+  do(line, {quiet = false} = {}) {
+    return new Promise(resolve => {
+      const reply = (/** @type {Reply} */ answer) => {
+        if (!answer.ok && !answer.superseded && !quiet) {
+          this.emit_('failed', {line, error: answer.error ?? ''});
+        }
+        resolve(answer);
+      };
+      const id = this.request_({do: line}, {line, sentAt: performance.now(), reply});
+      if (id === 0) {
+        reply({ok: false, error: 'Not connected: nothing was changed.'});
+      }
+    });
+  }
+
+  /**
+   * Does a setting, newest only: of each subject (see `subjectOf`) one line is under way and the
+   * newest waits; one between the two is answered `superseded`. For drags.
+   * @param {string} line
+   * @returns {Promise<Reply>}
+   */
+  set(line) {
+    const subject = subjectOf(line);
+    if (!this.settings_.has(subject)) {
+      this.settings_.set(subject, null);
+      const done = this.do(line);
+      done.then(() => this.follow_(subject));
+      return done;
+    }
+    this.settings_.get(subject)?.reply({ok: false, superseded: true});
+    return new Promise(reply => this.settings_.set(subject, {line, reply}));
+  }
+
+  /**
+   * A question whose answer is bytes.
+   * @param {{ask: string, [key: string]: unknown}} question
+   * @returns {Promise<Answer>} rejected with a sentence if it fails
+   */
+  ask(question) {
+    return new Promise((answer, reject) => {
+      const reply = (/** @type {Reply} */ failed) => reject(new Error(failed.error ?? LOST));
+      if (this.request_(question, {line: '', sentAt: performance.now(), reply, answer}) === 0) {
+        reject(new Error('Not connected.'));
+      }
+    });
+  }
+
+  /** Gives up the long work under way. */
+  cancel() {
+    this.send_({cancel: true});
+  }
+
+  /**
+   * Whether `machine` messages are wanted; remembered across reconnections.
+   * @param {boolean} wanted
+   */
+  wantMachine(wanted) {
+    this.wantsMachine_ = wanted;
+    this.send_({panel: wanted});
+  }
+
+  /**
+   * Tells that a frame is on the screen, and so that the next may come.
+   * @param {number} number
+   */
+  shown(number) {
+    this.send_({shown: number});
+  }
+
+  /**
+   * @private
+   * @param {object} message
+   * @param {Waiting} waiting
+   * @returns {number} the message's id, 0 if there is no connection
+   */
+  request_(message, waiting) {
+    const id = this.nextId_++;
+    if (!this.send_({id, ...message})) {
+      return 0;
+    }
+    this.waiting_.set(id, waiting);
+    return id;
+  }
+
+  /**
+   * @private
+   * @param {object} message
+   */
+  send_(message) {
+    if (!this.connected) {
+      return false;
+    }
+    this.socket_?.send(JSON.stringify(message));
+    return true;
+  }
+
+  /**
+   * The subject's line under way is done: the newest that waited goes next.
+   * @private
+   * @param {string} subject
+   */
+  follow_(subject) {
+    const next = this.settings_.get(subject);
+    if (!next) {
+      this.settings_.delete(subject);
+      return;
+    }
+    this.settings_.set(subject, null);
+    this.do(next.line).then(reply => {
+      next.reply(reply);
+      this.follow_(subject);
+    });
+  }
+
+  /**
+   * @private
+   * @param {string | ArrayBuffer} data
+   */
+  take_(data) {
+    if (typeof data === 'string') {
+      this.takeText_(JSON.parse(data));
+    } else if (magicOf(data) === FRAME_MAGIC) {
+      this.emit_('frame', parseFrame(data));
+    } else if (magicOf(data) === ANSWER_MAGIC) {
+      const {id, json, bytes} = parseAnswer(data);
+      this.waiting_.get(id)?.answer?.({json, bytes});
+      this.waiting_.delete(id);
+    } else {
+      throw new Error(`message of ${data.byteLength} bytes: neither a frame nor an answer`);
+    }
+  }
+
+  /**
+   * @private
+   * @param {any} message
+   */
+  takeText_(message) {
+    if ('re' in message) {
+      const waiting = this.waiting_.get(message.re);
+      this.waiting_.delete(message.re);
+      waiting?.reply(message);
+      if (waiting) {
+        this.emit_('reply', {line: waiting.line, reply: message, sentAt: waiting.sentAt});
+      }
+      return;
+    }
+    if ('hello' in message) {
+      this.waitMs_ = FIRST_WAIT_MS;
+      this.hello = message.hello;
+    }
+    const names = /** @type {const} */ (['hello', 'state', 'progress', 'machine', 'note']);
+    for (const name of names) {
+      if (name in message) {
+        this.emit_(name, message[name]);
+      }
+    }
+  }
+
+  /**
+   * @private
+   * @param {number} code
+   */
+  lost_(code) {
+    this.socket_ = null;
+    const waiting = [...this.waiting_.values()];
+    this.waiting_.clear();
+    this.emit_('lost', CLOSED_BECAUSE.get(code) ?? '');
+    for (const {reply} of waiting) {
+      reply({ok: false, superseded: false, error: LOST});
+    }
+    setTimeout(() => this.open(), this.waitMs_);
+    this.waitMs_ = Math.min(this.waitMs_ * 2, LONGEST_WAIT_MS);
+  }
+
+  /**
+   * @private
+   * @param {EventName} name
+   * @param {any} what
+   */
+  emit_(name, what) {
+    for (const act of this.listeners_.get(name) ?? []) {
+      act(what);
+    }
+  }
+}

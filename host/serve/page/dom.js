@@ -1,0 +1,82 @@
+// Making elements. Text is always text, never markup: nothing the server says can become a tag.
+
+const SVG = 'http://www.w3.org/2000/svg';
+
+/** @typedef {string | number | Node | null | undefined | false} Child */
+/** @typedef {Record<string, any>} Attributes  `on...` are listeners, booleans are set or not. */
+
+/**
+ * @param {Element} element
+ * @param {Attributes} attributes
+ * @param {Child[]} children
+ */
+function fill(element, attributes, children) {
+  for (const [key, value] of Object.entries(attributes)) {
+    if (key.startsWith('on')) {
+      element.addEventListener(key.slice(2), value);
+    } else if (key === 'value' && 'value' in element) {
+      element.value = value;
+    } else if (value === true) {
+      element.setAttribute(key, '');
+    } else if (value !== false && value !== undefined && value !== null) {
+      element.setAttribute(key, String(value));
+    }
+  }
+  const shown = children.filter(child => child !== null && child !== undefined && child !== false);
+  element.append(.../** @type {(string | Node)[]} */ (
+    shown.map(child => typeof child === 'number' ? String(child) : child)));
+}
+
+/**
+ * @template {keyof HTMLElementTagNameMap} K
+ * @param {K} tag
+ * @param {Attributes} [attributes]
+ * @param {...Child} children
+ * @returns {HTMLElementTagNameMap[K]}
+ */
+export function h(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  fill(element, attributes, children);
+  return element;
+}
+
+/**
+ * @template {keyof SVGElementTagNameMap} K
+ * @param {K} tag
+ * @param {Attributes} [attributes]
+ * @param {...Child} children
+ * @returns {SVGElementTagNameMap[K]}
+ */
+export function s(tag, attributes = {}, ...children) {
+  const element = document.createElementNS(SVG, tag);
+  fill(element, attributes, children);
+  return element;
+}
+
+/**
+ * The element of that id, which index.html has.
+ * @param {string} id
+ * @returns {HTMLElement}
+ */
+export function byId(id) {
+  const element = document.getElementById(id);
+  if (!element) {
+    throw new Error(`index.html has no element '${id}'`);
+  }
+  return element;
+}
+
+/**
+ * Sets attributes only where they differ, so that nothing is laid out again in vain.
+ * @param {Element} element
+ * @param {Record<string, string | number | null>} attributes  null removes.
+ */
+export function update(element, attributes) {
+  for (const [key, value] of Object.entries(attributes)) {
+    if (value === null) {
+      element.removeAttribute(key);
+    } else if (element.getAttribute(key) !== String(value)) {
+      element.setAttribute(key, String(value));
+    }
+  }
+}

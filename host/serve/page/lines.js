@@ -1,0 +1,38 @@
+// Command lines: how words are quoted, and which setting a line makes. Pure functions.
+
+/**
+ * A word as the command line takes it: quoted if it has blanks, quotes, '=' or '#'. There is no
+ * escape; a double quote stands in single ones.
+ * @param {string} text
+ */
+export function word(text) {
+  if (/^[^\s"'=#]+$/.test(text)) {
+    return text;
+  }
+  const parts = text.split(/("+)/).filter(part => part !== '');
+  return parts.map(part => part.startsWith('"') ? `'${part}'` : `"${part}"`).join('') || '""';
+}
+
+/** Commands whose first word names what is set. */
+const NAMED = new Set(['surface', 'light', 'components', 'compare']);
+
+/**
+ * What a line sets. Of two lines with one subject, the later makes the earlier needless: they set
+ * the same options of the same thing.
+ * @param {string} line
+ */
+export function subjectOf(line) {
+  const words = line.match(/(?:[^\s"']|"[^"]*"|'[^']*')+/g) ?? [];
+  const keys = words.filter(each => /^\w+=/.test(each)).map(each => each.split('=')[0]).sort();
+  const named = NAMED.has(words[0] ?? '') ? words[1] ?? '' : '';
+  return [words[0] ?? '', named, ...keys].join(' ');
+}
+
+/**
+ * A number as a command takes it: short, never in exponent notation.
+ * @param {number} value
+ * @param {number} digits  After the point, at most.
+ */
+export function plain(value, digits = 2) {
+  return String(Number(value.toFixed(digits)) || 0);
+}

@@ -1,0 +1,58 @@
+// The page's start: makes the parts and joins them.
+//
+// The contract for panels (types: types.js):
+//   A panel is a module with `create(root, app)`; it fills `root`, a <section>, and keeps it right.
+//   Panels on the right are rows of TABS in tabs.js; events `panelshow` and `panelhide` on the
+//   section tell that it can be seen. Styles of theirs: panels.css.
+//   app.connection  do(line) -> Reply, never rejected; failures show themselves as toasts
+//                   set(line) -> Reply: newest only per subject, for drags
+//                   ask({ask, ...}) -> {json, bytes}, rejected with a sentence
+//                   on(event, act), wantMachine(bool), watches (this page may only watch)
+//   app.store       state (null at first); subscribe(keys, act): now and when one has changed
+//   app.picture     overlay (SVG, in places), project(p_mm), pixelAt(event), placeOfPixel(x, y),
+//                   onChange(act): redraw what lies over the picture; onShown(act): a frame
+//   app.modes       enter({name, hint, click(x, y), leave}): a click on the picture is yours
+//   app.toasts      info(text), error(text)
+//   Between panels: events on `document` with a `detail`:
+//     place   {p_mm, from}: the place that all views point at (a crosshair)
+//   Elements: dom.js. Tests find things by data-testid. No styles or scripts in markup (CSP).
+import {Connection} from './connection.js';
+import {byId} from './dom.js';
+import {measure} from './metrics.js';
+import {Modes} from './modes.js';
+import {PictureView} from './picture.js';
+import {Store} from './store.js';
+import {createTabs} from './tabs.js';
+import {Toasts} from './toasts.js';
+
+/** The WebSocket's address: beside the page, with the token that the page was opened with. */
+function socketUrl() {
+  const url = new URL('socket', location.href);
+  url.search = location.search;
+  url.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+  return url;
+}
+
+function start() {
+  const connection = new Connection(socketUrl());
+  const store = new Store();
+  const picture = new PictureView(connection, store);
+  /** @type {import('./types.js').App} */
+  const app = {connection, store, picture, modes: new Modes(), toasts: new Toasts(byId('toasts'))};
+  window.pxpl5 = measure(connection, store, picture);
+
+  connection.on('state', state => store.take(state));
+  connection.on('failed', ({error}) => app.toasts.error(error));
+  connection.on('note', ({level, text}) => app.toasts[level === 'error' ? 'error' : 'info'](text));
+  connection.on('hello', hello => document.body.classList.toggle('watcher',
+    hello.role === 'watcher'));
+  connection.on('hello', () => { byId('lost').hidden = true; });
+  connection.on('lost', why => {
+    byId('lost').hidden = false;
+    byId('lost-why').textContent = why;
+  });
+  createTabs(app);
+  connection.open();
+}
+
+start();

@@ -1,0 +1,46 @@
+// Sentences for the person. Errors stay until they are closed, notes for a while.
+import {h} from './dom.js';
+
+const NOTE_MS = 6000;
+const MOST = 4;
+
+export class Toasts {
+  /** @param {HTMLElement} root */
+  constructor(root) {
+    /** @private */
+    this.root_ = root;
+  }
+
+  /** @param {string} text */
+  info(text) {
+    const toast = this.add_('info', text);
+    setTimeout(() => toast.remove(), NOTE_MS);
+  }
+
+  /** @param {string} text */
+  error(text) {
+    this.add_('error', text);
+  }
+
+  /**
+   * @private
+   * @param {'info' | 'error'} level
+   * @param {string} text
+   */
+  add_(level, text) {
+    for (const same of this.root_.querySelectorAll('.toast')) {
+      if (same.querySelector('p')?.textContent === text) {
+        same.remove();
+      }
+    }
+    while (this.root_.childElementCount >= MOST) {
+      this.root_.firstElementChild?.remove();
+    }
+    const toast = h('div', {class: `toast ${level}`, 'data-testid': `toast-${level}`},
+      h('p', {}, text));
+    toast.append(h('button', {class: 'quiet', 'aria-label': 'Close this message',
+      onclick: () => toast.remove()}, '×'));
+    this.root_.append(toast);
+    return toast;
+  }
+}
