@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what the build and the tests need (Debian 12). Quiet and quick when nothing is missing.
+# Installs what the build needs (Debian 12), with the argument "tests" also what the browser tests
+# need. Quiet and quick when nothing is missing.
 set -euo pipefail
 
 packages=(
@@ -11,6 +12,12 @@ packages=(
     libwebsockets-dev libturbojpeg0-dev node-d3
     doctest-dev libbenchmark-dev
 )
+if [ "${1:-}" = tests ]; then
+    packages+=(chromium)
+    # Node may have come from elsewhere than Debian, which then must not be asked for another.
+    command -v node >/dev/null || packages+=(nodejs)
+    command -v npm >/dev/null || packages+=(npm)
+fi
 
 missing=()
 for package in "${packages[@]}"; do

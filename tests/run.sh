@@ -5,7 +5,7 @@
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 
-"$top/host/setup.sh"
+"$top/host/setup.sh" tests
 cd "$top"
 if [ "${1:-}" = --sanitizers ]; then
     "$top/host/build.sh" dev

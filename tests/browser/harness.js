@@ -1,0 +1,92 @@
+// What every browser test starts from: a served machine, a browser, and a folder for pictures.
+import { spawn } from 'node:child_process';
+import { existsSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import path from 'node:path';
+import { createInterface } from 'node:readline';
+
+/** Where the build put programs and packages; ctest hands them over. */
+export const bin = required('PXPL5_BIN_DIR');
+const modules = required('PXPL5_NODE_MODULES');
+/** Screenshots are kept here. */
+export const shots = required('PXPL5_SHOTS_DIR');
+mkdirSync(shots, { recursive: true });
+
+const { chromium } = createRequire(path.join(modules, 'here.js'))('playwright-core');
+
+const flags = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
+             '--disable-background-networking', '--disable-component-update',
+             '--disable-sync'];
+
+/** @param {string} name */
+function required(name) {
+  const value = process.env[name];
+  if (!value) throw new Error(`${name} is not set: run this through ctest`);
+  return value;
+}
+
+/**
+ * Starts `pxpl5 serve` and waits until it tells its addresses.
+ * @param {string[]} words arguments of serve
+ */
+export async function serve(...words) {
+  const folder = mkdtempSync(path.join(tmpdir(), 'pxpl5-browser-'));
+  const child = spawn(path.join(bin, 'pxpl5'),
+            ['serve', ...words, '--run-folder', path.join(folder, 'run')],
+            { stdio: ['ignore', 'pipe', 'pipe'] });
+  let errors = '';
+  child.stderr.on('data', chunk => { errors = (errors + chunk).slice(-10_000); });
+  const ended = new Promise(resolve => child.on('exit', (code, signal) =>
+    resolve({ code, signal, errors })));
+  const addresses = [];
+  for await (const line of createInterface({ input: child.stdout })) {
+    const found = /https?:\/\/\S+/.exec(line);
+    if (found) addresses.push(found[0]);
+    if (addresses.length === 2) break;
+  }
+  child.stdout.resume();
+  if (addresses.length < 2) {
+    throw new Error(`pxpl5 serve ended early: ${JSON.stringify(await ended)}`);
+  }
+  const [url, watchUrl] = addresses;
+  return {
+    url, watchUrl, folder, child, ended,
+    /** Ctrl-C, and what became of it. */
+    async stop() {
+      child.kill('SIGINT');
+      const how = await ended;
+      rmSync(folder, { recursive: true, force: true });
+      return how;
+    },
+  };
+}
+
+/** @returns a browser; its pages fail the test on what a person would see in the console. */
+export async function launchBrowser() {
+  const executablePath = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(existsSync);
+  const browser = await chromium.launch({ executablePath, args: flags });
+  return browser;
+}
+
+/**
+ * Opens a page and waits until it shows a picture.
+ * @param {{width: number, height: number}} viewport CSS pixels
+ */
+export async function openPage(browser, url, viewport = { width: 1280, height: 720 }) {
+  const context = await browser.newContext({ viewport, acceptDownloads: true });
+  const page = await context.newPage();
+  const complaints = [];
+  page.on('pageerror', error => complaints.push(String(error)));
+  page.on('console', message => {
+    if (message.type() === 'error') complaints.push(message.text());
+  });
+  await page.goto(url);
+  await page.waitForFunction(() => globalThis.pxpl5?.frames > 0);
+  return { page, context, complaints };
+}
+
+/** Keeps a screenshot under a name that the README may show. */
+export async function shoot(page, name) {
+  await page.screenshot({ path: path.join(shots, `${name}.png`) });
+}
