@@ -1,5 +1,8 @@
 // The panels on the right, each behind a tab.
 import {byId, h} from './dom.js';
+import {create as createMeasure} from './measure.js';
+import {create as createSlices} from './slices.js';
+import {create as createVolume} from './volume_report.js';
 
 /**
  * @typedef {object} Tab
@@ -14,7 +17,11 @@ import {byId, h} from './dom.js';
  * `panelshow` and `panelhide` on its section.
  * @type {Tab[]}
  */
-const TABS = [];
+const TABS = [
+  {id: 'slices', title: 'Slices', help: 'The scan cut three ways', create: createSlices},
+  {id: 'measure', title: 'Measure', help: 'Distances on a surface', create: createMeasure},
+  {id: 'volume', title: 'Volume', help: 'What is known of the scan', create: createVolume},
+];
 
 /** @param {import('./types.js').App} app */
 export function createTabs(app) {

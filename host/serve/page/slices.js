@@ -1,0 +1,268 @@
+// Panel: three slices of the volume, linked with one another and with the picture.
+import {h} from './dom.js';
+import {word} from './lines.js';
+import {choiceRow, intro, messageLine, numberField} from './panel_parts.js';
+import {nearestVoxel, patientText, toPatient, toVoxel} from './patient_grid.js';
+import {CT_WINDOWS, firstWindow} from './slice_pixels.js';
+import {planesOf} from './slice_planes.js';
+import {SliceSource} from './slice_source.js';
+import {SliceView} from './slice_view.js';
+
+/** @typedef {import('./patient_grid.js').Vector} Vector */
+/** @typedef {import('./slice_pixels.js').Window} Window */
+/** @typedef {import('./types.js').VolumeState} VolumeState */
+
+const PLANES = ['Axial', 'Coronal', 'Sagittal'];
+const SELF = 'slices';
+const DRAG_ACROSS_RANGE = 400;  // CSS pixels of a window/level drag that stand for 1000 values.
+const EMPTY = 'No volume is open. Open one, and its slices stand here.';
+
+/** @typedef {{view: SliceView, source: SliceSource, element: HTMLElement,
+ *   slider: HTMLInputElement, count: HTMLElement}} Pane */
+
+class SlicesPanel {
+  /**
+   * @param {HTMLElement} root
+   * @param {import('./types.js').App} app
+   */
+  constructor(root, app) {
+    this.app = app;
+    this.root = root;
+    /** @type {VolumeState | null} */
+    this.volume = null;
+    /** @type {Window} */
+    this.through = {window: 1, level: 0};
+    /** @type {Vector} */
+    this.voxel = [0, 0, 0];
+    /** @type {ReturnType<typeof planesOf>} */
+    this.planes = [];
+    this.visible = false;
+    this.stale = true;
+    this.message = messageLine('slices-message');
+    this.readout = h('p', {class: 'readout', 'data-testid': 'slices-readout'});
+    this.panes = PLANES.map((_, number) => this.pane(number));
+    this.grid = h('div', {class: 'slice-grid'}, ...this.panes.map(pane => pane.element));
+    this.target = h('select', {'aria-label': 'Surface whose isovalue is set', hidden: true,
+      'data-testid': 'slices-surface'});
+    this.window = numberField('Window', 'slices-window', window =>
+      this.look({...this.through, window: Math.max(window, 1e-6)}));
+    this.level = numberField('Level', 'slices-level', level => this.look({...this.through, level}));
+    this.presets = this.presetRow();
+    this.build();
+    this.listen();
+  }
+
+  build() {
+    const tools = choiceRow('What a press on a slice does', [
+      {name: 'point', title: 'Point', help: 'Moves the crosshair, here and in the picture'},
+      {name: 'window', title: 'Window', help: 'Drag: across for contrast, down for brightness ' +
+        '(with any tool: right button, or shift)'},
+      {name: 'tissue', title: 'Tissue', help: 'The value under the pointer becomes the isovalue'},
+    ], tool => {
+      for (const {view} of this.panes) {
+        view.tool = tool;
+      }
+      this.target.hidden = tool !== 'tissue';
+    });
+    this.root.append(
+      intro('The scan, cut three ways; coloured lines are surfaces.'),
+      h('div', {class: 'tool-row'}, tools.element, this.target),
+      this.grid, this.readout, this.presets,
+      h('div', {class: 'tool-row'}, this.window.element, this.level.element),
+      this.message.element);
+  }
+
+  presetRow() {
+    const chips = CT_WINDOWS.map(({name, window, level}) => h('button', {type: 'button',
+      class: 'chip', 'data-testid': `window-${name}`, onclick: () => this.look({window, level})},
+    name));
+    const full = h('button', {type: 'button', class: 'chip', 'data-testid': 'window-full',
+      title: 'From the smallest value to the largest', onclick: () => this.volume &&
+        this.look(firstWindow({...this.volume, modality: ''}))}, 'All values');
+    return h('div', {class: 'presets'}, ...chips, full);
+  }
+
+  /**
+   * @param {number} number  Index of the plane.
+   * @returns {Pane}
+   */
+  pane(number) {
+    const view = new SliceView(PLANES[number], {
+      point: voxel => this.point(voxel),
+      tissue: value => this.tissue(value),
+      hover: (voxel, value) => this.hover(voxel, value),
+      step: by => this.step(number, by),
+      window: (across, down) => this.drag(across, down),
+    });
+    const source = new SliceSource(this.app.connection, {
+      slice: slice => {
+        // A volume that was opened meanwhile has other slices.
+        if (this.volume && slice.index < this.volume.size[slice.axes[2]]) {
+          view.show(slice, this.volume.size, this.through);
+          view.setCrosshair(this.voxel);
+          this.message.say('');
+        }
+      },
+      failed: sentence => this.message.fail(sentence),
+    });
+    const slider = h('input', {type: 'range', min: 0, max: 0, value: 0,
+      'aria-label': `${PLANES[number]} slice`, 'data-testid': `slice-index-${number}`,
+      oninput: () => this.step(number, Number(slider.value) - Math.round(
+        this.voxel[this.planes[number].number]))});
+    const count = h('span', {class: 'slice-count'});
+    const enlarge = h('button', {type: 'button', class: 'quiet', title: 'Show this one large',
+      onclick: () => this.enlarge(number)}, PLANES[number]);
+    const element = h('div', {class: number === 0 ? 'slice-pane large' : 'slice-pane'},
+      h('div', {class: 'slice-head'}, enlarge, count), view.canvas, slider);
+    return {view, source, element, slider, count};
+  }
+
+  /** @param {number} chosen */
+  enlarge(chosen) {
+    this.panes.forEach(({element}, number) => element.classList.toggle('large', number === chosen));
+    this.grid.prepend(this.panes[chosen].element);
+  }
+
+  listen() {
+    const {store} = this.app;
+    store.subscribe(['volume'], state => this.open(state.volume));
+    store.subscribe(['surfaces'], ({surfaces}) => {
+      this.target.replaceChildren(...surfaces.map(({name}) => h('option', {value: name}, name)));
+      this.refresh();
+    });
+    document.addEventListener('place', event => {
+      const {p_mm, from} = /** @type {CustomEvent} */ (event).detail;
+      if (this.volume && from !== SELF) {
+        this.move(nearestVoxel(this.volume, toVoxel(this.volume, p_mm)));
+      }
+    });
+    this.root.addEventListener('panelshow', () => {
+      this.visible = true;
+      if (this.stale) {
+        this.refresh();
+      }
+    });
+    this.root.addEventListener('panelhide', () => { this.visible = false; });
+  }
+
+  /** @param {VolumeState | null} volume */
+  open(volume) {
+    const same = volume !== null && volume.source === this.volume?.source &&
+      String(volume.size) === String(this.volume?.size);
+    this.volume = volume;
+    this.root.classList.toggle('empty', volume === null);
+    this.message.say(volume ? '' : EMPTY);
+    if (!volume) {
+      this.panes.forEach(({view}) => view.clear());
+      return;
+    }
+    this.planes = planesOf(volume.voxel_to_patient);
+    this.presets.hidden = volume.modality !== 'CT';
+    if (!same) {
+      this.look(firstWindow(volume));
+      this.move(/** @type {Vector} */ (volume.size.map(count => Math.floor(count / 2))));
+    }
+  }
+
+  /** Asks for the three slices again: what they show may have changed. */
+  refresh() {
+    this.stale = !this.visible;
+    const volume = this.volume;
+    if (!volume || !this.visible) {
+      return;
+    }
+    this.panes.forEach(({source, slider, count}, number) => {
+      const {axis, number: through} = this.planes[number];
+      const index = Math.round(this.voxel[through]);
+      slider.max = String(volume.size[through] - 1);
+      slider.value = String(index);
+      count.textContent = `${index + 1} / ${volume.size[through]}`;
+      source.want(axis, index);
+    });
+  }
+
+  /** @param {Vector} voxel  The crosshair goes there. */
+  move(voxel) {
+    this.voxel = voxel;
+    this.panes.forEach(({view}) => view.setCrosshair(voxel));
+    this.refresh();
+  }
+
+  /** @param {Vector} voxel */
+  point(voxel) {
+    const volume = this.volume;
+    if (volume) {
+      const held = nearestVoxel(volume, voxel);
+      this.move(held);
+      document.dispatchEvent(new CustomEvent('place',
+        {detail: {p_mm: toPatient(volume, held), from: SELF}}));
+    }
+  }
+
+  /**
+   * @param {number} number  Index of the plane.
+   * @param {number} by      Slices.
+   */
+  step(number, by) {
+    /** @type {Vector} */
+    const voxel = [...this.voxel];
+    voxel[this.planes[number].number] += by;
+    this.point(voxel);
+  }
+
+  /** @param {number} value */
+  tissue(value) {
+    const name = this.target.value;
+    if (!name) {
+      this.message.fail('There is no surface yet whose isovalue could be set: add one at the left.');
+    } else {
+      void this.app.connection.set(`surface ${word(name)} iso=${value}`);
+    }
+  }
+
+  /**
+   * @param {Vector | null} voxel
+   * @param {number | null} value
+   */
+  hover(voxel, value) {
+    const volume = this.volume;
+    if (!volume || !voxel || value === null) {
+      this.readout.textContent = '';
+      return;
+    }
+    const [x, y, z] = nearestVoxel(volume, voxel);
+    const shown = `${Number(value.toPrecision(6))} ${volume.unit}`.trim();
+    this.readout.replaceChildren(h('b', {}, shown), ` at voxel ${x}, ${y}, ${z}`,
+      h('span', {}, patientText(toPatient(volume, voxel))));
+  }
+
+  /**
+   * A drag of the window: across widens it, down lowers the level (darkens), as on workstations.
+   * @param {number} across
+   * @param {number} down
+   */
+  drag(across, down) {
+    const range = this.volume ? this.volume.maximum - this.volume.minimum : 1;
+    const each = Math.min(range, 1000) / DRAG_ACROSS_RANGE;
+    this.look({
+      window: Math.max(this.through.window + 2 * across * each, each),
+      level: this.through.level + down * each,
+    });
+  }
+
+  /** @param {Window} through */
+  look(through) {
+    this.through = through;
+    this.window.input.value = String(Number(through.window.toPrecision(4)));
+    this.level.input.value = String(Number(through.level.toPrecision(4)));
+    this.panes.forEach(({view}) => view.repaint(through));
+  }
+}
+
+/**
+ * @param {HTMLElement} root
+ * @param {import('./types.js').App} app
+ */
+export function create(root, app) {
+  new SlicesPanel(root, app);
+}
