@@ -18,6 +18,7 @@ FIRMWARE = {"gp_firmware", "renderer_firmware"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 
 ZMQ = re.compile(r"^zmq(\.hpp|\.h|_addon\.hpp)$")
+SOCKETS = re.compile(r"^(libwebsockets\.h|libwebsockets/.*)$")
 CODECS = re.compile(r"^(itk|OpenImageIO/|assimp/|cairo|ft2build|meshoptimizer|gdcm|nifti|vnl/)")
 MESSAGES = re.compile(r"^(.*_generated\.h|flatbuffers/.*|ringbus/(message|node|process)\.hpp)$")
 
@@ -67,6 +68,9 @@ def error_of(path: pathlib.PurePath, quote: str, included: str) -> str:
     is_link = path.as_posix().startswith(("ringbus/zmq_link.", "tests/ringbus/test_zmq_link"))
     if ZMQ.match(included) and not is_link:
         return "only ringbus/zmq_link.* includes ZeroMQ"
+    is_server = path.as_posix().startswith("host/serve/server") and path.suffix == ".cpp"
+    if SOCKETS.match(included) and not is_server:
+        return "only host/serve/server*.cpp includes libwebsockets"
     if CODECS.match(included) and path.parts[:2] != ("host", "io") and \
             path.parts[:3] != ("tests", "host", "io"):
         return f"only host/io includes {included}"

@@ -82,6 +82,7 @@ class Planted(unittest.TestCase):
                 ("host/a.cpp", '"session.hpp"', "not a path from the top"),
                 ("host/machine/a.cpp", "<zmq.hpp>", "only ringbus/zmq_link.*"),
                 ("ringbus/node.cpp", "<zmq.h>", "only ringbus/zmq_link.*"),
+                ("host/serve/director.cpp", "<libwebsockets.h>", "only host/serve/server*.cpp"),
                 ("host/a.cpp", "<OpenImageIO/imageio.h>", "only host/io includes"),
                 ("host/phantom/a.cpp", "<itkImage.h>", "only host/io includes"),
                 ("host/viewer/a.cpp", "<cairo.h>", "only host/io includes"),

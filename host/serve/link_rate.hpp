@@ -1,0 +1,61 @@
+// What a viewer's connection carries, measured, and the quality that follows from it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+
+namespace pxpl5::host::serve {
+
+inline constexpr double kGoalFramesPerSecond = 25;
+inline constexpr int kMinQuality = 50, kMaxQuality = 90, kQualityStep = 10;
+
+/// Measures a link from acknowledgements. A frame of B bytes, sent at s and acknowledged at a, was
+/// on its way for latency + B / rate, or followed the frame before it out of the same pipe:
+///
+///     B / rate = a - max(s + latency, a of the frame before)
+///
+/// The latency is that of pings, the least of the last minute. Source: ours, after BBR (Cardwell
+/// et al. 2016), which looks at rate and latency apart because no single packet shows both.
+/// All times are milliseconds of one clock that never goes back.
+class LinkRate {
+  public:
+    /// A ping came back after `rtt_ms`.
+    void pinged(double rtt_ms);
+    /// A frame has been handed to the connection; numbers count up by 1.
+    void sent(std::uint32_t number, std::size_t bytes, double now_ms);
+    /// The viewer has displayed frame `number` and with it all before. Numbers that were never
+    /// sent, or are known already, change nothing.
+    void shown(std::uint32_t number, double now_ms);
+
+    std::size_t unacknowledged() const { return flying_.size(); }
+    /// Bytes a second; 0 while nothing is known.
+    double bytes_per_s() const;
+
+    /// Notes the size of a moving frame, from which quality() and scale() reckon.
+    void encoded(int quality, std::size_t pixels, std::size_t bytes);
+    /// Of the next moving frame of so many pixels: kMinQuality to kMaxQuality.
+    int quality(std::size_t pixels);
+    /// 1, 3/4 or 1/2: how much smaller than `full_pixels` a frame must be to move.
+    double scale(std::size_t full_pixels);
+
+  private:
+    struct Flying {
+        std::uint32_t number = 0;
+        std::size_t bytes = 0;
+        double sent_ms = 0;
+    };
+    double bytes_of(int quality, double pixels) const;
+    double budget_bytes() const { return bytes_per_s() / kGoalFramesPerSecond; }
+
+    std::deque<Flying> flying_;
+    std::deque<double> rtts_ms_;
+    std::uint32_t last_sent_ = 0;
+    double last_shown_ms_ = 0;
+    double recent_bytes_ = 0, recent_ms_ = 0;  // Each measurement halves what older ones weigh.
+    double bytes_per_pixel_ = 0;               // At kMinQuality.
+    int quality_ = 80;
+    double scale_ = 1;
+};
+
+}  // namespace pxpl5::host::serve

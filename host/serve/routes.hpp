@@ -1,0 +1,50 @@
+// The one table of what is served at which path, and from where.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace pxpl5::host::serve {
+
+/// A file to be sent.
+struct ServedFile {
+    std::filesystem::path path;
+    std::string type;        ///< Content-Type.
+    std::string attachment;  ///< Name to save it under; empty: to be shown.
+};
+
+/// What to do with a request's path.
+enum class RouteKind : std::uint8_t { none, file, socket, upload, upload_done };
+
+struct Route {
+    RouteKind kind = RouteKind::none;
+    ServedFile file;  ///< If kind is file.
+};
+
+struct RouteFolders {
+    std::filesystem::path page;       ///< Holds index.html and everything it names.
+    std::filesystem::path d3;         ///< The file.
+    std::filesystem::path downloads;  ///< Looked into at each request.
+};
+
+/// A request's path names a row of a table, never a place in the file system.
+class Routes {
+  public:
+    /// Lists the page's files. Throws RequestError (bad_data) naming a file that is missing.
+    explicit Routes(RouteFolders folders);
+
+    /// path  Of the request: decoded, with its leading '/', without the query.
+    Route find(std::string_view path) const;
+
+  private:
+    std::filesystem::path downloads_;
+    std::map<std::string, ServedFile, std::less<>> files_;
+};
+
+/// The folder of the page's files and the place of D3, as built in.
+RouteFolders built_in_folders();
+
+}  // namespace pxpl5::host::serve

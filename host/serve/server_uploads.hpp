@@ -1,0 +1,85 @@
+// Files that viewers upload, below one folder, with limits.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace pxpl5::host::serve {
+
+inline constexpr std::uint64_t kMaxUploadBytes = 4ULL << 30U;  // In all, while the server runs.
+inline constexpr int kMaxUploadFiles = 100'000;
+
+/// A request that cannot be obeyed, as HTTP says it.
+struct UploadError {
+    int status = 400;
+    std::string text;  ///< A sentence.
+};
+
+class Uploads;
+
+/// A file that is being received. Unless it is finished, it leaves nothing behind.
+class UploadingFile {
+  public:
+    UploadingFile(Uploads& uploads, std::string batch, std::filesystem::path path,
+                  std::uint64_t length);
+    ~UploadingFile();
+    UploadingFile(const UploadingFile&) = delete;
+    UploadingFile& operator=(const UploadingFile&) = delete;
+
+    /// Throws UploadError if the disk is full, or more comes than was announced.
+    void append(std::string_view bytes);
+    /// Throws UploadError if bytes are missing.
+    void finish();
+
+  private:
+    Uploads& uploads_;
+    std::string batch_;
+    std::filesystem::path path_;
+    std::uint64_t announced_ = 0, received_ = 0;
+    int fd_ = -1;
+};
+
+/// A batch that is complete.
+struct UploadedBatch {
+    std::filesystem::path path;  ///< The file, or the folder if several came.
+    std::string name;
+    int files = 0;
+};
+
+/// All functions throw UploadError.
+class Uploads {
+  public:
+    explicit Uploads(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+    /// name    As the browser has it, perhaps with folders.
+    /// length  Bytes that will come.
+    std::unique_ptr<UploadingFile> begin(const std::string& name, const std::string& batch,
+                                         std::uint64_t length);
+    /// Ends the batch; its name may be used again, for a folder of its own.
+    UploadedBatch done(const std::string& batch);
+
+  private:
+    friend class UploadingFile;
+    struct Batch {
+        std::filesystem::path folder;
+        int files = 0, under_way = 0;
+    };
+    Batch& open_batch(const std::string& name);
+
+    std::filesystem::path folder_;
+    std::map<std::string, Batch, std::less<>> batches_;
+    std::uint64_t bytes_ = 0;  ///< Stored or announced.
+    int files_ = 0;            ///< Likewise.
+    int batch_count_ = 0;
+};
+
+/// The path below a batch's folder for a name that a browser gave; empty if nothing of it remains.
+/// It never leads up or out, has no hidden parts and no control characters.
+std::filesystem::path cleaned_name(std::string_view name);
+
+}  // namespace pxpl5::host::serve
