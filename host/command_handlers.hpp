@@ -35,6 +35,11 @@ Reply run_compare(Session& session, const Arguments& arguments);
 Reply run_export(Session& session, const Arguments& arguments);
 Reply run_digest(Session& session, const Arguments& arguments);
 Reply run_trace(Session& session, const Arguments& arguments);
+Reply run_undo(Session& session, const Arguments& arguments);
+Reply run_redo(Session& session, const Arguments& arguments);
+Reply run_mark(Session& session, const Arguments& arguments);
+Reply run_history(Session& session, const Arguments& arguments);
+Reply run_play(Session& session, const Arguments& arguments);
 Reply run_help(Session& session, const Arguments& arguments);
 Reply run_quit(Session& session, const Arguments& arguments);
 

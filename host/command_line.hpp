@@ -51,11 +51,13 @@ std::pair<int, int> parse_pair(std::string_view what, std::string_view text);
 /// "640x480" as two whole numbers, each in [low, high]. Throws RequestError.
 struct Size {
     int width = 0, height = 0;
+    friend bool operator==(const Size&, const Size&) = default;
 };
 Size parse_size(std::string_view text, int low, int high);
 
 struct Colour {
     std::uint8_t r = 0, g = 0, b = 0;
+    friend bool operator==(const Colour&, const Colour&) = default;
 };
 
 /// "#rrggbb", "r,g,b" (0..255) or a name (white, bone, skin, red, ...). Throws RequestError.

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double max_angle_deg = 36000;
 constexpr double min_zoom = 0.05, max_zoom = 100;
-constexpr double max_place_mm = 1e6;
+constexpr double max_place_mm = 1e6, max_pan_mm = 1e5;
 constexpr std::size_t box_planes = 6;  ///< In a row.
 
 /// "off" or "on" at words[0].
@@ -24,6 +24,23 @@ bool parse_switch(const Arguments& arguments) {
         refuse_command(fmt::format("{}: '{}' is neither on nor off", arguments.name, word));
     }
     return word == "on";
+}
+
+/// "X,Y" in millimetres.
+glm::dvec2 parse_pan(const std::string& text) {
+    const std::size_t comma = text.find(',');
+    if (comma == std::string::npos) {
+        refuse_command(fmt::format("pan: '{}' is not of the form X,Y", text));
+    }
+    return {parse_number("pan to the right", text.substr(0, comma), -max_pan_mm, max_pan_mm),
+            parse_number("pan upwards", text.substr(comma + 1), -max_pan_mm, max_pan_mm)};
+}
+
+/// Roll and pan, if there are any.
+std::string turn_text(const Camera& camera) {
+    const glm::dvec2& pan = camera.pan_mm;
+    return (camera.roll_deg == 0 ? "" : fmt::format(" roll {}", camera.roll_deg)) +
+           (pan == glm::dvec2(0) ? "" : fmt::format(" pan {},{} mm", pan.x, pan.y));
 }
 
 Reply describe_clips(const Session& session) {
@@ -44,6 +61,14 @@ Reply describe_clips(const Session& session) {
     return reply;
 }
 
+/// Takes away what `kind`, a letter or "box", has cut; all for "off". Returns whether there was
+/// any.
+bool end_clip(Scene& scene, const std::string& kind) {
+    return std::erase_if(scene.clips, [&](const SceneClip& clip) {
+               return kind == "off" || clip.words.substr(0, clip.words.find(' ')) == kind;
+           }) != 0;
+}
+
 /// Across a patient's axis, through a place in millimetres or the volume's centre.
 void add_plane(Session& session, const Arguments& arguments) {
     const std::string& letter = arguments.words[0];
@@ -60,6 +85,7 @@ void add_plane(Session& session, const Arguments& arguments) {
                         "that is kept",
                         letter));
     }
+    end_clip(session.scene, letter);
     session.scene.clips.push_back({fmt::format("{} {:.6g}", letter, at_mm), *plane});
 }
 
@@ -71,8 +97,10 @@ void add_box(Session& session, const Arguments& arguments) {
     const glm::dvec3 first = parse_triple("first corner", arguments.words[1], -1e5, 1e5);
     const glm::dvec3 last = parse_triple("last corner", arguments.words[2], -1e5, 1e5);
     try {
-        for (const glm::dvec4& plane :
-             box_planes_voxels(first, last, {volume.voxel_to_patient, volume.slice_places})) {
+        const BoxPlanes planes =
+            box_planes_voxels(first, last, {volume.voxel_to_patient, volume.slice_places});
+        end_clip(session.scene, "box");
+        for (const glm::dvec4& plane : planes) {
             session.scene.clips.push_back(
                 {fmt::format("box {} {}", arguments.words[1], arguments.words[2]), plane});
         }
@@ -96,17 +124,26 @@ Reply run_view(Session& session, const Arguments& arguments) {
                                        did_you_mean(arguments.words[0], names)));
         }
         camera.angles = *angles;
+        camera.roll_deg = 0;
+        camera.pan_mm = {};
     } else if (arguments.words.size() == 2) {
         camera.angles = {parse_number("azimuth", arguments.words[0], -max_angle_deg, max_angle_deg),
                          parse_number("elevation", arguments.words[1], -90, 90)};
     }
     camera.zoom = arguments.number("zoom", camera.zoom, min_zoom, max_zoom);
+    camera.roll_deg = arguments.number("roll", camera.roll_deg, -max_angle_deg, max_angle_deg);
+    if (arguments.has("pan")) {
+        camera.pan_mm = parse_pan(arguments.text("pan", ""));
+    }
     session.scene.camera = camera;
     return {fmt::format("azimuth {} elevation {} zoom {}", camera.angles.azimuth_deg,
-                        camera.angles.elevation_deg, camera.zoom),
+                        camera.angles.elevation_deg, camera.zoom) +
+                turn_text(camera),
             {{"azimuth_deg", camera.angles.azimuth_deg},
              {"elevation_deg", camera.angles.elevation_deg},
-             {"zoom", camera.zoom}}};
+             {"zoom", camera.zoom},
+             {"roll_deg", camera.roll_deg},
+             {"pan_mm", std::vector<double>{camera.pan_mm.x, camera.pan_mm.y}}}};
 }
 
 Reply run_light(Session& session, const Arguments& arguments) {
@@ -163,23 +200,21 @@ Reply run_size(Session& session, const Arguments& arguments) {
 }
 
 Reply run_clip(Session& session, const Arguments& arguments) {
-    const std::vector<SceneClip> before = session.scene.clips;
     if (arguments.words.empty()) {
         return describe_clips(session);
     }
-    if (arguments.words[0] == "off") {
-        session.scene.clips.clear();
-    } else if (arguments.words[0] == "box") {
+    const std::string& kind = arguments.words[0];
+    if (arguments.words.back() == "off") {
+        if (!end_clip(session.scene, kind) && kind != "off") {
+            refuse_command(
+                fmt::format("clip: no plane '{}' cuts; 'clip' lists those that do", kind));
+        }
+    } else if (kind == "box") {
         add_box(session, arguments);
     } else {
         add_plane(session, arguments);
     }
-    if (session.scene.clips.size() > max_clips) {
-        const std::size_t wished = session.scene.clips.size();
-        session.scene.clips = before;
-        refuse_command(fmt::format("clip: {} planes, {} are the most; 'clip off' removes all",
-                                   wished, max_clips));
-    }
+    static_assert(6 + box_planes <= max_clips, "one plane of each letter, and a box");
     return describe_clips(session);
 }
 

@@ -21,7 +21,10 @@ const Command& find_command(std::string_view name) {
                        fmt::format("there is no command '{}'{}", name, did_you_mean(name, names)));
 }
 
-Reply run_command(Session& session, const Arguments& arguments) {
+namespace {
+
+/// The row of the command, if the arguments fit it.
+const Command& checked_command(const Arguments& arguments) {
     const Command& command = find_command(arguments.name);
     if (arguments.words.size() < command.min_words || arguments.words.size() > command.max_words) {
         throw RequestError(ExitCode::usage,
@@ -42,7 +45,50 @@ Reply run_command(Session& session, const Arguments& arguments) {
                                                     : did_you_mean(key, command.options)));
         }
     }
-    return command.run(session, arguments);
+    return command;
+}
+
+}  // namespace
+
+CommandKind kind_of(const Arguments& arguments) {
+    const CommandKind kind = find_command(arguments.name).kind;
+    const bool takes_away = !arguments.words.empty() && arguments.words.back() == "off";
+    return kind == CommandKind::setting && takes_away ? CommandKind::action : kind;
+}
+
+std::string subject_of(const Arguments& arguments) {
+    if (kind_of(arguments) != CommandKind::setting) {
+        return {};
+    }
+    const Command& command = find_command(arguments.name);
+    Arguments subject{arguments.name, arguments.words, {}};
+    for (std::size_t i = command.subject_words; i < subject.words.size(); ++i) {
+        subject.words[i] = "*";
+    }
+    for (const auto& option : arguments.options) {
+        subject.words.push_back(option.first + "=");
+    }
+    return to_line(subject);
+}
+
+Reply run_command(Session& session, const Arguments& arguments) {
+    const Command& command = checked_command(arguments);
+    if (command.kind == CommandKind::memory) {
+        return command.run(session, arguments);
+    }
+    const Deed deed{to_line(arguments), subject_of(arguments), command.kind == CommandKind::action};
+    const Scene before = session.scene;
+    try {
+        Reply reply = command.run(session, arguments);
+        session.history.note(deed, before, session.scene);
+        if (command.name == "load") {
+            session.history.begin_anew(deed.line);
+        }
+        return reply;
+    } catch (const RequestError&) {
+        session.history.note_losses(before, session.scene);
+        throw;
+    }
 }
 
 }  // namespace pxpl5::host

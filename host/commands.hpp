@@ -1,6 +1,7 @@
 // The commands: one table that serves the prompt, script files, -c and JSON.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,6 +13,14 @@
 
 namespace pxpl5::host {
 
+/// What a command does to the session, in so far as who has several to do must know it.
+enum class CommandKind : std::uint8_t {
+    question,  ///< Changes nothing, unless an option says so.
+    setting,   ///< A later one of the same subject makes an earlier one superfluous.
+    action,    ///< Everything else: what is before it must be done before it.
+    memory     ///< Acts on what was done, and is itself no part of it.
+};
+
 /// One row of the table.
 struct Command {
     std::string_view name;
@@ -20,6 +29,8 @@ struct Command {
     std::size_t min_words, max_words;
     std::vector<std::string_view> options;  ///< Keys allowed in key=value.
     Reply (*run)(Session&, const Arguments&);
+    CommandKind kind = CommandKind::question;
+    std::size_t subject_words = 0;  ///< How many words say what is set, as a surface's name.
 };
 
 std::span<const Command> command_table();
@@ -27,7 +38,16 @@ std::span<const Command> command_table();
 /// The row of that name. Throws RequestError (usage) with the nearest name.
 const Command& find_command(std::string_view name);
 
-/// Checks the arguments against the row and runs it. Throws RequestError, MachineError.
+/// The row's kind; but a setting whose last word is "off" is an action, since it may take away what
+/// others follow.
+CommandKind kind_of(const Arguments& arguments);
+
+/// What a setting sets: of two with one subject, the later leaves nothing of the earlier. Empty if
+/// it is no setting.
+std::string subject_of(const Arguments& arguments);
+
+/// Checks the arguments against the row, runs it, and notes in the session's history what that
+/// changed. Throws RequestError, MachineError.
 Reply run_command(Session& session, const Arguments& arguments);
 
 /// True for the command that ends a session.

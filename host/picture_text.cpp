@@ -41,8 +41,16 @@ std::string spacing_text(const Volume& volume) {
 }
 
 std::string view_text(const Camera& camera) {
-    return fmt::format("azimuth {:.6g} elevation {:.6g} zoom {:.6g}", camera.angles.azimuth_deg,
-                       camera.angles.elevation_deg, camera.zoom);
+    std::string text =
+        fmt::format("azimuth {:.6g} elevation {:.6g} zoom {:.6g}", camera.angles.azimuth_deg,
+                    camera.angles.elevation_deg, camera.zoom);
+    if (camera.roll_deg != 0) {
+        text += fmt::format(" roll {:.6g}", camera.roll_deg);
+    }
+    if (camera.pan_mm != glm::dvec2(0)) {
+        text += fmt::format(" pan {:.6g},{:.6g}", camera.pan_mm.x, camera.pan_mm.y);
+    }
+    return text;
 }
 
 Attributes attributes_of(const Session& session, const Camera& camera) {

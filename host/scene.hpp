@@ -33,6 +33,7 @@ struct ComponentFilter {
     Kind kind = Kind::all;
     double least = 0;    ///< For the kinds at_least_*; largest is by number of triangles.
     glm::dvec3 p_mm{0};  ///< For at_point: the component nearest to it; patient, LPS.
+    friend bool operator==(const ComponentFilter&, const ComponentFilter&) = default;
 };
 
 struct Surface {
@@ -54,17 +55,20 @@ struct Light {
     double azimuth_deg = 0;    ///< To the picture's right; 0 is the viewer's own direction.
     double elevation_deg = 0;  ///< Upwards.
     double intensity = 1;
+    friend bool operator==(const Light&, const Light&) = default;
 };
 
 struct Material {
     double ambient = 0.16, specular = 0.25;  ///< 0..1.
     std::uint32_t specular_power = 24;       ///< 1..128.
+    friend bool operator==(const Material&, const Material&) = default;
 };
 
 /// One clip plane.
 struct SceneClip {
     std::string words;  ///< What was asked for: "R 20", "box 0,0,0 63,63,30".
     glm::dvec4 plane;   ///< Of the patient (mm, LPS); kept where plane . (x, y, z, 1) >= 0.
+    friend bool operator==(const SceneClip&, const SceneClip&) = default;
 };
 
 struct Scene {

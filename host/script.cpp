@@ -89,7 +89,7 @@ struct Prompt {
     MachinePort* machine;
     std::exception_ptr failure;  ///< Ended the wait for a key; libedit is C and cannot carry it.
     EditLine* line = el_init("pxpl5", stdin, stdout, stderr);
-    History* past = history_init();
+    ::History* past = history_init();  // libedit's.
 
     explicit Prompt(MachinePort* port) : machine(port) {
         HistEvent event;

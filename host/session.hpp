@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host/frame_request.hpp"
+#include "host/history.hpp"
 #include "host/machine/port.hpp"
 #include "host/phigs/content.hpp"
 #include "host/scene.hpp"
@@ -117,6 +118,8 @@ class Session {
     explicit Session(MachinePort& machine);
 
     Scene scene;
+    History history;     ///< Of the commands that were run.
+    int play_depth = 0;  ///< Scripts that are being played, one by the other.
 
     std::size_t gp_count() const { return machine_.gp_ids().size(); }
     std::size_t renderer_count() const { return machine_.renderer_ids().size(); }

@@ -60,17 +60,20 @@ CameraMatrices camera_matrices(const Camera& camera, const Subject& subject, dou
     // Patient axes: x left, y posterior, z superior. At azimuth 0 the viewer is anterior (-y).
     const glm::dvec3 back(std::sin(azimuth) * std::cos(elevation),
                           -std::cos(azimuth) * std::cos(elevation), std::sin(elevation));
-    const glm::dvec3 right(std::cos(azimuth), std::sin(azimuth), 0);
-    const glm::dvec3 up = glm::cross(back, right);
+    const glm::dvec3 level(std::cos(azimuth), std::sin(azimuth), 0);
+    const glm::dvec3 upright = glm::cross(back, level);
+    const double roll = camera.roll_deg / 180.0 * glm::pi<double>();
+    const glm::dvec3 right = std::cos(roll) * level - std::sin(roll) * upright;
+    const glm::dvec3 up = std::sin(roll) * level + std::cos(roll) * upright;
 
     const double distance = subject.radius_mm / std::sin(half_angle_rad);
     CameraMatrices m{glm::dmat4(1.0), glm::dmat4(0.0)};
     for (int axis = 0; axis < 3; ++axis) {
         m.patient_to_eye[axis] = glm::dvec4(right[axis], up[axis], back[axis], 0);
     }
-    m.patient_to_eye[3] =
-        glm::dvec4(-glm::dot(right, subject.centre_mm), -glm::dot(up, subject.centre_mm),
-                   -glm::dot(back, subject.centre_mm) - distance, 1);
+    m.patient_to_eye[3] = glm::dvec4(camera.pan_mm.x - glm::dot(right, subject.centre_mm),
+                                     camera.pan_mm.y - glm::dot(up, subject.centre_mm),
+                                     -glm::dot(back, subject.centre_mm) - distance, 1);
 
     const double near = distance - subject.radius_mm * depth_margin;
     const double far = distance + subject.radius_mm * depth_margin;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string_view>
@@ -13,6 +14,8 @@ namespace pxpl5::host {
 struct ViewAngles {
     double azimuth_deg = 0;    ///< 0 anterior, 90 patient's left, 180 posterior.
     double elevation_deg = 0;  ///< 90 superior, -90 inferior.
+
+    friend bool operator==(const ViewAngles&, const ViewAngles&) = default;
 };
 
 struct NamedView {
@@ -43,6 +46,10 @@ struct Camera {
     ViewAngles angles;
     double zoom =
         1;  ///< 1 shows the subject's sphere with little margin; each doubling halves the field.
+    double roll_deg = 0;   ///< Turns the picture counter-clockwise.
+    glm::dvec2 pan_mm{0};  ///< Moves the subject's centre to the picture's right, and up.
+
+    friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 struct CameraMatrices {

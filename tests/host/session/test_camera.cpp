@@ -87,4 +87,32 @@ TEST_SUITE("host/camera") {
         // The farthest corners from the centre are at (+-2, +-(2 + 1), +-3).
         CHECK(found.radius_mm == doctest::Approx(std::sqrt(4.0 + 9 + 9)));
     }
+
+    TEST_CASE("a roll of 90 degrees turns the picture counter-clockwise") {
+        Camera camera{find_view("anterior").value(), 1, 90};
+        const glm::dvec3 p_left = project(camera, subject.centre_mm + left);
+        const glm::dvec3 p_head = project(camera, subject.centre_mm + head);
+        CHECK(p_left.y > 0.1);  // Was at the right, is above.
+        CHECK(p_left.x == doctest::Approx(0));
+        CHECK(p_head.x < -0.1);  // Was above, is at the left.
+        CHECK(p_head.y == doctest::Approx(0));
+    }
+
+    TEST_CASE("a pan moves the centre by so many millimetres, at any roll, zoom and aspect") {
+        for (const double roll_deg : {0.0, 33.0, 180.0}) {
+            const Camera camera{{20, 10}, 2, roll_deg, {12, -7}};
+            const CameraMatrices m = camera_matrices(camera, subject, 1.5);
+            const glm::dvec4 p_eye = m.patient_to_eye * glm::dvec4(subject.centre_mm, 1);
+            CHECK(p_eye.x == doctest::Approx(12));
+            CHECK(p_eye.y == doctest::Approx(-7));
+            // What lies beyond the pan the other way is in the middle.
+            const Camera still{{20, 10}, 2, roll_deg};
+            const glm::dvec4 middle =
+                glm::inverse(camera_matrices(still, subject, 1.5).patient_to_eye) *
+                glm::dvec4(-12, 7, p_eye.z, 1);
+            const glm::dvec3 p = project(camera, glm::dvec3(middle), 1.5);
+            CHECK(p.x == doctest::Approx(0));
+            CHECK(p.y == doctest::Approx(0));
+        }
+    }
 }

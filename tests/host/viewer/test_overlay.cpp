@@ -67,6 +67,14 @@ TEST_SUITE("host/viewer/overlay") {
         CHECK(sides_of(overlay) == Sides{"R", "L", "PS", "AI"});
     }
 
+    TEST_CASE("a roll of 90 degrees takes the letters round, a pan leaves them") {
+        Overlay overlay = overlay_of("anterior");
+        overlay.camera.pan_mm = {40, -30};
+        CHECK(sides_of(overlay) == Sides{"R", "L", "S", "I"});
+        overlay.camera.roll_deg = 90;  // What was above is at the left.
+        CHECK(sides_of(overlay) == Sides{"S", "I", "L", "R"});
+    }
+
     TEST_CASE("a direction's letters do not depend on its length, nor on how ties were rounded") {
         CHECK(direction_letters({0, 0, -0.001}) == "I");
         CHECK(direction_letters({-1, -1, 1}) == "RAS");

@@ -1,0 +1,13 @@
+// Puts a session's scene back as it was.
+#pragma once
+
+#include "host/session.hpp"
+
+namespace pxpl5::host {
+
+/// Gives the session the parameters of `wanted`: camera, lights, material, background, clips, tint
+/// and surfaces, of which only those are extracted anew whose isovalue or table differs. Size and
+/// overlay of the picture stay. Throws RequestError, MachineError; then some of it may be done.
+void restore(Session& session, const Scene& wanted);
+
+}  // namespace pxpl5::host
