@@ -1,6 +1,7 @@
 #include "ringbus/ranges.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -38,8 +39,28 @@ std::string range_of(const schema::Fault& fault) {
     return Check().known("code", fault.code()).reason();
 }
 
+/// Of a frame that is one pass of a picture: only the last is read back, and none has depths, of
+/// which there is no mean.
+std::string pass_range(const schema::DrawFrame& draw) {
+    const std::uint32_t sample = draw.sample(), samples = draw.samples();
+    if (std::ranges::find(sample_counts, samples) == sample_counts.end()) {
+        return fmt::format("samples is {}, allowed are {}", samples,
+                           fmt::join(sample_counts, ", "));
+    }
+    Check check;
+    check.within("sample", sample, 0U, samples - 1);
+    if (samples > 1) {
+        check.equal("read_depths", draw.read_depths(), false);
+        if (sample + 1 < samples) {
+            check.equal("read_back before the last sample", draw.read_back(), false);
+        }
+    }
+    return check.reason();
+}
+
 std::string range_of(const schema::DrawFrame& draw) {
     Check check;
+    check.add(pass_range(draw));
     check.within("width", draw.width(), 1U, max_picture_px)
         .within("height", draw.height(), 1U, max_picture_px)
         .within("number of views", std::size_t{draw.views()->size()}, std::size_t{1}, max_views)
@@ -113,7 +134,8 @@ std::string range_of(const schema::RegionPixels& pixels) {
     const std::size_t wanted = std::size_t{pixels.tiles()->size()} * region_pixels;
     Check check;
     check.at_most("renderer", std::size_t{pixels.renderer()}, max_nodes - 1)
-        .equal("number of pixels", std::size_t{pixels.pixels()->size()}, wanted);
+        .equal("number of pixels", std::size_t{pixels.pixels()->size()},
+               pixels.pixels()->size() == 0 ? 0 : wanted);
     if (pixels.depths() != nullptr) {
         check.equal("number of depths", std::size_t{pixels.depths()->size()}, wanted);
     }
@@ -124,12 +146,16 @@ std::string range_of(const schema::RegionPixels& pixels) {
 }
 
 std::string range_of(const schema::FrameDone& done) {
+    const std::size_t regions = region_count(done.width(), done.height(), done.views());
     Check check;
     check.within("width", done.width(), 1U, max_picture_px)
         .within("height", done.height(), 1U, max_picture_px)
         .within("views", std::size_t{done.views()}, std::size_t{1}, max_views)
-        .equal("number of region_cycles", std::size_t{done.region_cycles()->size()},
-               region_count(done.width(), done.height(), done.views()));
+        .equal("number of region_cycles", std::size_t{done.region_cycles()->size()}, regions)
+        .equal("number of region_renderers", std::size_t{done.region_renderers()->size()}, regions);
+    for (const std::uint16_t renderer : *done.region_renderers()) {
+        check.at_most("a region's Renderer", std::size_t{renderer}, max_nodes - 1);
+    }
     const std::size_t wanted = std::size_t{done.width()} * done.height() * done.views();
     if (done.pixels() != nullptr) {
         check.equal("number of pixels", std::size_t{done.pixels()->size()}, wanted);

@@ -1,6 +1,7 @@
 // What a verified message must satisfy beyond its form, so that nodes can trust its numbers.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "ringbus/message.hpp"
@@ -18,6 +19,8 @@ inline constexpr std::size_t max_clip_planes = 16;
 inline constexpr std::uint32_t max_specular_power = 128;
 inline constexpr std::size_t max_nodes = 256;
 inline constexpr std::uint32_t max_opacity = 16;  ///< Sixteenths.
+/// Frames of which a picture may be the mean.
+inline constexpr std::array<std::uint32_t, 3> sample_counts = {1, 4, 16};
 inline constexpr double min_spacing_mm = 1e-4, max_spacing_mm = 1e3;
 inline constexpr double max_smooth_mm = 100;
 inline constexpr std::size_t max_isovalues = 4096;  ///< Measured at a time.

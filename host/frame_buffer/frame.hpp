@@ -24,6 +24,7 @@ struct Frame {
     FrameShape shape;
     bool read_back = false;
     bool read_depths = false;
+    bool has_pixels = true;                    ///< False of a pass that is not its picture's last.
     std::vector<std::uint16_t> assignment;     ///< Index of the Renderer, by region.
     std::vector<bool> renderer_is_in;          ///< By index.
     std::vector<bool> region_is_in;            ///< By region.

@@ -77,6 +77,11 @@ void check_tiles(const Frame& frame, const schema::RegionPixels& pixels) {
         refuse(schema::FaultCode::bad_message, fmt::format("{}: {} regions, {} are assigned to it",
                                                            from, pixels.tiles()->size(), due));
     }
+    if (due > 0 && frame.has_pixels == (pixels.pixels()->size() == 0)) {
+        refuse(schema::FaultCode::bad_message,
+               fmt::format("{}: it sends {}pixels, the frame has {}", from,
+                           frame.has_pixels ? "no " : "", frame.has_pixels ? "them" : "none"));
+    }
     if (frame.read_depths != (pixels.depths() != nullptr)) {
         refuse(schema::FaultCode::bad_message,
                fmt::format("{}: it sends {}depths, the frame wants {}", from,
@@ -116,6 +121,7 @@ FrameInFlight begun(const schema::BeginFrame& begin, std::size_t renderer_count,
     frame.shape = shape_of(*begin.draw());
     frame.read_back = begin.draw()->read_back();
     frame.read_depths = begin.draw()->read_depths();
+    frame.has_pixels = begin.draw()->sample() + 1 == begin.draw()->samples();
     frame.assignment = assignment_of(begin, frame.shape, renderer_count);
     frame.renderer_is_in.resize(renderer_count);
     frame.region_is_in.resize(frame.assignment.size());
@@ -123,10 +129,11 @@ FrameInFlight begun(const schema::BeginFrame& begin, std::size_t renderer_count,
 
     const std::size_t pixels = frame.shape.pixels();
     const std::size_t words = (frame.read_back ? pixels : 0) + (frame.read_depths ? pixels : 0);
-    flatbuffers::FlatBufferBuilder body(words * sizeof(std::uint32_t) +
-                                            frame.region_cycles.size() * sizeof(std::uint64_t) +
-                                            body_margin_bytes,
-                                        memory);
+    flatbuffers::FlatBufferBuilder body(
+        words * sizeof(std::uint32_t) +
+            frame.region_cycles.size() * (sizeof(std::uint64_t) + sizeof(std::uint16_t)) +
+            body_margin_bytes,
+        memory);
     // Every pixel is of a region that comes, so nothing need be cleared.
     const auto room = [&](std::span<std::uint32_t>& picture) {
         std::uint32_t* first = nullptr;
@@ -142,12 +149,13 @@ FrameInFlight begun(const schema::BeginFrame& begin, std::size_t renderer_count,
 bus::Payload frame_done(FrameInFlight& done) {
     const Frame& frame = done.frame;
     const auto cycles = done.body.CreateVector(frame.region_cycles);
+    const auto renderers = done.body.CreateVector(frame.assignment);
     return bus::finish(
-        done.body, schema::CreateFrameDone(done.body, frame.number,
-                                           static_cast<std::uint32_t>(frame.shape.width),
-                                           static_cast<std::uint32_t>(frame.shape.height),
-                                           static_cast<std::uint16_t>(frame.shape.views), cycles,
-                                           frame.instructions, done.picture, done.depths));
+        done.body, schema::CreateFrameDone(
+                       done.body, frame.number, static_cast<std::uint32_t>(frame.shape.width),
+                       static_cast<std::uint32_t>(frame.shape.height),
+                       static_cast<std::uint16_t>(frame.shape.views), cycles, frame.instructions,
+                       done.picture, done.depths, renderers));
 }
 
 }  // namespace

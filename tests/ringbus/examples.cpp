@@ -181,6 +181,7 @@ std::vector<Payload> frame_examples() {
     done.height = 2;
     done.views = 1;
     done.region_cycles = {12'345};
+    done.region_renderers = {1};
     done.instructions = 678;
     done.pixels = {1, 2, 3, 4, 5, 6, 7, 8};
     done.depths = {8, 7, 6, 5, 4, 3, 2, 1};

@@ -42,7 +42,7 @@ TEST_SUITE("ringbus/message") {
         time.header.mutate_departure_ns(5);
         other.header.mutate_kind(static_cast<std::uint16_t>(Body::BeginFrame));
         CHECK(contains(refusal(magic), "magic is 1, expected 894"));
-        CHECK(contains(refusal(version), "version is 9, expected 3"));
+        CHECK(contains(refusal(version), "version is 9, expected 4"));
         CHECK(contains(refusal(size), "expected 12"));
         CHECK(contains(refusal(kind), "kind is 999, expected 34"));
         CHECK(contains(refusal(none), "kind is 0, expected 1"));

@@ -148,6 +148,11 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(DrawFrameT, m.specular = 1.5F, "specular is 1.5");
         CHECK_REFUSED(DrawFrameT, m.views[0]->projection->mutable_m()->Mutate(3, nan_value),
                       "projection holds nan");
+        CHECK_REFUSED(DrawFrameT, m.samples = 8, "samples is 8, allowed are 1, 4, 16");
+        CHECK_REFUSED(DrawFrameT, m.sample = 1, "sample is 1, allowed are 0 .. 0");
+        CHECK_REFUSED(DrawFrameT, (m.samples = 4, m.sample = 3), "read_depths is true");
+        CHECK_REFUSED(DrawFrameT, (m.samples = 4, m.sample = 2, m.read_depths = false),
+                      "read_back before the last sample is true");
         CHECK_REFUSED(BeginFrameT, m.assignment.pop_back(), "size of assignment is 5, expected 6");
         CHECK_REFUSED(BeginFrameT, m.assignment[2] = 256, "assigned Renderer is 256");
         CHECK_REFUSED(BeginFrameT, m.draw->width = 0, "width is 0");
@@ -167,6 +172,8 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(FrameDoneT, m.views = 3, "views is 3");
         CHECK_REFUSED(FrameDoneT, m.pixels.pop_back(), "number of pixels is 7, expected 8");
         CHECK_REFUSED(FrameDoneT, m.region_cycles.clear(), "region_cycles is 0, expected 1");
+        CHECK_REFUSED(FrameDoneT, m.region_renderers.clear(), "region_renderers is 0, expected 1");
+        CHECK_REFUSED(FrameDoneT, m.region_renderers[0] = 256, "a region's Renderer is 256");
     }
 
     TEST_CASE("regions are counted over both views") {

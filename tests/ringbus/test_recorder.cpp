@@ -67,6 +67,7 @@ Payload frame_done(std::uint32_t frame) {
     body.frame = frame;
     body.width = body.height = 128;
     body.views = 1;
+    body.region_renderers.assign(1, 0);
     body.region_cycles = {1};
     return pack(body);
 }

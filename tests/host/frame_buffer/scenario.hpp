@@ -110,6 +110,7 @@ struct Scenario {
     std::vector<std::vector<std::uint32_t>> regions;  ///< By region, 128 * 128.
     std::vector<std::uint64_t> cycles;                ///< By region.
     bool read_depths = false;
+    std::uint8_t sample = 0, samples = 1;
 
     int columns() const { return (width + side - 1) / side; }
     int rows() const { return (height + side - 1) / side; }
@@ -122,6 +123,8 @@ struct Scenario {
         message.draw->height = static_cast<std::uint32_t>(height);
         message.draw->read_back = read_back;
         message.draw->read_depths = read_depths;
+        message.draw->sample = sample;
+        message.draw->samples = samples;
         message.draw->specular_power = 1;
         for (int i = 0; i < views; ++i) {
             auto view = std::make_unique<schema::ViewT>();

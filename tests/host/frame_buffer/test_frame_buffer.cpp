@@ -55,6 +55,8 @@ TEST_CASE("a finished frame says its size, its cycles by region and the sum of i
     CHECK(done.views() == 2);
     CHECK(std::vector<std::uint64_t>(done.region_cycles()->begin(), done.region_cycles()->end()) ==
           frame.cycles);
+    CHECK(std::vector<std::uint16_t>(done.region_renderers()->begin(),
+                                     done.region_renderers()->end()) == frame.assignment);
     std::uint64_t cycles = 0;
     for (const std::uint64_t c : frame.cycles) {
         cycles += c;
@@ -275,4 +277,28 @@ TEST_CASE("a frame that cannot be sent is a fault, and the next one is shown") {
     bench.from_renderer(0, next.pixels(0));
     REQUIRE(bench.done() == std::vector<std::uint32_t>{2});
     CHECK(picture_of(bench.out.sent[0]) == next.expected());
+}
+
+TEST_CASE("a pass that is not its picture's last is finished by regions without pixels") {
+    std::mt19937 random(seed());
+    Scenario frame = random_scenario(random, 3, {300, 200, 1}, 1);
+    frame.samples = 4;
+    schema::RegionPixelsT bare = frame.tiles(0);
+    bare.pixels.clear();
+    const bus::Payload with_pixels = frame.pixels(0), without = bus::pack(bare);
+    FrameBufferBench bench(1);
+    bench.take(master_gp, frame.begin(false));
+    CHECK(bench.fault(first_renderer, with_pixels) ==
+          "frame 3, Renderer 0: it sends pixels, the frame has none");
+    bench.from_renderer(0, without);
+    CHECK(bench.done() == std::vector<std::uint32_t>{3});
+
+    frame.sample = 3;
+    FrameBufferBench last(1);
+    last.take(master_gp, frame.begin());
+    CHECK(last.fault(first_renderer, without) ==
+          "frame 3, Renderer 0: it sends no pixels, the frame has them");
+    last.from_renderer(0, with_pixels);
+    REQUIRE(last.done() == std::vector<std::uint32_t>{3});
+    CHECK(picture_of(last.out.sent[0]) == frame.expected());
 }
