@@ -149,6 +149,11 @@ export class Connection {
     });
   }
 
+  /** What is set from now on is undone by itself, not with what was set before. */
+  mark() {
+    void this.do('mark', {quiet: true});
+  }
+
   /** Gives up the long work under way. */
   cancel() {
     this.send_({cancel: true});

@@ -36,3 +36,28 @@ export function subjectOf(line) {
 export function plain(value, digits = 2) {
   return String(Number(value.toFixed(digits)) || 0);
 }
+
+const WHOLE_RANGE = 64;  // Values over a wider range are taken for whole numbers.
+
+/**
+ * An isovalue as a person would choose it: of whole numbers a half between two, so that no voxel
+ * has it; else with as many digits as tell a thousandth of the range.
+ * @param {number} value
+ * @param {{minimum: number, maximum: number}} volume
+ */
+export function roundIso(value, {minimum, maximum}) {
+  const range = maximum - minimum;
+  if (range >= WHOLE_RANGE) {
+    return Math.floor(value) + 0.5;
+  }
+  const digits = Math.max(0, Math.ceil(3 - Math.log10(range || 1)));
+  return Number(value.toFixed(digits));
+}
+
+/**
+ * @param {string} surface
+ * @param {number} value
+ */
+export function isoLine(surface, value) {
+  return `surface ${word(surface)} iso=${plain(value, 9)}`;
+}

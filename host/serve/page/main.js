@@ -17,13 +17,25 @@
 //     place   {p_mm, from}: the place that all views point at (a crosshair)
 //   Elements: dom.js. Tests find things by data-testid. No styles or scripts in markup (CSP).
 import {Connection} from './connection.js';
+import {createBadge} from './badge.js';
+import {createBar} from './bar.js';
 import {byId} from './dom.js';
+import {watchPointers} from './gestures.js';
+import {createHelp} from './help.js';
+import {watchKeys} from './keyboard.js';
+import {createLeft} from './left.js';
 import {measure} from './metrics.js';
 import {Modes} from './modes.js';
+import {createOpenDialog} from './open_volume.js';
+import {createOverlay} from './overlay.js';
 import {PictureView} from './picture.js';
+import {createPointing} from './pointing.js';
+import {createSaveDialog} from './saving.js';
 import {Store} from './store.js';
 import {createTabs} from './tabs.js';
 import {Toasts} from './toasts.js';
+import {Viewpoint} from './viewpoint.js';
+import {createHints, createVeil, createWork} from './work.js';
 
 /** The WebSocket's address: beside the page, with the token that the page was opened with. */
 function socketUrl() {
@@ -44,14 +56,23 @@ function start() {
   connection.on('state', state => store.take(state));
   connection.on('failed', ({error}) => app.toasts.error(error));
   connection.on('note', ({level, text}) => app.toasts[level === 'error' ? 'error' : 'info'](text));
-  connection.on('hello', hello => document.body.classList.toggle('watcher',
-    hello.role === 'watcher'));
-  connection.on('hello', () => { byId('lost').hidden = true; });
-  connection.on('lost', why => {
-    byId('lost').hidden = false;
-    byId('lost-why').textContent = why;
-  });
+  connection.on('hello', ({role}) => document.body.classList.toggle('watcher', role === 'watcher'));
+
+  const viewpoint = new Viewpoint(connection, store, picture);
+  const actions = {
+    undo: () => void connection.do('undo'), redo: () => void connection.do('redo'),
+    open: createOpenDialog(app), save: createSaveDialog(app), help: createHelp(),
+  };
+  createBar(app, actions);
+  createLeft(app);
+  createOverlay(app, viewpoint);
+  createBadge(app);
+  createWork(app);
+  createVeil(app);
+  createHints(app);
   createTabs(app);
+  watchPointers(picture, viewpoint, createPointing(app));
+  watchKeys(app, viewpoint, actions);
   connection.open();
 }
 

@@ -7,6 +7,8 @@ const KEPT = 256;  // Of each list; older values fall out.
  * @property {number} frames            Shown since the page was opened.
  * @property {number} revision          Of the last frame shown.
  * @property {boolean} rests            Whether it was the picture itself.
+ * @property {boolean} last             Whether it was the last refinement.
+ * @property {number} samples           A pixel of it.
  * @property {string} digest            Of the last frame that rested.
  * @property {number[]} latency_ms      Of the last inputs: from sending to the displayed frame with
  *                                      a revision at or after the reply's.
@@ -27,8 +29,8 @@ export function measure(connection, store, picture) {
   /** @type {{revision: number, at: number}[]} */
   const shown = [];
   /** @type {Metrics} */
-  const metrics = {frames: 0, revision: 0, rests: false, digest: '', latency_ms: [],
-    frame_times_ms: [], get state() { return store.state; }};
+  const metrics = {frames: 0, revision: 0, rests: false, last: false, samples: 0, digest: '',
+    latency_ms: [], frame_times_ms: [], get state() { return store.state; }};
 
   const keep = (/** @type {any[]} */ list, /** @type {any} */ value) => {
     list.push(value);
@@ -57,6 +59,8 @@ export function measure(connection, store, picture) {
     metrics.frames += 1;
     metrics.revision = header.revision;
     metrics.rests = header.rests;
+    metrics.last = header.last;
+    metrics.samples = header.samples;
     metrics.digest = header.rests ? header.digest : metrics.digest;
     keep(metrics.frame_times_ms, at);
     keep(shown, {revision: header.revision, at});

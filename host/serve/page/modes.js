@@ -5,6 +5,7 @@
  * @property {string} name
  * @property {string} hint                One line, shown over the picture while the mode lasts.
  * @property {(x: number, y: number) => void} click  Pixel of the picture (`state.size`).
+ * @property {(value: number) => void} [value]  A click on a slice, where the volume has `value`.
  * @property {() => void} [leave]         Called when the mode ends, however it ends.
  */
 

@@ -83,3 +83,16 @@ export function roundLength(most_mm) {
   const power = 10 ** Math.floor(Math.log10(most_mm));
   return [5, 2].map(each => each * power).find(each => each <= most_mm) ?? power;
 }
+
+/**
+ * Millimetres for a place of the picture, at the distance of a point.
+ * @param {number[]} patientToEye
+ * @param {number[]} patientToClip
+ * @param {number} height  Of the picture, places.
+ * @param {Triple} p_mm
+ */
+export function mmPerPlace(patientToEye, patientToClip, height, p_mm) {
+  const magnification = Math.hypot(patientToClip[1], patientToClip[5], patientToClip[9]);
+  const depth = -transform(patientToEye, p_mm)[2];
+  return 2 * depth / (magnification * height);
+}

@@ -82,7 +82,9 @@
  * @property {boolean} [superseded]     A newer setting took its place.
  */
 
-/** @typedef {{version: string, role: 'driver' | 'watcher', viewer: number, topology: string}} Hello */
+/**
+ * @typedef {{version: string, role: 'driver' | 'watcher', viewer: number, topology: string}} Hello
+ */
 /** @typedef {{what: string, done: number, total: number}} Progress */
 /** @typedef {{level: 'info' | 'error', text: string}} Note */
 /** @typedef {{json: any, bytes: ArrayBuffer}} Answer */

@@ -62,7 +62,7 @@ function facts(volume) {
  * @param {import('./types.js').App} app
  */
 export function create(root, app) {
-  const title = h('h2', {'data-testid': 'volume-name'});
+  const title = h('h2', {'data-testid': 'volume-title'});
   const list = h('dl', {class: 'facts', 'data-testid': 'volume-facts'});
   const findings = h('ul', {class: 'findings', 'data-testid': 'volume-findings'});
   const message = messageLine('volume-message');

@@ -1,0 +1,126 @@
+// Pointers on the picture: one turns, two or another button move and zoom, a click asks.
+import {onBall} from './arcball.js';
+
+/** @typedef {import('./picture.js').PictureView} PictureView */
+/** @typedef {import('./viewpoint.js').Viewpoint} Viewpoint */
+/** @typedef {{x: number, y: number}} Point */
+
+const CLICK_PX = 4;            // A pointer that moves less has clicked.
+const WHEEL_PAUSE_MS = 400;    // After it a wheel begins a new gesture.
+const WHEEL_ZOOM = 0.0015;     // Per pixel of a wheel's step.
+const LINE_PX = 16;
+
+/**
+ * @param {PictureView} picture
+ * @param {Viewpoint} viewpoint
+ * @param {(event: PointerEvent) => void} click
+ */
+export function watchPointers(picture, viewpoint, click) {
+  const {stage} = picture;
+  /** @type {Map<number, Point>} */
+  const pointers = new Map();
+  let isPanning = false;
+  /** @type {Point | null} where the first pointer went down; null once it has been dragged */
+  let down = null;
+
+  stage.addEventListener('pointerdown', event => {
+    if (event.target instanceof Element && event.target.closest('button, a, [role=button]')) {
+      return;
+    }
+    stage.focus({preventScroll: true});
+    stage.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+    isPanning = event.button !== 0 || event.shiftKey;
+    down = pointers.size === 1 ? {x: event.clientX, y: event.clientY} : null;
+  });
+  stage.addEventListener('pointermove', event => {
+    const before = pointers.get(event.pointerId);
+    if (!before) {
+      return;
+    }
+    const now = {x: event.clientX, y: event.clientY};
+    if (down && Math.hypot(now.x - down.x, now.y - down.y) < CLICK_PX) {
+      return;
+    }
+    if (down) {
+      viewpoint.begin();
+      stage.classList.add('dragging');
+      down = null;
+    }
+    const other = [...pointers].find(([id]) => id !== event.pointerId)?.[1];
+    pointers.set(event.pointerId, now);
+    if (other) {
+      moveTwo(viewpoint, other, before, now);
+    } else if (isPanning) {
+      viewpoint.pan(now.x - before.x, now.y - before.y);
+    } else {
+      viewpoint.drag(ballAt(picture, before), ballAt(picture, now));
+    }
+  });
+  const end = (/** @type {PointerEvent} */ event) => {
+    const wasThere = pointers.delete(event.pointerId);
+    if (pointers.size === 0) {
+      stage.classList.remove('dragging');
+    }
+    if (wasThere && down && event.type === 'pointerup' && event.button === 0) {
+      click(event);
+    }
+    down = null;
+  };
+  stage.addEventListener('pointerup', end);
+  stage.addEventListener('pointercancel', end);
+  stage.addEventListener('contextmenu', event => event.preventDefault());
+  stage.addEventListener('dblclick', event => {
+    if (event.target instanceof Element && !event.target.closest('button, [role=button]')) {
+      viewpoint.reset();
+    }
+  });
+  watchWheel(stage, viewpoint);
+}
+
+/**
+ * Two fingers: their middle moves, their distance zooms, their direction rolls.
+ * @param {Viewpoint} viewpoint
+ * @param {Point} still
+ * @param {Point} before
+ * @param {Point} now
+ */
+function moveTwo(viewpoint, still, before, now) {
+  const length = (/** @type {Point} */ p) => Math.hypot(p.x - still.x, p.y - still.y);
+  const angle = (/** @type {Point} */ p) => Math.atan2(p.y - still.y, p.x - still.x);
+  viewpoint.pan((now.x - before.x) / 2, (now.y - before.y) / 2);
+  if (length(before) > 0 && length(now) > 0) {
+    viewpoint.zoom(length(now) / length(before));
+    // The screen's y points down: its angles run clockwise.
+    viewpoint.turn([0, 0, 1], angle(before) - angle(now));
+  }
+}
+
+/**
+ * @param {HTMLElement} stage
+ * @param {Viewpoint} viewpoint
+ */
+function watchWheel(stage, viewpoint) {
+  let last = -Infinity;
+  stage.addEventListener('wheel', event => {
+    event.preventDefault();
+    if (event.timeStamp - last > WHEEL_PAUSE_MS) {
+      viewpoint.begin();
+    }
+    last = event.timeStamp;
+    const px = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 1 : LINE_PX);
+    // A pinch on a touchpad comes as a wheel with ctrl, in small steps.
+    viewpoint.zoom(Math.exp(-px * WHEEL_ZOOM * (event.ctrlKey ? 6 : 1)));
+  }, {passive: false});
+}
+
+/**
+ * @param {PictureView} picture
+ * @param {Point} point  Client coordinates.
+ */
+function ballAt(picture, point) {
+  const box = picture.stage.getBoundingClientRect();
+  const radius = Math.min(picture.width, picture.height) / 2 || 1;
+  return onBall((point.x - box.left - box.width / 2) / radius,
+    (box.top + box.height / 2 - point.y) / radius);
+}

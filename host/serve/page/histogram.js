@@ -1,0 +1,243 @@
+// The volume's histogram; every surface is a handle that is dragged along it.
+import {h, s, update} from './dom.js';
+import {isoLine, plain, roundIso} from './lines.js';
+
+/** @typedef {import('./types.js').App} App */
+/** @typedef {import('./types.js').SurfaceState} SurfaceState */
+/** @typedef {import('./types.js').VolumeState} VolumeState */
+/** @typedef {import('./selection.js').Selection} Selection */
+
+const HEIGHT = 148;
+const TOP = 34;            // Room for the handles' grips, in two rows.
+const BOTTOM = 20;         // Room for the axis.
+const SIDE = 6;
+const GRIP = 11;
+const COARSE = 10;         // Steps of an arrow key with shift.
+const KEY_STEPS = 500;     // Arrow keys cross the range in so many steps.
+
+/** @typedef {{first: number, width: number, counts: number[]}} Counts */
+
+export class Histogram {
+  /**
+   * @param {HTMLElement} root
+   * @param {App} app
+   * @param {Selection} selection
+   */
+  constructor(root, app, selection) {
+    /** @private */
+    this.app_ = app;
+    /** @private */
+    this.selection_ = selection;
+    /** @private @type {Counts | null} */
+    this.counts_ = null;
+    /** @private @type {Map<string, number>} isovalues being dragged, ahead of the state */
+    this.ahead_ = new Map();
+    /** @private */
+    this.x_ = d3.scaleLinear();
+    /** @private @type {Map<string, SVGGElement>} */
+    this.handles_ = new Map();
+    /** @private */
+    this.area_ = s('path', {class: 'area'});
+    /** @private */
+    this.axis_ = s('g', {class: 'axis', transform: `translate(0 ${HEIGHT - BOTTOM})`});
+    /** @private */
+    this.handleGroup_ = s('g');
+    /** @private */
+    this.svg_ = s('svg', {id: 'histogram', 'data-testid': 'histogram', height: HEIGHT,
+      role: 'group', 'aria-label': 'Histogram of the volume, with a handle for each surface'},
+      this.area_, this.axis_, this.handleGroup_);
+    /** @private */
+    this.message_ = h('p', {class: 'muted'}, 'Open a volume to see its values.');
+    root.append(this.svg_, this.message_);
+    new ResizeObserver(() => this.draw_()).observe(root);
+    app.store.subscribe(['volume'], ({volume}) => void this.load_(volume));
+    app.store.subscribe(['surfaces', 'volume'], () => this.drawHandles_());
+    selection.watch(() => this.drawHandles_());
+  }
+
+  /**
+   * @private
+   * @param {VolumeState | null} volume
+   */
+  async load_(volume) {
+    this.counts_ = null;
+    this.draw_();
+    if (!volume) {
+      return;
+    }
+    const reply = await this.app_.connection.do('histogram', {quiet: true});
+    if (reply.ok) {
+      this.counts_ = reply.result;
+    } else {
+      this.message_.textContent = `No histogram: ${reply.error}`;
+    }
+    this.draw_();
+  }
+
+  /** @private */
+  draw_() {
+    const counts = this.counts_, width = this.svg_.clientWidth;
+    update(this.svg_, {class: counts ? '' : 'empty'});
+    this.message_.hidden = counts !== null;
+    if (!counts || width === 0) {
+      return;
+    }
+    const last = counts.first + counts.width * counts.counts.length;
+    this.x_ = d3.scaleLinear([counts.first, last], [SIDE, width - SIDE]);
+    const most = Math.log1p(Math.max(...counts.counts, 1));
+    const base = HEIGHT - BOTTOM;
+    const y = (/** @type {number} */ n) => base - Math.log1p(n) / most * (base - TOP);
+    const area = d3.area().curve(d3.curveStepAfter)
+      .x((/** @type {number} */ _, /** @type {number} */ k) =>
+        this.x_(counts.first + k * counts.width))
+      .y0(base).y1(y);
+    update(this.area_, {d: area([...counts.counts, counts.counts.at(-1)])});
+    const ticks = Math.max(3, Math.round(width / 64));
+    d3.select(this.axis_).call(d3.axisBottom(this.x_).ticks(ticks).tickSizeOuter(0));
+    this.drawHandles_();
+  }
+
+  /** @private */
+  drawHandles_() {
+    const surfaces = this.app_.store.state?.surfaces ?? [];
+    const named = new Set(surfaces.map(({name}) => name));
+    for (const [name, handle] of this.handles_) {
+      if (!named.has(name) || !this.counts_) {
+        handle.remove();
+        this.handles_.delete(name);
+      }
+    }
+    if (this.counts_) {
+      surfaces.filter(each => each.compared_with === '')
+        .forEach((surface, row) => this.drawHandle_(surface, row));
+    }
+  }
+
+  /**
+   * @private
+   * @param {SurfaceState} surface
+   * @param {number} row
+   */
+  drawHandle_(surface, row) {
+    const handle = this.handles_.get(surface.name) ?? this.makeHandle_(surface.name);
+    const value = this.ahead_.get(surface.name) ?? surface.isovalue;
+    const [low, high] = this.x_.domain();
+    const x = this.x_(Math.max(low, Math.min(high, value)));
+    const unit = this.app_.store.state?.volume?.unit ?? '';
+    const isChosen = surface.name === this.selection_.name;
+    update(handle, {
+      transform: `translate(${x.toFixed(1)} 0)`, 'aria-valuemin': low, 'aria-valuemax': high,
+      'aria-valuenow': value, 'aria-valuetext': `${plain(value, 4)} ${unit}`,
+      class: `handle${isChosen ? ' chosen' : ''}${surface.visible ? '' : ' hid'}`,
+    });
+    const [line, grip, label] = handle.children;
+    const top = row % 2 === 0 ? 2 : 2 + GRIP + 4;
+    update(line, {y1: top + GRIP, y2: HEIGHT - BOTTOM, stroke: surface.color});
+    update(grip, {y: top, fill: surface.color});
+    label.textContent = `${surface.name} ${plain(value, 3)}`;
+    const isLeft = x < this.svg_.clientWidth / 2;
+    update(label, {x: isLeft ? GRIP : -GRIP, y: top + GRIP - 1,
+      'text-anchor': isLeft ? 'start' : 'end'});
+    if (isChosen) {
+      this.handleGroup_.append(...(this.handleGroup_.lastChild === handle ? [] : [handle]));
+    }
+  }
+
+  /**
+   * @private
+   * @param {string} name
+   */
+  makeHandle_(name) {
+    const handle = s('g', {role: 'slider', tabindex: 0, 'aria-label': `Isovalue of ${name}`,
+      'data-testid': `handle-${name}`},
+      s('line'), s('rect', {x: -GRIP / 2, width: GRIP, height: GRIP, rx: 3}),
+      s('text', {class: 'handle-text'}),
+      s('rect', {class: 'reach', x: -12, width: 24, height: HEIGHT - BOTTOM}),
+      s('title', {}, `${name}: drag, or use the arrow keys`));
+    handle.addEventListener('focus', () => this.selection_.choose(name));
+    handle.addEventListener('keydown', event => this.key_(event, name));
+    handle.addEventListener('pointerdown', event => this.grab_(event, handle, name));
+    this.handles_.set(name, handle);
+    this.handleGroup_.append(handle);
+    return handle;
+  }
+
+  /**
+   * @private
+   * @param {PointerEvent} event
+   * @param {SVGGElement} handle
+   * @param {string} name
+   */
+  grab_(event, handle, name) {
+    if (this.app_.connection.watches || event.button !== 0) {
+      return;
+    }
+    event.preventDefault();
+    handle.focus();
+    const move = (/** @type {PointerEvent} */ moved) => {
+      const x = moved.clientX - this.svg_.getBoundingClientRect().left;
+      this.setTo(name, this.x_.invert(x));
+    };
+    const end = () => {
+      this.svg_.removeEventListener('pointermove', move);
+      this.svg_.removeEventListener('pointerup', end);
+      this.svg_.removeEventListener('pointercancel', end);
+    };
+    this.app_.connection.mark();
+    // The group may be appended anew when it is chosen; the drawing keeps the pointer.
+    this.svg_.setPointerCapture(event.pointerId);
+    this.svg_.addEventListener('pointermove', move);
+    this.svg_.addEventListener('pointerup', end);
+    this.svg_.addEventListener('pointercancel', end);
+  }
+
+  /**
+   * Sets a surface's isovalue, newest only; the handle goes ahead of the answer.
+   * @param {string} name
+   * @param {number} wished
+   */
+  setTo(name, wished) {
+    const volume = this.app_.store.state?.volume;
+    if (!volume) {
+      return;
+    }
+    const [low, high] = this.x_.domain();
+    const value = roundIso(Math.max(low, Math.min(high, wished)), volume);
+    if (value === this.ahead_.get(name)) {
+      return;
+    }
+    this.ahead_.set(name, value);
+    this.drawHandles_();
+    void this.app_.connection.set(isoLine(name, value)).then(() => {
+      if (this.ahead_.get(name) === value) {
+        this.ahead_.delete(name);
+        this.drawHandles_();
+      }
+    });
+  }
+
+  /**
+   * @private
+   * @param {KeyboardEvent} event
+   * @param {string} name
+   */
+  key_(event, name) {
+    const surface = this.app_.store.state?.surfaces.find(each => each.name === name);
+    if (!surface || this.app_.connection.watches || event.ctrlKey || event.metaKey) {
+      return;
+    }
+    const [low, high] = this.x_.domain();
+    const step = (high - low >= KEY_STEPS ? 1 : (high - low) / KEY_STEPS)
+      * (event.shiftKey ? COARSE : 1);
+    const now = this.ahead_.get(name) ?? surface.isovalue;
+    const values = new Map([['ArrowLeft', now - step], ['ArrowDown', now - step],
+      ['ArrowRight', now + step], ['ArrowUp', now + step], ['PageDown', now - COARSE * step],
+      ['PageUp', now + COARSE * step], ['Home', low], ['End', high]]);
+    const value = values.get(event.key);
+    if (value !== undefined) {
+      event.preventDefault();
+      event.stopPropagation();
+      this.setTo(name, value);
+    }
+  }
+}

@@ -1,0 +1,32 @@
+// The left side: histogram and surfaces, then how they look, then where they are cut.
+import {byId, h} from './dom.js';
+import {createClips} from './clips.js';
+import {Histogram} from './histogram.js';
+import {createLook} from './look.js';
+import {Selection} from './selection.js';
+import {createSurfaces, createTissues} from './surfaces.js';
+
+/** @param {import('./types.js').App} app */
+export function createLeft(app) {
+  const selection = new Selection();
+  // A fieldset disables all controls at once for those who only watch.
+  const all = h('fieldset', {class: 'controls'});
+  const block = (/** @type {string} */ title, isOpen = false) => {
+    const details = h('details', {class: 'block', open: isOpen},
+      h('summary', {}, title));
+    all.append(details);
+    return details;
+  };
+  const values = h('section', {class: 'block'}, h('h2', {class: 'spread'},
+    h('span', {}, 'Values'), h('span', {class: 'muted small',
+      title: 'How many voxels have each value, on a logarithmic scale'}, 'log scale')));
+  const surfaces = h('section', {class: 'block'});
+  all.append(values, surfaces);
+  new Histogram(values, app, selection);
+  createTissues(values, app, selection);
+  createSurfaces(surfaces, app, selection);
+  createClips(block('Cut'), app);
+  createLook(block('Light and material'), app);
+  byId('left').append(all);
+  app.connection.on('hello', ({role}) => { all.disabled = role === 'watcher'; });
+}
