@@ -2,7 +2,7 @@
 
 /** @typedef {import('./slice_pixels.js').Axis} Axis */
 
-/** Planes in their order on the screen, and the patient's axis (L, P, S) that each stands across. */
+/** Planes as they stand on the screen, and the patient's axis (L, P, S) that each is across. */
 const PLANES = [['Axial', 2], ['Coronal', 1], ['Sagittal', 0]];
 
 /**

@@ -214,7 +214,7 @@ class SlicesPanel {
   tissue(value) {
     const name = this.target.value;
     if (!name) {
-      this.message.fail('There is no surface yet whose isovalue could be set: add one at the left.');
+      this.message.fail('There is no surface yet whose isovalue could be set: add one first.');
     } else {
       void this.app.connection.set(`surface ${word(name)} iso=${value}`);
     }

@@ -1,0 +1,84 @@
+// What the ring carried between two reports, laid out for drawing. Pure functions.
+
+/** @typedef {{to: string, kind: string, channel: number, messages: number, bytes: number}} Sent */
+
+/**
+ * @typedef {object} NodeReport         Of one node, since the report before.
+ * @property {string} name              'gp-0'
+ * @property {string} role              'host', 'gp', 'renderer', ...
+ * @property {boolean} [answered]       False: it was too busy to answer; the rest is not known.
+ * @property {number} busy              0..1, of the wall clock.
+ * @property {{name: string, ms: number}[]} stages
+ * @property {number} memory_bytes
+ * @property {number} queue             Messages waiting.
+ * @property {Sent[]} sent
+ */
+
+/**
+ * @typedef {object} MachineReport      The `machine` message.
+ * @property {number} wall_ms           Since the report before.
+ * @property {number} frames            Done in that time.
+ * @property {{elapsed_ms: number, renderer_ms_1993: number, instructions: number,
+ *   regions: {columns: number, rows: number, renderer: number[], cycles: number[]}}} [frame]
+ * @property {NodeReport[]} nodes       In the order of the ring.
+ * @property {{messages: number, bytes: number}[]} channels
+ */
+
+/** @typedef {{from: number, hops: number, channel: number, kind: string, messages: number}} Flow */
+
+/**
+ * Each node's messages as ways along the ring, which has one direction.
+ * @param {NodeReport[]} nodes  In the order of the ring.
+ * @returns {Flow[]}            `from`: place on the ring; `hops`: places further on.
+ */
+export function flowsOf(nodes) {
+  const places = new Map(nodes.map(({name}, place) => [name, place]));
+  return nodes.flatMap(({sent}, from) => sent.flatMap(({to, kind, channel, messages}) => {
+    const place = places.get(to);
+    if (place === undefined || messages === 0) {
+      return [];
+    }
+    const hops = (place - from + nodes.length) % nodes.length || nodes.length;
+    return [{from, hops, channel, kind, messages}];
+  }));
+}
+
+/**
+ * Messages that passed each stretch of each channel.
+ * @param {Flow[]} flows
+ * @param {number} nodeCount
+ * @param {number} channelCount
+ * @returns {number[][]}  [channel][place]: on the stretch from that place to the next.
+ */
+export function stretchesOf(flows, nodeCount, channelCount) {
+  const stretches = Array.from({length: channelCount}, () => new Array(nodeCount).fill(0));
+  for (const {from, hops, channel, messages} of flows) {
+    const passed = stretches[channel];
+    for (let hop = 0; passed && hop < hops; ++hop) {
+      passed[(from + hop) % nodeCount] += messages;
+    }
+  }
+  return stretches;
+}
+
+/**
+ * Dots that stand for the messages, at most `most`: every flow in proportion, by carrying what is
+ * left over on to the next, so that many small flows show as well as one large.
+ * @param {Flow[]} flows
+ * @param {number} most
+ * @returns {{each: number, dots: Flow[]}}  each: messages that a dot stands for, 1, 2, 5, 10 ...
+ */
+export function dotsOf(flows, most) {
+  const all = flows.reduce((sum, {messages}) => sum + messages, 0);
+  const power = 10 ** Math.max(0, Math.floor(Math.log10(Math.max(1, all / most))));
+  const each = [1, 2, 5, 10].map(step => step * power).find(step => all / step <= most) ?? power;
+  /** @type {Flow[]} */
+  const dots = [];
+  let left = each / 2;
+  for (const flow of flows) {
+    for (left += flow.messages; left >= each; left -= each) {
+      dots.push(flow);
+    }
+  }
+  return {each, dots};
+}
