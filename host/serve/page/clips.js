@@ -24,8 +24,8 @@ export function createClips(root, app) {
       app.connection.mark();
       void app.connection.do(`clip ${letter}`);
     }}, letter));
-  const box = h('button', {'data-testid': 'clip-add-box', title: 'Keep the inner half of the volume',
-    onclick: () => clipBox(app)}, 'Box');
+  const box = h('button', {'data-testid': 'clip-add-box',
+    title: 'Keep the inner half of the volume', onclick: () => clipBox(app)}, 'Box');
   root.append(h('p', {class: 'muted'}, 'Keep only this side of the patient:'),
     h('div', {class: 'chips', role: 'group', 'aria-label': 'Add a clip plane'}, ...buttons, box),
     list);

@@ -22,7 +22,8 @@ const SHEET = /** @type {const} */ ([
 
 /** @returns {() => void} shows the sheet */
 export function createHelp() {
-  const dialog = h('dialog', {id: 'help', 'aria-labelledby': 'help-title', 'data-testid': 'help-sheet'},
+  const dialog = h('dialog', {id: 'help', 'aria-labelledby': 'help-title',
+    'data-testid': 'help-sheet'},
     h('div', {class: 'row spread'}, h('h2', {id: 'help-title'}, 'What you can do here'),
       h('button', {class: 'quiet icon', 'aria-label': 'Close',
         onclick: () => dialog.close()}, '×')),

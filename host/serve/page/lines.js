@@ -14,7 +14,7 @@ export function word(text) {
 }
 
 /** Commands whose first word names what is set. */
-const NAMED = new Set(['surface', 'light', 'components', 'compare']);
+const NAMED = new Set(['surface', 'light', 'components', 'clip']);
 
 /**
  * What a line sets. Of two lines with one subject, the later makes the earlier needless: they set
@@ -34,7 +34,9 @@ export function subjectOf(line) {
  * @param {number} digits  After the point, at most.
  */
 export function plain(value, digits = 2) {
-  return String(Number(value.toFixed(digits)) || 0);
+  const text = value.toFixed(digits);
+  const short = text.includes('.') ? text.replace(/\.?0+$/, '') : text;
+  return short === '-0' ? '0' : short;
 }
 
 const WHOLE_RANGE = 64;  // Values over a wider range are taken for whole numbers.

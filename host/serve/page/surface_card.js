@@ -67,9 +67,11 @@ export class SurfaceCard {
     /** @private */
     this.parts_ = this.makeParts_();
     /** @private */
-    this.facts_ = h('p', {class: 'muted number figures', 'data-testid': `surface-facts-${name}`});
+    this.facts_ = h('p', {class: 'muted number figures',
+      'data-testid': `surface-facts-${name}`});
     /** @private */
-    this.certificate_ = h('div', {class: 'certificate', 'data-testid': `surface-certificate-${name}`});
+    this.certificate_ = h('div', {class: 'certificate',
+      'data-testid': `surface-certificate-${name}`});
     /** @private The isovalue and table that the certificate is of. */
     this.certified_ = '';
     /** @private */

@@ -1,0 +1,173 @@
+// The page's modules that need no browser: turning, projection, messages, lines, store.
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import {anglesOf, drag, onBall, rotationOf, turn} from '../../host/serve/page/arcball.js';
+import {isoLine, plain, roundIso, subjectOf, word} from '../../host/serve/page/lines.js';
+import {parseAnswer, parseFrame} from '../../host/serve/page/messages.js';
+import {lettersTowards, mmPerPlace, projectToPicture, roundLength}
+  from '../../host/serve/page/projection.js';
+import {Store} from '../../host/serve/page/store.js';
+
+/** @param {number[]} a @param {number[]} b */
+function near(a, b, tolerance = 1e-9) {
+  assert.equal(a.length, b.length);
+  a.forEach((value, k) => assert.ok(Math.abs(value - b[k]) <= tolerance, `${a} is not ${b}`));
+}
+
+test('from in front, right is the patient\'s left, up is superior', () => {
+  const rows = rotationOf({azimuth_deg: 0, elevation_deg: 0, roll_deg: 0});
+  near(rows.flat(), [1, 0, 0, 0, 0, 1, 0, -1, 0]);
+});
+
+test('roll turns the picture counter-clockwise', () => {
+  const [right, up] = rotationOf({azimuth_deg: 0, elevation_deg: 0, roll_deg: 90});
+  // What was at the right is then above; what was above is at the left.
+  near(up, [1, 0, 0]);
+  near(right, [0, 0, -1]);
+});
+
+test('angles and rotation are each other\'s inverse', () => {
+  for (const azimuth_deg of [0, 17, 90, 200, 359]) {
+    for (const elevation_deg of [-80, -3, 0, 45, 89]) {
+      for (const roll_deg of [-170, -20, 0, 60, 180]) {
+        const angles = anglesOf(rotationOf({azimuth_deg, elevation_deg, roll_deg}));
+        near(rotationOf(angles).flat(),
+          rotationOf({azimuth_deg, elevation_deg, roll_deg}).flat(), 1e-9);
+        near([angles.elevation_deg, Math.cos((angles.roll_deg - roll_deg) * Math.PI / 180)],
+          [elevation_deg, 1], 1e-6);
+      }
+    }
+  }
+});
+
+test('straight above, azimuth takes the roll over', () => {
+  const wanted = rotationOf({azimuth_deg: 180, elevation_deg: 90, roll_deg: 30});
+  const angles = anglesOf(wanted);
+  assert.equal(angles.roll_deg, 0);
+  near(rotationOf(angles).flat(), wanted.flat(), 1e-6);
+});
+
+test('a drag carries the point under it, and turns twice the angle between', () => {
+  const start = rotationOf({azimuth_deg: 0, elevation_deg: 0, roll_deg: 0});
+  // To the right by 30 degrees on the ball: what faced the viewer goes 60 degrees to the right.
+  const [right, , back] = drag(start, onBall(0, 0), onBall(Math.sin(Math.PI / 6), 0));
+  const front = [0, -1, 0];
+  const seen = (/** @type {number[]} */ row) => row.reduce((sum, v, k) => sum + v * front[k], 0);
+  near([seen(right), seen(back)], [Math.sin(Math.PI / 3), Math.cos(Math.PI / 3)]);
+});
+
+test('a thousand turns leave the axes square', () => {
+  let rows = rotationOf({azimuth_deg: 10, elevation_deg: 20, roll_deg: 30});
+  for (let k = 0; k < 1000; ++k) {
+    rows = turn(rows, [0.6, 0.8, 0], 0.1);
+  }
+  const dot = (/** @type {number[]} */ a, /** @type {number[]} */ b) =>
+    a.reduce((sum, v, k) => sum + v * b[k], 0);
+  near([dot(rows[0], rows[1]), dot(rows[1], rows[2]), dot(rows[0], rows[0])], [0, 0, 1]);
+});
+
+test('a drag that returns leaves the view as it was, outside of the ball too', () => {
+  const start = rotationOf({azimuth_deg: 33, elevation_deg: -12, roll_deg: 5});
+  const a = onBall(0.9, 0.8), b = onBall(-2, 1);
+  near(drag(drag(start, a, b), b, a).flat(), start.flat());
+});
+
+test('letters name the sides that the picture\'s edges are towards', () => {
+  const eye = (/** @type {number[][]} */ [r, u, b]) =>
+    [r[0], u[0], b[0], 0, r[1], u[1], b[1], 0, r[2], u[2], b[2], 0, 0, 0, 0, 1];
+  const front = eye(rotationOf({azimuth_deg: 0, elevation_deg: 0, roll_deg: 0}));
+  assert.deepEqual([[1, 0], [-1, 0], [0, 1], [0, -1]].map(on =>
+    lettersTowards(front, /** @type {[number, number]} */ (on))), ['L', 'R', 'S', 'I']);
+  const oblique = eye(rotationOf({azimuth_deg: 30, elevation_deg: 0, roll_deg: 0}));
+  assert.equal(lettersTowards(oblique, [1, 0]), 'LP');
+});
+
+test('the middle projects to the middle; a place is as long as mmPerPlace says', () => {
+  // Looks along -z from 1000 mm, magnified 4 times, in a picture of 400 x 200 places.
+  const eye = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -1000, 1];
+  const clip = [2, 0, 0, 0, 0, 4, 0, 0, 0, 0, -1, -1, 0, 0, 0, 1000];
+  const middle = projectToPicture(clip, [0, 0, 0], 400, 200);
+  near([middle.x, middle.y], [200, 100]);
+  const mm = mmPerPlace(eye, clip, 200, [0, 0, 0]);
+  const above = projectToPicture(clip, [0, 10 * mm, 0], 400, 200);
+  near([above.x, above.y], [200, 90]);
+  assert.equal(projectToPicture(clip, [0, 0, 2000], 400, 200).visible, false);
+});
+
+test('scale bars have round lengths', () => {
+  assert.deepEqual([99, 100, 49, 5.1, 0.19].map(roundLength), [50, 100, 20, 5, 0.1]);
+});
+
+test('a frame\'s header is taken apart; what is cut off is refused', () => {
+  const view = new DataView(new ArrayBuffer(35));
+  view.setUint32(0, 0x46523550, true);
+  [7, 300].forEach((value, k) => view.setUint32(4 + 4 * k, value, true));
+  [640, 480].forEach((value, k) => view.setUint16(12 + 2 * k, value, true));
+  [2, 90, 16, 3].forEach((value, k) => view.setUint8(16 + k, value));
+  view.setFloat32(20, 12.5, true);
+  view.setBigUint64(24, 0xabcdef0123456789n, true);
+  const {header, picture} = parseFrame(view.buffer);
+  assert.deepEqual(header, {number: 7, revision: 300, width: 640, height: 480, kind: 'png',
+    quality: 90, samples: 16, rests: true, last: true, machine_ms: 12.5,
+    digest: 'abcdef0123456789'});
+  assert.equal(picture.byteLength, 3);
+  assert.throws(() => parseFrame(new ArrayBuffer(31)), /31 bytes, its header has 32/);
+  view.setUint8(16, 9);
+  assert.throws(() => parseFrame(view.buffer), /kind 9/);
+});
+
+test('an answer\'s bytes begin at a multiple of 8', () => {
+  const json = new TextEncoder().encode('{"width":3}');
+  const message = new Uint8Array(16 + 16 + 4);
+  new DataView(message.buffer).setUint32(4, 42, true);
+  new DataView(message.buffer).setUint32(8, json.length, true);
+  message.set(json, 16);
+  message.set([1, 2, 3, 4], 32);
+  const answer = parseAnswer(message.buffer);
+  assert.equal(answer.id, 42);
+  assert.deepEqual(answer.json, {width: 3});
+  assert.deepEqual([...new Uint8Array(answer.bytes)], [1, 2, 3, 4]);
+  new DataView(message.buffer).setUint32(8, 999, true);
+  assert.throws(() => parseAnswer(message.buffer), /36 bytes, its JSON ends at 1015/);
+});
+
+test('words are quoted as the command line takes them', () => {
+  assert.equal(word('bone'), 'bone');
+  assert.equal(word('left knee'), '"left knee"');
+  assert.equal(word('a=b'), '"a=b"');
+  assert.equal(word('say "hi"'), '"say "\'"\'"hi"\'"\'');
+  assert.equal(word(''), '""');
+});
+
+test('two lines have one subject if the later makes the earlier needless', () => {
+  assert.equal(subjectOf('surface bone iso=1'), subjectOf('surface bone iso=2'));
+  assert.equal(subjectOf('view 1 2 zoom=1 roll=0'), subjectOf('view 3 4 roll=9 zoom=2'));
+  assert.notEqual(subjectOf('surface bone iso=1'), subjectOf('surface skin iso=1'));
+  assert.notEqual(subjectOf('surface bone iso=1'), subjectOf('surface bone color=red'));
+  assert.notEqual(subjectOf('light 1 0 0'), subjectOf('light 2 0 0'));
+  assert.notEqual(subjectOf('clip L 5'), subjectOf('clip A 5'));
+  assert.notEqual(subjectOf('surface "a b" iso=1'), subjectOf('surface "a c" iso=1'));
+});
+
+test('isovalues of whole numbers lie between two; of others they have few digits', () => {
+  assert.equal(roundIso(99.2, {minimum: -1000, maximum: 3000}), 99.5);
+  assert.equal(roundIso(-0.2, {minimum: -1000, maximum: 3000}), -0.5);
+  assert.equal(roundIso(0.123456, {minimum: 0, maximum: 1}), 0.123);
+  assert.equal(isoLine('bone', 1e-7), 'surface bone iso=0.0000001');
+  assert.deepEqual([plain(100), plain(-0.001), plain(1.5), plain(20, 0)],
+    ['100', '0', '1.5', '20']);
+});
+
+test('the store tells of what has changed, and of nothing else', () => {
+  const store = new Store();
+  /** @type {string[]} */
+  const told = [];
+  store.subscribe(['camera'], () => told.push('camera'));
+  store.subscribe(['size'], () => told.push('size'));
+  const state = /** @type {any} */ ({revision: 1, camera: {zoom: 1}, size: [1, 1]});
+  store.take(state);
+  store.take({...state, revision: 2, camera: {zoom: 1}});
+  store.take({...state, revision: 3, camera: {zoom: 2}});
+  assert.deepEqual(told, ['camera', 'size', 'camera']);
+});
