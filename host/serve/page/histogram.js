@@ -7,11 +7,13 @@ import {isoLine, plain, roundIso} from './lines.js';
 /** @typedef {import('./types.js').VolumeState} VolumeState */
 /** @typedef {import('./selection.js').Selection} Selection */
 
-const HEIGHT = 148;
-const TOP = 34;            // Room for the handles' grips, in two rows.
-const BOTTOM = 20;         // Room for the axis.
-const SIDE = 6;
-const GRIP = 11;
+// Lengths in rem, so that they grow with the text on large screens.
+const HEIGHT = 11.4;
+const TOP = 2.6;           // Room for the handles' grips, in two rows.
+const BOTTOM = 1.6;        // Room for the axis.
+const SIDE = 1.4;           // Room for half a number of the axis.
+const GRIP = 0.85;
+const REACH = 0.95;        // How far beside a handle's line a pointer takes hold of it.
 const COARSE = 10;         // Steps of an arrow key with shift.
 const KEY_STEPS = 500;     // Arrow keys cross the range in so many steps.
 
@@ -34,16 +36,18 @@ export class Histogram {
     this.ahead_ = new Map();
     /** @private */
     this.x_ = d3.scaleLinear();
+    /** @private Pixels of a rem. */
+    this.rem_ = 13;
     /** @private @type {Map<string, SVGGElement>} */
     this.handles_ = new Map();
     /** @private */
     this.area_ = s('path', {class: 'area'});
     /** @private */
-    this.axis_ = s('g', {class: 'axis', transform: `translate(0 ${HEIGHT - BOTTOM})`});
+    this.axis_ = s('g', {class: 'axis'});
     /** @private */
     this.handleGroup_ = s('g');
     /** @private */
-    this.svg_ = s('svg', {id: 'histogram', 'data-testid': 'histogram', height: HEIGHT,
+    this.svg_ = s('svg', {id: 'histogram', 'data-testid': 'histogram',
       role: 'group', 'aria-label': 'Histogram of the volume, with a handle for each surface'},
       this.area_, this.axis_, this.handleGroup_);
     /** @private */
@@ -83,16 +87,19 @@ export class Histogram {
       return;
     }
     const last = counts.first + counts.width * counts.counts.length;
-    this.x_ = d3.scaleLinear([counts.first, last], [SIDE, width - SIDE]);
+    this.rem_ = parseFloat(getComputedStyle(document.documentElement).fontSize);
+    const [side, top, base] = [SIDE, TOP, HEIGHT - BOTTOM].map(each => each * this.rem_);
+    update(this.svg_, {height: HEIGHT * this.rem_});
+    update(this.axis_, {transform: `translate(0 ${base})`});
+    this.x_ = d3.scaleLinear([counts.first, last], [side, width - side]);
     const most = Math.log1p(Math.max(...counts.counts, 1));
-    const base = HEIGHT - BOTTOM;
-    const y = (/** @type {number} */ n) => base - Math.log1p(n) / most * (base - TOP);
+    const y = (/** @type {number} */ n) => base - Math.log1p(n) / most * (base - top);
     const area = d3.area().curve(d3.curveStepAfter)
       .x((/** @type {number} */ _, /** @type {number} */ k) =>
         this.x_(counts.first + k * counts.width))
       .y0(base).y1(y);
     update(this.area_, {d: area([...counts.counts, counts.counts.at(-1)])});
-    const ticks = Math.max(3, Math.round(width / 64));
+    const ticks = Math.max(3, Math.round(width / (5 * this.rem_)));
     d3.select(this.axis_).call(d3.axisBottom(this.x_).ticks(ticks).tickSizeOuter(0));
     this.drawHandles_();
   }
@@ -130,13 +137,15 @@ export class Histogram {
       'aria-valuenow': value, 'aria-valuetext': `${plain(value, 4)} ${unit}`,
       class: `handle${isChosen ? ' chosen' : ''}${surface.visible ? '' : ' hid'}`,
     });
-    const [line, grip, label] = handle.children;
-    const top = row % 2 === 0 ? 2 : 2 + GRIP + 4;
-    update(line, {y1: top + GRIP, y2: HEIGHT - BOTTOM, stroke: surface.color});
-    update(grip, {y: top, fill: surface.color});
+    const [line, grip, label, reach] = handle.children;
+    const [size, base, far] = [GRIP, HEIGHT - BOTTOM, REACH].map(each => each * this.rem_);
+    const top = row % 2 === 0 ? 2 : 2 + size * 1.3;
+    update(line, {y1: top + size, y2: base, stroke: surface.color});
+    update(grip, {x: -size / 2, y: top, width: size, height: size, fill: surface.color});
+    update(reach, {x: -far, width: 2 * far, height: base});
     label.textContent = `${surface.name} ${plain(value, 3)}`;
     const isLeft = x < this.svg_.clientWidth / 2;
-    update(label, {x: isLeft ? GRIP : -GRIP, y: top + GRIP - 1,
+    update(label, {x: isLeft ? size : -size, y: top + size - 1,
       'text-anchor': isLeft ? 'start' : 'end'});
     if (isChosen) {
       this.handleGroup_.append(...(this.handleGroup_.lastChild === handle ? [] : [handle]));
@@ -150,9 +159,9 @@ export class Histogram {
   makeHandle_(name) {
     const handle = s('g', {role: 'slider', tabindex: 0, 'aria-label': `Isovalue of ${name}`,
       'data-testid': `handle-${name}`},
-      s('line'), s('rect', {x: -GRIP / 2, width: GRIP, height: GRIP, rx: 3}),
+      s('line'), s('rect', {rx: 3}),
       s('text', {class: 'handle-text'}),
-      s('rect', {class: 'reach', x: -12, width: 24, height: HEIGHT - BOTTOM}),
+      s('rect', {class: 'reach'}),
       s('title', {}, `${name}: drag, or use the arrow keys`));
     handle.addEventListener('focus', () => this.selection_.choose(name));
     handle.addEventListener('keydown', event => this.key_(event, name));

@@ -6,6 +6,8 @@ import {createLook} from './look.js';
 import {Selection} from './selection.js';
 import {createSurfaces, createTissues} from './surfaces.js';
 
+const ROOMY_PX = 1000;  // From this height on everything fits, open.
+
 /** @param {import('./types.js').App} app */
 export function createLeft(app) {
   const selection = new Selection();
@@ -25,8 +27,9 @@ export function createLeft(app) {
   new Histogram(values, app, selection);
   createTissues(values, app, selection);
   createSurfaces(surfaces, app, selection);
-  createClips(block('Cut'), app);
-  createLook(block('Light and material'), app);
+  const isRoomy = innerHeight >= ROOMY_PX;
+  createClips(block('Cut', isRoomy), app);
+  createLook(block('Light and material', isRoomy), app);
   byId('left').append(all);
   app.connection.on('hello', ({role}) => { all.disabled = role === 'watcher'; });
 }

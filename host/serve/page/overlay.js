@@ -4,7 +4,7 @@ import {lettersTowards, roundLength, SIDES, toEye} from './projection.js';
 
 /** @typedef {import('./types.js').Triple} Triple */
 
-const MARGIN = 16;          // Places, from the picture's edge to a letter.
+const MARGIN_REM = 1.2;     // From the picture's edge to a letter.
 const BAR_SHARE = 0.25;     // Of the picture's width, at most.
 const CROSS_PX = 9;
 const CUBE_HALF = 21;
@@ -35,12 +35,13 @@ export function createOverlay(app, viewpoint) {
     if (!camera) {
       return;
     }
+    const margin = MARGIN_REM * parseFloat(getComputedStyle(document.documentElement).fontSize);
     EDGES.forEach(({at, on}, index) => {
       letters[index].textContent = lettersTowards(camera.patient_to_eye, on);
-      update(letters[index], {x: MARGIN + at[0] * (width - 2 * MARGIN),
-        y: MARGIN + at[1] * (height - 2 * MARGIN) + 5});
+      update(letters[index], {x: margin + at[0] * (width - 2 * margin),
+        y: margin + at[1] * (height - 2 * margin), dy: '0.36em'});
     });
-    drawBar(bar, barText, viewpoint.mmPerPlace(), width, height);
+    drawBar(bar, barText, viewpoint.mmPerPlace(), {x: margin, y: height - margin, width});
     const at = place && picture.project(place);
     update(cross, at?.visible ? {transform: `translate(${at.x} ${at.y})`, visibility: 'visible'}
       : {visibility: 'hidden'});
@@ -58,17 +59,16 @@ export function createOverlay(app, viewpoint) {
  * @param {SVGPathElement} bar
  * @param {SVGTextElement} text
  * @param {number} mmPerPlace
- * @param {number} width
- * @param {number} height
+ * @param {{x: number, y: number, width: number}} at  Its left end; the picture's width.
  */
-function drawBar(bar, text, mmPerPlace, width, height) {
+function drawBar(bar, text, mmPerPlace, {x, y, width}) {
   if (mmPerPlace <= 0 || width === 0) {
     update(bar, {d: 'M0 0'});
     text.textContent = '';
     return;
   }
   const mm = roundLength(width * BAR_SHARE * mmPerPlace);
-  const px = mm / mmPerPlace, x = MARGIN, y = height - MARGIN;
+  const px = mm / mmPerPlace;
   update(bar, {d: `M${x} ${y - 4}v8M${x} ${y}h${px}m0 -4v8`});
   update(text, {x: x + 6, y: y - 6});
   text.textContent = mm >= 10 ? `${mm / 10} cm` : `${mm} mm`;

@@ -54,7 +54,12 @@ export class SurfaceCard {
     /** @private */
     this.iso_ = h('input', {type: 'number', step: 'any', class: 'iso number',
       'aria-label': `Isovalue of ${name}`, 'data-testid': `iso-${name}`,
-      onchange: () => this.typed_()});
+      onchange: () => this.typed_(),
+      onkeydown: (/** @type {KeyboardEvent} */ event) => {
+        if (event.key === 'Enter') {
+          this.iso_.blur();
+        }
+      }});
     /** @private */
     this.title_ = h('button', {class: 'quiet grow name', 'aria-controls': `${id}-more`,
       'data-testid': `choose-${name}`, onclick: () => selection.choose(name)}, name);

@@ -64,7 +64,9 @@ export async function upload(app, files) {
 async function post(url, body, signal) {
   const response = await fetch(url, {method: 'POST', body, signal});
   if (!response.ok) {
-    const why = (await response.text()).trim();
-    throw new Error(why || `the server answered ${response.status} ${response.statusText}`);
+    // The server says why in JSON; anything between it and us may say what it likes.
+    const said = await response.json().catch(() => ({}));
+    throw new Error(said.error
+      ?? `the server answered ${response.status} ${response.statusText}`);
   }
 }
