@@ -14,6 +14,7 @@ namespace {
 
 constexpr const char* kPlain = "text/plain; charset=utf-8";
 constexpr const char* kJson = "application/json";
+constexpr int kTooLarge = 413;
 
 std::string json_text(const nlohmann::json& json) {
     // Names of files need not be UTF-8.
@@ -125,6 +126,10 @@ int Loop::begin_upload(lws* connection, const Request& request) {
         upload.file =
             uploads_.begin(parameter(request, "name"), parameter(request, "batch"), *length);
     } catch (const UploadError& error) {
+        if (error.status == kTooLarge) {
+            (void)answer_upload(connection, error);
+            return -1;  // Not worth waiting for; anything smaller is read, so that browsers listen.
+        }
         upload.error = error;
     }
     uploading_[connection] = std::move(upload);

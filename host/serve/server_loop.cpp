@@ -105,6 +105,18 @@ std::string reason_not_to_listen(const ServerOptions& options, const std::string
     return reason;
 }
 
+/// The name that the certificate is for: browsers let nobody else use it.
+std::string certificate_name(lws_vhost* vhost) {
+    union {
+        lws_tls_cert_info_results info;
+        std::array<char, 512> room;  // The name may run on past the struct's own field.
+    } results{};
+    const std::size_t size = results.room.size() - sizeof(results.info) + sizeof(results.info.ns);
+    const int failed =
+        lws_tls_vhost_cert_info(vhost, LWS_TLS_CERT_INFO_COMMON_NAME, &results.info, size);
+    return failed != 0 ? "" : std::string(results.info.ns.name);
+}
+
 RouteFolders folders_of(const ServerOptions& options) {
     RouteFolders folders = built_in_folders();
     if (!options.page.empty()) folders.page = options.page;
@@ -157,7 +169,10 @@ void Loop::listen(const ServerOptions& options) {
     complaints = nullptr;
     lws_vhost* vhost = context_ == nullptr ? nullptr : lws_get_vhost_by_name(context_, "default");
     port_ = vhost == nullptr ? 0 : lws_get_vhost_listen_port(vhost);
-    if (port_ > 0) return;
+    if (port_ > 0) {
+        if (rules_.encrypted) rules_.names.push_back(certificate_name(vhost));
+        return;
+    }
     if (context_ != nullptr) lws_context_destroy(context_);
     throw RequestError(ExitCode::unavailable,
                        fmt::format("cannot listen on {} port {}: {}", options.bind, options.port,

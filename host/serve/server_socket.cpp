@@ -147,8 +147,8 @@ int Loop::on_writable(lws* connection, Socket& socket) {
                                message->binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT);
     } else if (viewer.takes(*newest)) {
         result = send_frame(connection, viewer, *newest);
-        advise();
     }
+    advise();
     if (viewer.has_messages() || viewer.takes(*newest)) lws_callback_on_writable(connection);
     return result;
 }

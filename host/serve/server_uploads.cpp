@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -52,6 +53,18 @@ std::optional<fs::path> only_entry(const fs::path& folder) {
     if (at == fs::directory_iterator()) return std::nullopt;
     fs::path first = at->path();
     return ++at == fs::directory_iterator() ? std::optional(first) : std::nullopt;
+}
+
+/// The only header among the files of a folder: its data lie beside it, and it names them.
+std::optional<fs::path> only_header(const fs::path& folder) {
+    constexpr std::array<std::string_view, 3> kHeaders{".mhd", ".nhdr", ".hdr"};
+    std::optional<fs::path> header;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        if (std::ranges::find(kHeaders, entry.path().extension()) == kHeaders.end()) continue;
+        if (header) return std::nullopt;
+        header = entry.path();
+    }
+    return header;
 }
 
 }  // namespace
@@ -127,7 +140,12 @@ Uploads::Batch& Uploads::open_batch(const std::string& name) {
     check_batch(name);
     if (const auto known = batches_.find(name); known != batches_.end()) return known->second;
     // Numbered, so that a name that comes again meets no files of its forerunner.
-    const fs::path folder = folder_ / fmt::format("{}-{}", ++batch_count_, name);
+    fs::path folder;
+    std::error_code error;
+    do {
+        folder = folder_ / fmt::format("{}-{}", ++batch_count_, name);
+    } while (!fs::create_directory(folder, error) && !error);
+    if (error) throw UploadError{500, fmt::format("Nothing can be stored: {}.", error.message())};
     return batches_[name] = {folder, 0, 0};
 }
 
@@ -170,6 +188,7 @@ UploadedBatch Uploads::done(const std::string& name) {
         path = *only;
         if (!fs::is_directory(path)) break;
     }
+    if (fs::is_directory(path)) path = only_header(path).value_or(path);
     const std::string known_as = path == batch.folder ? name : path.filename().string();
     return {path, known_as, batch.files};
 }

@@ -46,16 +46,19 @@ std::optional<Outgoing> Viewer::next_message() {
     if (messages_.empty()) return std::nullopt;
     Outgoing message = std::move(messages_.front());
     messages_.pop_front();
+    is_greeted_ = true;
     waiting_bytes_ -= message.bytes->size();
     return message;
 }
 
 bool Viewer::takes(const NewestFrame& frame) const {
-    return frame.sequence > newest_sent_ && link.unacknowledged() < kMaxUnacknowledgedFrames;
+    return is_greeted_ && frame.sequence > newest_sent_ &&
+           link.unacknowledged() < kMaxUnacknowledgedFrames;
 }
 
 bool Viewer::wants_newer(const NewestFrame& frame) const {
-    return frame.sequence <= newest_sent_ && link.unacknowledged() < kMaxUnacknowledgedFrames;
+    return is_greeted_ && frame.sequence <= newest_sent_ &&
+           link.unacknowledged() < kMaxUnacknowledgedFrames;
 }
 
 std::uint32_t Viewer::count_frame(const NewestFrame& frame) {

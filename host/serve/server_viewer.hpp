@@ -43,7 +43,8 @@ class Viewer {
     std::optional<Outgoing> next_message();
     bool has_messages() const { return !messages_.empty(); }
 
-    /// Whether the frame is news to it, and it has room for one.
+    /// Whether the frame is news to it, and it has room for one. The first message is a text, in
+    /// which the session greets the viewer.
     bool takes(const NewestFrame& frame) const;
     /// Whether it would take a frame newer than this one.
     bool wants_newer(const NewestFrame& frame) const;
@@ -56,6 +57,7 @@ class Viewer {
     double last_heard_ms_ = 0;
     std::deque<Outgoing> messages_;
     std::size_t waiting_bytes_ = 0;
+    bool is_greeted_ = false;
     std::uint64_t newest_sent_ = 0;
     std::uint32_t frames_ = 0;
 };

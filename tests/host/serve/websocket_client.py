@@ -56,8 +56,9 @@ class WebSocket:
         self.socket.sendall(f"GET {target} HTTP/1.1\r\n{head}\r\n".encode())
         status, self.headers = self._read_head()
         if status != 101:
-            length = int(self.headers.get("content-length", "0"))
-            raise Refused(status, self._exactly(length).decode())
+            body = self._exactly(int(self.headers.get("content-length", "0")))
+            self.close()
+            raise Refused(status, body.decode())
 
     def _read_head(self):
         while b"\r\n\r\n" not in self.waiting:

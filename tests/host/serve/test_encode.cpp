@@ -1,0 +1,115 @@
+#include <doctest/doctest.h>
+#include <png.h>
+#include <turbojpeg.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+#include "host/serve/encode.hpp"
+
+namespace pxpl5::host::serve {
+namespace {
+
+constexpr int kWidth = 61, kHeight = 43;  // No multiple of a JPEG's blocks.
+
+using Pixels = std::vector<std::uint32_t>;
+
+/// Every byte of the pixels varies, and quickly.
+Pixels noise() {
+    Pixels pixels(kWidth * kHeight);
+    std::uint32_t state = 1;
+    for (std::uint32_t& pixel : pixels) {
+        state = state * 1664525U + 1013904223U;
+        pixel = 0xff000000U | state >> 8U;
+    }
+    return pixels;
+}
+
+Pixels gradient() {
+    Pixels pixels;
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            pixels.push_back(0xff000000U | static_cast<std::uint32_t>(x * 4) |
+                             static_cast<std::uint32_t>(y * 5) << 8U | 100U << 16U);
+        }
+    }
+    return pixels;
+}
+
+Pixels decoded_png(const std::string& bytes) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    REQUIRE(png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) != 0);
+    REQUIRE(image.width == kWidth);
+    REQUIRE(image.height == kHeight);
+    image.format = PNG_FORMAT_RGBA;
+    Pixels pixels(kWidth * kHeight);
+    REQUIRE(png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr) != 0);
+    return pixels;
+}
+
+Pixels decoded_jpeg(const std::string& bytes) {
+    tjhandle decoder = tjInitDecompress();
+    Pixels pixels(kWidth * kHeight);
+    const int failed = tjDecompress2(decoder, reinterpret_cast<const unsigned char*>(bytes.data()),
+                                     bytes.size(), reinterpret_cast<unsigned char*>(pixels.data()),
+                                     kWidth, 0, kHeight, TJPF_RGBX, 0);
+    tjDestroy(decoder);
+    REQUIRE(failed == 0);
+    return pixels;
+}
+
+/// Root of the mean squared difference of red, green and blue.
+double difference(const Pixels& a, const Pixels& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        for (const unsigned shift : {0U, 8U, 16U}) {
+            const int d =
+                static_cast<int>(a[i] >> shift & 0xffU) - static_cast<int>(b[i] >> shift & 0xffU);
+            sum += d * d;
+        }
+    }
+    return std::sqrt(sum / static_cast<double>(a.size() * 3));
+}
+
+}  // namespace
+
+TEST_CASE("a PNG holds the very pixels") {
+    CHECK(decoded_png(png_of(kWidth, kHeight, noise())) == noise());
+    CHECK(decoded_png(png_of(kWidth, kHeight, gradient())) == gradient());
+}
+
+TEST_CASE("a JPEG holds a smooth picture, red still red, the better the higher its quality") {
+    const Pixels picture = gradient();
+    const double good = difference(picture, decoded_jpeg(jpeg_of(kWidth, kHeight, picture, 90)));
+    const double poor = difference(picture, decoded_jpeg(jpeg_of(kWidth, kHeight, picture, 50)));
+    CHECK(good < 2.5);
+    CHECK(poor < 6);
+    CHECK(good < poor);
+}
+
+TEST_CASE("a frame's header has its fields where the protocol puts them") {
+    FrameHeader header;
+    header.number = 0x01020304;
+    header.revision = 77;
+    header.width = 1280;
+    header.height = 1024;
+    header.kind = PictureKind::jpeg;
+    header.quality = 80;
+    header.samples = 16;
+    header.last = true;
+    header.machine_ms = 1.5F;
+    header.digest = 0x1122334455667788U;
+    const std::string bytes = frame_header(header);
+    const unsigned char expected[] = {'P',  '5',  'R',  'F',  4,    3,    2,    1,    77,   0,   0,
+                                      0,    0,    5,    0,    4,    1,    80,   16,   2,    0,   0,
+                                      0xc0, 0x3f, 0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11};
+    REQUIRE(bytes.size() == sizeof(expected));
+    CHECK(std::memcmp(bytes.data(), expected, sizeof(expected)) == 0);
+    header.rests = true;
+    CHECK(frame_header(header)[19] == 3);
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,152 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <deque>
+
+#include "host/serve/link_rate.hpp"
+
+namespace pxpl5::host::serve {
+namespace {
+
+/// A pipe of so many bytes a second, behind which acknowledgements take the latency to come back.
+struct Pipe {
+    double bytes_per_s = 1e6;
+    double latency_ms = 10;
+    double free_ms = 0;
+
+    double acknowledged_ms(double bytes, double sent_ms) {
+        free_ms = std::max(free_ms, sent_ms) + bytes / bytes_per_s * 1000;
+        return free_ms + latency_ms;
+    }
+};
+
+struct Outcome {
+    double bytes_per_s = 0, frames_per_s = 0;
+    int quality = 0;
+    double scale = 0;
+};
+
+constexpr std::size_t kFullPixels = 512 * 512;
+
+/// Bytes of a JPEG: of a picture that grows faster with quality than LinkRate takes for usual.
+double jpeg_bytes(int quality, double pixels) {
+    constexpr std::array<double, 5> kGrowth{1, 1.25, 1.5, 2.1, 3.2};
+    return 0.06 * pixels * kGrowth[static_cast<std::size_t>((quality - 50) / 10)];
+}
+
+/// Sends frames for 20 s, as many as two acknowledgements allow and at most 60 a second.
+Outcome drive(LinkRate& rate, Pipe& pipe, double begin_ms) {
+    struct Acknowledgement {
+        std::uint32_t number;
+        double at_ms;
+    };
+    static std::uint32_t number = 0;
+    std::deque<Acknowledgement> coming;
+    Outcome outcome;
+    double next_ms = begin_ms;
+    int shown_late = 0;
+    constexpr double kSpanMs = 20'000;
+    for (double now = begin_ms; now < begin_ms + kSpanMs; now += 0.25) {
+        while (!coming.empty() && coming.front().at_ms <= now) {
+            rate.shown(coming.front().number, coming.front().at_ms);
+            if (now > begin_ms + kSpanMs / 2) ++shown_late;
+            coming.pop_front();
+        }
+        if (now < next_ms || rate.unacknowledged() >= 2) continue;
+        next_ms = now + 1000.0 / 60;
+        const double scale = rate.scale(kFullPixels);
+        const auto pixels = static_cast<std::size_t>(kFullPixels * scale * scale);
+        const int quality = rate.quality(pixels);
+        const auto bytes =
+            static_cast<std::size_t>(jpeg_bytes(quality, static_cast<double>(pixels)));
+        rate.encoded(quality, pixels, bytes);
+        rate.sent(++number, bytes, now);
+        coming.push_back({number, pipe.acknowledged_ms(static_cast<double>(bytes), now)});
+        outcome.quality = quality;
+        outcome.scale = scale;
+    }
+    while (!coming.empty()) {
+        rate.shown(coming.front().number, coming.front().at_ms);
+        coming.pop_front();
+    }
+    outcome.bytes_per_s = rate.bytes_per_s();
+    outcome.frames_per_s = shown_late / (kSpanMs / 2 / 1000);
+    return outcome;
+}
+
+Outcome drive(double bytes_per_s, double latency_ms) {
+    LinkRate rate;
+    rate.pinged(latency_ms);
+    Pipe pipe{bytes_per_s, latency_ms, 0};
+    return drive(rate, pipe, 1000);
+}
+
+}  // namespace
+
+TEST_CASE("the rate of a pipe is measured to a tenth, whatever its latency") {
+    for (const double bytes_per_s : {2e5, 1e6, 5e6}) {
+        for (const double latency_ms : {0.5, 20.0, 200.0}) {
+            CAPTURE(bytes_per_s);
+            CAPTURE(latency_ms);
+            CHECK(drive(bytes_per_s, latency_ms).bytes_per_s ==
+                  doctest::Approx(bytes_per_s).epsilon(0.1));
+        }
+    }
+}
+
+TEST_CASE("a fast link gets the best quality at full size, even if it is far away") {
+    for (const double latency_ms : {0.2, 20.0, 200.0}) {
+        const Outcome outcome = drive(2e7, latency_ms);
+        CHECK(outcome.quality == kMaxQuality);
+        CHECK(outcome.scale == 1);
+    }
+}
+
+TEST_CASE("a slow link gets worse pictures, then smaller ones, 25 a second while that suffices") {
+    const Outcome middling = drive(6e5, 10);
+    CHECK(middling.quality < kMaxQuality);
+    CHECK(middling.scale == 1);
+    CHECK(middling.frames_per_s >= 24);
+    const Outcome slow = drive(2e5, 10);
+    CHECK(slow.scale == 0.5);
+    CHECK(slow.frames_per_s >= 24);
+}
+
+TEST_CASE("a link that slows down and recovers is followed both ways") {
+    LinkRate rate;
+    rate.pinged(5);
+    Pipe pipe{1e7, 5, 0};
+    CHECK(drive(rate, pipe, 0).quality == kMaxQuality);
+    pipe.bytes_per_s = 2e5;
+    CHECK(drive(rate, pipe, 30'000).scale == 0.5);
+    pipe.bytes_per_s = 1e7;
+    const Outcome again = drive(rate, pipe, 60'000);
+    CHECK(again.quality == kMaxQuality);
+    CHECK(again.scale == 1);
+}
+
+TEST_CASE("an acknowledgement of a later frame is one of all before it") {
+    LinkRate rate;
+    rate.sent(1, 1000, 0);
+    rate.sent(2, 1000, 0);
+    CHECK(rate.unacknowledged() == 2);
+    rate.shown(2, 10);
+    CHECK(rate.unacknowledged() == 0);
+    CHECK(rate.bytes_per_s() == doctest::Approx(200'000));
+}
+
+TEST_CASE("acknowledgements of what was never sent, or twice, change nothing") {
+    LinkRate rate;
+    rate.sent(7, 1000, 0);
+    rate.shown(8, 5);
+    rate.shown(6, 5);
+    rate.shown(0, 5);
+    CHECK(rate.unacknowledged() == 1);
+    CHECK(rate.bytes_per_s() == 0);
+    rate.shown(7, 10);
+    rate.shown(7, 20);
+    CHECK(rate.bytes_per_s() == doctest::Approx(100'000));
+}
+
+}  // namespace pxpl5::host::serve

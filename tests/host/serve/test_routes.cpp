@@ -1,0 +1,90 @@
+#include <doctest/doctest.h>
+
+#include "host/error.hpp"
+#include "host/serve/routes.hpp"
+#include "tests/host/serve/scratch_folder.hpp"
+
+namespace pxpl5::host::serve {
+namespace {
+
+/// A page, downloads beside it, and a file that nobody may have.
+struct Folders {
+    ScratchFolder scratch;
+    RouteFolders folders{scratch.path / "page", scratch.path / "d3.min.js", scratch.path / "out"};
+
+    Folders() {
+        scratch.write("page/index.html", "page");
+        scratch.write("page/main.js", "code");
+        scratch.write("page/panels/slice.js", "code");
+        scratch.write("page/README.md", "notes");
+        scratch.write("d3.min.js", "d3");
+        scratch.write("out/mesh.ply", "mesh");
+        scratch.write("out/.hidden", "no");
+        scratch.write("secret", "no");
+        std::filesystem::create_symlink(scratch.path / "secret", scratch.path / "out/link.ply");
+        std::filesystem::create_symlink(scratch.path / "secret", scratch.path / "page/link.js");
+    }
+};
+
+}  // namespace
+
+TEST_CASE("the page's files, D3 and downloads have their paths and types") {
+    const Folders at;
+    const Routes routes(at.folders);
+    CHECK(routes.find("/").file.path == at.folders.page / "index.html");
+    CHECK(routes.find("/").file.type == "text/html; charset=utf-8");
+    CHECK(routes.find("/main.js").file.type == "text/javascript; charset=utf-8");
+    CHECK(routes.find("/panels/slice.js").kind == RouteKind::file);
+    CHECK(routes.find("/d3.js").file.path == at.folders.d3);
+    const Route mesh = routes.find("/download/mesh.ply");
+    CHECK(mesh.file.path == at.folders.downloads / "mesh.ply");
+    CHECK(mesh.file.attachment == "mesh.ply");
+    CHECK(routes.find("/socket").kind == RouteKind::socket);
+    CHECK(routes.find("/upload").kind == RouteKind::upload);
+    CHECK(routes.find("/upload/done").kind == RouteKind::upload_done);
+}
+
+TEST_CASE("no path leads to another file") {
+    const Folders at;
+    const Routes routes(at.folders);
+    for (const char* path : {"",
+                             "/secret",
+                             "/../secret",
+                             "//secret",
+                             "/./main.js",
+                             "/README.md",
+                             "/link.js",
+                             "main.js",
+                             "/panels",
+                             "/panels/../main.js",
+                             "/download/",
+                             "/download/..",
+                             "/download/../secret",
+                             "/download/.hidden",
+                             "/download/link.ply",
+                             "/download/a\\b",
+                             "/download//secret",
+                             "/download",
+                             "/download/nothing",
+                             "/index.html/",
+                             "/upload/"}) {
+        CAPTURE(path);
+        CHECK(routes.find(path).kind == RouteKind::none);
+    }
+    CHECK(routes.find(std::string_view("/download/mesh.ply\0x", 20)).kind == RouteKind::none);
+}
+
+TEST_CASE("a file that is missing at start is named") {
+    const Folders at;
+    RouteFolders folders = at.folders;
+    folders.d3 = "/nowhere/d3.js";
+    CHECK_THROWS_WITH_AS(Routes{folders}, doctest::Contains("/nowhere/d3.js is missing; Debian's"),
+                         RequestError);
+    std::filesystem::remove(at.folders.page / "index.html");
+    CHECK_THROWS_WITH_AS(Routes{at.folders}, doctest::Contains("index.html is missing"),
+                         RequestError);
+    folders.page = "/nowhere";
+    CHECK_THROWS_WITH_AS(Routes{folders}, doctest::Contains("/nowhere is missing"), RequestError);
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,423 @@
+#!/usr/bin/env python3
+"""The web server without a machine: test_server.py ECHO_SERVER [unittest's words]."""
+import http.client
+import json
+import pathlib
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import urllib.parse
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from websocket_client import BINARY, TEXT, Closed, Refused, WebSocket, connect_to  # noqa: E402
+
+ECHO_SERVER = ""  # From the command line.
+
+
+class EchoServer:
+    """The server under test with a page, a download and a folder for uploads."""
+
+    def __init__(self, folder, *words):
+        folder = pathlib.Path(folder)
+        for name in ("page", "uploads", "downloads"):
+            (folder / name).mkdir(exist_ok=True)
+        (folder / "page/index.html").write_text("<h1>page</h1>")
+        (folder / "page/main.js").write_text("export {}")
+        (folder / "downloads/mesh.ply").write_bytes(b"ply" * 100_000)
+        (folder / "secret").write_text("secret")
+        self.process = subprocess.Popen(
+            [ECHO_SERVER, "page", folder / "page", "uploads", folder / "uploads", "downloads",
+             folder / "downloads", *words],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.url = self.process.stdout.readline().strip()
+        self.watch_url = self.process.stdout.readline().strip()
+
+    def event(self):
+        return self.process.stdout.readline().strip()
+
+    def stop(self):
+        """Ends it by the end of its input; its exit code and what it complained of."""
+        _, complaint = self.process.communicate()
+        return self.process.returncode, complaint
+
+    def request(self, path, method="GET", token=True, headers=None, body=None):
+        """One request on a connection of its own: status, headers, body."""
+        parts = urllib.parse.urlsplit(self.url)
+        connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=20)
+        if token:
+            path += ("&" if "?" in path else "?") + parts.query
+        connection.request(method, path, body=body, headers=headers or {})
+        answer = connection.getresponse()
+        body = answer.read()
+        connection.close()
+        return answer.status, answer.headers, body
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.server = EchoServer(self.folder)
+        self.addCleanup(self.ends_well)
+
+    def ends_well(self):
+        code, complaint = self.server.stop()
+        self.assertEqual((code, complaint), (0, ""))
+
+    def join(self, url=None, **words):
+        viewer = WebSocket(url or self.server.url, **words)
+        self.addCleanup(viewer.close)
+        self.assertIn("hello", json.loads(viewer.receive()))
+        return viewer
+
+    def ask(self, viewer, **words):
+        viewer.send(json.dumps(words))
+        return json.loads(viewer.receive())
+
+    def sync(self, viewer):
+        """Returns when the server has done all that the viewer said before."""
+        self.assertEqual(self.ask(viewer, echo=0), {"echo": 0})
+
+    def refused(self, status, **words):
+        with self.assertRaises(Refused) as caught:
+            WebSocket(self.server.url, **words)
+        self.assertEqual(caught.exception.status, status, caught.exception.body)
+        return caught.exception.body
+
+    def closed(self, code, viewer):
+        with self.assertRaises(Closed) as caught:
+            while True:
+                viewer.receive()
+        self.assertEqual(caught.exception.code, code)
+        return caught.exception.reason
+
+
+class Access(Case):
+    def test_a_token_opens_the_page_and_leaves_a_cookie(self):
+        status, headers, body = self.server.request("/")
+        self.assertEqual((status, body), (200, b"<h1>page</h1>"))
+        cookie, *flags = headers["set-cookie"].split("; ")
+        self.assertEqual(flags, ["HttpOnly", "SameSite=Strict", "Path=/"])
+        for path in ("/", "/main.js", "/d3.js", "/download/mesh.ply"):
+            self.assertEqual(self.server.request(path, token=False)[0], 403, path)
+            with_cookie = self.server.request(path, token=False, headers={"Cookie": cookie})
+            self.assertEqual(with_cookie[0], 200, path)
+        self.join(token="", headers={"Cookie": cookie})
+
+    def test_every_answer_forbids_what_a_page_must_not_do(self):
+        for path, token, status in (("/", True, 200), ("/", False, 403), ("/nothing", True, 404)):
+            got, headers, _ = self.server.request(path, token=token)
+            self.assertEqual(got, status)
+            self.assertIn("default-src 'self'", headers["content-security-policy"])
+            self.assertNotIn("unsafe", headers["content-security-policy"])
+            self.assertEqual(headers["x-content-type-options"], "nosniff")
+            self.assertEqual(headers["cache-control"], "no-store")
+            self.assertEqual(headers["referrer-policy"], "no-referrer")
+
+    def test_wrong_tokens_hosts_and_origins_are_refused(self):
+        self.assertIn("token", self.refused(403, token="0" * 32))
+        self.refused(403, token="")
+        self.refused(403, headers={"Cookie": "pxpl5=1"}, token="")
+        self.refused(403, headers={"Host": "evil.example"})
+        self.refused(403, headers={"Origin": "http://evil.example"})
+        self.refused(404, path="/elsewhere")
+        host = urllib.parse.urlsplit(self.server.url).netloc
+        self.join(headers={"Origin": f"http://{host}"})
+        self.join(headers={"Host": "localhost:1", "Origin": "http://localhost:1"})
+        self.assertEqual(self.server.request("/", headers={"Host": "evil.example"})[0], 403)
+
+    def test_paths_lead_nowhere_else(self):
+        for path in ("/../secret", "/..%2fsecret", "/%2e%2e/secret", "//secret", "/page/index.html",
+                     "/download/../secret", "/download/..%2fsecret", "/download/%2e%2e%2fsecret",
+                     "/download/" + self.folder + "/secret", "/download/%00", "/uploads/"):
+            status, _, body = self.server.request(path)
+            self.assertIn(status, (400, 403, 404), path)
+            self.assertNotIn(b"secret\n", body + b"\n", path)
+
+    def test_methods_and_upgrades_that_do_not_fit_are_refused(self):
+        self.assertEqual(self.server.request("/", method="POST", body=b"x")[0], 405)
+        self.assertEqual(self.server.request("/upload")[0], 405)
+        self.assertEqual(self.server.request("/socket")[0], 426)
+        for upgrade in ("h2c", "ftp"):
+            with self.assertRaises((Refused, Closed)):
+                WebSocket(self.server.url, headers={"Upgrade": upgrade})
+        self.join()
+
+    def test_a_head_of_nonsense_hurts_nobody(self):
+        for nonsense in (b"\r\n\r\n", b"GET\r\n\r\n", b"\x16\x03\x01" * 100, b"GET / HTTP/1.1\r\n",
+                         b"GET /?" + b"a" * 20_000 + b" HTTP/1.1\r\n\r\n",
+                         b"GET / HTTP/1.1\r\nCookie: " + b"c" * 20_000 + b"\r\n\r\n"):
+            connection = connect_to(self.server.url)
+            connection.sendall(nonsense)
+            connection.close()
+        self.sync(self.join())
+
+
+class Messages(Case):
+    def test_texts_go_to_who_asked_and_to_all(self):
+        first, second = self.join(), self.join(self.server.watch_url)
+        self.assertEqual(self.server.event(), "joined 1 driver")
+        self.assertEqual(self.server.event(), "joined 2 watcher")
+        self.assertEqual(self.ask(first, echo="\u00e4"), {"echo": "\u00e4"})
+        first.send('{"say":1}')
+        self.assertEqual(json.loads(second.receive()), {"say": 1})
+        second.close()
+        self.assertEqual(self.server.event(), "left 2")
+        third = self.join()
+        self.assertEqual(self.server.event(), "joined 3 driver")
+        third.send('{"binary":100000}')
+        self.assertEqual(third.receive(), b"b" * 100_000)
+
+    def test_fragments_make_one_message(self):
+        viewer = self.join()
+        viewer.send_frame(TEXT, b'{"echo":', final=False)
+        viewer.send_frame(0, b'"whole"}')
+        self.assertEqual(json.loads(viewer.receive()), {"echo": "whole"})
+
+    def test_a_message_of_64_kib_passes_a_longer_one_closes(self):
+        viewer = self.join()
+        text = json.dumps({"echo": "x" * (65536 - 12)})
+        self.assertEqual(len(text), 65536)
+        viewer.send(text)
+        self.assertEqual(len(json.loads(viewer.receive())["echo"]), 65536 - 12)
+        viewer.send("x" * 65537)
+        self.assertIn("65536", self.closed(1009, viewer))
+        self.sync(self.join())
+
+    def test_bytes_and_what_is_no_utf8_close(self):
+        viewer = self.join()
+        viewer.send_frame(BINARY, b"12")
+        self.closed(1003, viewer)
+        viewer = self.join()
+        viewer.send_frame(TEXT, b"\xff\xfe")
+        self.closed(1007, viewer)
+
+    def test_a_flood_closes_its_viewer_alone(self):
+        flood, other = self.join(), self.join()
+        try:
+            for _ in range(5000):
+                flood.send('{"flood":1}')
+        except (BrokenPipeError, ConnectionResetError):
+            pass  # Closed while still sending: the reason may be lost then.
+        with self.assertRaises(Closed) as caught:
+            flood.receive()
+        self.assertIn(caught.exception.code, (1008, 1006))
+        self.sync(other)
+
+    def test_a_ninth_viewer_waits_until_one_has_left(self):
+        viewers = [self.join() for _ in range(8)]
+        ninth = WebSocket(self.server.url)
+        self.assertIn("8 viewers", self.closed(1013, ninth))
+        for _ in range(8):
+            self.assertTrue(self.server.event().startswith("joined"))
+        viewers[0].close()
+        self.assertEqual(self.server.event(), "left 1")
+        self.join()
+        self.assertEqual(self.server.event(), "joined 9 driver")
+
+    def test_who_does_not_read_is_closed_and_hurts_nobody(self):
+        deaf, other = self.join(receive_buffer=4096), self.join()
+        for _ in range(20):
+            try:
+                deaf.send('{"texts":[100,10000]}')
+            except (BrokenPipeError, ConnectionResetError):
+                pass  # Closed by now.
+            self.sync(other)
+        self.assertEqual([self.server.event()[:6] for _ in range(2)], ["joined"] * 2)
+        self.assertEqual(self.server.event(), "left 1")
+        self.sync(other)
+
+
+class Frames(Case):
+    def show(self, viewer, revision, rests=False, size=(64, 48)):
+        viewer.send(json.dumps({"frame": [*size, revision, rests]}))
+
+    def frame(self, viewer):
+        """The next frame's header as a dict, and its picture."""
+        message = viewer.receive()
+        names = ("magic", "number", "revision", "width", "height", "kind", "quality", "samples",
+                 "flags", "machine_ms", "digest")
+        return dict(zip(names, struct.unpack("<IIIHHBBBBfQ", message[:32]))), message[32:]
+
+    def shown(self, viewer, number):
+        viewer.send(json.dumps({"shown": number}))
+
+    def test_moving_frames_are_jpegs_and_resting_ones_pngs(self):
+        viewer = self.join()
+        self.show(viewer, 7)
+        head, picture = self.frame(viewer)
+        self.assertEqual((head["magic"], head["number"], head["revision"]), (0x46523550, 1, 7))
+        self.assertEqual((head["width"], head["height"], head["kind"]), (64, 48, 1))
+        self.assertEqual((head["flags"], head["digest"]), (0, 0))
+        self.assertTrue(50 <= head["quality"] <= 90)
+        self.assertEqual(picture[:2], b"\xff\xd8")
+        self.show(viewer, 8, rests=True)
+        head, picture = self.frame(viewer)
+        self.assertEqual((head["number"], head["revision"], head["kind"]), (2, 8, 2))
+        self.assertEqual((head["flags"], head["digest"]), (1, 8))
+        self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_who_does_not_show_frames_gets_two_and_then_the_newest(self):
+        viewer = self.join()
+        for revision in (1, 2):
+            self.show(viewer, revision)
+            self.assertEqual(self.frame(viewer)[0]["revision"], revision)
+        self.assertFalse(self.ask(viewer, wants=0)["wants"])
+        for revision in range(3, 40):
+            self.show(viewer, revision)
+        self.show(viewer, 40, rests=True)
+        self.sync(viewer)  # Nothing but the answer has come.
+        self.shown(viewer, 2)
+        head, _ = self.frame(viewer)
+        self.assertEqual((head["number"], head["revision"], head["flags"]), (3, 40, 1))
+        self.assertTrue(self.ask(viewer, wants=0)["wants"])
+
+    def test_a_stalled_viewer_gets_the_newest_in_the_end_and_holds_nobody_up(self):
+        stalled, other = self.join(receive_buffer=1 << 17), self.join()
+        size = (640, 512)
+        for revision in range(1, 61):
+            self.show(other, revision, rests=revision == 60, size=size)
+            head, _ = self.frame(other)
+            self.assertEqual((head["number"], head["revision"]), (revision, revision))
+            self.shown(other, head["number"])
+        seen = [self.frame(stalled)[0]["revision"] for _ in range(2)]
+        self.shown(stalled, 2)
+        seen.append(self.frame(stalled)[0]["revision"])
+        self.assertEqual((seen[0], seen[-1]), (1, 60))
+
+    def test_who_comes_late_or_again_gets_the_newest_frame(self):
+        viewer = self.join()
+        self.show(viewer, 5, rests=True)
+        self.assertEqual(self.frame(viewer)[0]["number"], 1)
+        viewer.close()
+        again = self.join()
+        head, _ = self.frame(again)
+        self.assertEqual((head["number"], head["revision"]), (1, 5))
+
+    def test_nobody_wants_frames_where_nobody_is(self):
+        viewer = self.join()
+        self.assertTrue(self.ask(viewer, wants=0)["wants"])
+        self.shown(viewer, 4_000_000_000)  # Never sent: no harm.
+        viewer.send('{"shown":-1}')
+        self.assertTrue(self.ask(viewer, wants=0)["wants"])
+
+
+class Files(Case):
+    def upload(self, path, body=b"", **words):
+        status, _, answer = self.server.request(path, method="POST", body=body, **words)
+        return status, json.loads(answer)
+
+    def test_a_download_is_an_attachment(self):
+        status, headers, body = self.server.request("/download/mesh.ply")
+        self.assertEqual((status, body), (200, b"ply" * 100_000))
+        self.assertEqual(headers["content-disposition"], 'attachment; filename="mesh.ply"')
+
+    def test_a_folder_is_uploaded_file_by_file(self):
+        content = bytes(range(256)) * 20_000
+        for name in ("study/1.dcm", "study/2.dcm", "../study/empty"):
+            query = urllib.parse.urlencode({"name": name, "batch": "b1"})
+            body = b"" if name.endswith("empty") else content
+            self.assertEqual(self.upload("/upload?" + query, body), (200, {}))
+        status, answer = self.upload("/upload/done?batch=b1&viewer=3")
+        self.assertEqual((status, answer["files"], answer["name"]), (200, 3, "study"))
+        path = pathlib.Path(answer["path"])
+        self.assertEqual(path.parent.parent, pathlib.Path(self.folder) / "uploads")
+        self.assertEqual((path / "2.dcm").read_bytes(), content)
+        self.assertEqual((path / "empty").read_bytes(), b"")
+        self.assertEqual(self.server.event(), f"uploaded 3 study {path}")
+
+    def test_what_is_wrong_with_an_upload_is_said(self):
+        status, answer = self.upload("/upload?name=..&batch=b", b"x" * 1_000_000)
+        self.assertEqual((status, answer["error"]), (400, "A file cannot be named '..'."))
+        self.assertEqual(self.upload("/upload?name=a&batch=../b", b"x")[0], 400)
+        self.assertEqual(self.upload("/upload/done?batch=b")[0], 400)
+        connection = connect_to(self.server.url)
+        self.addCleanup(connection.close)
+        parts = urllib.parse.urlsplit(self.server.url)
+        connection.sendall((f"POST /upload?name=a&batch=b&{parts.query} HTTP/1.1\r\nHost: "
+                            f"{parts.netloc}\r\nContent-Length: {5 << 30}\r\n\r\n").encode())
+        self.assertIn(b" 413 ", connection.recv(65536).split(b"\r\n")[0])
+
+    def test_who_breaks_off_leaves_no_file(self):
+        parts = urllib.parse.urlsplit(self.server.url)
+        connection = connect_to(self.server.url)
+        connection.sendall((f"POST /upload?name=a&batch=b&{parts.query} HTTP/1.1\r\nHost: "
+                            f"{parts.netloc}\r\nContent-Length: 100\r\n\r\nhalf").encode())
+        connection.shutdown(socket.SHUT_WR)
+        connection.recv(1)
+        connection.close()
+        self.sync(self.join())
+        left = [path for path in pathlib.Path(self.folder, "uploads").rglob("*") if path.is_file()]
+        self.assertEqual(left, [])
+
+    def test_who_watches_may_not_upload(self):
+        token = urllib.parse.urlsplit(self.server.watch_url).query
+        status, _, body = self.server.request("/upload?name=a&batch=b&" + token, method="POST",
+                                              body=b"x", token=False)
+        self.assertEqual((status, body), (403, b"Who only watches may not upload files.\n"))
+
+
+class Start(unittest.TestCase):
+    def fails(self, code, *words):
+        with tempfile.TemporaryDirectory() as folder:
+            server = EchoServer(folder, *words)
+            self.assertEqual(server.url, "")
+            got, complaint = server.stop()
+            self.assertEqual(got, code, complaint)
+            return complaint
+
+    def test_options_that_contradict_each_other_are_refused(self):
+        self.assertIn("--bind 0.0.0.0", self.fails(64, "bind", "0.0.0.0"))
+        self.assertIn("not 'localhost'", self.fails(64, "bind", "localhost"))
+        self.assertIn("not 65536", self.fails(64, "port", "65536"))
+        self.assertIn("go together", self.fails(64, "cert", "c.pem"))
+        self.assertIn("cannot read c.pem", self.fails(65, "cert", "c.pem", "key", "k.pem"))
+        self.assertIn("/nowhere is missing", self.fails(65, "page", "/nowhere"))
+
+    def test_a_port_in_use_is_named(self):
+        with socket.create_server(("127.0.0.1", 0)) as other:
+            port = other.getsockname()[1]
+            self.assertIn(f"cannot listen on 127.0.0.1 port {port}: Address already in use",
+                          self.fails(69, "port", str(port)))
+
+    def test_insecure_lets_others_in(self):
+        with tempfile.TemporaryDirectory() as folder:
+            server = EchoServer(folder, "bind", "0.0.0.0", "insecure", "1")
+            url = urllib.parse.urlsplit(server.url)
+            local = f"http://127.0.0.1:{url.port}/?{url.query}"
+            WebSocket(local).close()
+            with self.assertRaises(Refused):
+                WebSocket(local, headers={"Host": "evil.example"})
+            self.assertEqual(server.stop(), (0, ""))
+
+    def test_with_a_certificate_all_is_encrypted(self):
+        if not shutil.which("openssl"):
+            self.skipTest("openssl is not installed")
+        with tempfile.TemporaryDirectory() as folder:
+            key, cert = folder + "/key.pem", folder + "/cert.pem"
+            subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt",
+                            "ec_paramgen_curve:P-256", "-nodes", "-days", "1", "-subj",
+                            "/CN=viewer.example", "-keyout", key, "-out", cert],
+                           check=True, capture_output=True)
+            server = EchoServer(folder, "bind", "0.0.0.0", "cert", cert, "key", key)
+            url = urllib.parse.urlsplit(server.url)
+            self.assertEqual(url.scheme, "https")
+            local = f"https://127.0.0.1:{url.port}/?{url.query}"
+            viewer = WebSocket(local)
+            viewer.send('{"binary":3000000}')
+            self.assertIn("hello", viewer.receive())
+            self.assertEqual(len(viewer.receive()), 3_000_000)
+            WebSocket(local, headers={"Host": "viewer.example"}).close()
+            with self.assertRaises((Refused, Closed, ConnectionResetError)):
+                WebSocket(local.replace("https", "http"))
+            viewer.close()
+            self.assertEqual(server.stop(), (0, ""))
+
+
+if __name__ == "__main__":
+    ECHO_SERVER = sys.argv.pop(1)
+    unittest.main()

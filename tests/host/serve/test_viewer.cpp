@@ -1,0 +1,135 @@
+#include <doctest/doctest.h>
+#include <poll.h>
+
+#include "host/serve/server_mail.hpp"
+#include "host/serve/server_viewer.hpp"
+
+namespace pxpl5::host::serve {
+namespace {
+
+Outgoing text(std::size_t bytes) {
+    return {0, false, std::make_shared<const std::string>(bytes, 't')};
+}
+
+NewestFrame frame(std::uint64_t sequence) {
+    return {sequence, {}};
+}
+
+bool is_readable(int fd) {
+    pollfd wait{fd, POLLIN, 0};
+    return poll(&wait, 1, 0) == 1;
+}
+
+}  // namespace
+
+TEST_CASE("parts make up a message, 64 KiB at most") {
+    Viewer viewer(1, Role::driver);
+    CHECK_FALSE(viewer.hear("{\"a\"", false, 0));
+    CHECK(viewer.hear(":1}", true, 0) == "{\"a\":1}");
+    CHECK(viewer.hear(std::string(kMaxTextBytes, 'x'), true, 0)->size() == kMaxTextBytes);
+    CHECK(viewer.closing.code == 0);
+    CHECK_FALSE(viewer.hear(std::string(kMaxTextBytes, 'x'), false, 0));
+    CHECK(viewer.closing.code == 0);
+    CHECK_FALSE(viewer.hear("x", true, 0));
+    CHECK(viewer.closing.code == 1009);
+}
+
+TEST_CASE("a viewer may say 400 messages a second for ever, 800 at once and not one more") {
+    Viewer steady(1, Role::driver);
+    for (int i = 0; i < 10'000; ++i) CHECK(steady.hear("x", true, i * 2.5));
+    Viewer flood(2, Role::driver);
+    for (int i = 0; i < 800; ++i) REQUIRE(flood.hear("x", true, 1e6));
+    CHECK(flood.closing.code == 0);
+    CHECK_FALSE(flood.hear("x", true, 1e6));
+    CHECK(flood.closing.code == 1008);
+}
+
+TEST_CASE("more than 8 MiB in wait for a viewer close it, one large message does not") {
+    Viewer viewer(1, Role::driver);
+    viewer.line_up(text(kMaxWaitingBytes * 2));
+    CHECK(viewer.closing.code == 0);
+    CHECK(viewer.next_message()->bytes->size() == kMaxWaitingBytes * 2);
+    viewer.line_up(text(kMaxWaitingBytes / 2));
+    viewer.line_up(text(kMaxWaitingBytes / 2));
+    CHECK(viewer.closing.code == 0);
+    viewer.line_up(text(1));
+    CHECK(viewer.closing.code == 1013);
+    CHECK_FALSE(viewer.has_messages());
+}
+
+TEST_CASE("a viewer takes each frame once, and no third while two are unacknowledged") {
+    Viewer viewer(1, Role::driver);
+    CHECK_FALSE(viewer.takes(frame(5)));
+    viewer.line_up(text(1));
+    CHECK_FALSE(viewer.takes(frame(5)));  // The greeting goes first.
+    viewer.next_message();
+    CHECK_FALSE(viewer.takes(frame(0)));
+    CHECK(viewer.wants_newer(frame(0)));
+    CHECK(viewer.takes(frame(5)));
+    CHECK_FALSE(viewer.wants_newer(frame(5)));
+    CHECK(viewer.count_frame(frame(5)) == 1);
+    viewer.link.sent(1, 100, 0);
+    CHECK_FALSE(viewer.takes(frame(5)));
+    CHECK(viewer.wants_newer(frame(5)));
+    CHECK(viewer.count_frame(frame(9)) == 2);
+    viewer.link.sent(2, 100, 0);
+    CHECK_FALSE(viewer.wants_newer(frame(9)));
+    CHECK_FALSE(viewer.takes(frame(10)));
+    viewer.link.shown(1, 1);
+    CHECK(viewer.takes(frame(10)));
+}
+
+TEST_CASE("only the plain message that a frame was shown is the server's") {
+    CHECK(shown_number("{\"shown\":123}") == 123U);
+    CHECK(shown_number(" { \"shown\" : 4294967295 } ") == 4294967295U);
+    for (const char* other : {"", "{}", "{\"shown\":-1}", "{\"shown\":4294967296}", "[\"shown\"]",
+                              "{\"shown\":\"1\"}", "{\"shown\":1.5}", "{\"shown\":1",
+                              "{\"shown\":1,\"id\":2}", "{\"do\":\"\\\"shown\\\"\"}"}) {
+        CAPTURE(other);
+        CHECK_FALSE(shown_number(other));
+    }
+}
+
+TEST_CASE("events wake the session once, until it takes them all") {
+    Mail mail;
+    CHECK_FALSE(is_readable(mail.event_fd()));
+    mail.push(Joined{1, Role::driver});
+    mail.push(Said{1, Role::driver, "a"});
+    CHECK(is_readable(mail.event_fd()));
+    CHECK(mail.take().size() == 2);
+    CHECK_FALSE(is_readable(mail.event_fd()));
+    CHECK(mail.take().empty());
+}
+
+TEST_CASE("a session that lags refuses texts, never joins and leaves") {
+    Mail mail;
+    const std::string longest(kMaxTextBytes, 'x');
+    std::size_t kept = 0;
+    while (mail.push(Said{1, Role::driver, longest})) ++kept;
+    CHECK(kept * kMaxTextBytes <= kMaxWaitingEventBytes);
+    CHECK((kept + 2) * kMaxTextBytes > kMaxWaitingEventBytes);
+    CHECK(mail.push(Left{1}));
+    CHECK(mail.take().size() == kept + 1);
+    CHECK(mail.push(Said{1, Role::driver, longest}));
+}
+
+TEST_CASE("a frame is wanted only by who has seen that a newer one is there") {
+    Mail mail;
+    int woken = 0;
+    mail.wake_server = [&] { ++woken; };
+    mail.advise(true, 0, {0.75});
+    CHECK(mail.wants_frame());
+    CHECK(is_readable(mail.event_fd()));
+    CHECK(mail.advice().scale == 0.75);
+    mail.take();
+    mail.show({});
+    CHECK(woken == 1);
+    CHECK_FALSE(mail.wants_frame());
+    mail.advise(true, 0, {1});
+    CHECK_FALSE(mail.wants_frame());
+    CHECK_FALSE(is_readable(mail.event_fd()));
+    mail.advise(true, mail.newest()->sequence, {1});
+    CHECK(mail.wants_frame());
+}
+
+}  // namespace pxpl5::host::serve
