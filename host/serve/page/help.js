@@ -13,7 +13,7 @@ const SHEET = /** @type {const} */ ([
     ['O', 'open a volume'], ['S', 'save'], ['Esc', 'end a mode'], ['?', 'this sheet'],
   ]],
   ['Surfaces', [
-    ['Drag a handle of the histogram', 'move a surface\'s isovalue'],
+    ['Drag a handle of the histogram', 'move a surface\'s isovalue; with shift finely'],
     ['Arrow keys on a handle', 'the same, finely; shift: in tens'],
     ['Click on tissue', 'take the value from the picture or a slice'],
     ['Parts', 'draw only the largest piece, or the one that you click on'],

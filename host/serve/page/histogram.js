@@ -14,6 +14,7 @@ const BOTTOM = 1.6;        // Room for the axis.
 const SIDE = 1.4;           // Room for half a number of the axis.
 const GRIP = 0.85;
 const REACH = 0.95;        // How far beside a handle's line a pointer takes hold of it.
+const FINE = 0.1;          // Of the pointer's way, with shift.
 const COARSE = 10;         // Steps of an arrow key with shift.
 const KEY_STEPS = 500;     // Arrow keys cross the range in so many steps.
 
@@ -67,6 +68,10 @@ export class Histogram {
     this.counts_ = null;
     this.draw_();
     if (!volume) {
+      return;
+    }
+    if (this.app_.connection.watches) {
+      this.message_.textContent = 'The histogram is shown to those who may change something.';
       return;
     }
     const reply = await this.app_.connection.do('histogram', {quiet: true});
@@ -127,7 +132,7 @@ export class Histogram {
    */
   drawHandle_(surface, row) {
     const handle = this.handles_.get(surface.name) ?? this.makeHandle_(surface.name);
-    const value = this.ahead_.get(surface.name) ?? surface.isovalue;
+    const value = this.valueOf_(surface.name);
     const [low, high] = this.x_.domain();
     const x = this.x_(Math.max(low, Math.min(high, value)));
     const unit = this.app_.store.state?.volume?.unit ?? '';
@@ -162,7 +167,7 @@ export class Histogram {
       s('line'), s('rect', {rx: 3}),
       s('text', {class: 'handle-text'}),
       s('rect', {class: 'reach'}),
-      s('title', {}, `${name}: drag, or use the arrow keys`));
+      s('title', {}, `${name}: drag (finely with shift), or use the arrow keys`));
     handle.addEventListener('focus', () => this.selection_.choose(name));
     handle.addEventListener('keydown', event => this.key_(event, name));
     handle.addEventListener('pointerdown', event => this.grab_(event, handle, name));
@@ -183,8 +188,11 @@ export class Histogram {
     }
     event.preventDefault();
     handle.focus();
+    const left = this.svg_.getBoundingClientRect().left;
+    let before = event.clientX, x = this.x_(this.valueOf_(name));
     const move = (/** @type {PointerEvent} */ moved) => {
-      const x = moved.clientX - this.svg_.getBoundingClientRect().left;
+      x = moved.shiftKey ? x + (moved.clientX - before) * FINE : moved.clientX - left;
+      before = moved.clientX;
       this.setTo(name, this.x_.invert(x));
     };
     const end = () => {
@@ -198,6 +206,15 @@ export class Histogram {
     this.svg_.addEventListener('pointermove', move);
     this.svg_.addEventListener('pointerup', end);
     this.svg_.addEventListener('pointercancel', end);
+  }
+
+  /**
+   * @private
+   * @param {string} name
+   */
+  valueOf_(name) {
+    return this.ahead_.get(name)
+      ?? this.app_.store.state?.surfaces.find(each => each.name === name)?.isovalue ?? 0;
   }
 
   /**
@@ -231,14 +248,13 @@ export class Histogram {
    * @param {string} name
    */
   key_(event, name) {
-    const surface = this.app_.store.state?.surfaces.find(each => each.name === name);
-    if (!surface || this.app_.connection.watches || event.ctrlKey || event.metaKey) {
+    if (this.app_.connection.watches || event.ctrlKey || event.metaKey) {
       return;
     }
     const [low, high] = this.x_.domain();
     const step = (high - low >= KEY_STEPS ? 1 : (high - low) / KEY_STEPS)
       * (event.shiftKey ? COARSE : 1);
-    const now = this.ahead_.get(name) ?? surface.isovalue;
+    const now = this.valueOf_(name);
     const values = new Map([['ArrowLeft', now - step], ['ArrowDown', now - step],
       ['ArrowRight', now + step], ['ArrowUp', now + step], ['PageDown', now - COARSE * step],
       ['PageUp', now + COARSE * step], ['Home', low], ['End', high]]);

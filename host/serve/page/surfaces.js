@@ -1,6 +1,6 @@
 // The list of surfaces, tissues to add, and the mode that takes a threshold from the picture.
-import {h} from './dom.js';
-import {isoLine, roundIso, word} from './lines.js';
+import {byId, h} from './dom.js';
+import {isoLine, plain, roundIso, word} from './lines.js';
 import {SurfaceCard} from './surface_card.js';
 
 /** @typedef {import('./types.js').App} App */
@@ -9,6 +9,7 @@ import {SurfaceCard} from './surface_card.js';
 /** @typedef {{name: string, isovalue: number, help: string}} Tissue */
 
 const MOST = 16;  // Surfaces of a scene.
+const ANNOUNCE_MS = 800;
 
 /**
  * @param {HTMLElement} root
@@ -18,6 +19,7 @@ const MOST = 16;  // Surfaces of a scene.
 export function createSurfaces(root, app, selection) {
   /** @type {Map<string, SurfaceCard>} */
   const cards = new Map();
+  const announce = announcer();
   const list = h('ul', {id: 'surfaces', 'data-testid': 'surfaces'});
   const empty = h('p', {class: 'muted'}, 'No surface yet: add one, or choose a tissue above.');
   const add = h('button', {class: 'quiet', 'data-testid': 'surface-add',
@@ -44,7 +46,26 @@ export function createSurfaces(root, app, selection) {
       }
       card.show(surface);
     }
+    announce(own);
   });
+}
+
+/** Says which surface has changed, once it rests, for those who hear the page. */
+function announcer() {
+  /** @type {Map<string, number>} */
+  const told = new Map();
+  let timer = 0;
+  return (/** @type {import('./types.js').SurfaceState[]} */ surfaces) => {
+    clearTimeout(timer);
+    timer = window.setTimeout(() => {
+      const changed = surfaces.filter(each => told.get(each.name) !== each.isovalue);
+      for (const {name, isovalue} of surfaces) {
+        told.set(name, isovalue);
+      }
+      byId('live').textContent = changed.map(each =>
+        `${each.name} at ${plain(each.isovalue, 3)}: ${each.triangles} triangles`).join('; ');
+    }, ANNOUNCE_MS);
+  };
 }
 
 /**
