@@ -152,8 +152,9 @@ export class Histogram {
     const isLeft = x < this.svg_.clientWidth / 2;
     update(label, {x: isLeft ? size : -size, y: top + size - 1,
       'text-anchor': isLeft ? 'start' : 'end'});
-    if (isChosen) {
-      this.handleGroup_.append(...(this.handleGroup_.lastChild === handle ? [] : [handle]));
+    // On top; but one that is moved loses the focus, and Tab would never get past it.
+    if (isChosen && handle !== document.activeElement && handle !== this.handleGroup_.lastChild) {
+      this.handleGroup_.append(handle);
     }
   }
 
@@ -201,7 +202,6 @@ export class Histogram {
       this.svg_.removeEventListener('pointercancel', end);
     };
     this.app_.connection.mark();
-    // The group may be appended anew when it is chosen; the drawing keeps the pointer.
     this.svg_.setPointerCapture(event.pointerId);
     this.svg_.addEventListener('pointermove', move);
     this.svg_.addEventListener('pointerup', end);

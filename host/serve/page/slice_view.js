@@ -42,6 +42,7 @@ export class SliceView {
     /** @private */ this.grey_ = h('canvas');
     this.canvas = h('canvas', {
       class: 'slice-canvas', tabindex: 0, role: 'application',
+      'aria-label': `${plane} slice`,
       'data-testid': `slice-${plane.toLowerCase()}`,
     });
     this.draw = onceAFrame(() => this.draw_());
