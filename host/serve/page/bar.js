@@ -16,6 +16,8 @@ export function createBar(app, actions) {
     '↷', h('span', {class: 'word'}, ' Redo'));
   const open = h('button', {'data-testid': 'open-panel', title: 'Open a volume (key O)',
     onclick: actions.open}, 'Open …');
+  const save = h('button', {'data-testid': 'save-menu',
+    title: 'Save mesh, picture or session (key S)', onclick: actions.save}, 'Save …');
   byId('bar').append(
     h('img', {src: 'icon.svg', alt: '', width: 22, height: 22}),
     h('span', {class: 'row what'}, name, about),
@@ -23,8 +25,7 @@ export function createBar(app, actions) {
       title: 'This address only watches; the other one, which pxpl5 serve printed, may change '
         + 'things'}, 'You are watching'),
     h('span', {class: 'grow'}), undo, redo, open,
-    h('button', {'data-testid': 'save-menu', title: 'Save mesh, picture or session (key S)',
-      onclick: actions.save}, 'Save …'),
+    save,
     h('button', {'data-testid': 'help', 'aria-label': 'Help', title: 'Help (key ?)',
       onclick: actions.help}, '?'));
   app.store.subscribe(['volume', 'machine'], ({volume, machine}) => {
@@ -43,5 +44,6 @@ export function createBar(app, actions) {
   app.connection.on('hello', ({role}) => {
     byId('bar').querySelector('.watching')?.toggleAttribute('hidden', role !== 'watcher');
     open.disabled = role === 'watcher';
+    save.disabled = role === 'watcher';
   });
 }

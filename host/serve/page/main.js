@@ -59,8 +59,14 @@ function start() {
   connection.on('hello', ({role}) => document.body.classList.toggle('watcher', role === 'watcher'));
 
   const viewpoint = new Viewpoint(connection, store, picture);
+  const step = (/** @type {'undo' | 'redo'} */ way) => {
+    // A key when there is nothing to take back is no error.
+    if (store.state?.[way] && !connection.watches) {
+      void connection.do(way);
+    }
+  };
   const actions = {
-    undo: () => void connection.do('undo'), redo: () => void connection.do('redo'),
+    undo: () => step('undo'), redo: () => step('redo'),
     open: createOpenDialog(app), save: createSaveDialog(app), help: createHelp(),
   };
   createBar(app, actions);

@@ -1,7 +1,7 @@
 // Opening another volume: a path on the server's computer, files dropped here, built-in ones.
 import {h} from './dom.js';
 import {word} from './lines.js';
-import {upload} from './upload.js';
+import {openFiles} from './upload.js';
 
 /** @typedef {import('./types.js').App} App */
 
@@ -96,7 +96,8 @@ function fileInput(app, dialog, isFolder) {
     'data-testid': isFolder ? 'open-folder' : 'open-files'});
   input.addEventListener('change', () => {
     dialog.close();
-    void upload(app, [...input.files ?? []].map(file => ({file, name: file.name})));
+    void openFiles(app, [...input.files ?? []].map(file =>
+      ({file, name: file.webkitRelativePath || file.name})));
     input.value = '';
   });
   return input;
@@ -129,7 +130,7 @@ function watchDrops(app, dialog) {
     for (const entry of entries) {
       found.push(...entry ? await filesIn(entry) : []);
     }
-    void upload(app, found);
+    void openFiles(app, found);
   });
 }
 
@@ -142,7 +143,7 @@ async function filesIn(entry) {
   if (entry.isFile) {
     const file = await new Promise((take, fail) =>
       /** @type {FileSystemFileEntry} */ (entry).file(take, fail));
-    return [{file, name: entry.name}];
+    return [{file, name: entry.fullPath.replace(/^\//, '')}];
   }
   const reader = /** @type {FileSystemDirectoryEntry} */ (entry).createReader();
   const found = [];

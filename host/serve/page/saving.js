@@ -1,7 +1,7 @@
 // What leaves the page: mesh, picture, session; and a session that comes back.
 import {h} from './dom.js';
 import {word} from './lines.js';
-import {address} from './upload.js';
+import {address, openFiles, SESSION_ENDING} from './upload.js';
 
 /** @typedef {import('./types.js').App} App */
 
@@ -62,7 +62,11 @@ export function createSaveDialog(app) {
     }
   });
   document.body.append(dialog);
-  return () => dialog.showModal();
+  return () => {
+    if (!app.connection.watches) {
+      dialog.showModal();
+    }
+  };
 }
 
 /**
@@ -119,21 +123,18 @@ function picturePart(app, dialog) {
  * @param {HTMLDialogElement} dialog
  */
 function sessionPart(app, dialog) {
-  const input = h('input', {type: 'file', hidden: true, accept: '.pxpl5,.txt',
+  const input = h('input', {type: 'file', hidden: true, accept: SESSION_ENDING,
     'data-testid': 'session-open'});
-  input.addEventListener('change', async () => {
-    const [file] = input.files ?? [];
+  input.addEventListener('change', () => {
     dialog.close();
-    if (file) {
-      await reopen(app, await file.text());
-    }
+    void openFiles(app, [...input.files ?? []].map(file => ({file, name: file.name})));
     input.value = '';
   });
   return h('section', {}, h('h3', {}, 'Session'),
     h('p', {class: 'muted'}, 'A script of commands that repeats what was done, here or at the '
       + 'prompt (pxpl5 run).'),
     h('div', {class: 'row'}, h('span', {class: 'grow'}),
-      h('button', {'data-testid': 'reopen-session', disabled: app.connection.watches,
+      h('button', {'data-testid': 'reopen-session',
         onclick: () => input.click()}, 'Reopen a session …'),
       h('button', {class: 'primary', 'data-testid': 'session-save', onclick: async () => {
         dialog.close();
@@ -141,33 +142,8 @@ function sessionPart(app, dialog) {
         if (reply.ok) {
           const href = URL.createObjectURL(new Blob([reply.result?.script ?? reply.text ?? ''],
             {type: 'text/plain'}));
-          saveAs(href, `${baseName(app)}.pxpl5`);
+          saveAs(href, baseName(app) + SESSION_ENDING);
           URL.revokeObjectURL(href);
         }
       }}, 'Save session')));
-}
-
-const MOST_LINES = 10000;
-
-/**
- * Does a script's lines one after another; the first that fails ends it.
- * @param {App} app
- * @param {string} script
- */
-async function reopen({connection, toasts}, script) {
-  const lines = script.split(/\r?\n/).map(line => line.trim())
-    .filter(line => line !== '' && !line.startsWith('#'));
-  if (lines.length > MOST_LINES) {
-    toasts.error(`The session has ${lines.length} lines; at most ${MOST_LINES} are done here.`);
-    return;
-  }
-  for (const [index, line] of lines.entries()) {
-    const reply = await connection.do(line, {quiet: true});
-    if (!reply.ok) {
-      toasts.error(`The session stopped at command ${index + 1} of ${lines.length}, "${line}": `
-        + `${reply.error}`);
-      return;
-    }
-  }
-  toasts.info(`The session is open again: ${lines.length} commands done.`);
 }

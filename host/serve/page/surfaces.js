@@ -101,7 +101,7 @@ export function createTissues(root, app, selection) {
   const chips = h('div', {class: 'chips', role: 'group', 'aria-label': 'Tissues'});
   const pick = h('button', {'data-testid': 'tissue-mode', 'aria-pressed': false,
     onclick: () => toggleTissueMode(app, selection)}, 'Click on tissue');
-  root.append(chips, h('div', {class: 'row'}, pick));
+  root.append(chips, h('div', {class: 'row drives'}, pick));
   app.modes.watch(mode => pick.setAttribute('aria-pressed', String(mode?.name === 'tissue')));
   selection.watch(name => {
     pick.disabled = name === '';

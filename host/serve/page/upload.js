@@ -1,10 +1,13 @@
-// Sends files to the server, which opens them when all are there.
+// Sends files to the server and has it open them.
 import {byId, h} from './dom.js';
+import {word} from './lines.js';
 
 /** @typedef {import('./types.js').App} App */
 
 const MOST_FILES = 100000;          // The server's limits: host/serve/README.md.
 const MOST_BYTES = 4 * 2 ** 30;
+/** Of a session's script. */
+export const SESSION_ENDING = '.pxpl5';
 
 /**
  * An address beside the page, with the token that the page was opened with.
@@ -18,19 +21,36 @@ export function address(path, query) {
   return url;
 }
 
+/** @typedef {{file: File, name: string}} Named  The name may hold folders: "a/b.dcm". */
+
+/**
+ * Sends files and opens them: a session is played, all else is loaded as one volume.
+ * @param {App} app
+ * @param {Named[]} files
+ */
+export async function openFiles(app, files) {
+  const path = await upload(app, files);
+  if (path !== null) {
+    const isSession = files.length === 1 && files[0].name.endsWith(SESSION_ENDING);
+    await app.connection.do(`${isSession ? 'play' : 'load'} ${word(path)}`);
+  }
+}
+
 /**
  * @param {App} app
- * @param {{file: File, name: string}[]} files
+ * @param {Named[]} files
+ * @returns {Promise<string | null>} where they are on the server; null if that failed, and was told
  */
-export async function upload(app, files) {
-  if (files.length === 0 || app.connection.watches) {
-    return;
+async function upload(app, files) {
+  const {hello} = app.connection;
+  if (files.length === 0 || !hello || app.connection.watches) {
+    return null;
   }
   const total = files.reduce((sum, {file}) => sum + file.size, 0);
   if (files.length > MOST_FILES || total > MOST_BYTES) {
     app.toasts.error(`${files.length} files with ${total} bytes are too many: at most `
       + `${MOST_FILES} files with ${MOST_BYTES} bytes can be sent. Give their path instead.`);
-    return;
+    return null;
   }
   const batch = crypto.getRandomValues(new Uint32Array(1))[0].toString(16);
   const stop = new AbortController();
@@ -46,11 +66,13 @@ export async function upload(app, files) {
       sent += file.size;
       bar.value = sent;
     }
-    await post(address('upload/done', {batch}), null, stop.signal);
+    const done = address('upload/done', {batch, viewer: String(hello.viewer)});
+    return (await post(done, null, stop.signal)).path;
   } catch (error) {
     if (!stop.signal.aborted) {
       app.toasts.error(`The files were not opened: ${/** @type {Error} */ (error).message}`);
     }
+    return null;
   } finally {
     box.remove();
   }
@@ -60,13 +82,15 @@ export async function upload(app, files) {
  * @param {URL} url
  * @param {File | null} body
  * @param {AbortSignal} signal
+ * @returns {Promise<any>} the answer's JSON; {} if it has none
+ * @throws {Error} with the server's sentence
  */
 async function post(url, body, signal) {
   const response = await fetch(url, {method: 'POST', body, signal});
+  const said = await response.json().catch(() => ({}));
   if (!response.ok) {
-    // The server says why in JSON; anything between it and us may say what it likes.
-    const said = await response.json().catch(() => ({}));
     throw new Error(said.error
       ?? `the server answered ${response.status} ${response.statusText}`);
   }
+  return said;
 }
