@@ -3,7 +3,7 @@ import {h} from './dom.js';
 
 const SHEET = /** @type {const} */ ([
   ['Picture', [
-    ['Drag', 'turn'], ['Right button, or shift and drag', 'move'], ['Wheel, pinch', 'zoom'],
+    ['Drag', 'turn'], ['Right button, shift', 'move'], ['Wheel, pinch', 'zoom'],
     ['Double click', 'reset the view'], ['Click', 'point at a place, in all views'],
     ['Two fingers', 'move, zoom and roll'],
   ]],

@@ -85,7 +85,7 @@ function choice(choices, label, testid) {
  */
 function meshPart(app, dialog) {
   const format = choice(MESHES, 'Format', 'export-format');
-  const axes = choice([['LPS', 'axes LPS (DICOM)'], ['RAS', 'axes RAS (NIfTI, Slicer)']], 'Axes',
+  const axes = choice([['LPS', 'LPS (DICOM)'], ['RAS', 'RAS (NIfTI)']], 'Axes',
     'save-axes');
   const keep = choice(KEEPS, 'Triangles kept', 'save-keep');
   return h('section', {}, h('h3', {}, 'Mesh'),
