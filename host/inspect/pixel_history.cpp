@@ -158,7 +158,11 @@ class Historian {
             }
             return;
         }
-        PixelWrite write{at, isa::disassemble(in, walk_.coefficients()), pixel_.state(), {}};
+        PixelWrite write{at,
+                         walk_.counts().instructions,
+                         isa::disassemble(in, walk_.coefficients()),
+                         pixel_.state(),
+                         {}};
         walk_.step();
         write.after = pixel_.state();
         list_of(kind).push_back(std::move(write));

@@ -26,7 +26,8 @@ struct PixelState {
 /// An instruction that stored into the pixel's memory.
 struct PixelWrite {
     Address address;
-    std::string text;  ///< As assembly.
+    std::uint64_t at = 0;  ///< Instructions of the region that are executed before it.
+    std::string text;      ///< As assembly.
     PixelState before, after;
 };
 

@@ -30,7 +30,8 @@ Fields state_fields(const PixelState& s) {
 std::vector<Fields> writes_fields(const std::vector<PixelWrite>& writes) {
     std::vector<Fields> all;
     for (const PixelWrite& w : writes) {
-        all.push_back({{"part", number(w.address.part)},
+        all.push_back({{"at", number(w.at)},
+                       {"part", number(w.address.part)},
                        {"word", number(w.address.word)},
                        {"instruction", w.text},
                        {"before", state_fields(w.before)},

@@ -2,8 +2,13 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "host/error.hpp"
+#include "host/inspect/region_stepper.hpp"
 #include "host/phantom/phantom.hpp"
+#include "isa/disassemble.hpp"
 #include "tests/host/inspect/ray_check.hpp"
 
 using namespace pxpl5;
@@ -29,6 +34,26 @@ TEST_SUITE("why") {
             draw.views.push_back(std::move(second));
         });
         check_pixels(recorded, 30000.5, 30, 200);
+    }
+    TEST_CASE("a stepper that is sent to where the pixel was written stands before that store") {
+        RecordedSurface recorded(host::make_phantom("phantom:torus"), 3, 2);
+        recorded.add_surface(30000.5);
+        recorded.draw({{0, 90}, 1.0}, 200, 200);
+        const inspect::RecordedRun run = recorded.run();
+        inspect::FrameInquiry frame(run, std::nullopt);
+        const inspect::PixelHistory history = inspect::why(frame, 100, 42).history;
+        const inspect::RecordedFrame again = run.frame(0);
+        inspect::RegionStepper stepper(again.regions.at(history.place.number).plan);
+        REQUIRE(history.shown() != nullptr);
+        std::vector<inspect::PixelWrite> writes = history.prologue;
+        std::ranges::copy(history.shown()->writes, std::back_inserter(writes));
+        std::ranges::copy(history.end_of_region, std::back_inserter(writes));
+        for (const inspect::PixelWrite& write : writes) {
+            stepper.seek(write.at);
+            CHECK(stepper.walk().at() == write.address);
+            CHECK(isa::disassemble(stepper.walk().next(), stepper.walk().coefficients()) ==
+                  write.text);
+        }
     }
     TEST_CASE("the answer begins with a sentence for people, and is one object for programs") {
         RecordedSurface recorded(host::make_phantom("phantom:torus"), 3, 2);
