@@ -1,5 +1,7 @@
 // A slice's answer taken apart: values, contours, grey levels, and which voxel a pixel is. Pure.
 
+import {placeOf, sliceAt} from './patient_grid.js';
+
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {'x' | 'y' | 'z'} Axis */
 /** @typedef {{surface: string, color: string, first: number, count: number}} Contour */
@@ -11,6 +13,9 @@
  * @property {number} width         Pixels.
  * @property {number} height
  * @property {[number, number]} spacing_mm      Across, down.
+ * @property {[number[] | null, number[] | null]} [places_mm]   Across, down: middles of all
+ *     voxels from the first one's; null where they are evenly spaced.
+ * @property {number} [skew_deg]    What the angle between the sides lacks to 90.
  * @property {{left: string, right: string, top: string, bottom: string}} letters
  * @property {[number, number, number]} axes    Voxel axis across, down, through.
  * @property {[boolean, boolean]} flips         Whether pixels run against the voxels.
@@ -124,17 +129,76 @@ export function pixelAt(slice, size, voxel) {
 }
 
 /**
- * Where the slice stands in a box, its millimetres alike across and down.
+ * Where along a side a pixel's middle is, from the first one's; between two and beyond the ends in
+ * proportion.
+ * @param {Slice} slice
+ * @param {0 | 1} side      Across, down.
+ * @param {number} number   Counts pixels, not rounded.
+ * @returns {number}        mm
+ */
+export function placeAlong(slice, side, number) {
+  const places = slice.places_mm?.[side];
+  return places ? placeOf(places, number) : number * slice.spacing_mm[side];
+}
+
+/**
+ * The inverse of placeAlong.
+ * @param {Slice} slice
+ * @param {0 | 1} side
+ * @param {number} place_mm
+ */
+export function numberAlong(slice, side, place_mm) {
+  const places = slice.places_mm?.[side];
+  return places ? sliceAt(places, place_mm) : place_mm / slice.spacing_mm[side];
+}
+
+/**
+ * Where the slice stands in a box, its millimetres alike across and down: pixels of the box at
+ * (x, y) are at (first[0] + (x - left) / scale, ...) mm of the slice's sides.
+ * @typedef {{left: number, top: number, width: number, height: number, scale: number,
+ *   first: [number, number]}} Placed
+ */
+
+/**
  * @param {Slice} slice
  * @param {number} width    Of the box.
  * @param {number} height
- * @returns {{x: number, y: number, width: number, height: number}}
+ * @returns {Placed}
  */
 export function placedIn(slice, width, height) {
-  const across = slice.width * slice.spacing_mm[0], down = slice.height * slice.spacing_mm[1];
+  /** @type {[number, number]} */
+  const first = [placeAlong(slice, 0, -0.5), placeAlong(slice, 1, -0.5)];
+  const across = placeAlong(slice, 0, slice.width - 0.5) - first[0];
+  const down = placeAlong(slice, 1, slice.height - 0.5) - first[1];
   const scale = Math.min(width / across, height / down);
   return {
-    x: (width - across * scale) / 2, y: (height - down * scale) / 2,
-    width: across * scale, height: down * scale,
+    left: (width - across * scale) / 2, top: (height - down * scale) / 2,
+    width: across * scale, height: down * scale, scale, first,
   };
+}
+
+/**
+ * A place in the box from slice pixels.
+ * @param {Slice} slice
+ * @param {Placed} placed
+ * @param {number} x        Pixels of the slice, middles are whole.
+ * @param {number} y
+ * @returns {[number, number]}
+ */
+export function boxAt(slice, placed, x, y) {
+  return [placed.left + (placeAlong(slice, 0, x) - placed.first[0]) * placed.scale,
+    placed.top + (placeAlong(slice, 1, y) - placed.first[1]) * placed.scale];
+}
+
+/**
+ * Slice pixels from a place in the box: the inverse of boxAt.
+ * @param {Slice} slice
+ * @param {Placed} placed
+ * @param {number} x
+ * @param {number} y
+ * @returns {[number, number]}
+ */
+export function sliceAtBox(slice, placed, x, y) {
+  return [numberAlong(slice, 0, (x - placed.left) / placed.scale + placed.first[0]),
+    numberAlong(slice, 1, (y - placed.top) / placed.scale + placed.first[1])];
 }

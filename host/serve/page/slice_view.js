@@ -1,9 +1,10 @@
 // One slice on a canvas: grey values, contours, crosshair and letters; what the pointer does to it.
 import {contextOf, fitted, onceAFrame, styleColour, watchSize} from './canvas.js';
 import {h} from './dom.js';
-import {paintGrey, pixelAt, placedIn, voxelAt} from './slice_pixels.js';
+import {boxAt, paintGrey, pixelAt, placedIn, sliceAtBox, voxelAt} from './slice_pixels.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
+/** @typedef {import('./slice_pixels.js').Placed} Placed */
 /** @typedef {import('./slice_pixels.js').Slice} Slice */
 /** @typedef {import('./slice_pixels.js').Window} Window */
 
@@ -97,8 +98,7 @@ export class SliceView {
       return;
     }
     const place = placedIn(slice, width, height);
-    context.imageSmoothingQuality = 'high';
-    context.drawImage(this.grey_, place.x, place.y, place.width, place.height);
+    this.drawGrey_(context, slice, place);
     this.drawContours_(context, slice, place);
     if (this.crosshair_) {
       this.drawCrosshair_(context, slice, place, this.crosshair_);
@@ -107,13 +107,31 @@ export class SliceView {
   }
 
   /**
+   * Evenly spaced slices at once; of others each row stands at its place, as high as it is.
    * @private
    * @param {CanvasRenderingContext2D} context
    * @param {Slice} slice
-   * @param {{x: number, y: number, width: number, height: number}} place
+   * @param {Placed} place
+   */
+  drawGrey_(context, slice, place) {
+    context.imageSmoothingQuality = 'high';
+    if (!slice.places_mm?.[0] && !slice.places_mm?.[1]) {
+      context.drawImage(this.grey_, place.left, place.top, place.width, place.height);
+      return;
+    }
+    for (let y = 0; y < slice.height; ++y) {
+      const top = boxAt(slice, place, 0, y - 0.5)[1], end = boxAt(slice, place, 0, y + 0.5)[1];
+      context.drawImage(this.grey_, 0, y, slice.width, 1, place.left, top, place.width, end - top);
+    }
+  }
+
+  /**
+   * @private
+   * @param {CanvasRenderingContext2D} context
+   * @param {Slice} slice
+   * @param {Placed} place
    */
   drawContours_(context, slice, place) {
-    const across = place.width / slice.width, down = place.height / slice.height;
     context.lineWidth = 1.5;
     context.lineCap = 'round';
     for (const {color, first, count} of slice.contours) {
@@ -121,8 +139,8 @@ export class SliceView {
       context.beginPath();
       for (let i = 4 * first; i < 4 * (first + count); i += 4) {
         const [x0, y0, x1, y1] = slice.segments.subarray(i, i + 4);
-        context.moveTo(place.x + (x0 + 0.5) * across, place.y + (y0 + 0.5) * down);
-        context.lineTo(place.x + (x1 + 0.5) * across, place.y + (y1 + 0.5) * down);
+        context.moveTo(...boxAt(slice, place, x0, y0));
+        context.lineTo(...boxAt(slice, place, x1, y1));
       }
       context.stroke();
     }
@@ -132,24 +150,23 @@ export class SliceView {
    * @private
    * @param {CanvasRenderingContext2D} context
    * @param {Slice} slice
-   * @param {{x: number, y: number, width: number, height: number}} place
+   * @param {Placed} place
    * @param {Vector} voxel
    */
   drawCrosshair_(context, slice, place, voxel) {
-    const [px, py] = pixelAt(slice, this.size_, voxel);
-    const x = place.x + (px + 0.5) * place.width / slice.width;
-    const y = place.y + (py + 0.5) * place.height / slice.height;
+    const [x, y] = boxAt(slice, place, ...pixelAt(slice, this.size_, voxel));
+    const right = place.left + place.width, bottom = place.top + place.height;
     context.strokeStyle = styleColour(this.canvas, '--accent');
     context.lineWidth = 1;
     context.beginPath();
-    context.moveTo(place.x, y);
+    context.moveTo(place.left, y);
     context.lineTo(x - CROSSHAIR_GAP, y);
     context.moveTo(x + CROSSHAIR_GAP, y);
-    context.lineTo(place.x + place.width, y);
-    context.moveTo(x, place.y);
+    context.lineTo(right, y);
+    context.moveTo(x, place.top);
     context.lineTo(x, y - CROSSHAIR_GAP);
     context.moveTo(x, y + CROSSHAIR_GAP);
-    context.lineTo(x, place.y + place.height);
+    context.lineTo(x, bottom);
     context.stroke();
   }
 
@@ -191,13 +208,13 @@ export class SliceView {
     }
     const box = this.canvas.getBoundingClientRect();
     const place = placedIn(slice, box.width, box.height);
-    const x = (event.clientX - box.left - place.x) / place.width * slice.width;
-    const y = (event.clientY - box.top - place.y) / place.height * slice.height;
-    if (x < 0 || y < 0 || x >= slice.width || y >= slice.height) {
+    const [x, y] = sliceAtBox(slice, place, event.clientX - box.left, event.clientY - box.top);
+    const column = Math.round(x), row = Math.round(y);
+    if (column < 0 || row < 0 || column >= slice.width || row >= slice.height) {
       return null;
     }
-    const value = slice.values[Math.floor(y) * slice.width + Math.floor(x)];
-    return {voxel: voxelAt(slice, this.size_, x - 0.5, y - 0.5), value};
+    const value = slice.values[row * slice.width + column];
+    return {voxel: voxelAt(slice, this.size_, x, y), value};
   }
 
   /** @private */

@@ -1,5 +1,6 @@
 // The panels on the right, each behind a tab.
 import {byId, h} from './dom.js';
+import {create as createInspector} from './inspector.js';
 import {create as createMachine} from './machine_panel.js';
 import {create as createMeasure} from './measure.js';
 import {create as createSlices} from './slices.js';
@@ -21,6 +22,8 @@ import {create as createVolume} from './volume_report.js';
 const TABS = [
   {id: 'slices', title: 'Slices', help: 'The scan cut three ways', create: createSlices},
   {id: 'measure', title: 'Measure', help: 'Distances on a surface', create: createMeasure},
+  {id: 'inspector', title: 'Inspector', help: 'Why a pixel has its colour',
+    create: createInspector},
   {id: 'machine', title: 'Machine', help: 'What its processes do', create: createMachine},
   {id: 'volume', title: 'Volume', help: 'What is known of the scan', create: createVolume},
 ];

@@ -1,0 +1,145 @@
+// The panels' modules that need no browser: places of voxels, slices, the ring's flows.
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import {nearestVoxel, patientText, toPatient, toVoxel} from '../../host/serve/page/patient_grid.js';
+import {dotsOf, flowsOf, stretchesOf} from '../../host/serve/page/ring_flow.js';
+import {boxAt, paintGrey, pixelAt, placedIn, sliceAtBox, sliceOf, voxelAt}
+  from '../../host/serve/page/slice_pixels.js';
+import {planesOf} from '../../host/serve/page/slice_planes.js';
+import {changesOf} from '../../host/serve/page/why_cards.js';
+
+/** @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
+function near(a, b, tolerance = 1e-9) {
+  assert.equal(a.length, b.length);
+  Array.from(a).forEach((value, k) =>
+    assert.ok(Math.abs(value - b[k]) <= tolerance, `${Array.from(a)} is not ${Array.from(b)}`));
+}
+
+/** A sheared, turned grid, its slices at 0, 1, 4 and 5 (in units of its z axis). */
+const GRID = {
+  voxel_to_patient: [0, 2, 0, 0, -3, 0, 0.5, 0, 0, 0.25, 4, 0, 10, -20, 30, 1],
+  slice_places: [0, 1, 4, 5], size: /** @type {[number, number, number]} */ ([6, 5, 4]),
+};
+
+test('a voxel lies where the affine map takes it, its slice at its own place', () => {
+  near(toPatient(GRID, [1, 2, 2]), [10 - 6, -20 + 2 + 1, 30 + 1 + 16]);
+});
+
+test('to the patient and back is the same voxel, between uneven slices, too', () => {
+  for (const z of [0, 0.5, 1, 1.75, 2, 3]) {
+    near(toVoxel(GRID, toPatient(GRID, [1.5, 3.25, z])), [1.5, 3.25, z]);
+  }
+});
+
+test('the nearest voxel is one that is there', () => {
+  assert.deepEqual(nearestVoxel(GRID, [-3, 4.6, 1.4]), [0, 4, 1]);
+});
+
+test('places are told as radiologists do: LPS', () => {
+  assert.equal(patientText([-12.34, 5, -0.06]), 'R 12.3  P 5.0  I 0.1 mm');
+});
+
+test('planes of an axial scan, and of one whose slices are sagittal', () => {
+  const axial = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1];
+  assert.deepEqual(planesOf(axial).map(({plane, axis}) => plane + axis),
+    ['Axialz', 'Coronaly', 'Sagittalx']);
+  // x runs to posterior, y to inferior, z to the left.
+  const sagittal = [0, 1, 0, 0, 0, 0, -1, 0, 3, 0, 0, 0, 0, 0, 0, 1];
+  assert.deepEqual(planesOf(sagittal).map(({plane, axis}) => plane + axis),
+    ['Axialy', 'Coronalx', 'Sagittalz']);
+});
+
+test('planes of an oblique scan use each axis once', () => {
+  const c = Math.cos(0.8), n = Math.sin(0.8);
+  const oblique = [1, 0, 0, 0, 0, c, n, 0, 0, -n, c, 0, 0, 0, 0, 1];
+  assert.equal(new Set(planesOf(oblique).map(({axis}) => axis)).size, 3);
+});
+
+/** A slice across y of GRID: x to the right, z downwards and flipped, as the server tells it. */
+function answer() {
+  const values = new Int16Array(6 * 4).map((_, n) => n - 5);
+  const segments = new Float32Array([0, 0, 1, 1, 2, 0.5, 3, 2]);
+  const bytes = new ArrayBuffer(48 + 32);
+  new Int16Array(bytes).set(values);
+  new Float32Array(bytes, 48).set(segments);
+  const json = {width: 6, height: 4, type: 'int16', spacing_mm: [2, 8],
+    places_mm: [null, [0, 4, 16, 20]], letters: {left: 'A', right: 'P', top: 'S', bottom: 'I'},
+    axes: [0, 2, 1], flips: [false, true],
+    contours: [{surface: 'a', color: '#fff', first: 0, count: 1},
+      {surface: 'b', color: '#000', first: 1, count: 1}]};
+  return {json, bytes};
+}
+
+test('an answer\'s values and segments are what was sent', () => {
+  const slice = sliceOf('y', 3, answer());
+  assert.equal(slice.values[7], 2);
+  assert.deepEqual([...slice.segments.subarray(4, 8)], [2, 0.5, 3, 2]);
+});
+
+test('an answer with too few bytes is refused with both counts', () => {
+  const {json, bytes} = answer();
+  assert.throws(() => sliceOf('y', 3, {json, bytes: bytes.slice(0, 79)}),
+    /79 bytes came, its description needs 80/);
+});
+
+test('a pixel of a slice is a voxel, and back', () => {
+  const slice = sliceOf('y', 3, answer());
+  assert.deepEqual(voxelAt(slice, GRID.size, 2, 0), [2, 3, 3]);
+  assert.deepEqual(pixelAt(slice, GRID.size, [2, 3, 3]), [2, 0]);
+});
+
+test('unevenly spaced rows stand at their places, millimetres alike across and down', () => {
+  const slice = sliceOf('y', 3, answer());
+  const placed = placedIn(slice, 1000, 240);
+  // 24 mm down: from 2 mm above the first row's middle to 2 below the last one's.
+  assert.equal(placed.scale, 10);
+  near([placed.left, placed.top, placed.width, placed.height], [440, 0, 120, 240]);
+  near(boxAt(slice, placed, 0, 0), [450, 20]);
+  near(boxAt(slice, placed, 5, 2), [550, 20 + 160]);
+  near(sliceAtBox(slice, placed, ...boxAt(slice, placed, 3.25, 1.5)), [3.25, 1.5]);
+});
+
+test('a window is black up to its lower end, white from its upper end on, even between', () => {
+  const rgba = new Uint8ClampedArray(20);
+  paintGrey([-1000, -100, -36, 155, 900], {window: 255, level: 27.5}, rgba);
+  assert.deepEqual([0, 4, 8, 12, 16].map(at => rgba[at]), [0, 0, 64, 255, 255]);
+});
+
+/** @param {string} name @param {any[]} sent */
+const node = (name, ...sent) => ({name, role: '', busy: 0, stages: [], memory_bytes: 0, queue: 0,
+  sent: sent.map(([to, channel, messages]) => ({to, kind: 'k', channel, messages, bytes: 1}))});
+
+test('messages pass every stretch from their sender to their destination, around the end, too',
+  () => {
+    const nodes = [node('a', ['c', 1, 3]), node('b'), node('c', ['b', 0, 2])];
+    const flows = flowsOf(nodes);
+    assert.deepEqual(flows.map(({from, hops}) => [from, hops]), [[0, 2], [2, 2]]);
+    assert.deepEqual(stretchesOf(flows, 3, 2), [[2, 0, 2], [3, 3, 0]]);
+  });
+
+test('a message to a node that is not there is left out', () => {
+  assert.deepEqual(flowsOf([node('a', ['gone', 0, 5])]), []);
+});
+
+test('dots are in proportion and at most as many as allowed', () => {
+  const flows = flowsOf([node('a', ['b', 0, 300]), node('b', ['a', 1, 100])]);
+  const {each, dots} = dotsOf(flows, 48);
+  assert.equal(each, 10);
+  assert.equal(dots.length, 40);
+  assert.equal(dots.filter(({channel}) => channel === 0).length, 30);
+});
+
+test('many flows of one message each have dots, too', () => {
+  const many = Array.from({length: 100}, (_, n) => node(`n${n}`, [`n${(n + 1) % 100}`, 0, 1]));
+  const {each, dots} = dotsOf(flowsOf(many), 48);
+  assert.equal(each, 5);
+  assert.equal(dots.length, 20);
+});
+
+test('a pixel\'s changes are all its stores, in order', () => {
+  const at = (/** @type {number[]} */ ...all) => all.map(each => ({at: each}));
+  const why = /** @type {any} */ ({prologue: at(0, 2), visits: [{writes: at(70, 74)}, {writes: []},
+    {writes: at(40)}], doors: [], end_of_region: at(90)});
+  assert.deepEqual(changesOf(why), [0, 2, 40, 70, 74, 90]);
+});
