@@ -1,12 +1,14 @@
 // Canvases that are sharp on every screen, and colours of the stylesheet to draw in them with.
 
 const MAX_SCALE = 3;
+const BASE_FONT_PX = 13;    // style.css, on small screens.
 
 /**
  * A canvas's context, cleared, its picture as large as the element stands on the screen.
  * @param {HTMLCanvasElement} canvas
- * @returns {{context: CanvasRenderingContext2D, width: number, height: number, scale: number}}
- *     width and height in CSS pixels, to which the context is scaled; scale: device pixels each
+ * @returns {{context: CanvasRenderingContext2D, width: number, height: number, unit: number}}
+ *     width and height in CSS pixels, to which the context is scaled; unit: how much larger than on
+ *     small screens text and lines are to be, as the page's text is
  */
 export function fitted(canvas) {
   const scale = Math.min(devicePixelRatio || 1, MAX_SCALE);
@@ -20,7 +22,8 @@ export function fitted(canvas) {
   const context = contextOf(canvas);
   context.setTransform(scale, 0, 0, scale, 0, 0);
   context.clearRect(0, 0, width, height);
-  return {context, width, height, scale};
+  const unit = parseFloat(getComputedStyle(canvas).fontSize) / BASE_FONT_PX;
+  return {context, width, height, unit};
 }
 
 /**

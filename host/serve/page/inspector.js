@@ -32,7 +32,7 @@ class InspectorPanel {
     this.y = this.field('y');
     const button = modeButton(app, {name: MODE, title: 'Inspect', hint: HINT,
       testid: 'inspect-mode', click: (x, y) => void this.ask(x, y)});
-    const form = h('form', {class: 'tool-row', onsubmit: (/** @type {Event} */ event) => {
+    const form = h('form', {class: 'tool-row drives', onsubmit: (/** @type {Event} */ event) => {
       event.preventDefault();
       void this.ask(this.x.valueAsNumber, this.y.valueAsNumber);
     }}, button, h('span', {class: 'muted'}, 'or pixel'), this.x, this.y,

@@ -35,7 +35,7 @@ class MeasurePanel {
       leave: () => this.forgetFirst()});
     app.picture.overlay.append(this.drawing);
     root.append(intro('Straight distances between two points that you click on a surface.'),
-      h('div', {class: 'tool-row'}, button), this.list, this.message.element);
+      h('div', {class: 'tool-row drives'}, button), this.list, this.message.element);
     app.picture.onChange(() => this.draw());
     // A turned picture has other pixels: the first click is no place in it any more.
     app.store.subscribe(['camera', 'size'], () => this.forgetFirst());

@@ -31,7 +31,8 @@ export function showNode(node, kill) {
       kill?.(node.name);
     }}, `Kill ${node.name}`);
   dialog.append(h('h2', {}, node.name),
-    h('p', {class: 'muted'}, `${Math.round(100 * node.busy)} % busy, ` +
+    h('p', {class: 'muted'}, node.answered === false
+      ? 'It is too busy to answer just now.' : `${Math.round(100 * node.busy)} % busy, ` +
       `${(node.memory_bytes / 1e6).toFixed(1)} MB, ${node.queue} messages waiting.`),
     node.stages.length > 0 ? table(['stage', 'ms'], node.stages.map(({name, ms}) =>
       [name.replaceAll('_', ' '), ms.toFixed(1)])) : '',

@@ -49,7 +49,7 @@ export class RegionMap {
 
   /** @private */
   draw_() {
-    const {context, width, height} = fitted(this.canvas);
+    const {context, width, height, unit} = fitted(this.canvas);
     const regions = this.regions_;
     if (width === 0 || !regions) {
       return;
@@ -64,7 +64,7 @@ export class RegionMap {
     context.clip();
     context.textAlign = 'center';
     context.textBaseline = 'middle';
-    context.font = '600 12px system-ui, sans-serif';
+    context.font = `600 ${12 * unit}px system-ui, sans-serif`;
     const edge = REGION_PX * scale;
     for (let number = 0; number < regions.columns * regions.rows; ++number) {
       const renderer = regions.renderer[number];
@@ -79,7 +79,7 @@ export class RegionMap {
         context.lineWidth = 2;
         context.strokeRect(left + 1.5, top + 1.5, edge - 3, edge - 3);
       }
-      if (renderer !== undefined && edge >= LABEL_PX) {
+      if (renderer !== undefined && edge >= LABEL_PX * unit) {
         context.fillStyle = '#fff';
         context.fillText(String(renderer), left + Math.min(edge, x + across * scale - left) / 2,
           top + Math.min(edge, y + down * scale - top) / 2);

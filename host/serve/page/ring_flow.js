@@ -18,7 +18,7 @@
  * @typedef {object} MachineReport      The `machine` message.
  * @property {number} wall_ms           Since the report before.
  * @property {number} frames            Done in that time.
- * @property {{elapsed_ms: number, renderer_ms_1993: number, instructions: number,
+ * @property {{elapsed_ms: number, renderer_ms_1993?: number, instructions: number,
  *   regions: {columns: number, rows: number, renderer: number[], cycles: number[]}}} [frame]
  * @property {NodeReport[]} nodes       In the order of the ring.
  * @property {{messages: number, bytes: number}[]} channels

@@ -7,14 +7,12 @@ import {dotsOf, flowsOf, stretchesOf} from './ring_flow.js';
 /** @typedef {import('./ring_flow.js').MachineReport} MachineReport */
 /** @typedef {{flow: Flow, born: number}} Dot */
 
-const CHANNELS = 8;
 const DOTS_A_REPORT = 48;
 const DOTS_ALIVE = 400;
 const TURN_MS = 4000;           // A dot's time for once around.
 const FRAME_MS = 40;            // 25 pictures a second are calm enough, and cheap.
 const MOST_LABELS = 10;         // Names of more nodes would lie over one another.
 const LABEL_ROOM = 28;          // Left free for names above and below the ring, CSS pixels.
-const LABEL_FONT = '11px system-ui, sans-serif';
 const NEAR = 0.4;               // Nearer to the middle than this, a pointer means no node.
 const GOLDEN = 0.618034;        // Multiples of it, modulo 1, are spread evenly.
 const TRACKS = [0.56, 0.80];    // Radii of the innermost and outermost channel, of the whole.
@@ -40,23 +38,29 @@ function angleOf(place, count) {
   return 2 * Math.PI * place / count - Math.PI / 2;
 }
 
+/** @param {number} unit */
+function labelFont(unit) {
+  return `${11 * unit}px system-ui, sans-serif`;
+}
+
 /**
  * The largest ring whose nodes and names find room.
  * @param {CanvasRenderingContext2D} context
  * @param {import('./ring_flow.js').NodeReport[]} nodes
  * @param {number} width
  * @param {number} height
+ * @param {number} unit
  * @returns {number}  Radius of the whole: nodes stand at NODES of it.
  */
-function radiusFor(context, nodes, width, height) {
-  context.font = LABEL_FONT;
+function radiusFor(context, nodes, width, height, unit) {
+  context.font = labelFont(unit);
   const labelled = nodes.length <= MOST_LABELS;
   const radii = nodes.map(({name}, place) => {
     const out = Math.abs(Math.cos(angleOf(place, nodes.length)));
-    const room = labelled ? context.measureText(name).width / 2 + 2 : 10;
+    const room = labelled ? context.measureText(name).width / 2 + 2 : 10 * unit;
     return (width / 2 - room) / Math.max(out, 0.01);
   });
-  return Math.max(20, Math.min(...radii, height / 2 - (labelled ? LABEL_ROOM : 10)) / NODES);
+  return Math.max(20, Math.min(...radii, height / 2 - (labelled ? LABEL_ROOM : 10) * unit) / NODES);
 }
 
 export class RingView {
@@ -71,6 +75,7 @@ export class RingView {
     /** @private @type {Dot[]} */ this.dots_ = [];
     /** @private @type {string | null} */ this.hovered_ = null;
     /** @private */ this.running_ = false;
+    /** @private */ this.unit_ = 1;  // Of text and lines, as `fitted` tells.
     /** @private */ this.drawSoon_ = onceAFrame(() => this.draw_(performance.now()));
     watchSize(this.canvas, this.drawSoon_);
     this.canvas.addEventListener('pointermove', event => this.hover_(this.nodeAt_(event)));
@@ -88,7 +93,7 @@ export class RingView {
   update(report) {
     const flows = flowsOf(report.nodes);
     this.report_ = report;
-    this.stretches_ = stretchesOf(flows, report.nodes.length, CHANNELS);
+    this.stretches_ = stretchesOf(flows, report.nodes.length, report.channels.length);
     const {each, dots} = dotsOf(flows, DOTS_A_REPORT);
     if (!wantsCalm()) {
       const now = performance.now();
@@ -133,12 +138,13 @@ export class RingView {
    * @param {number} now  ms
    */
   draw_(now) {
-    const {context, width, height} = fitted(this.canvas);
+    const {context, width, height, unit} = fitted(this.canvas);
     const report = this.report_;
     if (!report || width === 0) {
       return;
     }
-    const radius = radiusFor(context, report.nodes, width, height);
+    const radius = radiusFor(context, report.nodes, width, height, unit);
+    this.unit_ = unit;
     context.translate(width / 2, height / 2);
     this.drawChannels_(context, radius, report.nodes.length);
     this.drawDots_(context, radius, report.nodes.length, now);
@@ -152,7 +158,8 @@ export class RingView {
    * @param {number} radius   Of the whole.
    */
   track_(channel, radius) {
-    return radius * (TRACKS[0] + (TRACKS[1] - TRACKS[0]) * channel / (CHANNELS - 1));
+    const last = Math.max(this.stretches_.length - 1, 1);
+    return radius * (TRACKS[0] + (TRACKS[1] - TRACKS[0]) * channel / last);
   }
 
   /**
@@ -163,8 +170,8 @@ export class RingView {
    */
   drawChannels_(context, radius, count) {
     const most = Math.max(1, ...this.stretches_.flat());
-    context.lineWidth = 1.5;
-    for (let channel = 0; channel < CHANNELS; ++channel) {
+    context.lineWidth = 1.5 * this.unit_;
+    for (let channel = 0; channel < this.stretches_.length; ++channel) {
       const track = this.track_(channel, radius);
       for (let place = 0; place < count; ++place) {
         const share = Math.log1p(this.stretches_[channel]?.[place] ?? 0) / Math.log1p(most);
@@ -191,7 +198,8 @@ export class RingView {
         const track = this.track_(flow.channel, radius);
         context.fillStyle = KIND_COLOURS.get(flow.kind) ?? CONTROL;
         context.beginPath();
-        context.arc(track * Math.cos(angle), track * Math.sin(angle), 2.2, 0, 2 * Math.PI);
+        context.arc(track * Math.cos(angle), track * Math.sin(angle), 2.2 * this.unit_, 0,
+          2 * Math.PI);
         context.fill();
       }
     }
@@ -204,8 +212,8 @@ export class RingView {
    * @param {import('./ring_flow.js').NodeReport[]} nodes
    */
   drawNodes_(context, radius, nodes) {
-    const size = Math.min(9, Math.max(3, radius * 2.4 / nodes.length));
-    context.font = LABEL_FONT;
+    const size = Math.min(9 * this.unit_, Math.max(3, radius * 2.4 / nodes.length));
+    context.font = labelFont(this.unit_);
     context.textBaseline = 'middle';
     nodes.forEach(({name, role, busy}, place) => {
       const angle = angleOf(place, nodes.length);
@@ -225,7 +233,7 @@ export class RingView {
       if (nodes.length <= MOST_LABELS) {
         context.textAlign = 'center';
         context.fillStyle = styleColour(this.canvas, '--text');
-        context.fillText(name, x, y + (Math.sin(angle) < -0.01 ? -1 : 1) * (size + 9));
+        context.fillText(name, x, y + (Math.sin(angle) < -0.01 ? -1 : 1) * (size + 9 * this.unit_));
       }
     });
   }
@@ -250,9 +258,11 @@ export class RingView {
     }
     context.textAlign = 'center';
     lines.forEach((line, number) => {
-      context.font = number === 0 ? '600 14px system-ui, sans-serif' : '12px system-ui, sans-serif';
+      context.font = number === 0 ? `600 ${14 * this.unit_}px system-ui, sans-serif`
+        : `${12 * this.unit_}px system-ui, sans-serif`;
       context.fillStyle = styleColour(this.canvas, number === 0 ? '--text' : '--muted');
-      context.fillText(line, 0, (number - (lines.length - 1) / 2) * 18, 2 * TRACKS[0] * radius);
+      context.fillText(line, 0, (number - (lines.length - 1) / 2) * 18 * this.unit_,
+        2 * TRACKS[0] * radius);
     });
   }
 

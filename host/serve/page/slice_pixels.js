@@ -4,7 +4,9 @@ import {placeOf, sliceAt} from './patient_grid.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {'x' | 'y' | 'z'} Axis */
-/** @typedef {{surface: string, color: string, first: number, count: number}} Contour */
+/**
+ * @typedef {{surface: string, color: string, first: number, count: number,
+ *   left_out?: number}} Contour */
 
 /**
  * @typedef {object} Slice

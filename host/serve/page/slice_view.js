@@ -92,18 +92,20 @@ export class SliceView {
 
   /** @private */
   draw_() {
-    const {context, width, height} = fitted(this.canvas);
+    const {context, width, height, unit} = fitted(this.canvas);
     const slice = this.slice_;
     if (!slice || width === 0) {
       return;
     }
     const place = placedIn(slice, width, height);
     this.drawGrey_(context, slice, place);
+    context.lineWidth = 1.5 * unit;
     this.drawContours_(context, slice, place);
+    context.lineWidth = unit;
     if (this.crosshair_) {
       this.drawCrosshair_(context, slice, place, this.crosshair_);
     }
-    this.drawLetters_(context, slice, width, height);
+    this.drawLetters_(context, slice, width, height, unit);
   }
 
   /**
@@ -132,7 +134,6 @@ export class SliceView {
    * @param {Placed} place
    */
   drawContours_(context, slice, place) {
-    context.lineWidth = 1.5;
     context.lineCap = 'round';
     for (const {color, first, count} of slice.contours) {
       context.strokeStyle = color;
@@ -157,7 +158,6 @@ export class SliceView {
     const [x, y] = boxAt(slice, place, ...pixelAt(slice, this.size_, voxel));
     const right = place.left + place.width, bottom = place.top + place.height;
     context.strokeStyle = styleColour(this.canvas, '--accent');
-    context.lineWidth = 1;
     context.beginPath();
     context.moveTo(place.left, y);
     context.lineTo(x - CROSSHAIR_GAP, y);
@@ -176,18 +176,19 @@ export class SliceView {
    * @param {Slice} slice
    * @param {number} width
    * @param {number} height
+   * @param {number} unit
    */
-  drawLetters_(context, {letters}, width, height) {
-    context.font = '600 12px system-ui, sans-serif';
+  drawLetters_(context, {letters}, width, height, unit) {
+    context.font = `600 ${12 * unit}px system-ui, sans-serif`;
     context.textBaseline = 'middle';
-    context.lineWidth = 3;
+    context.lineWidth = 3 * unit;
     context.strokeStyle = '#000c';
     context.fillStyle = '#fff';
     /** @type {[string, number, number, CanvasTextAlign][]} */
     const places = [[letters.left, LETTER_MARGIN, height / 2, 'left'],
       [letters.right, width - LETTER_MARGIN, height / 2, 'right'],
-      [letters.top, width / 2, LETTER_MARGIN + 6, 'center'],
-      [letters.bottom, width / 2, height - LETTER_MARGIN - 6, 'center']];
+      [letters.top, width / 2, LETTER_MARGIN + 6 * unit, 'center'],
+      [letters.bottom, width / 2, height - LETTER_MARGIN - 6 * unit, 'center']];
     for (const [letter, x, y, align] of places) {
       context.textAlign = align;
       context.strokeText(letter, x, y);

@@ -40,6 +40,7 @@ class SlicesPanel {
     this.stale = true;
     this.message = messageLine('slices-message');
     this.readout = h('p', {class: 'readout', 'data-testid': 'slices-readout'});
+    this.notes = h('p', {class: 'legend', 'data-testid': 'slices-notes'});
     this.panes = PLANES.map((_, number) => this.pane(number));
     this.grid = h('div', {class: 'slice-grid'}, ...this.panes.map(pane => pane.element));
     this.target = h('select', {'aria-label': 'Surface whose isovalue is set', hidden: true,
@@ -67,7 +68,7 @@ class SlicesPanel {
     this.root.append(
       intro('The scan, cut three ways; coloured lines are surfaces.'),
       h('div', {class: 'tool-row'}, tools.element, this.target),
-      this.grid, this.readout, this.presets,
+      this.grid, this.readout, this.notes, this.presets,
       h('div', {class: 'tool-row'}, this.window.element, this.level.element),
       this.message.element);
   }
@@ -100,7 +101,7 @@ class SlicesPanel {
         if (this.volume && slice.index < this.volume.size[slice.axes[2]]) {
           view.show(slice, this.volume.size, this.through);
           view.setCrosshair(this.voxel);
-          this.message.say('');
+          this.tell(slice);
         }
       },
       failed: sentence => this.message.fail(sentence),
@@ -162,6 +163,23 @@ class SlicesPanel {
       this.look(firstWindow(volume));
       this.move(/** @type {Vector} */ (volume.size.map(count => Math.floor(count / 2))));
     }
+  }
+
+  /**
+   * Says what of a slice is not as it looks.
+   * @param {import('./slice_pixels.js').Slice} slice
+   */
+  tell({contours, skew_deg = 0}) {
+    const left = contours.filter(({left_out}) => left_out).map(({surface}) => surface);
+    this.message.say(left.length > 0
+      ? `Too many lines to draw here: ${left.join(', ')} is left out.` : '');
+    const gaps = this.volume?.gaps ?? 0;
+    this.notes.textContent = [
+      gaps > 0 ? `Slices are missing in ${gaps} ${gaps === 1 ? 'place' : 'places'}: rows beside ` +
+        'them stand wider.' : '',
+      skew_deg !== 0 ? `The gantry was tilted by ${Math.abs(skew_deg).toFixed(1)}°; slices ` +
+        'across it are drawn square.' : '',
+    ].filter(Boolean).join(' ');
   }
 
   /** Asks for the three slices again: what they show may have changed. */

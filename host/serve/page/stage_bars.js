@@ -76,7 +76,8 @@ export class StageBars {
       ]));
     }
     if (frame) {
-      const scale = Math.max(frame.elapsed_ms, frame.renderer_ms_1993, 0.001);
+      const modelled = frame.renderer_ms_1993 ?? 0;  // Not known of a frame drawn in passes.
+      const scale = Math.max(frame.elapsed_ms, modelled, 0.001);
       /** @type {(label: string, ms: number, colour: string) => HTMLElement[]} */
       const clock = (label, ms, colour) => [
         h('div', {class: 'stage-label'}, h('span', {}, label),
@@ -84,7 +85,7 @@ export class StageBars {
         bar([{ms, class: colour, title: msText(ms)}], scale)];
       this.clocks_.replaceChildren(
         ...clock('The last frame here, wall clock', frame.elapsed_ms, 'stage-0'),
-        ...clock('The same on Renderers of 1993, modelled', frame.renderer_ms_1993, 'stage-2'));
+        ...clock('The same on Renderers of 1993, modelled', modelled, 'stage-2'));
     }
   }
 }
