@@ -72,7 +72,7 @@ std::string png_of(int width, int height, std::span<const std::uint32_t> rgba) {
     image.width = static_cast<png_uint_32>(width);
     image.height = static_cast<png_uint_32>(height);
     image.format = PNG_FORMAT_RGB;
-    image.flags = PNG_IMAGE_FLAG_FAST;  // A third larger, in a fifth of the time.
+    image.flags = PNG_IMAGE_FLAG_FAST;  // A quarter larger, in a sixth of the time.
     std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(image) + kPngHeadBytes, '\0');
     png_alloc_size_t size = bytes.size();
     if (png_image_write_to_memory(&image, bytes.data(), &size, 0, rgb.data(), 0, nullptr) == 0) {

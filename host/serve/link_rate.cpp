@@ -12,7 +12,7 @@ constexpr double kLeastTimeMs = 0.05;  // The clock's doubt; keeps a rate finite
 constexpr double kMargin = 0.8;        // To improve, a frame must fit this part of the budget.
 
 /// Size of a JPEG against one of kMinQuality, by steps of quality: of pictures of the phantoms.
-constexpr std::array<double, 5> kSizes{1.0, 1.13, 1.34, 1.73, 2.67};
+constexpr std::array<double, 5> kSizes{1.0, 1.10, 1.26, 1.52, 2.10};
 
 double size_of(int quality) {
     return kSizes[static_cast<std::size_t>((quality - kMinQuality) / kQualityStep)];

@@ -19,7 +19,6 @@ constexpr unsigned kMaxConnections = 256;
 constexpr std::size_t kChunkBytes = 64U << 10U;  // Of uploads and files.
 constexpr unsigned short kMaxHeaderBytes = 8192;
 constexpr unsigned short kMaxHeadersAtOnce = 64;
-constexpr int kCloseTimeoutSeconds = 5;  // For a viewer who does not read its close reason.
 
 // Sent with every answer.
 const lws_protocol_vhost_options kNoReferrer{nullptr, nullptr, "referrer-policy:", "no-referrer"};
@@ -216,14 +215,13 @@ int Loop::on_event(lws* connection, int reason, void* data, std::size_t size) {
 void Loop::deliver() {
     for (const Outgoing& message : mail_.collect()) {
         for (auto& [connection, socket] : sockets_) {
-            if (!socket.joined || (message.viewer != 0 && message.viewer != socket.viewer.number)) {
+            if (!socket.joined || socket.viewer.closing.code != 0 ||
+                (message.viewer != 0 && message.viewer != socket.viewer.number)) {
                 continue;
             }
             socket.viewer.line_up(message);
             lws_callback_on_writable(connection);
-            if (socket.viewer.closing.code != 0) {
-                lws_set_timeout(connection, PENDING_TIMEOUT_CLOSE_SEND, kCloseTimeoutSeconds);
-            }
+            if (socket.viewer.closing.code != 0) close_soon(connection);
         }
     }
     const auto newest = mail_.newest();

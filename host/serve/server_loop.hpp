@@ -43,6 +43,7 @@ class Loop {
         bool joined = false;
         double pinged_ms = 0;  ///< 0: no ping is under way.
         bool ping_due = false;
+        bool is_leaving = false;  ///< Its reason is said at the next chance.
     };
     /// A body that is being received; discarded once something is wrong.
     struct Upload {
@@ -67,7 +68,9 @@ class Loop {
     int on_socket_event(lws* connection, int reason, std::string_view data);
     int on_handshake(lws* connection);
     void on_joined(lws* connection);
-    int on_text(lws* connection, Socket& socket, std::string_view part);
+    void on_text(lws* connection, Socket& socket, std::string_view part);
+    /// Closes a viewer whose closing is set.
+    void close_soon(lws* connection);
     int on_writable(lws* connection, Socket& socket);
     int on_timer(lws* connection, Socket& socket);
     int send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame);
@@ -89,8 +92,5 @@ class Loop {
     std::map<int, std::string> encoded_;  ///< Of that frame, by quality; 0 is the PNG.
     std::size_t resting_pixels_ = 0;
 };
-
-/// Closes the connection, after a reason has been sent if there is time for it.
-int close_socket(lws* connection, const CloseReason& reason);
 
 }  // namespace pxpl5::host::serve

@@ -15,6 +15,10 @@ namespace {
 
 constexpr int kPingSeconds = 5;
 constexpr double kDeadAfterMs = 60'000;  // Without an answer to a ping.
+// What still comes from a viewer who is sent away is thrown away for so long: if it came after the
+// socket is closed, its reset would overtake the reason.
+constexpr lws_usec_t kFarewellMs = 200;
+constexpr int kCloseTimeoutSeconds = 5;  // For who does not read the reason.
 
 double now_ms() {
     return std::chrono::duration<double, std::milli>(
@@ -33,14 +37,20 @@ int write_message(lws* connection, std::string_view first, std::string_view seco
                                                                                                : 0;
 }
 
-}  // namespace
-
-int close_socket(lws* connection, const CloseReason& reason) {
+/// Closes with a reason.
+int say_why(lws* connection, const Viewer& viewer) {
     constexpr std::size_t kMaxReasonBytes = 123;  // RFC 6455, 5.5.
-    std::string text = reason.text.substr(0, kMaxReasonBytes);
-    lws_close_reason(connection, static_cast<lws_close_status>(reason.code),
+    std::string text = viewer.closing.text.substr(0, kMaxReasonBytes);
+    lws_close_reason(connection, static_cast<lws_close_status>(viewer.closing.code),
                      reinterpret_cast<unsigned char*>(text.data()), text.size());
     return -1;
+}
+
+}  // namespace
+
+void Loop::close_soon(lws* connection) {
+    lws_set_timer_usecs(connection, kFarewellMs * LWS_USEC_PER_SEC / 1000);
+    lws_set_timeout(connection, PENDING_TIMEOUT_CLOSE_SEND, kCloseTimeoutSeconds);
 }
 
 int Loop::on_socket_event(lws* connection, int reason, std::string_view data) {
@@ -58,7 +68,8 @@ int Loop::on_socket_event(lws* connection, int reason, std::string_view data) {
     Socket& socket = found->second;
     switch (reason) {
         case LWS_CALLBACK_RECEIVE:
-            return on_text(connection, socket, data);
+            on_text(connection, socket, data);
+            return 0;
         case LWS_CALLBACK_RECEIVE_PONG:
             if (socket.pinged_ms > 0) socket.viewer.link.pinged(now_ms() - socket.pinged_ms);
             socket.pinged_ms = 0;
@@ -99,49 +110,48 @@ void Loop::on_joined(lws* connection) {
     if (is_full) {
         socket.viewer.closing = {1013,
                                  fmt::format("{} viewers are connected already.", kMaxViewers)};
+        close_soon(connection);
     } else {
         mail_.push(Joined{number, socket.viewer.role});
+        lws_set_timer_usecs(connection, 1);  // The first ping, while nothing else is on its way.
     }
     sockets_.emplace(connection, std::move(socket));
-    lws_set_timer_usecs(connection, 1);  // The first ping, while nothing else is on its way.
-    lws_callback_on_writable(connection);
     advise();
 }
 
-int Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
+void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
     Viewer& viewer = socket.viewer;
+    if (viewer.closing.code != 0) return;
     if (lws_frame_is_binary(connection) != 0) {
         viewer.closing = {1003, "Only texts are understood."};
+        return close_soon(connection);
     }
-    if (viewer.closing.code != 0) return close_socket(connection, viewer.closing);
     const bool is_final =
         lws_is_final_fragment(connection) != 0 && lws_remaining_packet_payload(connection) == 0;
     std::optional<std::string> text = viewer.hear(part, is_final, now_ms());
-    if (viewer.closing.code != 0) return close_socket(connection, viewer.closing);
-    if (!text) return 0;
+    if (viewer.closing.code != 0) return close_soon(connection);
+    if (!text) return;
     if (const auto number = shown_number(*text)) {
         viewer.link.shown(*number, now_ms());
         if (viewer.takes(*mail_.newest())) lws_callback_on_writable(connection);
         advise();
-        return 0;
+    } else if (!mail_.push(Said{viewer.number, viewer.role, std::move(*text)})) {
+        viewer.closing = {1013, "The session has not caught up with what was said."};
+        close_soon(connection);
     }
-    if (!mail_.push(Said{viewer.number, viewer.role, std::move(*text)})) {
-        return close_socket(connection,
-                            {1013, "The session has not caught up with what was said."});
-    }
-    return 0;
 }
 
 int Loop::on_writable(lws* connection, Socket& socket) {
     Viewer& viewer = socket.viewer;
-    if (viewer.closing.code != 0) return close_socket(connection, viewer.closing);
+    if (viewer.closing.code != 0) return socket.is_leaving ? say_why(connection, viewer) : 0;
     // One message a call: then the others have their turn.
     const auto newest = mail_.newest();
     int result = 0;
     if (socket.ping_due) {
         socket.ping_due = false;
         socket.pinged_ms = now_ms();
-        result = write_message(connection, "", "", LWS_WRITE_PING);
+        // Without a payload libwebsockets 4.1 sends none.
+        result = write_message(connection, "p", "", LWS_WRITE_PING);
     } else if (const auto message = viewer.next_message()) {
         result = write_message(connection, *message->bytes, "",
                                message->binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT);
@@ -187,6 +197,11 @@ const std::string& Loop::encoded(const NewestFrame& frame, int quality) {
 }
 
 int Loop::on_timer(lws* connection, Socket& socket) {
+    socket.is_leaving = socket.viewer.closing.code != 0;
+    if (socket.is_leaving) {
+        lws_callback_on_writable(connection);
+        return 0;
+    }
     const double now = now_ms();
     if (socket.pinged_ms > 0 && now - socket.pinged_ms > kDeadAfterMs) return -1;
     socket.ping_due = socket.pinged_ms == 0;

@@ -52,13 +52,15 @@ std::optional<Outgoing> Viewer::next_message() {
 }
 
 bool Viewer::takes(const NewestFrame& frame) const {
-    return is_greeted_ && frame.sequence > newest_sent_ &&
-           link.unacknowledged() < kMaxUnacknowledgedFrames;
+    return has_room() && frame.sequence > newest_sent_;
 }
 
 bool Viewer::wants_newer(const NewestFrame& frame) const {
-    return is_greeted_ && frame.sequence <= newest_sent_ &&
-           link.unacknowledged() < kMaxUnacknowledgedFrames;
+    return has_room() && frame.sequence <= newest_sent_;
+}
+
+bool Viewer::has_room() const {
+    return is_greeted_ && closing.code == 0 && link.unacknowledged() < kMaxUnacknowledgedFrames;
 }
 
 std::uint32_t Viewer::count_frame(const NewestFrame& frame) {

@@ -52,6 +52,8 @@ class Viewer {
     std::uint32_t count_frame(const NewestFrame& frame);
 
   private:
+    bool has_room() const;
+
     std::string heard_;
     double may_say_ = kMessagesAtOnce;
     double last_heard_ms_ = 0;

@@ -1,4 +1,4 @@
-// A server without a machine, for test_server.py: does what viewers say, until its input ends.
+// A server without a machine, for test_server*.py: does what viewers say, until its input ends.
 //
 // It prints its two addresses and then each event. A viewer's text `{"echo":x}` comes back to it;
 // `{"frame":[width,height,revision,rests]}` shows a frame whose colours follow from the revision;

@@ -1,99 +1,14 @@
 #!/usr/bin/env python3
-"""The web server without a machine: test_server.py ECHO_SERVER [unittest's words]."""
-import http.client
+"""Who may connect, and what goes over a WebSocket: test_server.py ECHO_SERVER."""
 import json
 import pathlib
-import shutil
-import socket
 import struct
-import subprocess
 import sys
-import tempfile
-import unittest
 import urllib.parse
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from server_case import Case, main  # noqa: E402
 from websocket_client import BINARY, TEXT, Closed, Refused, WebSocket, connect_to  # noqa: E402
-
-ECHO_SERVER = ""  # From the command line.
-
-
-class EchoServer:
-    """The server under test with a page, a download and a folder for uploads."""
-
-    def __init__(self, folder, *words):
-        folder = pathlib.Path(folder)
-        for name in ("page", "uploads", "downloads"):
-            (folder / name).mkdir(exist_ok=True)
-        (folder / "page/index.html").write_text("<h1>page</h1>")
-        (folder / "page/main.js").write_text("export {}")
-        (folder / "downloads/mesh.ply").write_bytes(b"ply" * 100_000)
-        (folder / "secret").write_text("secret")
-        self.process = subprocess.Popen(
-            [ECHO_SERVER, "page", folder / "page", "uploads", folder / "uploads", "downloads",
-             folder / "downloads", *words],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.url = self.process.stdout.readline().strip()
-        self.watch_url = self.process.stdout.readline().strip()
-
-    def event(self):
-        return self.process.stdout.readline().strip()
-
-    def stop(self):
-        """Ends it by the end of its input; its exit code and what it complained of."""
-        _, complaint = self.process.communicate()
-        return self.process.returncode, complaint
-
-    def request(self, path, method="GET", token=True, headers=None, body=None):
-        """One request on a connection of its own: status, headers, body."""
-        parts = urllib.parse.urlsplit(self.url)
-        connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=20)
-        if token:
-            path += ("&" if "?" in path else "?") + parts.query
-        connection.request(method, path, body=body, headers=headers or {})
-        answer = connection.getresponse()
-        body = answer.read()
-        connection.close()
-        return answer.status, answer.headers, body
-
-
-class Case(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder)
-        self.server = EchoServer(self.folder)
-        self.addCleanup(self.ends_well)
-
-    def ends_well(self):
-        code, complaint = self.server.stop()
-        self.assertEqual((code, complaint), (0, ""))
-
-    def join(self, url=None, **words):
-        viewer = WebSocket(url or self.server.url, **words)
-        self.addCleanup(viewer.close)
-        self.assertIn("hello", json.loads(viewer.receive()))
-        return viewer
-
-    def ask(self, viewer, **words):
-        viewer.send(json.dumps(words))
-        return json.loads(viewer.receive())
-
-    def sync(self, viewer):
-        """Returns when the server has done all that the viewer said before."""
-        self.assertEqual(self.ask(viewer, echo=0), {"echo": 0})
-
-    def refused(self, status, **words):
-        with self.assertRaises(Refused) as caught:
-            WebSocket(self.server.url, **words)
-        self.assertEqual(caught.exception.status, status, caught.exception.body)
-        return caught.exception.body
-
-    def closed(self, code, viewer):
-        with self.assertRaises(Closed) as caught:
-            while True:
-                viewer.receive()
-        self.assertEqual(caught.exception.code, code)
-        return caught.exception.reason
 
 
 class Access(Case):
@@ -172,6 +87,13 @@ class Messages(Case):
         third.send('{"binary":100000}')
         self.assertEqual(third.receive(), b"b" * 100_000)
 
+    def test_who_joins_is_pinged_to_learn_how_far_away_it_is(self):
+        viewer = self.join()
+        self.sync(viewer)
+        while not viewer.pings:
+            self.sync(viewer)
+        self.assertEqual(viewer.pings, [b"p"])
+
     def test_fragments_make_one_message(self):
         viewer = self.join()
         viewer.send_frame(TEXT, b'{"echo":', final=False)
@@ -198,14 +120,8 @@ class Messages(Case):
 
     def test_a_flood_closes_its_viewer_alone(self):
         flood, other = self.join(), self.join()
-        try:
-            for _ in range(5000):
-                flood.send('{"flood":1}')
-        except (BrokenPipeError, ConnectionResetError):
-            pass  # Closed while still sending: the reason may be lost then.
-        with self.assertRaises(Closed) as caught:
-            flood.receive()
-        self.assertIn(caught.exception.code, (1008, 1006))
+        flood.send_frames([(TEXT, b'{"flood":1}')] * 2000)
+        self.assertIn("400 messages a second", self.closed(1008, flood))
         self.sync(other)
 
     def test_a_ninth_viewer_waits_until_one_has_left(self):
@@ -306,118 +222,5 @@ class Frames(Case):
         self.assertTrue(self.ask(viewer, wants=0)["wants"])
 
 
-class Files(Case):
-    def upload(self, path, body=b"", **words):
-        status, _, answer = self.server.request(path, method="POST", body=body, **words)
-        return status, json.loads(answer)
-
-    def test_a_download_is_an_attachment(self):
-        status, headers, body = self.server.request("/download/mesh.ply")
-        self.assertEqual((status, body), (200, b"ply" * 100_000))
-        self.assertEqual(headers["content-disposition"], 'attachment; filename="mesh.ply"')
-
-    def test_a_folder_is_uploaded_file_by_file(self):
-        content = bytes(range(256)) * 20_000
-        for name in ("study/1.dcm", "study/2.dcm", "../study/empty"):
-            query = urllib.parse.urlencode({"name": name, "batch": "b1"})
-            body = b"" if name.endswith("empty") else content
-            self.assertEqual(self.upload("/upload?" + query, body), (200, {}))
-        status, answer = self.upload("/upload/done?batch=b1&viewer=3")
-        self.assertEqual((status, answer["files"], answer["name"]), (200, 3, "study"))
-        path = pathlib.Path(answer["path"])
-        self.assertEqual(path.parent.parent, pathlib.Path(self.folder) / "uploads")
-        self.assertEqual((path / "2.dcm").read_bytes(), content)
-        self.assertEqual((path / "empty").read_bytes(), b"")
-        self.assertEqual(self.server.event(), f"uploaded 3 study {path}")
-
-    def test_what_is_wrong_with_an_upload_is_said(self):
-        status, answer = self.upload("/upload?name=..&batch=b", b"x" * 1_000_000)
-        self.assertEqual((status, answer["error"]), (400, "A file cannot be named '..'."))
-        self.assertEqual(self.upload("/upload?name=a&batch=../b", b"x")[0], 400)
-        self.assertEqual(self.upload("/upload/done?batch=b")[0], 400)
-        connection = connect_to(self.server.url)
-        self.addCleanup(connection.close)
-        parts = urllib.parse.urlsplit(self.server.url)
-        connection.sendall((f"POST /upload?name=a&batch=b&{parts.query} HTTP/1.1\r\nHost: "
-                            f"{parts.netloc}\r\nContent-Length: {5 << 30}\r\n\r\n").encode())
-        self.assertIn(b" 413 ", connection.recv(65536).split(b"\r\n")[0])
-
-    def test_who_breaks_off_leaves_no_file(self):
-        parts = urllib.parse.urlsplit(self.server.url)
-        connection = connect_to(self.server.url)
-        connection.sendall((f"POST /upload?name=a&batch=b&{parts.query} HTTP/1.1\r\nHost: "
-                            f"{parts.netloc}\r\nContent-Length: 100\r\n\r\nhalf").encode())
-        connection.shutdown(socket.SHUT_WR)
-        connection.recv(1)
-        connection.close()
-        self.sync(self.join())
-        left = [path for path in pathlib.Path(self.folder, "uploads").rglob("*") if path.is_file()]
-        self.assertEqual(left, [])
-
-    def test_who_watches_may_not_upload(self):
-        token = urllib.parse.urlsplit(self.server.watch_url).query
-        status, _, body = self.server.request("/upload?name=a&batch=b&" + token, method="POST",
-                                              body=b"x", token=False)
-        self.assertEqual((status, body), (403, b"Who only watches may not upload files.\n"))
-
-
-class Start(unittest.TestCase):
-    def fails(self, code, *words):
-        with tempfile.TemporaryDirectory() as folder:
-            server = EchoServer(folder, *words)
-            self.assertEqual(server.url, "")
-            got, complaint = server.stop()
-            self.assertEqual(got, code, complaint)
-            return complaint
-
-    def test_options_that_contradict_each_other_are_refused(self):
-        self.assertIn("--bind 0.0.0.0", self.fails(64, "bind", "0.0.0.0"))
-        self.assertIn("not 'localhost'", self.fails(64, "bind", "localhost"))
-        self.assertIn("not 65536", self.fails(64, "port", "65536"))
-        self.assertIn("go together", self.fails(64, "cert", "c.pem"))
-        self.assertIn("cannot read c.pem", self.fails(65, "cert", "c.pem", "key", "k.pem"))
-        self.assertIn("/nowhere is missing", self.fails(65, "page", "/nowhere"))
-
-    def test_a_port_in_use_is_named(self):
-        with socket.create_server(("127.0.0.1", 0)) as other:
-            port = other.getsockname()[1]
-            self.assertIn(f"cannot listen on 127.0.0.1 port {port}: Address already in use",
-                          self.fails(69, "port", str(port)))
-
-    def test_insecure_lets_others_in(self):
-        with tempfile.TemporaryDirectory() as folder:
-            server = EchoServer(folder, "bind", "0.0.0.0", "insecure", "1")
-            url = urllib.parse.urlsplit(server.url)
-            local = f"http://127.0.0.1:{url.port}/?{url.query}"
-            WebSocket(local).close()
-            with self.assertRaises(Refused):
-                WebSocket(local, headers={"Host": "evil.example"})
-            self.assertEqual(server.stop(), (0, ""))
-
-    def test_with_a_certificate_all_is_encrypted(self):
-        if not shutil.which("openssl"):
-            self.skipTest("openssl is not installed")
-        with tempfile.TemporaryDirectory() as folder:
-            key, cert = folder + "/key.pem", folder + "/cert.pem"
-            subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt",
-                            "ec_paramgen_curve:P-256", "-nodes", "-days", "1", "-subj",
-                            "/CN=viewer.example", "-keyout", key, "-out", cert],
-                           check=True, capture_output=True)
-            server = EchoServer(folder, "bind", "0.0.0.0", "cert", cert, "key", key)
-            url = urllib.parse.urlsplit(server.url)
-            self.assertEqual(url.scheme, "https")
-            local = f"https://127.0.0.1:{url.port}/?{url.query}"
-            viewer = WebSocket(local)
-            viewer.send('{"binary":3000000}')
-            self.assertIn("hello", viewer.receive())
-            self.assertEqual(len(viewer.receive()), 3_000_000)
-            WebSocket(local, headers={"Host": "viewer.example"}).close()
-            with self.assertRaises((Refused, Closed, ConnectionResetError)):
-                WebSocket(local.replace("https", "http"))
-            viewer.close()
-            self.assertEqual(server.stop(), (0, ""))
-
-
 if __name__ == "__main__":
-    ECHO_SERVER = sys.argv.pop(1)
-    unittest.main()
+    main()

@@ -37,8 +37,24 @@ def connect_to(url, timeout_s=20):
     return context.wrap_socket(raw, server_hostname=parts.hostname)
 
 
+def masked_frame(opcode, payload, final=True):
+    """A frame as a client must send it."""
+    size = len(payload)
+    head = bytes([opcode | (0x80 if final else 0)])
+    if size < 126:
+        head += bytes([0x80 | size])
+    elif size < 65536:
+        head += bytes([0x80 | 126]) + struct.pack(">H", size)
+    else:
+        head += bytes([0x80 | 127]) + struct.pack(">Q", size)
+    mask = os.urandom(4)
+    key = (mask * (size // 4 + 1))[:size]
+    masked = (int.from_bytes(payload, "big") ^ int.from_bytes(key, "big")).to_bytes(size, "big")
+    return head + mask + masked
+
+
 class WebSocket:
-    """`url` is the printed address with its token; `headers` replace usual ones, None removes one."""
+    """`url` is the printed address with its token; `headers` replace usual ones."""
 
     def __init__(self, url, path="/socket", token=None, headers=None, receive_buffer=None):
         parts = urllib.parse.urlsplit(url)
@@ -48,6 +64,7 @@ class WebSocket:
         if receive_buffer:
             self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
         self.waiting = b""
+        self.pings = []  # What came with them.
         lines = {"Host": parts.netloc, "Upgrade": "websocket", "Connection": "Upgrade",
                  "Sec-WebSocket-Key": base64.b64encode(os.urandom(16)).decode(),
                  "Sec-WebSocket-Version": "13", **(headers or {})}
@@ -84,19 +101,11 @@ class WebSocket:
         return taken
 
     def send_frame(self, opcode, payload, final=True):
-        """One masked frame, as a client must send it."""
-        size = len(payload)
-        head = bytes([opcode | (0x80 if final else 0)])
-        if size < 126:
-            head += bytes([0x80 | size])
-        elif size < 65536:
-            head += bytes([0x80 | 126]) + struct.pack(">H", size)
-        else:
-            head += bytes([0x80 | 127]) + struct.pack(">Q", size)
-        mask = os.urandom(4)
-        key = (mask * (size // 4 + 1))[:size]
-        masked = (int.from_bytes(payload, "big") ^ int.from_bytes(key, "big")).to_bytes(size, "big")
-        self.socket.sendall(head + mask + masked)
+        self.socket.sendall(masked_frame(opcode, payload, final))
+
+    def send_frames(self, frames):
+        """Pairs of opcode and payload, all at once."""
+        self.socket.sendall(b"".join(masked_frame(*frame) for frame in frames))
 
     def send(self, text):
         self.send_frame(TEXT, text.encode())
@@ -113,6 +122,7 @@ class WebSocket:
             payload, opcode = self._exactly(size), first & 0x0f
             assert first & 0x80 and not first & 0x70 and not second & 0x80, "a whole, plain frame"
             if opcode == PING:
+                self.pings.append(payload)
                 self.send_frame(PONG, payload)
             elif opcode == CLOSE:
                 code, = struct.unpack(">H", payload[:2]) if len(payload) > 1 else (1005,)
