@@ -222,6 +222,9 @@ class SlicesPanel {
    * @param {number} by      Slices.
    */
   step(number, by) {
+    if (!this.volume) {
+      return;
+    }
     /** @type {Vector} */
     const voxel = [...this.voxel];
     voxel[this.planes[number].number] += by;
