@@ -28,9 +28,9 @@ export function createBar(app, actions) {
     save,
     h('button', {'data-testid': 'help', 'aria-label': 'Help', title: 'Help (key ?)',
       onclick: actions.help}, '?'));
-  app.store.subscribe(['volume', 'machine'], ({volume, machine}) => {
-    name.textContent = volume?.name ?? 'No volume';
-    document.title = volume ? `${volume.name} · pxpl5` : 'pxpl5';
+  app.store.subscribe(['volume', 'archive', 'machine'], ({volume, archive, machine}) => {
+    name.textContent = volume?.name ?? archive ?? 'No volume';
+    document.title = `${name.textContent} · pxpl5`;
     about.textContent = volume ? [volume.modality, volume.size.join(' × '),
       `${machine.gps} GPs, ${machine.renderers} Renderers`].filter(Boolean).join(' · ') : '';
     about.title = volume?.source ?? '';

@@ -94,7 +94,9 @@ function createCube(app, viewpoint) {
     title: `Look from ${view} (key ${index + 1})`, 'aria-label': `Look from ${view}`,
     'data-testid': `view-${view}`, onclick: () => viewpoint.named(view)}, letter));
   byId('corner').append(drawing, h('div', {id: 'views', class: 'drives'}, ...buttons));
-  app.store.subscribe(['volume'], state => { byId('corner').hidden = !state.volume; });
+  app.store.subscribe(['volume', 'archive'], state => {
+    byId('corner').hidden = !state.volume && !state.archive;
+  });
 
   return patientToEye => {
     for (const {group, shape, text, towards} of faces) {

@@ -57,6 +57,7 @@
  * @property {number} revision
  * @property {string | null} busy
  * @property {VolumeState | null} volume
+ * @property {string | null} [archive]   A PPHIGS archive that is open in a volume's place.
  * @property {CameraState} camera
  * @property {[number, number]} size    Of the picture, pixels.
  * @property {SurfaceState[]} surfaces
