@@ -22,9 +22,9 @@ struct FrameHeader {
     std::uint64_t digest = 0;
 };
 
-inline constexpr std::size_t kFrameHeaderBytes = 32;
+inline constexpr std::size_t frame_header_bytes = 32;
 
-/// kFrameHeaderBytes bytes, little-endian.
+/// frame_header_bytes bytes, little-endian.
 std::string frame_header(const FrameHeader& header);
 
 /// The pixels without loss, as a PNG file. Alpha is left out: a frame is opaque.

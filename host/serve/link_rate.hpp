@@ -7,8 +7,8 @@
 
 namespace pxpl5::host::serve {
 
-inline constexpr double kGoalFramesPerSecond = 25;
-inline constexpr int kMinQuality = 50, kMaxQuality = 90, kQualityStep = 10;
+inline constexpr double goal_frames_per_second = 25;
+inline constexpr int min_quality = 50, max_quality = 90, quality_step = 10;
 
 /// Measures a link from acknowledgements. A frame of B bytes, sent at s and acknowledged at a, was
 /// on its way for latency + B / rate, or followed the frame before it out of the same pipe:
@@ -34,7 +34,7 @@ class LinkRate {
 
     /// Notes the size of a moving frame, from which quality() and scale() reckon.
     void encoded(int quality, std::size_t pixels, std::size_t bytes);
-    /// Of the next moving frame of so many pixels: kMinQuality to kMaxQuality.
+    /// Of the next moving frame of so many pixels: min_quality to max_quality.
     int quality(std::size_t pixels);
     /// 1, 3/4 or 1/2: how much smaller than `full_pixels` a frame must be to move.
     double scale(std::size_t full_pixels);
@@ -46,14 +46,14 @@ class LinkRate {
         double sent_ms = 0;
     };
     double bytes_of(int quality, double pixels) const;
-    double budget_bytes() const { return bytes_per_s() / kGoalFramesPerSecond; }
+    double budget_bytes() const { return bytes_per_s() / goal_frames_per_second; }
 
     std::deque<Flying> flying_;
     std::deque<double> rtts_ms_;
     std::uint32_t last_sent_ = 0;
     double last_shown_ms_ = 0;
     double recent_bytes_ = 0, recent_ms_ = 0;  // Each measurement halves what older ones weigh.
-    double bytes_per_pixel_ = 0;               // At kMinQuality.
+    double bytes_per_pixel_ = 0;               // At min_quality.
     int quality_ = 80;
     double scale_ = 1;
 };

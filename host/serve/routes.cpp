@@ -12,15 +12,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxPageFiles = 1000;
-constexpr std::string_view kDownload = "/download/";
+constexpr std::size_t max_page_files = 1000;
+constexpr std::string_view download_folder = "/download/";
 
 struct FileType {
     std::string_view extension, type;
 };
 
 // A file of another kind in the page's folder (its README, say) is not served.
-constexpr std::array<FileType, 7> kPageTypes{{{".html", "text/html; charset=utf-8"},
+constexpr std::array<FileType, 7> page_types{{{".html", "text/html; charset=utf-8"},
                                               {".js", "text/javascript; charset=utf-8"},
                                               {".css", "text/css; charset=utf-8"},
                                               {".svg", "image/svg+xml"},
@@ -30,8 +30,8 @@ constexpr std::array<FileType, 7> kPageTypes{{{".html", "text/html; charset=utf-
 
 std::string_view type_of(const fs::path& path) {
     const std::string extension = path.extension().string();
-    const auto* found = std::ranges::find(kPageTypes, extension, &FileType::extension);
-    return found == kPageTypes.end() ? std::string_view{} : found->type;
+    const auto* found = std::ranges::find(page_types, extension, &FileType::extension);
+    return found == page_types.end() ? std::string_view{} : found->type;
 }
 
 RequestError missing(const fs::path& path, std::string_view what) {
@@ -50,20 +50,26 @@ bool is_plain_name(std::string_view name) {
 }  // namespace
 
 Routes::Routes(RouteFolders folders) : downloads_(std::move(folders.downloads)) {
-    if (!fs::is_directory(folders.page)) throw missing(folders.page, "");
+    if (!fs::is_directory(folders.page)) {
+        throw missing(folders.page, "");
+    }
     for (const auto& entry : fs::recursive_directory_iterator(folders.page)) {
         const std::string_view type = type_of(entry.path());
-        if (type.empty() || entry.is_symlink() || !entry.is_regular_file()) continue;
+        if (type.empty() || entry.is_symlink() || !entry.is_regular_file()) {
+            continue;
+        }
         const std::string name = "/" + entry.path().lexically_relative(folders.page).string();
         files_[name] = {entry.path(), std::string(type), ""};
-        if (files_.size() > kMaxPageFiles) {
+        if (files_.size() > max_page_files) {
             throw RequestError(ExitCode::bad_data,
                                fmt::format("cannot serve the page: {} holds more than {} files",
-                                           folders.page.string(), kMaxPageFiles));
+                                           folders.page.string(), max_page_files));
         }
     }
     const auto index = files_.find("/index.html");
-    if (index == files_.end()) throw missing(folders.page / "index.html", "");
+    if (index == files_.end()) {
+        throw missing(folders.page / "index.html", "");
+    }
     files_["/"] = index->second;
     if (!fs::is_regular_file(folders.d3)) {
         throw missing(folders.d3, "; Debian's package node-d3 installs it");
@@ -72,18 +78,28 @@ Routes::Routes(RouteFolders folders) : downloads_(std::move(folders.downloads)) 
 }
 
 Route Routes::find(std::string_view path) const {
-    if (path == "/socket") return {RouteKind::socket, {}};
-    if (path == "/upload") return {RouteKind::upload, {}};
-    if (path == "/upload/done") return {RouteKind::upload_done, {}};
+    if (path == "/socket") {
+        return {RouteKind::socket, {}};
+    }
+    if (path == "/upload") {
+        return {RouteKind::upload, {}};
+    }
+    if (path == "/upload/done") {
+        return {RouteKind::upload_done, {}};
+    }
     if (const auto found = files_.find(path); found != files_.end()) {
         return {RouteKind::file, found->second};
     }
-    if (!path.starts_with(kDownload) || !is_plain_name(path.substr(kDownload.size()))) return {};
-    const std::string name(path.substr(kDownload.size()));
+    if (!path.starts_with(download_folder) || !is_plain_name(path.substr(download_folder.size()))) {
+        return {};
+    }
+    const std::string name(path.substr(download_folder.size()));
     const fs::path file = downloads_ / name;
     std::error_code error;
     // A link could lead out of the folder, so it is not followed.
-    if (!fs::is_regular_file(fs::symlink_status(file, error))) return {};
+    if (!fs::is_regular_file(fs::symlink_status(file, error))) {
+        return {};
+    }
     return {RouteKind::file, {file, "application/octet-stream", name}};
 }
 

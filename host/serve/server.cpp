@@ -83,7 +83,9 @@ std::vector<Event> Server::take() {
 }
 
 void Server::send(std::uint32_t viewer, std::string text) {
-    if (viewer == 0) return;  // 0 would be all.
+    if (viewer == 0) {  // 0 would be all.
+        return;
+    }
     core_->mail.send({viewer, false, std::make_shared<const std::string>(std::move(text))});
 }
 
@@ -92,7 +94,9 @@ void Server::broadcast(std::string text) {
 }
 
 void Server::send_binary(std::uint32_t viewer, std::string bytes) {
-    if (viewer == 0) return;
+    if (viewer == 0) {
+        return;
+    }
     core_->mail.send({viewer, true, std::make_shared<const std::string>(std::move(bytes))});
 }
 

@@ -21,7 +21,9 @@ namespace {
 
 std::string lower(std::string_view text) {
     std::string result(text);
-    for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    for (char& c : result) {
+        c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    }
     return result;
 }
 
@@ -36,7 +38,9 @@ std::string name_of(std::string_view host) {
 
 /// Takes as long for a nearly right guess as for a wrong one.
 bool same_secret(std::string_view a, std::string_view b) {
-    if (a.size() != b.size()) return false;
+    if (a.size() != b.size()) {
+        return false;
+    }
     unsigned difference = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
         difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
@@ -45,8 +49,12 @@ bool same_secret(std::string_view a, std::string_view b) {
 }
 
 std::optional<Role> role_of(const AccessRules& rules, std::string_view token) {
-    if (same_secret(token, rules.driver_token)) return Role::driver;
-    if (same_secret(token, rules.watcher_token)) return Role::watcher;
+    if (same_secret(token, rules.driver_token)) {
+        return Role::driver;
+    }
+    if (same_secret(token, rules.watcher_token)) {
+        return Role::watcher;
+    }
     return std::nullopt;
 }
 
@@ -85,12 +93,18 @@ std::string host_name() {
 
 void add_interfaces(std::vector<std::string>& names) {
     ifaddrs* raw = nullptr;
-    if (getifaddrs(&raw) != 0) return;
+    if (getifaddrs(&raw) != 0) {
+        return;
+    }
     const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> list(raw, freeifaddrs);
     for (const ifaddrs* at = raw; at != nullptr; at = at->ifa_next) {
-        if (at->ifa_addr == nullptr) continue;
+        if (at->ifa_addr == nullptr) {
+            continue;
+        }
         const int family = at->ifa_addr->sa_family;
-        if (family != AF_INET && family != AF_INET6) continue;
+        if (family != AF_INET && family != AF_INET6) {
+            continue;
+        }
         const void* address =
             family == AF_INET ? static_cast<const void*>(
                                     &reinterpret_cast<const sockaddr_in*>(at->ifa_addr)->sin_addr)
@@ -105,14 +119,18 @@ void add_interfaces(std::vector<std::string>& names) {
 }  // namespace
 
 Verdict judge(const AccessRules& rules, const Request& request) {
-    if (request.host.empty()) return {400, "The request has no Host header.", {}, {}};
+    if (request.host.empty()) {
+        return {400, "The request has no Host header.", {}, {}};
+    }
     if (std::string reason = foreign(rules, request); !reason.empty()) {
         return {403, std::move(reason), {}, {}};
     }
     const auto in_query = request.query.find("token");
     if (in_query != request.query.end()) {
         const auto role = role_of(rules, in_query->second);
-        if (!role) return {403, "This token is not the one that pxpl5 serve has printed.", {}, {}};
+        if (!role) {
+            return {403, "This token is not the one that pxpl5 serve has printed.", {}, {}};
+        }
         std::string cookie =
             fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}", rules.cookie_name,
                         in_query->second, rules.encrypted ? "; Secure" : "");
@@ -136,7 +154,9 @@ std::string random_token() {
 
 bool is_loopback(const std::string& address) {
     in_addr v4{};
-    if (inet_pton(AF_INET, address.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24U) == 127;
+    if (inet_pton(AF_INET, address.c_str(), &v4) == 1) {
+        return (ntohl(v4.s_addr) >> 24U) == 127;
+    }
     in6_addr v6{};
     return inet_pton(AF_INET6, address.c_str(), &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
 }

@@ -12,9 +12,9 @@
 namespace pxpl5::host::serve {
 namespace {
 
-constexpr const char* kPlain = "text/plain; charset=utf-8";
-constexpr const char* kJson = "application/json";
-constexpr int kTooLarge = 413;
+constexpr const char* plain_text = "text/plain; charset=utf-8";
+constexpr const char* json_type = "application/json";
+constexpr int too_large = 413;
 
 std::string json_text(const nlohmann::json& json) {
     // Names of files need not be UTF-8.
@@ -22,12 +22,12 @@ std::string json_text(const nlohmann::json& json) {
 }
 
 int answer_upload(lws* connection, const UploadError& error) {
-    return answer(connection, error.status, kJson, json_text({{"error", error.text}}));
+    return answer(connection, error.status, json_type, json_text({{"error", error.text}}));
 }
 
 /// For a request whose body is not read: what is left of it must not be taken for a request.
 int refuse(lws* connection, int status, const std::string& text) {
-    (void)answer(connection, status, kPlain, text + "\n");
+    (void)answer(connection, status, plain_text, text + "\n");
     return -1;
 }
 
@@ -47,7 +47,9 @@ std::optional<T> number(const std::string& text) {
 /// In a header's quotes only what needs no escape.
 std::string quoted_name(std::string name) {
     for (char& c : name) {
-        if (c == '"' || c == '\\' || static_cast<signed char>(c) < ' ') c = '_';
+        if (c == '"' || c == '\\' || static_cast<signed char>(c) < ' ') {
+            c = '_';
+        }
     }
     return name;
 }
@@ -62,7 +64,9 @@ int Loop::on_http_event(lws* connection, int reason, std::string_view data) {
             return lws_http_transaction_completed(connection) != 0 ? -1 : 0;
         case LWS_CALLBACK_HTTP_BODY: {
             const auto found = uploading_.find(connection);
-            if (found == uploading_.end() || found->second.error) return 0;
+            if (found == uploading_.end() || found->second.error) {
+                return 0;
+            }
             try {
                 found->second.file->append(data);
             } catch (const UploadError& error) {
@@ -80,7 +84,9 @@ int Loop::on_http_event(lws* connection, int reason, std::string_view data) {
 int Loop::on_request(lws* connection) {
     const Request request = read_request(connection);
     const Verdict verdict = judge(rules_, request);
-    if (verdict.status != 200) return refuse(connection, verdict.status, verdict.reason);
+    if (verdict.status != 200) {
+        return refuse(connection, verdict.status, verdict.reason);
+    }
     const Route route = routes_.find(request.path);
     const bool sends = request.method == "POST" || request.method == "PUT";
     const bool takes = route.kind == RouteKind::upload || route.kind == RouteKind::upload_done;
@@ -108,7 +114,9 @@ int Loop::on_request(lws* connection) {
 
 int Loop::send_file(lws* connection, const ServedFile& file, const std::string& cookie) {
     std::string headers;
-    if (!cookie.empty()) headers += fmt::format("set-cookie: {}\r\n", cookie);
+    if (!cookie.empty()) {
+        headers += fmt::format("set-cookie: {}\r\n", cookie);
+    }
     if (!file.attachment.empty()) {
         headers += fmt::format("content-disposition: attachment; filename=\"{}\"\r\n",
                                quoted_name(file.attachment));
@@ -120,13 +128,15 @@ int Loop::send_file(lws* connection, const ServedFile& file, const std::string& 
 
 int Loop::begin_upload(lws* connection, const Request& request) {
     const auto length = number<std::uint64_t>(header_of(connection, WSI_TOKEN_HTTP_CONTENT_LENGTH));
-    if (!length) return refuse(connection, 411, "An upload must say its Content-Length.");
+    if (!length) {
+        return refuse(connection, 411, "An upload must say its Content-Length.");
+    }
     Upload upload;
     try {
         upload.file =
             uploads_.begin(parameter(request, "name"), parameter(request, "batch"), *length);
     } catch (const UploadError& error) {
-        if (error.status == kTooLarge) {
+        if (error.status == too_large) {
             (void)answer_upload(connection, error);
             return -1;  // Not worth waiting for; anything smaller is read, so that browsers listen.
         }
@@ -138,15 +148,21 @@ int Loop::begin_upload(lws* connection, const Request& request) {
 
 int Loop::end_upload(lws* connection) {
     auto node = uploading_.extract(connection);
-    if (node.empty()) return 0;
+    if (node.empty()) {
+        return 0;
+    }
     Upload upload = std::move(node.mapped());
     try {
-        if (!upload.error) upload.file->finish();
+        if (!upload.error) {
+            upload.file->finish();
+        }
     } catch (const UploadError& error) {
         upload.error = error;
     }
-    if (upload.error) return answer_upload(connection, *upload.error);
-    return answer(connection, 200, kJson, "{}");
+    if (upload.error) {
+        return answer_upload(connection, *upload.error);
+    }
+    return answer(connection, 200, json_type, "{}");
 }
 
 int Loop::end_batch(lws* connection, const Request& request) {
@@ -155,7 +171,7 @@ int Loop::end_batch(lws* connection, const Request& request) {
         const auto viewer = number<std::uint32_t>(parameter(request, "viewer")).value_or(0);
         mail_.push(Uploaded{viewer, batch.path.string(), batch.name});
         return answer(
-            connection, 200, kJson,
+            connection, 200, json_type,
             json_text(
                 {{"path", batch.path.string()}, {"name", batch.name}, {"files", batch.files}}));
     } catch (const UploadError& error) {

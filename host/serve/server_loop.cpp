@@ -15,17 +15,17 @@
 namespace pxpl5::host::serve {
 namespace {
 
-constexpr unsigned kMaxConnections = 256;
-constexpr std::size_t kChunkBytes = 64U << 10U;  // Of uploads and files.
-constexpr unsigned short kMaxHeaderBytes = 8192;
-constexpr unsigned short kMaxHeadersAtOnce = 64;
+constexpr unsigned max_connections = 256;
+constexpr std::size_t chunk_bytes = 64U << 10U;  // Of uploads and files.
+constexpr unsigned short max_header_bytes = 8192;
+constexpr unsigned short max_headers_at_once = 64;
 
 // Sent with every answer.
-const lws_protocol_vhost_options kNoReferrer{nullptr, nullptr, "referrer-policy:", "no-referrer"};
-const lws_protocol_vhost_options kNoFrame{&kNoReferrer, nullptr, "x-frame-options:", "deny"};
-const lws_protocol_vhost_options kNoSniff{&kNoFrame, nullptr, "x-content-type-options:", "nosniff"};
-const lws_protocol_vhost_options kPolicy{
-    &kNoSniff, nullptr, "content-security-policy:",
+const lws_protocol_vhost_options no_referrer{nullptr, nullptr, "referrer-policy:", "no-referrer"};
+const lws_protocol_vhost_options no_frame{&no_referrer, nullptr, "x-frame-options:", "deny"};
+const lws_protocol_vhost_options no_sniff{&no_frame, nullptr, "x-content-type-options:", "nosniff"};
+const lws_protocol_vhost_options policy{
+    &no_sniff, nullptr, "content-security-policy:",
     "default-src 'self'; img-src 'self' blob: data:; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'"};
 
@@ -33,7 +33,9 @@ const lws_protocol_vhost_options kPolicy{
 thread_local std::string* complaints = nullptr;
 
 void complain(int /*level*/, const char* line) {
-    if (complaints != nullptr) *complaints += line;
+    if (complaints != nullptr) {
+        *complaints += line;
+    }
 }
 
 int call_loop(lws* connection, lws_callback_reasons reason, void* /*user*/, void* data,
@@ -43,8 +45,8 @@ int call_loop(lws* connection, lws_callback_reasons reason, void* /*user*/, void
     return loop == nullptr ? 0 : loop->on_event(connection, reason, data, size);
 }
 
-const std::array<lws_protocols, 2> kProtocols{
-    {{"pxpl5", call_loop, 0, kChunkBytes, 0, nullptr, 0}, {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};
+const std::array<lws_protocols, 2> protocols{
+    {{"pxpl5", call_loop, 0, chunk_bytes, 0, nullptr, 0}, {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};
 
 bool is_ipv6(const std::string& address) {
     return address.find(':') != std::string::npos;
@@ -61,10 +63,10 @@ void check_address(const std::string& bind) {
 
 void check_options(const ServerOptions& options) {
     check_address(options.bind);
-    constexpr int kMaxPort = 65535;
-    if (options.port < 0 || options.port > kMaxPort) {
+    constexpr int max_port = 65535;
+    if (options.port < 0 || options.port > max_port) {
         throw RequestError(ExitCode::usage,
-                           fmt::format("--port takes 0 to {}, not {}", kMaxPort, options.port));
+                           fmt::format("--port takes 0 to {}, not {}", max_port, options.port));
     }
     if (options.tls_cert.empty() != options.tls_key.empty()) {
         throw RequestError(ExitCode::usage, "--tls-cert and --tls-key go together: one is missing");
@@ -95,7 +97,9 @@ std::string reason_not_to_listen(const ServerOptions& options, const std::string
     void* place = six ? static_cast<void*>(&v6.sin6_addr) : &v4.sin_addr;
     inet_pton(six ? AF_INET6 : AF_INET, options.bind.c_str(), place);
     const int fd = socket(six ? AF_INET6 : AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (fd < 0) return std::strerror(errno);
+    if (fd < 0) {
+        return std::strerror(errno);
+    }
     const auto* address =
         six ? reinterpret_cast<const sockaddr*>(&v6) : reinterpret_cast<const sockaddr*>(&v4);
     const bool bound = bind(fd, address, six ? sizeof(v6) : sizeof(v4)) == 0;
@@ -118,7 +122,9 @@ std::string certificate_name(lws_vhost* vhost) {
 
 RouteFolders folders_of(const ServerOptions& options) {
     RouteFolders folders = built_in_folders();
-    if (!options.page.empty()) folders.page = options.page;
+    if (!options.page.empty()) {
+        folders.page = options.page;
+    }
     folders.downloads = options.downloads;
     return folders;
 }
@@ -146,15 +152,17 @@ void Loop::listen(const ServerOptions& options) {
     lws_context_creation_info info{};
     info.port = options.port;
     info.iface = options.bind.c_str();
-    info.protocols = kProtocols.data();
-    info.headers = &kPolicy;
+    info.protocols = protocols.data();
+    info.headers = &policy;
     info.user = this;
     info.options = LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND | LWS_SERVER_OPTION_VALIDATE_UTF8;
-    if (!is_ipv6(options.bind)) info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
-    info.fd_limit_per_thread = kMaxConnections;
-    info.pt_serv_buf_size = kChunkBytes;
-    info.max_http_header_data = kMaxHeaderBytes;
-    info.max_http_header_pool = kMaxHeadersAtOnce;
+    if (!is_ipv6(options.bind)) {
+        info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
+    }
+    info.fd_limit_per_thread = max_connections;
+    info.pt_serv_buf_size = chunk_bytes;
+    info.max_http_header_data = max_header_bytes;
+    info.max_http_header_pool = max_headers_at_once;
     info.alpn = "http/1.1";
     if (rules_.encrypted) {
         info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
@@ -169,10 +177,14 @@ void Loop::listen(const ServerOptions& options) {
     lws_vhost* vhost = context_ == nullptr ? nullptr : lws_get_vhost_by_name(context_, "default");
     port_ = vhost == nullptr ? 0 : lws_get_vhost_listen_port(vhost);
     if (port_ > 0) {
-        if (rules_.encrypted) rules_.names.push_back(certificate_name(vhost));
+        if (rules_.encrypted) {
+            rules_.names.push_back(certificate_name(vhost));
+        }
         return;
     }
-    if (context_ != nullptr) lws_context_destroy(context_);
+    if (context_ != nullptr) {
+        lws_context_destroy(context_);
+    }
     throw RequestError(ExitCode::unavailable,
                        fmt::format("cannot listen on {} port {}: {}", options.bind, options.port,
                                    reason_not_to_listen(options, log)));
@@ -221,13 +233,19 @@ void Loop::deliver() {
             }
             socket.viewer.line_up(message);
             lws_callback_on_writable(connection);
-            if (socket.viewer.closing.code != 0) close_soon(connection);
+            if (socket.viewer.closing.code != 0) {
+                close_soon(connection);
+            }
         }
     }
     const auto newest = mail_.newest();
-    if (newest->shown.rests) resting_pixels_ = newest->shown.pixels->size();
+    if (newest->shown.rests) {
+        resting_pixels_ = newest->shown.pixels->size();
+    }
     for (auto& [connection, socket] : sockets_) {
-        if (socket.viewer.takes(*newest)) lws_callback_on_writable(connection);
+        if (socket.viewer.takes(*newest)) {
+            lws_callback_on_writable(connection);
+        }
     }
     advise();
 }
@@ -237,7 +255,9 @@ void Loop::advise() {
     bool wanted = false;
     LinkAdvice advice;
     for (auto& [connection, socket] : sockets_) {
-        if (!socket.joined) continue;
+        if (!socket.joined) {
+            continue;
+        }
         wanted = wanted || socket.viewer.wants_newer(*newest);
         if (socket.viewer.role == Role::driver && resting_pixels_ > 0) {
             advice.scale = std::min(advice.scale, socket.viewer.link.scale(resting_pixels_));

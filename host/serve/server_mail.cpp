@@ -10,7 +10,9 @@
 namespace pxpl5::host::serve {
 
 Mail::Mail() : event_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-    if (event_fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+    if (event_fd_ < 0) {
+        throw std::system_error(errno, std::generic_category(), "eventfd");
+    }
     newest_ = std::make_shared<NewestFrame>();
 }
 
@@ -54,7 +56,9 @@ bool Mail::push(Event event) {
     const auto* said = std::get_if<Said>(&event);
     const std::size_t bytes = said == nullptr ? 0 : said->text.size() + sizeof(Event);
     const std::scoped_lock lock(mutex_);
-    if (bytes > 0 && event_bytes_ + bytes > kMaxWaitingEventBytes) return false;
+    if (bytes > 0 && event_bytes_ + bytes > max_waiting_event_bytes) {
+        return false;
+    }
     event_bytes_ += bytes;
     events_.push_back(std::move(event));
     wake_session();
@@ -75,7 +79,9 @@ void Mail::advise(bool wanted, std::uint64_t sequence, LinkAdvice advice) {
     const std::scoped_lock lock(mutex_);
     scale_ = advice.scale;
     const bool wants = wanted && sequence == newest_->sequence;
-    if (wants && !wants_frame_) wake_session();
+    if (wants && !wants_frame_) {
+        wake_session();
+    }
     wants_frame_ = wants;
 }
 

@@ -24,7 +24,7 @@ struct NewestFrame {
     Shown shown;
 };
 
-inline constexpr std::size_t kMaxWaitingEventBytes = 32U << 20U;
+inline constexpr std::size_t max_waiting_event_bytes = 32U << 20U;
 
 /// Locks are held for a few moves only: nobody waits for an encoder or a socket.
 class Mail {
@@ -43,7 +43,7 @@ class Mail {
     LinkAdvice advice() const { return {scale_}; }
 
     // The server's side.
-    /// False, and nothing kept, if the session lags by kMaxWaitingEventBytes of texts.
+    /// False, and nothing kept, if the session lags by max_waiting_event_bytes of texts.
     bool push(Event event);
     std::vector<Outgoing> collect();
     std::shared_ptr<const NewestFrame> newest() const;

@@ -13,12 +13,12 @@
 namespace pxpl5::host::serve {
 namespace {
 
-constexpr int kPingSeconds = 5;
-constexpr double kDeadAfterMs = 60'000;  // Without an answer to a ping.
+constexpr int ping_seconds = 5;
+constexpr double dead_after_ms = 60'000;  // Without an answer to a ping.
 // What still comes from a viewer who is sent away is thrown away for so long: if it came after the
 // socket is closed, its reset would overtake the reason.
-constexpr lws_usec_t kFarewellMs = 200;
-constexpr int kCloseTimeoutSeconds = 5;  // For who does not read the reason.
+constexpr lws_usec_t farewell_ms = 200;
+constexpr int close_timeout_seconds = 5;  // For who does not read the reason.
 
 double now_ms() {
     return std::chrono::duration<double, std::milli>(
@@ -39,8 +39,8 @@ int write_message(lws* connection, std::string_view first, std::string_view seco
 
 /// Closes with a reason.
 int say_why(lws* connection, const Viewer& viewer) {
-    constexpr std::size_t kMaxReasonBytes = 123;  // RFC 6455, 5.5.
-    std::string text = viewer.closing.text.substr(0, kMaxReasonBytes);
+    constexpr std::size_t max_reason_bytes = 123;  // RFC 6455, 5.5.
+    std::string text = viewer.closing.text.substr(0, max_reason_bytes);
     lws_close_reason(connection, static_cast<lws_close_status>(viewer.closing.code),
                      reinterpret_cast<unsigned char*>(text.data()), text.size());
     return -1;
@@ -49,8 +49,8 @@ int say_why(lws* connection, const Viewer& viewer) {
 }  // namespace
 
 void Loop::close_soon(lws* connection) {
-    lws_set_timer_usecs(connection, kFarewellMs * LWS_USEC_PER_SEC / 1000);
-    lws_set_timeout(connection, PENDING_TIMEOUT_CLOSE_SEND, kCloseTimeoutSeconds);
+    lws_set_timer_usecs(connection, farewell_ms * LWS_USEC_PER_SEC / 1000);
+    lws_set_timeout(connection, PENDING_TIMEOUT_CLOSE_SEND, close_timeout_seconds);
 }
 
 int Loop::on_socket_event(lws* connection, int reason, std::string_view data) {
@@ -58,20 +58,26 @@ int Loop::on_socket_event(lws* connection, int reason, std::string_view data) {
         // `data` may be freed already when the upgrade is not one to a WebSocket (CVE-2025-11677).
         return header_of(connection, WSI_TOKEN_UPGRADE) == "websocket" ? 0 : -1;
     }
-    if (reason == LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION) return on_handshake(connection);
+    if (reason == LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION) {
+        return on_handshake(connection);
+    }
     if (reason == LWS_CALLBACK_ESTABLISHED) {
         on_joined(connection);
         return 0;
     }
     const auto found = sockets_.find(connection);
-    if (found == sockets_.end()) return 0;
+    if (found == sockets_.end()) {
+        return 0;
+    }
     Socket& socket = found->second;
     switch (reason) {
         case LWS_CALLBACK_RECEIVE:
             on_text(connection, socket, data);
             return 0;
         case LWS_CALLBACK_RECEIVE_PONG:
-            if (socket.pinged_ms > 0) socket.viewer.link.pinged(now_ms() - socket.pinged_ms);
+            if (socket.pinged_ms > 0) {
+                socket.viewer.link.pinged(now_ms() - socket.pinged_ms);
+            }
             socket.pinged_ms = 0;
             return 0;
         case LWS_CALLBACK_SERVER_WRITEABLE:
@@ -104,12 +110,12 @@ void Loop::on_joined(lws* connection) {
     const auto role = handshakes_.extract(connection);
     const auto joined =
         std::ranges::count_if(sockets_, [](const auto& entry) { return entry.second.joined; });
-    const bool is_full = static_cast<std::size_t>(joined) >= kMaxViewers;
+    const bool is_full = static_cast<std::size_t>(joined) >= max_viewers;
     const std::uint32_t number = is_full ? 0 : ++viewers_;
     Socket socket{Viewer(number, role.empty() ? Role::watcher : role.mapped()), !is_full, 0};
     if (is_full) {
         socket.viewer.closing = {1013,
-                                 fmt::format("{} viewers are connected already.", kMaxViewers)};
+                                 fmt::format("{} viewers are connected already.", max_viewers)};
         close_soon(connection);
     } else {
         mail_.push(Joined{number, socket.viewer.role});
@@ -121,7 +127,9 @@ void Loop::on_joined(lws* connection) {
 
 void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
     Viewer& viewer = socket.viewer;
-    if (viewer.closing.code != 0) return;
+    if (viewer.closing.code != 0) {
+        return;
+    }
     if (lws_frame_is_binary(connection) != 0) {
         viewer.closing = {1003, "Only texts are understood."};
         return close_soon(connection);
@@ -129,11 +137,17 @@ void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
     const bool is_final =
         lws_is_final_fragment(connection) != 0 && lws_remaining_packet_payload(connection) == 0;
     std::optional<std::string> text = viewer.hear(part, is_final, now_ms());
-    if (viewer.closing.code != 0) return close_soon(connection);
-    if (!text) return;
+    if (viewer.closing.code != 0) {
+        return close_soon(connection);
+    }
+    if (!text) {
+        return;
+    }
     if (const auto number = shown_number(*text)) {
         viewer.link.shown(*number, now_ms());
-        if (viewer.takes(*mail_.newest())) lws_callback_on_writable(connection);
+        if (viewer.takes(*mail_.newest())) {
+            lws_callback_on_writable(connection);
+        }
         advise();
     } else if (!mail_.push(Said{viewer.number, viewer.role, std::move(*text)})) {
         viewer.closing = {1013, "The session has not caught up with what was said."};
@@ -143,7 +157,9 @@ void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
 
 int Loop::on_writable(lws* connection, Socket& socket) {
     Viewer& viewer = socket.viewer;
-    if (viewer.closing.code != 0) return socket.is_leaving ? say_why(connection, viewer) : 0;
+    if (viewer.closing.code != 0) {
+        return socket.is_leaving ? say_why(connection, viewer) : 0;
+    }
     // One message a call: then the others have their turn.
     const auto newest = mail_.newest();
     int result = 0;
@@ -159,7 +175,9 @@ int Loop::on_writable(lws* connection, Socket& socket) {
         result = send_frame(connection, viewer, *newest);
     }
     advise();
-    if (viewer.has_messages() || viewer.takes(*newest)) lws_callback_on_writable(connection);
+    if (viewer.has_messages() || viewer.takes(*newest)) {
+        lws_callback_on_writable(connection);
+    }
     return result;
 }
 
@@ -167,7 +185,9 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     const Shown& shown = frame.shown;
     const int quality = shown.rests ? 0 : viewer.link.quality(shown.pixels->size());
     const std::string& picture = encoded(frame, quality);
-    if (!shown.rests) viewer.link.encoded(quality, shown.pixels->size(), picture.size());
+    if (!shown.rests) {
+        viewer.link.encoded(quality, shown.pixels->size(), picture.size());
+    }
     FrameHeader header;
     header.number = viewer.count_frame(frame);
     header.revision = shown.revision;
@@ -180,12 +200,14 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     header.last = shown.last;
     header.machine_ms = shown.machine_ms;
     header.digest = shown.digest;
-    viewer.link.sent(header.number, kFrameHeaderBytes + picture.size(), now_ms());
+    viewer.link.sent(header.number, frame_header_bytes + picture.size(), now_ms());
     return write_message(connection, frame_header(header), picture, LWS_WRITE_BINARY);
 }
 
 const std::string& Loop::encoded(const NewestFrame& frame, int quality) {
-    if (encoded_sequence_ != frame.sequence) encoded_.clear();
+    if (encoded_sequence_ != frame.sequence) {
+        encoded_.clear();
+    }
     encoded_sequence_ = frame.sequence;
     std::string& picture = encoded_[quality];
     const Shown& shown = frame.shown;
@@ -203,9 +225,11 @@ int Loop::on_timer(lws* connection, Socket& socket) {
         return 0;
     }
     const double now = now_ms();
-    if (socket.pinged_ms > 0 && now - socket.pinged_ms > kDeadAfterMs) return -1;
+    if (socket.pinged_ms > 0 && now - socket.pinged_ms > dead_after_ms) {
+        return -1;
+    }
     socket.ping_due = socket.pinged_ms == 0;
-    lws_set_timer_usecs(connection, kPingSeconds * LWS_USEC_PER_SEC);
+    lws_set_timer_usecs(connection, ping_seconds * LWS_USEC_PER_SEC);
     lws_callback_on_writable(connection);
     return 0;
 }
@@ -214,7 +238,9 @@ void Loop::forget(lws* connection) {
     uploading_.erase(connection);
     handshakes_.erase(connection);
     const auto socket = sockets_.extract(connection);
-    if (socket.empty() || !socket.mapped().joined) return;
+    if (socket.empty() || !socket.mapped().joined) {
+        return;
+    }
     mail_.push(Left{socket.mapped().viewer.number});
     advise();
 }

@@ -15,9 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxPartBytes = 200;  // Of 255 that file systems take.
-constexpr int kMaxDepth = 8;
-constexpr std::size_t kMaxBatchName = 64;
+constexpr std::size_t max_part_bytes = 200;  // Of 255 that file systems take.
+constexpr int max_depth = 8;
+constexpr std::size_t max_batch_name = 64;
 
 std::string cleaned_part(std::string_view part) {
     std::string clean;
@@ -26,9 +26,11 @@ std::string cleaned_part(std::string_view part) {
         clean += byte < ' ' || byte == 0x7f || c == '\\' ? '_' : c;
     }
     clean.erase(0, clean.find_first_not_of(". "));
-    if (clean.size() <= kMaxPartBytes) return clean;
+    if (clean.size() <= max_part_bytes) {
+        return clean;
+    }
     // The end tells the format.
-    std::string end = clean.substr(clean.size() - kMaxPartBytes);
+    std::string end = clean.substr(clean.size() - max_part_bytes);
     const auto is_tail = [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) == 0x80U; };
     end.erase(0, static_cast<std::size_t>(std::ranges::find_if_not(end, is_tail) - end.begin()));
     end.erase(0, end.find_first_not_of(". "));
@@ -40,28 +42,35 @@ void check_batch(const std::string& name) {
         return !((c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
                  c == '-' || c == '_');
     };
-    if (name.empty() || name.size() > kMaxBatchName || std::ranges::any_of(name, is_odd)) {
+    if (name.empty() || name.size() > max_batch_name || std::ranges::any_of(name, is_odd)) {
         throw UploadError{400, fmt::format("A batch is named by 1 to {} letters, digits, '-' or "
                                            "'_', not by '{}'.",
-                                           kMaxBatchName, name)};
+                                           max_batch_name, name)};
     }
 }
 
 /// The only entry of a folder, if there is just one.
 std::optional<fs::path> only_entry(const fs::path& folder) {
     fs::directory_iterator at(folder);
-    if (at == fs::directory_iterator()) return std::nullopt;
+    if (at == fs::directory_iterator()) {
+        return std::nullopt;
+    }
     fs::path first = at->path();
     return ++at == fs::directory_iterator() ? std::optional(first) : std::nullopt;
 }
 
 /// The only header among the files of a folder: its data lie beside it, and it names them.
 std::optional<fs::path> only_header(const fs::path& folder) {
-    constexpr std::array<std::string_view, 3> kHeaders{".mhd", ".nhdr", ".hdr"};
+    constexpr std::array<std::string_view, 3> header_extensions{".mhd", ".nhdr", ".hdr"};
     std::optional<fs::path> header;
     for (const auto& entry : fs::directory_iterator(folder)) {
-        if (std::ranges::find(kHeaders, entry.path().extension()) == kHeaders.end()) continue;
-        if (header) return std::nullopt;
+        if (std::ranges::find(header_extensions, entry.path().extension()) ==
+            header_extensions.end()) {
+            continue;
+        }
+        if (header) {
+            return std::nullopt;
+        }
         header = entry.path();
     }
     return header;
@@ -76,8 +85,12 @@ fs::path cleaned_name(std::string_view name) {
         const std::size_t end = std::min(name.find('/'), name.size());
         const std::string part = cleaned_part(name.substr(0, end));
         name.remove_prefix(std::min(end + 1, name.size()));
-        if (part.empty()) continue;
-        if (++depth > kMaxDepth) return {};
+        if (part.empty()) {
+            continue;
+        }
+        if (++depth > max_depth) {
+            return {};
+        }
         path /= part;
     }
     return path;
@@ -100,7 +113,9 @@ UploadingFile::UploadingFile(Uploads& uploads, std::string batch, fs::path path,
 }
 
 UploadingFile::~UploadingFile() {
-    if (fd_ < 0) return;
+    if (fd_ < 0) {
+        return;
+    }
     close(fd_);
     unlink(path_.c_str());
     uploads_.bytes_ -= announced_;
@@ -116,7 +131,9 @@ void UploadingFile::append(std::string_view bytes) {
     }
     while (!bytes.empty()) {
         const ssize_t written = write(fd_, bytes.data(), bytes.size());
-        if (written < 0 && errno == EINTR) continue;
+        if (written < 0 && errno == EINTR) {
+            continue;
+        }
         if (written < 0) {
             throw UploadError{507, fmt::format("{} cannot be stored: {}.",
                                                path_.filename().string(), std::strerror(errno))};
@@ -138,28 +155,34 @@ void UploadingFile::finish() {
 
 Uploads::Batch& Uploads::open_batch(const std::string& name) {
     check_batch(name);
-    if (const auto known = batches_.find(name); known != batches_.end()) return known->second;
+    if (const auto known = batches_.find(name); known != batches_.end()) {
+        return known->second;
+    }
     // Numbered, so that a name that comes again meets no files of its forerunner.
     fs::path folder;
     std::error_code error;
     do {
         folder = folder_ / fmt::format("{}-{}", ++batch_count_, name);
     } while (!fs::create_directory(folder, error) && !error);
-    if (error) throw UploadError{500, fmt::format("Nothing can be stored: {}.", error.message())};
+    if (error) {
+        throw UploadError{500, fmt::format("Nothing can be stored: {}.", error.message())};
+    }
     return batches_[name] = {folder, 0, 0};
 }
 
 std::unique_ptr<UploadingFile> Uploads::begin(const std::string& name, const std::string& batch,
                                               std::uint64_t length) {
     const fs::path clean = cleaned_name(name);
-    if (clean.empty()) throw UploadError{400, fmt::format("A file cannot be named '{}'.", name)};
-    if (length > kMaxUploadBytes - bytes_) {
+    if (clean.empty()) {
+        throw UploadError{400, fmt::format("A file cannot be named '{}'.", name)};
+    }
+    if (length > max_upload_bytes - bytes_) {
         throw UploadError{
             413, fmt::format("{} is too large: {} bytes, and {} of {} are left.", clean.string(),
-                             length, kMaxUploadBytes - bytes_, kMaxUploadBytes)};
+                             length, max_upload_bytes - bytes_, max_upload_bytes)};
     }
-    if (files_ >= kMaxUploadFiles) {
-        throw UploadError{413, fmt::format("{} files have come: no more can.", kMaxUploadFiles)};
+    if (files_ >= max_upload_files) {
+        throw UploadError{413, fmt::format("{} files have come: no more can.", max_upload_files)};
     }
     const fs::path path = open_batch(batch).folder / clean;
     std::error_code error;
@@ -186,9 +209,13 @@ UploadedBatch Uploads::done(const std::string& name) {
     // A dropped folder comes as files below it: the folder's name is the one that people know.
     while (const auto only = only_entry(path)) {
         path = *only;
-        if (!fs::is_directory(path)) break;
+        if (!fs::is_directory(path)) {
+            break;
+        }
     }
-    if (fs::is_directory(path)) path = only_header(path).value_or(path);
+    if (fs::is_directory(path)) {
+        path = only_header(path).value_or(path);
+    }
     const std::string known_as = path == batch.folder ? name : path.filename().string();
     return {path, known_as, batch.files};
 }

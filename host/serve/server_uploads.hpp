@@ -11,8 +11,8 @@
 
 namespace pxpl5::host::serve {
 
-inline constexpr std::uint64_t kMaxUploadBytes = 4ULL << 30U;  // In all, while the server runs.
-inline constexpr int kMaxUploadFiles = 100'000;
+inline constexpr std::uint64_t max_upload_bytes = 4ULL << 30U;  // In all, while the server runs.
+inline constexpr int max_upload_files = 100'000;
 
 /// A request that cannot be obeyed, as HTTP says it.
 struct UploadError {

@@ -11,12 +11,12 @@
 
 namespace pxpl5::host::serve {
 
-inline constexpr std::size_t kMaxViewers = 8;
-inline constexpr std::size_t kMaxTextBytes = 64U << 10U;  // Of a message to the server.
-inline constexpr double kMessagesPerSecond = 400;         // Of a viewer, on average.
-inline constexpr double kMessagesAtOnce = 800;
-inline constexpr std::size_t kMaxWaitingBytes = 8U << 20U;  // For a viewer.
-inline constexpr std::size_t kMaxUnacknowledgedFrames = 2;  // One on its way, one displayed.
+inline constexpr std::size_t max_viewers = 8;
+inline constexpr std::size_t max_text_bytes = 64U << 10U;  // Of a message to the server.
+inline constexpr double messages_per_second = 400;         // Of a viewer, on average.
+inline constexpr double messages_at_once = 800;
+inline constexpr std::size_t max_waiting_bytes = 8U << 20U;  // For a viewer.
+inline constexpr std::size_t max_unacknowledged_frames = 2;  // One on its way, one displayed.
 
 /// A WebSocket's close code with its sentence of at most 123 bytes. Source: RFC 6455, 7.4.
 struct CloseReason {
@@ -55,7 +55,7 @@ class Viewer {
     bool has_room() const;
 
     std::string heard_;
-    double may_say_ = kMessagesAtOnce;
+    double may_say_ = messages_at_once;
     double last_heard_ms_ = 0;
     std::deque<Outgoing> messages_;
     std::size_t waiting_bytes_ = 0;

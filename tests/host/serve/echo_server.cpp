@@ -38,9 +38,15 @@ serve::Shown frame_of(const Json& words) {
 
 void obey(serve::Server& server, const serve::Said& said) {
     const Json words = Json::parse(said.text, nullptr, false);
-    if (words.contains("frame")) server.show(frame_of(words["frame"]));
-    if (words.contains("echo")) server.send(said.viewer, words.dump());
-    if (words.contains("say")) server.broadcast(words.dump());
+    if (words.contains("frame")) {
+        server.show(frame_of(words["frame"]));
+    }
+    if (words.contains("echo")) {
+        server.send(said.viewer, words.dump());
+    }
+    if (words.contains("say")) {
+        server.broadcast(words.dump());
+    }
     if (words.contains("wants")) {
         server.send(said.viewer,
                     Json{{"wants", server.wants_frame()}, {"scale", server.advice().scale}}.dump());
@@ -74,14 +80,30 @@ serve::ServerOptions options_of(int count, char** words) {
     serve::ServerOptions options;
     for (int i = 1; i + 1 < count; i += 2) {
         const std::string key = words[i], value = words[i + 1];
-        if (key == "bind") options.bind = value;
-        if (key == "port") options.port = std::stoi(value);
-        if (key == "insecure") options.insecure = value == "1";
-        if (key == "cert") options.tls_cert = value;
-        if (key == "key") options.tls_key = value;
-        if (key == "page") options.page = value;
-        if (key == "uploads") options.uploads = value;
-        if (key == "downloads") options.downloads = value;
+        if (key == "bind") {
+            options.bind = value;
+        }
+        if (key == "port") {
+            options.port = std::stoi(value);
+        }
+        if (key == "insecure") {
+            options.insecure = value == "1";
+        }
+        if (key == "cert") {
+            options.tls_cert = value;
+        }
+        if (key == "key") {
+            options.tls_key = value;
+        }
+        if (key == "page") {
+            options.page = value;
+        }
+        if (key == "uploads") {
+            options.uploads = value;
+        }
+        if (key == "downloads") {
+            options.downloads = value;
+        }
     }
     return options;
 }
@@ -95,7 +117,9 @@ int main(int count, char** words) {
         std::fflush(stdout);
         std::array<pollfd, 2> wait{{{server.event_fd(), POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}}};
         while (poll(wait.data(), wait.size(), -1) > 0 && wait[1].revents == 0) {
-            for (const serve::Event& event : server.take()) tell(server, event);
+            for (const serve::Event& event : server.take()) {
+                tell(server, event);
+            }
         }
         return 0;
     } catch (const RequestError& error) {

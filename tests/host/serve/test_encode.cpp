@@ -12,13 +12,13 @@
 namespace pxpl5::host::serve {
 namespace {
 
-constexpr int kWidth = 61, kHeight = 43;  // No multiple of a JPEG's blocks.
+constexpr int width_px = 61, height_px = 43;  // No multiple of a JPEG's blocks.
 
 using Pixels = std::vector<std::uint32_t>;
 
 /// Every byte of the pixels varies, and quickly.
 Pixels noise() {
-    Pixels pixels(kWidth * kHeight);
+    Pixels pixels(width_px * height_px);
     std::uint32_t state = 1;
     for (std::uint32_t& pixel : pixels) {
         state = state * 1664525U + 1013904223U;
@@ -29,8 +29,8 @@ Pixels noise() {
 
 Pixels gradient() {
     Pixels pixels;
-    for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) {
+    for (int y = 0; y < height_px; ++y) {
+        for (int x = 0; x < width_px; ++x) {
             pixels.push_back(0xff000000U | static_cast<std::uint32_t>(x * 4) |
                              static_cast<std::uint32_t>(y * 5) << 8U | 100U << 16U);
         }
@@ -42,20 +42,20 @@ Pixels decoded_png(const std::string& bytes) {
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     REQUIRE(png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) != 0);
-    REQUIRE(image.width == kWidth);
-    REQUIRE(image.height == kHeight);
+    REQUIRE(image.width == width_px);
+    REQUIRE(image.height == height_px);
     image.format = PNG_FORMAT_RGBA;
-    Pixels pixels(kWidth * kHeight);
+    Pixels pixels(width_px * height_px);
     REQUIRE(png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr) != 0);
     return pixels;
 }
 
 Pixels decoded_jpeg(const std::string& bytes) {
     tjhandle decoder = tjInitDecompress();
-    Pixels pixels(kWidth * kHeight);
+    Pixels pixels(width_px * height_px);
     const int failed = tjDecompress2(decoder, reinterpret_cast<const unsigned char*>(bytes.data()),
                                      bytes.size(), reinterpret_cast<unsigned char*>(pixels.data()),
-                                     kWidth, 0, kHeight, TJPF_RGBX, 0);
+                                     width_px, 0, height_px, TJPF_RGBX, 0);
     tjDestroy(decoder);
     REQUIRE(failed == 0);
     return pixels;
@@ -77,14 +77,16 @@ double difference(const Pixels& a, const Pixels& b) {
 }  // namespace
 
 TEST_CASE("a PNG holds the very pixels") {
-    CHECK(decoded_png(png_of(kWidth, kHeight, noise())) == noise());
-    CHECK(decoded_png(png_of(kWidth, kHeight, gradient())) == gradient());
+    CHECK(decoded_png(png_of(width_px, height_px, noise())) == noise());
+    CHECK(decoded_png(png_of(width_px, height_px, gradient())) == gradient());
 }
 
 TEST_CASE("a JPEG holds a smooth picture, red still red, the better the higher its quality") {
     const Pixels picture = gradient();
-    const double good = difference(picture, decoded_jpeg(jpeg_of(kWidth, kHeight, picture, 90)));
-    const double poor = difference(picture, decoded_jpeg(jpeg_of(kWidth, kHeight, picture, 50)));
+    const double good =
+        difference(picture, decoded_jpeg(jpeg_of(width_px, height_px, picture, 90)));
+    const double poor =
+        difference(picture, decoded_jpeg(jpeg_of(width_px, height_px, picture, 50)));
     CHECK(good < 2.5);
     CHECK(poor < 6);
     CHECK(good < poor);

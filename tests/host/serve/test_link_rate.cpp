@@ -27,12 +27,12 @@ struct Outcome {
     double scale = 0;
 };
 
-constexpr std::size_t kFullPixels = 512 * 512;
+constexpr std::size_t full_pixels = 512 * 512;
 
 /// Bytes of a JPEG: of a picture that grows faster with quality than LinkRate takes for usual.
 double jpeg_bytes(int quality, double pixels) {
-    constexpr std::array<double, 5> kGrowth{1, 1.25, 1.5, 2.1, 3.2};
-    return 0.06 * pixels * kGrowth[static_cast<std::size_t>((quality - 50) / 10)];
+    constexpr std::array<double, 5> growth{1, 1.25, 1.5, 2.1, 3.2};
+    return 0.06 * pixels * growth[static_cast<std::size_t>((quality - 50) / 10)];
 }
 
 /// Sends frames for 20 s, as many as two acknowledgements allow and at most 60 a second.
@@ -46,17 +46,21 @@ Outcome drive(LinkRate& rate, Pipe& pipe, double begin_ms) {
     Outcome outcome;
     double next_ms = begin_ms;
     int shown_late = 0;
-    constexpr double kSpanMs = 20'000;
-    for (double now = begin_ms; now < begin_ms + kSpanMs; now += 0.25) {
+    constexpr double span_ms = 20'000;
+    for (double now = begin_ms; now < begin_ms + span_ms; now += 0.25) {
         while (!coming.empty() && coming.front().at_ms <= now) {
             rate.shown(coming.front().number, coming.front().at_ms);
-            if (now > begin_ms + kSpanMs / 2) ++shown_late;
+            if (now > begin_ms + span_ms / 2) {
+                ++shown_late;
+            }
             coming.pop_front();
         }
-        if (now < next_ms || rate.unacknowledged() >= 2) continue;
+        if (now < next_ms || rate.unacknowledged() >= 2) {
+            continue;
+        }
         next_ms = now + 1000.0 / 60;
-        const double scale = rate.scale(kFullPixels);
-        const auto pixels = static_cast<std::size_t>(kFullPixels * scale * scale);
+        const double scale = rate.scale(full_pixels);
+        const auto pixels = static_cast<std::size_t>(full_pixels * scale * scale);
         const int quality = rate.quality(pixels);
         const auto bytes =
             static_cast<std::size_t>(jpeg_bytes(quality, static_cast<double>(pixels)));
@@ -71,7 +75,7 @@ Outcome drive(LinkRate& rate, Pipe& pipe, double begin_ms) {
         coming.pop_front();
     }
     outcome.bytes_per_s = rate.bytes_per_s();
-    outcome.frames_per_s = shown_late / (kSpanMs / 2 / 1000);
+    outcome.frames_per_s = shown_late / (span_ms / 2 / 1000);
     return outcome;
 }
 
@@ -98,14 +102,14 @@ TEST_CASE("the rate of a pipe is measured to a tenth, whatever its latency") {
 TEST_CASE("a fast link gets the best quality at full size, even if it is far away") {
     for (const double latency_ms : {0.2, 20.0, 200.0}) {
         const Outcome outcome = drive(2e7, latency_ms);
-        CHECK(outcome.quality == kMaxQuality);
+        CHECK(outcome.quality == max_quality);
         CHECK(outcome.scale == 1);
     }
 }
 
 TEST_CASE("a slow link gets worse pictures, then smaller ones, 25 a second while that suffices") {
     const Outcome middling = drive(6e5, 10);
-    CHECK(middling.quality < kMaxQuality);
+    CHECK(middling.quality < max_quality);
     CHECK(middling.scale == 1);
     CHECK(middling.frames_per_s >= 24);
     const Outcome slow = drive(2e5, 10);
@@ -117,12 +121,12 @@ TEST_CASE("a link that slows down and recovers is followed both ways") {
     LinkRate rate;
     rate.pinged(5);
     Pipe pipe{1e7, 5, 0};
-    CHECK(drive(rate, pipe, 0).quality == kMaxQuality);
+    CHECK(drive(rate, pipe, 0).quality == max_quality);
     pipe.bytes_per_s = 2e5;
     CHECK(drive(rate, pipe, 30'000).scale == 0.5);
     pipe.bytes_per_s = 1e7;
     const Outcome again = drive(rate, pipe, 60'000);
-    CHECK(again.quality == kMaxQuality);
+    CHECK(again.quality == max_quality);
     CHECK(again.scale == 1);
 }
 

@@ -87,9 +87,9 @@ TEST_CASE("an upload that breaks off leaves nothing behind and may come again") 
 TEST_CASE("uploads are refused when they would be too much, twice the same, or unnamed") {
     const ScratchFolder scratch;
     Uploads uploads(scratch.path);
-    CHECK(status_of([&] { uploads.begin("a", "b", kMaxUploadBytes + 1); }) == 413);
+    CHECK(status_of([&] { uploads.begin("a", "b", max_upload_bytes + 1); }) == 413);
     {
-        const auto large = uploads.begin("a", "b", kMaxUploadBytes - 1);
+        const auto large = uploads.begin("a", "b", max_upload_bytes - 1);
         CHECK(status_of([&] { uploads.begin("c", "b", 2); }) == 413);
         CHECK(status_of([&] { uploads.begin("c", "b", UINT64_MAX); }) == 413);
         CHECK(status_of([&] { uploads.done("b"); }) == 400);

@@ -26,9 +26,9 @@ TEST_CASE("parts make up a message, 64 KiB at most") {
     Viewer viewer(1, Role::driver);
     CHECK_FALSE(viewer.hear("{\"a\"", false, 0));
     CHECK(viewer.hear(":1}", true, 0) == "{\"a\":1}");
-    CHECK(viewer.hear(std::string(kMaxTextBytes, 'x'), true, 0)->size() == kMaxTextBytes);
+    CHECK(viewer.hear(std::string(max_text_bytes, 'x'), true, 0)->size() == max_text_bytes);
     CHECK(viewer.closing.code == 0);
-    CHECK_FALSE(viewer.hear(std::string(kMaxTextBytes, 'x'), false, 0));
+    CHECK_FALSE(viewer.hear(std::string(max_text_bytes, 'x'), false, 0));
     CHECK(viewer.closing.code == 0);
     CHECK_FALSE(viewer.hear("x", true, 0));
     CHECK(viewer.closing.code == 1009);
@@ -36,9 +36,13 @@ TEST_CASE("parts make up a message, 64 KiB at most") {
 
 TEST_CASE("a viewer may say 400 messages a second for ever, 800 at once and not one more") {
     Viewer steady(1, Role::driver);
-    for (int i = 0; i < 10'000; ++i) CHECK(steady.hear("x", true, i * 2.5));
+    for (int i = 0; i < 10'000; ++i) {
+        CHECK(steady.hear("x", true, i * 2.5));
+    }
     Viewer flood(2, Role::driver);
-    for (int i = 0; i < 800; ++i) REQUIRE(flood.hear("x", true, 1e6));
+    for (int i = 0; i < 800; ++i) {
+        REQUIRE(flood.hear("x", true, 1e6));
+    }
     CHECK(flood.closing.code == 0);
     CHECK_FALSE(flood.hear("x", true, 1e6));
     CHECK(flood.closing.code == 1008);
@@ -46,11 +50,11 @@ TEST_CASE("a viewer may say 400 messages a second for ever, 800 at once and not 
 
 TEST_CASE("more than 8 MiB in wait for a viewer close it, one large message does not") {
     Viewer viewer(1, Role::driver);
-    viewer.line_up(text(kMaxWaitingBytes * 2));
+    viewer.line_up(text(max_waiting_bytes * 2));
     CHECK(viewer.closing.code == 0);
-    CHECK(viewer.next_message()->bytes->size() == kMaxWaitingBytes * 2);
-    viewer.line_up(text(kMaxWaitingBytes / 2));
-    viewer.line_up(text(kMaxWaitingBytes / 2));
+    CHECK(viewer.next_message()->bytes->size() == max_waiting_bytes * 2);
+    viewer.line_up(text(max_waiting_bytes / 2));
+    viewer.line_up(text(max_waiting_bytes / 2));
     CHECK(viewer.closing.code == 0);
     viewer.line_up(text(1));
     CHECK(viewer.closing.code == 1013);
@@ -103,11 +107,13 @@ TEST_CASE("events wake the session once, until it takes them all") {
 
 TEST_CASE("a session that lags refuses texts, never joins and leaves") {
     Mail mail;
-    const std::string longest(kMaxTextBytes, 'x');
+    const std::string longest(max_text_bytes, 'x');
     std::size_t kept = 0;
-    while (mail.push(Said{1, Role::driver, longest})) ++kept;
-    CHECK(kept * kMaxTextBytes <= kMaxWaitingEventBytes);
-    CHECK((kept + 2) * kMaxTextBytes > kMaxWaitingEventBytes);
+    while (mail.push(Said{1, Role::driver, longest})) {
+        ++kept;
+    }
+    CHECK(kept * max_text_bytes <= max_waiting_event_bytes);
+    CHECK((kept + 2) * max_text_bytes > max_waiting_event_bytes);
     CHECK(mail.push(Left{1}));
     CHECK(mail.take().size() == kept + 1);
     CHECK(mail.push(Said{1, Role::driver, longest}));
