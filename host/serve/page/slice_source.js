@@ -14,13 +14,21 @@ export class SliceSource {
     /** @private */ this.to_ = to;
     /** @private @type {{axis: Axis, index: number} | null} */ this.next_ = null;
     /** @private */ this.busy_ = false;
+    /** @private  What was asked last; '' if it must be asked again. */
+    this.asked_ = '';
   }
 
   /**
    * @param {Axis} axis
    * @param {number} index
+   * @param {string} of       Volume and contours: the same slice of the same is not asked twice.
    */
-  want(axis, index) {
+  want(axis, index, of) {
+    const asked = `${axis} ${index} ${of}`;
+    if (asked === this.asked_) {
+      return;
+    }
+    this.asked_ = asked;
     this.next_ = {axis, index};
     if (!this.busy_) {
       void this.work_();
@@ -37,6 +45,7 @@ export class SliceSource {
         const answer = await this.connection_.ask({ask: 'slice', axis, index});
         this.to_.slice(sliceOf(axis, index, answer));
       } catch (error) {
+        this.asked_ = '';
         this.to_.failed(error instanceof Error ? error.message : String(error));
       }
     }

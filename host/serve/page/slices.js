@@ -14,6 +14,7 @@ import {SliceView} from './slice_view.js';
 
 const PLANES = ['Axial', 'Coronal', 'Sagittal'];
 const SELF = 'slices';
+const REST_MS = 250;        // After which an isovalue that was dragged rests.
 const DRAG_ACROSS_RANGE = 400;  // CSS pixels of a window/level drag that stand for 1000 values.
 const EMPTY = 'No volume is open. Open one, and its slices stand here.';
 
@@ -36,6 +37,12 @@ class SlicesPanel {
     this.voxel = [0, 0, 0];
     /** @type {ReturnType<typeof planesOf>} */
     this.planes = [];
+    /** Counts volumes. */
+    this.opened = 0;
+    /** What the slices' contours depend on. */
+    this.contours = '';
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.resting = undefined;
     this.visible = false;
     this.stale = true;
     this.message = messageLine('slices-message');
@@ -125,11 +132,21 @@ class SlicesPanel {
   }
 
   listen() {
-    const {store} = this.app;
+    const {store, connection} = this.app;
+    // What was asked when the connection was lost is asked again.
+    connection.on('hello', () => this.refresh());
     store.subscribe(['volume'], state => this.open(state.volume));
     store.subscribe(['surfaces'], ({surfaces}) => {
       this.target.replaceChildren(...surfaces.map(({name}) => h('option', {value: name}, name)));
-      this.refresh();
+      // The isovalue may be dragged: the large view follows, the small ones when it rests.
+      const contours = JSON.stringify(surfaces.map(({name, isovalue, color, visible}) =>
+        [name, isovalue, color, visible]));
+      if (contours !== this.contours) {
+        this.contours = contours;
+        this.refresh(({element}) => element.classList.contains('large'));
+        clearTimeout(this.resting);
+        this.resting = setTimeout(() => this.refresh(), REST_MS);
+      }
     });
     document.addEventListener('place', event => {
       const {p_mm, from} = /** @type {CustomEvent} */ (event).detail;
@@ -151,6 +168,7 @@ class SlicesPanel {
     const same = volume !== null && volume.source === this.volume?.source &&
       String(volume.size) === String(this.volume?.size);
     this.volume = volume;
+    ++this.opened;
     this.root.classList.toggle('empty', volume === null);
     this.message.say(volume ? '' : EMPTY);
     if (!volume) {
@@ -162,6 +180,8 @@ class SlicesPanel {
     if (!same) {
       this.look(firstWindow(volume));
       this.move(/** @type {Vector} */ (volume.size.map(count => Math.floor(count / 2))));
+    } else {
+      this.refresh();
     }
   }
 
@@ -182,20 +202,26 @@ class SlicesPanel {
     ].filter(Boolean).join(' ');
   }
 
-  /** Asks for the three slices again: what they show may have changed. */
-  refresh() {
+  /**
+   * Asks for slices again where what they show may have changed.
+   * @param {(pane: Pane) => boolean} [which]  All, if not given.
+   */
+  refresh(which = () => true) {
     this.stale = !this.visible;
     const volume = this.volume;
     if (!volume || !this.visible) {
       return;
     }
-    this.panes.forEach(({source, slider, count}, number) => {
+    this.panes.forEach((pane, number) => {
+      const {source, slider, count} = pane;
       const {axis, number: through} = this.planes[number];
       const index = Math.round(this.voxel[through]);
       slider.max = String(volume.size[through] - 1);
       slider.value = String(index);
       count.textContent = `${index + 1} / ${volume.size[through]}`;
-      source.want(axis, index);
+      if (which(pane)) {
+        source.want(axis, index, `${this.opened} ${this.contours}`);
+      }
     });
   }
 
