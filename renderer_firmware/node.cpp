@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "isa/sample_sums.hpp"
 #include "ringbus/ranges.hpp"
 
 namespace pxpl5::renderer {
@@ -48,8 +49,8 @@ struct RegionWords {
 constexpr std::size_t body_margin_bytes = 1024;
 
 /// Bytes of the body that takes `regions` regions to the frame buffer.
-std::size_t body_bytes(std::size_t regions, bool wants_depths) {
-    const std::size_t words = isa::region_pixels * (wants_depths ? 2 : 1);
+std::size_t body_bytes(std::size_t regions, bool has_pixels, bool wants_depths) {
+    const std::size_t words = isa::region_pixels * ((has_pixels ? 1 : 0) + (wants_depths ? 1 : 0));
     return regions * (words * sizeof(std::uint32_t) + sizeof(schema::RegionTile)) +
            body_margin_bytes;
 }
@@ -63,12 +64,13 @@ struct RendererNode::Drawing {
         : inputs(std::move(messages)),
           plan(plan_frame(inputs, renderer)),
           programs(region_frame(plan.programs)),
-          body(body_bytes(plan.regions.size(), wants_depths()), memory),
-          pixels(body, plan.regions.size()) {
+          body(body_bytes(plan.regions.size(), has_pixels(), wants_depths()), memory),
+          pixels(body, has_pixels() ? plan.regions.size() : 0) {
         if (wants_depths()) {
             depths = RegionWords(body, plan.regions.size());
         }
     }
+    bool has_pixels() const { return plan.pass.is_last(); }
     bool wants_depths() const { return !plan.programs.depths.empty(); }
 
     FrameMessages inputs;  ///< Keeps the messages that the plan points into.
@@ -164,6 +166,15 @@ void RendererNode::on_begin(const bus::Message& message) {
                fmt::format("frame {}: the assignment is for {} regions, the frame has {}",
                            draw.frame(), begin.assignment()->size(), regions));
     }
+    const auto ours = static_cast<std::size_t>(std::ranges::count(*begin.assignment(), index_));
+    if (ours > isa::max_summed_regions(draw.samples())) {
+        refuse(
+            FaultCode::bad_message,
+            fmt::format("frame {}: {} regions are assigned to Renderer {}, which sums {} samples "
+                        "of {} at most",
+                        draw.frame(), ours, index_, draw.samples(),
+                        isa::max_summed_regions(draw.samples())));
+    }
     FrameMessages& inputs = inputs_of(draw.frame());
     if (inputs.begin) {
         refuse(FaultCode::bad_message, fmt::format("frame {} begins twice", draw.frame()));
@@ -227,21 +238,51 @@ void RendererNode::start_next(bus::Outbox& out) {
         drawing->note(fault.code, fault.gp, fault.reason);
     }
     drawing_ = std::move(drawing);
+    if (!goes_on_from_sums(out)) {
+        drawing_.reset();
+    }
+}
+
+/// Makes the backing store ready for the frame. False, and a fault, if the frame is a pass that
+/// would add to sums that are not there: its picture would be wrong, so there is none.
+bool RendererNode::goes_on_from_sums(bus::Outbox& out) {
+    const FramePlan& plan = drawing_->plan;
+    const std::string missing = missing_sums(sums_, plan);
+    sums_.reset();
+    if (!missing.empty()) {
+        drawing_->note(FaultCode::lost_message, no_gp, missing);
+        tell_faults(out);
+        return false;
+    }
+    if (plan.pass.sample == 0) {
+        executor_.reset();
+    }
+    sums_ = sums_behind(plan);
+    return true;
 }
 
 void RendererNode::draw_next_region() {
     const std::size_t place = drawing_->next_region++;
     FramePlan::Region& region = drawing_->plan.regions[place];
+    const std::span<std::uint32_t> pixels =
+        drawing_->has_pixels() ? drawing_->pixels.region(place) : std::span<std::uint32_t>();
     // What a segment reads out, which none of ours does, goes nowhere.
     const auto route = [&](RegionPlan::Kind kind) {
-        executor_.read_out_into(kind == RegionPlan::Kind::end_of_region
-                                    ? drawing_->pixels.region(place)
+        executor_.read_out_into(kind == RegionPlan::Kind::end_of_region ? pixels
                                 : kind == RegionPlan::Kind::depths ? drawing_->depths.region(place)
                                                                    : std::span<std::uint32_t>());
     };
-    executor_.reset();
-    const RegionResult result =
-        draw_region(executor_, drawing_->programs, std::move(region.segments), route);
+    RegionFrame& programs = drawing_->programs;
+    std::vector<std::uint32_t> end;  // Of this region, if it has a slot.
+    if (const std::uint32_t samples = drawing_->plan.pass.samples; samples > 1) {
+        end = at_slot(drawing_->plan.programs.end_of_region, samples, place);
+        programs.end_of_region = end;
+        programs.holds_sums = true;
+        executor_.reset_pixels();
+    } else {
+        executor_.reset();
+    }
+    const RegionResult result = draw_region(executor_, programs, std::move(region.segments), route);
     executor_.read_out_into({});
     drawing_->tiles.emplace_back(static_cast<std::uint16_t>(region.number), result.counts.cycles,
                                  result.counts.instructions);

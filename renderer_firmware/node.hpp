@@ -36,6 +36,7 @@ class RendererNode final : public bus::Node {
     void on_programs(const bus::Message& message);
     FrameMessages& inputs_of(std::uint32_t frame);
     void start_next(bus::Outbox& out);
+    bool goes_on_from_sums(bus::Outbox& out);
     void draw_next_region();
     void send_pixels(bus::Outbox& out);
     void tell_faults(bus::Outbox& out);
@@ -46,6 +47,7 @@ class RendererNode final : public bus::Node {
     std::map<std::uint32_t, FrameMessages> waiting_;  ///< By frame, those not yet drawn.
     std::optional<std::uint32_t> newest_drawn_;       ///< Frames up to it are over.
     fast::Fast executor_;
+    std::optional<HeldSums> sums_;      ///< What its backing store holds.
     std::unique_ptr<Drawing> drawing_;  ///< The frame being drawn.
 };
 

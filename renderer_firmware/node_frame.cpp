@@ -68,6 +68,7 @@ Shading shading_of(const schema::DrawFrame& draw) {
         shading.lights.push_back({{d.x(), d.y(), d.z()}, light->intensity()});
     }
     shading.screens = screens_of(draw);
+    shading.pass = {draw.sample(), draw.samples()};
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
         const schema::Rgb& c = surface->colour();
         shading.surfaces.push_back({c.r(), c.g(), c.b()});
@@ -100,7 +101,9 @@ FramePlan plan_frame(const FrameMessages& messages, std::uint32_t renderer) {
     const auto& begin = *messages.begin->as<schema::BeginFrame>();
     FramePlan plan;
     plan.frame = begin.draw()->frame();
-    plan.programs = region_programs(shading_of(*begin.draw()), begin.draw()->read_depths());
+    const Shading shading = shading_of(*begin.draw());
+    plan.pass = shading.pass;
+    plan.programs = region_programs(shading, begin.draw()->read_depths());
     const auto& assignment = *begin.assignment();
     for (std::uint32_t r = 0; r < assignment.size(); ++r) {
         if (assignment[r] == renderer) {
@@ -113,6 +116,38 @@ FramePlan plan_frame(const FrameMessages& messages, std::uint32_t renderer) {
         }
     }
     return plan;
+}
+
+std::optional<HeldSums> sums_behind(const FramePlan& plan) {
+    if (plan.pass.is_last()) {
+        return std::nullopt;
+    }
+    HeldSums sums{plan.frame, plan.pass, {}};
+    for (const FramePlan::Region& region : plan.regions) {
+        sums.regions.push_back(region.number);
+    }
+    return sums;
+}
+
+std::string missing_sums(const std::optional<HeldSums>& held, const FramePlan& plan) {
+    if (plan.pass.sample == 0) {
+        return {};
+    }
+    const std::string pass =
+        fmt::format("sample {} of {}", plan.pass.sample + 1, plan.pass.samples);
+    if (!held) {
+        return fmt::format("{}: no sums are held", pass);
+    }
+    if (held->frame + 1 != plan.frame || held->pass.sample + 1 != plan.pass.sample ||
+        held->pass.samples != plan.pass.samples) {
+        return fmt::format("{}: the sums held are those of sample {} of {} of frame {}", pass,
+                           held->pass.sample + 1, held->pass.samples, held->frame);
+    }
+    if (!std::ranges::equal(held->regions, plan.regions, {}, {}, &FramePlan::Region::number)) {
+        return fmt::format("{}: sums of {} regions are held, others than the {} of this frame",
+                           pass, held->regions.size(), plan.regions.size());
+    }
+    return {};
 }
 
 }  // namespace pxpl5::renderer

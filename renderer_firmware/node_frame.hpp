@@ -37,6 +37,7 @@ struct FramePlan {
         std::vector<Segment> segments;  ///< Of all GPs, as they came.
     };
     std::uint32_t frame = 0;
+    Pass pass;
     RegionPrograms programs;
     std::vector<Region> regions;  ///< This Renderer's own, ascending.
     std::vector<FrameFault> faults;
@@ -49,12 +50,26 @@ Shading shading_of(const bus::schema::DrawFrame& draw);
 std::string place_of(std::uint32_t gp, std::uint32_t region, std::uint32_t surface,
                      std::uint32_t slab);
 
-/// A plan's programs as a region runs them; they point into `programs`.
+/// A plan's programs as a region runs them; they point into `programs`. A pass's end of a region is
+/// that of slot 0.
 /// Throws std::logic_error if one of them is none (a bug of ours).
 RegionFrame region_frame(const RegionPrograms& programs);
 
 /// messages  Hold `begin`; programs of other regions than the Renderer's are a fault.
 /// renderer  Index of the Renderer.
 FramePlan plan_frame(const FrameMessages& messages, std::uint32_t renderer);
+
+/// Of the passes of a picture that were drawn: what the backing store holds.
+struct HeldSums {
+    std::uint32_t frame = 0;  ///< Of the newest.
+    Pass pass;
+    std::vector<std::uint32_t> regions;  ///< By slot.
+};
+
+/// What the backing store holds behind the frame; nothing but behind a pass.
+std::optional<HeldSums> sums_behind(const FramePlan& plan);
+
+/// Why a pass cannot add to what is held; empty if it can, or is a picture's first.
+std::string missing_sums(const std::optional<HeldSums>& held, const FramePlan& plan);
 
 }  // namespace pxpl5::renderer

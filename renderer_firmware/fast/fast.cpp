@@ -17,8 +17,12 @@ Fast::Fast(const Backend& code)
     : code_(code), board_(std::make_unique<hal::Board>()), stretch_(code) {}
 
 void Fast::reset() {
-    board_->pixels.clear();
+    reset_pixels();
     board_->store.clear();
+}
+
+void Fast::reset_pixels() {
+    board_->pixels.clear();
 }
 
 std::size_t Fast::State::bytes() const {

@@ -26,6 +26,9 @@ class Fast final : public isa::Executor {
     /// the picture would depend on which Renderer draws which region.
     void reset();
 
+    /// The same, but for the backing store, which keeps a picture's sums from pass to pass.
+    void reset_pixels();
+
     /// All that instructions act on, 460 KB and 64 KB a backing-store block in use. What the port
     /// held, and where, is no part of it: PIXELSTOFB writes all of it before anybody reads.
     struct State {

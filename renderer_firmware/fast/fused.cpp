@@ -201,6 +201,8 @@ constexpr auto dot_diffuse = joined(dot, scaled_diffuse);
 constexpr auto dot_highlight = joined(dot, scaled_highlight);
 constexpr auto dot_base = joined(dot, scaled_base);
 constexpr auto coloured_finish = joined(texts::colour_first, texts::finish);
+constexpr auto summed_4 = joined(texts::sum_spread_4, texts::sum_add_4);
+constexpr auto summed_16 = joined(texts::sum_spread_16, texts::sum_add_16);
 
 template <const auto& text>
 constexpr Fused fused{match<text>, run<text>};
@@ -234,6 +236,10 @@ std::span<const Fused> fused_programs() {
         fused<texts::colour_next>,
         fused<texts::enable_covered>,
         fused<texts::finish>,
+        fused<summed_4>,
+        fused<summed_16>,
+        fused<texts::sum_spread_4>,
+        fused<texts::sum_spread_16>,
     };
     return all;
 }

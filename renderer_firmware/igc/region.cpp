@@ -23,6 +23,19 @@ SegmentFault fault(const Segment& s, std::string reason) {
     return {s.surface, s.slab, s.gp, std::move(reason)};
 }
 
+/// Whether a program that has passed its check moves anything to or from the backing store.
+bool uses_backing_store(Words words) {
+    if (only_triangles(words)) {
+        return false;
+    }
+    for (std::size_t at = 0; at < words.size(); at += isa::instruction_words(words[at])) {
+        if ((isa::info(isa::decode(words[at])->op).effects & isa::backing) != 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /// Puts parts into a plan, and doors around the segments of transparent surfaces.
 class Planner {
   public:
@@ -39,6 +52,9 @@ class Planner {
             } else if (const std::optional<isa::ProgramError> error = Igc::check(s.words)) {
                 plan_.faults.push_back(
                     fault(s, fmt::format("word {}: {}", error->word, error->text)));
+            } else if (frame_.holds_sums && uses_backing_store(s.words)) {
+                plan_.faults.push_back(
+                    fault(s, "it uses the backing store, which holds the picture's sums"));
             } else {
                 add_segment(s);
             }

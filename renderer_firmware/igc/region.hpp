@@ -47,6 +47,7 @@ struct RegionFrame {
     Words prologue, end_of_region;
     std::vector<Door> doors{};  ///< Of the transparent surfaces.
     Words depths{};             ///< Empty unless depths are wanted.
+    bool holds_sums = false;    ///< The backing store does: no segment may touch it.
 };
 
 /// Throws std::logic_error if one of the programs is none (a bug of ours). Once a frame: a check

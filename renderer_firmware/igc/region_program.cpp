@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "isa/program.hpp"
+#include "isa/sample_sums.hpp"
 #include "isa/screen_door.hpp"
 #include "renderer_firmware/programs/texts.hpp"
 
@@ -74,7 +76,12 @@ class Writer {
         colours();
         add(programs::finish);
         words_[skip] = static_cast<std::uint32_t>(words_.size());
-        add(programs::readout);
+        if (shading_.pass.samples > 1) {
+            shading_.pass.samples == isa::few_samples ? sum_4() : sum_16();
+        }
+        if (shading_.pass.is_last()) {
+            add(programs::readout);
+        }
         return std::move(words_);
     }
 
@@ -83,6 +90,27 @@ class Writer {
     void add(const Text& text, const isa::Parameters& values = {}) {
         const std::vector<std::uint32_t> more = bound(text, values);
         words_.insert(words_.end(), more.begin(), more.end());
+    }
+
+    void sum_4() {
+        sum(programs::sum_fetch_4, programs::sum_spread_4, programs::sum_add_4,
+            programs::sum_keep_4, programs::sum_mean_4);
+    }
+    void sum_16() {
+        sum(programs::sum_fetch_16, programs::sum_spread_16, programs::sum_add_16,
+            programs::sum_keep_16, programs::sum_mean_16);
+    }
+    void sum(const auto& fetch, const auto& spread, const auto& add_up, const auto& keep,
+             const auto& mean) {
+        const bool is_first = shading_.pass.sample == 0;
+        if (!is_first) {
+            add(fetch);
+        }
+        add(spread);
+        if (!is_first) {
+            add(add_up);
+        }
+        shading_.pass.is_last() ? add(mean) : add(keep);
     }
 
     void light() {
@@ -199,6 +227,13 @@ void verify(const Shading& s) {
         require(screen.opacity >= 1 && screen.opacity <= isa::door::levels,
                 fmt::format("opacity {}; must be 1..{}", screen.opacity, isa::door::levels));
     }
+    const Pass pass = s.pass;
+    require(
+        pass.samples == 1 || pass.samples == isa::few_samples || pass.samples == isa::many_samples,
+        fmt::format("{} samples; must be 1, {} or {}", pass.samples, isa::few_samples,
+                    isa::many_samples));
+    require(pass.sample < pass.samples,
+            fmt::format("sample {} of {}, counted from 0", pass.sample, pass.samples));
     require(s.specular_power >= 1 && s.specular_power <= max_specular_power,
             fmt::format("specular power {}; must be 1..{}", s.specular_power, max_specular_power));
     require(s.specular >= 0 && s.specular <= 1,
@@ -226,14 +261,23 @@ struct PlaceForm {
 /// Bayer's leaves. Then they come again, moved by a pixel. What any two of these leave at 8/16 is
 /// the lattice of every other pixel of every other row: of all patterns of 4 x 4 pixels that leave
 /// a chessboard half, rows and columns alone make no stripes of it.
-std::vector<std::uint32_t> shut(const Screen& screen) {
+///
+/// Each pass moves all patterns together, as if the picture lay elsewhere: the first 4 over 2 x 2
+/// pixels, 16 over all 4 x 4, so that the mean of the passes has no pattern, and of two surfaces
+/// each pixel sees what else 4 x 4 pixels see together.
+std::vector<std::uint32_t> shut(const Screen& screen, std::uint32_t sample) {
+    const std::int64_t dx = (sample & 1) + (sample >> 2 & 1) * 2;
+    const std::int64_t dy = (sample >> 1 & 1) + (sample >> 3 & 1) * 2;
     constexpr std::uint32_t kinds = 3;
     constexpr PlaceForm u[kinds] = {{1, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     constexpr PlaceForm v[kinds] = {{0, 1, 0}, {0, 1, 0}, {1, 0, 1}};
     const std::uint32_t kind = screen.pattern % kinds, moved = screen.pattern / kinds;
+    const auto at_origin = [&](const PlaceForm& form, std::uint32_t moved_by) {
+        return form.one + moved_by + form.x * dx + form.y * dy;
+    };
     const isa::Parameters forms = {
-        {"u_x", u[kind].x}, {"u_y", u[kind].y}, {"u_1", u[kind].one + (moved & 1)},
-        {"v_x", v[kind].x}, {"v_y", v[kind].y}, {"v_1", v[kind].one + (moved >> 1 & 1)}};
+        {"u_x", u[kind].x}, {"u_y", u[kind].y}, {"u_1", at_origin(u[kind], moved & 1)},
+        {"v_x", v[kind].x}, {"v_y", v[kind].y}, {"v_1", at_origin(v[kind], moved >> 1 & 1)}};
     std::vector<std::uint32_t> words =
         kind == 0 ? bound(programs::rank_bayer, forms) : bound(programs::rank_lines, forms);
     const std::vector<std::uint32_t> rest =
@@ -254,13 +298,29 @@ std::vector<std::uint32_t> end_of_region(const Shading& shading) {
     return Writer(shading).end_of_region();
 }
 
+std::vector<std::uint32_t> at_slot(std::vector<std::uint32_t> end_of_region, std::uint32_t samples,
+                                   std::size_t slot) {
+    assert(slot < isa::max_summed_regions(samples));
+    const auto first_block = static_cast<std::uint32_t>(slot) * isa::sum_blocks(samples);
+    for (std::size_t at = 0; at < end_of_region.size();) {
+        isa::Instruction in = *isa::decode(end_of_region[at]);
+        const std::size_t next = at + isa::instruction_words(end_of_region[at]);
+        if (in.op == isa::Op::bs_read || in.op == isa::Op::bs_write) {
+            in.operands.b += first_block;
+            end_of_region[at] = isa::encode(in);
+        }
+        at = next;
+    }
+    return end_of_region;
+}
+
 std::vector<DoorPrograms> doors(const Shading& shading) {
     verify(shading);
     std::vector<DoorPrograms> all;
     for (std::uint32_t s = 0; s < shading.screens.size(); ++s) {
         if (shading.screens[s].opacity < isa::door::levels) {
             all.push_back(
-                {s, shut(shading.screens[s]),
+                {s, shut(shading.screens[s], shading.pass.sample),
                  bound(programs::open_door, {{"background", packed(shading.background)}})});
         }
     }

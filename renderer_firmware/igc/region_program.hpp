@@ -36,6 +36,13 @@ struct Screen {
     std::uint32_t pattern = 0;
 };
 
+/// Which of the frames whose mean a picture is; by default the only one.
+struct Pass {
+    std::uint32_t sample = 0;   ///< From 0.
+    std::uint32_t samples = 1;  ///< 1, 4 or 16.
+    bool is_last() const { return sample + 1 == samples; }
+};
+
 /// How the pixels of a frame are lit. A pixel's colour is
 ///   surface * (ambient + sum I max(0, n.l)) + 255 * specular * sum I max(0, n.h)^power,
 /// held at 255, with n turned to the viewer and h = normalise(l + (0, 0, 1)).
@@ -47,16 +54,25 @@ struct Shading {
     Rgb background;
     std::vector<Rgb> surfaces;  ///< Surface field s of a pixel has surfaces[s - 1]; 0..255 of them.
     std::vector<Screen> screens;  ///< Of each surface; those that are left out are opaque.
+    Pass pass{};  ///< Screens move by a pixel a pass: over 16, each pixel has seen every rank.
 };
 
 /// Clears a region: every pixel background, far, without a normal. Throws as end_of_region().
 std::vector<std::uint32_t> prologue(const Shading& shading);
 
-/// Shades the covered pixels of a region and reads all out. Relies on prologue() of the same
+/// Shades the covered pixels of a region and reads all out; of a pass, adds all to the sums of the
+/// passes before, in the backing store, and keeps them or, the last, reads their mean out: each
+/// channel's sum divided by the number of passes, halves up. Relies on prologue() of the same
 /// shading. Normals are up to 512 field units long (isa::region::normal_unit is unit length); a
 /// normal of length 0 gets the ambient light alone. Destroys normals and z. Throws
 /// std::invalid_argument that names the value and its limit.
 std::vector<std::uint32_t> end_of_region(const Shading& shading);
+
+/// The same program for another region of the Renderer: each has blocks of its own for its sums.
+/// end_of_region  Of a pass; names the blocks of slot 0.
+/// slot           Below isa::max_summed_regions(samples).
+std::vector<std::uint32_t> at_slot(std::vector<std::uint32_t> end_of_region, std::uint32_t samples,
+                                   std::size_t slot);
 
 /// What runs before and behind the segments of a transparent surface. Relies on prologue() of the
 /// same shading.

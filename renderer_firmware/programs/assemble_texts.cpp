@@ -3,7 +3,8 @@
 //     pxpl5_assemble_texts OUTPUT registers.pxasm NAME.pxasm...
 //
 // A text NAME_n.pxasm is one for each of the registers X, Y and Z, which it calls N: NAME_x, NAME_y
-// and NAME_z. Exits with 1, and says why, if a text is no program.
+// and NAME_z. A text NAME_s.pxasm is one for each number of passes: NAME_4 and NAME_16.
+// Exits with 1, and says why, if a text is no program.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -66,10 +67,28 @@ std::string constant(const std::string& name, const isa::Program& program) {
                        program.words.size(), program.patches.size(), name, words, open);
 }
 
+/// Where the sums of S = 2^shift passes lie, three of 8 + shift bits, and half of S in each.
+/// bits   From one sum to the next: 10, so that three fill a word; 16, so that none lies across
+///        two.
+/// words  Bits of all the words that hold sums.
+std::string sum_names(int shift, int bits, int words) {
+    const int half = 1 << (shift - 1);
+    return fmt::format(
+        ".def shift {}\n.def words {}\n.def green T+{}\n.def blue T+{}\n"
+        ".def halves {}\n.def half_blue {}\n",
+        shift, words, bits, 2 * bits,
+        half + (half << bits) + (words == 32 ? half << (2 * bits) : 0), words == 32 ? 0 : half);
+}
+
 /// All constants of the text at `path`.
 std::string constants(const std::filesystem::path& path, const std::string& names) {
     const std::string name = path.stem().string();
     const std::string text = read(path);
+    if (name.ends_with("_s")) {
+        const std::string base = name.substr(0, name.size() - 1);
+        return constant(base + "4", isa::assemble(names + sum_names(2, 10, 32) + text)) +
+               constant(base + "16", isa::assemble(names + sum_names(4, 16, 64) + text));
+    }
     if (!name.ends_with("_n")) {
         return constant(name, isa::assemble(names + text));
     }

@@ -69,6 +69,7 @@ inline bus::Payload programs(std::uint32_t frame, int gp, const std::vector<Regi
 struct Wishes {
     std::uint8_t opacity = bus::max_opacity;  ///< Of the second surface.
     bool read_depths = false;
+    std::uint8_t sample = 0, samples = 1;
 };
 
 inline bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>& assignment,
@@ -90,6 +91,8 @@ inline bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>&
     body.draw->surfaces = {{0, 1, schema::Rgb(200, 100, 50), false, all, bus::max_opacity},
                            {1, 1, schema::Rgb(1, 2, 3), false, all, wishes.opacity}};
     body.draw->read_depths = wishes.read_depths;
+    body.draw->sample = wishes.sample;
+    body.draw->samples = wishes.samples;
     body.assignment = assignment;
     return bus::pack(body);
 }

@@ -118,10 +118,13 @@ Shading random_shading(RandomPrograms& random) {
     return s;
 }
 
-/// Every program of a region.
-std::vector<WordList> all_programs(const Shading& shading) {
+/// Every program of a region, and what a pass of several ends with.
+std::vector<WordList> all_programs(Shading shading, RandomPrograms& random) {
     const renderer::RegionPrograms made = renderer::region_programs(shading, true);
-    std::vector<WordList> all = {made.prologue, made.end_of_region, made.depths};
+    const std::uint32_t samples = random.below(2) == 0 ? 4 : 16;
+    shading.pass = {random.below(samples), samples};
+    std::vector<WordList> all = {made.prologue, made.end_of_region, made.depths,
+                                 renderer::end_of_region(shading)};
     for (const renderer::DoorPrograms& door : made.doors) {
         all.push_back(door.shut);
         all.push_back(door.open);
@@ -139,7 +142,7 @@ TEST_CASE("region programs, fused, leave what they leave instruction by instruct
     for (int round = 0; round < 40; ++round) {
         const Coverage coverage = coverages[round % 4];
         const std::unique_ptr<PixelArray> before = random_pixels(random, coverage);
-        for (const WordList& words : all_programs(random_shading(random))) {
+        for (const WordList& words : all_programs(random_shading(random), random)) {
             stepped.restore(state_of(*before));
             run_stepwise(stir, stepped);
             run_stepwise(words, stepped);
@@ -161,7 +164,7 @@ TEST_CASE("region programs, fused, leave what the reference leaves") {
     for (int round = 0; round < 60; ++round) {
         const std::unique_ptr<PixelArray> before = random_pixels(random, coverages[1 + round % 3]);
         const Shading shading = random_shading(random);
-        for (const WordList& words : all_programs(shading)) {
+        for (const WordList& words : all_programs(shading, random)) {
             isa::reference::Reference trusted(window);
             for (int i = 0; i < window.width * window.height; ++i) {
                 const int x = window.x0 + i % window.width, y = window.y0 + i / window.width;
@@ -223,7 +226,7 @@ TEST_CASE("a stream that is nearly a region program is run as it stands") {
     const std::unique_ptr<PixelArray> before = random_pixels(random, Coverage::some);
     int tried = 0;
     while (tried < 300) {
-        std::vector<WordList> all = all_programs(random_shading(random));
+        std::vector<WordList> all = all_programs(random_shading(random), random);
         WordList& words = all[random.below(static_cast<std::uint32_t>(all.size()))];
         const std::uint32_t at = random.below(static_cast<std::uint32_t>(words.size()));
         words[at] ^= std::uint32_t{1} << random.below(32);
