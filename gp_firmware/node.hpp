@@ -123,6 +123,7 @@ class GpNode final : public bus::Node {
     void begin_frame(const bus::Message& message, bus::Outbox& out);
     void note_frame(const bus::schema::BeginFrame& begin);
     FrameRequest request_of(const bus::schema::DrawFrame& draw) const;
+    std::size_t max_regions_each(const bus::schema::DrawFrame& draw, std::size_t regions) const;
 
     // Each does a piece of a job and returns true when the job is done.
     bool step(TakeSlices& job, bus::Outbox& out);

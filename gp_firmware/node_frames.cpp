@@ -7,6 +7,7 @@
 #include "gp_firmware/node.hpp"
 #include "gp_firmware/node_messages.hpp"
 #include "gp_firmware/render/assignment.hpp"
+#include "isa/sample_sums.hpp"
 
 namespace pxpl5::gp {
 
@@ -41,7 +42,8 @@ void GpNode::begin_frame(const bus::Message& message, bus::Outbox& out) {
         }
     }
     const bus::Payload begin = begin_frame_message(
-        draw, assign_regions(region_count(request), machine_->renderers.size(), costs_of(draw)));
+        draw, assign_regions(region_count(request), machine_->renderers.size(), costs_of(draw),
+                             max_regions_each(draw, region_count(request))));
     for (const bus::NodeId gp : machine_->gps) {
         if (gp != message.header().destination()) {
             out.send(gp, begin);
@@ -50,6 +52,22 @@ void GpNode::begin_frame(const bus::Message& message, bus::Outbox& out) {
     out.send(std::span<const bus::NodeId>(machine_->renderers), begin);
     out.send(std::span<const bus::NodeId>(machine_->frame_buffers), begin);
     note_frame(*schema::GetMessage(begin.bytes().data())->body_as_BeginFrame());
+}
+
+/// Regions that a Renderer can draw of the frame. Throws NodeFault if that is not enough for all.
+std::size_t GpNode::max_regions_each(const schema::DrawFrame& draw, std::size_t regions) const {
+    const std::size_t most = isa::max_summed_regions(draw.samples());
+    const std::size_t renderers = machine_->renderers.size();
+    if ((regions + renderers - 1) / renderers > most) {
+        throw NodeFault(
+            FaultCode::bad_input,
+            fmt::format("frame {}: {} samples of {} x {} pixels are summed in {} regions, {} "
+                        "Renderers have room for {}; draw a smaller picture, fewer samples, or "
+                        "with more Renderers",
+                        draw.frame(), draw.samples(), draw.width(), draw.height(), regions,
+                        renderers, renderers * most));
+    }
+    return most;
 }
 
 void GpNode::note_frame(const schema::BeginFrame& begin) {

@@ -19,8 +19,8 @@ std::vector<std::uint16_t> round_robin(std::size_t region_count, std::size_t ren
 }  // namespace
 
 std::vector<std::uint16_t> assign_regions(std::size_t region_count, std::size_t renderer_count,
-                                          std::span<const std::uint64_t> costs) {
-    assert(renderer_count > 0);
+                                          std::span<const std::uint64_t> costs, std::size_t most) {
+    assert(renderer_count > 0 && (region_count + renderer_count - 1) / renderer_count <= most);
     if (costs.size() != region_count) {
         return round_robin(region_count, renderer_count);
     }
@@ -35,7 +35,9 @@ std::vector<std::uint16_t> assign_regions(std::size_t region_count, std::size_t 
         // Regions that cost nothing are spread too: their cost may not stay nothing.
         std::size_t best = 0;
         for (std::size_t r = 1; r < renderer_count; ++r) {
-            if (std::pair(load[r], regions[r]) < std::pair(load[best], regions[best])) {
+            if (regions[best] == most ||
+                (regions[r] < most &&
+                 std::pair(load[r], regions[r]) < std::pair(load[best], regions[best]))) {
                 best = r;
             }
         }

@@ -34,6 +34,25 @@ TEST_SUITE("gp/node frames") {
               std::vector<int>{0, 1, 1, 1, 1, 1});
     }
 
+    TEST_CASE("a picture of several samples is refused if its sums have no room") {
+        schema::DrawFrameT draw = draw_frame(9, 1);
+        draw.width = draw.height = 1450;  // 12 x 12 regions; two Renderers sum 16 samples of 128.
+        draw.samples = 16;
+        draw.read_back = draw.read_depths = false;
+        draw.region_costs.clear();
+        std::string refused = "taken";
+        try {
+            run_machine({1, 2}, draw);
+        } catch (const bus::NodeFault& fault) {
+            refused = fault.what();
+        }
+        CHECK(refused ==
+              "frame 9: 16 samples of 1450 x 1450 pixels are summed in 144 regions, 2 Renderers "
+              "have room for 128; draw a smaller picture, fewer samples, or with more Renderers");
+        draw.samples = 4;
+        CHECK_FALSE(run_machine({1, 2}, draw)[0]->box.of<schema::BeginFrame>().empty());
+    }
+
     TEST_CASE("each GP sends each Renderer one message, of that Renderer's regions") {
         const auto gps = run_machine({3, 4}, draw_frame(9, 1));
         for (const auto& gp : gps) {

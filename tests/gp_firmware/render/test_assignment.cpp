@@ -38,6 +38,14 @@ TEST_SUITE("gp/assignment") {
         const std::vector<std::uint64_t> costs(6, 0);
         CHECK(gp::assign_regions(6, 3, costs) == std::vector<std::uint16_t>{0, 1, 2, 0, 1, 2});
     }
+    TEST_CASE("a Renderer that takes no more is passed over, whatever it has to do") {
+        // 9 to Renderer 0; then 1 has less to do, but takes 3 only.
+        const std::vector<std::uint64_t> costs = {9, 1, 1, 1, 1};
+        CHECK(gp::assign_regions(5, 2, costs, 3) == std::vector<std::uint16_t>{0, 1, 1, 1, 0});
+        CHECK(gp::assign_regions(5, 2, costs, 4) == std::vector<std::uint16_t>{0, 1, 1, 1, 1});
+        CHECK(gp::assign_regions(6, 2, std::vector<std::uint64_t>(6, 0), 3) ==
+              std::vector<std::uint16_t>{0, 1, 0, 1, 0, 1});
+    }
     TEST_CASE("no Renderer has more than 4/3 of what the best balance could give it") {
         // Graham's bound, against the two lower bounds of the best: the mean and the dearest
         // region.
