@@ -34,6 +34,7 @@ NamedValues values_of(const schema::DrawFrame& draw) {
     const auto add = [&](const std::string& name, const std::string& text) {
         values.emplace_back(name, text);
     };
+    add("sample", fmt::format("{} of {}", draw.sample() + 1, draw.samples()));
     add_each(values, "view", draw.views(), [&](const std::string& name, const schema::View& v) {
         add(name + "'s voxel to eye", text_of(*v.voxel_to_eye()));
         add(name + "'s projection", text_of(*v.projection()));

@@ -102,4 +102,16 @@ RegionRun run_region(const renderer::RegionPlan& plan, isa::Executor& executor) 
     return run;
 }
 
+void prepare(const RecordedRegion& region, isa::Executor& executor) {
+    RegionWalk walk(region.before, executor);
+    while (!walk.done()) {
+        walk.run_part();
+    }
+}
+
+RegionRun run_region(const RecordedRegion& region, isa::Executor& executor) {
+    prepare(region, executor);
+    return run_region(region.plan, executor);
+}
+
 }  // namespace pxpl5::host::inspect

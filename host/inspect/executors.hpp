@@ -33,5 +33,11 @@ struct RegionRun {
 
 /// Executes a region whole, as its Renderer did, on a new `executor`.
 RegionRun run_region(const renderer::RegionPlan& plan, isa::Executor& executor);
+/// The same for a region of a recorded frame, behind the passes before it.
+RegionRun run_region(const RecordedRegion& region, isa::Executor& executor);
+
+/// Brings the backing store of a new `executor` to what the region found there: of a pass, runs the
+/// passes before. What these leave in pixel memory, the region's own programs do not look at.
+void prepare(const RecordedRegion& region, isa::Executor& executor);
 
 }  // namespace pxpl5::host::inspect

@@ -92,9 +92,12 @@ std::string text(const schema::MeshPart& m) {
                        many(m.slabs()->size(), "slab"));
 }
 std::string text(const schema::DrawFrame& m) {
-    return fmt::format("frame {}: {} x {}, {}, {}, {}", m.frame(), m.width(), m.height(),
+    return fmt::format("frame {}: {} x {}, {}, {}, {}{}", m.frame(), m.width(), m.height(),
                        many(m.views()->size(), "view"), many(m.surfaces()->size(), "surface"),
-                       many(m.lights()->size(), "light"));
+                       many(m.lights()->size(), "light"),
+                       m.samples() == 1
+                           ? std::string()
+                           : fmt::format(", sample {} of {}", m.sample() + 1, m.samples()));
 }
 std::string text(const schema::BeginFrame& m) {
     return fmt::format("{}; {} assigned", text(*m.draw()), many(m.assignment()->size(), "region"));

@@ -46,7 +46,7 @@ std::optional<RecordedTile> tile_of(const RecordedFrame& frame, std::uint32_t re
             const schema::RegionTile& tile = *sent.tiles()->Get(i);
             if (tile.region() == region) {
                 const auto part_of = [i](const flatbuffers::Vector<std::uint32_t>* words) {
-                    return words == nullptr
+                    return words == nullptr || words->size() == 0
                                ? std::span<const std::uint32_t>()
                                : std::span(words->data() + i * tile_pixels, tile_pixels);
                 };

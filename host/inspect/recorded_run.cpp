@@ -36,7 +36,53 @@ std::string list_of(const std::vector<std::uint32_t>& frames) {
     return frames.empty() ? "none" : text;
 }
 
+/// Why the sums to which a Renderer's regions are added are not known; empty if they are, or if
+/// there are none.
+std::string missing_sums(const RecordedFrame& frame, std::uint32_t renderer,
+                         const renderer::FramePlan& plan) {
+    const std::uint32_t sample = plan.pass.sample;
+    const auto is_known = [&](const renderer::FramePlan::Region& region) {
+        const auto found = frame.earlier->regions.find(region.number);
+        return found != frame.earlier->regions.end() && found->second.renderer == renderer;
+    };
+    if (sample == 0 || (frame.earlier && std::ranges::all_of(plan.regions, is_known))) {
+        return {};
+    }
+    return fmt::format(
+        "renderer-{}: {} adds to the sums of frames {} to {}, not all of which are recorded",
+        renderer, frame.pass_text(), frame.number - sample, frame.number - 1);
+}
+
+/// The region that has `slot` at its Renderer, behind the passes before.
+void add_region(RecordedFrame& frame, std::uint32_t renderer, const renderer::FramePlan& plan,
+                std::size_t slot) {
+    const renderer::FramePlan::Region& planned = plan.regions[slot];
+    RecordedRegion& region = frame.regions[planned.number];
+    region.place = frame.place(planned.number);
+    region.renderer = renderer;
+    renderer::RegionFrame programs = renderer::region_frame(plan.programs);
+    if (plan.pass.samples > 1) {
+        region.end_of_region =
+            renderer::at_slot(plan.programs.end_of_region, plan.pass.samples, slot);
+        programs.end_of_region = region.end_of_region;
+        programs.holds_sums = true;
+    }
+    region.plan = renderer::plan_region(programs, planned.segments);
+    if (plan.pass.sample > 0) {
+        const RecordedRegion& earlier = frame.earlier->regions.at(planned.number);
+        region.before.parts = earlier.before.parts;
+        region.before.parts.insert(region.before.parts.end(), earlier.plan.parts.begin(),
+                                   earlier.plan.parts.end());
+    }
+}
+
 }  // namespace
+
+std::string RecordedFrame::pass_text() const {
+    return draw().samples() == 1
+               ? std::string()
+               : fmt::format("sample {} of {}", draw().sample() + 1, draw().samples());
+}
 
 RegionPlace RecordedFrame::place(std::uint32_t region) const {
     const int columns = regions_along(draw().width()), rows = regions_along(draw().height());
@@ -172,6 +218,7 @@ RecordedFrame RecordedRun::frame(std::uint32_t number) const {
     if (index.done) {
         frame.done = load(*index.done);
     }
+    add_earlier(frame);
     for (const auto& [renderer, at] : index.pixels) {
         frame.pixels.emplace(renderer, load(at));
     }
@@ -192,13 +239,29 @@ RecordedFrame RecordedRun::frame(std::uint32_t number) const {
         }
         renderer::FramePlan& plan = frame.plans[renderer];
         plan = renderer::plan_frame(inputs, renderer);
-        for (const renderer::FramePlan::Region& region : plan.regions) {
-            frame.regions[region.number] = {
-                frame.place(region.number), renderer,
-                renderer::plan_region(renderer::region_frame(plan.programs), region.segments)};
+        if (const std::string missing = missing_sums(frame, renderer, plan); !missing.empty()) {
+            frame.missing.push_back(missing);
+            continue;
+        }
+        for (std::size_t slot = 0; slot < plan.regions.size(); ++slot) {
+            add_region(frame, renderer, plan, slot);
         }
     }
     return frame;
+}
+
+/// Of a pass, the frame before it, if that is the pass before it.
+void RecordedRun::add_earlier(RecordedFrame& frame) const {
+    const schema::DrawFrame& draw = frame.draw();
+    const auto found = frames_.find(frame.number - 1);
+    if (draw.sample() == 0 || found == frames_.end() || !found->second.begin) {
+        return;
+    }
+    auto earlier = std::make_unique<RecordedFrame>(this->frame(frame.number - 1));
+    if (earlier->draw().samples() == draw.samples() &&
+        earlier->draw().sample() + 1 == draw.sample()) {
+        frame.earlier = std::move(earlier);
+    }
 }
 
 std::optional<RecordedVolume> RecordedRun::volume(std::uint32_t frame) const {

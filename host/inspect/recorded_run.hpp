@@ -40,6 +40,10 @@ struct RecordedRegion {
     RegionPlace place;
     std::uint32_t renderer = 0;
     renderer::RegionPlan plan;  ///< Points into the frame's messages.
+    /// Of a pass: what the backing store holds at its begin is what the region's parts of the
+    /// passes before, one behind the other, leave there. See prepare() in executors.hpp.
+    renderer::RegionPlan before;
+    std::vector<std::uint32_t> end_of_region;  ///< Of a pass: the plan's, for the region's slot.
 };
 
 /// One frame. Keeps the messages that its regions point into.
@@ -53,13 +57,18 @@ struct RecordedFrame {
     std::map<std::uint32_t, renderer::FrameMessages> inputs;  ///< By Renderer.
     std::map<std::uint32_t, renderer::FramePlan> plans;       ///< By Renderer.
     std::map<std::uint32_t, RecordedRegion> regions;  ///< By number; those that can be executed.
-    std::vector<std::string> missing;  ///< Why other regions are not there, a sentence each.
-    std::optional<bus::Message> done;  ///< FrameDone, if the host's trace has it.
+    std::vector<std::string> missing;        ///< Why other regions are not there, a sentence each.
+    std::unique_ptr<RecordedFrame> earlier;  ///< Of a pass: the one before it, if it is recorded.
+    std::optional<bus::Message> done;        ///< FrameDone, if the host's trace has it.
     std::map<std::uint32_t, bus::Message> pixels;  ///< RegionPixels by Renderer, if they came.
 
     const bus::schema::DrawFrame& draw() const {
         return *begin->as<bus::schema::BeginFrame>()->draw();
     }
+    /// A frame of several whose mean the picture is, and not the last: nothing is read out of it.
+    bool has_pixels() const { return draw().sample() + 1 == draw().samples(); }
+    /// "sample 2 of 4"; empty if the frame is a picture of its own.
+    std::string pass_text() const;
     /// Place of every region of the picture.
     RegionPlace place(std::uint32_t region) const;
     /// True if pixel (x, y) belongs to the whole picture, views stacked.
@@ -120,6 +129,7 @@ class RecordedRun {
         std::map<std::uint32_t, std::map<std::uint32_t, At>> programs;  ///< By Renderer, GP.
         std::map<std::uint32_t, At> pixels;                             ///< By Renderer.
     };
+    void add_earlier(RecordedFrame& frame) const;
     void index_node(bus::NodeId id, const NodeTrace& node);
     void index_entry(FrameIndex::At at, const bus::Message& message);
     std::uint32_t index_of(bus::NodeId id) const;

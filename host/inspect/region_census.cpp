@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstring>
 
+#include "host/inspect/executors.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 
 namespace pxpl5::host::inspect {
@@ -29,6 +30,7 @@ class Census {
         : region_(region), primitives_(primitives), walk_(region.plan, executor_) {}
 
     RegionCensus take() {
+        prepare(region_, executor_);
         result_.visible.assign(isa::region_pixels, no_primitive);
         executor_.set_readout([this](std::span<const std::uint32_t> pixels) {
             result_.rgb.assign(pixels.begin(), pixels.end());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/inspect/enabled_pixels.hpp"
+#include "host/inspect/executors.hpp"
 #include "host/inspect/message_text.hpp"
 #include "host/inspect/region_walk.hpp"
 #include "isa/disassemble.hpp"
@@ -36,7 +37,9 @@ class Lister {
           primitives_(primitives_of(frame, region)),
           walk_(region.plan, executor_),
           place_(region.place),
-          output_(output) {}
+          output_(output) {
+        prepare(region, executor_);
+    }
 
     ListedLines run() {
         while (!walk_.done()) {

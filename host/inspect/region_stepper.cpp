@@ -3,11 +3,20 @@
 #include <cassert>
 #include <iterator>
 
+#include "host/inspect/executors.hpp"
+
 namespace pxpl5::host::inspect {
 
 RegionStepper::RegionStepper(const renderer::RegionPlan& plan, StepLimits limits)
     : limits_(limits), every_(limits.snapshot_every), walk_(plan, executor_) {
     assert(limits.snapshot_every > 0);
+    keep_snapshot();
+}
+
+RegionStepper::RegionStepper(const RecordedRegion& region, StepLimits limits)
+    : limits_(limits), every_(limits.snapshot_every), walk_(region.plan, executor_) {
+    assert(limits.snapshot_every > 0);
+    prepare(region, executor_);
     keep_snapshot();
 }
 

@@ -24,6 +24,8 @@ class RegionStepper {
   public:
     /// `plan` outlives it.
     explicit RegionStepper(const renderer::RegionPlan& plan, StepLimits limits = {});
+    /// Behind the passes before, if the region's frame is a pass.
+    explicit RegionStepper(const RecordedRegion& region, StepLimits limits = {});
     RegionStepper(const RegionStepper&) = delete;
     RegionStepper& operator=(const RegionStepper&) = delete;
 

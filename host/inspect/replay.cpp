@@ -29,14 +29,19 @@ std::string pixel_text(const PixelDifference& p, std::string_view recorded_by) {
 std::optional<std::string> difference(const RecordedFrame& frame, std::uint32_t region,
                                       const RegionRun& run, const RegionReplay& report) {
     const std::string sender = fmt::format("renderer-{}'s RegionPixels", report.renderer);
-    if (run.pixels.size() != isa::region_pixels) {
-        return fmt::format("{} pixels were read out, not {}", run.pixels.size(),
-                           isa::region_pixels);
+    const std::size_t due = frame.has_pixels() ? isa::region_pixels : 0;
+    if (run.pixels.size() != due) {
+        return fmt::format("{} pixels were read out, not {}", run.pixels.size(), due);
     }
     const std::optional<RecordedTile> tile = tile_of(frame, region);
     if (tile) {
-        if (const auto pixel = compare_tiles(frame, region, run.pixels, tile->pixels)) {
-            return pixel_text(*pixel, sender);
+        if (tile->pixels.size() != due) {
+            return fmt::format("{} pixels are in {}, not {}", tile->pixels.size(), sender, due);
+        }
+        if (due != 0) {
+            if (const auto pixel = compare_tiles(frame, region, run.pixels, tile->pixels)) {
+                return pixel_text(*pixel, sender);
+            }
         }
         if (!std::ranges::equal(run.pixels, tile->pixels)) {
             return "a pixel outside of the picture, or an alpha, is not as " + sender + " has it";
@@ -67,7 +72,7 @@ Replayed replay_region(const RecordedFrame& frame, const RecordedRegion& region,
     Replayed replayed;
     replayed.report.region = number;
     replayed.report.renderer = region.renderer;
-    RegionRun run = run_region(region.plan, *make_executor(kind));
+    RegionRun run = run_region(region, *make_executor(kind));
     replayed.report.counts = run.counts;
     replayed.report.compared = tile_of(frame, number) || !picture_of(frame).empty();
     replayed.report.difference = difference(frame, number, run, replayed.report);
@@ -122,7 +127,7 @@ FrameReplay replay_frame(const RecordedFrame& frame,
     std::vector<Replayed> replayed(regions.size());
     in_parallel(regions.size(), std::max(threads, 1U),
                 [&](std::size_t i) { replayed[i] = replay_region(frame, *regions[i], kind); });
-    FrameReplay report{frame.number, kind, {}, {}, {}, 0};
+    FrameReplay report{frame.number, kind, frame.pass_text(), {}, {}, {}, 0};
     const FrameShape shape = shape_of(frame);
     std::vector<std::uint32_t> picture(shape.pixels());
     for (Replayed& region : replayed) {
@@ -131,7 +136,7 @@ FrameReplay replay_frame(const RecordedFrame& frame,
         }
         report.regions.push_back(std::move(region.report));
     }
-    if (regions.size() == static_cast<std::size_t>(shape.regions())) {
+    if (frame.has_pixels() && regions.size() == static_cast<std::size_t>(shape.regions())) {
         report.digest = digest_of(picture);
     }
     if (!picture_of(frame).empty()) {
@@ -193,9 +198,9 @@ std::string to_text(const FrameReplay& frame) {
         frame.regions, [](const RegionReplay& r) { return r.difference.has_value(); });
     std::string text = fmt::format(
         "frame {:>4}  {:<9}  regions {:>3}, compared {:>3}, differ {:>3}  instructions {:>9}  "
-        "{:6.2f} s  digest {}{}",
+        "{:6.2f} s  {}{}digest {}{}",
         frame.frame, name_of(frame.executor), frame.regions.size(), frame.compared(), differ,
-        instructions, frame.elapsed_s,
+        instructions, frame.elapsed_s, frame.pass, frame.pass.empty() ? "" : ", ",
         frame.digest ? fmt::format("{:016x}", *frame.digest) : "of the whole frame unknown",
         !frame.digest || !frame.recorded   ? ""
         : *frame.digest == *frame.recorded ? " as recorded"

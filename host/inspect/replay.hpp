@@ -32,6 +32,7 @@ struct RegionReplay {
 struct FrameReplay {
     std::uint32_t frame = 0;
     ExecutorKind executor = ExecutorKind::fast;
+    std::string pass;                               ///< As RecordedFrame::pass_text().
     std::vector<RegionReplay> regions;              ///< Ascending.
     std::optional<std::uint64_t> digest, recorded;  ///< Of the whole picture, if known.
     double elapsed_s = 0;

@@ -39,7 +39,7 @@ void Stepper::enter(RecordedFrame frame, std::uint32_t region) {
 void Stepper::enter(std::uint32_t region) {
     region_ = &frame_.regions.at(region);
     primitives_ = primitives_of(frame_, *region_);
-    here_ = std::make_unique<RegionStepper>(region_->plan, limits_);
+    here_ = std::make_unique<RegionStepper>(*region_, limits_);
 }
 
 /// The nearest frame in that direction of which a region can be executed.

@@ -22,7 +22,7 @@ RecordedFrame default_frame(const RecordedRun& run) {
     }
     for (std::size_t i = frames.size(); i-- > 0;) {
         RecordedFrame frame = run.frame(frames[i]);
-        if (frame.missing.empty()) {
+        if (frame.missing.empty() && frame.draw().sample() == 0) {
             return frame;
         }
     }
@@ -128,6 +128,15 @@ PixelInquiry::PixelInquiry(FrameInquiry& of, int px, int py)
       x(px),
       y(py),
       place(frame.region_at(x, y)) {
+    if (frame.draw().sample() > 0) {
+        const std::uint32_t first = frame.number - frame.draw().sample();
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("frame {} is {} of one picture, the mean of frames {} to {}: ask about "
+                        "frame {}, its first sample, or draw the picture with one",
+                        frame.number, frame.pass_text(), first, first + frame.draw().samples() - 1,
+                        first));
+    }
     if (!frame.regions.contains(place.number)) {
         std::string reasons;
         for (const std::string& reason : frame.missing) {

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "host/inspect/region_stepper.hpp"
 #include "host/picture_text.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
@@ -126,4 +127,55 @@ TEST_CASE("executors are known by name") {
           std::vector{ExecutorKind::fast, ExecutorKind::reference});
     CHECK_THROWS_WITH(inspect::parse_executors("slow"),
                       "executor 'slow'; it must be reference, fast, sse4, avx2, avx512 or both");
+}
+
+TEST_CASE("a picture of several samples is replayed pass behind pass, on both executors") {
+    test::RecordedMachine recorded(test::machine_of(2, 2));
+    test::set_up_sphere(recorded.session, {300, 150});
+    recorded.session.draw();
+    const auto digest = host::picture_digest(*recorded.session.draw_samples(4));
+    const inspect::RecordedRun run = recorded.run();
+    const inspect::ReplayReport report = inspect::replay(run, on_both());
+    CHECK(report.agrees());
+    CHECK(report.missing.empty());
+    REQUIRE(report.frames.size() == 10);
+    for (std::size_t i = 2; i < 8; ++i) {
+        CHECK_FALSE(report.frames[i].digest.has_value());
+        CHECK(report.frames[i].compared() == 6);  // Their counts.
+    }
+    for (std::size_t i = 8; i < 10; ++i) {
+        CHECK(report.frames[i].pass == "sample 4 of 4");
+        CHECK(report.frames[i].digest == digest);
+        CHECK(report.frames[i].recorded == digest);
+    }
+    // Stepped through, the last pass ends with the mean, too.
+    const inspect::RecordedFrame last = run.frame(4);
+    inspect::RegionStepper stepper(last.regions.at(1));
+    stepper.seek_end();
+    const auto picture = inspect::picture_of(last);
+    CHECK(stepper.executor().field(0, 60, 64, 24) == (picture[60 * 300 + 128] & 0xFFFFFF));
+    CHECK(inspect::run_region(last.regions.at(1).plan,
+                              *inspect::make_executor(inspect::ExecutorKind::fast))
+              .pixels.at(60 * 128) != (picture[60 * 300 + 128] & 0xFFFFFF));
+}
+
+TEST_CASE("a pass of which earlier ones are not recorded is named with the frames it needs") {
+    test::RecordedMachine recorded(test::machine_of(1, 1));
+    test::set_up_sphere(recorded.session, {100, 100});
+    recorded.session.draw_samples(4);
+    std::vector<inspect::NodeTrace> traces = recorded.traces.traces();
+    for (inspect::NodeTrace& node : traces) {
+        std::erase_if(node.entries, [&](const bus::trace::Entry& entry) {
+            const auto* begin = node.load(entry).as<schema::BeginFrame>();
+            return begin != nullptr && begin->draw()->frame() == 1;
+        });
+    }
+    const inspect::RecordedRun run(std::move(traces));
+    CHECK(run.frame(0).missing.empty());
+    const inspect::RecordedFrame last = run.frame(3);
+    CHECK(last.regions.empty());
+    REQUIRE(last.missing.size() == 1);
+    CHECK(last.missing[0] ==
+          "renderer-0: sample 4 of 4 adds to the sums of frames 0 to 2, not all "
+          "of which are recorded");
 }
