@@ -25,6 +25,7 @@ Reply run_sweep(Session& session, const Arguments& arguments);
 Reply run_stats(Session& session, const Arguments& arguments);
 Reply run_presets(Session& session, const Arguments& arguments);
 Reply run_clip(Session& session, const Arguments& arguments);
+Reply run_antialias(Session& session, const Arguments& arguments);
 Reply run_overlay(Session& session, const Arguments& arguments);
 Reply run_tint(Session& session, const Arguments& arguments);
 Reply run_pick(Session& session, const Arguments& arguments);

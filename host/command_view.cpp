@@ -1,5 +1,6 @@
 // Commands about how the scene is looked at.
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <cmath>
 
@@ -216,6 +217,17 @@ Reply run_clip(Session& session, const Arguments& arguments) {
     }
     static_assert(6 + box_planes <= max_clips, "one plane of each letter, and a box");
     return describe_clips(session);
+}
+
+Reply run_antialias(Session& session, const Arguments& arguments) {
+    const int samples = parse_whole("samples", arguments.words[0], 1, sample_counts.back());
+    if (std::ranges::find(sample_counts, samples) == sample_counts.end()) {
+        refuse_command(fmt::format("antialias: {} samples a pixel, it must be {}", samples,
+                                   fmt::join(sample_counts, ", ")));
+    }
+    session.scene.samples = samples;
+    return {fmt::format("{} sample{} a pixel", samples, samples == 1 ? "" : "s"),
+            {{"samples", std::int64_t{samples}}}};
 }
 
 Reply run_overlay(Session& session, const Arguments& arguments) {

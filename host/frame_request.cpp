@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "host/viewer/clip.hpp"
+#include "isa/region_layout.hpp"
 
 namespace pxpl5::host {
 
@@ -35,12 +36,25 @@ schema::Light to_wire(const Light& light) {
     return {direction, static_cast<float>(light.intensity)};
 }
 
-std::unique_ptr<schema::ViewT> view_of(const Scene& scene, const Stage& stage) {
+/// Moves the picture so that the pass's samples lie in the middle of the pixels.
+glm::dmat4 moved(glm::dmat4 projection, Size size, Pass pass) {
+    constexpr double steps = 1 << isa::region::subpixel_bits;
+    const glm::dvec2 offset_px = glm::dvec2(sample_offset(pass)) / steps;
+    // Clip space is 2 wide and 2 high, before the division by w, and y goes up.
+    for (int column = 0; column < 4; ++column) {
+        projection[column][0] -= offset_px.x * 2 / size.width * projection[column][3];
+        projection[column][1] += offset_px.y * 2 / size.height * projection[column][3];
+    }
+    return projection;
+}
+
+std::unique_ptr<schema::ViewT> view_of(const Scene& scene, const Stage& stage, Pass pass) {
     const CameraMatrices camera = matrices_of(scene, stage);
     auto view = std::make_unique<schema::ViewT>();
     view->voxel_to_eye =
         std::make_unique<schema::Matrix>(to_wire(camera.patient_to_eye * stage.voxel_to_patient));
-    view->projection = std::make_unique<schema::Matrix>(to_wire(camera.projection));
+    view->projection =
+        std::make_unique<schema::Matrix>(to_wire(moved(camera.projection, scene.size, pass)));
     return view;
 }
 
@@ -68,12 +82,13 @@ std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage)
 }
 
 bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t frame,
-                           std::span<const std::uint64_t> region_costs, ReadBack read_back) {
+                           std::span<const std::uint64_t> region_costs, ReadBack read_back,
+                           Pass pass) {
     schema::DrawFrameT draw;
     draw.frame = frame;
     draw.width = static_cast<std::uint32_t>(scene.size.width);
     draw.height = static_cast<std::uint32_t>(scene.size.height);
-    draw.views.push_back(view_of(scene, stage));
+    draw.views.push_back(view_of(scene, stage, pass));
     for (const Light& light : scene.lights) {
         draw.lights.push_back(to_wire(light));
     }
@@ -92,7 +107,9 @@ bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t
         draw.clip_planes.emplace_back(plane.x, plane.y, plane.z, plane.w);
     }
     draw.read_depths = read_back == ReadBack::pixels_and_depths;
-    draw.read_back = true;
+    draw.read_back = pass.is_last();
+    draw.sample = static_cast<std::uint8_t>(pass.sample);
+    draw.samples = static_cast<std::uint8_t>(pass.samples);
     draw.region_costs.assign(region_costs.begin(), region_costs.end());
     return bus::pack(draw);
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "host/sample_offsets.hpp"
 #include "host/scene.hpp"
 #include "ringbus/message.hpp"
 
@@ -38,9 +39,12 @@ enum class ReadBack : std::uint8_t { pixels, pixels_and_depths };
 ///
 /// scene          Its own surfaces are not looked at: the stage's are.
 /// frame          Number of the frame.
-/// region_costs   Cycles of each region in an earlier frame of this size; may be empty.
+/// region_costs   Cycles of each region in an earlier frame of this size; may be empty. The same
+/// for
+///                all passes of a picture, so that each region stays at its Renderer.
+/// read_back      Of a pass: what its picture's last carries.
 bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t frame,
                            std::span<const std::uint64_t> region_costs,
-                           ReadBack read_back = ReadBack::pixels);
+                           ReadBack read_back = ReadBack::pixels, Pass pass = {});
 
 }  // namespace pxpl5::host

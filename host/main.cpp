@@ -68,6 +68,7 @@ struct Flags {
     std::string script, volume, view, size, output, pictures;
     std::vector<std::string> commands, surfaces, load_words;
     std::optional<double> isovalue;
+    int samples = 1;
 };
 
 Arguments command(std::string name, std::vector<std::string> words,
@@ -119,6 +120,9 @@ std::vector<Arguments> render_commands(const Flags& flags) {
     std::vector<Arguments> commands;
     if (!flags.size.empty()) {
         commands.push_back(command("size", {flags.size}));
+    }
+    if (flags.samples != 1) {
+        commands.push_back(command("antialias", {fmt::format("{}", flags.samples)}));
     }
     if (!flags.view.empty()) {
         commands.push_back(parse_line("view " + flags.view));
@@ -220,6 +224,8 @@ void declare(CLI::App& app, Flags& flags) {
     render_app->add_option("--surface", flags.surfaces,
                            "Several surfaces: name[=isovalue[,colour]]");
     render_app->add_option("--view", flags.view, "Named view, or \"AZ EL [zoom=Z]\"");
+    render_app->add_option("--antialias", flags.samples, "Samples a pixel: 1, 4 or 16")
+        ->check(CLI::IsMember({1, 4, 16}));
     render_app->add_option("--size", flags.size,
                            "WIDTHxHEIGHT of the picture, 512x512 if not given");
     render_app->add_option("-o,--output", flags.output, "Picture to write")->required();

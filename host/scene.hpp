@@ -82,6 +82,7 @@ struct Scene {
     std::vector<SceneClip> clips;   ///< What is drawn lies on the kept side of all.
     bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in gap_colour.
     Colour gap_colour{226, 84, 62};
+    int samples = 1;      ///< Of each pixel of a picture, one of sample_counts.
     bool overlay = true;  ///< Pictures in files carry orientation letters and a scale bar.
 };
 

@@ -47,8 +47,9 @@ struct SurfaceReport {
     std::int64_t memory_bytes = 0;  ///< In use over all GPs afterwards.
 };
 
+/// Of a picture of several samples: all its passes together.
 struct FrameReport {
-    std::uint32_t frame = 0;
+    std::uint32_t frame = 0;           ///< The last one's number.
     std::int64_t instructions = 0;     ///< Executed by all Renderers.
     std::int64_t renderer_cycles = 0;  ///< Modelled, summed over regions.
     double elapsed_ms = 0;             ///< Request to picture.
@@ -156,8 +157,15 @@ class Session {
     void set_style(const Surface& like);
     const SurfaceReport& report_of(const std::string& name) const;
 
-    /// Draws the scene once.
+    /// Draws the scene, with as many samples a pixel as it says.
     Picture draw();
+    /// Draws the scene with 1, 4 or 16 samples a pixel (sample_offset()), two passes at a time.
+    /// go_on is asked before each pass, if there is one; when it says no, nothing is returned, as
+    /// soon as the passes under way have come. Throws RequestError (failed) as drawing does, and if
+    /// the Renderers have no room for the sums: see max_samples().
+    std::optional<Picture> draw_samples(int samples, const std::function<bool()>& go_on = {});
+    /// The most samples that the machine can draw a picture of the scene's size with.
+    int max_samples() const;
     /// Draws `frames` frames, the azimuth growing by 360/frames each, `in_flight` (1 or 2) at a
     /// time; hands each to `take` in order, with the camera that it was seen by. The camera ends
     /// where it was.
@@ -216,7 +224,8 @@ class Session {
   private:
     struct PendingFrame {
         std::uint32_t frame = 0;
-        std::int64_t started_ns = 0;
+        std::int64_t started_ns = 0;  ///< Of a pass: its picture's first.
+        Pass pass;
     };
 
     /// A PPHIGS archive on the GPs.
@@ -268,7 +277,9 @@ class Session {
     WeldedMesh drawn_mesh(const Surface& surface);
     /// Masks what the filter leaves out. Returns as set_components().
     std::pair<std::size_t, std::size_t> apply_filter(const Surface& surface);
-    void submit_frame(ReadBack read_back = ReadBack::pixels);
+    void submit_frame(ReadBack read_back = ReadBack::pixels, Pass pass = {});
+    /// Waits until at most `count` frames are under way.
+    void wait_for_frames(std::size_t count);
     Picture take_frame();  ///< The oldest frame under way.
     /// Starts the io process, sends `request` to it and waits until `done`, then lets it go.
     void with_io(const std::string& what, ExitCode on_death, bus::Payload request,
@@ -286,8 +297,10 @@ class Session {
     std::map<std::string, SurfaceReport, std::less<>> reports_;
     std::deque<PendingFrame> pending_;
     std::deque<Picture> finished_;
-    std::vector<std::uint32_t> depths_;  ///< Of the newest frame that was asked for them.
-    std::vector<std::uint64_t> region_costs_;
+    std::vector<std::uint32_t> depths_;         ///< Of the newest frame that was asked for them.
+    std::vector<std::uint64_t> region_costs_;   ///< Of the newest frame.
+    std::vector<std::uint64_t> picture_costs_;  ///< By which the newest picture is shared out.
+    std::int64_t picture_started_ns_ = 0;
     FrameReport last_frame_;
     std::optional<VolumeReceiver> receiver_;
     std::optional<Volume> received_;

@@ -6,6 +6,8 @@
 #include "host/scene_transfer.hpp"
 #include "host/session.hpp"
 #include "host/stopwatch.hpp"
+#include "isa/sample_sums.hpp"
+#include "ringbus/ranges.hpp"
 
 namespace pxpl5::host {
 
@@ -25,30 +27,40 @@ Stage Session::stage() const {
             !held.gap_slabs.empty()};
 }
 
-void Session::submit_frame(ReadBack read_back) {
+void Session::submit_frame(ReadBack read_back, Pass pass) {
+    if (pass.sample == 0) {
+        picture_costs_ = region_costs_;
+        picture_started_ns_ = now_ns();
+    }
     const bus::Payload request =
-        frame_request(scene, stage(), next_frame_, region_costs_, read_back);
-    pending_.push_back({next_frame_++, now_ns()});
+        frame_request(scene, stage(), next_frame_, picture_costs_, read_back, pass);
+    pending_.push_back({next_frame_++, picture_started_ns_, pass});
     machine_.send(machine_.gp_ids().front(), request);
 }
 
 void Session::on_frame_done(const schema::FrameDone& done) {
-    if (pending_.empty() || done.frame() != pending_.front().frame || done.pixels() == nullptr) {
+    if (pending_.empty() || done.frame() != pending_.front().frame) {
         return;  // A frame that was given up after a fault.
     }
-    last_frame_ = {done.frame(), static_cast<std::int64_t>(done.instructions()), 0,
-                   ms_since(pending_.front().started_ns)};
+    const PendingFrame& pending = pending_.front();
+    if (pending.pass.sample == 0) {
+        last_frame_ = {};
+    }
+    last_frame_.frame = done.frame();
+    last_frame_.instructions += static_cast<std::int64_t>(done.instructions());
+    last_frame_.elapsed_ms = ms_since(pending.started_ns);
     region_costs_.assign(done.region_cycles()->begin(), done.region_cycles()->end());
     for (const std::uint64_t cycles : region_costs_) {
         last_frame_.renderer_cycles += static_cast<std::int64_t>(cycles);
     }
-    Picture picture{static_cast<int>(done.width()),
-                    static_cast<int>(done.height() * done.views()),
-                    {done.pixels()->begin(), done.pixels()->end()}};
+    if (done.pixels() != nullptr) {
+        finished_.push_back({static_cast<int>(done.width()),
+                             static_cast<int>(done.height() * done.views()),
+                             {done.pixels()->begin(), done.pixels()->end()}});
+    }
     if (done.depths() != nullptr) {
         depths_.assign(done.depths()->begin(), done.depths()->end());
     }
-    finished_.push_back(std::move(picture));
     pending_.pop_front();
 }
 
@@ -57,12 +69,18 @@ void Session::give_up_frames() {
     finished_.clear();
 }
 
-Picture Session::take_frame() {
+void Session::wait_for_frames(std::size_t count) {
     try {
-        wait("frame", [this] { return !finished_.empty() || fault_.has_value(); });
+        wait("frame", [&] { return pending_.size() <= count || fault_.has_value(); });
     } catch (...) {
         give_up_frames();  // What still comes of them is not what is asked for next.
         throw;
+    }
+}
+
+Picture Session::take_frame() {
+    if (finished_.empty()) {
+        wait_for_frames(pending_.size() - 1);
     }
     Picture picture = std::move(finished_.front());
     finished_.pop_front();
@@ -70,8 +88,33 @@ Picture Session::take_frame() {
 }
 
 Picture Session::draw() {
-    submit_frame();
+    return *draw_samples(scene.samples);
+}
+
+std::optional<Picture> Session::draw_samples(int samples, const std::function<bool()>& go_on) {
+    for (Pass pass{0, samples}; pass.sample < samples; ++pass.sample) {
+        wait_for_frames(max_frames_in_flight - 1);
+        if (go_on && !go_on()) {
+            wait_for_frames(0);  // The machine holds two frames, not more.
+            return std::nullopt;
+        }
+        submit_frame(ReadBack::pixels, pass);
+    }
+    wait_for_frames(0);
     return take_frame();
+}
+
+int Session::max_samples() const {
+    const auto px = [](int length) { return static_cast<std::uint32_t>(length); };
+    const std::size_t regions = bus::region_count(px(scene.size.width), px(scene.size.height), 1);
+    int most = 1;
+    for (const int samples : sample_counts) {
+        const std::size_t each = isa::max_summed_regions(px(samples));
+        if ((regions + renderer_count() - 1) / renderer_count() <= each) {
+            most = samples;
+        }
+    }
+    return most;
 }
 
 std::optional<Session::Picked> Session::pick(int x, int y) {
@@ -109,11 +152,16 @@ OrbitReport Session::orbit(int frames, const TakeFrame& take, int in_flight) {
     std::vector<double> latencies_ms;
     const std::int64_t start_ns = now_ns();
     for (int submitted = 0, taken = 0; taken < frames; ++taken) {
-        for (; submitted < frames && submitted - taken < in_flight; ++submitted) {
+        // Of several samples a picture's own passes are two at a time.
+        const bool is_single = scene.samples == 1;
+        for (; is_single && submitted < frames && submitted - taken < in_flight; ++submitted) {
             scene.camera = camera_of(submitted);
             submit_frame();
         }
-        const Picture picture = take_frame();
+        if (!is_single) {
+            scene.camera = camera_of(taken);
+        }
+        const Picture picture = is_single ? take_frame() : draw();
         latencies_ms.push_back(last_frame_.elapsed_ms);
         take(taken, picture, camera_of(taken));
     }

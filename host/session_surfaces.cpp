@@ -165,17 +165,20 @@ SurfaceReport Session::set_surface(const std::string& name, double isovalue, Cas
 SweepReport Session::sweep(const std::string& name, std::span<const double> isovalues,
                            const TakeChange& take) {
     const Surface before = find_surface(name);
-    const bool is_whole = before.components.kind == ComponentFilter::Kind::all;
+    // Otherwise what is drawn is known only when all of it is there; nor are several samples asked
+    // for ahead.
+    const bool is_ahead =
+        before.components.kind == ComponentFilter::Kind::all && scene.samples == 1;
     std::vector<double> extractions_ms, pictures_ms;
     try {
         for (const double isovalue : isovalues) {
             Building building(*this);
             begin_surface(building, name, isovalue, before.table, before.colour);
-            if (is_whole) {  // Otherwise what is drawn is known only when all of it is there.
+            if (is_ahead) {
                 submit_frame();
             }
             const SurfaceReport report = finish_surface(building);
-            const Picture picture = is_whole ? take_frame() : draw();
+            const Picture picture = is_ahead ? take_frame() : draw();
             pictures_ms.push_back(ms_since(building.start_ns));
             extractions_ms.push_back(report.elapsed_ms);
             take(static_cast<int>(pictures_ms.size()) - 1, picture, report);

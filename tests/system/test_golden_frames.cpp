@@ -47,6 +47,12 @@ TEST_CASE("meshes and frames of the built-in volumes and archives are what they 
     for (const PhantomInfo& phantom : phantoms()) {
         lines += lines_of(session, phantom);
     }
+    session.load("phantom:pelvis");
+    session.set_surface("bone", 250.5, CaseTable::watertight, {236, 226, 200});
+    for (const int samples : {4, 16}) {
+        lines += fmt::format("phantom:pelvis bone, {} samples: frame {:016x}\n", samples,
+                             picture_digest(*session.draw_samples(samples)));
+    }
     for (const char* name : {"molecule", "room", "tree"}) {
         session.load(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/" + name + ".phigs");
         const phigs::Content& scene = *session.archive();

@@ -41,6 +41,8 @@ Results results_of(MachinePort& machine) {
     results.meshes = {session.mesh_digest("outer"), session.mesh_digest("inner")};
     results.pictures.push_back(session.draw().rgba);
     results.instructions = session.last_frame().instructions;
+    results.pictures.push_back(session.draw_samples(4)->rgba);
+    results.pictures.push_back(session.draw_samples(16)->rgba);
     session.orbit(3, [&](int, const Picture& picture, const Camera&) {
         results.pictures.push_back(picture.rgba);
     });
@@ -92,7 +94,7 @@ std::uint64_t first_seed() {
 TEST_CASE("the least machine draws something") {
     const Results& results = least_machine();
     CHECK(results.triangles > 1000);
-    REQUIRE(results.pictures.size() == 4);
+    REQUIRE(results.pictures.size() == 6);
     for (const auto& picture : results.pictures) {
         CHECK(picture.size() == 200 * 150);
     }

@@ -1,0 +1,30 @@
+// A picture that is drawn several times: which frames it is the mean of, and where their pixels
+// lie.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec2.hpp>
+
+namespace pxpl5::host {
+
+/// How many samples a pixel may have.
+inline constexpr std::array<int, 3> sample_counts = {1, 4, 16};
+
+/// One of the frames whose mean a picture is; by default the only one.
+struct Pass {
+    int sample = 0;   ///< From 0.
+    int samples = 1;  ///< One of sample_counts.
+    bool is_last() const { return sample + 1 == samples; }
+};
+
+/// Where the pass samples each pixel, seen from its centre, in sixteenths of a pixel: x to the
+/// right, y down. Over all passes of a picture the offsets sum up to 0. No two have a coordinate in
+/// common, so that a nearly upright or level edge has as many steps as there are samples; whole
+/// steps of the GPs' grid, so that each pass draws the same triangles, moved.
+/// Source  4: the rotated grid; 16: ours, of all patterns that are symmetric about the centre and
+///         have one sample in each of 4 x 4, 2 x 8 and 8 x 2 cells, one with the largest least
+///         distance; in an order in which each lies far from those before it.
+glm::ivec2 sample_offset(Pass pass);
+
+}  // namespace pxpl5::host

@@ -1,0 +1,203 @@
+// Pictures of several samples a pixel, as a session sees them.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "host/commands.hpp"
+#include "host/error.hpp"
+#include "host/sample_offsets.hpp"
+#include "host/session.hpp"
+#include "tests/system/simulated_machine.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+namespace schema = bus::schema;
+
+namespace {
+
+Topology plan(int gps, int renderers) {
+    Topology topology;
+    topology.gp.count = gps;
+    topology.renderer.count = renderers;
+    topology.frame_buffer.count = 1;
+    topology.seed = 1;
+    return topology;
+}
+
+using Pixels = std::vector<std::uint32_t>;
+
+/// A machine that shows the letters, and notes what it is asked to draw.
+struct Bench {
+    Bench(int gps, int renderers)
+        : machine(plan(gps, renderers), {},
+                  [this](bus::NodeId, const bus::Message& message) {
+                      if (const auto* draw = message.as<schema::DrawFrame>()) {
+                          draw->UnPackTo(&asked.emplace_back());
+                      }
+                  }),
+          session(machine) {
+        session.load("phantom:letters");
+        session.scene.size = {200, 150};
+        session.scene.camera.angles = {30, 20};
+        const Volume& volume = session.volume();
+        session.set_surface("letters", (volume.minimum + volume.maximum) / 2, CaseTable::watertight,
+                            {200, 180, 160});
+    }
+
+    /// The picture of one pass alone.
+    Pixels alone(schema::DrawFrameT draw, std::uint32_t frame) {
+        draw.frame = frame;
+        draw.sample = 0;
+        draw.samples = 1;
+        draw.read_back = true;
+        machine.send(machine.gp_ids().front(), bus::pack(draw));
+        Pixels pixels;
+        machine.pump(
+            [&](const bus::Message& message) {
+                if (const auto* done = message.as<schema::FrameDone>()) {
+                    pixels.assign(done->pixels()->begin(), done->pixels()->end());
+                }
+            },
+            [&] { return !pixels.empty(); });
+        return pixels;
+    }
+
+    std::vector<schema::DrawFrameT> asked;
+    test::SimulatedMachine machine;
+    Session session;
+};
+
+/// Of each channel, halves up; opaque.
+std::uint32_t mean(const std::vector<Pixels>& pictures, std::size_t pixel) {
+    const auto count = static_cast<std::uint32_t>(pictures.size());
+    std::uint32_t word = 0xFF000000;
+    for (std::uint32_t shift = 0; shift < 24; shift += 8) {
+        std::uint32_t sum = 0;
+        for (const Pixels& picture : pictures) {
+            sum += picture[pixel] >> shift & 255;
+        }
+        word |= (2 * sum + count) / (2 * count) << shift;
+    }
+    return word;
+}
+
+}  // namespace
+
+TEST_CASE("samples lie in all rows and columns of a pixel's grid, about its centre") {
+    CHECK(sample_offset({0, 1}) == glm::ivec2(0));
+    for (const int samples : {4, 16}) {
+        CAPTURE(samples);
+        glm::ivec2 sum(0);
+        std::set<int> rows, columns;
+        for (int k = 0; k < samples; ++k) {
+            const glm::ivec2 offset = sample_offset({k, samples});
+            CHECK(std::max(std::abs(offset.x), std::abs(offset.y)) <= 8);
+            columns.insert(offset.x);
+            rows.insert(offset.y);
+            sum += offset;
+        }
+        CHECK(sum == glm::ivec2(0));
+        CHECK(std::ssize(rows) == samples);
+        CHECK(std::ssize(columns) == samples);
+    }
+}
+
+TEST_CASE("a picture of 4 or 16 samples is the mean of as many pictures, each moved a little") {
+    Bench bench(2, 3);
+    const Pixels plain = bench.session.draw().rgba;
+    for (const int samples : {4, 16}) {
+        CAPTURE(samples);
+        bench.asked.clear();
+        const auto picture = bench.session.draw_samples(samples);
+        REQUIRE(picture.has_value());
+        const std::int64_t instructions = bench.session.last_frame().instructions;
+        const std::vector<schema::DrawFrameT> asked = bench.asked;
+        REQUIRE(std::ssize(asked) == samples);
+        CHECK(picture->rgba != plain);
+
+        Bench other(1, 1);
+        std::vector<Pixels> alone;
+        for (const schema::DrawFrameT& draw : asked) {
+            alone.push_back(other.alone(draw, static_cast<std::uint32_t>(alone.size())));
+            CHECK(draw.region_costs == asked[0].region_costs);
+        }
+        std::size_t wrong = 0;
+        for (std::size_t p = 0; p < picture->rgba.size(); ++p) {
+            wrong += picture->rgba[p] == mean(alone, p) ? 0 : 1;
+        }
+        CHECK(wrong == 0);
+        CHECK(std::set<Pixels>(alone.begin(), alone.end()).size() == alone.size());
+        CHECK(instructions > samples * 6 * 10);  // Of all passes; 6 regions.
+    }
+}
+
+TEST_CASE("a pass shows what lies at its offset: moving the samples moves the picture back") {
+    Bench bench(1, 1);
+    bench.session.draw_samples(4);
+    const schema::DrawFrameT& first = bench.asked.at(0);
+    const schema::DrawFrameT& third = bench.asked.at(2);  // Opposite: (-2, -6) and (2, 6).
+    const auto at = [](const schema::DrawFrameT& draw, int row) {
+        // Of a point on the axis, at w = 1: what the matrix's third column moves it by.
+        return -draw.views[0]->projection->m()->Get(static_cast<unsigned>(8 + row));
+    };
+    // To see what lies to the right, the picture goes to the left: 2 / 16 of a pixel of 200, with
+    // 2 across clip space. Up is positive there.
+    CHECK(at(third, 0) == doctest::Approx(-2.0 / 16 * 2 / 200));
+    CHECK(at(third, 1) == doctest::Approx(6.0 / 16 * 2 / 150));
+    CHECK(at(first, 0) == doctest::Approx(2.0 / 16 * 2 / 200));
+    CHECK(at(first, 1) == doctest::Approx(-6.0 / 16 * 2 / 150));
+}
+
+TEST_CASE("who says no between two passes gets no picture, and the next is as ever") {
+    Bench bench(2, 2);
+    const Pixels plain = bench.session.draw().rgba;
+    const Pixels fine = bench.session.draw_samples(16)->rgba;
+    for (const int asked_before : {0, 1, 3, 15}) {
+        CAPTURE(asked_before);
+        bench.asked.clear();
+        int left = asked_before;
+        CHECK_FALSE(bench.session.draw_samples(16, [&] { return left-- > 0; }).has_value());
+        CHECK(std::ssize(bench.asked) == asked_before);
+        CHECK(bench.session.draw().rgba == plain);
+        CHECK(bench.session.draw_samples(16, [] { return true; })->rgba == fine);
+    }
+}
+
+TEST_CASE("antialias sets the samples of what is drawn, orbits too, but picks with one") {
+    Bench bench(1, 2);
+    Session& session = bench.session;
+    const Pixels plain = session.draw().rgba;
+    const auto pick = session.pick(100, 75);
+    REQUIRE(pick.has_value());
+    run_command(session, parse_line("antialias 4"));
+    const Pixels fine = session.draw().rgba;
+    CHECK(fine == session.draw_samples(4)->rgba);
+    CHECK(fine != plain);
+    const auto again = session.pick(100, 75);
+    REQUIRE(again.has_value());
+    CHECK(again->pick.p_mm == pick->pick.p_mm);
+    session.orbit(2, [&](int index, const Picture& picture, const Camera&) {
+        CHECK((picture.rgba == fine) == (index == 0));
+    });
+    CHECK_THROWS_WITH_AS(run_command(session, parse_line("antialias 5")),
+                         "antialias: 5 samples a pixel, it must be 1, 4, 16", RequestError);
+    run_command(session, parse_line("antialias 1"));
+    CHECK(session.draw().rgba == plain);
+}
+
+TEST_CASE("the most samples are those that the Renderers have room to sum") {
+    Bench bench(1, 2);
+    CHECK(bench.session.max_samples() == 16);
+    bench.session.scene.size = {1450, 1450};  // 144 regions; room for 128 and 256.
+    CHECK(bench.session.max_samples() == 4);
+    CHECK_THROWS_WITH_AS(bench.session.draw_samples(16), doctest::Contains("room for 128"),
+                         RequestError);
+    bench.session.scene.size = {4096, 4096};
+    CHECK(bench.session.max_samples() == 1);
+    bench.session.scene.size = {200, 150};
+    CHECK(bench.session.draw_samples(16).has_value());
+}
