@@ -8,7 +8,7 @@ import {byId, h} from './dom.js';
  * @param {import('./keyboard.js').Actions} actions
  */
 export function createBar(app, actions) {
-  const name = h('strong', {'data-testid': 'volume-title'});
+  const name = h('strong', {'data-testid': 'title-volume'});
   const about = h('span', {class: 'muted about'});
   const undo = h('button', {'data-testid': 'undo', 'aria-label': 'Undo', onclick: actions.undo},
     '↶', h('span', {class: 'word'}, ' Undo'));

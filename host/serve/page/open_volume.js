@@ -1,7 +1,7 @@
 // Opening another volume: a path on the server's computer, files dropped here, built-in ones.
 import {h} from './dom.js';
 import {word} from './lines.js';
-import {openFiles} from './upload.js';
+import {loadVolume, openFiles} from './upload.js';
 
 /** @typedef {import('./types.js').App} App */
 
@@ -25,7 +25,7 @@ export function createOpenDialog(app) {
   const dialog = h('dialog', {id: 'open', 'aria-labelledby': 'open-title', 'data-testid': 'open'});
   const load = (/** @type {string} */ source) => {
     dialog.close();
-    void app.connection.do(`load ${word(source)}${options.words()}`);
+    void loadVolume(app, word(source) + options.words());
   };
   const files = fileInput(app, dialog, false), folder = fileInput(app, dialog, true);
   dialog.append(

@@ -133,7 +133,7 @@ function sessionPart(app, dialog) {
   return h('section', {}, h('h3', {}, 'Session'),
     h('p', {class: 'muted'}, 'A script of commands that repeats what was done, here or at the '
       + 'prompt (pxpl5 run).'),
-    h('div', {class: 'row'}, h('span', {class: 'grow'}),
+    h('div', {class: 'row'}, input, h('span', {class: 'grow'}),
       h('button', {'data-testid': 'reopen-session',
         onclick: () => input.click()}, 'Reopen a session …'),
       h('button', {class: 'primary', 'data-testid': 'session-save', onclick: async () => {

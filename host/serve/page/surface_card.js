@@ -75,6 +75,8 @@ export class SurfaceCard {
     this.facts_ = h('p', {class: 'muted number figures',
       'data-testid': `surface-facts-${name}`});
     /** @private */
+    this.legend_ = h('p', {class: 'legend', hidden: true, 'data-testid': `surface-legend-${name}`});
+    /** @private */
     this.certificate_ = h('div', {class: 'certificate',
       'data-testid': `surface-certificate-${name}`});
     /** @private The isovalue and table that the certificate is of. */
@@ -88,7 +90,7 @@ export class SurfaceCard {
       h('label', {class: 'row'}, h('span', {class: 'field'}, 'Opacity'), this.opacity_,
         this.opacityText_),
       h('label', {class: 'row'}, h('span', {class: 'field'}, 'Parts'), this.parts_),
-      this.facts_, this.certificate_,
+      this.facts_, this.legend_, this.certificate_,
       h('div', {class: 'row'}, this.compare_, h('span', {class: 'grow'}),
         h('button', {class: 'quiet', 'data-testid': `surface-remove-${name}`,
           onclick: () => void app.connection.do(`remove ${word(name)}`)}, 'Remove')));
@@ -121,9 +123,25 @@ export class SurfaceCard {
       this.certified_ = certified;
       this.offerCertificate_();
     }
-    const isCompared = this.app_.store.state?.surfaces.some(
-      each => each.compared_with === this.name_) ?? false;
-    this.compare_.setAttribute('aria-pressed', String(isCompared));
+    const compared = this.app_.store.state?.surfaces.filter(
+      each => each.compared_with === this.name_) ?? [];
+    this.compare_.setAttribute('aria-pressed', String(compared.length > 0));
+    this.showLegend_(compared);
+  }
+
+  /**
+   * Which colour is which table's, while only their differences are drawn.
+   * @private
+   * @param {SurfaceState[]} compared
+   */
+  showLegend_(compared) {
+    this.legend_.hidden = compared.length === 0;
+    this.legend_.replaceChildren('Only cells where the tables differ:', ...compared.map(each => {
+      const swatch = h('span', {class: 'swatch'});
+      swatch.style.background = each.color;
+      return h('span', {class: 'number'}, swatch,
+        `${each.table}, ${grouped(each.triangles)} triangles`);
+    }));
   }
 
   /** @private */

@@ -110,7 +110,7 @@ export function createTissues(root, app, selection) {
   /** @type {Tissue[]} */
   let tissues = [];
   const draw = (/** @type {State} */ {volume}) => {
-    chips.hidden = volume?.modality !== 'CT';
+    chips.hidden = !volume || !mayBeHounsfield(volume);
     const {minimum, maximum} = volume ?? {minimum: 0, maximum: 0};
     chips.replaceChildren(...tissues.map(({name, isovalue, help}) => h('button', {
       class: 'chip', 'data-testid': `preset-${name}`,
@@ -126,6 +126,15 @@ export function createTissues(root, app, selection) {
       draw(app.store.state ?? state);
     }
   });
+}
+
+/**
+ * Whether the values are Hounsfield units, or may be: files that do not tell what made them, with
+ * values from well below water to well above.
+ * @param {import('./types.js').VolumeState} volume
+ */
+function mayBeHounsfield({modality, minimum, maximum}) {
+  return modality === 'CT' || modality === '' && minimum <= -200 && maximum >= 200;
 }
 
 /**

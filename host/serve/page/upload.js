@@ -32,7 +32,19 @@ export async function openFiles(app, files) {
   const path = await upload(app, files);
   if (path !== null) {
     const isSession = files.length === 1 && files[0].name.endsWith(SESSION_ENDING);
-    await app.connection.do(`${isSession ? 'play' : 'load'} ${word(path)}`);
+    await (isSession ? app.connection.do(`play ${word(path)}`) : loadVolume(app, word(path)));
+  }
+}
+
+/**
+ * Opens a volume and looks at the whole of it: zoom and pan were the one before's.
+ * @param {App} app
+ * @param {string} words  Of `load`.
+ */
+export async function loadVolume({connection}, words) {
+  const reply = await connection.do(`load ${words}`);
+  if (reply.ok) {
+    await connection.do('view anterior zoom=1');
   }
 }
 
