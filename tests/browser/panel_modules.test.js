@@ -4,8 +4,8 @@ import test from 'node:test';
 
 import {nearestVoxel, patientText, toPatient, toVoxel} from '../../host/serve/page/patient_grid.js';
 import {dotsOf, flowsOf, stretchesOf} from '../../host/serve/page/ring_flow.js';
-import {boxAt, paintGrey, pixelAt, placedIn, sliceAtBox, sliceOf, voxelAt}
-  from '../../host/serve/page/slice_pixels.js';
+import {boxAt, firstWindow, isHounsfield, paintGrey, pixelAt, placedIn, sliceAtBox, sliceOf,
+  voxelAt} from '../../host/serve/page/slice_pixels.js';
 import {planesOf} from '../../host/serve/page/slice_planes.js';
 import {changesOf} from '../../host/serve/page/why_cards.js';
 
@@ -142,4 +142,12 @@ test('a pixel\'s changes are all its stores, in order', () => {
   const why = /** @type {any} */ ({prologue: at(0, 2), visits: [{writes: at(70, 74)}, {writes: []},
     {writes: at(40)}], doors: [], end_of_region: at(90)});
   assert.deepEqual(changesOf(why), [0, 2, 40, 70, 74, 90]);
+});
+
+test('values of a file that states no modality are taken for CT by air and bone alone', () => {
+  assert.ok(isHounsfield({modality: '', minimum: -1000, maximum: 1494}));
+  assert.ok(!isHounsfield({modality: '', minimum: 0, maximum: 255}));
+  assert.ok(!isHounsfield({modality: 'MR', minimum: -1000, maximum: 1494}));
+  assert.deepEqual(firstWindow({modality: 'US', minimum: 0, maximum: 255}),
+    {window: 255, level: 127.5});
 });

@@ -72,16 +72,32 @@ export const CT_WINDOWS = [
 ];
 
 /**
+ * Whether values are Hounsfield units: as the file states, or, as many formats state no modality,
+ * as air and bone suggest. This decides a first window and nothing else.
+ * @param {{modality: string, minimum: number, maximum: number}} volume
+ */
+export function isHounsfield({modality, minimum, maximum}) {
+  return modality === 'CT' || modality === '' && minimum <= -500 && minimum >= -4096 &&
+    maximum >= 300 && maximum <= 32767;
+}
+
+/**
  * The window that a volume is first seen through.
  * @param {{modality: string, minimum: number, maximum: number}} volume
  * @returns {Window}
  */
 export function firstWindow(volume) {
-  const range = volume.maximum - volume.minimum || 1;
-  if (volume.modality === 'CT') {
-    return {window: CT_WINDOWS[0].window, level: CT_WINDOWS[0].level};
-  }
-  return {window: range, level: volume.minimum + range / 2};
+  return isHounsfield(volume) ? {window: CT_WINDOWS[0].window, level: CT_WINDOWS[0].level}
+    : allValues(volume);
+}
+
+/**
+ * From the smallest value to the largest.
+ * @param {{minimum: number, maximum: number}} volume
+ * @returns {Window}
+ */
+export function allValues({minimum, maximum}) {
+  return {window: maximum - minimum || 1, level: (minimum + maximum) / 2};
 }
 
 /**

@@ -3,7 +3,7 @@ import {h} from './dom.js';
 import {word} from './lines.js';
 import {choiceRow, intro, messageLine, numberField} from './panel_parts.js';
 import {nearestVoxel, patientText, toPatient, toVoxel} from './patient_grid.js';
-import {CT_WINDOWS, firstWindow} from './slice_pixels.js';
+import {CT_WINDOWS, allValues, firstWindow, isHounsfield} from './slice_pixels.js';
 import {planesOf} from './slice_planes.js';
 import {SliceSource} from './slice_source.js';
 import {SliceView} from './slice_view.js';
@@ -75,18 +75,17 @@ class SlicesPanel {
     this.root.append(
       intro('The scan, cut three ways; coloured lines are surfaces.'),
       h('div', {class: 'tool-row'}, tools.element, this.target),
-      this.grid, this.readout, this.notes, this.presets,
-      h('div', {class: 'tool-row'}, this.window.element, this.level.element),
-      this.message.element);
+      this.message.element, this.grid, this.readout, this.notes, this.presets,
+      h('div', {class: 'tool-row'}, this.window.element, this.level.element));
   }
 
   presetRow() {
     const chips = CT_WINDOWS.map(({name, window, level}) => h('button', {type: 'button',
-      class: 'chip', 'data-testid': `window-${name}`, onclick: () => this.look({window, level})},
-    name));
+      class: 'chip hounsfield', 'data-testid': `window-${name}`,
+      onclick: () => this.look({window, level})}, name));
     const full = h('button', {type: 'button', class: 'chip', 'data-testid': 'window-full',
       title: 'From the smallest value to the largest', onclick: () => this.volume &&
-        this.look(firstWindow({...this.volume, modality: ''}))}, 'All values');
+        this.look(allValues(this.volume))}, 'All values');
     return h('div', {class: 'presets'}, ...chips, full);
   }
 
@@ -176,7 +175,9 @@ class SlicesPanel {
       return;
     }
     this.planes = planesOf(volume.voxel_to_patient);
-    this.presets.hidden = volume.modality !== 'CT';
+    for (const chip of this.presets.querySelectorAll('.hounsfield')) {
+      chip.toggleAttribute('hidden', !isHounsfield(volume));
+    }
     if (!same) {
       this.look(firstWindow(volume));
       this.move(/** @type {Vector} */ (volume.size.map(count => Math.floor(count / 2))));
