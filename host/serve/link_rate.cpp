@@ -6,7 +6,7 @@
 namespace pxpl5::host::serve {
 namespace {
 
-constexpr std::size_t kept_pings = 12;
+constexpr std::size_t kept_pings = 60;
 constexpr double forgetting = 0.8;      // Weight of what was known when something new is measured.
 constexpr double least_time_ms = 0.05;  // The clock's doubt; keeps a rate finite.
 constexpr double margin = 0.8;          // To improve, a frame must fit this part of the budget.

@@ -67,7 +67,8 @@ struct LinkAdvice {
 class Server {
   public:
     /// Throws RequestError: usage if the options contradict each other, unavailable naming address
-    /// and reason if it cannot listen, bad_data if page or certificate cannot be read.
+    /// and reason if it cannot listen, bad_data if page or certificate cannot be read, failed if a
+    /// folder cannot be made.
     explicit Server(const ServerOptions& options);
     ~Server();
     Server(const Server&) = delete;

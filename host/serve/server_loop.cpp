@@ -120,6 +120,15 @@ std::string certificate_name(lws_vhost* vhost) {
     return failed != 0 ? "" : std::string(results.info.ns.name);
 }
 
+void make_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) {
+        throw RequestError(ExitCode::failed, fmt::format("cannot make the folder '{}': {}",
+                                                         folder.string(), error.message()));
+    }
+}
+
 RouteFolders folders_of(const ServerOptions& options) {
     RouteFolders folders = built_in_folders();
     if (!options.page.empty()) {
@@ -134,8 +143,8 @@ RouteFolders folders_of(const ServerOptions& options) {
 Loop::Loop(const ServerOptions& options, Mail& mail)
     : mail_(mail), routes_(folders_of(options)), uploads_(options.uploads) {
     check_options(options);
-    std::filesystem::create_directories(options.uploads);
-    std::filesystem::create_directories(options.downloads);
+    make_folder(options.uploads);
+    make_folder(options.downloads);
     rules_.driver_token = random_token();
     rules_.watcher_token = random_token();
     rules_.names = reachable_names(options.bind);

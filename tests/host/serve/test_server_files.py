@@ -86,6 +86,8 @@ class Start(unittest.TestCase):
         self.assertIn("go together", self.fails(64, "cert", "c.pem"))
         self.assertIn("cannot read c.pem", self.fails(65, "cert", "c.pem", "key", "k.pem"))
         self.assertIn("/nowhere is missing", self.fails(65, "page", "/nowhere"))
+        self.assertIn("cannot make the folder '/dev/null/up'",
+                      self.fails(1, "uploads", "/dev/null/up"))
 
     def test_a_port_in_use_is_named(self):
         with socket.create_server(("127.0.0.1", 0)) as other:
@@ -101,6 +103,17 @@ class Start(unittest.TestCase):
             WebSocket(local).close()
             with self.assertRaises(Refused):
                 WebSocket(local, headers={"Host": "evil.example"})
+            self.assertEqual(server.stop(), (0, ""))
+
+    def test_ipv6_is_served_where_there_is_any(self):
+        try:
+            socket.create_server(("::1", 0), family=socket.AF_INET6).close()
+        except OSError as error:
+            self.skipTest(f"no IPv6 here: {error}")
+        with tempfile.TemporaryDirectory() as folder:
+            server = EchoServer(folder, "bind", "::1")
+            self.assertTrue(server.url.startswith("http://[::1]:"), server.url)
+            WebSocket(server.url).close()
             self.assertEqual(server.stop(), (0, ""))
 
     def test_with_a_certificate_all_is_encrypted(self):

@@ -4,8 +4,10 @@ import os
 import socket
 import ssl
 import struct
+import time
 import urllib.parse
 
+MESSAGE_TIMEOUT_S = 20
 TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
 
 
@@ -111,8 +113,12 @@ class WebSocket:
         self.send_frame(TEXT, text.encode())
 
     def receive(self):
-        """The next text (str) or binary message (bytes). Answers pings; raises Closed."""
-        while True:
+        """The next text (str) or binary message (bytes). Answers pings; raises Closed.
+
+        Raises TimeoutError if none comes in time: pings alone would keep it waiting for ever.
+        """
+        deadline = time.monotonic() + MESSAGE_TIMEOUT_S
+        while time.monotonic() < deadline:
             first, second = self._exactly(2)
             size = second & 0x7f
             if size == 126:
@@ -131,6 +137,7 @@ class WebSocket:
                 return payload.decode()
             elif opcode == BINARY:
                 return payload
+        raise TimeoutError(f"no message within {MESSAGE_TIMEOUT_S} s")
 
     def close(self):
         self.socket.close()
