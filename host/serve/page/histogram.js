@@ -33,6 +33,8 @@ export class Histogram {
     this.selection_ = selection;
     /** @private @type {Counts | null} */
     this.counts_ = null;
+    /** @private Whether the counts are the volume's, and not only the axis. */
+    this.isCounted_ = false;
     /** @private @type {Map<string, number>} isovalues being dragged, ahead of the state */
     this.ahead_ = new Map();
     /** @private */
@@ -58,6 +60,13 @@ export class Histogram {
     app.store.subscribe(['volume'], ({volume}) => void this.load_(volume));
     app.store.subscribe(['surfaces', 'volume'], () => this.drawHandles_());
     selection.watch(() => this.drawHandles_());
+    app.connection.on('hello', () => {
+      // The connection may have been lost before the counts came.
+      const volume = app.store.state?.volume ?? null;
+      if (volume && !this.isCounted_) {
+        void this.load_(volume);
+      }
+    });
   }
 
   /**
@@ -70,24 +79,25 @@ export class Histogram {
     if (!volume) {
       return;
     }
-    if (this.app_.connection.watches) {
-      this.message_.textContent = 'The histogram is shown to those who may change something.';
-      return;
+    const reply = this.app_.connection.watches
+      ? {ok: false, error: 'it is counted for those who may change something.'}
+      : await this.app_.connection.do('histogram', {quiet: true});
+    if (JSON.stringify(volume) !== JSON.stringify(this.app_.store.state?.volume)) {
+      return;  // Another one was opened meanwhile, and asks for itself.
     }
-    const reply = await this.app_.connection.do('histogram', {quiet: true});
-    if (reply.ok) {
-      this.counts_ = reply.result;
-    } else {
-      this.message_.textContent = `No histogram: ${reply.error}`;
-    }
+    this.isCounted_ = reply.ok;
+    this.message_.textContent = reply.ok ? '' : `No histogram: ${reply.error}`;
+    // The handles have their place on the axis without the counts, too.
+    this.counts_ = reply.ok ? reply.result
+      : {first: volume.minimum, width: volume.maximum - volume.minimum, counts: [0]};
     this.draw_();
   }
 
   /** @private */
   draw_() {
-    const counts = this.counts_, width = this.svg_.clientWidth;
+    const counts = this.counts_;
     update(this.svg_, {class: counts ? '' : 'empty'});
-    this.message_.hidden = counts !== null;
+    const width = this.svg_.clientWidth;
     if (!counts || width === 0) {
       return;
     }

@@ -6,6 +6,7 @@ import {isoLine, plain, word} from './lines.js';
 /** @typedef {import('./types.js').SurfaceState} SurfaceState */
 /** @typedef {import('./selection.js').Selection} Selection */
 
+const TABLE_NAMES = new Map([['watertight', 'watertight'], ['lorensen1987', 'as of 1987']]);
 const LEAST_ML = [0.1, 1, 10, 100];
 
 /**
@@ -139,8 +140,7 @@ export class SurfaceCard {
     this.legend_.replaceChildren('Only cells where the tables differ:', ...compared.map(each => {
       const swatch = h('span', {class: 'swatch'});
       swatch.style.background = each.color;
-      return h('span', {class: 'number'}, swatch,
-        `${each.table}, ${grouped(each.triangles)} triangles`);
+      return h('span', {}, swatch, TABLE_NAMES.get(each.table) ?? each.table);
     }));
   }
 
