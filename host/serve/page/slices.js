@@ -73,7 +73,7 @@ class SlicesPanel {
       this.target.hidden = tool !== 'tissue';
     });
     this.root.append(
-      intro('The scan, cut three ways; coloured lines are surfaces.'),
+      intro('The scan cut three ways, surfaces as lines.'),
       h('div', {class: 'tool-row'}, tools.element, this.target),
       this.message.element, this.grid, this.readout, this.notes, this.presets,
       h('div', {class: 'tool-row'}, this.window.element, this.level.element));
