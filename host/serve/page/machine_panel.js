@@ -68,9 +68,9 @@ class MachinePanel {
     this.message.element.hidden = true;
     this.ring.update(report);
     this.nodes.update(report.nodes);
-    if (report.frame) {
-      this.regions.update(report.frame.regions ?? null);
-    }
+    // Before the first frame there are no regions.
+    this.regions.update(report.frame && report.frame.regions.columns > 0 ? report.frame.regions
+      : null);
     this.stages.update(report);
   }
 

@@ -119,7 +119,7 @@ export class RegionMap {
   tell_() {
     const regions = this.regions_;
     if (!regions) {
-      this.readout.textContent = '';
+      this.readout.textContent = 'No frame has been drawn yet.';
     } else if (this.hovered_ === null) {
       const all = regions.cycles.reduce((sum, each) => sum + each, 0);
       const most = Math.max(...regions.cycles);

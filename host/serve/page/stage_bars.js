@@ -75,7 +75,7 @@ export class StageBars {
             parts.findIndex(part => part.name === name) % MANY}`}), `${name} ${msText(ms)}`))),
       ]));
     }
-    if (frame) {
+    if (frame && frame.elapsed_ms > 0) {
       const modelled = frame.renderer_ms_1993 ?? 0;  // Not known of a frame drawn in passes.
       const scale = Math.max(frame.elapsed_ms, modelled, 0.001);
       /** @type {(label: string, ms: number, colour: string) => HTMLElement[]} */
