@@ -15,10 +15,10 @@ namespace {
 
 constexpr int ping_seconds = 5;
 constexpr double dead_after_ms = 60'000;  // Without an answer to a ping.
-// What still comes from a viewer who is sent away is thrown away for so long: if it came after the
-// socket is closed, its reset would overtake the reason.
-constexpr lws_usec_t farewell_ms = 200;
-constexpr int close_timeout_seconds = 5;  // For who does not read the reason.
+// What still comes from a viewer who is sent away is thrown away until it has been silent for so
+// long: if it came after the socket is closed, its reset would overtake the reason.
+constexpr lws_usec_t farewell = LWS_USEC_PER_SEC / 5;
+constexpr int close_timeout_seconds = 5;  // For who is never silent, or does not read the reason.
 
 double now_ms() {
     return std::chrono::duration<double, std::milli>(
@@ -49,7 +49,7 @@ int say_why(lws* connection, const Viewer& viewer) {
 }  // namespace
 
 void Loop::close_soon(lws* connection) {
-    lws_set_timer_usecs(connection, farewell_ms * LWS_USEC_PER_SEC / 1000);
+    lws_set_timer_usecs(connection, farewell);
     lws_set_timeout(connection, PENDING_TIMEOUT_CLOSE_SEND, close_timeout_seconds);
 }
 
@@ -128,6 +128,7 @@ void Loop::on_joined(lws* connection) {
 void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
     Viewer& viewer = socket.viewer;
     if (viewer.closing.code != 0) {
+        lws_set_timer_usecs(connection, farewell);
         return;
     }
     if (lws_frame_is_binary(connection) != 0) {

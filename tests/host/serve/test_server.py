@@ -108,6 +108,9 @@ class Messages(Case):
         self.assertEqual(len(json.loads(viewer.receive())["echo"]), 65536 - 12)
         viewer.send("x" * 65537)
         self.assertIn("65536", self.closed(1009, viewer))
+        viewer = self.join()
+        viewer.send("x" * 20_000_000)  # Most of it comes after the reason is known.
+        self.assertIn("65536", self.closed(1009, viewer))
         self.sync(self.join())
 
     def test_bytes_and_what_is_no_utf8_close(self):
