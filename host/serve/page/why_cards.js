@@ -107,7 +107,7 @@ function instructionCard(why, shown) {
       'No triangle stored into this pixel: it keeps what the prologue wrote, the background.'),
     shown ? writeList(shown.writes) : '',
     h('details', {}, h('summary', {},
-      `Shading at the end of the region: ${why.end_of_region.length} stores`),
+      `Stores of the program at the end of the region: ${why.end_of_region.length}`),
     writeList(why.end_of_region)));
 }
 
@@ -124,6 +124,14 @@ function visitRow(visit, isShown) {
     h('td', {class: 'number'}, visit.z ?? '–'), h('td', {}, result));
 }
 
+/** @param {Why} why */
+function coverText({visits, primitives_in_region}) {
+  const all = primitives_in_region.toLocaleString('en');
+  return visits.length === 0 ? `None of the region’s ${all} primitives covers this pixel.`
+    : `Of the region’s ${all} primitives, ${visits.length} cover this pixel; the smallest depth ` +
+      'is in front.';
+}
+
 /**
  * @param {Why} why
  * @param {Visit | undefined} shown
@@ -134,9 +142,7 @@ function triangleCard(why, shown) {
   return card('Triangle', 'why-triangle',
     shown ? h('p', {}, `Sent by gp-${shown.gp}, slab ${shown.slab}, of surface ${shown.surface}` +
       `${iso}.`) : '',
-    h('p', {class: 'muted'}, `${why.visits.length} of the region’s ` +
-      `${why.primitives_in_region.toLocaleString('en')} primitives cover this pixel; the ` +
-      'smallest depth is in front.'),
+    h('p', {class: 'muted'}, coverText(why)),
     why.visits.length > 0 ? h('table', {class: 'visits'},
       h('thead', {}, h('tr', {}, h('th', {}, 'primitive'), h('th', {}, 'depth'), h('th', {}, ''))),
       h('tbody', {}, ...why.visits.slice(0, MOST_VISITS).map(visit =>
