@@ -87,9 +87,11 @@ export class Histogram {
     }
     this.isCounted_ = reply.ok;
     this.message_.textContent = reply.ok ? '' : `No histogram: ${reply.error}`;
-    // The handles have their place on the axis without the counts, too.
-    this.counts_ = reply.ok ? reply.result
-      : {first: volume.minimum, width: volume.maximum - volume.minimum, counts: [0]};
+    // The handles have their place on the axis without counts, too; a volume of one value or none
+    // has an axis of length 1.
+    const hasCounts = reply.ok && reply.result.counts.length > 0 && reply.result.width > 0;
+    this.counts_ = hasCounts ? reply.result
+      : {first: volume.minimum, width: volume.maximum - volume.minimum || 1, counts: [0]};
     this.draw_();
   }
 
