@@ -71,7 +71,10 @@ export function watchPointers(picture, viewpoint, click) {
   stage.addEventListener('pointercancel', end);
   stage.addEventListener('contextmenu', event => event.preventDefault());
   stage.addEventListener('dblclick', event => {
-    if (event.target instanceof Element && !event.target.closest('button, [role=button]')) {
+    // In a mode two quick clicks are two clicks.
+    const isFree = event.target instanceof Element && !event.target.closest('button, [role=button]')
+      && !stage.classList.contains('mode');
+    if (isFree) {
       viewpoint.reset();
     }
   });
