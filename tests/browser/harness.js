@@ -1,4 +1,5 @@
 // What every browser test starts from: a served machine, a browser, and a folder for pictures.
+import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -15,9 +16,12 @@ mkdirSync(shots, { recursive: true });
 
 const { chromium } = createRequire(path.join(modules, 'here.js'))('playwright-core');
 
+// The last: no name is resolved, so that a page which needs another host cannot pass.
 const flags = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
-             '--disable-background-networking', '--disable-component-update',
-             '--disable-sync'];
+             '--disable-background-networking', '--disable-component-update', '--disable-sync',
+             '--js-flags=--expose-gc', '--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1'];
+/** A step that takes longer hangs: generous, since the computer may have other work. */
+const STEP_MS = 30_000;
 
 /** @param {string} name */
 function required(name) {
@@ -34,7 +38,7 @@ export async function serve(...words) {
   const folder = mkdtempSync(path.join(tmpdir(), 'pxpl5-browser-'));
   const child = spawn(path.join(bin, 'pxpl5'),
             ['serve', ...words, '--run-folder', path.join(folder, 'run')],
-            { stdio: ['ignore', 'pipe', 'pipe'] });
+            { cwd: folder, stdio: ['ignore', 'pipe', 'pipe'] });
   let errors = '';
   child.stderr.on('data', chunk => { errors = (errors + chunk).slice(-10_000); });
   const ended = new Promise(resolve => child.on('exit', (code, signal) =>
@@ -62,7 +66,7 @@ export async function serve(...words) {
   };
 }
 
-/** @returns a browser; its pages fail the test on what a person would see in the console. */
+/** @returns a browser without a screen, and without any other host than this one. */
 export async function launchBrowser() {
   const executablePath = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(existsSync);
   const browser = await chromium.launch({ executablePath, args: flags });
@@ -71,19 +75,38 @@ export async function launchBrowser() {
 
 /**
  * Opens a page and waits until it shows a picture.
- * @param {{width: number, height: number}} viewport CSS pixels
+ * @param {object} options of the browser's context, such as `viewport` in CSS pixels; `script` is
+ *   a function that runs in the page before its own code
+ * @returns `close` fails the test if the page complained: errors in the console or not caught
  */
-export async function openPage(browser, url, viewport = { width: 1280, height: 720 }) {
-  const context = await browser.newContext({ viewport, acceptDownloads: true });
+export async function openPage(browser, url, { script, ...options } = {}) {
+  const context = await browser.newContext(
+    { viewport: { width: 1280, height: 720 }, acceptDownloads: true, ...options });
+  context.setDefaultTimeout(STEP_MS);
+  if (script) await context.addInitScript(script);
   const page = await context.newPage();
   const complaints = [];
-  page.on('pageerror', error => complaints.push(String(error)));
+  page.on('pageerror', error => complaints.push(String(error.stack)));
   page.on('console', message => {
     if (message.type() === 'error') complaints.push(message.text());
   });
   await page.goto(url);
-  await page.waitForFunction(() => globalThis.pxpl5?.frames > 0);
-  return { page, context, complaints };
+  // A driver's page soon asks for pictures that fit its panel; that is not a test's own change.
+  await page.waitForFunction(() => {
+    const stage = document.querySelector('[data-testid=stage]');
+    const [width, height] = globalThis.pxpl5?.state?.size ?? [0, 1];
+    const fits = Math.abs(width / height - stage.clientWidth / stage.clientHeight) < 0.02;
+    return globalThis.pxpl5?.frames > 0 && (fits || document.body.classList.contains('watcher'));
+  }).catch(async error => {
+    const said = await page.evaluate(() =>
+      ({ ...globalThis.pxpl5, body: document.body.innerText }));
+    throw new Error(`${error.message}\n${JSON.stringify(said)}\n${complaints.join('\n')}`);
+  });
+  const close = async () => {
+    await context.close();
+    assert.deepEqual(complaints, [], 'what the page complained about');
+  };
+  return { page, context, complaints, close };
 }
 
 /** Keeps a screenshot under a name that the README may show. */

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Runs one file of browser tests with node's test runner, or says why it is skipped.
+# Runs one file of browser tests with node's test runner, or another program of node with its
+# arguments; or says why it is skipped.
 set -euo pipefail
 skip() {
     echo "SKIPPED: $1"
@@ -8,4 +9,7 @@ skip() {
 command -v node >/dev/null || skip "node is not installed"
 command -v chromium >/dev/null || skip "chromium is not installed"
 [ -d "$PXPL5_NODE_MODULES/playwright-core" ] || skip "playwright-core is not in $PXPL5_NODE_MODULES"
-exec node --test --test-reporter=spec "$1"
+case "$1" in
+    *.test.js) exec node --test --test-reporter=spec "$@" ;;
+    *) exec node "$@" ;;
+esac

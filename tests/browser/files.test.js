@@ -1,0 +1,204 @@
+// What comes into the page and leaves it: volumes by path, by drop and built in; meshes, pictures,
+// sessions; what is wrong is said in a sentence and changes nothing; long work can be given up.
+import assert from 'node:assert/strict';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import path from 'node:path';
+import test, { after as afterAll, before } from 'node:test';
+import { launchBrowser, openPage, serve } from './harness.js';
+import { after, errorsShown, settled, state, stateWhen } from './steps.js';
+
+const STL_HEADER_BYTES = 84;
+const STL_TRIANGLE_BYTES = 50;
+const SIDE = 24;  // Voxels of the ball that is dropped, along each axis.
+
+let server;
+let browser;
+let page;
+let close;
+
+before(async () => {
+  server = await serve('phantom:pelvis', 'resample=96x96x48');
+  browser = await launchBrowser();
+  ({ page, close } = await openPage(browser, server.url));
+});
+afterAll(async () => {
+  await close?.();
+  await browser?.close();
+  const how = await server?.stop();
+  assert.equal(how?.code, 0, how?.errors);
+});
+
+const byId = id => page.getByTestId(id);
+
+/** Does what makes the page save a file, and returns its name and bytes. */
+async function saved(act) {
+  const [download] = await Promise.all([page.waitForEvent('download'), act()]);
+  return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
+}
+
+/** Opens a volume by the path field. */
+async function openPath(text) {
+  await byId('open-panel').click();
+  await byId('open-path').fill(text);
+  await byId('open-go').click();
+}
+
+/** Closes the messages that are shown; notes may just be going by themselves. */
+function closeMessages() {
+  return byId('toasts').evaluate(root => {
+    for (const button of root.querySelectorAll('button')) button.click();
+  });
+}
+
+/** A ball in a NRRD file: voxels are their distance from its surface, positive inside. */
+function writeBall(file) {
+  const values = new Float32Array(SIDE ** 3);
+  const middle = (SIDE - 1) / 2;
+  for (let z = 0, at = 0; z < SIDE; z++) {
+    for (let y = 0; y < SIDE; y++) {
+      for (let x = 0; x < SIDE; x++, at++) {
+        values[at] = SIDE / 3 - Math.hypot(x - middle, y - middle, z - middle);
+      }
+    }
+  }
+  const header = ['NRRD0004', 'type: float', 'dimension: 3', `sizes: ${SIDE} ${SIDE} ${SIDE}`,
+                  'space: left-posterior-superior', 'space directions: (1,0,0) (0,1,0) (0,0,1)',
+                  'space origin: (0,0,0)', 'endian: little', 'encoding: raw', '', ''].join('\n');
+  writeFileSync(file, Buffer.concat([Buffer.from(header), Buffer.from(values.buffer)]));
+}
+
+test('the mesh is saved as STL with as many triangles as the state says', async () => {
+  await settled(page);
+  const { surfaces } = await state(page);
+  await byId('save-menu').click();
+  await byId('export-format').selectOption('stl');
+  const { name, bytes } = await saved(() => byId('export-go').click());
+  assert.match(name, /^\S+\.stl$/);
+  const count = bytes.readUInt32LE(STL_HEADER_BYTES - 4);
+  assert.equal(bytes.length, STL_HEADER_BYTES + count * STL_TRIANGLE_BYTES);
+  const shown = surfaces.filter(({ visible }) => visible);
+  assert.equal(count, shown.reduce((sum, { triangles }) => sum + triangles, 0));
+});
+
+test('the picture is saved as PNG in the size of the state', async () => {
+  const { size } = await state(page);
+  await byId('save-menu').click();
+  const { name, bytes } = await saved(() => byId('snapshot').click());
+  assert.match(name, /\.png$/);
+  assert.equal(bytes.subarray(1, 4).toString(), 'PNG');
+  assert.deepEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], size);
+});
+
+test('a saved session, opened again, shows the same picture', async () => {
+  const done = await after(page, async () => {
+    await byId('stage').focus();
+    await page.keyboard.press('ArrowRight');
+    await byId('iso-bone').fill('260.5');
+    await byId('iso-bone').press('Enter');
+    await stateWhen(page, now => now.surfaces.some(each => each.isovalue === 260.5));
+  });
+  await byId('save-menu').click();
+  const { name, bytes } = await saved(() => byId('session-save').click());
+  assert.match(bytes.toString(), /^load "?phantom:pelvis/m);
+  assert.match(bytes.toString(), /260\.5/);
+  const file = path.join(server.folder, name);
+  writeFileSync(file, bytes);
+
+  await openPath('phantom:sphere');
+  await stateWhen(page, now => now.volume.source === 'phantom:sphere');
+  await settled(page);
+  await byId('save-menu').click();
+  await byId('session-open').setInputFiles(file);
+  await stateWhen(page, now => now.volume?.source === 'phantom:pelvis' &&
+    now.surfaces.some(each => each.isovalue === 260.5) && !now.busy);
+  assert.equal((await settled(page)).digest, done.digest);
+});
+
+test('a built-in volume opens by its card, and is never shown empty', async () => {
+  await byId('open-panel').click();
+  await byId('phantom-torus').click();
+  const { volume, surfaces } = await stateWhen(page, now => now.volume?.source === 'phantom:torus');
+  await settled(page);
+  assert.match(await page.title(), new RegExp(volume.name));
+  assert.ok(surfaces.length > 0);
+});
+
+test('a wrong path is told in a sentence, and what was open stays', async () => {
+  const before = await settled(page);
+  const wrong = path.join(server.folder, 'there-is-no-such.nrrd');
+  await openPath(wrong);
+  await byId('toast-error').waitFor();
+  const [sentence] = await errorsShown(page);
+  assert.ok(sentence.includes('there-is-no-such.nrrd'), sentence);
+  assert.match(sentence, /\w+ \w+ \w+/);
+  assert.equal((await settled(page)).digest, before.digest);
+  await closeMessages();
+});
+
+test('a file that is no volume is told in a sentence, and what was open stays', async () => {
+  const before = await settled(page);
+  const file = path.join(server.folder, 'broken.nrrd');
+  writeFileSync(file, 'NRRD0004\ntype: float\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\nshort');
+  await openPath(file);
+  await byId('toast-error').waitFor();
+  assert.match((await errorsShown(page))[0], /broken\.nrrd/);
+  assert.equal((await settled(page)).digest, before.digest);
+  await closeMessages();
+});
+
+/** Drops files on the picture as a person does; paths are of this computer. */
+async function drop(files) {
+  const session = await page.context().newCDPSession(page);
+  const box = await byId('stage').boundingBox();
+  const data = { items: [], files, dragOperationsMask: 1 };
+  for (const type of ['dragEnter', 'dragOver', 'drop']) {
+    await session.send('Input.dispatchDragEvent',
+                      { type, x: box.x + box.width / 2, y: box.y + box.height / 2, data });
+  }
+}
+
+test('a file that is dropped on the page is opened, with a first surface', async () => {
+  const folder = path.join(server.folder, 'mine');
+  mkdirSync(folder);
+  const file = path.join(folder, 'ball.nrrd');
+  writeBall(file);
+  await drop([file]);
+  const { volume, surfaces } = await stateWhen(page,
+    (now, side) => now.volume?.size.every(each => each === side), SIDE);
+  await settled(page);
+  assert.match(volume.name, /ball/);
+  assert.ok(surfaces.length > 0, 'a first visit is never empty');
+});
+
+test('a surface of the dropped ball has the area of a ball', async () => {
+  await byId('surface-add').click();
+  const { surfaces } = await stateWhen(page, now => now.surfaces.length > 1);
+  const name = surfaces.at(-1).name;
+  await byId(`iso-${name}`).fill('0.0001');
+  await byId(`iso-${name}`).press('Enter');
+  const set = await stateWhen(page, (now, name) =>
+    now.surfaces.some(each => each.name === name && Math.abs(each.isovalue) < 0.001), name);
+  const { area_mm2 } = set.surfaces.find(each => each.name === name);
+  const expected = 4 * Math.PI * (SIDE / 3) ** 2;
+  assert.ok(Math.abs(area_mm2 / expected - 1) < 0.02, `${area_mm2} mm2, a ball has ${expected}`);
+});
+
+test('long work is shown and can be given up; what was open stays', async () => {
+  const before = await settled(page);
+  await openPath('phantom:pelvis resample');  // A blank is part of the path: no such phantom.
+  await byId('toast-error').waitFor();
+  await closeMessages();
+  await byId('open-panel').click();
+  await page.locator('#open details > summary').click();
+  await byId('open-smooth').fill('6');
+  await byId('open-resample').fill('480x480x400');
+  await byId('open-path').fill('phantom:pelvis');
+  await byId('open-go').click();
+  await byId('cancel').click();
+  await byId('work').waitFor({ state: 'hidden' });
+  const { volume, surfaces } = await stateWhen(page, now => !now.busy);
+  // GPs have dropped the old volume once the new one came: then the scene is empty, and says so.
+  if (volume) assert.equal((await settled(page)).digest, before.digest);
+  else assert.deepEqual(surfaces, []);
+  assert.match((await errorsShown(page)).join(' '), /cancel|given up/i);
+});

@@ -1,0 +1,221 @@
+// The panels on the right: slices, volume, distances, the machine and its inspector.
+import assert from 'node:assert/strict';
+import test, { after as afterAll, before } from 'node:test';
+import { launchBrowser, openPage, serve } from './harness.js';
+import { after, ask, drag, lookAtPicture, middleOf, rawSocket, say, settled, state, stateWhen }
+  from './steps.js';
+
+const REGION = 128;  // Pixels along a region's edge.
+
+let server;
+let browser;
+let page;
+let close;
+let raw;
+
+before(async () => {
+  server = await serve('phantom:pelvis', 'resample=96x96x48');
+  browser = await launchBrowser();
+  ({ page, close } = await openPage(browser, server.url));
+  raw = await rawSocket(page, server.url);
+});
+afterAll(async () => {
+  await close?.();
+  await browser?.close();
+  const how = await server?.stop();
+  assert.equal(how?.code, 0, how?.errors);
+});
+
+const byId = id => page.getByTestId(id);
+
+/** A fingerprint of a canvas, and how many of its pixels have about that colour. */
+function canvasOf(id, color = '#000000') {
+  return byId(id).evaluate((canvas, color) => {
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const [r, g, b] = [1, 3, 5].map(at => parseInt(color.slice(at, at + 2), 16));
+    let hash = 7;
+    let near = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      hash = (Math.imul(hash, 31) + data[i] + 256 * data[i + 1] + 65536 * data[i + 2]) | 0;
+      const far = Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b);
+      near += far < 30 ? 1 : 0;
+    }
+    return { hash, near };
+  }, color);
+}
+
+/** Does something and waits until a canvas shows something else. */
+async function redrawn(id, act) {
+  const { hash } = await canvasOf(id);
+  await act();
+  for (;;) {
+    const now = await canvasOf(id);
+    if (now.hash !== hash) return now;
+    await page.evaluate(() => new Promise(requestAnimationFrame));
+  }
+}
+
+test('slices stand as radiologists hang them, with the contour of the surface', async () => {
+  await byId('tab-slices').click();
+  await settled(page);
+  const { size } = (await state(page)).volume;
+  const answers = {};
+  for (const axis of ['x', 'y', 'z']) {
+    const index = Math.floor(size['xyz'.indexOf(axis)] / 2);
+    answers[axis] = (await ask(raw, { ask: 'slice', axis, index })).json;
+  }
+  assert.deepEqual(answers.z.letters, { left: 'R', right: 'L', top: 'A', bottom: 'P' });
+  assert.deepEqual(answers.y.letters, { left: 'R', right: 'L', top: 'S', bottom: 'I' });
+  assert.deepEqual(answers.x.letters, { left: 'A', right: 'P', top: 'S', bottom: 'I' });
+  const { color } = (await state(page)).surfaces.find(({ name }) => name === 'bone');
+  await page.getByTestId('slice-axial').waitFor();
+  await redrawn('slice-axial', () => byId('slice-index-0').fill(String(size[2] / 2 - 6)));
+  assert.ok((await canvasOf('slice-axial', color)).near > 50, `a contour in ${color}`);
+});
+
+test('a slice outside of the volume is refused in a sentence with both numbers', async () => {
+  await assert.rejects(ask(raw, { ask: 'slice', axis: 'z', index: 4711 }), /4711.*47|47.*4711/s);
+  await assert.rejects(ask(raw, { ask: 'slice', axis: 'w', index: 1 }), /w/);
+});
+
+test('window and level change pixels, the wheel steps, the readout tells values', async () => {
+  await redrawn('slice-axial', () => byId('window-Bone').click());
+  await redrawn('slice-axial', async () => {
+    await byId('slices-level').fill('900');
+    await byId('slices-level').press('Enter');
+  });
+  const at = await middleOf(byId('slice-axial'));
+  const index = Number(await byId('slice-index-0').inputValue());
+  await redrawn('slice-axial', async () => {
+    await page.mouse.move(at.x, at.y);
+    await page.mouse.wheel(0, 120);
+  });
+  assert.notEqual(Number(await byId('slice-index-0').inputValue()), index);
+  assert.match(await byId('slices-readout').innerText(), /-?\d+.* at voxel \d+, \d+, \d+/);
+});
+
+test('the crosshair goes from a slice to the picture, and from the picture to the slices',
+     async () => {
+  const at = await middleOf(byId('slice-axial'));
+  await redrawn('slice-coronal', () => page.mouse.click(at.x + 12, at.y + 9));
+  await byId('crosshair').and(page.locator('[visibility=visible], :not([visibility])')).waitFor();
+  const stage = await middleOf(byId('stage'));
+  await redrawn('slice-axial', () => page.mouse.click(stage.x, stage.y - 40));
+});
+
+test('the volume report tells size, spacing, values and source', async () => {
+  await byId('tab-volume').click();
+  const { volume } = await state(page);
+  const facts = await byId('volume-facts').innerText();
+  for (const fact of [volume.size.join(' × '), 'CT', 'phantom:pelvis', String(volume.maximum)]) {
+    assert.ok(facts.includes(fact), `'${fact}' in ${facts}`);
+  }
+  assert.ok((await byId('volume-findings').innerText()).length > 10);
+});
+
+test('a distance of two clicks agrees with picks, and follows the camera', async () => {
+  const stage = await byId('stage').boundingBox();
+  const { size } = await state(page);
+  const pixels = [[0.44, 0.4], [0.56, 0.42]].map(([x, y]) =>
+    [Math.floor(x * size[0]), Math.floor(y * size[1])]);
+  await byId('measure-mode').click();
+  for (const [x, y] of pixels) {
+    await page.mouse.click(stage.x + (x + 0.5) / size[0] * stage.width,
+                           stage.y + (y + 0.5) / size[1] * stage.height);
+  }
+  await byId('measure-list').locator('li').waitFor();
+  const picks = [];
+  for (const [x, y] of pixels) picks.push((await say(raw, `pick ${x} ${y}`)).result.p_mm);
+  const expected = Math.hypot(...picks[0].map((mm, axis) => mm - picks[1][axis]));
+  const told = Number.parseFloat(await byId('measure-list').locator('b').innerText());
+  assert.ok(Math.abs(told - expected) <= Math.max(0.05, told < 100 ? 0.06 : 0.6),
+            `${told} mm, the picks are ${expected} mm apart`);
+  await page.keyboard.press('Escape');
+  const line = () => byId('measure-lines').locator('line').first().getAttribute('x1');
+  const before = await line();
+  await after(page, async () => {
+    await byId('stage').focus();
+    await page.keyboard.press('ArrowRight');
+  });
+  assert.notEqual(await line(), before);
+  await byId('measure-delete-1').click();
+  assert.equal(await byId('measure-lines').locator('line').count(), 0);
+});
+
+test('why: pixel, instructions, triangle, and the cell with its eight values', async () => {
+  await after(page, () => say(raw, 'view anterior'));
+  await byId('tab-inspector').click();
+  await byId('inspect-mode').click();
+  const stage = await middleOf(byId('stage'));
+  await page.mouse.click(stage.x, stage.y - 30);
+  await byId('why-pixel').waitFor();
+  assert.match(await byId('why-sentence').innerText(), /\w+ \w+ \w+/);
+  assert.match(await byId('why-instructions').innerText(), /→/, 'what instructions changed');
+  assert.match(await byId('why-triangle').innerText(), /gp-\d/);
+  const values = await byId('cell').locator('text').allTextContents();
+  assert.ok(values.filter(text => /-?\d/.test(text)).length >= 8, values.join(' | '));
+});
+
+/** In the page: pixels of a region in a picture that the server has for download. */
+async function regionOf([path, x0, y0, edge]) {
+  const bitmap = await createImageBitmap(await (await fetch(path)).blob());
+  const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+  const context = canvas.getContext('2d');
+  context.drawImage(bitmap, 0, 0);
+  const [width, height] = [Math.min(edge, bitmap.width - x0), Math.min(edge, bitmap.height - y0)];
+  return { width, height, data: [...context.getImageData(x0, y0, width, height).data] };
+}
+
+test('scrubbing: the start is not the end, and the end is the region itself', async () => {
+  await byId('scrub-status').getByText('instructions done').waitFor();
+  await redrawn('region', () => byId('scrub-first').click());
+  await redrawn('region', () => byId('scrub-last').click());
+  await byId('disassembly').locator('li').first().waitFor();
+
+  const [x, y] = (await state(page)).size.map(each => Math.floor(each / 2));
+  const { json, bytes } = await ask(raw, { ask: 'scrub', x, y, at: -1 });
+  assert.equal(json.at, json.count);
+  const { result } = await say(raw, 'snapshot download:whole.png');
+  const whole = await page.evaluate(regionOf, [result.download, json.x0, json.y0, REGION]);
+  for (let row = 0; row < whole.height; row++) {
+    for (let i = 0; i < whole.width; i++) {
+      const [here, there] = [4 * (row * whole.width + i), 4 * (row * REGION + i)];
+      assert.deepEqual(bytes.slice(there, there + 3), whole.data.slice(here, here + 3),
+                       `pixel ${json.x0 + i}, ${json.y0 + row}`);
+    }
+  }
+});
+
+test('the machine: its nodes, what they do, who draws what', async () => {
+  await byId('tab-machine').click();
+  const { gps, renderers } = (await state(page)).machine;
+  await byId('node-gp-0').waitFor();
+  const nodes = await byId('nodes').getByRole('button').allTextContents();
+  for (let gp = 0; gp < gps; gp++) assert.ok(nodes.some(each => each.includes(`gp-${gp}`)));
+  for (let n = 0; n < renderers; n++) assert.ok(nodes.some(each => each.includes(`renderer-${n}`)));
+  const stage = await middleOf(byId('stage'));
+  await drag(page, stage, { x: stage.x + 80, y: stage.y }, { steps: 20 });
+  await byId('clocks').getByText('1993').waitFor();
+  await page.getByText(/Dearest [1-9]/).waitFor();
+  await page.waitForFunction(() => [...document.querySelectorAll('[data-testid^=node-gp]')]
+    .every(node => /\d %/.test(node.textContent)));
+  await settled(page);
+});
+
+test('a killed node is told of, and the same picture comes back', async () => {
+  await after(page, () => say(raw, 'view 30 15'));
+  await after(page, () => say(raw, 'background #102040'));
+  const before = await settled(page);
+  const { undo } = await state(page);
+  await byId('node-gp-0').click();
+  await byId('node-kill').click();
+  await byId('machine-events').getByText('gp-0').first().waitFor();
+  await page.getByTestId(/^toast-/).getByText('gp-0').first().waitFor();
+  await stateWhen(page, (now, was) => now.revision > was && !now.busy, before.revision);
+  assert.equal((await settled(page)).digest, before.digest);
+  const now = await state(page);
+  assert.equal(now.undo, undo, 'what was done can still be undone');
+  await after(page, () => byId('undo').click());
+  assert.notEqual((await settled(page)).digest, before.digest);
+  assert.ok((await lookAtPicture(page)).colors > 100);
+});

@@ -1,0 +1,55 @@
+// What a process and its children use, from /proc.
+import { readFileSync, readdirSync } from 'node:fs';
+
+const TICKS_PER_S = 100;  // Of /proc/PID/stat on Linux, whatever the kernel's own rate.
+
+/** A file of /proc, or '' if its process has ended. */
+function read(path) {
+  try {
+    return readFileSync(path, 'utf8');
+  } catch (error) {
+    if (error.code === 'ENOENT' || error.code === 'ESRCH') return '';
+    throw error;
+  }
+}
+
+/** Fields of /proc/PID/stat from the third on; the second may hold blanks. */
+function stat(pid) {
+  const text = read(`/proc/${pid}/stat`);
+  return text.slice(text.lastIndexOf(')') + 2).split(' ');
+}
+
+/** A process and all that descend from it; [] if it has ended. */
+export function treeOf(root) {
+  const children = new Map();
+  let isThere = false;
+  for (const name of readdirSync('/proc').filter(each => /^\d+$/.test(each))) {
+    const pid = Number(name);
+    const parent = Number(stat(pid)[1]);
+    children.set(parent, [...(children.get(parent) ?? []), pid]);
+    isThere ||= pid === root;
+  }
+  const found = isThere ? [root] : [];
+  for (let i = 0; i < found.length; i++) found.push(...(children.get(found[i]) ?? []));
+  return found;
+}
+
+/** Seconds that these processes and their ended children have computed. */
+export function cpuSeconds(pids) {
+  const ticks = pids.flatMap(pid => stat(pid).slice(11, 15).map(Number));
+  return ticks.reduce((sum, each) => sum + (each || 0), 0) / TICKS_PER_S;
+}
+
+/** Memory of these processes in MiB: what they share is counted once (proportional set size). */
+export function memoryMib(pids) {
+  const kib = pids.map(pid =>
+    Number(/^Pss:\s+(\d+)/m.exec(read(`/proc/${pid}/smaps_rollup`))?.[1]));
+  return kib.reduce((sum, each) => sum + (each || 0), 0) / 1024;
+}
+
+/** The browser's processes, which this one has started. */
+export function browserProcesses() {
+  const own = treeOf(process.pid);
+  const isBrowser = pid => /chrom/.test(read(`/proc/${pid}/cmdline`).split('\0')[0]);
+  return own.filter(isBrowser);
+}
