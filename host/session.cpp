@@ -54,6 +54,7 @@ void Session::begin_request(Answer answer) {
 }
 
 void Session::send_to_gps(const bus::Payload& request) {
+    ++told_;
     for (const bus::NodeId gp : machine_.gp_ids()) {
         machine_.send(gp, request);
     }

@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -30,6 +31,10 @@
 #include "host/volume_transfer.hpp"
 
 namespace pxpl5::host {
+
+namespace inspect {
+class LiveFrame;
+}
 
 /// A finished picture, top row first.
 struct Picture {
@@ -187,6 +192,12 @@ class Session {
     };
     std::optional<Picked> pick(int x, int y);
 
+    /// Equal for two moments only if a frame drawn then and one drawn now are the same: a digest of
+    /// what is asked for, and of how often the GPs were told something else.
+    std::uint64_t frame_key() const;
+    /// What is known of the frame that was asked about last (host/inspect/live_frame.hpp).
+    std::shared_ptr<inspect::LiveFrame> asked_frame;
+
     /// Writes pictures of one size through the io process, several as one animation. Throws
     /// RequestError if that fails.
     void export_pictures(std::span<const Picture> pictures, const std::string& path,
@@ -291,6 +302,7 @@ class Session {
     std::uint32_t volume_id_ = 0;
     std::uint16_t next_surface_id_ = 0;
     std::uint32_t next_frame_ = 0;
+    std::uint64_t told_ = 0;          ///< Requests to all GPs.
     std::set<bus::NodeId> answered_;  ///< GPs that have answered the request under way.
     Answer answer_;
     std::int64_t memory_bytes_ = 0;

@@ -1,7 +1,10 @@
 // What a session does with frames: asks for them, two in flight, and takes them.
+#include <array>
 #include <cassert>
+#include <span>
 #include <utility>
 
+#include "host/digest.hpp"
 #include "host/error.hpp"
 #include "host/scene_transfer.hpp"
 #include "host/session.hpp"
@@ -115,6 +118,15 @@ int Session::max_samples() const {
         }
     }
     return most;
+}
+
+std::uint64_t Session::frame_key() const {
+    Digest digest;
+    const bus::Payload request = frame_request(scene, stage(), 0, {});
+    digest.add(std::as_bytes(request.bytes()));
+    const std::array<std::uint64_t, 2> told = {volume_id_, told_};
+    digest.add(std::as_bytes(std::span(told)));
+    return digest.value();
 }
 
 std::optional<Session::Picked> Session::pick(int x, int y) {

@@ -38,27 +38,34 @@ constexpr int histogram_bins = 1024, histogram_rows = 16, histogram_columns = 48
 /// Values that so many percent of the voxels do not exceed, to a bin's width: where isovalues are
 /// worth trying.
 std::vector<double> quantiles(const Histogram& counted) {
-    std::uint64_t all = 0;
-    for (const std::uint64_t count : counted.counts) {
-        all += count;
-    }
     std::vector<double> values;
     for (const int percent : quantile_percent) {
-        std::uint64_t below = 0;
-        std::size_t bin = 0;
-        for (; bin + 1 < counted.counts.size(); ++bin) {
-            below += counted.counts[bin];
-            if (below * 100 >= all * static_cast<std::uint64_t>(percent)) {
-                break;
-            }
-        }
-        values.push_back(counted.first + counted.width * static_cast<double>(bin));
+        values.push_back(quantile(counted, 10 * percent));
     }
     return values;
 }
 
-/// A row of blocks for each range of values; the length goes with the logarithm of the count.
+}  // namespace
+
+double quantile(const Histogram& counted, int per_mille) {
+    std::uint64_t all = 0, below = 0;
+    for (const std::uint64_t count : counted.counts) {
+        all += count;
+    }
+    std::size_t bin = 0;
+    for (; bin + 1 < counted.counts.size(); ++bin) {
+        below += counted.counts[bin];
+        if (below * 1000 >= all * static_cast<std::uint64_t>(per_mille)) {
+            break;
+        }
+    }
+    return counted.first + counted.width * static_cast<double>(bin);
+}
+
 std::string histogram_text(const Histogram& counted) {
+    if (counted.counts.empty()) {
+        return "no voxel is a finite number";
+    }
     const std::size_t bins = counted.counts.size();
     const std::size_t per_row = (bins + histogram_rows - 1) / histogram_rows;
     std::vector<std::uint64_t> rows((bins + per_row - 1) / per_row);
@@ -66,7 +73,7 @@ std::string histogram_text(const Histogram& counted) {
         rows[bin / per_row] += counted.counts[bin];
     }
     const double most = std::log2(1.0 + static_cast<double>(*std::ranges::max_element(rows)));
-    std::string text = "\nvalues from, voxels (bars by logarithm)";
+    std::string text = "values from, voxels (bars by logarithm)";
     for (std::size_t row = 0; row < rows.size(); ++row) {
         const double share = std::log2(1.0 + static_cast<double>(rows[row])) / std::max(1.0, most);
         text += fmt::format("\n{:>10.6g} {:>10} {}",
@@ -84,8 +91,6 @@ Fields histogram_fields(const Histogram& counted) {
     }
     return {{"first", counted.first}, {"width", counted.width}, {"counts", counts}};
 }
-
-}  // namespace
 
 glm::dvec3 spacing_mm(const Volume& volume) {
     return {glm::length(axis_mm(volume, 0)), glm::length(axis_mm(volume, 1)),
@@ -129,7 +134,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
                                   quantile_percent[i], shares[i]);
     }
     if (detail == VolumeDetail::all) {
-        reply.text += histogram_text(counted);
+        reply.text += "\n" + histogram_text(counted);
     }
     std::vector<Fields> notes;
     for (const Finding& finding : volume.findings) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/reply.hpp"
+#include "host/surface/histogram.hpp"
 #include "host/volume.hpp"
 
 namespace pxpl5::host {
@@ -21,5 +22,14 @@ glm::dvec3 spacing_mm(const Volume& volume);
 
 /// Where the volume's axes point in the patient, nearest first letter per axis: "LPS", "RAS", ...
 std::string orientation_letters(const Volume& volume);
+
+/// A row of blocks for each range of values, 16 at most; the length goes with the logarithm of the
+/// count.
+std::string histogram_text(const Histogram& counted);
+/// first, width, counts.
+Fields histogram_fields(const Histogram& counted);
+
+/// The value that so many of a thousand voxels do not exceed, to a bin's width.
+double quantile(const Histogram& counted, int per_mille);
 
 }  // namespace pxpl5::host

@@ -11,7 +11,8 @@
 
 namespace pxpl5::host::inspect {
 
-KnownVolume::KnownVolume(const RecordedRun& run, std::uint32_t frame) : volume_(run.volume(frame)) {
+KnownVolume::KnownVolume(const RecordedRun& run, std::uint32_t frame, const Volume* held)
+    : volume_(run.volume(frame)), held_(held) {
     if (volume_) {
         shape_ = gp::shape_of(header());
     }
@@ -31,7 +32,15 @@ std::string KnownVolume::need(int first, int last) {
             missing += fmt::format("{}{}", missing.empty() ? "" : ", ", z);
         }
     }
-    return missing.empty() ? "" : build_again(missing);
+    if (missing.empty()) {
+        return {};
+    }
+    if (held_ != nullptr) {
+        values_from_ = "the session's volume";
+        take_slices(*held_);
+        return {};
+    }
+    return build_again(missing);
 }
 
 std::string KnownVolume::build_again(const std::string& missing) {
@@ -52,12 +61,16 @@ std::string KnownVolume::build_again(const std::string& missing) {
     }
     built_ = std::move(built);
     values_from_ = source + ", built again";
-    const std::size_t size_bytes = built_->values.size() / static_cast<std::size_t>(shape_.nz);
+    take_slices(*built_);
+    return {};
+}
+
+void KnownVolume::take_slices(const Volume& volume) {
+    const std::size_t size_bytes = volume.values.size() / static_cast<std::size_t>(shape_.nz);
     for (std::size_t z = 0; z < volume_->slice.size(); ++z) {
         volume_->slice[z] =
-            reinterpret_cast<const std::uint8_t*>(built_->values.data()) + z * size_bytes;
+            reinterpret_cast<const std::uint8_t*>(volume.values.data()) + z * size_bytes;
     }
-    return {};
 }
 
 double KnownVolume::value(int x, int y, int z) const {

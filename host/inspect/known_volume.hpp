@@ -13,10 +13,12 @@
 namespace pxpl5::host::inspect {
 
 /// The volume that a frame shows. Slices come from the recorded messages; those that no trace has,
-/// from the phantom that the volume was, if it can be built again.
+/// from the session's own volume if there is one, or from the phantom that the volume was, if it
+/// can be built again.
 class KnownVolume {
   public:
-    KnownVolume(const RecordedRun& run, std::uint32_t frame);
+    /// held  The volume that the frame shows, if a session still has it; may be null. Outlives it.
+    KnownVolume(const RecordedRun& run, std::uint32_t frame, const Volume* held = nullptr);
 
     /// Whether the volume's header is recorded: without it there is no shape.
     bool has_shape() const { return volume_.has_value(); }
@@ -31,7 +33,8 @@ class KnownVolume {
     double value(int x, int y, int z) const;
     /// nx * ny voxels of slice z, granted by need().
     std::span<const std::byte> slice(int z) const;
-    /// Where the values come from: "recorded slices" or "phantom:sphere, built again".
+    /// Where the values come from: "recorded slices", "the session's volume" or "phantom:sphere,
+    /// built again".
     const std::string& values_from() const { return values_from_; }
 
     glm::dvec3 to_mm(glm::dvec3 p_voxel) const {
@@ -40,9 +43,11 @@ class KnownVolume {
 
   private:
     std::string build_again(const std::string& missing);
+    void take_slices(const Volume& volume);
 
     std::optional<RecordedVolume> volume_;
     gp::VolumeShape shape_;
+    const Volume* held_;
     std::optional<Volume> built_;
     std::string values_from_ = "recorded slices";
 };

@@ -109,11 +109,12 @@ glm::dvec3 ray_weights(const gp::Projection& projection, const std::array<glm::d
     return weights / (weights.x + weights.y + weights.z);
 }
 
-FrameInquiry::FrameInquiry(const RecordedRun& recorded, std::optional<std::uint32_t> number)
+FrameInquiry::FrameInquiry(const RecordedRun& recorded, std::optional<std::uint32_t> number,
+                           const Volume* held)
     : run(recorded),
       frame(number ? run.frame(*number) : default_frame(run)),
       surfaces(surfaces_of(run, frame)),
-      volume(run, frame.number) {
+      volume(run, frame.number, held) {
     if (volume.has_shape()) {
         again.emplace(frame, surfaces, volume);
     }

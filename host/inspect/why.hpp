@@ -65,8 +65,10 @@ struct WhyFinding {
 /// A frame that is asked about, and what is known with it. Answers make the next ones quicker.
 struct FrameInquiry {
     /// frame  Nothing: the last one that is complete, or else the last.
+    /// held   As KnownVolume's.
     /// Throws RequestError: usage for a frame that there is not; failed if there is none.
-    FrameInquiry(const RecordedRun& run, std::optional<std::uint32_t> frame);
+    FrameInquiry(const RecordedRun& run, std::optional<std::uint32_t> frame,
+                 const Volume* held = nullptr);
     FrameInquiry(const FrameInquiry&) = delete;
     FrameInquiry& operator=(const FrameInquiry&) = delete;
 
