@@ -1,0 +1,176 @@
+// What the inspector answers, beside the volume itself and the extracted surface; and what it
+// refuses.
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "host/error.hpp"
+#include "host/serve/inspector.hpp"
+#include "tests/system/simulated_machine.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+using nlohmann::json;
+
+namespace {
+
+Topology small_machine() {
+    Topology topology;
+    topology.gp.count = 2;
+    topology.renderer.count = 1;
+    topology.frame_buffer.count = 1;
+    return topology;
+}
+
+/// A session with the phantom on a machine in this process.
+struct Loaded {
+    test::SimulatedMachine machine{small_machine()};
+    Session session{machine};
+    explicit Loaded(const std::string& phantom) { session.load(phantom); }
+};
+
+std::string refused(Session& session, const std::string& message) {
+    try {
+        serve::answer(session, message);
+    } catch (const RequestError& error) {
+        CHECK(error.code == ExitCode::usage);
+        return error.what();
+    }
+    return "";
+}
+
+using Place = std::array<int, 2>;  ///< In 1/1000 of a pixel.
+Place place_of(double x, double y) {
+    return {static_cast<int>(std::lround(1000 * x)), static_cast<int>(std::lround(1000 * y))};
+}
+
+/// Ends of a line, in any order.
+using Line = std::set<Place>;
+
+/// The mesh's edges that lie in slice k, in voxels.
+std::multiset<Line> edges_in_slice(const WeldedMesh& mesh, int k) {
+    const auto at = [&](std::uint32_t v) { return mesh.p_grid[v]; };
+    std::multiset<Line> lines;
+    for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
+        for (std::size_t n = 0; n < 3; ++n) {
+            const glm::vec3 p = at(triangle[n]), q = at(triangle[(n + 1) % 3]);
+            if (p.z == static_cast<float>(k) && q.z == static_cast<float>(k)) {
+                lines.insert({place_of(p.x, p.y), place_of(q.x, q.y)});
+            }
+        }
+    }
+    return lines;
+}
+
+}  // namespace
+
+TEST_SUITE("inspector") {
+    TEST_CASE("a slice's bytes are the volume's values, then the contours") {
+        Loaded shown("phantom:torus");
+        const Volume& volume = shown.session.volume();
+        shown.session.set_surface("ring", 30000.5, CaseTable::watertight, {1, 2, 255});
+        const serve::Answer answer =
+            serve::answer(shown.session, R"({"id":1,"ask":"slice","axis":"y","index":31})");
+        const json told = json::parse(answer.json);
+        CHECK(told["width"] == volume.nx);
+        CHECK(told["height"] == volume.nz);
+        CHECK(told["type"] == "uint16");
+        CHECK(told["axes"] == json({0, 2, 1}));
+        CHECK(told["flips"] == json({false, true}));  // Superior is on top.
+        CHECK(told["places_mm"] == json({nullptr, nullptr}));
+        CHECK(told["letters"]["right"] == "L");
+        REQUIRE(told["contours"].size() == 1);
+        CHECK(told["contours"][0]["color"] == "#0102ff");
+        CHECK(told["contours"][0]["first"] == 0);
+
+        const auto width = static_cast<std::size_t>(volume.nx);
+        const auto height = static_cast<std::size_t>(volume.nz);
+        std::uint16_t value = 0, there = 0;
+        std::memcpy(&value, answer.bytes.data() + (2 * width + 7) * sizeof value, sizeof value);
+        const std::size_t at =
+            ((height - 3) * static_cast<std::size_t>(volume.ny) + 31) * width + 7;
+        std::memcpy(&there, volume.values.data() + at * sizeof there, sizeof there);
+        CHECK(value == there);
+        const std::size_t padded = (width * height * 2 + 7) / 8 * 8;
+        const auto pieces = told["contours"][0]["count"].get<std::size_t>();
+        CHECK(pieces > 50);
+        CHECK(answer.bytes.size() == padded + pieces * 4 * sizeof(float));
+    }
+    TEST_CASE("contours are the edges of the surface that lie in the slice") {
+        Loaded shown("phantom:pelvis");
+        for (const CaseTable table : {CaseTable::watertight, CaseTable::asymptotic}) {
+            shown.session.set_surface("bone", 250.5, table, {1, 2, 3});
+            const WeldedMesh mesh = shown.session.mesh("bone");
+            const serve::Answer answer =
+                serve::answer(shown.session, R"({"ask":"slice","axis":"z","index":30})");
+            const json told = json::parse(answer.json);
+            std::multiset<Line> contours;
+            const auto count = told["contours"][0]["count"].get<std::size_t>();
+            std::vector<float> points(4 * count);
+            std::memcpy(points.data(), answer.bytes.data() + answer.bytes.size() - 16 * count,
+                        16 * count);
+            for (std::size_t i = 0; i < points.size(); i += 4) {
+                Line line = {place_of(points[i], points[i + 1]),
+                             place_of(points[i + 2], points[i + 3])};
+                // Each edge belongs to a triangle above and to one below.
+                contours.insert(line);
+                contours.insert(std::move(line));
+            }
+            CHECK(count > 200);
+            CHECK(contours == edges_in_slice(mesh, 30));
+        }
+    }
+    TEST_CASE("hidden surfaces have no contours") {
+        Loaded shown("phantom:torus");
+        shown.session.set_surface("ring", 30000.5, CaseTable::watertight, {1, 2, 3});
+        shown.session.scene.surfaces[0].visible = false;
+        const serve::Answer answer =
+            serve::answer(shown.session, R"({"ask":"slice","axis":"z","index":10})");
+        CHECK(json::parse(answer.json)["contours"].empty());
+    }
+    TEST_CASE("bad questions are refused with what was given and what may be") {
+        Loaded shown("phantom:torus");  // 80 x 64 x 32 voxels.
+        Session& session = shown.session;
+        CHECK(refused(session, "[1]") == "ask: the message is no JSON object");
+        CHECK(refused(session, "{\"ask\"") == "ask: the message is no JSON object");
+        CHECK(refused(session, "{}") == R"(ask: 'ask' is missing; it must be "slice" or "scrub")");
+        CHECK(refused(session, R"({"ask":"pie"})") ==
+              R"(ask: 'ask' is "pie"; it must be "slice" or "scrub")");
+        CHECK(refused(session, R"({"ask":["slice"]})") ==
+              R"(ask: 'ask' is ["slice"]; it must be "slice" or "scrub")");
+        CHECK(refused(session, R"({"ask":"slice","axis":"w","index":0})") ==
+              R"(ask: 'axis' is "w"; it must be "x", "y" or "z")");
+        CHECK(refused(session, R"({"ask":"slice","axis":"xy","index":0})") ==
+              R"(ask: 'axis' is "xy"; it must be "x", "y" or "z")");
+        CHECK(refused(session, R"({"ask":"slice","axis":"","index":0})") ==
+              R"(ask: 'axis' is ""; it must be "x", "y" or "z")");
+        CHECK(refused(session, R"({"ask":"slice","axis":2,"index":0})") ==
+              R"(ask: 'axis' is 2; it must be "x", "y" or "z")");
+        for (const char* index : {"32", "-1", "1.5", "\"3\"", "null", "18446744073709551615"}) {
+            CHECK(refused(session,
+                          fmt::format(R"({{"ask":"slice","axis":"z","index":{}}})", index)) ==
+                  fmt::format("ask: 'index' is {}; it must be a whole number from 0 to 31", index));
+        }
+        CHECK(refused(session, R"({"ask":"scrub","x":512,"y":0,"at":0})") ==
+              "ask: 'x' is 512; it must be a whole number from 0 to 511");
+        CHECK(refused(session, R"({"ask":"scrub","x":0,"at":0})") ==
+              "ask: 'y' is missing; it must be a whole number from 0 to 511");
+        const std::string longer = refused(session, R"({"ask":")" + std::string(999, 'a') + "\"}");
+        CHECK(longer.size() < 120);
+    }
+    TEST_CASE("a binary answer is header, JSON, and bytes from a multiple of 8 on") {
+        const serve::Answer answer{"{\"a\":1}", {std::byte{7}, std::byte{8}}};
+        const std::vector<std::byte> message = serve::answer_message(0x01020304, answer);
+        std::array<std::uint32_t, 4> header{};
+        std::memcpy(header.data(), message.data(), sizeof header);
+        CHECK(header == std::array<std::uint32_t, 4>{0x4e413550, 0x01020304, 7, 0});
+        CHECK(std::memcmp(message.data(), "P5AN", 4) == 0);
+        CHECK(std::memcmp(message.data() + 16, "{\"a\":1}\0", 8) == 0);
+        CHECK(message.size() == 26);
+        CHECK(message[24] == std::byte{7});
+    }
+}
