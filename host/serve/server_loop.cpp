@@ -86,8 +86,13 @@ void check_options(const ServerOptions& options) {
     }
 }
 
-/// Why the address cannot be had, asked for once more in plain words.
-std::string reason_not_to_listen(const ServerOptions& options, const std::string& log) {
+RequestError cannot_listen(const ServerOptions& options, const std::string& reason) {
+    return {ExitCode::unavailable,
+            fmt::format("cannot listen on {} port {}: {}", options.bind, options.port, reason)};
+}
+
+/// Binds for a moment: libwebsockets would name no reason, and leak when it fails.
+void check_can_bind(const ServerOptions& options) {
     sockaddr_in v4{};
     sockaddr_in6 v6{};
     v4.sin_family = AF_INET;
@@ -98,14 +103,18 @@ std::string reason_not_to_listen(const ServerOptions& options, const std::string
     inet_pton(six ? AF_INET6 : AF_INET, options.bind.c_str(), place);
     const int fd = socket(six ? AF_INET6 : AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (fd < 0) {
-        return std::strerror(errno);
+        throw cannot_listen(options, std::strerror(errno));
     }
     const auto* address =
         six ? reinterpret_cast<const sockaddr*>(&v6) : reinterpret_cast<const sockaddr*>(&v4);
+    const int reuse = 1;  // As libwebsockets does: connections of a server before may linger.
+    setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &reuse, sizeof(reuse));
     const bool bound = bind(fd, address, six ? sizeof(v6) : sizeof(v4)) == 0;
-    const std::string reason = bound ? log : std::strerror(errno);
+    const std::string reason = bound ? "" : std::strerror(errno);
     close(fd);
-    return reason;
+    if (!bound) {
+        throw cannot_listen(options, reason);
+    }
 }
 
 /// The name that the certificate is for: browsers let nobody else use it.
@@ -158,6 +167,7 @@ Loop::~Loop() {
 }
 
 void Loop::listen(const ServerOptions& options) {
+    check_can_bind(options);
     lws_context_creation_info info{};
     info.port = options.port;
     info.iface = options.bind.c_str();
@@ -194,9 +204,7 @@ void Loop::listen(const ServerOptions& options) {
     if (context_ != nullptr) {
         lws_context_destroy(context_);
     }
-    throw RequestError(ExitCode::unavailable,
-                       fmt::format("cannot listen on {} port {}: {}", options.bind, options.port,
-                                   reason_not_to_listen(options, log)));
+    throw cannot_listen(options, log);
 }
 
 void Loop::run() {
