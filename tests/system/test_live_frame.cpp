@@ -1,0 +1,52 @@
+// Questions about the frame of a running machine: its processes record it, the host executes it
+// again.
+#include <doctest/doctest.h>
+
+#include "host/inspect/live_frame.hpp"
+#include "host/machine/machine.hpp"
+#include "tests/ringbus/scratch_folder.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+using inspect::LiveFrame;
+
+TEST_CASE("a scrubbed region ends as the frame shows it, and is kept until the scene changes") {
+    const test::ScratchFolder folder;
+    Topology topology;
+    topology.gp.count = 2;
+    topology.renderer.count = 2;
+    topology.frame_buffer.count = 1;
+    topology.record = Record::flight;
+    MachineOptions options;
+    options.binaries = PXPL5_BIN_DIR;
+    options.run_base = folder / "run";
+    Machine machine(topology, options);
+    Session session(machine);
+    session.load("phantom:sphere");
+    session.scene.size = {256, 256};
+    session.set_surface("ball", 0.5, CaseTable::watertight, {200, 100, 50});
+    const Picture picture = session.draw();
+
+    const inspect::ScrubView end = LiveFrame::of(session).scrub(140, 130, {});
+    const std::uint32_t frame = session.last_frame().frame;
+    CHECK(end.at == end.count);
+    CHECK(end.field == "rgb");
+    int differ = 0;
+    for (int i = 0; i < 128 * 128; ++i) {
+        const int x = end.x0_px + i % 128, y = end.y0_px + i / 128;
+        const std::uint32_t there = picture.rgba[static_cast<std::size_t>(y * 256 + x)];
+        differ += ((there ^ end.rgba[static_cast<std::size_t>(i)]) & 0xFFFFFF) != 0 ? 1 : 0;
+    }
+    CHECK(differ == 0);
+    const inspect::ScrubView begin = LiveFrame::of(session).scrub(140, 130, {.at = 0});
+    CHECK(begin.count == end.count);
+    REQUIRE(!begin.lines.empty());
+    CHECK(begin.lines.front().at == 0);
+    CHECK(begin.lines.front().address == "prologue+0");
+    CHECK(LiveFrame::of(session).why(140, 130).text.find("triangle") != std::string::npos);
+    CHECK(session.last_frame().frame == frame);  // Nothing was drawn for these questions.
+    session.scene.camera.angles.azimuth_deg += 10;
+    LiveFrame::of(session).why(140, 130);
+    CHECK(session.last_frame().frame == frame + 1);
+    machine.shutdown();
+}
