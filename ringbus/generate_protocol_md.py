@@ -8,7 +8,8 @@ import re
 import sys
 
 HERE = pathlib.Path(__file__).parent
-FILES = ["common", "control", "volume", "surface", "frame", "scene", "export", "trace"]
+FILES = ["common", "control", "volume", "surface", "frame", "scene", "export", "activity",
+         "trace"]
 REWRITE = "python3 ringbus/generate_protocol_md.py --write"
 
 

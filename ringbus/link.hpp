@@ -5,6 +5,7 @@
 #include <string>
 
 #include "ringbus/message.hpp"
+#include "ringbus/traffic.hpp"
 
 namespace pxpl5::bus {
 
@@ -33,6 +34,9 @@ class Link {
     /// Messages queued here because their receivers have given no credit. receive() takes credit
     /// and sends them.
     virtual std::size_t queued() const = 0;
+
+    /// Counts since the beginning; of peers that were removed, not what was sent to them.
+    virtual Traffic traffic() const { return {}; }
 
     /// The next message, if one is here. Throws BadMessage for a message that cannot be trusted and
     /// WireFault (wire.hpp) for a lost one; the link goes on with the next.

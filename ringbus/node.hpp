@@ -5,6 +5,7 @@
 #include <string>
 
 #include "ringbus/message.hpp"
+#include "ringbus/stage_clock.hpp"
 
 namespace pxpl5::bus {
 
@@ -15,6 +16,8 @@ class Outbox {
     virtual void send(NodeId to, Payload payload) = 0;
     /// Link::body_allocator() of the link behind it.
     virtual flatbuffers::Allocator* body_allocator() { return nullptr; }
+    /// Where the node says which stage of its work goes on; null if nobody times it.
+    virtual StageClock* clock() { return nullptr; }
 
     void send(std::span<const NodeId> to, const Payload& payload) {
         for (const NodeId id : to) {
@@ -31,6 +34,13 @@ struct NodeFault : std::runtime_error {
     schema::FaultCode code;
 };
 
+/// What a node tells of itself when it is asked.
+struct NodeStatus {
+    std::uint64_t memory_bytes = 0;  ///< As of schema Activity, like the others.
+    std::size_t queue = 0;
+    std::uint64_t frames = 0;
+};
+
 /// Firmware. One thread drives it; it never blocks, sleeps or reads a clock to decide something.
 class Node {
   public:
@@ -43,6 +53,8 @@ class Node {
     /// Does one small piece (at most about 10 ms) of the noted work, newest wishes first.
     /// Returns true while there is more; the driver looks for new messages between pieces.
     virtual bool work(Outbox& out) = 0;
+
+    virtual NodeStatus status() const { return {}; }
 };
 
 }  // namespace pxpl5::bus

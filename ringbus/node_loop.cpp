@@ -2,6 +2,7 @@
 
 #include <new>
 
+#include "ringbus/activity.hpp"
 #include "ringbus/wire.hpp"
 
 namespace pxpl5::bus {
@@ -54,23 +55,36 @@ std::optional<Message> receive_or_report(Link& link, Outbox& out) {
 }
 
 void deliver(Node& node, NodeId self, const Message& message, Outbox& out) {
+    const StageClock::In receiving(out.clock(), stage::receive);
     guarded(self, message.source(), message.header().sequence(), out,
             [&] { node.receive(message, out); });
 }
 
 bool work_once(Node& node, NodeId self, Outbox& out) {
+    const StageClock::In working(out.clock(), stage::work);
     bool more = true;  // After a fault there may be other work.
     guarded(self, self, 0, out, [&] { more = node.work(out); });
     return more;
 }
 
 bool run_node(Node& node, Link& link, const std::function<bool()>& alive) {
-    LinkOutbox out(link);
+    StageClock clock;
+    LinkOutbox out(link, &clock);
+    const auto rest = [&] {
+        const StageClock::In waiting(&clock, stage::wait);
+        return link.wait(quiet_ms);
+    };
+    clock.enter(stage::receive);
     bool busy = true;
     while (true) {
         while (const std::optional<Message> message = receive_or_report(link, out)) {
             if (message->kind() == Body::Shutdown) {
                 return true;
+            }
+            if (message->kind() == Body::AskActivity) {
+                out.send(host_id,
+                         activity_message(clock, link.traffic(), node.status(), link.queued()));
+                continue;
             }
             deliver(node, link.id(), *message, out);
             busy = true;
@@ -78,7 +92,7 @@ bool run_node(Node& node, Link& link, const std::function<bool()>& alive) {
         // Who is not keeping up with this node's messages need not have more of them made.
         const bool held_up = link.queued() > 0;
         busy = busy && (held_up || work_once(node, link.id(), out));
-        if ((!busy || held_up) && !link.wait(quiet_ms) && !alive()) {
+        if ((!busy || held_up) && !rest() && !alive()) {
             return false;
         }
     }

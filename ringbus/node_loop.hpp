@@ -13,12 +13,18 @@ namespace pxpl5::bus {
 class LinkOutbox final : public Outbox {
   public:
     using Outbox::send;
-    explicit LinkOutbox(Link& link) : link_(link) {}
-    void send(NodeId to, Payload payload) override { link_.send(to, std::move(payload)); }
+    /// clock  Of the node; may be null.
+    explicit LinkOutbox(Link& link, StageClock* clock = nullptr) : link_(link), clock_(clock) {}
+    void send(NodeId to, Payload payload) override {
+        const StageClock::In sending(clock_, stage::send);
+        link_.send(to, std::move(payload));
+    }
     flatbuffers::Allocator* body_allocator() override { return link_.body_allocator(); }
+    StageClock* clock() override { return clock_; }
 
   private:
     Link& link_;
+    StageClock* clock_;
 };
 
 /// The Fault message that tells the host of `fault`, seen by `node` in a message of `source`.
@@ -28,14 +34,14 @@ Payload fault_message(NodeId node, NodeId source, std::uint64_t sequence, schema
 /// The next message, if one is here; those that cannot be trusted become Faults to the host.
 std::optional<Message> receive_or_report(Link& link, Outbox& out);
 
-/// Hands `message` to the node; what it throws goes to the host as a Fault.
+/// Hands `message` to the node in stage::receive; what it throws goes to the host as a Fault.
 void deliver(Node& node, NodeId self, const Message& message, Outbox& out);
 
-/// One piece of the node's work, likewise. Returns true while there is more.
+/// One piece of the node's work, likewise in stage::work. Returns true while there is more.
 bool work_once(Node& node, NodeId self, Outbox& out);
 
-/// Delivers and works until Shutdown has come. Reads all waiting messages before each piece of
-/// work, and does none while messages are queued for want of credit.
+/// Delivers and works until Shutdown has come, and answers AskActivity by itself. Reads all waiting
+/// messages before each piece of work, and does none while messages are queued for want of credit.
 ///
 /// alive   Asked after each quiet second; false ends the loop.
 /// Returns true after Shutdown, false if no longer alive.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "ringbus/activity.hpp"
 #include "ringbus/channel_model.hpp"
 #include "ringbus/range_check.hpp"
 
@@ -166,6 +167,25 @@ std::string range_of(const schema::FrameDone& done) {
     return check.reason();
 }
 
+std::string range_of(const schema::Activity& activity) {
+    Check check;
+    check.at_most("number of stages", std::size_t{activity.stages()->size()}, max_stages);
+    std::uint64_t left_ns = activity.wall_ns();
+    for (const schema::StageTime* stage : *activity.stages()) {
+        check.at_most("length of a stage's name", std::size_t{stage->name()->size()},
+                      max_stage_name);
+        check.at_most("time of a stage beside the others", stage->ns(), left_ns);
+        left_ns -= std::min(left_ns, stage->ns());
+    }
+    for (const schema::SentCount* sum : *activity.sent()) {
+        check
+            .within("kind", std::size_t{sum->kind()}, std::size_t{1},
+                    static_cast<std::size_t>(Body::MAX))
+            .at_most("channel", std::size_t{sum->channel()}, max_channels - 1);
+    }
+    return check.reason();
+}
+
 }  // namespace
 
 std::string out_of_range(const schema::Message& message) {
@@ -186,6 +206,8 @@ std::string out_of_range(const schema::Message& message) {
             return range_of(*message.body_as_RegionPixels());
         case Body::FrameDone:
             return range_of(*message.body_as_FrameDone());
+        case Body::Activity:
+            return range_of(*message.body_as_Activity());
         default:
             return model_out_of_range(message);
     }

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstring>
 
+#include "ringbus/activity.hpp"
 #include "ringbus/node_loop.hpp"
 
 namespace pxpl5::bus {
@@ -20,7 +21,11 @@ class SimulatedRing::RingOutbox final : public Outbox {
   public:
     using Outbox::send;
     RingOutbox(SimulatedRing& ring, NodeId from) : ring_(ring), from_(from) {}
-    void send(NodeId to, Payload payload) override { ring_.send(from_, to, payload); }
+    void send(NodeId to, Payload payload) override {
+        const StageClock::In sending(clock(), stage::send);
+        ring_.send(from_, to, payload);
+    }
+    StageClock* clock() override { return ring_.members_.at(from_).clock.get(); }
 
   private:
     SimulatedRing& ring_;
@@ -31,7 +36,7 @@ SimulatedRing::SimulatedRing(std::uint64_t seed, SimulatedFault fault)
     : random_(seed), fault_(fault) {}
 
 void SimulatedRing::add(NodeId id, Node& node) {
-    members_[id] = {&node, std::make_unique<Wire>(id), false};
+    members_[id] = {&node, std::make_unique<Wire>(id), std::make_unique<StageClock>(), false};
 }
 
 void SimulatedRing::set_model(const ChannelModel& model) {
@@ -121,6 +126,11 @@ void SimulatedRing::deliver_front(std::pair<NodeId, NodeId> route) {
         const Message verified(message->header, {bytes, message->size}, message);
         if (tap_) {
             tap_(route.second, verified);
+        }
+        if (verified.kind() == Body::AskActivity) {
+            out.send(host_id, activity_message(*member.clock, member.wire->traffic(),
+                                               member.node->status(), 0));
+            return;
         }
         deliver(*member.node, route.second, verified, out);
         member.busy = true;

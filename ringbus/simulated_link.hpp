@@ -31,8 +31,8 @@ struct SimulationStuck : std::runtime_error {
 
 /// Nodes and the messages between them. The order between two nodes is kept, as on the wire;
 /// between different senders it is drawn from the seed, and so is when nodes do a piece of their
-/// work. Messages cross as bytes: header and body are copied, verified, and numbered as between
-/// processes.
+/// work. AskActivity is answered for them. Messages cross as bytes: header and body are copied,
+/// verified, and numbered as between processes.
 class SimulatedRing {
   public:
     explicit SimulatedRing(std::uint64_t seed, SimulatedFault fault = {});
@@ -55,6 +55,9 @@ class SimulatedRing {
     /// Steps until nothing is left to do. Throws SimulationStuck after too many steps.
     void run_until_idle();
 
+    /// What `id` has sent and received.
+    Traffic traffic(NodeId id) const { return members_.at(id).wire->traffic(); }
+
     /// Deliveries so far, as (source, destination).
     const std::vector<std::pair<NodeId, NodeId>>& log() const { return log_; }
 
@@ -67,6 +70,7 @@ class SimulatedRing {
     struct Member {
         Node* node = nullptr;
         std::unique_ptr<Wire> wire;
+        std::unique_ptr<StageClock> clock;
         bool busy = false;
     };
     class RingOutbox;

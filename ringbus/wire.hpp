@@ -8,6 +8,7 @@
 
 #include "ringbus/channel_model.hpp"
 #include "ringbus/node.hpp"
+#include "ringbus/traffic.hpp"
 
 namespace pxpl5::bus {
 
@@ -33,7 +34,7 @@ class Wire {
                             fmt::format("{} for node {} has {} bytes, a message holds {} at most",
                                         kind_name(kind), to, body_bytes, max_body_bytes));
         }
-        const Stamp stamp = model_.place(self_, to, body_bytes);
+        const Stamp stamp = is_onlookers(kind) ? Stamp() : model_.place(self_, to, body_bytes);
         return {header_magic,
                 protocol_version,
                 static_cast<std::uint16_t>(kind),
@@ -41,7 +42,7 @@ class Wire {
                 to,
                 stamp.channel,
                 0,
-                sent_[to]++,
+                sent_[to].count(kind, stamp.channel, body_bytes),
                 body_bytes,
                 stamp.departure_ns,
                 stamp.arrival_ns,
@@ -78,6 +79,10 @@ class Wire {
                             fmt::format("message {} from node {} came where {} was due",
                                         header.sequence(), header.source(), wanted));
         }
+        if (!is_onlookers(static_cast<Body>(header.kind()))) {
+            ++received_messages_;
+            received_bytes_ += header.body_bytes();
+        }
         clock_ = std::max(clock_, header.clock()) + 1;
         model_.advance_to(header.arrival_ns());
     }
@@ -88,11 +93,24 @@ class Wire {
         received_.erase(peer);
     }
 
+    Traffic traffic() const {
+        Traffic traffic{{}, received_messages_, received_bytes_};
+        for (const auto& [to, outgoing] : sent_) {
+            for (SentCount sum : outgoing.sums()) {
+                sum.to = to;
+                traffic.sent.push_back(sum);
+            }
+        }
+        return traffic;
+    }
+
   private:
     NodeId self_;
     std::uint64_t clock_ = 0;  ///< Lamport's: later than all that this node has seen.
     ChannelModel model_{RingParameters{}, {}};
-    std::map<NodeId, std::uint64_t> sent_, received_;
+    std::map<NodeId, Outgoing> sent_;
+    std::map<NodeId, std::uint64_t> received_;  ///< Number of the next message.
+    std::uint64_t received_messages_ = 0, received_bytes_ = 0;
 };
 
 }  // namespace pxpl5::bus

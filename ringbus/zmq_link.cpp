@@ -297,6 +297,18 @@ NodeId ZmqLink::id() const {
 const std::string& ZmqLink::endpoint() const {
     return parts_->endpoint;
 }
+flatbuffers::Allocator* ZmqLink::body_allocator() {
+    return &parts_->arena;
+}
+int ZmqLink::poll_fd() const {
+    return static_cast<int>(parts_->inbound.get(zmq::sockopt::fd));
+}
+std::size_t ZmqLink::queued() const {
+    return parts_->queued;
+}
+Traffic ZmqLink::traffic() const {
+    return parts_->wire.traffic();
+}
 
 void ZmqLink::set_model(const ChannelModel& model) {
     parts_->wire.set_model(model);
@@ -367,10 +379,6 @@ std::optional<Message> ZmqLink::receive() {
     }
 }
 
-flatbuffers::Allocator* ZmqLink::body_allocator() {
-    return &parts_->arena;
-}
-
 bool ZmqLink::wait(int timeout_ms) {
     zmq::pollitem_t item{parts_->inbound.handle(), 0, ZMQ_POLLIN, 0};
     try {
@@ -383,18 +391,10 @@ bool ZmqLink::wait(int timeout_ms) {
     }
 }
 
-int ZmqLink::poll_fd() const {
-    return static_cast<int>(parts_->inbound.get(zmq::sockopt::fd));
-}
-
 bool ZmqLink::takes_more(NodeId peer) const {
     const auto found = parts_->peers.find(peer);
     assert(found != parts_->peers.end());
     return found->second.waiting.empty();
-}
-
-std::size_t ZmqLink::queued() const {
-    return parts_->queued;
 }
 
 }  // namespace pxpl5::bus

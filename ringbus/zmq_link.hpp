@@ -42,6 +42,7 @@ class ZmqLink final : public Link {
     /// before waiting.
     int poll_fd() const;
     std::size_t queued() const override;
+    Traffic traffic() const override;
     /// Whether nothing is queued for `peer`.
     bool takes_more(NodeId peer) const;
     /// Ring order and parameters for the stamps on messages.

@@ -203,7 +203,8 @@ void RecordingLink::answer(NodeId who) {
 std::optional<Message> RecordingLink::receive() {
     while (std::optional<Message> message = link_.receive()) {
         const bool is_for_link = message->kind() == Body::SaveTrace;
-        if (!is_for_link && (!leave_out_ || !leave_out_(*message))) {
+        const bool is_kept = !is_for_link && !is_onlookers(message->kind());
+        if (is_kept && (!leave_out_ || !leave_out_(*message))) {
             reporting([&] { recorder_.note(*message); });
         }
         if (!is_for_link) {

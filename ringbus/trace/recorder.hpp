@@ -74,8 +74,8 @@ class Recorder {
     std::unique_ptr<Parts> parts_;
 };
 
-/// A link that records what it hands on, and obeys SaveTrace by itself. When recording fails, the
-/// host gets a Fault, and the node goes on.
+/// A link that records what it hands on, but for what onlookers say (traffic.hpp), and obeys
+/// SaveTrace by itself. When recording fails, the host gets a Fault, and the node goes on.
 class RecordingLink final : public Link {
   public:
     /// Told of every received message, in order: whether the trace shall do without it.
@@ -92,6 +92,7 @@ class RecordingLink final : public Link {
     void send(NodeId to, Payload payload) override { link_.send(to, std::move(payload)); }
     flatbuffers::Allocator* body_allocator() override { return link_.body_allocator(); }
     std::size_t queued() const override { return link_.queued(); }
+    Traffic traffic() const override { return link_.traffic(); }
     std::optional<Message> receive() override;
     bool wait(int timeout_ms) override;
 

@@ -205,6 +205,25 @@ std::vector<Payload> scene_examples() {
     return {pack(begin), pack(part), pack(end)};
 }
 
+std::vector<Payload> activity_examples() {
+    schema::ActivityT activity;
+    activity.wall_ns = 1000;
+    activity.cpu_ns = 700;
+    activity.stages.push_back(std::make_unique<schema::StageTimeT>());
+    activity.stages[0]->name = "extract";
+    activity.stages[0]->ns = 600;
+    activity.stages[0]->count = 3;
+    activity.sent = {
+        schema::SentCount(7, static_cast<std::uint16_t>(schema::Body::RegionPrograms), 5, 2, 900)};
+    activity.received_messages = 4;
+    activity.received_bytes = 500;
+    activity.memory_bytes = 1 << 20;
+    activity.queue = 1;
+    activity.held_up = 2;
+    activity.frames = 9;
+    return {pack(schema::AskActivityT{}), pack(activity)};
+}
+
 /// Unpacks and packs table T if that is the message's kind.
 template <typename T>
 void repack_if(const bus::Message& message, Payload& result) {
@@ -292,7 +311,7 @@ schema::RegionProgramsT example_programs() {
 std::vector<Payload> one_of_each_kind() {
     std::vector<Payload> all;
     for (const auto& group : {control_examples(), volume_examples(), surface_examples(),
-                              frame_examples(), scene_examples()}) {
+                              frame_examples(), scene_examples(), activity_examples()}) {
         all.insert(all.end(), group.begin(), group.end());
     }
     std::ranges::sort(all, {}, &Payload::kind);  // As the union has them.
@@ -301,13 +320,12 @@ std::vector<Payload> one_of_each_kind() {
 
 Payload repacked(const bus::Message& message) {
     using namespace bus::schema;
-    return repacked_as_one_of<Hello, Topology, Connected, Go, Shutdown, Credit, Fault, ImportVolume,
-                              VolumeHeader, Slices, VolumeEnd, VolumeReady, ExportPicture, IoDone,
-                              SetSurface, RemoveSurface, SurfaceBuilt, FetchMesh, MeshPart,
-                              DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone,
-                              SaveTrace, TraceSaved, SceneBegin, ScenePart, SceneEnd, DropVolume,
-                              MaskSurface, MeasureIsovalues, IsovaluesMeasured, ExportMesh>(
-        message);
+    return repacked_as_one_of<
+        Hello, Topology, Connected, Go, Shutdown, Credit, Fault, ImportVolume, VolumeHeader, Slices,
+        VolumeEnd, VolumeReady, ExportPicture, IoDone, SetSurface, RemoveSurface, SurfaceBuilt,
+        FetchMesh, MeshPart, DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone,
+        SaveTrace, TraceSaved, SceneBegin, ScenePart, SceneEnd, DropVolume, MaskSurface,
+        MeasureIsovalues, IsovaluesMeasured, ExportMesh, AskActivity, Activity>(message);
 }
 
 }  // namespace pxpl5::test

@@ -44,7 +44,7 @@ TEST_SUITE("ringbus/message") {
         CHECK(contains(refusal(magic), "magic is 1, expected 894"));
         CHECK(contains(refusal(version), "version is 9, expected 4"));
         CHECK(contains(refusal(size), "expected 12"));
-        CHECK(contains(refusal(kind), "kind is 999, expected 34"));
+        CHECK(contains(refusal(kind), "kind is 999, expected 36"));
         CHECK(contains(refusal(none), "kind is 0, expected 1"));
         CHECK(contains(refusal(reserved), "reserved field is 6, expected 0"));
         CHECK(contains(refusal(channel), "channel is 64, expected 63"));

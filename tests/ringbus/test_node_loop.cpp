@@ -103,6 +103,7 @@ struct Diary final : Node {
         }
         return pieces > 0;
     }
+    NodeStatus status() const override { return {0, static_cast<std::size_t>(pieces), 0}; }
 };
 
 const auto always = [] { return true; };
@@ -111,6 +112,16 @@ const schema::Fault& fault(const ScriptedLink& link, std::size_t index) {
     REQUIRE(index < link.sent.size());
     REQUIRE(link.sent[index].kind() == Body::Fault);
     return *link.sent[index].as<schema::Fault>();
+}
+
+/// How often a stage began.
+std::uint64_t count_of(const schema::Activity& activity, std::string_view name) {
+    for (const schema::StageTime* stage : *activity.stages()) {
+        if (stage->name()->string_view() == name) {
+            return stage->count();
+        }
+    }
+    return 0;
 }
 
 }  // namespace
@@ -136,6 +147,25 @@ TEST_SUITE("ringbus/node_loop") {
         Diary node;
         CHECK(run_node(node, link, always));
         CHECK(node.text == "rrww");
+    }
+
+    TEST_CASE("a question about its activity is answered for the node, between its pieces") {
+        ScriptedLink link({numbered(1), numbered(2), pack(schema::AskActivityT{}), Quiet{},
+                           pack(schema::AskActivityT{}), Quiet{}, shutdown()});
+        Diary node;
+        CHECK(run_node(node, link, always));
+        CHECK(node.text == "rrww");  // It did not see them.
+        REQUIRE(link.sent.size() == 2);
+        const auto* before = link.sent[0].as<schema::Activity>();
+        const auto* after = link.sent[1].as<schema::Activity>();
+        REQUIRE(before != nullptr);
+        REQUIRE(after != nullptr);
+        CHECK(before->queue() == 2);
+        CHECK(after->queue() == 0);
+        CHECK(count_of(*before, stage::work) == 0);
+        CHECK(count_of(*after, stage::work) == 2);
+        CHECK(count_of(*after, stage::send) == 1);
+        CHECK(after->wall_ns() > before->wall_ns());
     }
 
     TEST_CASE("nothing after Shutdown is looked at") {

@@ -176,6 +176,22 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(FrameDoneT, m.region_renderers[0] = 256, "a region's Renderer is 256");
     }
 
+    TEST_CASE("what a node has done") {
+        CHECK_REFUSED(ActivityT, m.wall_ns = 599, "time of a stage beside the others is 600");
+        CHECK_REFUSED(ActivityT, m.stages[0]->name = std::string(33, 'x'),
+                      "length of a stage's name is 33, allowed are at most 32");
+        CHECK_REFUSED(ActivityT, m.sent[0].mutate_kind(0), "kind is 0");
+        CHECK_REFUSED(ActivityT, m.sent[0].mutate_kind(999), "kind is 999");
+        CHECK_REFUSED(ActivityT, m.sent[0].mutate_channel(64), "channel is 64");
+        CHECK_REFUSED(
+            ActivityT,
+            for (int i = 0; i < 16; ++i) {
+                m.stages.push_back(std::make_unique<schema::StageTimeT>(*m.stages[0]));
+                m.stages.back()->ns = 0;
+            },
+            "number of stages is 17, allowed are at most 16");
+    }
+
     TEST_CASE("regions are counted over both views") {
         CHECK(region_count(128, 128, 1) == 1);
         CHECK(region_count(129, 128, 1) == 2);

@@ -55,6 +55,19 @@ class QueueLink final : public Link {
 }  // namespace
 
 TEST_SUITE("ringbus/recording_link") {
+    TEST_CASE("a question about the node's activity is handed on and not recorded") {
+        const test::ScratchFolder folder;
+        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight));
+        QueueLink queue;
+        queue.input = {from(0, topology_with(2)), from(0, pack(schema::AskActivityT{})),
+                       from(1, surface(7, 1))};
+        trace::RecordingLink link(queue, recorder);
+        CHECK(link.receive()->kind() == Body::Topology);
+        CHECK(link.receive()->kind() == Body::AskActivity);
+        CHECK(link.receive()->kind() == Body::SetSurface);
+        CHECK(recorder.save().messages == 2);
+    }
+
     TEST_CASE("what a link hands on is recorded; SaveTrace is answered and not handed on") {
         const test::ScratchFolder folder;
         Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight));

@@ -1,0 +1,20 @@
+// How a node says what it has done: the answer to AskActivity.
+#pragma once
+
+#include <cstddef>
+
+#include "ringbus/node.hpp"
+#include "ringbus/stage_clock.hpp"
+#include "ringbus/traffic.hpp"
+
+namespace pxpl5::bus {
+
+/// Names of stages are short words.
+inline constexpr std::size_t max_stage_name = 32;
+
+/// clock    Of the node; its stages other than stage::wait are told.
+/// held_up  Messages that wait at the node for credit.
+Payload activity_message(StageClock& clock, const Traffic& traffic, const NodeStatus& status,
+                         std::size_t held_up);
+
+}  // namespace pxpl5::bus
