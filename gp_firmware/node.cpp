@@ -114,6 +114,10 @@ bool GpNode::work(bus::Outbox& out) {
     return !jobs_.empty() || measuring_;
 }
 
+bus::NodeStatus GpNode::status() const {
+    return {memory_ ? memory_->used_bytes() : 0, jobs_.size() + (measuring_ ? 1 : 0), frames_};
+}
+
 void GpNode::set_machine(const bus::Message& message) {
     const auto& topology = *message.as<schema::Topology>();
     Machine machine;
@@ -242,7 +246,8 @@ void GpNode::note_surface(const schema::SetSurface& set) {
                          static_cast<CaseRule>(set.table()), Clock::now()});
 }
 
-bool GpNode::step(TakeSlices& job, bus::Outbox&) {
+bool GpNode::step(TakeSlices& job, bus::Outbox& out) {
+    const bus::StageClock::In loading(out.clock(), stage::load);
     const auto& slices = *job.message.as<schema::Slices>();
     const std::size_t size = slices.values()->size() / slices.slice_count();
     const std::span<const std::uint8_t> values(slices.values()->data() + job.done * size, size);

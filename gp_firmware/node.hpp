@@ -25,6 +25,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -39,6 +40,18 @@
 
 namespace pxpl5::gp {
 
+/// What a GP tells apart of its work, besides the stages of every node.
+namespace stage {
+using namespace bus::stage;
+inline constexpr std::string_view load = "load";  ///< Slices and gradients, or parts of a scene.
+inline constexpr std::string_view extract = "extract";
+inline constexpr std::string_view measure = "measure";
+inline constexpr std::string_view assign = "assign";        ///< Of regions, by the Master GP.
+inline constexpr std::string_view transform = "transform";  ///< Of vertices to the screen.
+inline constexpr std::string_view select = "select";        ///< Culling, clipping, binning.
+inline constexpr std::string_view set_up = "set_up";        ///< Planes, and the words of programs.
+}  // namespace stage
+
 inline constexpr std::size_t max_jobs = 16384;  ///< Waiting at one GP; what comes then is refused.
 
 /// Work is done in the order in which it was asked for, but a newer revision of a surface takes the
@@ -48,6 +61,7 @@ class GpNode final : public bus::Node {
   public:
     void receive(const bus::Message& message, bus::Outbox& out) override;
     bool work(bus::Outbox& out) override;
+    bus::NodeStatus status() const override;
 
   private:
     using Clock = std::chrono::steady_clock;
@@ -137,6 +151,7 @@ class GpNode final : public bus::Node {
     bool step(Draw& job, bus::Outbox& out);
     bool step(Measure& job, bus::Outbox& out);
     bool draw_piece(Draw& job, bus::Outbox& out);
+    bool draw_slabs(bus::StageClock* clock);
 
     void extract_next(Extract& job, HeldSurface& surface);
     void drop_surface(std::uint16_t surface);
@@ -160,6 +175,7 @@ class GpNode final : public bus::Node {
     std::optional<Measure> measuring_;  ///< Behind all jobs.
     FrameDrawing drawing_;              ///< Of the job in front, if that draws.
     ProgramsMessages programs_;         ///< Of drawing_.
+    std::uint64_t frames_ = 0;          ///< Sent.
 };
 
 }  // namespace pxpl5::gp

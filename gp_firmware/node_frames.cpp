@@ -23,6 +23,7 @@ constexpr std::size_t triangles_per_piece = 50'000;
 }  // namespace
 
 void GpNode::begin_frame(const bus::Message& message, bus::Outbox& out) {
+    const bus::StageClock::In assigning(out.clock(), stage::assign);
     if (machine_->share.gp_index != 0) {
         throw NodeFault(
             FaultCode::bad_message,
@@ -113,13 +114,27 @@ bool GpNode::draw_piece(Draw& job, bus::Outbox& out) {
         job.stage = Draw::Stage::drawing;
     }
     if (job.stage == Draw::Stage::drawing) {
-        if (drawing_.draw(surfaces_, triangles_per_piece)) {
+        if (draw_slabs(out.clock())) {
             return false;
         }
         programs_.begin(job.request, gp_index(), machine_->renderers.size(), drawing_);
         job.stage = Draw::Stage::sending;
     }
-    return !programs_.send(drawing_, triangles_per_piece, machine_->renderers, out);
+    const bus::StageClock::In setting_up(out.clock(), stage::set_up);
+    const bool more = programs_.send(drawing_, triangles_per_piece, machine_->renderers, out);
+    frames_ += more ? 0 : 1;
+    return !more;
+}
+
+/// As FrameDrawing::draw(), for a piece.
+bool GpNode::draw_slabs(bus::StageClock* clock) {
+    const bus::StageClock::In selecting(clock, stage::select);
+    const std::uint64_t before_ns = drawing_.counts().transform_ns;
+    const bool more = drawing_.draw(surfaces_, triangles_per_piece);
+    if (clock != nullptr) {
+        clock->move(stage::select, stage::transform, drawing_.counts().transform_ns - before_ns);
+    }
+    return more;
 }
 
 std::uint16_t GpNode::gp_index() const {

@@ -42,7 +42,8 @@ void GpNode::note_part(const bus::Message& message) {
     }
 }
 
-bool GpNode::step(TakePart& job, bus::Outbox&) {
+bool GpNode::step(TakePart& job, bus::Outbox& out) {
+    const bus::StageClock::In loading(out.clock(), stage::load);
     const auto& part = *job.message.as<schema::ScenePart>();
     if (!scene_) {
         return true;

@@ -66,6 +66,7 @@ std::size_t cost_ns(const VolumeShape& shape, const SlabCounts& counts) {
 }  // namespace
 
 bool GpNode::step(Extract& job, bus::Outbox& out) {
+    const bus::StageClock::In extracting(out.clock(), stage::extract);
     if (!store_->complete()) {
         throw NodeFault(FaultCode::bad_input,
                         fmt::format("surface {} was asked for before all slices of volume {} came",
@@ -251,6 +252,7 @@ void GpNode::note_measure(const bus::Message& message) {
 }
 
 bool GpNode::step(Measure& job, bus::Outbox& out) {
+    const bus::StageClock::In measuring(out.clock(), stage::measure);
     if (!store_->complete()) {
         throw NodeFault(FaultCode::bad_input,
                         fmt::format("{} isovalues are to be measured before all slices of volume "

@@ -55,6 +55,14 @@ std::size_t body_bytes(std::size_t regions, bool has_pixels, bool wants_depths) 
            body_margin_bytes;
 }
 
+std::uint64_t held_bytes(const FrameMessages& messages) {
+    std::uint64_t bytes = messages.begin ? messages.begin->bytes().size() : 0;
+    for (const auto& [gp, message] : messages.programs) {
+        bytes += message.bytes().size();
+    }
+    return bytes;
+}
+
 }  // namespace
 
 /// A frame of which everything is here. Its regions are read out straight into the message that
@@ -117,6 +125,14 @@ void RendererNode::receive(const bus::Message& message, bus::Outbox&) {
             refuse(FaultCode::bad_message,
                    fmt::format("a Renderer does not take {}", bus::kind_name(message.kind())));
     }
+}
+
+bus::NodeStatus RendererNode::status() const {
+    std::uint64_t bytes = drawing_ ? held_bytes(drawing_->inputs) : 0;
+    for (const auto& [frame, messages] : waiting_) {
+        bytes += held_bytes(messages);
+    }
+    return {bytes, waiting_.size() + (drawing_ ? 1 : 0), frames_};
 }
 
 void RendererNode::on_topology(const bus::Message& message) {
@@ -204,7 +220,7 @@ bool RendererNode::work(bus::Outbox& out) {
         return false;
     }
     if (drawing_->next_region < drawing_->plan.regions.size()) {
-        draw_next_region();
+        draw_next_region(out.clock());
     }
     tell_faults(out);
     if (drawing_->next_region == drawing_->plan.regions.size()) {
@@ -215,6 +231,7 @@ bool RendererNode::work(bus::Outbox& out) {
 
 /// Begins to draw the oldest frame of which everything is here.
 void RendererNode::start_next(bus::Outbox& out) {
+    const bus::StageClock::In planning(out.clock(), stage::plan);
     const auto complete = std::find_if(waiting_.begin(), waiting_.end(), [&](const auto& entry) {
         return entry.second.begin && entry.second.programs.size() == gp_ids_.size();
     });
@@ -261,13 +278,15 @@ bool RendererNode::goes_on_from_sums(bus::Outbox& out) {
     return true;
 }
 
-void RendererNode::draw_next_region() {
+void RendererNode::draw_next_region(bus::StageClock* clock) {
+    const bus::StageClock::In drawing(clock, stage::plan);
     const std::size_t place = drawing_->next_region++;
     FramePlan::Region& region = drawing_->plan.regions[place];
     const std::span<std::uint32_t> pixels =
         drawing_->has_pixels() ? drawing_->pixels.region(place) : std::span<std::uint32_t>();
     // What a segment reads out, which none of ours does, goes nowhere.
     const auto route = [&](RegionPlan::Kind kind) {
+        drawing.enter(kind < RegionPlan::Kind::depths ? stage::primitives : stage::end_of_region);
         executor_.read_out_into(kind == RegionPlan::Kind::end_of_region ? pixels
                                 : kind == RegionPlan::Kind::depths ? drawing_->depths.region(place)
                                                                    : std::span<std::uint32_t>());
@@ -283,6 +302,7 @@ void RendererNode::draw_next_region() {
         executor_.reset();
     }
     const RegionResult result = draw_region(executor_, programs, std::move(region.segments), route);
+    drawing.enter(stage::plan);
     executor_.read_out_into({});
     drawing_->tiles.emplace_back(static_cast<std::uint16_t>(region.number), result.counts.cycles,
                                  result.counts.instructions);
@@ -303,6 +323,7 @@ void RendererNode::tell_faults(bus::Outbox& out) {
 }
 
 void RendererNode::send_pixels(bus::Outbox& out) {
+    ++frames_;
     // A send that throws must not leave it behind: its body can be finished but once.
     const std::unique_ptr<Drawing> drawn = std::move(drawing_);
     flatbuffers::FlatBufferBuilder& body = drawn->body;

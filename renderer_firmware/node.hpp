@@ -9,12 +9,21 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "renderer_firmware/fast/fast.hpp"
 #include "renderer_firmware/node_frame.hpp"
 #include "ringbus/node.hpp"
 
 namespace pxpl5::renderer {
+
+/// What a Renderer tells apart of its work, besides the stages of every node.
+namespace stage {
+using namespace bus::stage;
+inline constexpr std::string_view plan = "plan";  ///< Of a frame or region; checks the programs.
+inline constexpr std::string_view primitives = "primitives";        ///< All that GPs have sent.
+inline constexpr std::string_view end_of_region = "end_of_region";  ///< Shading, readout.
+}  // namespace stage
 
 /// Role renderer. A frame is drawn, one region per call of work(), once its BeginFrame and the
 /// RegionPrograms of every GP are here; frames are drawn in ascending order.
@@ -27,6 +36,7 @@ class RendererNode final : public bus::Node {
 
     void receive(const bus::Message& message, bus::Outbox& out) override;
     bool work(bus::Outbox& out) override;
+    bus::NodeStatus status() const override;
 
   private:
     struct Drawing;
@@ -37,7 +47,7 @@ class RendererNode final : public bus::Node {
     FrameMessages& inputs_of(std::uint32_t frame);
     void start_next(bus::Outbox& out);
     bool goes_on_from_sums(bus::Outbox& out);
-    void draw_next_region();
+    void draw_next_region(bus::StageClock* clock);
     void send_pixels(bus::Outbox& out);
     void tell_faults(bus::Outbox& out);
 
@@ -46,6 +56,7 @@ class RendererNode final : public bus::Node {
     std::map<std::uint32_t, bus::NodeId> gp_ids_;     ///< By index.
     std::map<std::uint32_t, FrameMessages> waiting_;  ///< By frame, those not yet drawn.
     std::optional<std::uint32_t> newest_drawn_;       ///< Frames up to it are over.
+    std::uint64_t frames_ = 0;                        ///< Sent.
     fast::Fast executor_;
     std::optional<HeldSums> sums_;      ///< What its backing store holds.
     std::unique_ptr<Drawing> drawing_;  ///< The frame being drawn.

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <chrono>
 #include <optional>
 
 #include "gp_firmware/geometry/clip.hpp"
@@ -111,10 +112,10 @@ class SlabDrawing {
           hidden_(style.hidden),
           origins_(programs.keeps_origins() && !mesh.origins.empty()) {}
 
-    /// Returns how many triangles were emitted, over all regions.
-    std::uint32_t draw(isa::VectorTarget vectors);
+    DrawCounts draw(isa::VectorTarget vectors);
 
   private:
+    ScreenSlab transformed(isa::VectorTarget vectors);
     std::uint32_t draw_one(std::size_t triangle, std::uint32_t region, const NamedTriangle& named);
     std::uint32_t add_to_many(const NamedTriangle& named);
     std::uint32_t draw_by_itself(std::size_t triangle);
@@ -128,7 +129,7 @@ class SlabDrawing {
     const GridVertex* vertices_ = nullptr;
 };
 
-std::uint32_t SlabDrawing::draw(isa::VectorTarget vectors) {
+ScreenSlab SlabDrawing::transformed(isa::VectorTarget vectors) {
     const std::size_t vertex_count = mesh_.vertices.size();
     scratch_.outside.resize(vertex_count);
     ScreenSlab slab;
@@ -141,18 +142,29 @@ std::uint32_t SlabDrawing::draw(isa::VectorTarget vectors) {
     slab.outside = all_inside ? nullptr : scratch_.outside.data();
     slab.surface_word = target_.surface_word;
     slab.cull_back = target_.cull_back;
+    return slab;
+}
+
+DrawCounts SlabDrawing::draw(isa::VectorTarget vectors) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
+    const ScreenSlab slab = transformed(vectors);
+    DrawCounts counts;
+    counts.transform_ns = static_cast<std::uint64_t>(
+        std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start).count());
 
     const SelectTriangles select = select_triangles(vectors);
     Selection selection;
-    std::uint32_t emitted = 0;
-    for (std::size_t first = 0; first < mesh_.indices.size() / 3; first += Selection::size) {
+    counts.triangles_in = static_cast<std::uint32_t>(mesh_.indices.size() / 3);
+    for (std::size_t first = 0; first < counts.triangles_in; first += Selection::size) {
         select(slab, target_.grid, first, selection);
         for (std::uint64_t rest = selection.chosen; rest != 0; rest &= rest - 1) {
             const auto i = static_cast<std::size_t>(std::countr_zero(rest));
-            emitted += draw_one(first + i, selection.regions[i], selection.triangles[i]);
+            counts.triangles_out +=
+                draw_one(first + i, selection.regions[i], selection.triangles[i]);
         }
     }
-    return emitted;
+    return counts;
 }
 
 std::uint32_t SlabDrawing::draw_one(std::size_t triangle, std::uint32_t region,
@@ -215,8 +227,7 @@ DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const R
                      const SurfaceStyle& style, DrawScratch& scratch, RegionPrograms& programs,
                      isa::VectorTarget vectors) {
     assert(style.index < max_surfaces);
-    return {static_cast<std::uint32_t>(mesh.indices.size() / 3),
-            SlabDrawing(mesh, projection, grid, style, scratch, programs).draw(vectors)};
+    return SlabDrawing(mesh, projection, grid, style, scratch, programs).draw(vectors);
 }
 
 std::uint32_t draw_screen_triangle(const ScreenVertex& a, const ScreenVertex& b,

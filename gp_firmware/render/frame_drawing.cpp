@@ -89,8 +89,9 @@ bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
 }
 
 void FrameDrawing::draw_for(const Eye& eye, const SlabMesh& mesh, const SurfaceStyle& style) {
-    counts_.triangles_out +=
-        draw_slab(mesh, eye.projection, eye.grid, style, scratch_, programs_).triangles_out;
+    const DrawCounts drawn = draw_slab(mesh, eye.projection, eye.grid, style, scratch_, programs_);
+    counts_.triangles_out += drawn.triangles_out;
+    counts_.transform_ns += drawn.transform_ns;
     counts_.triangles_out +=
         draw_spheres(mesh, eye.projection, eye.grid, style, programs_).triangles_out;
     counts_.triangles_out +=

@@ -177,6 +177,14 @@ bool FrameBufferNode::work(bus::Outbox&) {
     return false;
 }
 
+bus::NodeStatus FrameBufferNode::status() const {
+    std::uint64_t bytes = 0;
+    for (const FrameInFlight& each : in_flight_) {
+        bytes += each.frame.picture.size_bytes() + each.frame.depths.size_bytes();
+    }
+    return {bytes, in_flight_.size(), frames_};
+}
+
 void FrameBufferNode::on_topology(const schema::Topology& topology) {
     renderer_ids_.clear();
     for (const schema::NodeInfo* node : *topology.nodes()) {
@@ -228,7 +236,10 @@ void FrameBufferNode::on_region_pixels(const bus::Message& message, bus::Outbox&
                fmt::format("frame {}, Renderer {}: its regions come late, the frame is over",
                            pixels.frame(), pixels.renderer()));
     }
-    take_tiles(found->frame, pixels);
+    {
+        const bus::StageClock::In assembling(out.clock(), stage::assemble);
+        take_tiles(found->frame, pixels);
+    }
     if (found->frame.complete()) {
         give_up_before(found->frame.number);
         swap_in(out);
@@ -271,6 +282,7 @@ void FrameBufferNode::swap_in(bus::Outbox& out) {
     // A send that throws must not leave it behind: its body can be finished but once.
     FrameInFlight done = std::move(in_flight_.front());
     in_flight_.pop_front();
+    ++frames_;
     out.send(bus::host_id, frame_done(done));
 }
 

@@ -7,12 +7,19 @@
 
 #include <cstdint>
 #include <deque>
+#include <string_view>
 #include <vector>
 
 #include "host/frame_buffer/frame.hpp"
 #include "ringbus/node.hpp"
 
 namespace pxpl5::host {
+
+/// What the frame buffer tells apart of its work, besides the stages of every node.
+namespace stage {
+using namespace bus::stage;
+inline constexpr std::string_view assemble = "assemble";  ///< Regions into their picture.
+}  // namespace stage
 
 /// A frame and the message in which it goes to the host: regions are put in their places there.
 struct FrameInFlight {
@@ -29,6 +36,7 @@ class FrameBufferNode final : public bus::Node {
   public:
     void receive(const bus::Message& message, bus::Outbox& out) override;
     bool work(bus::Outbox& out) override;
+    bus::NodeStatus status() const override;
 
   private:
     void on_topology(const bus::schema::Topology& topology);
@@ -47,6 +55,7 @@ class FrameBufferNode final : public bus::Node {
     std::deque<FrameInFlight> in_flight_;    ///< Oldest first.
     std::vector<bus::Message> early_;        ///< Regions that overtook their BeginFrame.
     std::uint32_t next_frame_ = 0;           ///< Frames below this have begun.
+    std::uint64_t frames_ = 0;               ///< Sent.
 };
 
 }  // namespace pxpl5::host
