@@ -39,6 +39,8 @@ Reply run_certificate(Session& session, const Arguments& arguments);
 Reply run_compare(Session& session, const Arguments& arguments);
 Reply run_export(Session& session, const Arguments& arguments);
 Reply run_digest(Session& session, const Arguments& arguments);
+Reply run_activity(Session& session, const Arguments& arguments);
+Reply run_kill(Session& session, const Arguments& arguments);
 Reply run_trace(Session& session, const Arguments& arguments);
 Reply run_undo(Session& session, const Arguments& arguments);
 Reply run_redo(Session& session, const Arguments& arguments);

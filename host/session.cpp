@@ -24,7 +24,7 @@ std::optional<std::uint32_t> frame_of_fault(std::string_view reason) {
     return error == std::errc{} ? std::optional(frame) : std::nullopt;
 }
 
-Session::Session(MachinePort& machine) : machine_(machine) {}
+Session::Session(MachinePort& machine) : machine_(machine), activity_(machine.nodes()) {}
 
 const Volume& Session::volume() const {
     if (archive_) {
@@ -88,6 +88,10 @@ bool Session::is_stale(const schema::Fault& fault) const {
 }
 
 void Session::on_message(const bus::Message& message) {
+    if (const auto* activity = message.as<schema::Activity>()) {
+        activity_.take(message.source(), *activity);
+        return;
+    }
     const auto* fault = message.as<schema::Fault>();
     if (fault != nullptr && is_stale(*fault)) {
         return;

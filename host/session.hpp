@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/activity.hpp"
 #include "host/frame_request.hpp"
 #include "host/history.hpp"
 #include "host/machine/port.hpp"
@@ -54,10 +55,13 @@ struct SurfaceReport {
 
 /// Of a picture of several samples: all its passes together.
 struct FrameReport {
-    std::uint32_t frame = 0;           ///< The last one's number.
-    std::int64_t instructions = 0;     ///< Executed by all Renderers.
-    std::int64_t renderer_cycles = 0;  ///< Modelled, summed over regions.
-    double elapsed_ms = 0;             ///< Request to picture.
+    std::uint32_t frame = 0;                      ///< The last one's number.
+    std::int64_t instructions = 0;                ///< Executed by all Renderers.
+    std::int64_t renderer_cycles = 0;             ///< Modelled, summed over regions.
+    double elapsed_ms = 0;                        ///< Request to picture.
+    int region_columns = 0, region_rows = 0;      ///< Rows over all views.
+    std::vector<std::uint64_t> region_cycles;     ///< Modelled, by region.
+    std::vector<std::uint16_t> region_renderers;  ///< Index of who drew it, by region.
 };
 
 struct LoadReport {
@@ -110,6 +114,9 @@ struct SweepReport {
     Spread extraction_ms;  ///< As SurfaceReport::elapsed_ms.
     Spread picture_ms;     ///< Isovalue changed to the picture that shows it.
 };
+
+/// Whether nodes that are at work are waited for.
+enum class AwaitAnswers : std::uint8_t { none, all };
 
 /// GPs prepare one frame while Renderers draw the other.
 inline constexpr int max_frames_in_flight = 2;
@@ -229,6 +236,13 @@ class Session {
     /// Has every node write what it has recorded. Throws RequestError if not all of them can.
     SavedTraces save_traces();
 
+    /// What the nodes have done since the last report. Those that are asked now are reported the
+    /// next time, unless they are waited for: nodes look up from their work every 10 ms or so.
+    ActivityReport activity(AwaitAnswers await);
+    /// Kills a node of the machine by its name; the machine's death is thrown by what comes next.
+    /// Throws RequestError for the host, an io process, and names that there are not.
+    void kill_node(const std::string& name);
+
     /// FNV-1a over the surface's triangles in slab order: equal for every size of machine.
     std::uint64_t mesh_digest(const std::string& name);
 
@@ -273,6 +287,7 @@ class Session {
     /// Waits until every GP has answered what begin_request() announced.
     void wait_for_gps(const std::string& what);
     void give_up_frames();
+    void take_what_is_here();
     /// What to add to a fault's text: where its traces are, if there are any.
     std::string traces_of_fault();
     Surface& find_surface(const std::string& name);
@@ -314,6 +329,7 @@ class Session {
     std::vector<std::uint64_t> picture_costs_;  ///< By which the newest picture is shared out.
     std::int64_t picture_started_ns_ = 0;
     FrameReport last_frame_;
+    ActivityMonitor activity_;
     std::optional<VolumeReceiver> receiver_;
     std::optional<Volume> received_;
     bool io_done_ = false;

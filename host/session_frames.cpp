@@ -18,6 +18,26 @@ namespace {
 
 namespace schema = bus::schema;
 
+/// Adds to what is told of a picture what one of its passes took, but for the time. All passes
+/// share the regions out alike.
+void add_pass(const schema::FrameDone& done, FrameReport& report) {
+    const auto regions_across = [](std::uint32_t px) {
+        return static_cast<int>(bus::region_count(px, 1, 1));
+    };
+    report.frame = done.frame();
+    report.instructions += static_cast<std::int64_t>(done.instructions());
+    report.region_columns = regions_across(done.width());
+    report.region_rows = regions_across(done.height()) * done.views();
+    report.region_renderers.assign(done.region_renderers()->begin(),
+                                   done.region_renderers()->end());
+    report.region_cycles.resize(done.region_cycles()->size());
+    for (flatbuffers::uoffset_t region = 0; region < done.region_cycles()->size(); ++region) {
+        const std::uint64_t cycles = done.region_cycles()->Get(region);
+        report.region_cycles[region] += cycles;
+        report.renderer_cycles += static_cast<std::int64_t>(cycles);
+    }
+}
+
 }  // namespace
 
 Stage Session::stage() const {
@@ -45,17 +65,14 @@ void Session::on_frame_done(const schema::FrameDone& done) {
     if (pending_.empty() || done.frame() != pending_.front().frame) {
         return;  // A frame that was given up after a fault.
     }
+    activity_.count_frame();
     const PendingFrame& pending = pending_.front();
     if (pending.pass.sample == 0) {
         last_frame_ = {};
     }
-    last_frame_.frame = done.frame();
-    last_frame_.instructions += static_cast<std::int64_t>(done.instructions());
+    add_pass(done, last_frame_);
     last_frame_.elapsed_ms = ms_since(pending.started_ns);
     region_costs_.assign(done.region_cycles()->begin(), done.region_cycles()->end());
-    for (const std::uint64_t cycles : region_costs_) {
-        last_frame_.renderer_cycles += static_cast<std::int64_t>(cycles);
-    }
     if (done.pixels() != nullptr) {
         finished_.push_back({static_cast<int>(done.width()),
                              static_cast<int>(done.height() * done.views()),

@@ -69,6 +69,9 @@ class Launcher {
     std::optional<bus::Message> receive();
     void send(bus::NodeId to, bus::Payload payload);
     bool takes_more(bus::NodeId to) const { return link_.takes_more(to); }
+    bus::Traffic traffic() const { return link_.traffic(); }
+    /// As MachinePort::kill().
+    void kill(bus::NodeId id);
     /// Waits for a message or for something that check_health() tells of.
     void wait();
 

@@ -154,6 +154,13 @@ std::string Launcher::describe(const Death& death) const {
                        log.string());
 }
 
+void Launcher::kill(bus::NodeId id) {
+    if (over_) {
+        throw *over_;
+    }
+    supervisor_.end(name_of(id));
+}
+
 void Launcher::check_health() {
     if (over_) {
         throw *over_;

@@ -67,7 +67,7 @@ void Launcher::guard_recording(const std::function<void()>& act) {
 
 void Launcher::note(const bus::Message& message) {
     // A volume from the io process goes on to the GPs, whose traces have it.
-    if (recorder_ && message.kind() != bus::Body::Slices) {
+    if (recorder_ && message.kind() != bus::Body::Slices && !bus::is_onlookers(message.kind())) {
         guard_recording([&] { recorder_->note(message); });
     }
 }

@@ -33,6 +33,16 @@ const std::vector<bus::NodeId>& Machine::renderer_ids() const {
     return parts_->renderers;
 }
 
+std::vector<MachineNode> Machine::nodes() const {
+    return nodes_of(parts_->launcher.roster());
+}
+bus::Traffic Machine::traffic() const {
+    return parts_->launcher.traffic();
+}
+void Machine::kill(bus::NodeId id) {
+    parts_->launcher.kill(id);
+}
+
 void Machine::send(bus::NodeId to, bus::Payload payload) {
     parts_->launcher.send(to, std::move(payload));
 }

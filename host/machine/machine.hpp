@@ -37,6 +37,9 @@ class Machine final : public MachinePort {
 
     const std::vector<bus::NodeId>& gp_ids() const override;
     const std::vector<bus::NodeId>& renderer_ids() const override;
+    std::vector<MachineNode> nodes() const override;
+    bus::Traffic traffic() const override;
+    void kill(bus::NodeId id) override;
     void send(bus::NodeId to, bus::Payload payload) override;
     bool takes_more(bus::NodeId to) const override;
     void pump(const std::function<void(const bus::Message&)>& take,

@@ -9,6 +9,7 @@
 
 #include "host/error.hpp"
 #include "ringbus/message.hpp"
+#include "ringbus/traffic.hpp"
 
 namespace pxpl5::host {
 
@@ -32,6 +33,13 @@ struct SavedTraces {
     std::vector<std::string> missing;  ///< "gp-3: <reason>" for each node that could not.
 };
 
+/// A node of the ring.
+struct MachineNode {
+    bus::NodeId id = 0;
+    bus::schema::Role role = bus::schema::Role::host;
+    std::string name;  ///< "gp-3".
+};
+
 /// A running machine. One thread uses it.
 class MachinePort {
   public:
@@ -40,6 +48,16 @@ class MachinePort {
     virtual const std::vector<bus::NodeId>& gp_ids()
         const = 0;  ///< In order of index; [0] is the Master GP.
     virtual const std::vector<bus::NodeId>& renderer_ids() const = 0;
+
+    /// In ring order, the host first; not the io process.
+    virtual std::vector<MachineNode> nodes() const { return {}; }
+    /// What the host itself has sent and received.
+    virtual bus::Traffic traffic() const { return {}; }
+    /// Kills the process of a node other than the host; returns when it is dead. The machine ends
+    /// as of any death: pump() and the others throw MachineError.
+    virtual void kill(bus::NodeId) {
+        throw RequestError(ExitCode::usage, "this machine has no processes to kill");
+    }
 
     virtual void send(bus::NodeId to, bus::Payload payload) = 0;
     /// Whether nothing that was sent to `to` waits here for its credit.

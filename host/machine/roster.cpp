@@ -69,6 +69,14 @@ std::vector<bus::NodeId> ids_of(const Roster& roster, Role role) {
     return ids;
 }
 
+std::vector<MachineNode> nodes_of(const Roster& roster) {
+    std::vector<MachineNode> nodes;
+    for (const RosterEntry& entry : roster) {
+        nodes.push_back({entry.id, entry.role, entry.name()});
+    }
+    return nodes;
+}
+
 bus::Payload topology_message(const Roster& roster, const Topology& topology) {
     schema::TopologyT message;
     for (const RosterEntry& entry : roster) {

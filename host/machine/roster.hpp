@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "host/machine/port.hpp"
 #include "host/machine/topology.hpp"
 #include "ringbus/message.hpp"
 
@@ -27,6 +28,9 @@ Roster roster_of(const Topology& topology);
 
 /// The nodes of `role`, by index.
 std::vector<bus::NodeId> ids_of(const Roster& roster, bus::schema::Role role);
+
+/// All of them, as a session knows them.
+std::vector<MachineNode> nodes_of(const Roster& roster);
 
 /// What every node is told of the machine.
 bus::Payload topology_message(const Roster& roster, const Topology& topology);

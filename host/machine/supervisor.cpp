@@ -326,6 +326,14 @@ void Supervisor::kill(const std::string& name, int signal) {
     }
 }
 
+void Supervisor::end(const std::string& name) {
+    kill(name, SIGKILL);
+    for (std::vector<std::string> left = running();
+         std::find(left.begin(), left.end(), name) != left.end(); left = running()) {
+        uv_run(&parts_->loop, UV_RUN_ONCE);
+    }
+}
+
 std::int64_t now_ms() {
     using namespace std::chrono;
     return duration_cast<milliseconds>(steady_clock::now().time_since_epoch()).count();

@@ -66,6 +66,8 @@ class Supervisor {
     /// Sends `signal` to the process group of everyone that runs, or of `name` alone.
     void kill_all(int signal);
     void kill(const std::string& name, int signal);
+    /// Kills `name` and waits until it is dead; take_deaths() tells of it.
+    void end(const std::string& name);
 
   private:
     struct Parts;

@@ -45,6 +45,9 @@ class SimulatedMachine final : public host::MachinePort {
     const std::vector<bus::NodeId>& gp_ids() const override { return gps_; }
     const std::vector<bus::NodeId>& renderer_ids() const override { return renderers_; }
 
+    std::vector<host::MachineNode> nodes() const override { return nodes_of(roster_); }
+    bus::Traffic traffic() const override { return ring_.traffic(bus::host_id); }
+
     void send(bus::NodeId to, bus::Payload payload) override {
         ring_.send(bus::host_id, to, payload);
     }
@@ -58,7 +61,7 @@ class SimulatedMachine final : public host::MachinePort {
                 const bus::Message message = mailbox_.messages.front();
                 mailbox_.messages.pop_front();
                 take(message);
-            } else if (!ring_.step()) {
+            } else if (!ring_.step() && !done()) {
                 throw host::MachineError(1,
                                          "the ring is idle, and what is waited for has not come");
             }

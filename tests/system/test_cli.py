@@ -185,6 +185,40 @@ class Cli(unittest.TestCase):
             child.stdout.close()
             child.stderr.close()
 
+    def test_kill_names_its_victim_and_the_run_ends_of_it(self):
+        for commands in ("kill gp-0", "kill gp-0; digest"):
+            done = self.pxpl5("run", "-c", "load phantom:sphere; surface s iso=0.5; " + commands)
+            self.assertEqual(done.returncode, 128 + signal.SIGKILL, done.stderr)
+            self.assertIn("gp-0 is killed", done.stdout)
+            self.assertNotIn("frame ", done.stdout)
+            self.assertIn("gp-0 was killed by signal 9", done.stderr.splitlines()[-1])
+        done = self.pxpl5("run", "-c", "kill gp-7")
+        self.assertEqual(done.returncode, 64, done.stderr)
+        self.assertIn("there is no node 'gp-7'; did you mean 'gp-0'?", done.stderr)
+
+    def test_activity_tells_what_54_processes_did(self):
+        done = self.pxpl5("run", "--json", "-c", "load phantom:sphere; surface s iso=0.5;"
+                          "activity; orbit 4; activity", topology="paper-1993")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        machine = json.loads(done.stdout.splitlines()[-1])["result"]
+        self.assertEqual(machine["frames"], 4)
+        self.assertEqual(len(machine["nodes"]), 54)
+        for node in machine["nodes"]:
+            self.assertTrue(node["answered"], node)
+            self.assertLessEqual(node["busy"], 1)
+            if node["role"] != "host":
+                self.assertEqual(node["frames"], 4, node["name"])
+            if node["role"] == "gp":
+                programs = sum(sent["messages"] for sent in node["sent"]
+                               if sent["kind"] == "RegionPrograms")
+                self.assertEqual(programs, 4 * 16, node["name"])
+        self.assertEqual(len(machine["channels"]), 8)
+        self.assertTrue(all(channel["messages"] > 0 for channel in machine["channels"]))
+        regions = machine["frame"]["regions"]
+        self.assertEqual((regions["columns"], regions["rows"]), (4, 4))
+        self.assertEqual(len(regions["renderer"]), 16)
+        self.assertGreater(machine["frame"]["renderer_ms_1993"], 0)
+
     def test_interrupt_leaves_no_process(self):
         child, nodes = self.start("one-of-each")
         child.stdin.write("surface a iso=0.5\norbit 100000\n")

@@ -129,6 +129,23 @@ TEST_CASE("a node that is killed ends the machine, which names it and leaves no 
     CHECK_THROWS_AS(machine.shutdown(), MachineError);
 }
 
+TEST_CASE("a node that is killed by name is dead at once, and the next thing done tells") {
+    Bench bench;
+    Machine machine(bench.topology, bench.options);
+    const std::vector<MachineNode> nodes = machine.nodes();
+    REQUIRE(nodes.size() == 6);
+    CHECK(nodes[0].name == "host");
+    CHECK(nodes[4].name == "renderer-1");
+    CHECK(nodes[4].role == schema::Role::renderer);
+    const Watch killed(pid_of(machine, "renderer-1"));
+    machine.kill(nodes[4].id);
+    CHECK(killed.ends_within(0));
+    const MachineError error = end_of(machine);
+    CHECK(error.code == 137);
+    CHECK_MESSAGE(has(error.what(), "renderer-1 was killed by signal 9 (SIGKILL)"), error.what());
+    CHECK_THROWS_AS(machine.kill(nodes[1].id), MachineError);
+}
+
 TEST_CASE("a node that gives up ends the machine with its exit code and its last words") {
     Bench bench;
     Machine machine(bench.topology, bench.options);
