@@ -71,12 +71,13 @@ std::string subject_of(const Arguments& arguments) {
     return to_line(subject);
 }
 
-Reply run_command(Session& session, const Arguments& arguments) {
+Reply run_command(Session& session, const Arguments& arguments, const Arguments* noted) {
     const Command& command = checked_command(arguments);
     if (command.kind == CommandKind::memory) {
         return command.run(session, arguments);
     }
-    const Deed deed{to_line(arguments), subject_of(arguments), command.kind == CommandKind::action};
+    const Deed deed{to_line(noted != nullptr ? *noted : arguments), subject_of(arguments),
+                    command.kind == CommandKind::action};
     const Scene before = session.scene;
     try {
         Reply reply = command.run(session, arguments);

@@ -48,7 +48,9 @@ std::string subject_of(const Arguments& arguments);
 
 /// Checks the arguments against the row, runs it, and notes in the session's history what that
 /// changed. Throws RequestError, MachineError.
-Reply run_command(Session& session, const Arguments& arguments);
+///
+/// noted  What stands in the history, if that is not what is run.
+Reply run_command(Session& session, const Arguments& arguments, const Arguments* noted = nullptr);
 
 /// True for the command that ends a session.
 inline bool is_quit(const Arguments& arguments) {

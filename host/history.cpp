@@ -83,6 +83,7 @@ void History::begin_anew(const std::string& load_line) {
     undo_.clear();
     redo_.clear();
     load_line_ = load_line;
+    ++loads_;
 }
 
 std::optional<std::string> History::undo_line() const {

@@ -50,8 +50,9 @@ class History {
 
     /// A script that repeats the session, a newline after each line.
     std::string script() const;
-    /// The load that the session began with, if there was one.
+    /// The newest load, if there was one.
     const std::optional<std::string>& load_line() const { return load_line_; }
+    int loads() const { return loads_; }  ///< So many there were.
 
   private:
     struct Line {
@@ -73,6 +74,7 @@ class History {
     std::deque<Step> undo_;
     std::vector<Step> redo_;
     std::optional<std::string> load_line_;
+    int loads_ = 0;
 };
 
 }  // namespace pxpl5::host

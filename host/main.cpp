@@ -13,6 +13,7 @@
 #include "host/phantom/phantom.hpp"
 #include "host/phigs/archive.hpp"
 #include "host/script.hpp"
+#include "host/serve/serve.hpp"
 #include "host/version.hpp"
 
 namespace {
@@ -69,6 +70,7 @@ struct Flags {
     std::vector<std::string> commands, surfaces, load_words;
     std::optional<double> isovalue;
     int samples = 1;
+    serve::ServerOptions server;
 };
 
 Arguments command(std::string name, std::vector<std::string> words,
@@ -197,6 +199,20 @@ int info(Flags flags) {
     });
 }
 
+int serve_viewer(const Flags& flags) {
+    serve::ServeOptions options;
+    options.server = flags.server;
+    options.topology = flags.machine.plan();
+    options.run_base = flags.machine.run_folder;
+    Flags opened = flags;
+    opened.volume = flags.volume.empty() ? "phantom:pelvis" : flags.volume;
+    options.commands.push_back(volume_command("load", opened));
+    for (const std::string& surface : flags.surfaces) {
+        options.commands.push_back(surface_command(surface));
+    }
+    return serve::serve(options);
+}
+
 int report(const Flags& flags) {
     if (!flags.paper) {
         throw RequestError(ExitCode::usage, "report needs --paper: there is no other report");
@@ -230,10 +246,24 @@ void declare(CLI::App& app, Flags& flags) {
                            "WIDTHxHEIGHT of the picture, 512x512 if not given");
     render_app->add_option("-o,--output", flags.output, "Picture to write")->required();
 
+    CLI::App* serve_app = app.add_subcommand("serve", "Show a volume in the browser");
+    serve_app->add_option("volume", flags.volume,
+                          "File, DICOM folder or phantom:NAME; phantom:pelvis if not given");
+    serve_app->add_option("--surface", flags.surfaces,
+                          "Surfaces to begin with: name[=isovalue[,colour]]");
+    serve_app->add_option("--port", flags.server.port, "Port; 0 is a free one")
+        ->check(CLI::Range(0, 65535));
+    serve_app->add_option("--bind", flags.server.bind, "Address to listen at")
+        ->capture_default_str();
+    serve_app->add_option("--tls-cert", flags.server.tls_cert, "Certificate (PEM)");
+    serve_app->add_option("--tls-key", flags.server.tls_key, "Its key (PEM)");
+    serve_app->add_flag("--insecure", flags.server.insecure,
+                        "Listen beyond this computer without encryption");
+
     CLI::App* info_app = app.add_subcommand("info", "Tell what is known of a volume");
     info_app->add_option("volume", flags.volume, "File, DICOM folder or phantom:NAME")->required();
 
-    for (CLI::App* each : {render_app, info_app}) {
+    for (CLI::App* each : {render_app, info_app, serve_app}) {
         each->add_option("options", flags.load_words,
                          "KEY=VALUE as of the command load: series=2, spacing=1,1,2, crop=...");
     }
@@ -243,7 +273,7 @@ void declare(CLI::App& app, Flags& flags) {
     report_app->add_flag("--paper", flags.paper, "The paper's results table, run again");
     report_app->add_option("--pictures", flags.pictures, "Folder for the pictures");
 
-    for (CLI::App* each : {run_app, render_app, report_app}) {
+    for (CLI::App* each : {run_app, render_app, report_app, serve_app}) {
         flags.machine.add_to(*each);
     }
     for (CLI::App* each : {run_app, render_app, info_app}) {
@@ -258,6 +288,9 @@ int dispatch(const CLI::App& app, const Flags& flags) {
     }
     if (app.got_subcommand("info")) {
         return info(flags);
+    }
+    if (app.got_subcommand("serve")) {
+        return serve_viewer(flags);
     }
     if (app.got_subcommand("report")) {
         return report(flags);

@@ -18,13 +18,16 @@ constexpr int bar_width = 40;
 }  // namespace
 
 ProgressBar::ProgressBar(Session& session) : session_(session), started_ns_(now_ns()) {
-    if (isatty(STDERR_FILENO) != 0) {
+    draws_ = !session_.progress && isatty(STDERR_FILENO) != 0;
+    if (draws_) {
         session_.progress = [this](const LoadProgress& progress) { show(progress); };
     }
 }
 
 ProgressBar::~ProgressBar() {
-    session_.progress = nullptr;
+    if (draws_) {
+        session_.progress = nullptr;
+    }
     if (drawn_) {
         fmt::print(stderr, "\r\x1b[K");
     }

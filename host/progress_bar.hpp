@@ -5,7 +5,8 @@
 
 namespace pxpl5::host {
 
-/// Draws a bar for as long as it lives, if standard error is a terminal; nothing in the first
+/// Draws a bar for as long as it lives, if standard error is a terminal and nobody else shows the
+/// progress; nothing in the first
 /// moments, so that short work does not flicker.
 class ProgressBar {
   public:
@@ -19,6 +20,7 @@ class ProgressBar {
 
     Session& session_;
     std::int64_t started_ns_;
+    bool draws_ = false;  ///< It is this bar that the session tells.
     bool drawn_ = false;
 };
 

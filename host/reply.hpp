@@ -1,6 +1,7 @@
 // What a command answers: a text for people and fields for programs.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -11,8 +12,8 @@ namespace pxpl5::host {
 
 struct Field;
 using Fields = std::vector<Field>;
-using FieldValue = std::variant<bool, std::int64_t, double, std::string, std::vector<double>,
-                                Fields, std::vector<Fields>>;
+using FieldValue = std::variant<std::nullptr_t, bool, std::int64_t, double, std::string,
+                                std::vector<double>, Fields, std::vector<Fields>>;
 
 struct Field {
     std::string name;

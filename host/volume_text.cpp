@@ -97,6 +97,10 @@ glm::dvec3 spacing_mm(const Volume& volume) {
             glm::length(axis_mm(volume, 2))};
 }
 
+std::string_view finding_name(FindingKind kind) {
+    return finding_names[static_cast<std::size_t>(kind)];
+}
+
 std::string orientation_letters(const Volume& volume) {
     std::string letters;
     for (int axis = 0; axis < 3; ++axis) {
@@ -138,7 +142,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     }
     std::vector<Fields> notes;
     for (const Finding& finding : volume.findings) {
-        const std::string kind(finding_names[static_cast<std::size_t>(finding.kind)]);
+        const std::string kind(finding_name(finding.kind));
         reply.text += fmt::format("\n{}: {}", kind, finding.text);
         notes.push_back({{"kind", kind}, {"note", finding.text}});
     }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <string>
+#include <string_view>
 
 #include "host/reply.hpp"
 #include "host/surface/histogram.hpp"
@@ -19,6 +20,9 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail = VolumeDetail::
 
 /// Distance between voxel centres along x, y and z in millimetres.
 glm::dvec3 spacing_mm(const Volume& volume);
+
+/// "gantry tilt", "missing slices", ...
+std::string_view finding_name(FindingKind kind);
 
 /// Where the volume's axes point in the patient, nearest first letter per axis: "LPS", "RAS", ...
 std::string orientation_letters(const Volume& volume);

@@ -238,6 +238,11 @@ void Launcher::send(bus::NodeId to, bus::Payload payload) {
 }
 
 void Launcher::wait() {
+    if (watched_fd_ >= 0) {
+        flush_trace();
+        supervisor_.wait_input(link_.poll_fd(), watched_fd_);
+        return;
+    }
     if (!recorder_ || !recorder_->has_unwritten()) {
         supervisor_.wait(link_.poll_fd(), -1);
         return;

@@ -85,6 +85,8 @@ class Launcher {
     /// As MachinePort::allow_cancel().
     void allow_cancel(bool allowed);
     bool can_be_cancelled() const { return can_be_cancelled_; }
+    /// As MachinePort::watch().
+    void watch(int fd, std::function<bool()> give_up);
 
     bool is_recording() const { return recorder_.has_value(); }
     /// As MachinePort::save_traces().
@@ -117,6 +119,8 @@ class Launcher {
     void dismiss_io();
     /// Whether an io process of the past died, which may do so as it likes.
     bool was_dismissed(const Death& death) const;
+    /// Asks whoever watches, if there is something to ask. Throws Cancelled.
+    void ask_watcher();
     /// Ends the io process at once and throws Cancelled.
     [[noreturn]] void cancel();
     std::string describe(const Death& death) const;
@@ -159,6 +163,8 @@ class Launcher {
     int io_count_ = 0;
     ExitCode io_death_code_ = ExitCode::bad_data;
     bool can_be_cancelled_ = false;
+    int watched_fd_ = -1;
+    std::function<bool()> give_up_;                 ///< Of watch().
     bool launched_ = false;                         ///< All nodes have been told Go.
     std::map<bus::NodeId, std::string> dismissed_;  ///< io processes of the past, by name.
     /// Came while a handshake was going on, or while the host waited for its input.

@@ -1,5 +1,6 @@
 // Launcher: the io process, deaths, signals, and the end.
 #include <fmt/format.h>
+#include <poll.h>
 
 #include <algorithm>
 #include <array>
@@ -45,7 +46,9 @@ struct Step {
 constexpr std::array steps = {Step{SIGTERM, terminate_ms}, Step{SIGKILL, -1}};
 
 MachineError interruption(int signal) {
-    return {128 + signal, fmt::format("interrupted by SIG{}", sigabbrev_np(signal))};
+    MachineError error(128 + signal, fmt::format("interrupted by SIG{}", sigabbrev_np(signal)));
+    error.is_interruption = true;
+    return error;
 }
 
 }  // namespace
@@ -119,6 +122,18 @@ void Launcher::allow_cancel(bool allowed) {
     can_be_cancelled_ = allowed;
 }
 
+void Launcher::watch(int fd, std::function<bool()> give_up) {
+    watched_fd_ = fd;
+    give_up_ = std::move(give_up);
+}
+
+void Launcher::ask_watcher() {
+    pollfd watched{watched_fd_, POLLIN, 0};
+    if (watched_fd_ >= 0 && poll(&watched, 1, 0) > 0 && give_up_() && can_be_cancelled_) {
+        cancel();
+    }
+}
+
 void Launcher::cancel() {
     can_be_cancelled_ = false;
     if (io_) {
@@ -182,6 +197,7 @@ void Launcher::check_health() {
     } else if (signal != 0) {
         give_in(interruption(signal));
     }
+    ask_watcher();
     if (io_death) {
         io_->endpoint.clear();
         dismiss_io();

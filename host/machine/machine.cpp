@@ -83,6 +83,9 @@ bool Machine::takes_more(bus::NodeId to) const {
 void Machine::allow_cancel(bool allowed) {
     parts_->launcher.allow_cancel(allowed);
 }
+void Machine::watch(int fd, std::function<bool()> give_up) {
+    parts_->launcher.watch(fd, std::move(give_up));
+}
 bool Machine::is_recording() const {
     return parts_->launcher.is_recording();
 }

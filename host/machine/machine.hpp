@@ -49,6 +49,7 @@ class Machine final : public MachinePort {
     bus::NodeId start_io(ExitCode on_death = ExitCode::bad_data) override;
     void release_io() override;
     void allow_cancel(bool allowed) override;
+    void watch(int fd, std::function<bool()> give_up) override;
     bool is_recording() const override;
     SavedTraces save_traces() override;
 

@@ -18,9 +18,11 @@ struct MachineError : std::runtime_error {
     MachineError(int exit_code, const std::string& text)
         : std::runtime_error(text), code(exit_code) {}
     int code;  ///< The first failing child's exit code, 128 + signal, or 69 (unavailable).
+    bool is_interruption = false;  ///< A signal to this process asked for it: nobody's fault.
 };
 
-/// The person pressed Ctrl-C, and what was under way can be given up by itself.
+/// The person pressed Ctrl-C, or asked in another way, and what was under way can be given up by
+/// itself.
 struct Cancelled : RequestError {
     Cancelled() : RequestError(ExitCode::failed, "cancelled") {}
 };
@@ -90,6 +92,10 @@ class MachinePort {
     /// Cancelled, and an io process is killed. Any further one ends the machine, and so does one
     /// that came before. Throws as pump().
     virtual void allow_cancel(bool allowed) = 0;
+
+    /// Has `give_up` asked during pump() whenever `fd` is readable (-1: no longer); it must leave
+    /// `fd` unreadable. If it says yes while cancelling is allowed, that is as the first SIGINT.
+    virtual void watch(int fd, std::function<bool()> give_up) = 0;
 
     virtual bool is_recording() const = 0;
     /// Has every node write what it has recorded; recording goes on.

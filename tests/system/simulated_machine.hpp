@@ -1,7 +1,10 @@
 // A whole machine in one thread and one process: the real nodes on a simulated ring.
 #pragma once
 
+#include <poll.h>
+
 #include <deque>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -57,6 +60,10 @@ class SimulatedMachine final : public host::MachinePort {
     void pump(const std::function<void(const bus::Message&)>& take,
               const std::function<bool()>& done) override {
         while (!done()) {
+            pollfd watched{watched_fd_, POLLIN, 0};
+            if (watched_fd_ >= 0 && poll(&watched, 1, 0) > 0 && give_up_() && can_be_cancelled_) {
+                throw host::Cancelled();
+            }
             if (!mailbox_.messages.empty()) {
                 const bus::Message message = mailbox_.messages.front();
                 mailbox_.messages.pop_front();
@@ -77,7 +84,11 @@ class SimulatedMachine final : public host::MachinePort {
                                  "a simulated machine has no io process");
     }
     void release_io() override {}
-    void allow_cancel(bool) override {}  ///< Nobody presses a key.
+    void allow_cancel(bool allowed) override { can_be_cancelled_ = allowed; }
+    void watch(int fd, std::function<bool()> give_up) override {
+        watched_fd_ = fd;
+        give_up_ = std::move(give_up);
+    }
 
     /// Tests that want to see messages tap the ring.
     bool is_recording() const override { return false; }
@@ -106,6 +117,9 @@ class SimulatedMachine final : public host::MachinePort {
         }
     }
 
+    int watched_fd_ = -1;
+    std::function<bool()> give_up_;
+    bool can_be_cancelled_ = false;
     Mailbox mailbox_;
     std::vector<std::unique_ptr<bus::Node>> nodes_;
     bus::SimulatedRing ring_;

@@ -45,6 +45,7 @@ class FaultyMachine final : public MachinePort {
     void release_io() override {}
     bool takes_more(pxpl5::bus::NodeId) const override { return true; }
     void allow_cancel(bool) override {}
+    void watch(int, std::function<bool()>) override {}
     bool is_recording() const override { return recording_; }
     SavedTraces save_traces() override {
         ++saves;

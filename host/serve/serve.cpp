@@ -1,0 +1,75 @@
+#include "host/serve/serve.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <utility>
+
+#include "host/machine/machine.hpp"
+#include "host/serve/director.hpp"
+#include "host/stopwatch.hpp"
+
+namespace pxpl5::host::serve {
+
+namespace {
+
+/// This computer's name, as its neighbours may know it.
+std::string host_name() {
+    std::array<char, 256> name{};
+    return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "HOST";
+}
+
+void print_addresses(const Server& server, const ServerOptions& options, const Topology& topology) {
+    fmt::print("pxpl5 serves {}\n", size_text(topology));
+    fmt::print("open      {}\nto watch  {}\n", server.url(), server.watch_url());
+    if (options.bind == ServerOptions{}.bind) {
+        fmt::print(
+            "from another computer: ssh -L {0}:127.0.0.1:{0} {1}, then open the same address "
+            "there\n",
+            server.port(), host_name());
+    }
+    fmt::print("Ctrl-C ends it\n");
+    std::fflush(stdout);  // Into a pipe, too, at once.
+}
+
+}  // namespace
+
+int serve(const ServeOptions& options) {
+    MachineOptions machine_options;
+    machine_options.run_base = options.run_base;
+    auto machine = std::make_shared<Machine>(options.topology, machine_options);
+    ServerOptions server_options = options.server;
+    server_options.uploads = machine->run_folder() / "uploads";
+    server_options.downloads = machine->run_folder() / "downloads";
+    try {
+        Server server(server_options);
+        WebAudience audience(server);
+        DirectorParts parts;
+        parts.topology = options.topology.name;
+        parts.downloads = server_options.downloads;
+        parts.clock_ns = now_ns;
+        parts.launch = [&, is_first = true]() mutable {
+            if (!std::exchange(is_first, false)) {
+                machine.reset();  // Ended before the next one begins.
+                machine = std::make_shared<Machine>(options.topology, machine_options);
+            }
+            return machine;
+        };
+        Director director(audience, std::move(parts));
+        for (const Arguments& command : options.commands) {
+            director.open(to_line(command));
+        }
+        director.show_first_surfaces();
+        print_addresses(server, options.server, options.topology);
+        director.run();
+    } catch (const MachineError& error) {
+        if (!error.is_interruption) {
+            throw;
+        }
+    }
+    return 0;
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,65 @@
+#include "host/serve/viewer_message.hpp"
+
+#include <fmt/core.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "host/command_line.hpp"
+
+namespace pxpl5::host::serve {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t quoted_bytes = 80;  ///< Of a message that an error quotes.
+
+/// The value of that key if it is there and of the right type. Throws RequestError if it is not.
+template <typename T>
+std::optional<T> value(const Json& message, const char* key, Json::value_t type) {
+    const auto found = message.find(key);
+    if (found == message.end()) {
+        return std::nullopt;
+    }
+    if (found->type() != type) {
+        refuse_command(fmt::format(
+            "message: \"{}\" is {}, which is of the wrong type", key,
+            found->dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, quoted_bytes)));
+    }
+    return found->get<T>();
+}
+
+}  // namespace
+
+ViewerMessage read_viewer_message(std::string_view text) {
+    const Json message = Json::parse(text, nullptr, false);
+    if (!message.is_object()) {
+        refuse_command(
+            fmt::format("message: '{}' is no JSON object", text.substr(0, quoted_bytes)));
+    }
+    ViewerMessage read;
+    if (const auto id = value<std::uint64_t>(message, "id", Json::value_t::number_unsigned)) {
+        if (*id > std::numeric_limits<std::uint32_t>::max()) {
+            refuse_command(fmt::format("message: id {} is above {}", *id,
+                                       std::numeric_limits<std::uint32_t>::max()));
+        }
+        read.id = static_cast<std::uint32_t>(*id);
+    }
+    read.line = value<std::string>(message, "do", Json::value_t::string);
+    read.ask = value<std::string>(message, "ask", Json::value_t::string);
+    read.panel = value<bool>(message, "panel", Json::value_t::boolean);
+    read.cancels = value<bool>(message, "cancel", Json::value_t::boolean).value_or(false);
+    const int meanings = int{read.line.has_value()} + int{read.ask.has_value()} +
+                         int{read.panel.has_value()} + int{read.cancels};
+    if (meanings != 1) {
+        refuse_command(fmt::format("message: '{}' has {} of do, ask, panel and cancel, not one",
+                                   text.substr(0, quoted_bytes), meanings));
+    }
+    if (read.ask && !read.id) {
+        refuse_command(fmt::format("message: ask \"{}\" has no id to answer to", *read.ask));
+    }
+    return read;
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,239 @@
+#!/usr/bin/env python3
+"""`pxpl5 serve` as a viewer meets it: test_serve.py FOLDER_OF_BINARIES [unittest's words]."""
+import json
+import os
+import pathlib
+import re
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import urllib.parse
+import urllib.request
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "host/serve"))
+from websocket_client import Refused, WebSocket  # noqa: E402
+
+BINARIES = pathlib.Path()  # From the command line.
+HEADER = struct.Struct("<IIIHHBBBBfQ")
+
+
+class Program:
+    """The program under test, in a run folder of its own."""
+
+    def __init__(self, folder, *words):
+        self.folder = folder
+        self.process = subprocess.Popen(
+            [BINARIES / "pxpl5", "serve", "--run-folder", folder, "--topology", "one-of-each",
+             *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.said = ""
+        while "Ctrl-C" not in self.said:
+            line = self.process.stdout.readline()
+            assert line, self.process.communicate()[1]
+            self.said += line
+        self.url, self.watch_url = re.findall(r"http://\S+", self.said)[:2]
+
+    def stop(self, by=signal.SIGINT):
+        """Its exit code and what it complained of."""
+        self.process.send_signal(by)
+        _, complaint = self.process.communicate(timeout=60)  # Closes the pipes, too.
+        return self.process.returncode, complaint
+
+    def end(self):
+        """After a test that failed, too."""
+        if self.process.poll() is None:
+            self.stop()
+
+    def nodes(self, name):
+        """Process ids of the nodes of that name that run in this run folder."""
+        found = []
+        for entry in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                command = (entry / "cmdline").read_text().split("\0")
+                parent = (entry / "stat").read_text().rsplit(")", 1)[1].split()[1]
+            except (FileNotFoundError, ProcessLookupError, PermissionError):
+                continue
+            if command[0].endswith(name) and parent == str(self.process.pid):
+                found.append(int(entry.name))
+        return found
+
+    def get(self, path):
+        with urllib.request.urlopen(
+                urllib.parse.urljoin(self.url, path) + "?" + urllib.parse.urlsplit(self.url).query,
+                timeout=20) as answer:
+            return answer.read()
+
+
+class Viewer:
+    """Speaks the protocol; acknowledges frames as a page does."""
+
+    def __init__(self, url):
+        self.socket = WebSocket(url)
+        self.texts, self.frames, self.next_id = [], [], 1
+
+    def next(self):
+        """The next message, noted: a text as an object, a frame as its header's fields."""
+        message = self.socket.receive()
+        if isinstance(message, str):
+            self.texts.append(json.loads(message))
+            return self.texts[-1]
+        magic, number, revision, width, height, kind, _, samples, flags, _, digest = \
+            HEADER.unpack_from(message)
+        assert magic == 0x46523550, hex(magic)
+        self.socket.send(json.dumps({"shown": number}))
+        self.frames.append({"revision": revision, "size": (width, height), "png": kind == 2,
+                            "samples": samples, "rests": bool(flags & 1),
+                            "digest": f"{digest:016x}", "bytes": message[HEADER.size:]})
+        return self.frames[-1]
+
+    def until(self, fits):
+        message = self.next()
+        while not fits(message):
+            message = self.next()
+        return message
+
+    def send(self, line):
+        self.next_id += 1
+        self.socket.send(json.dumps({"id": self.next_id, "do": line}))
+        return self.next_id
+
+    def answer_to(self, number):
+        return self.until(lambda message: message.get("re") == number)
+
+    def do(self, line):
+        return self.answer_to(self.send(line))
+
+    def resting(self, revision):
+        """The picture itself of that revision, or a newer one; it may have come already."""
+        def fits(message):
+            return message.get("rests") and message["revision"] >= revision \
+                and message["samples"] == 1
+        return next(filter(fits, self.frames), None) or self.until(fits)
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def program(self, *words):
+        program = Program(self.folder.name, *words)
+        self.addCleanup(program.end)
+        return program
+
+    def viewer(self, url):
+        viewer = Viewer(url)
+        self.addCleanup(viewer.socket.close)
+        return viewer
+
+
+class Serve(Case):
+    def test_a_first_visit_shows_the_pelvis(self):
+        program = self.program()
+        viewer = self.viewer(program.url)
+        self.assertEqual(viewer.next()["hello"]["role"], "driver")
+        state = viewer.until(lambda message: "state" in message)["state"]
+        self.assertEqual(state["volume"]["name"], "phantom:pelvis")
+        self.assertEqual([surface["name"] for surface in state["surfaces"]], ["bone", "skin"])
+        frame = viewer.resting(state["revision"])
+        self.assertEqual((frame["size"], frame["png"]), ((512, 512), True))
+        self.assertIn("ssh -L", program.said)
+        self.assertEqual(program.stop(), (0, ""))
+
+    def test_what_rests_is_the_picture_that_digest_tells_of(self):
+        program = self.program("phantom:sphere", "--surface", "ball=0.2,red")
+        viewer = self.viewer(program.url)
+        viewer.do("size 200x160")
+        reply = viewer.do("view 30 20 zoom=1.5 roll=20 pan=3,4")
+        self.assertEqual(reply["result"]["roll_deg"], 20)
+        frame = viewer.resting(reply["revision"])
+        self.assertEqual(frame["size"], (200, 160))
+        self.assertEqual(frame["digest"], viewer.do("digest")["result"]["frame"])
+
+    def test_a_script_does_what_the_page_did(self):
+        program = self.program("phantom:sphere")
+        viewer = self.viewer(program.url)
+        for line in ("size 120x100", "surface sphere iso=0.3", "view 10 20", "clip L 1", "undo",
+                     "background white", "surface sphere opacity=0.5", "undo"):
+            self.assertTrue(viewer.do(line)["ok"], line)
+        script = viewer.do("history")["result"]["script"]
+        told = viewer.do("digest")["result"]["frame"]
+        again = subprocess.run([BINARIES / "pxpl5", "run", "-", "--json", "--run-folder",
+                                self.folder.name], input=script + "digest\n", text=True,
+                               capture_output=True, check=True)
+        last = json.loads(again.stdout.splitlines()[-1])
+        self.assertEqual(last["result"]["frame"], told)
+
+    def test_a_flood_ends_with_the_newest_state_on_show(self):
+        program = self.program("phantom:sphere")
+        viewer = self.viewer(program.url)
+        numbers = [viewer.send(f"surface sphere iso={0.001 * step:.3f}") for step in range(300)]
+        replies = {}
+        while numbers[-1] not in replies:
+            message = viewer.next()
+            if "re" in message:
+                replies[message["re"]] = message
+        self.assertTrue(replies[numbers[-1]]["ok"])
+        self.assertEqual(replies[numbers[-1]]["result"]["isovalue"], 0.299)
+        frame = viewer.resting(replies[numbers[-1]]["revision"])
+        self.assertEqual(frame["digest"], viewer.do("digest")["result"]["frame"])
+
+    def test_what_is_exported_can_be_fetched(self):
+        program = self.program("phantom:sphere")
+        viewer = self.viewer(program.url)
+        reply = viewer.do("export download:ball.ply")
+        self.assertEqual(reply["result"]["download"], "/download/ball.ply")
+        self.assertTrue(program.get("/download/ball.ply").startswith(b"ply"))
+        for name in ("../x.ply", ".x.ply", "a/b.ply"):
+            self.assertIn("is no name", viewer.do(f"export download:{name}")["error"])
+        self.assertIn("export ball.ply", viewer.do("history")["result"]["script"])
+
+    def test_a_dead_node_is_told_of_and_the_session_goes_on(self):
+        program = self.program("phantom:sphere")
+        viewer = self.viewer(program.url)
+        reply = viewer.do("view 30 20")
+        before = viewer.resting(reply["revision"])["digest"]
+        (node,) = program.nodes("pxpl5-gp")
+        os.kill(node, signal.SIGKILL)
+        note = viewer.until(lambda message: "note" in message)["note"]
+        self.assertRegex(note["text"], "gp-0 was killed by signal 9")
+        viewer.until(lambda message: "as they were" in str(message.get("note")))
+        self.assertEqual(viewer.resting(reply["revision"] + 1)["digest"], before)
+        self.assertTrue(viewer.do("undo")["ok"])
+        self.assertEqual(program.stop()[0], 0)
+
+    def test_who_watches_sees_and_changes_nothing(self):
+        program = self.program("phantom:sphere")
+        watcher = self.viewer(program.watch_url)
+        self.assertEqual(watcher.next()["hello"]["role"], "watcher")
+        self.assertIn("only watch", watcher.do("view 1 2")["error"])
+        driver = self.viewer(program.url)
+        reply = driver.do("view 3 4")
+        watcher.resting(reply["revision"])
+        with self.assertRaises(Refused):
+            self.viewer(program.url.split("?")[0] + "?token=" + "0" * 32)
+
+    def test_no_process_is_left_by_either_signal(self):
+        for by in (signal.SIGINT, signal.SIGTERM):
+            program = self.program("phantom:sphere")
+            nodes = program.nodes("pxpl5-gp") + program.nodes("pxpl5-renderer")
+            self.assertEqual(len(nodes), 2)
+            self.assertEqual(program.stop(by), (0, ""))
+            for node in nodes:
+                self.assertFalse(pathlib.Path(f"/proc/{node}").exists())
+
+    def test_a_volume_that_is_none_ends_it_with_a_sentence(self):
+        for words, code in ((["nowhere.nrrd"], 65), (["phantom:pelvi"], 64),
+                            (["phantom:sphere", "--bind", "0.0.0.0"], 64)):
+            done = subprocess.run(
+                [BINARIES / "pxpl5", "serve", "--run-folder", self.folder.name, "--topology",
+                 "one-of-each", *words], capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertRegex(done.stderr, "^error: ")
+
+
+if __name__ == "__main__":
+    BINARIES = pathlib.Path(sys.argv.pop(1))
+    unittest.main()
