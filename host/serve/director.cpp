@@ -113,7 +113,7 @@ double Director::due_ms() const {
     const auto sooner = [&due](double ms) {
         due = due < 0 ? std::max(0.0, ms) : std::min(due, std::max(0.0, ms));
     };
-    if (has_picture() && (shown_revision_ != revision_ || shown_samples_ == 0)) {
+    if (has_picture() && is_refinable()) {
         sooner(rest_ms - since_ms(input_ns_));
     }
     if (wants_machine()) {

@@ -91,6 +91,8 @@ class Director {
 
     bool draw_moving();
     bool draw_resting();
+    int most_samples() const;
+    bool is_refinable() const;
     void show(Picture picture, int samples, bool rests, bool last);
     bool has_picture() const;
     bool wants_machine() const;

@@ -12,6 +12,7 @@ namespace pxpl5::host::serve {
 namespace {
 
 constexpr int smallest_moving_px = 64;
+constexpr int refinement = 4;  // Times more samples at each step: 1, 4, 16.
 
 Size scaled(const Size& size, double scale) {
     const auto side = [scale](int px) {
@@ -61,7 +62,7 @@ bool Director::draw_moving() {
         };
         const Restore restore{*session_, wished};
         session_->scene.size = scaled(wished, std::min(pace_.scale(), audience_.advice().scale));
-        show(session_->draw(), 1, false, false);
+        show(session_->draw_samples(1).value(), 1, false, false);
     });
     pace_.drawn(since_ms(start_ns));
     frame_ns_ = parts_.clock_ns();
@@ -70,18 +71,42 @@ bool Director::draw_moving() {
     return true;
 }
 
-/// Draws the picture itself when nothing has come for a while.
+/// Draws the picture itself when nothing has come for a while, then with more samples, which is
+/// given up as soon as something comes.
 bool Director::draw_resting() {
-    const bool is_new = shown_revision_ != revision_ || shown_samples_ == 0;
-    if (!has_picture() || !is_new || since_ms(input_ns_) < rest_ms) {
+    if (!has_picture() || since_ms(input_ns_) < rest_ms || !is_refinable()) {
         return false;
     }
     const std::uint32_t revision = revision_;
-    guard("drawing", [&] { show(session_->draw(), 1, true, true); });
-    frame_ns_ = parts_.clock_ns();
-    shown_revision_ = revision;
-    shown_samples_ = 1;
+    const bool is_first = shown_revision_ != revision || shown_samples_ == 0;
+    const int samples = is_first ? 1 : shown_samples_ * refinement;
+    bool is_drawn = true;
+    guard("drawing", [&] {
+        auto picture = session_->draw_samples(samples, [this] {
+            take_events();
+            return inbox_.empty();
+        });
+        is_drawn = picture.has_value();
+        if (picture) {
+            show(std::move(*picture), samples, true, samples == most_samples());
+        }
+    });
+    if (is_drawn) {
+        frame_ns_ = parts_.clock_ns();
+        shown_revision_ = revision;
+        shown_samples_ = samples;
+    }
     return true;
+}
+
+/// With how many samples a pixel the picture ends.
+int Director::most_samples() const {
+    return session_->max_samples();
+}
+
+/// Whether a better picture than the newest can be drawn.
+bool Director::is_refinable() const {
+    return shown_revision_ != revision_ || shown_samples_ < most_samples();
 }
 
 bool Director::wants_machine() const {
