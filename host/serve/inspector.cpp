@@ -26,7 +26,8 @@ constexpr std::array<std::string_view, 4> type_names = {"uint8", "int16", "uint1
     throw RequestError(ExitCode::usage, text);
 }
 
-void pad(std::vector<std::byte>& bytes) {
+template <class Bytes>
+void pad(Bytes& bytes) {
     bytes.resize((bytes.size() + alignment - 1) / alignment * alignment);
 }
 
@@ -179,14 +180,13 @@ Answer answer(Session& session, std::string_view message) {
     refuse(fmt::format("ask: 'ask' is {}; it must be \"slice\" or \"scrub\"", shown(name)));
 }
 
-std::vector<std::byte> answer_message(std::uint32_t id, const Answer& answer) {
+std::string answer_message(std::uint32_t id, const Answer& answer) {
     const std::array header = {answer_magic, id, static_cast<std::uint32_t>(answer.json.size()),
                                std::uint32_t{0}};
-    std::vector<std::byte> message;
-    append(message, header.data(), header.size());
-    append(message, answer.json.data(), answer.json.size());
+    std::string message(reinterpret_cast<const char*>(header.data()), sizeof header);
+    message += answer.json;
     pad(message);
-    append(message, answer.bytes.data(), answer.bytes.size());
+    message.append(reinterpret_cast<const char*>(answer.bytes.data()), answer.bytes.size());
     return message;
 }
 

@@ -30,6 +30,6 @@ Answer answer(Session& session, std::string_view message);
 /// The answer as a binary message.
 ///
 /// id       Of the question.
-std::vector<std::byte> answer_message(std::uint32_t id, const Answer& answer);
+std::string answer_message(std::uint32_t id, const Answer& answer);
 
 }  // namespace pxpl5::host::serve

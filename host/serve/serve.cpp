@@ -7,8 +7,10 @@
 #include <cstdio>
 #include <utility>
 
+#include "host/activity_text.hpp"
 #include "host/machine/machine.hpp"
 #include "host/serve/director.hpp"
+#include "host/serve/inspector.hpp"
 #include "host/stopwatch.hpp"
 
 namespace pxpl5::host::serve {
@@ -50,6 +52,10 @@ int serve(const ServeOptions& options) {
         parts.topology = options.topology.name;
         parts.downloads = server_options.downloads;
         parts.clock_ns = now_ns;
+        parts.answer = [](Session& session, std::uint32_t id, std::string_view message) {
+            return answer_message(id, answer(session, message));
+        };
+        parts.machine_text = [](Session& session) { return json_text(activity_fields(session)); };
         parts.launch = [&, is_first = true]() mutable {
             if (!std::exchange(is_first, false)) {
                 machine.reset();  // Ended before the next one begins.
