@@ -35,7 +35,12 @@ class Watchers final : public Audience {
         texts.push_back({viewer, Json::parse(text)});
     }
     void send_binary(std::uint32_t, std::string bytes) override { binaries.push_back(bytes); }
-    void show(serve::Shown frame) override { frames.push_back(std::move(frame)); }
+    void show(serve::Shown frame) override {
+        frames.push_back(std::move(frame));
+        if (on_show) {
+            on_show(frames.back());
+        }
+    }
     bool wants_frame() const override { return takes_frames; }
     LinkAdvice advice() const override { return {}; }
 
@@ -66,6 +71,7 @@ class Watchers final : public Audience {
     std::vector<std::string> binaries;
     std::vector<serve::Shown> frames;
     bool takes_frames = true;
+    std::function<void(const serve::Shown&)> on_show;  ///< What viewers do about it; may be empty.
 
   private:
     int fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
@@ -161,6 +167,17 @@ struct Theatre {
     }
 };
 
+/// From frame `first` on there is the picture itself, better twice, and no more.
+void check_refined(const std::vector<serve::Shown>& frames, std::size_t first) {
+    REQUIRE(frames.size() == first + 3);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const serve::Shown& frame = frames[first + i];
+        CHECK(frame.rests);
+        CHECK(frame.samples == std::array{1, 4, 16}[i]);
+        CHECK(frame.last == (i == 2));
+    }
+}
+
 }  // namespace
 
 TEST_CASE("who joins is greeted, and hears of the volume and its first surface") {
@@ -197,7 +214,8 @@ TEST_CASE("a flood of isovalues costs few extractions, and the newest is what re
     const serve::Shown resting = stage.watchers.frames.back();
     CHECK(resting.rests);
     CHECK(resting.revision == newest["revision"]);
-    CHECK(resting.digest == picture_digest(stage.director.session().draw()));
+    CHECK(resting.samples == 16);
+    CHECK(resting.digest == picture_digest(*stage.director.session().draw_samples(16)));
     CHECK(stage.watchers.last("state")["revision"] == newest["revision"]);
     CHECK(stage.director.due_ms() < 0);  // Nothing is left to do: nobody turns in circles.
 }
@@ -220,8 +238,26 @@ TEST_CASE("what moves is drawn at once, and itself 150 ms after the last input")
     CHECK(stage.watchers.frames.size() == 2);
     stage.passes(11);
     stage.steps();
-    REQUIRE(stage.watchers.frames.size() == 3);
-    CHECK(stage.watchers.frames[2].rests);
+    check_refined(stage.watchers.frames, 2);
+}
+
+TEST_CASE("a refinement is given up when something comes, and its picture is not shown") {
+    Theatre stage;
+    stage.watchers.frames.clear();
+    stage.watchers.on_show = [&](const serve::Shown& frame) {
+        if (frame.rests && frame.samples == 4 && !stage.watchers.reply(2).is_object()) {
+            stage.watchers.does(2, "view 10 30");
+        }
+    };
+    stage.watchers.does(1, "view 10 20");
+    stage.settle();
+    std::vector<std::pair<std::uint32_t, int>> shown;  // Revision after the first, and samples.
+    for (const serve::Shown& frame : stage.watchers.frames) {
+        shown.emplace_back(frame.revision - stage.watchers.frames[0].revision,
+                           frame.rests ? frame.samples : 0);
+    }
+    CHECK(shown == std::vector<std::pair<std::uint32_t, int>>{
+                       {0, 0}, {0, 1}, {0, 4}, {1, 0}, {1, 1}, {1, 4}, {1, 16}});
 }
 
 TEST_CASE("viewers who take no frame get the resting one, and none of those between") {
@@ -234,8 +270,7 @@ TEST_CASE("viewers who take no frame get the resting one, and none of those betw
     }
     CHECK(stage.watchers.frames.empty());
     stage.settle();
-    REQUIRE(stage.watchers.frames.size() == 1);
-    CHECK(stage.watchers.frames[0].rests);
+    check_refined(stage.watchers.frames, 0);
 }
 
 TEST_CASE("a question changes no revision and draws nothing") {
