@@ -26,6 +26,8 @@ export class Viewpoint {
     this.underWay_ = 0;
     /** @private */
     this.requested_ = 0;
+    /** @private The revision of the last answer; its state comes after it. */
+    this.answered_ = 0;
     /** @private */
     this.rotation_ = rotationOf({azimuth_deg: 0, elevation_deg: 0, roll_deg: 0});
     /** @private */
@@ -34,14 +36,18 @@ export class Viewpoint {
     this.pan_mm_ = [0, 0];
     /** @private */
     this.follow_ = () => {
-      if (store.state && this.underWay_ === 0 && this.requested_ === 0) {
+      if (store.state && this.underWay_ === 0 && this.requested_ === 0
+          && store.state.revision >= this.answered_) {
         const {camera} = store.state;
         this.rotation_ = rotationOf(camera);
         this.zoom_ = camera.zoom;
         this.pan_mm_ = [camera.pan_mm[0], camera.pan_mm[1]];
       }
     };
-    store.subscribe(['camera'], this.follow_);
+    store.subscribe(['camera', 'revision'], this.follow_);
+    connection.on('lost', () => {
+      this.answered_ = 0;  // Another server counts anew.
+    });
   }
 
   /** A gesture begins: what it changes is undone by itself. */
@@ -86,15 +92,22 @@ export class Viewpoint {
 
   /** As at first. */
   reset() {
-    this.named('anterior zoom=1');
+    this.named('anterior', 1);
   }
 
-  /** @param {string} words  A named view; it ends roll and pan. */
-  named(words) {
-    if (!this.connection_.watches) {
-      this.connection_.mark();
-      void this.connection_.do(`view ${words}`);
+  /**
+   * Ends roll and pan, and whatever turn was not sent yet: that would come later and win.
+   * @param {string} name  As the command `view` has it.
+   * @param {number} [zoom]
+   */
+  named(name, zoom = this.zoom_) {
+    if (this.connection_.watches) {
+      return;
     }
+    cancelAnimationFrame(this.requested_);
+    this.requested_ = 0;
+    this.connection_.mark();
+    this.set_(name, zoom, 0, '0,0');
   }
 
   /** Millimetres at the distance of what is looked at, for a place of the picture. */
@@ -115,14 +128,26 @@ export class Viewpoint {
     this.requested_ = requestAnimationFrame(() => {
       this.requested_ = 0;
       const {azimuth_deg, elevation_deg, roll_deg} = anglesOf(this.rotation_);
-      this.underWay_ += 1;
-      const pan = this.pan_mm_.map(each => plain(each)).join(',');
-      void this.connection_.set(`view ${plain(azimuth_deg)} ${plain(elevation_deg)} `
-        + `zoom=${plain(this.zoom_, 4)} roll=${plain(roll_deg)} pan=${pan}`).then(() => {
-        this.underWay_ -= 1;
-        this.follow_();
-      });
+      this.set_(`${plain(azimuth_deg)} ${plain(elevation_deg)}`, this.zoom_, roll_deg,
+        this.pan_mm_.map(each => plain(each)).join(','));
+    });
+  }
+
+  /**
+   * All of it in every line: so each takes the place of one that waits (`subjectOf`).
+   * @private
+   * @param {string} from  A named view, or azimuth and elevation in degrees.
+   * @param {number} zoom
+   * @param {number} roll_deg
+   * @param {string} pan_mm
+   */
+  set_(from, zoom, roll_deg, pan_mm) {
+    this.underWay_ += 1;
+    const line = `view ${from} zoom=${plain(zoom, 4)} roll=${plain(roll_deg)} pan=${pan_mm}`;
+    void this.connection_.set(line).then(({revision = 0}) => {
+      this.underWay_ -= 1;
+      this.answered_ = Math.max(this.answered_, revision);
+      this.follow_();
     });
   }
 }
-
