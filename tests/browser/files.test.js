@@ -5,7 +5,7 @@ import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import test, { after as afterAll, before } from 'node:test';
 import { launchBrowser, openPage, serve } from './harness.js';
-import { after, errorsShown, settled, state, stateWhen } from './steps.js';
+import { after, errorsShown, lookAtPicture, settled, state, stateWhen } from './steps.js';
 
 const STL_HEADER_BYTES = 84;
 const STL_TRIANGLE_BYTES = 50;
@@ -41,6 +41,13 @@ async function openPath(text) {
   await byId('open-panel').click();
   await byId('open-path').fill(text);
   await byId('open-go').click();
+}
+
+/** Opens a small volume by its card: the options of the path are not for it. */
+async function openTorus() {
+  await byId('open-panel').click();
+  await byId('phantom-torus').click();
+  await stateWhen(page, now => now.volume?.source === 'phantom:torus' && !now.busy);
 }
 
 /** Closes the messages that are shown; notes may just be going by themselves. */
@@ -115,9 +122,8 @@ test('a saved session, opened again, shows the same picture', async () => {
 });
 
 test('a built-in volume opens by its card, and is never shown empty', async () => {
-  await byId('open-panel').click();
-  await byId('phantom-torus').click();
-  const { volume, surfaces } = await stateWhen(page, now => now.volume?.source === 'phantom:torus');
+  await openTorus();
+  const { volume, surfaces } = await state(page);
   await settled(page);
   assert.match(await page.title(), new RegExp(volume.name));
   assert.ok(surfaces.length > 0);
@@ -183,17 +189,22 @@ test('a surface of the dropped ball has the area of a ball', async () => {
   assert.ok(Math.abs(area_mm2 / expected - 1) < 0.02, `${area_mm2} mm2, a ball has ${expected}`);
 });
 
+/** Begins to open a volume that takes long. */
+async function openLong() {
+  await byId('open-panel').click();
+  await byId('open').locator('details').evaluate(details => { details.open = true; });
+  await byId('open-smooth').fill('6');
+  await byId('open-resample').fill('480x480x400');
+  await byId('open-path').fill('phantom:pelvis');
+  await byId('open-go').click();
+}
+
 test('long work is shown and can be given up; what was open stays', async () => {
   const before = await settled(page);
   await openPath('phantom:pelvis resample');  // A blank is part of the path: no such phantom.
   await byId('toast-error').waitFor();
   await closeMessages();
-  await byId('open-panel').click();
-  await page.locator('#open details > summary').click();
-  await byId('open-smooth').fill('6');
-  await byId('open-resample').fill('480x480x400');
-  await byId('open-path').fill('phantom:pelvis');
-  await byId('open-go').click();
+  await openLong();
   await byId('cancel').click();
   await byId('work').waitFor({ state: 'hidden' });
   const { volume, surfaces } = await stateWhen(page, now => !now.busy);
@@ -201,4 +212,22 @@ test('long work is shown and can be given up; what was open stays', async () => 
   if (volume) assert.equal((await settled(page)).digest, before.digest);
   else assert.deepEqual(surfaces, []);
   assert.match((await errorsShown(page)).join(' '), /cancel|given up/i);
+});
+
+test('when nothing is open any more, no old picture is shown', async () => {
+  await openTorus();
+  await settled(page);
+  assert.ok((await lookAtPicture(page)).colors > 20);
+  await closeMessages();
+  await openLong();
+  // GPs let the old volume go when the new one comes.
+  await byId('work-what').getByText('handing to the GPs').waitFor();
+  await byId('cancel').click();
+  await stateWhen(page, now => !now.busy && !now.volume && !now.archive);
+  assert.equal((await lookAtPicture(page)).colors, 1);
+  assert.equal(await byId('badge-digest').innerText(), '');
+
+  await openTorus();
+  await settled(page);
+  assert.ok((await lookAtPicture(page)).colors > 20, 'the next volume is shown');
 });

@@ -39,6 +39,11 @@ export function createBadge(app) {
     size.textContent = `${header.width} × ${header.height}`;
     size.title = 'Pixels of this frame; while it moves they may be fewer than wished';
   });
+  app.picture.onCleared(() => {
+    for (const text of [quality, digest, speed, size]) {
+      text.textContent = '';
+    }
+  });
 }
 
 /**
@@ -71,10 +76,17 @@ function sizeMenu(app) {
     clearTimeout(timer);
     timer = window.setTimeout(follow, SETTLE_MS);
   }).observe(app.picture.stage);
+  let isGreeted = false;
   app.connection.on('hello', () => {
     menu.disabled = app.connection.watches;
-    // The state follows the greeting; the size is compared with it.
-    timer = window.setTimeout(follow, SETTLE_MS);
+    isGreeted = true;
+  });
+  // The state follows the greeting, late if a frame is being drawn; the size is compared with it.
+  app.connection.on('state', () => {
+    if (isGreeted) {
+      isGreeted = false;
+      follow();
+    }
   });
   return menu;
 }

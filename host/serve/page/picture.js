@@ -50,19 +50,29 @@ export class PictureView {
     /** @private @type {((header: FrameHeader, at: number) => void)[]} */
     this.shownActs_ = [];
     /** @private @type {(() => void)[]} */
+    this.clearedActs_ = [];
+    /** @private @type {(() => void)[]} */
     this.changeActs_ = [];
+    /** @private Frames before this revision show what is no longer open. */
+    this.leastRevision_ = 0;
 
     connection.on('frame', frame => this.take_(frame));
     // A frame that was dropped by a lost connection is not waited for.
     connection.on('lost', () => {
       this.next_ = null;
       this.cameras_ = [];
+      this.leastRevision_ = 0;  // Another server counts anew.
     });
     store.subscribe(['camera', 'size', 'volume'], state => {
       this.cameras_.push({revision: state.revision, camera: state.camera});
       this.cameras_.splice(0, this.cameras_.length - CAMERAS_KEPT);
       this.layOut_();
       this.changed_();
+    });
+    store.subscribe(['volume', 'archive'], state => {
+      if (!state.volume && !state.archive) {
+        this.clear_(state.revision);
+      }
     });
     new ResizeObserver(() => {
       this.layOut_();
@@ -76,6 +86,14 @@ export class PictureView {
    */
   onShown(act) {
     this.shownActs_.push(act);
+  }
+
+  /**
+   * Calls `act` when nothing is open any more, and so no picture is shown.
+   * @param {() => void} act
+   */
+  onCleared(act) {
+    this.clearedActs_.push(act);
   }
 
   /**
@@ -144,7 +162,9 @@ export class PictureView {
         const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
         const bitmap = await createImageBitmap(new Blob([/** @type {any} */ (picture)], {type}));
         await new Promise(requestAnimationFrame);
-        this.draw_(header, bitmap);
+        if (header.revision >= this.leastRevision_) {
+          this.draw_(header, bitmap);
+        }
       } finally {
         this.connection_.shown(header.number);
       }
@@ -175,6 +195,20 @@ export class PictureView {
     }
     if (moved) {
       this.changed_();
+    }
+  }
+
+  /**
+   * Nothing is open: an old picture would be taken for what is.
+   * @private
+   * @param {number} revision  Of the state that says so.
+   */
+  clear_(revision) {
+    this.leastRevision_ = revision;
+    this.context_.clearRect(0, 0, this.canvas_.width, this.canvas_.height);
+    this.header = null;
+    for (const act of this.clearedActs_) {
+      act();
     }
   }
 
