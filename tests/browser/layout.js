@@ -87,7 +87,9 @@ function misplaced() {
     if (!element.checkVisibility({ opacityProperty: true, visibilityProperty: true })) continue;
     if (element.type === 'file' || element.closest('.unseen')) continue;
     element.scrollIntoView({ block: 'center', inline: 'nearest' });
-    const box = element.getBoundingClientRect();
+    // A handle of the histogram is as wide as its label, which takes no pointer's hold.
+    const held = element.querySelector('.reach') ?? element;
+    const box = held.getBoundingClientRect();
     const [x, y] = [box.left + box.width / 2, box.top + box.height / 2];
     const top = document.elementFromPoint(x, y);
     const own = top && (element.contains(top) || top.contains(element) ||
