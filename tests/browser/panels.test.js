@@ -151,11 +151,18 @@ test('why: pixel, instructions, triangle, and the cell with its eight values', a
   const stage = await middleOf(byId('stage'));
   await page.mouse.click(stage.x, stage.y - 30);
   await byId('why-pixel').waitFor();
-  assert.match(await byId('why-sentence').innerText(), /\w+ \w+ \w+/);
-  assert.match(await byId('why-instructions').innerText(), /→/, 'what instructions changed');
+  const sentence = await byId('why-sentence').innerText();
+  assert.match(sentence, /\w+ \w+ \w+/);
+  await byId('why-stores').locator('summary').click();
+  assert.match(await byId('why-stores').innerText(), /→/, 'what instructions changed');
   assert.match(await byId('why-triangle').innerText(), /gp-\d/);
   const values = await byId('cell').locator('text').allTextContents();
   assert.ok(values.filter(text => /-?\d/.test(text)).length >= 8, values.join(' | '));
+
+  await page.mouse.click(stage.x + 8, stage.y - 30);
+  await page.waitForFunction(was => document.querySelector('[data-testid=why-sentence]')
+    ?.textContent !== was, sentence);
+  assert.ok(await byId('why-stores').locator('li').first().isVisible(), 'unfolded stays unfolded');
 });
 
 /** In the page: pixels of a region in a picture that the server has for download. */

@@ -9,6 +9,8 @@ const MODE = 'inspect';
 const HINT = 'Click a pixel to learn why it has its colour. Esc ends it.';
 const EMPTY = 'Nothing asked yet: press Inspect, then click a pixel of the picture.';
 
+const testIdOf = (/** @type {Element} */ element) => element.getAttribute('data-testid');
+
 class InspectorPanel {
   /**
    * @param {HTMLElement} root
@@ -37,7 +39,7 @@ class InspectorPanel {
       void this.ask(this.x.valueAsNumber, this.y.valueAsNumber);
     }}, button, h('span', {class: 'muted'}, 'or pixel'), this.x, this.y,
     h('button', {type: 'submit', 'data-testid': 'why-ask'}, 'Why?'));
-    root.append(intro('Why a pixel has its colour: back to the triangle and its eight voxels.'),
+    root.append(intro('Why a pixel has its colour, back to eight voxels.'),
       form, this.message.element, this.cards, this.stream.element);
     this.message.say(EMPTY);
     app.picture.overlay.append(this.ring);
@@ -73,7 +75,11 @@ class InspectorPanel {
     this.message.say('');
     this.revision = reply.revision ?? 0;
     this.cards.classList.remove('outdated');
+    const unfolded = [...this.cards.querySelectorAll('details[open]')].map(testIdOf);
     this.cards.replaceChildren(...cardsOf(reply.result, this.cell));
+    for (const details of this.cards.querySelectorAll('details')) {
+      details.open = unfolded.includes(testIdOf(details));
+    }
     this.stream.element.hidden = false;
     this.stream.open(x, y, changesOf(reply.result));
     this.pixel = {x, y};

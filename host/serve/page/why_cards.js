@@ -92,9 +92,19 @@ function pixelCard(why) {
   swatch.style.background = colourText(why.colour);
   return card('Pixel', 'why-pixel',
     h('div', {class: 'row'}, swatch, h('code', {}, colourText(why.colour)),
-      h('span', {class: 'muted'}, `(${why.x}, ${why.y}), region ${why.region} on ` +
-        `renderer-${why.renderer}`)),
+      h('span', {class: 'muted'}, `region ${why.region} on renderer-${why.renderer}`)),
     h('p', {'data-testid': 'why-sentence'}, why.sentence));
+}
+
+/**
+ * Instructions that wrote the pixel; folded, since they push the cell below off the screen.
+ * @param {string} testid
+ * @param {string} title
+ * @param {Write[]} writes
+ */
+function foldedWrites(testid, title, writes) {
+  return h('details', {'data-testid': testid}, h('summary', {}, `${title}: ${writes.length}`),
+    writeList(writes));
 }
 
 /**
@@ -103,12 +113,9 @@ function pixelCard(why) {
  */
 function instructionCard(why, shown) {
   return card('Instructions', 'why-instructions',
-    shown ? h('p', {class: 'muted'}, 'What the triangle stored into this pixel:') : h('p', {},
+    shown ? foldedWrites('why-stores', 'Stores by the triangle', shown.writes) : h('p', {},
       'No triangle stored into this pixel: it keeps what the prologue wrote, the background.'),
-    shown ? writeList(shown.writes) : '',
-    h('details', {}, h('summary', {},
-      `Stores of the program at the end of the region: ${why.end_of_region.length}`),
-    writeList(why.end_of_region)));
+    foldedWrites('why-end-stores', 'Stores at the end of the region', why.end_of_region));
 }
 
 /**
