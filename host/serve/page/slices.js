@@ -75,8 +75,8 @@ class SlicesPanel {
     this.root.append(
       intro('The scan cut three ways, surfaces as lines.'),
       h('div', {class: 'tool-row'}, tools.element, this.target),
-      this.message.element, this.grid, this.readout, this.notes, this.presets,
-      h('div', {class: 'tool-row'}, this.window.element, this.level.element));
+      h('div', {class: 'tool-row'}, this.window.element, this.level.element), this.presets,
+      this.message.element, this.grid, this.readout, this.notes);
   }
 
   presetRow() {
