@@ -3,6 +3,8 @@ import assert from 'node:assert/strict';
 import test, {mock} from 'node:test';
 
 import {Connection} from '../../host/serve/page/connection.js';
+import {PictureView} from '../../host/serve/page/picture.js';
+import {Store} from '../../host/serve/page/store.js';
 
 /** What the browser's WebSocket does, as far as the page uses it. */
 class HandSocket {
@@ -34,9 +36,9 @@ class HandSocket {
   }
 
   /** @param {number} code */
-  drop(code) {
+  drop(code, reason = '') {
     this.readyState = 3;
-    this.onclose({code});
+    this.onclose({code, reason});
   }
 }
 globalThis.WebSocket = /** @type {any} */ (HandSocket);
@@ -145,4 +147,126 @@ test('a question is answered by bytes, or refused with the server\'s sentence', 
   socket.say({re: socket.sent[1].id, ok: false, error: 'axis \'w\' is none of x, y, z'});
   assert.equal(new Uint8Array((await good).bytes)[0], 77);
   assert.equal(await bad, 'axis \'w\' is none of x, y, z');
+});
+
+/** @param {HandSocket} socket */
+const linesOf = socket => socket.sent.map(({do: line}) => line);
+
+test('what was set before a command or a mark is sent before it', async () => {
+  const {connection, socket} = connected();
+  const replies = [1, 2, 3].map(iso => connection.set(`surface bone iso=${iso}`));
+  const undo = connection.do('undo');
+  assert.deepEqual(linesOf(socket), ['surface bone iso=1', 'surface bone iso=3', 'undo']);
+  void connection.set('surface bone iso=4');
+  connection.mark();
+  assert.deepEqual(linesOf(socket).slice(3), ['surface bone iso=4', 'mark']);
+  // The first's answer lets nothing go: a newer one is under way.
+  void connection.set('surface bone iso=5');
+  socket.say({re: socket.sent[0].id, ok: true});
+  await settled();
+  assert.equal(socket.sent.length, 5);
+  for (const {id} of socket.sent.slice(1)) {
+    socket.say({re: id, ok: true});
+  }
+  await settled();
+  assert.deepEqual(linesOf(socket).slice(5), ['surface bone iso=5']);
+  assert.deepEqual((await Promise.all(replies)).map(({ok}) => ok), [true, false, true]);
+  assert.equal((await undo).ok, true);
+});
+
+test('settings that wait are sent in the order in which they came', () => {
+  const {connection, socket} = connected();
+  for (const line of ['view 0 0', 'view zoom=1', 'view 1 1', 'view zoom=2', 'view 2 2']) {
+    void connection.set(line);
+  }
+  void connection.do('view anterior');
+  assert.deepEqual(linesOf(socket).slice(2), ['view zoom=2', 'view 2 2', 'view anterior']);
+});
+
+test('what takes away is never left out', () => {
+  const {connection, socket} = connected();
+  const lines = ['tint off', 'tint off', 'clip L off'];
+  lines.forEach(line => void connection.set(line));
+  assert.deepEqual(linesOf(socket), lines);
+});
+
+test('the server\'s reason for closing is what the person reads', () => {
+  mock.timers.enable({apis: ['setTimeout']});
+  const {connection, socket} = connected();
+  /** @type {string[]} */
+  const told = [];
+  connection.on('lost', why => told.push(why));
+  socket.drop(1013, '8 viewers are connected already.');
+  mock.timers.tick(250);
+  HandSocket.all[1].drop(1009);
+  assert.deepEqual(told, ['The server closed the connection: 8 viewers are connected already.',
+    'The server closed the connection: a message was too long.']);
+  mock.timers.reset();
+});
+
+/** A frame's message: header and no picture. @param {number} number */
+function frameOf(number) {
+  const message = new ArrayBuffer(32);
+  const view = new DataView(message);
+  [0x46523550, number, number].forEach((value, k) => view.setUint32(4 * k, value, true));
+  view.setUint8(16, 1);
+  return message;
+}
+
+test('the frame of a lost connection is not acknowledged to the next', () => {
+  mock.timers.enable({apis: ['setTimeout']});
+  const {connection, socket} = connected();
+  /** @type {(() => void)[]} */
+  const acts = [];
+  connection.on('frame', ({shown}) => acts.push(shown));
+  socket.say(frameOf(7));
+  socket.drop(1006);
+  mock.timers.tick(250);
+  const [, next] = HandSocket.all;
+  next.accept();
+  next.say(frameOf(1));
+  acts.forEach(shown => shown());
+  assert.deepEqual(next.sent, [{shown: 1}]);
+  mock.timers.reset();
+});
+
+/** As much of a browser's page as a picture needs; `decode` makes the bitmaps. */
+function pictureIn(connection, decode) {
+  const drawn = {count: 0};
+  const element = {style: {}, width: 1, height: 1, getAttribute: () => '', setAttribute() {},
+    getBoundingClientRect: () => ({width: 100, height: 100}),
+    getContext: () => ({drawImage: () => void ++drawn.count, clearRect() {}})};
+  Object.assign(globalThis, {document: {getElementById: () => element},
+    ResizeObserver: class { observe() {} }, createImageBitmap: decode,
+    requestAnimationFrame: setImmediate});
+  /** @type {string[]} */
+  const told = [];
+  const picture = new PictureView(connection, new Store(), text => told.push(text));
+  return {picture, told, drawn};
+}
+
+test('a frame that fails is told and acknowledged, and the next one is shown', async () => {
+  const {connection, socket} = connected();
+  let decoded = 0;
+  const {picture, told, drawn} = pictureIn(connection, async () => {
+    if (++decoded === 1) {
+      throw new Error('no JPEG');
+    }
+    return {width: 1, height: 1, close() {}};
+  });
+  picture.onShown(({number}) => {
+    if (number === 2) {
+      throw new Error('a listener fell');
+    }
+  });
+  for (const number of [1, 2, 3]) {
+    socket.say(frameOf(number));
+    for (let turn = 0; turn < 4; ++turn) {
+      await settled();
+    }
+  }
+  assert.deepEqual(socket.sent, [{shown: 1}, {shown: 2}, {shown: 3}]);
+  assert.deepEqual(told, ['A picture could not be shown: no JPEG',
+    'A picture could not be shown: a listener fell']);
+  assert.equal(drawn.count, 2);
 });

@@ -1,9 +1,11 @@
 // The page's modules that need no browser: turning, projection, messages, lines, store.
 import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
 import test from 'node:test';
 
 import {anglesOf, drag, onBall, rotationOf, turn} from '../../host/serve/page/arcball.js';
-import {isoLine, plain, roundIso, subjectOf, word} from '../../host/serve/page/lines.js';
+import {isoLine, plain, roundIso, SUBJECT_WORDS, subjectOf, word}
+  from '../../host/serve/page/lines.js';
 import {parseAnswer, parseFrame} from '../../host/serve/page/messages.js';
 import {lettersTowards, mmPerPlace, projectToPicture, roundLength}
   from '../../host/serve/page/projection.js';
@@ -148,6 +150,21 @@ test('two lines have one subject if the later makes the earlier needless', () =>
   assert.notEqual(subjectOf('light 1 0 0'), subjectOf('light 2 0 0'));
   assert.notEqual(subjectOf('clip L 5'), subjectOf('clip A 5'));
   assert.notEqual(subjectOf('surface "a b" iso=1'), subjectOf('surface "a c" iso=1'));
+  assert.equal(subjectOf('surface "bone" iso=1'), subjectOf("surface bone  iso='2 # 3' # old"));
+  assert.notEqual(subjectOf('surface "iso=1"'), subjectOf('surface a iso=1'));
+  assert.notEqual(subjectOf('view 1 2'), subjectOf('view anterior'));
+  assert.equal(subjectOf('size 1x1'), subjectOf('size 2x2'));
+  for (const line of ['undo', 'clip L off', 'components bone at=1,2', 'orbit a', '']) {
+    assert.equal(subjectOf(line), '', `'${line}' is no setting`);
+  }
+});
+
+test('page and server agree on what sets, and on how many words say what', () => {
+  const table = readFileSync(new URL('../../host/command_tables.cpp', import.meta.url), 'utf8');
+  const rows = table.split(/\n {8}\{(?=")/).slice(1).map(row =>
+    [/^"(\w+)"/.exec(row)?.[1], /CommandKind::setting(?:,\s*(\d+))?\}/.exec(row)]);
+  const sets = rows.filter(([, kind]) => kind).map(([name, kind]) => [name, Number(kind[1] ?? 0)]);
+  assert.deepEqual(Object.fromEntries(SUBJECT_WORDS), Object.fromEntries(sets));
 });
 
 test('isovalues of whole numbers lie between two; of others they have few digits', () => {

@@ -7,11 +7,11 @@ import {subjectOf} from './lines.js';
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 4000;
-/** What a person should know of the codes with which the server closes. */
+/** What a person should know of the codes with which the server closes, if it gives no reason. */
 const CLOSED_BECAUSE = new Map([
   [1008, 'The server closed the connection: too many messages, or not allowed.'],
   [1009, 'The server closed the connection: a message was too long.'],
-  [1013, 'The server closed the connection: this page read too slowly.'],
+  [1013, 'The server closed the connection: it has too much to do.'],
 ]);
 const LOST = 'The connection was lost before the answer came.';
 
@@ -24,13 +24,20 @@ const LOST = 'The connection was lost before the answer came.';
  */
 
 /**
- * @typedef {object} Setting            A subject's newest line that waits for the one under way.
+ * @typedef {object} Setting            A line that sets a subject, and who waits for its answer.
  * @property {string} line
  * @property {(reply: Reply) => void} reply
  */
 
 /**
- * Events, and what listeners get: `hello` Hello, `state` State, `frame` {header, picture},
+ * @typedef {object} Frame
+ * @property {import('./types.js').FrameHeader} header
+ * @property {Uint8Array} picture       Encoded.
+ * @property {() => void} shown         Tells that it is on the screen: the next may come.
+ */
+
+/**
+ * Events, and what listeners get: `hello` Hello, `state` State, `frame` Frame,
  * `progress` Progress or null, `machine` any, `note` Note, `open` (connected), `lost` a sentence,
  * `reply` {line, reply, sentAt}, `failed` {line, error} of a `do` or `set` that was refused.
  * @typedef {'hello' | 'state' | 'frame' | 'progress' | 'machine' | 'note' | 'open' | 'lost'
@@ -48,8 +55,10 @@ export class Connection {
     this.nextId_ = 1;
     /** @private @type {Map<number, Waiting>} */
     this.waiting_ = new Map();
-    /** @private @type {Map<string, Setting | null>} under way per subject; the newest that waits */
-    this.settings_ = new Map();
+    /** @private @type {Map<string, Setting>} the newest that was sent, per subject */
+    this.underWay_ = new Map();
+    /** @private @type {Map<string, Setting>} the newest that waits for it; in order of arrival */
+    this.newest_ = new Map();
     /** @private @type {Map<EventName, Set<(what: any) => void>>} */
     this.listeners_ = new Map();
     /** @private */
@@ -71,7 +80,7 @@ export class Connection {
       }
     };
     socket.onmessage = event => this.take_(event.data);
-    socket.onclose = event => this.lost_(event.code);
+    socket.onclose = event => this.lost_(event);
     this.socket_ = socket;
   }
 
@@ -96,43 +105,41 @@ export class Connection {
   }
 
   /**
-   * Does a command line. Always answers; a failure is also told by the event `failed`, so that no
-   * caller need show it.
+   * Does a command line, after all settings that wait. Always answers; a failure is also told by
+   * the event `failed`, so that no caller need show it.
    * @param {string} line
    * @param {{quiet?: boolean}} [options]  quiet: the caller shows failures itself.
    * @returns {Promise<Reply>}
    */
-  do(line, {quiet = false} = {}) {
-    return new Promise(resolve => {
-      const reply = (/** @type {Reply} */ answer) => {
-        if (!answer.ok && !answer.superseded && !quiet) {
-          this.emit_('failed', {line, error: answer.error ?? ''});
-        }
-        resolve(answer);
-      };
-      const id = this.request_({do: line}, {line, sentAt: performance.now(), reply});
-      if (id === 0) {
-        reply({ok: false, error: 'Not connected: nothing was changed.'});
-      }
-    });
+  do(line, options = {}) {
+    // What was set before it must not come behind it: the server keeps the newest of a subject.
+    for (const [subject, setting] of [...this.newest_]) {
+      this.sendSetting_(subject, setting);
+    }
+    return this.sendLine_(line, options);
   }
 
   /**
    * Does a setting, newest only: of each subject (see `subjectOf`) one line is under way and the
-   * newest waits; one between the two is answered `superseded`. For drags.
+   * newest waits; one between the two is answered `superseded`. For drags. What is no setting is
+   * done as by `do`.
    * @param {string} line
    * @returns {Promise<Reply>}
    */
   set(line) {
     const subject = subjectOf(line);
-    if (!this.settings_.has(subject)) {
-      this.settings_.set(subject, null);
-      const done = this.do(line);
-      done.then(() => this.follow_(subject));
-      return done;
+    if (subject === '') {
+      return this.do(line);
     }
-    this.settings_.get(subject)?.reply({ok: false, superseded: true});
-    return new Promise(reply => this.settings_.set(subject, {line, reply}));
+    return new Promise(reply => {
+      if (!this.underWay_.has(subject)) {
+        this.sendSetting_(subject, {line, reply});
+        return;
+      }
+      this.newest_.get(subject)?.reply({ok: false, superseded: true});
+      this.newest_.delete(subject);
+      this.newest_.set(subject, {line, reply});
+    });
   }
 
   /**
@@ -169,11 +176,46 @@ export class Connection {
   }
 
   /**
-   * Tells that a frame is on the screen, and so that the next may come.
-   * @param {number} number
+   * @private
+   * @param {string} line
+   * @param {{quiet?: boolean}} options
+   * @returns {Promise<Reply>}
    */
-  shown(number) {
-    this.send_({shown: number});
+  sendLine_(line, {quiet = false}) {
+    return new Promise(resolve => {
+      const reply = (/** @type {Reply} */ answer) => {
+        if (!answer.ok && !answer.superseded && !quiet) {
+          this.emit_('failed', {line, error: answer.error ?? ''});
+        }
+        resolve(answer);
+      };
+      const id = this.request_({do: line}, {line, sentAt: performance.now(), reply});
+      if (id === 0) {
+        reply({ok: false, error: 'Not connected: nothing was changed.'});
+      }
+    });
+  }
+
+  /**
+   * Sends a setting, and when it is done the newest of its subject that waited.
+   * @private
+   * @param {string} subject
+   * @param {Setting} setting
+   */
+  sendSetting_(subject, setting) {
+    this.newest_.delete(subject);
+    this.underWay_.set(subject, setting);
+    this.sendLine_(setting.line, {}).then(reply => {
+      setting.reply(reply);
+      if (this.underWay_.get(subject) !== setting) {
+        return;  // A newer one was sent ahead of a command; its answer is waited for.
+      }
+      this.underWay_.delete(subject);
+      const next = this.newest_.get(subject);
+      if (next) {
+        this.sendSetting_(subject, next);
+      }
+    });
   }
 
   /**
@@ -204,24 +246,6 @@ export class Connection {
   }
 
   /**
-   * The subject's line under way is done: the newest that waited goes next.
-   * @private
-   * @param {string} subject
-   */
-  follow_(subject) {
-    const next = this.settings_.get(subject);
-    if (!next) {
-      this.settings_.delete(subject);
-      return;
-    }
-    this.settings_.set(subject, null);
-    this.do(next.line).then(reply => {
-      next.reply(reply);
-      this.follow_(subject);
-    });
-  }
-
-  /**
    * @private
    * @param {string | ArrayBuffer} data
    */
@@ -229,7 +253,7 @@ export class Connection {
     if (typeof data === 'string') {
       this.takeText_(JSON.parse(data));
     } else if (magicOf(data) === FRAME_MAGIC) {
-      this.emit_('frame', parseFrame(data));
+      this.takeFrame_(data);
     } else if (magicOf(data) === ANSWER_MAGIC) {
       const {id, json, bytes} = parseAnswer(data);
       this.waiting_.get(id)?.answer?.({json, bytes});
@@ -237,6 +261,22 @@ export class Connection {
     } else {
       throw new Error(`message of ${data.byteLength} bytes: neither a frame nor an answer`);
     }
+  }
+
+  /**
+   * @private
+   * @param {ArrayBuffer} data
+   */
+  takeFrame_(data) {
+    const {header, picture} = parseFrame(data);
+    const from = this.socket_;
+    const shown = () => {
+      // A later connection counts frames of its own.
+      if (from === this.socket_) {
+        this.send_({shown: header.number});
+      }
+    };
+    this.emit_('frame', {header, picture, shown});
   }
 
   /**
@@ -267,13 +307,14 @@ export class Connection {
 
   /**
    * @private
-   * @param {number} code
+   * @param {{code: number, reason: string}} closed
    */
-  lost_(code) {
+  lost_({code, reason}) {
     this.socket_ = null;
     const waiting = [...this.waiting_.values()];
     this.waiting_.clear();
-    this.emit_('lost', CLOSED_BECAUSE.get(code) ?? '');
+    this.emit_('lost', reason === '' ? CLOSED_BECAUSE.get(code) ?? ''
+      : `The server closed the connection: ${reason}`);
     for (const {reply} of waiting) {
       reply({ok: false, superseded: false, error: LOST});
     }

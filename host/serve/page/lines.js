@@ -13,19 +13,38 @@ export function word(text) {
   return parts.map(part => part.startsWith('"') ? `'${part}'` : `"${part}"`).join('') || '""';
 }
 
-/** Commands whose first word names what is set. */
-const NAMED = new Set(['surface', 'light', 'components', 'clip']);
+/** How many words say what is set, of each command that sets; host/command_tables.cpp has them. */
+export const SUBJECT_WORDS = new Map([
+  ['surface', 1], ['components', 1], ['view', 0], ['light', 1], ['material', 0], ['background', 0],
+  ['clip', 1], ['tint', 0], ['antialias', 0], ['overlay', 0], ['size', 0],
+]);
 
 /**
- * What a line sets. Of two lines with one subject, the later makes the earlier needless: they set
- * the same options of the same thing.
+ * What a line sets, as the server sees it (subject_of() in host/commands.cpp): of two lines with
+ * one subject, the later makes the earlier needless. '' if it is no setting.
  * @param {string} line
  */
 export function subjectOf(line) {
-  const words = line.match(/(?:[^\s"']|"[^"]*"|'[^']*')+/g) ?? [];
-  const keys = words.filter(each => /^\w+=/.test(each)).map(each => each.split('=')[0]).sort();
-  const named = NAMED.has(words[0] ?? '') ? words[1] ?? '' : '';
-  return [words[0] ?? '', named, ...keys].join(' ');
+  const bare = (/** @type {string} */ text) => text.replace(/"([^"]*)"|'([^']*)'/g, '$1$2');
+  /** @type {string[]} */
+  const words = [];
+  /** @type {string[]} */
+  const keys = [];
+  for (const text of line.match(/(?:[^\s"']|"[^"]*"|'[^']*')+/g) ?? []) {
+    if (text === '#') {
+      break;  // A comment follows.
+    }
+    const key = bare(/^((?:[^"'=]|"[^"]*"|'[^']*')+)=/.exec(text)?.[1] ?? '');
+    const isOption = words.length > 0 && key !== '';
+    (isOption ? keys : words).push(isOption ? key : bare(text));
+  }
+  const [name = '', ...rest] = words;
+  const named = SUBJECT_WORDS.get(name);
+  // Taking away, and what depends on the picture, is done each time.
+  if (named === undefined || rest.at(-1) === 'off' || keys.includes('at')) {
+    return '';
+  }
+  return JSON.stringify([name, ...rest.map((each, k) => k < named ? each : '*'), keys.sort()]);
 }
 
 /**

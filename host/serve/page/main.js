@@ -48,9 +48,10 @@ function socketUrl() {
 function start() {
   const connection = new Connection(socketUrl());
   const store = new Store();
-  const picture = new PictureView(connection, store);
+  const toasts = new Toasts(byId('toasts'));
+  const picture = new PictureView(connection, store, text => toasts.error(text));
   /** @type {import('./types.js').App} */
-  const app = {connection, store, picture, modes: new Modes(), toasts: new Toasts(byId('toasts'))};
+  const app = {connection, store, picture, modes: new Modes(), toasts};
   window.pxpl5 = measure(connection, store, picture);
 
   connection.on('state', state => store.take(state));

@@ -2,6 +2,7 @@
 import {byId, update} from './dom.js';
 import {projectToPicture} from './projection.js';
 
+/** @typedef {import('./connection.js').Frame} Frame */
 /** @typedef {import('./types.js').FrameHeader} FrameHeader */
 /** @typedef {import('./types.js').CameraState} CameraState */
 /** @typedef {import('./types.js').Triple} Triple */
@@ -19,10 +20,11 @@ export class PictureView {
   /**
    * @param {import('./connection.js').Connection} connection
    * @param {import('./store.js').Store} store
+   * @param {(text: string) => void} tell  Shows the person that a frame could not be shown.
    */
-  constructor(connection, store) {
+  constructor(connection, store, tell) {
     /** @private */
-    this.connection_ = connection;
+    this.tell_ = tell;
     /** @private */
     this.store_ = store;
     /** The panel that holds the picture; pointers are watched here. */
@@ -43,7 +45,7 @@ export class PictureView {
     this.header = null;
     /** @private @type {{revision: number, camera: CameraState}[]} */
     this.cameras_ = [];
-    /** @private @type {{header: FrameHeader, picture: Uint8Array} | null} */
+    /** @private @type {Frame | null} */
     this.next_ = null;
     /** @private */
     this.decoding_ = false;
@@ -140,12 +142,10 @@ export class PictureView {
 
   /**
    * @private
-   * @param {{header: FrameHeader, picture: Uint8Array}} frame
+   * @param {Frame} frame
    */
   take_(frame) {
-    if (this.next_) {
-      this.connection_.shown(this.next_.header.number);
-    }
+    this.next_?.shown();
     this.next_ = frame;
     if (!this.decoding_) {
       void this.show_();
@@ -156,20 +156,32 @@ export class PictureView {
   async show_() {
     this.decoding_ = true;
     while (this.next_) {
-      const {header, picture} = this.next_;
+      const frame = this.next_;
       this.next_ = null;
       try {
-        const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
-        const bitmap = await createImageBitmap(new Blob([/** @type {any} */ (picture)], {type}));
-        await new Promise(requestAnimationFrame);
-        if (header.revision >= this.leastRevision_) {
-          this.draw_(header, bitmap);
-        }
+        await this.decode_(frame);
+      } catch (error) {
+        // The next frame may be whole: one that fails must not end the picture.
+        const why = error instanceof Error ? error.message : String(error);
+        this.tell_(`A picture could not be shown: ${why}`);
       } finally {
-        this.connection_.shown(header.number);
+        frame.shown();
       }
     }
     this.decoding_ = false;
+  }
+
+  /**
+   * @private
+   * @param {Frame} frame
+   */
+  async decode_({header, picture}) {
+    const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
+    const bitmap = await createImageBitmap(new Blob([/** @type {any} */ (picture)], {type}));
+    await new Promise(requestAnimationFrame);
+    if (header.revision >= this.leastRevision_) {
+      this.draw_(header, bitmap);
+    }
   }
 
   /**
