@@ -23,7 +23,8 @@ ActivityReport Session::activity(AwaitAnswers await) {
     return activity_.report(machine_.traffic());
 }
 
-/// Takes the messages that have come, and waits for none.
+/// Takes the messages that have come, and waits for none. Throws RequestError if one is a fault:
+/// nobody asked for what it is of, and the next request must not be blamed for it.
 void Session::take_what_is_here() {
     bool came = true;
     machine_.pump(
@@ -32,6 +33,7 @@ void Session::take_what_is_here() {
             on_message(message);
         },
         [&] { return !std::exchange(came, false); });
+    wait("told unasked", [] { return true; });  // Throws what has come.
 }
 
 void Session::kill_node(const std::string& name) {
