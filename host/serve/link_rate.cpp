@@ -9,6 +9,7 @@ namespace {
 constexpr std::size_t kept_pings = 60;
 constexpr double forgetting = 0.8;      // Weight of what was known when something new is measured.
 constexpr double least_time_ms = 0.05;  // The clock's doubt; keeps a rate finite.
+constexpr double longest_ms = 1000;     // A tab that nobody looks at displays nothing for minutes.
 constexpr double margin = 0.8;          // To improve, a frame must fit this part of the budget.
 
 /// Size of a JPEG against one of min_quality, by steps of quality: of pictures of the phantoms.
@@ -44,7 +45,7 @@ void LinkRate::shown(std::uint32_t number, double now_ms) {
         flying_.pop_front();
     }
     recent_bytes_ = recent_bytes_ * forgetting + bytes;
-    recent_ms_ = recent_ms_ * forgetting + std::max(now_ms - begun_ms, least_time_ms);
+    recent_ms_ = recent_ms_ * forgetting + std::clamp(now_ms - begun_ms, least_time_ms, longest_ms);
     last_shown_ms_ = now_ms;
 }
 

@@ -15,9 +15,10 @@ inline constexpr int min_quality = 50, max_quality = 90, quality_step = 10;
 ///
 ///     B / rate = a - max(s + latency, a of the frame before)
 ///
-/// The latency is that of pings, the least of the last five minutes. Source: ours, after BBR
-/// (Cardwell et al. 2016), which looks at rate and latency apart because no single packet shows
-/// both. All times are milliseconds of one clock that never goes back.
+/// but 1 s at most: what takes longer is a tab that is hidden, or a link for which the least
+/// quality is too much anyhow. The latency is that of pings, the least of the last five minutes.
+/// Source: ours, after BBR (Cardwell et al. 2016), which looks at rate and latency apart because no
+/// single packet shows both. All times are milliseconds of one clock that never goes back.
 class LinkRate {
   public:
     /// A ping came back after `rtt_ms`.

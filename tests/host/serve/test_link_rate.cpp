@@ -130,6 +130,22 @@ TEST_CASE("a link that slows down and recovers is followed both ways") {
     CHECK(again.scale == 1);
 }
 
+TEST_CASE("a tab that was hidden for minutes has soon its old quality again") {
+    LinkRate rate;
+    rate.pinged(5);
+    Pipe pipe{1e7, 5, 0};
+    CHECK(drive(rate, pipe, 0).quality == max_quality);
+    rate.sent(1'000'000, 20'000, 30'000);
+    rate.shown(1'000'000, 630'000);
+    constexpr std::uint32_t frames = 40;  // About 2 s of them.
+    for (std::uint32_t i = 1; i <= frames; ++i) {
+        const double sent_ms = 630'000 + 40.0 * i;
+        rate.sent(1'000'000 + i, 20'000, sent_ms);
+        rate.shown(1'000'000 + i, sent_ms + 7);
+    }
+    CHECK(rate.bytes_per_s() == doctest::Approx(1e7).epsilon(0.1));
+}
+
 TEST_CASE("an acknowledgement of a later frame is one of all before it") {
     LinkRate rate;
     rate.sent(1, 1000, 0);
