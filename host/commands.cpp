@@ -53,7 +53,8 @@ const Command& checked_command(const Arguments& arguments) {
 CommandKind kind_of(const Arguments& arguments) {
     const CommandKind kind = find_command(arguments.name).kind;
     const bool takes_away = !arguments.words.empty() && arguments.words.back() == "off";
-    return kind == CommandKind::setting && takes_away ? CommandKind::action : kind;
+    const bool is_of_pixel = arguments.has("at");
+    return kind == CommandKind::setting && (takes_away || is_of_pixel) ? CommandKind::action : kind;
 }
 
 std::string subject_of(const Arguments& arguments) {

@@ -39,7 +39,7 @@ std::span<const Command> command_table();
 const Command& find_command(std::string_view name);
 
 /// The row's kind; but a setting whose last word is "off" is an action, since it may take away what
-/// others follow.
+/// others follow, and so is one of what a pixel shows (at=), which depends on all before it.
 CommandKind kind_of(const Arguments& arguments);
 
 /// What a setting sets: of two with one subject, the later leaves nothing of the earlier. Empty if

@@ -92,10 +92,12 @@ void Director::run() {
 
 bool Director::step() {
     take_events();
-    // Under a flood of input, too, pictures are seen at their rate.
-    const bool picture_is_due = shown_revision_ != revision_ && since_ms(frame_ns_) >= goal_ms;
-    if (!inbox_.empty() && !(picture_is_due && draw_moving())) {
-        do_wish(inbox_.take());
+    if (inbox_.has_command()) {
+        // Under a flood of input, too, pictures are seen at their rate.
+        const bool picture_is_due = shown_revision_ != revision_ && since_ms(frame_ns_) >= goal_ms;
+        if (!(picture_is_due && draw_moving())) {
+            do_wish(inbox_.take());
+        }
         return true;
     }
     if (state_is_old_) {
@@ -105,7 +107,12 @@ bool Director::step() {
         tell_machine();
         return true;
     }
-    return draw_moving() || draw_resting();
+    const bool is_asked = !inbox_.empty();
+    if (is_asked) {
+        do_wish(inbox_.take());
+    }
+    // A picture after each answer: who never ceases to ask keeps it from nobody.
+    return draw_moving() || draw_resting() || is_asked;
 }
 
 double Director::due_ms() const {
@@ -170,6 +177,7 @@ void Director::take(const Said& said) {
         }
         wish.is_ask = message.ask.has_value();
         wish.text = wish.is_ask ? said.text : *message.line;
+        wish.kind = message.ask.value_or("") + " " + message.axis.value_or("");
         take_wish(said, std::move(wish));
     } catch (const RequestError& error) {
         refuse(wish, error);
@@ -199,9 +207,9 @@ void Director::take_wish(const Said& said, Wish wish) {
         lost.viewer = said.viewer;
         lost.id = id;
         refuse(lost, RequestError(ExitCode::failed,
-                                  fmt::format("{} commands wait already, no more may: this one is "
-                                              "not done",
-                                              max_waiting)));
+                                  fmt::format("{} commands, or {} questions of this viewer, wait "
+                                              "already, no more may: this one is not done",
+                                              max_waiting, max_asks_of_a_viewer)));
     }
 }
 

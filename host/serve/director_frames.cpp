@@ -45,7 +45,8 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
 /// Draws what has changed, as large as there is time for. Returns whether there was something.
 bool Director::draw_moving() {
     if (!has_picture() || shown_revision_ == revision_ || !audience_.wants_frame() ||
-        (inbox_.empty() && since_ms(input_ns_) >= rest_ms)) {  // Then the picture itself is due.
+        (!inbox_.has_command() &&
+         since_ms(input_ns_) >= rest_ms)) {  // Then the picture itself is due.
         return false;
     }
     if (state_is_old_) {
@@ -72,7 +73,7 @@ bool Director::draw_moving() {
 }
 
 /// Draws the picture itself when nothing has come for a while, then with more samples, which is
-/// given up as soon as something comes.
+/// given up as soon as something comes that changes it.
 bool Director::draw_resting() {
     if (!has_picture() || since_ms(input_ns_) < rest_ms || !is_refinable()) {
         return false;
@@ -84,7 +85,7 @@ bool Director::draw_resting() {
     guard("drawing", [&] {
         auto picture = session_->draw_samples(samples, [this] {
             take_events();
-            return inbox_.empty();
+            return !inbox_.changes_picture();
         });
         is_drawn = picture.has_value();
         if (picture) {

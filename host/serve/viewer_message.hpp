@@ -13,6 +13,7 @@ struct ViewerMessage {
     std::optional<std::uint32_t> id;
     std::optional<std::string> line;  ///< Of "do".
     std::optional<std::string> ask;   ///< What is asked: "slice".
+    std::optional<std::string> axis;  ///< Of an ask about one.
     bool cancels = false;
     std::optional<bool> panel;
 };

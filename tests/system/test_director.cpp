@@ -29,6 +29,10 @@ class Watchers final : public Audience {
     std::vector<Event> take() override {
         eventfd_t count = 0;
         eventfd_read(fd_, &count);
+        if (scrolls) {
+            const Json slice = {{"id", 77}, {"ask", "slice"}, {"axis", "x"}};
+            events.emplace_back(Said{2, Role::watcher, slice.dump()});
+        }
         return std::exchange(events, {});
     }
     void send(std::uint32_t viewer, std::string text) override {
@@ -71,6 +75,7 @@ class Watchers final : public Audience {
     std::vector<std::string> binaries;
     std::vector<serve::Shown> frames;
     bool takes_frames = true;
+    bool scrolls = false;  ///< A second viewer, who asks for slices without end.
     std::function<void(const serve::Shown&)> on_show;  ///< What viewers do about it; may be empty.
 
   private:
@@ -139,6 +144,9 @@ struct Theatre {
         DirectorParts parts;
         parts.topology = "simulated";
         parts.downloads = "downloads";
+        parts.answer = [](Session&, std::uint32_t id, std::string_view) {
+            return std::to_string(id);
+        };
         parts.clock_ns = [this] { return now_ns; };
         parts.launch = [this] {
             ++launches;
@@ -258,6 +266,31 @@ TEST_CASE("a refinement is given up when something comes, and its picture is not
     }
     CHECK(shown == std::vector<std::pair<std::uint32_t, int>>{
                        {0, 0}, {0, 1}, {0, 4}, {1, 0}, {1, 1}, {1, 4}, {1, 16}});
+}
+
+TEST_CASE("who scrolls through slices keeps the refined picture from nobody") {
+    Theatre stage;
+    stage.watchers.frames.clear();
+    stage.watchers.does(1, "view 10 20");
+    stage.steps();
+    stage.passes(rest_ms + 1);
+    stage.watchers.scrolls = true;
+    constexpr int rounds = 10;
+    for (int i = 0; i < rounds; ++i) {
+        stage.director.step();
+    }
+    check_refined(stage.watchers.frames, 1);
+    CHECK(stage.watchers.binaries.size() == rounds);
+}
+
+TEST_CASE("of questions for bytes the newest of each kind is answered") {
+    Theatre stage;
+    stage.watchers.says({{"id", 1}, {"ask", "slice"}, {"axis", "x"}});
+    stage.watchers.says({{"id", 2}, {"ask", "slice"}, {"axis", "y"}});
+    stage.watchers.says({{"id", 3}, {"ask", "slice"}, {"axis", "x"}});
+    stage.settle();
+    CHECK(stage.watchers.reply(1)["superseded"] == true);
+    CHECK(stage.watchers.binaries == std::vector<std::string>{"3", "2"});
 }
 
 TEST_CASE("viewers who take no frame get the resting one, and none of those between") {
