@@ -3,7 +3,8 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import {nearestVoxel, patientText, toPatient, toVoxel} from '../../host/serve/page/patient_grid.js';
-import {dotsOf, flowsOf, stretchesOf} from '../../host/serve/page/ring_flow.js';
+import {belongTo} from '../../host/serve/page/region_map.js';
+import {dotsOf, flowsOf, stretchesOf, sumsOf} from '../../host/serve/page/ring_flow.js';
 import {boxAt, firstWindow, isHounsfield, paintGrey, pixelAt, placedIn, sliceAtBox, sliceOf,
   voxelAt} from '../../host/serve/page/slice_pixels.js';
 import {planesOf} from '../../host/serve/page/slice_planes.js';
@@ -135,6 +136,23 @@ test('many flows of one message each have dots, too', () => {
   const {each, dots} = dotsOf(flowsOf(many), 48);
   assert.equal(each, 5);
   assert.equal(dots.length, 20);
+});
+
+test('what a node sent on several channels is one sum for each destination and kind', () => {
+  const rows = [['a', 'x', 3, 1, 10], ['b', 'x', 0, 2, 90], ['a', 'x', 0, 4, 20],
+    ['a', 'y', 0, 1, 1]];
+  const sent = rows.map(([to, kind, channel, messages, bytes]) => /** @type {any} */ (
+    {to, kind, channel, messages, bytes}));
+  assert.deepEqual(sumsOf(sent).map(each => Object.values(each)),
+    [['b', 'x', [0], 2, 90], ['a', 'x', [0, 3], 5, 30], ['a', 'y', [0], 1, 1]]);
+});
+
+test('regions belong to a picture of as many columns and rows', () => {
+  const regions = {columns: 5, rows: 4, renderer: [], cycles: []};
+  assert.ok(belongTo(regions, {width: 640, height: 512}));
+  assert.ok(belongTo(regions, {width: 513, height: 385}));
+  assert.ok(!belongTo(regions, {width: 641, height: 512}));
+  assert.ok(!belongTo(regions, {width: 640, height: 384}));
 });
 
 test('a pixel\'s changes are all its stores, in order', () => {

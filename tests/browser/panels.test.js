@@ -217,11 +217,16 @@ test('a killed node is told of, and the same picture comes back', async () => {
   const before = await settled(page);
   const { undo } = await state(page);
   await byId('node-gp-0').click();
+  await byId('node-status').getByText(/In the last [0-9.]+ s/).waitFor();
+  const dead = page.locator('[data-testid=node-gp-0].dead');
+  const died = dead.getByText('dead', { exact: true }).waitFor();
   await byId('node-kill').click();
+  await died;
   await byId('machine-events').getByText('gp-0').first().waitFor();
   await page.getByTestId(/^toast-/).getByText('gp-0').first().waitFor();
   await stateWhen(page, (now, was) => now.revision > was && !now.busy, before.revision);
   assert.equal((await settled(page)).digest, before.digest);
+  await dead.waitFor({ state: 'detached' });
   const now = await state(page);
   assert.equal(now.undo, undo, 'what was done can still be undone');
   await after(page, () => byId('undo').click());

@@ -1,6 +1,6 @@
 // Panel: what the machine's processes do just now, and what happens when one dies.
 import {h} from './dom.js';
-import {showNode} from './node_dialog.js';
+import {NodeDialog} from './node_dialog.js';
 import {NodeList} from './node_list.js';
 import {messageLine} from './panel_parts.js';
 import {RegionMap} from './region_map.js';
@@ -9,7 +9,21 @@ import {StageBars} from './stage_bars.js';
 
 /** @typedef {import('./ring_flow.js').MachineReport} MachineReport */
 
-const MOST_EVENTS = 6;
+const MOST_EVENTS = 3;          // They stand above all else: more would push the ring away.
+
+/**
+ * A node that has died may have an answer under way still, but not two: it is asked anew only when
+ * it has answered.
+ */
+const ANSWERS_OF_THE_LIVING = 2;
+
+/**
+ * @param {string} text
+ * @param {string} name  Of a node: 'gp-1' is not named in 'gp-10'.
+ */
+function names(text, name) {
+  return text.split(/[^\w-]+/).includes(name);
+}
 
 class MachinePanel {
   /**
@@ -20,26 +34,30 @@ class MachinePanel {
     this.app = app;
     /** @type {MachineReport | null} */
     this.report = null;
-    /** Until when notes are about a node that was killed here. */
+    /** Whether notes are about a node that died. */
     this.awaits = false;
+    /** Nodes that died: how often they have answered since. @type {Map<string, number>} */
+    this.dead = new Map();
+    /** @type {NodeDialog | null} */
+    this.dialog = null;
     const choose = (/** @type {string} */ name) => this.choose(name);
     this.ring = new RingView(choose);
     this.nodes = new NodeList(choose);
-    this.regions = new RegionMap(app.store);
+    this.regions = new RegionMap();
     this.stages = new StageBars();
     this.title = h('span', {'data-testid': 'machine-title'});
     this.events = h('ol', {class: 'events', 'data-testid': 'machine-events',
-      'aria-live': 'polite'});
+      'aria-live': 'polite', hidden: true});
     this.message = messageLine('machine-message');
     this.body = h('div', {class: 'stack', hidden: true},
       this.ring.canvas, this.ring.legend,
       h('h3', {}, 'How busy each node is'), this.nodes.element,
       h('p', {class: 'legend'}, 'Lines: the last ten seconds. Press a node to look into it or to ' +
-        'kill it.'), this.events,
+        'kill it.'),
       h('h3', {}, 'Who draws what'), this.regions.canvas, this.regions.readout,
       h('h3', {}, 'Where a frame’s time goes'), this.stages.element);
     root.append(h('p', {class: 'panel-intro'}, 'The machine’s processes at work. ', this.title),
-      this.message.element, this.body);
+      this.message.element, this.events, this.body);
     this.message.say('Waiting for the nodes to answer …');
     this.listen(root);
   }
@@ -50,9 +68,15 @@ class MachinePanel {
     root.addEventListener('panelshow', () => connection.wantMachine(true));
     root.addEventListener('panelhide', () => connection.wantMachine(false));
     connection.on('machine', report => this.take(report));
-    connection.on('note', ({text}) => {
+    connection.on('note', ({level, text}) => {
+      const dead = this.report?.nodes.filter(({name}) => names(text, name)) ?? [];
+      if (level === 'error' && text.includes('died') && dead.length > 0) {
+        this.bury(dead.map(({name}) => name));
+        this.awaits = true;  // Whoever killed it.
+      }
       if (this.awaits) {
         this.tell(text);
+        this.awaits = level === 'error';  // The machine is there again.
       }
     });
     store.subscribe(['machine'], ({machine}) => {
@@ -72,13 +96,43 @@ class MachinePanel {
     this.regions.update(report.frame && report.frame.regions.columns > 0 ? report.frame.regions
       : null);
     this.stages.update(report);
+    for (const {name, answered} of report.nodes) {
+      const answers = this.dead.get(name);
+      if (answers !== undefined && answered !== false) {
+        this.dead.set(name, answers + 1);
+        if (answers + 1 >= ANSWERS_OF_THE_LIVING) {
+          this.dead.delete(name);
+        }
+      }
+    }
+    this.mark();
+  }
+
+  /** @param {string[]} nodes  Names. Shown as dead until they answer again. */
+  bury(nodes) {
+    for (const name of nodes) {
+      this.dead.set(name, 0);
+    }
+    this.mark();
+  }
+
+  /** Tells all that show nodes which are dead. */
+  mark() {
+    this.ring.mark(this.dead);
+    this.nodes.mark(this.dead);
+    const node = this.report?.nodes.find(({name}) => name === this.dialog?.name);
+    if (node) {
+      this.dialog?.update(node, this.dead.has(node.name));
+    }
   }
 
   /** @param {string} name */
   choose(name) {
     const node = this.report?.nodes.find(each => each.name === name);
     if (node) {
-      showNode(node, this.app.connection.watches ? null : each => void this.kill(each));
+      this.dialog = new NodeDialog(node,
+        this.app.connection.watches ? null : each => void this.kill(each));
+      this.mark();
     }
   }
 
@@ -87,6 +141,7 @@ class MachinePanel {
     this.awaits = true;
     const reply = await this.app.connection.do(`kill ${name}`);
     if (reply.ok) {
+      this.bury([name]);
       this.tell(reply.text ?? `${name} was killed.`);
     }
   }
@@ -94,6 +149,7 @@ class MachinePanel {
   /** @param {string} text  What happened after a node was killed. */
   tell(text) {
     const time = new Date().toLocaleTimeString('en', {hour12: false});
+    this.events.hidden = false;
     this.events.append(h('li', {}, h('span', {class: 'muted number'}, `${time} `), text));
     while (this.events.childElementCount > MOST_EVENTS) {
       this.events.firstElementChild?.remove();

@@ -9,8 +9,9 @@ const SPARK = [HISTORY, 16];
 /**
  * @param {number} bytes
  */
-function megabytes(bytes) {
-  return `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`;
+export function memoryText(bytes) {
+  return bytes < 1e5 ? `${Math.round(bytes / 1e3)} kB`
+    : `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`;
 }
 
 /**
@@ -30,6 +31,8 @@ class NodeCell {
    * @param {(name: string, event: Event) => void} choose
    */
   constructor(name, role, choose) {
+    /** @private */
+    this.name_ = name;
     /** @private @type {number[]} */
     this.shares_ = [];
     /** @private */
@@ -52,6 +55,16 @@ class NodeCell {
       'aria-hidden': true}, this.bar_));
   }
 
+  /** @param {boolean} dead */
+  mark(dead) {
+    this.element.classList.toggle('dead', dead);
+    if (dead) {
+      this.percent_.textContent = 'dead';
+      this.bar_.setAttribute('width', '0');
+      this.element.title = `${this.name_} is dead`;
+    }
+  }
+
   /** @param {NodeReport} node */
   update({busy, answered, memory_bytes, queue, name}) {
     const known = answered !== false;
@@ -65,7 +78,7 @@ class NodeCell {
     this.bar_.setAttribute('width', String(known ? 100 * busy : 0));
     this.path_.setAttribute('d', sparkPath(this.shares_));
     this.element.title = known
-      ? `${name}: ${percent} busy, ${megabytes(memory_bytes)}, ${queue} messages waiting`
+      ? `${name}: ${percent} busy, ${memoryText(memory_bytes)}, ${queue} messages waiting`
       : `${name} is too busy to answer`;
   }
 }
@@ -78,6 +91,13 @@ export class NodeList {
     /** @private @type {Map<string, NodeCell>} */
     this.cells_ = new Map();
     this.element = h('div', {class: 'node-list', 'data-testid': 'nodes'});
+  }
+
+  /** @param {ReadonlyMap<string, unknown>} dead  By name. */
+  mark(dead) {
+    for (const [name, cell] of this.cells_) {
+      cell.mark(dead.has(name));
+    }
   }
 
   /** @param {NodeReport[]} nodes */

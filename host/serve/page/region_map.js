@@ -1,5 +1,5 @@
 // The picture's regions over a small copy of it: which Renderer drew each, and what it cost.
-import {fitted, onceAFrame, watchSize} from './canvas.js';
+import {contextOf, fitted, onceAFrame, watchSize} from './canvas.js';
 import {byId, h} from './dom.js';
 
 /** @typedef {{columns: number, rows: number, renderer: number[], cycles: number[]}} Regions */
@@ -13,11 +13,21 @@ export function rendererHue(renderer) {
   return (40 + GOLDEN_DEG * renderer) % 360;
 }
 
+/**
+ * Whether regions can be those of a picture of that size: a report and a picture come apart.
+ * @param {Regions} regions
+ * @param {{width: number, height: number}} picture  Pixels.
+ */
+export function belongTo({columns, rows}, {width, height}) {
+  return columns === Math.ceil(width / REGION_PX) && rows === Math.ceil(height / REGION_PX);
+}
+
 export class RegionMap {
-  /** @param {import('./store.js').Store} store */
-  constructor(store) {
-    /** @private */ this.store_ = store;
+  constructor() {
     /** @private @type {Regions | null} */ this.regions_ = null;
+    /** The picture that the regions belong to. @private */
+    this.picture_ = h('canvas', {});
+    /** @private */ this.awaits_ = false;
     /** @private @type {number | null} */ this.hovered_ = null;
     this.canvas = h('canvas', {class: 'region-map', role: 'img', 'data-testid': 'region-map',
       'aria-label': 'Regions of the picture, coloured by Renderer, lighter if they cost more'});
@@ -30,7 +40,14 @@ export class RegionMap {
 
   /** @param {Regions | null} regions */
   update(regions) {
-    this.regions_ = regions;
+    const frame = /** @type {HTMLCanvasElement} */ (byId('frame'));
+    this.awaits_ = regions !== null && !belongTo(regions, frame);
+    if (!regions || belongTo(regions, frame)) {
+      this.regions_ = regions;
+      this.picture_.width = frame.width;
+      this.picture_.height = frame.height;
+      contextOf(this.picture_).drawImage(frame, 0, 0);
+    }
     this.tell_();
     this.drawSoon_();
   }
@@ -42,7 +59,7 @@ export class RegionMap {
    * @param {number} height
    */
   place_(width, height) {
-    const [across, down] = this.store_.state?.size ?? [1, 1];
+    const {width: across, height: down} = this.picture_;
     const scale = Math.min(width / across, height / down);
     return {x: (width - across * scale) / 2, y: (height - down * scale) / 2, scale, across, down};
   }
@@ -55,8 +72,7 @@ export class RegionMap {
       return;
     }
     const {x, y, scale, across, down} = this.place_(width, height);
-    const frame = /** @type {HTMLCanvasElement} */ (byId('frame'));
-    context.drawImage(frame, x, y, across * scale, down * scale);
+    context.drawImage(this.picture_, x, y, across * scale, down * scale);
     const most = Math.max(1, ...regions.cycles);
     context.save();
     context.beginPath();
@@ -119,7 +135,8 @@ export class RegionMap {
   tell_() {
     const regions = this.regions_;
     if (!regions) {
-      this.readout.textContent = 'No frame has been drawn yet.';
+      this.readout.textContent = this.awaits_ ? 'Waiting for the next picture …'
+        : 'No frame has been drawn yet.';
     } else if (this.hovered_ === null) {
       const all = regions.cycles.reduce((sum, each) => sum + each, 0);
       const most = Math.max(...regions.cycles);

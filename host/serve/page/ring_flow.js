@@ -7,6 +7,7 @@
  * @property {string} name              'gp-0'
  * @property {string} role              'host', 'gp', 'renderer', ...
  * @property {boolean} [answered]       False: it was too busy to answer; the rest is not known.
+ * @property {number} [wall_ms]         Since this node's report before.
  * @property {number} busy              0..1, of the wall clock.
  * @property {{name: string, ms: number}[]} stages
  * @property {number} memory_bytes
@@ -41,6 +42,23 @@ export function flowsOf(nodes) {
     const hops = (place - from + nodes.length) % nodes.length || nodes.length;
     return [{from, hops, channel, kind, messages}];
   }));
+}
+
+/**
+ * What a node sent, by destination and kind: the ring's channels share one stream among them.
+ * @param {Sent[]} sent
+ * @returns {{to: string, kind: string, channels: number[], messages: number, bytes: number}[]}
+ *     the most bytes first; channels in order
+ */
+export function sumsOf(sent) {
+  /** @type {Map<string, ReturnType<typeof sumsOf>[number]>} */
+  const sums = new Map();
+  for (const {to, kind, channel, messages, bytes} of sent) {
+    const sum = sums.get(`${to} ${kind}`) ?? {to, kind, channels: [], messages: 0, bytes: 0};
+    sums.set(`${to} ${kind}`, {...sum, messages: sum.messages + messages, bytes: sum.bytes + bytes,
+      channels: [...new Set([...sum.channels, channel])].sort((a, b) => a - b)});
+  }
+  return [...sums.values()].sort((a, b) => b.bytes - a.bytes);
 }
 
 /**

@@ -10,6 +10,7 @@ import {dotsOf, flowsOf, stretchesOf} from './ring_flow.js';
 const DOTS_A_REPORT = 48;
 const DOTS_ALIVE = 400;
 const TURN_MS = 4000;           // A dot's time for once around.
+const FADE_MS = 500;            // In which dots go out once nothing is sent.
 const FRAME_MS = 40;            // 25 pictures a second are calm enough, and cheap.
 const MOST_LABELS = 10;         // Names of more nodes would lie over one another.
 const LABEL_ROOM = 28;          // Left free for names above and below the ring, CSS pixels.
@@ -73,6 +74,8 @@ export class RingView {
     /** @private @type {MachineReport | null} */ this.report_ = null;
     /** @private @type {number[][]} */ this.stretches_ = [];
     /** @private @type {Dot[]} */ this.dots_ = [];
+    /** Since when nothing is sent, ms. @private @type {number | null} */ this.restsSince_ = null;
+    /** @private @type {ReadonlyMap<string, unknown>} */ this.dead_ = new Map();
     /** @private @type {string | null} */ this.hovered_ = null;
     /** @private */ this.running_ = false;
     /** @private */ this.unit_ = 1;  // Of text and lines, as `fitted` tells.
@@ -89,12 +92,34 @@ export class RingView {
     });
   }
 
+  /** @param {ReadonlyMap<string, unknown>} dead  By name: drawn so until told otherwise. */
+  mark(dead) {
+    this.dead_ = dead;
+    if (dead.size > 0) {
+      this.rest_();
+    }
+    this.drawSoon_();
+  }
+
+  /** Nothing is sent any more: no dot sets out, and those on their way fade. @private */
+  rest_() {
+    const now = performance.now();
+    this.dots_ = this.dots_.filter(({born}) => born <= now);
+    this.restsSince_ ??= now;
+  }
+
   /** @param {MachineReport} report */
   update(report) {
     const flows = flowsOf(report.nodes);
     this.report_ = report;
     this.stretches_ = stretchesOf(flows, report.nodes.length, report.channels.length);
     const {each, dots} = dotsOf(flows, DOTS_A_REPORT);
+    if (flows.length === 0) {
+      this.rest_();
+    } else if (this.restsSince_ !== null) {
+      this.restsSince_ = null;
+      this.dots_ = [];
+    }
     if (!wantsCalm()) {
       const now = performance.now();
       // Neighbours in the list are dots of one flow: spread over time, they do not overlap.
@@ -191,7 +216,10 @@ export class RingView {
    * @param {number} now
    */
   drawDots_(context, radius, count, now) {
-    this.dots_ = this.dots_.filter(({flow, born}) => now - born < TURN_MS * flow.hops / count);
+    const left = this.restsSince_ === null ? 1 : 1 - (now - this.restsSince_) / FADE_MS;
+    this.dots_ = left <= 0 ? []
+      : this.dots_.filter(({flow, born}) => now - born < TURN_MS * flow.hops / count);
+    context.globalAlpha = Math.min(Math.max(left, 0), 1);
     for (const {flow, born} of this.dots_) {
       if (now >= born) {
         const angle = angleOf(flow.from + (now - born) / TURN_MS * count, count);
@@ -203,6 +231,7 @@ export class RingView {
         context.fill();
       }
     }
+    context.globalAlpha = 1;
   }
 
   /**
@@ -218,22 +247,31 @@ export class RingView {
     nodes.forEach(({name, role, busy}, place) => {
       const angle = angleOf(place, nodes.length);
       const x = NODES * radius * Math.cos(angle), y = NODES * radius * Math.sin(angle);
-      const colour = ROLE_COLOURS.get(role) ?? CONTROL;
+      const dead = this.dead_.has(name);
+      const colour = dead ? styleColour(this.canvas, '--bad') : ROLE_COLOURS.get(role) ?? CONTROL;
       context.beginPath();
       context.arc(x, y, size, 0, 2 * Math.PI);
       context.fillStyle = styleColour(this.canvas, '--panel');
       context.fill();
-      context.globalAlpha = 0.15 + 0.85 * (busy ?? 0);
+      context.globalAlpha = dead ? 0 : 0.15 + 0.85 * (busy ?? 0);
       context.fillStyle = colour;
       context.fill();
       context.globalAlpha = 1;
       context.lineWidth = name === this.hovered_ ? 3 : 1.2;
       context.strokeStyle = colour;
+      if (dead) {
+        const arm = size * Math.SQRT1_2;
+        context.moveTo(x - arm, y - arm);
+        context.lineTo(x + arm, y + arm);
+        context.moveTo(x - arm, y + arm);
+        context.lineTo(x + arm, y - arm);
+      }
       context.stroke();
       if (nodes.length <= MOST_LABELS) {
         context.textAlign = 'center';
-        context.fillStyle = styleColour(this.canvas, '--text');
-        context.fillText(name, x, y + (Math.sin(angle) < -0.01 ? -1 : 1) * (size + 9 * this.unit_));
+        context.fillStyle = dead ? colour : styleColour(this.canvas, '--text');
+        const side = Math.sin(angle) < -0.01 ? -1 : 1;
+        context.fillText(dead ? `${name} dead` : name, x, y + side * (size + 9 * this.unit_));
       }
     });
   }
