@@ -48,6 +48,10 @@ const Command& checked_command(const Arguments& arguments) {
     return command;
 }
 
+bool has_content(const Session& session) {
+    return session.has_volume() || session.archive() != nullptr;
+}
+
 }  // namespace
 
 CommandKind kind_of(const Arguments& arguments) {
@@ -80,6 +84,7 @@ Reply run_command(Session& session, const Arguments& arguments, const Arguments*
     const Deed deed{to_line(noted != nullptr ? *noted : arguments), subject_of(arguments),
                     command.kind == CommandKind::action};
     const Scene before = session.scene;
+    const bool had_content = has_content(session);
     try {
         Reply reply = command.run(session, arguments);
         session.history.note(deed, before, session.scene);
@@ -87,8 +92,13 @@ Reply run_command(Session& session, const Arguments& arguments, const Arguments*
             session.history.begin_anew(deed.line);
         }
         return reply;
-    } catch (const RequestError&) {
+    } catch (const MachineError&) {
+        throw;  // Nothing is lost that a machine started anew is not given.
+    } catch (const std::exception&) {
         session.history.note_losses(before, session.scene);
+        if (had_content && !has_content(session)) {
+            session.history.forget_load();
+        }
         throw;
     }
 }

@@ -87,6 +87,13 @@ void History::begin_anew(const std::string& load_line) {
     ++loads_;
 }
 
+void History::forget_load() {
+    undo_.clear();
+    redo_.clear();
+    load_line_.reset();
+    is_marked_ = true;
+}
+
 std::optional<std::string> History::undo_line() const {
     return undo_.empty() ? std::nullopt : std::optional(undo_.back().line);
 }

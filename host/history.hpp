@@ -36,6 +36,8 @@ class History {
     void note_losses(const Scene& before, const Scene& after);
     /// After a load: nothing before it can be taken back.
     void begin_anew(const std::string& load_line);
+    /// After a load that left nothing of the volume before it: no step leads back to it.
+    void forget_load();
     void mark() { is_marked_ = true; }
 
     /// The line that undo or redo would act on; nothing if there is none.

@@ -75,4 +75,11 @@ void restore(Session& session, const Scene& wanted) {
     scene.gap_colour = wanted.gap_colour;
 }
 
+void restore_all(Session& session, const Scene& wanted) {
+    session.scene.size = wanted.size;
+    session.scene.samples = wanted.samples;
+    session.scene.overlay = wanted.overlay;
+    restore(session, wanted);
+}
+
 }  // namespace pxpl5::host

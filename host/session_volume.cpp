@@ -108,6 +108,9 @@ struct Session::Loading {
 };
 
 LoadReport Session::load(const std::string& source, const ImportOptions& options) {
+    if (source.empty()) {
+        throw RequestError(ExitCode::usage, "load: the name of the volume is empty");
+    }
     if (phigs::is_archive(source)) {
         return load_archive(source);
     }
@@ -120,7 +123,9 @@ LoadReport Session::load(const std::string& source, const ImportOptions& options
     Loading loading{source, {}, {}};
     try {
         return load_volume(loading, options);
-    } catch (const RequestError&) {
+    } catch (const MachineError&) {
+        throw;
+    } catch (const std::exception&) {
         if (loading.distribution) {
             give_up_volume();
         }

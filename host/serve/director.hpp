@@ -81,6 +81,8 @@ class Director {
     void answer_ask(const Wish& wish);
     void guard(const std::string& what, const std::function<void()>& act);
     void start_again(const MachineError& death, const Scene& scene);
+    std::optional<MachineError> try_again(const History& history, const Scene& scene);
+    void count_death(const MachineError& death);
     void start();
     void note(const char* level, const std::string& text);
     void tell_progress(const std::string& what, int done, int total);

@@ -57,6 +57,8 @@ void Director::do_wish(const Wish& wish) {
             refuse(wish, RequestError(ExitCode::failed, death.what()));
         }
         start_again(death, before);
+    } catch (const std::exception& error) {  // As of a file system: one viewer's, not everybody's.
+        refuse(wish, RequestError(ExitCode::failed, error.what()));
     }
 }
 
@@ -124,7 +126,9 @@ void Director::do_command(const Wish& wish) {
                                                    {"ms", since_ms(start_ns)},
                                                    {"revision", std::int64_t{revision_}}}));
         }
-    } catch (const RequestError&) {
+    } catch (const MachineError&) {
+        throw;  // The machine's successor draws anew.
+    } catch (const std::exception&) {
         note_change();
         throw;
     }
@@ -168,15 +172,15 @@ void Director::guard(const std::string& what, const std::function<void()>& act) 
     const Scene before = session_->scene;
     try {
         act();
-    } catch (const RequestError& error) {
-        note("error", fmt::format("{}: {}", what, error.what()));
     } catch (const MachineError& death) {
         start_again(death, before);
+    } catch (const std::exception& error) {
+        note("error", fmt::format("{}: {}", what, error.what()));
     }
 }
 
-/// The volume is loaded and the scene put back; the history goes on.
-void Director::start_again(const MachineError& death, const Scene& scene) {
+/// Tells of the death, and throws it if nobody should try again.
+void Director::count_death(const MachineError& death) {
     if (death.is_interruption) {
         throw death;
     }
@@ -191,33 +195,52 @@ void Director::start_again(const MachineError& death, const Scene& scene) {
         throw death;
     }
     note("error", fmt::format("The machine has died: {}. It is started again.", death.what()));
+}
+
+/// The volume is loaded and the scene put back; the history goes on.
+void Director::start_again(const MachineError& death, const Scene& scene) {
+    // Of the session nothing is left if the launch fails.
     const History history = session_->history;
     const Scene kept = scene;
-    try {
-        busy_ = "starting the machine again";
+    busy_ = "starting the machine again";
+    for (std::optional<MachineError> newest = death; newest;) {
+        count_death(*newest);
         tell_progress(busy_, 0, 0);
-        start();
-        if (history.load_line()) {
-            const Arguments load = parse_line(*history.load_line());
-            find_command(load.name).run(*session_, load);
-            restore(*session_, kept);
-        }
-        session_->scene.size = kept.size;
-        session_->scene.overlay = kept.overlay;
-        note("info", "The machine is there again, with volume and surfaces as they were.");
-    } catch (const RequestError& error) {
-        note("error", fmt::format("Not all is as it was: {}", error.what()));
-    } catch (const MachineError& again) {
-        session_->history = history;
-        start_again(again, kept);
-        return;
+        newest = try_again(history, kept);
     }
-    session_->history = history;
     busy_.clear();
     end_progress();
     state_is_old_ = true;
     ++revision_;
     input_ns_ = parts_.clock_ns();
+}
+
+/// Returns what the new machine died of, if it did.
+std::optional<MachineError> Director::try_again(const History& history, const Scene& scene) {
+    try {
+        start();
+    } catch (const MachineError& death) {
+        return death;
+    } catch (const std::exception& error) {
+        return MachineError(static_cast<int>(ExitCode::unavailable), error.what());
+    }
+    try {
+        if (history.load_line()) {
+            const Arguments load = parse_line(*history.load_line());
+            find_command(load.name).run(*session_, load);
+        }
+        restore_all(*session_, scene);
+        note("info", "The machine is there again, with volume and surfaces as they were.");
+    } catch (const MachineError& death) {
+        return death;
+    } catch (const std::exception& error) {
+        note("error", fmt::format("Not all is as it was: {}", error.what()));
+    }
+    session_->history = history;
+    if (history.load_line() && !has_picture()) {
+        session_->history.forget_load();
+    }
+    return std::nullopt;
 }
 
 }  // namespace pxpl5::host::serve

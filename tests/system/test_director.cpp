@@ -1,179 +1,21 @@
 // The director on a simulated machine, before viewers whose every word and clock tick is the
 // test's.
 #include <doctest/doctest.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
-#include <nlohmann/json.hpp>
-#include <set>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "host/error.hpp"
 #include "host/picture_text.hpp"
-#include "host/serve/director.hpp"
-#include "tests/system/simulated_machine.hpp"
+#include "tests/system/theatre.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
 using namespace pxpl5::host::serve;
-using Json = nlohmann::json;
+using namespace pxpl5::test;
 
 namespace {
-
-constexpr std::int64_t ns_per_ms = 1'000'000;
-
-/// Viewers that hear all and take every frame.
-class Watchers final : public Audience {
-  public:
-    ~Watchers() override { close(fd_); }
-    int event_fd() const override { return fd_; }
-    std::vector<Event> take() override {
-        eventfd_t count = 0;
-        eventfd_read(fd_, &count);
-        if (scrolls) {
-            const Json slice = {{"id", 77}, {"ask", "slice"}, {"axis", "x"}};
-            events.emplace_back(Said{2, Role::watcher, slice.dump()});
-        }
-        return std::exchange(events, {});
-    }
-    void send(std::uint32_t viewer, std::string text) override {
-        texts.push_back({viewer, Json::parse(text)});
-    }
-    void send_binary(std::uint32_t, std::string bytes) override { binaries.push_back(bytes); }
-    void show(serve::Shown frame) override {
-        frames.push_back(std::move(frame));
-        if (on_show) {
-            on_show(frames.back());
-        }
-    }
-    bool wants_frame() const override { return takes_frames; }
-    LinkAdvice advice() const override { return {}; }
-
-    void says(const Json& message, Role role = Role::driver) {
-        events.emplace_back(Said{1, role, message.dump()});
-        eventfd_write(fd_, 1);
-    }
-    void does(int id, const std::string& line) { says({{"id", id}, {"do", line}}); }
-    Json reply(int id) const {
-        for (const auto& [viewer, text] : texts) {
-            if (text.contains("re") && text["re"] == id) {
-                return text;
-            }
-        }
-        return {};
-    }
-    Json last(const char* kind) const {
-        for (auto text = texts.rbegin(); text != texts.rend(); ++text) {
-            if (text->second.contains(kind)) {
-                return text->second[kind];
-            }
-        }
-        return {};
-    }
-
-    std::vector<Event> events;
-    std::vector<std::pair<std::uint32_t, Json>> texts;
-    std::vector<std::string> binaries;
-    std::vector<serve::Shown> frames;
-    bool takes_frames = true;
-    bool scrolls = false;  ///< A second viewer, who asks for slices without end.
-    std::function<void(const serve::Shown&)> on_show;  ///< What viewers do about it; may be empty.
-
-  private:
-    int fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-};
-
-/// A machine that dies when the test says so.
-class MortalMachine final : public MachinePort {
-  public:
-    MortalMachine(const Topology& topology, int& extractions, bool& dies)
-        : inside_(topology), extractions_(extractions), dies_(dies) {}
-
-    const std::vector<bus::NodeId>& gp_ids() const override { return inside_.gp_ids(); }
-    const std::vector<bus::NodeId>& renderer_ids() const override { return inside_.renderer_ids(); }
-    void send(bus::NodeId to, bus::Payload payload) override {
-        inside_.send(to, std::move(payload));
-    }
-    bool takes_more(bus::NodeId to) const override { return inside_.takes_more(to); }
-    void pump(const std::function<void(const bus::Message&)>& take,
-              const std::function<bool()>& done) override {
-        if (std::exchange(dies_, false)) {
-            throw MachineError(137, "gp-1 was killed by signal 9 (SIGKILL)");
-        }
-        const auto count = [&](const bus::Message& message) {
-            extractions_ +=
-                message.kind() == bus::Body::SurfaceBuilt && message.source() == gp_ids().front()
-                    ? 1
-                    : 0;
-            take(message);
-        };
-        inside_.pump(count, done);
-    }
-    void wait_readable(int fd) override { inside_.wait_readable(fd); }
-    void prepare_io() override {}
-    bus::NodeId start_io(ExitCode code) override { return inside_.start_io(code); }
-    void release_io() override {}
-    void allow_cancel(bool allowed) override { inside_.allow_cancel(allowed); }
-    void watch(int fd, std::function<bool()> give_up) override {
-        inside_.watch(fd, std::move(give_up));
-    }
-    bool is_recording() const override { return false; }
-    SavedTraces save_traces() override { return inside_.save_traces(); }
-
-  private:
-    test::SimulatedMachine inside_;
-    int& extractions_;
-    bool& dies_;
-};
-
-struct Theatre {
-    Watchers watchers;
-    std::int64_t now_ns = 0;
-    int extractions = 0, launches = 0;
-    bool dies = false;
-    Director director{watchers, parts()};
-
-    Theatre() {
-        director.session().scene.overlay = false;
-        director.open("size 128x96");
-        director.open("load phantom:sphere");
-        director.show_first_surfaces();
-        watchers.events.emplace_back(Joined{1, Role::driver});
-        settle();
-    }
-    DirectorParts parts() {
-        DirectorParts parts;
-        parts.topology = "simulated";
-        parts.downloads = "downloads";
-        parts.answer = [](Session&, std::uint32_t id, std::string_view) {
-            return std::to_string(id);
-        };
-        parts.clock_ns = [this] { return now_ns; };
-        parts.launch = [this] {
-            ++launches;
-            Topology topology;
-            topology.gp.count = 2;
-            topology.renderer.count = 2;
-            topology.frame_buffer.count = 1;
-            topology.gp_memory_mib = 64;
-            topology.seed = 5;
-            return std::make_shared<MortalMachine>(topology, extractions, dies);
-        };
-        return parts;
-    }
-    void steps() {
-        while (director.step()) {
-        }
-    }
-    void passes(double ms) { now_ns += static_cast<std::int64_t>(ms * ns_per_ms); }
-    /// Until nothing is to do any more.
-    void settle() {
-        steps();
-        for (double due = 0; (due = director.due_ms()) >= 0;) {
-            passes(due + 1);
-            steps();
-        }
-    }
-};
 
 /// From frame `first` on there is the picture itself, better twice, and no more.
 void check_refined(const std::vector<serve::Shown>& frames, std::size_t first) {
@@ -348,48 +190,4 @@ TEST_CASE("a load is given up when somebody says so, and leaves nothing") {
     stage.settle();
     CHECK(stage.watchers.last("state")["volume"].is_null());
     CHECK(stage.watchers.last("state")["busy"].is_null());
-}
-
-TEST_CASE("a machine that dies is started again, with everything as it was") {
-    Theatre stage;
-    stage.watchers.does(1, "view 30 20 roll=10");
-    stage.watchers.does(2, "surface sphere iso=0.25 color=red");
-    stage.watchers.does(3, "light 1 off");
-    stage.settle();
-    const std::uint64_t before = stage.watchers.frames.back().digest;
-    stage.dies = true;
-    stage.watchers.does(4, "digest");
-    stage.settle();
-    CHECK(stage.launches == 2);
-    CHECK(stage.watchers.reply(4)["error"].get<std::string>().find("gp-1 was killed") !=
-          std::string::npos);
-    CHECK(stage.watchers.frames.back().digest == before);
-    CHECK(stage.watchers.frames.back().rests);
-    stage.watchers.does(5, "undo");
-    stage.settle();
-    CHECK(stage.watchers.reply(5)["ok"] == true);
-    CHECK(stage.director.session().scene.lights.size() == 2);
-}
-
-TEST_CASE("a machine that dies three times in a minute ends the program with its error") {
-    Theatre stage;
-    for (int i = 0; i < max_deaths - 1; ++i) {
-        stage.dies = true;
-        stage.watchers.does(i, "digest");
-        stage.settle();
-    }
-    stage.dies = true;
-    stage.watchers.does(9, "digest");
-    CHECK_THROWS_WITH_AS(stage.settle(), "gp-1 was killed by signal 9 (SIGKILL)", MachineError);
-}
-
-TEST_CASE("deaths that are far apart do not end the program") {
-    Theatre stage;
-    for (int i = 0; i < max_deaths + 1; ++i) {
-        stage.dies = true;
-        stage.watchers.does(i, "digest");
-        stage.settle();
-        stage.passes(death_window_ms / (max_deaths - 1));
-    }
-    CHECK(stage.launches == max_deaths + 2);
 }
