@@ -84,9 +84,10 @@ export async function middleOf(locator) {
   return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
 }
 
-/** The errors that the page shows to the person just now. */
+/** The errors that the page shows to the person just now: messages, and why nothing was opened. */
 export function errorsShown(page) {
-  return page.getByTestId('toast-error').locator('p').allTextContents();
+  return page.locator('[data-testid=toast-error] p, [data-testid=open-error]:not([hidden])')
+    .allTextContents();
 }
 
 /**

@@ -152,6 +152,28 @@ test('a click on tissue makes its value the isovalue', async () => {
   assert.equal(surfaceOf(back.state, 'bone').isovalue, was);
 });
 
+test('the same mode takes the value from a slice, and ends with its surface', async () => {
+  await byId('choose-bone').click();
+  const was = surfaceOf(await state(page), 'bone').isovalue;
+  await byId('tab-slices').click();
+  assert.equal(await byId('slices-surface').inputValue(), 'bone');
+  await byId('tissue-mode').click();
+  const box = await byId('slice-axial').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + 0.4 * box.height);
+  const value = Number((await byId('slices-readout').locator('b').innerText()).split(' ')[0]);
+  const set = await after(page, () => page.mouse.click(box.x + box.width / 2,
+    box.y + 0.4 * box.height));
+  const { isovalue } = surfaceOf(set.state, 'bone');
+  assert.notEqual(isovalue, was);
+  assert.ok(Math.abs(isovalue - value) <= 0.5, `${isovalue}, the slice has ${value} there`);
+  await byId('choose-skin').click();
+  assert.equal(await byId('tissue-mode').getAttribute('aria-pressed'), 'false');
+  assert.equal(await byId('slices-surface').inputValue(), 'skin');
+  await byId('choose-bone').click();
+  await after(page, () => page.keyboard.press('u'));
+  assert.equal(surfaceOf(await state(page), 'bone').isovalue, was);
+});
+
 test('surfaces: add a tissue, colour, opacity, hide, parts, certificate, remove', async () => {
   const count = (await state(page)).surfaces.length;
   const added = await after(page, () => byId('preset-muscle').click());

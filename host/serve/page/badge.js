@@ -13,11 +13,12 @@ const SIZES = ['256x256', '512x512', '768x768', '1024x1024', '1280x1024', '1920x
 export function createBadge(app) {
   const root = byId('badge');
   const quality = h('span', {class: 'quality', 'data-testid': 'badge-quality'});
-  const digest = h('code', {'data-testid': 'badge-digest', title: 'Fingerprint of the pixels, as '
-    + 'the command digest prints it: equal on every machine'});
+  const digest = h('code', {'data-testid': 'badge-digest', title: 'Digest of the pixels, as '
+    + 'the command digest prints it: a picture has the same one on every machine'});
   const speed = h('span', {class: 'number', 'data-testid': 'badge-speed'});
   const size = h('span', {class: 'number', 'data-testid': 'badge-size'});
-  root.append(quality, digest, h('span', {class: 'grow'}), speed, size, sizeMenu(app));
+  const label = h('span', {class: 'small', title: digest.title, hidden: true}, 'digest');
+  root.append(quality, label, digest, h('span', {class: 'grow'}), speed, size, sizeMenu(app));
   /** @type {number[]} */
   let times = [];
   app.picture.onShown((header, at) => {
@@ -33,6 +34,7 @@ export function createBadge(app) {
         + (samples ? `, ${header.samples} times and averaged` : '')
       : `Compressed while it moves (quality ${header.quality} of 100); exact as soon as it rests`;
     digest.textContent = header.digest;
+    label.hidden = header.digest === '';
     speed.textContent = `${header.machine_ms.toFixed(0)} ms`
       + (rate > 0 && !header.rests ? ` · ${rate.toFixed(0)} frames/s` : '');
     speed.title = 'Time that the machine needed for this frame, and frames shown per second';

@@ -12,11 +12,17 @@ const SHEET = /** @type {const} */ ([
     ['R', 'reset the view'], ['U, Ctrl Z', 'undo'], ['Shift U, Ctrl shift Z', 'redo'],
     ['O', 'open a volume'], ['S', 'save'], ['Esc', 'end a mode'], ['?', 'this sheet'],
   ]],
+  ['Panels', [
+    ['Slices, Window', 'drag: across for contrast, down for brightness'],
+    ['Measure', 'click two points: how far they are apart'],
+    ['Inspect', 'click a pixel: why it has its colour'],
+  ]],
   ['Surfaces', [
     ['Drag a handle of the histogram', 'move a surface\'s isovalue; with shift finely'],
     ['Arrow keys on a handle', 'the same, finely; shift: in tens'],
     ['Click on tissue', 'take the value from the picture or a slice'],
     ['Parts', 'draw only the largest piece, or the one that you click on'],
+    ['Cut', 'takes away what lies before a plane: see inside'],
   ]],
 ]);
 

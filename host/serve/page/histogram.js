@@ -80,7 +80,7 @@ export class Histogram {
       return;
     }
     const reply = this.app_.connection.watches
-      ? {ok: false, error: 'it is counted for those who may change something.'}
+      ? {ok: false, error: 'this address only watches, and counting would hold up who works.'}
       : await this.app_.connection.do('histogram', {quiet: true});
     if (JSON.stringify(volume) !== JSON.stringify(this.app_.store.state?.volume)) {
       return;  // Another one was opened meanwhile, and asks for itself.
@@ -154,12 +154,17 @@ export class Histogram {
       'aria-valuenow': value, 'aria-valuetext': `${plain(value, 4)} ${unit}`,
       class: `handle${isChosen ? ' chosen' : ''}${surface.visible ? '' : ' hid'}`,
     });
-    const [line, grip, label, reach] = handle.children;
+    const [line, grip, label, reach, , beyond] = handle.children;
     const [size, base, far] = [GRIP, HEIGHT - BOTTOM, REACH].map(each => each * this.rem_);
     const top = row % 2 === 0 ? 2 : 2 + size * 1.3;
     update(line, {y1: top + size, y2: base, stroke: surface.color});
     update(grip, {x: -size / 2, y: top, width: size, height: size, fill: surface.color});
     update(reach, {x: -far, width: 2 * far, height: base});
+    // An arrow at the axis, towards where the value would be.
+    const way = value < low ? -1 : value > high ? 1 : 0;
+    const foot = base - size / 2;
+    update(beyond, {visibility: way === 0 ? 'hidden' : 'visible',
+      d: `M${way * size * 1.2} ${foot}L${way * 3} ${foot - size / 2}V${foot + size / 2}Z`});
     label.textContent = `${surface.name} ${plain(value, 3)}`;
     const isLeft = x < this.svg_.clientWidth / 2;
     update(label, {x: isLeft ? size : -size, y: top + size - 1,
@@ -180,7 +185,8 @@ export class Histogram {
       s('line'), s('rect', {rx: 3}),
       s('text', {class: 'handle-text'}),
       s('rect', {class: 'reach'}),
-      s('title', {}, `${name}: drag (finely with shift), or use the arrow keys`));
+      s('title', {}, `${name}: drag (finely with shift), or use the arrow keys`),
+      s('path', {class: 'beyond', 'data-testid': `handle-beyond-${name}`}));
     handle.addEventListener('focus', () => this.selection_.choose(name));
     handle.addEventListener('keydown', event => this.key_(event, name));
     handle.addEventListener('pointerdown', event => this.grab_(event, handle, name));

@@ -3,14 +3,19 @@ import {byId, h} from './dom.js';
 import {createClips} from './clips.js';
 import {Histogram} from './histogram.js';
 import {createLook} from './look.js';
-import {Selection} from './selection.js';
 import {createSurfaces, createTissues} from './surfaces.js';
 
 const ROOMY_PX = 1000;  // From this height on everything fits, open.
 
 /** @param {import('./types.js').App} app */
 export function createLeft(app) {
-  const selection = new Selection();
+  const {modes, selection} = app;
+  // A mode that sets something of a surface ends with it, and when another one is chosen.
+  selection.watch(name => {
+    if (modes.current?.surface !== undefined && modes.current.surface !== name) {
+      modes.leave();
+    }
+  });
   // A fieldset disables all controls at once for those who only watch.
   const all = h('fieldset', {class: 'controls'});
   const block = (/** @type {string} */ title, isOpen = false) => {

@@ -12,6 +12,7 @@
 //   app.picture     overlay (SVG, in places), project(p_mm), pixelAt(event), placeOfPixel(x, y),
 //                   onChange(act): redraw what lies over the picture; onShown(act): a frame
 //   app.modes       enter({name, hint, click(x, y), leave}): a click on the picture is yours
+//   app.selection   name, choose(name), watch(act): the surface that the left side is about
 //   app.toasts      info(text), error(text)
 //   Between panels: events on `document` with a `detail`:
 //     place   {p_mm, from}: the place that all views point at (a crosshair)
@@ -31,9 +32,10 @@ import {createOverlay} from './overlay.js';
 import {PictureView} from './picture.js';
 import {createPointing} from './pointing.js';
 import {createSaveDialog} from './saving.js';
+import {Selection} from './selection.js';
 import {Store} from './store.js';
 import {createTabs} from './tabs.js';
-import {Toasts} from './toasts.js';
+import {OPENING, Toasts} from './toasts.js';
 import {Viewpoint} from './viewpoint.js';
 import {createHints, createVeil, createWork} from './work.js';
 
@@ -51,11 +53,14 @@ function start() {
   const toasts = new Toasts(byId('toasts'));
   const picture = new PictureView(connection, store, text => toasts.error(text));
   /** @type {import('./types.js').App} */
-  const app = {connection, store, picture, modes: new Modes(), toasts};
+  const app = {connection, store, picture, modes: new Modes(), toasts,
+    selection: new Selection()};
   window.pxpl5 = measure(connection, store, picture);
 
   connection.on('state', state => store.take(state));
-  connection.on('failed', ({error}) => app.toasts.error(error));
+  connection.on('failed', ({line, error}) =>
+    app.toasts.error(error, /^(load|play) /.test(line) ? OPENING : ''));
+  store.subscribe(['volume', 'archive'], () => app.toasts.forget(OPENING));
   connection.on('note', ({level, text}) => app.toasts[level === 'error' ? 'error' : 'info'](text));
   connection.on('hello', ({role}) => document.body.classList.toggle('watcher', role === 'watcher'));
 

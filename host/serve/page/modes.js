@@ -6,6 +6,7 @@
  * @property {string} hint                One line, shown over the picture while the mode lasts.
  * @property {(x: number, y: number) => void} click  Pixel of the picture (`state.size`).
  * @property {(value: number) => void} [value]  A click on a slice, where the volume has `value`.
+ * @property {string} [surface]          That it sets something of; the mode ends with it.
  * @property {() => void} [leave]         Called when the mode ends, however it ends.
  */
 

@@ -23,10 +23,34 @@ export function createOpenDialog(app) {
     spellcheck: 'false', 'data-testid': 'open-path'});
   const options = createOptions();
   const dialog = h('dialog', {id: 'open', 'aria-labelledby': 'open-title', 'data-testid': 'open'});
-  const load = (/** @type {string} */ source) => {
-    dialog.close();
-    void loadVolume(app, word(source) + options.words());
+  const wrong = h('p', {class: 'wrong', role: 'alert', hidden: true, 'data-testid': 'open-error'});
+  let isLoading = false;
+  /** @param {string} words  Of `load`. */
+  const load = async words => {
+    if (isLoading) {
+      return;
+    }
+    isLoading = true;
+    wrong.hidden = true;
+    const reply = await loadVolume(app, words, {quiet: true});
+    isLoading = false;
+    if (reply.ok) {
+      dialog.close();
+      return;
+    }
+    wrong.textContent = reply.error ?? '';
+    wrong.hidden = false;
+    if (!dialog.open) {
+      dialog.showModal();
+    }
+    options.hint(reply.error ?? '');
   };
+  // Long work shows itself over the picture, where it can be given up.
+  app.connection.on('progress', progress => {
+    if (progress && isLoading) {
+      dialog.close();
+    }
+  });
   const files = fileInput(app, dialog, false), folder = fileInput(app, dialog, true);
   dialog.append(
     h('div', {class: 'row spread'}, h('h2', {id: 'open-title'}, 'Open a volume'),
@@ -35,13 +59,13 @@ export function createOpenDialog(app) {
     h('form', {method: 'dialog', onsubmit: (/** @type {Event} */ event) => {
       event.preventDefault();
       if (path.value.trim() !== '') {
-        load(path.value.trim());
+        void load(word(path.value.trim()) + options.words());
       }
     }},
       h('label', {for: 'open-path'}, 'File or DICOM folder on the computer where pxpl5 runs'),
       h('div', {class: 'row'}, path,
         h('button', {class: 'primary', 'data-testid': 'open-go'}, 'Open')),
-      options.root),
+      wrong, options.root),
     h('p', {}, 'From this computer'),
     h('div', {class: 'drop row', 'data-testid': 'drop'},
       h('span', {class: 'grow muted'}, 'Drop files or a DICOM folder anywhere on the page, or'),
@@ -49,7 +73,7 @@ export function createOpenDialog(app) {
       h('button', {onclick: () => folder.click()}, 'Choose a folder'), files, folder),
     h('p', {}, 'Built in'),
     h('div', {class: 'cards'}, ...PHANTOMS.map(({name, about}) => h('button', {class: 'card',
-      'data-testid': `phantom-${name}`, onclick: () => load(`phantom:${name}`)},
+      'data-testid': `phantom-${name}`, onclick: () => void load(`phantom:${name}`)},
       h('strong', {}, name), h('span', {class: 'muted'}, about)))));
   dialog.addEventListener('click', event => {
     if (event.target === dialog) {
@@ -60,6 +84,7 @@ export function createOpenDialog(app) {
   watchDrops(app, dialog);
   return () => {
     if (!app.connection.watches) {
+      wrong.hidden = true;
       dialog.showModal();
       path.focus();
     }
@@ -79,8 +104,15 @@ function createOptions() {
     return {key, input, row: h('label', {class: 'row', title}, h('span', {class: 'field'}, label),
       input, h('span', {class: 'muted example'}, title))};
   });
+  const root = h('details', {}, h('summary', {}, 'Options'), ...rows.map(({row}) => row));
   return {
-    root: h('details', {}, h('summary', {}, 'Options'), ...rows.map(({row}) => row)),
+    root,
+    /** Shows the option that a refusal asks for: `error` names it as series=N. */
+    hint: (/** @type {string} */ error) => {
+      const asked = rows.find(({key}) => error.includes(`${key}=`));
+      root.open ||= asked !== undefined;
+      asked?.input.focus();
+    },
     words: () => rows.filter(({input}) => input.value.trim() !== '')
       .map(({key, input}) => ` ${key}=${word(input.value.trim())}`).join(''),
   };

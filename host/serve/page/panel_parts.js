@@ -101,6 +101,9 @@ export function modeButton(app, {name, title, hint, testid, click, leave}) {
         app.modes.leave(name);
       } else {
         app.modes.enter({name, hint, click, leave});
+        // What its clicks show stands in its panel.
+        button.closest('[role=tabpanel]')?.addEventListener('panelhide',
+          () => app.modes.leave(name), {once: true});
       }
     }}, title);
   app.modes.watch(mode => button.setAttribute('aria-pressed', String(mode?.name === name)));

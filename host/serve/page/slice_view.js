@@ -22,6 +22,9 @@ import {boxAt, paintGrey, pixelAt, placedIn, sliceAtBox, voxelAt} from './slice_
 
 const CROSSHAIR_GAP = 6;    // CSS pixels left free around the point, so that it stays visible.
 const LETTER_MARGIN = 4;
+const LINE_WIDTH = 1.5;     // Of contours, CSS pixels.
+const EDGE_WIDTH = 1.25;    // On either side of them.
+const EDGE_COLOUR = '#000c';
 const WHEEL_STEP = 40;      // Of deltaY for one slice: a touchpad sends many small ones.
 const PAGE = 5;             // Slices that page up and page down step.
 
@@ -33,8 +36,7 @@ export class SliceView {
   constructor(plane, events) {
     /** @private */ this.plane_ = plane;
     /** @private */ this.events_ = events;
-    /** @type {Tool} */
-    this.tool = 'point';
+    /** @private @type {Tool} */ this.tool_ = 'point';
     /** @private @type {Slice | null} */ this.slice_ = null;
     /** @private @type {Vector} */ this.size_ = [1, 1, 1];
     /** @private @type {Vector | null} */ this.crosshair_ = null;
@@ -63,6 +65,12 @@ export class SliceView {
     this.repaint(through);
     this.canvas.setAttribute('aria-label', `${this.plane_} slice ${slice.index + 1} of ` +
       `${size[slice.axes[2]]}: arrows move the crosshair, page up and down step slices`);
+  }
+
+  /** @param {Tool} tool */
+  setTool(tool) {
+    this.tool_ = tool;
+    this.canvas.classList.toggle('picks', tool === 'tissue');
   }
 
   /** Forgets the slice. */
@@ -99,8 +107,7 @@ export class SliceView {
     }
     const place = placedIn(slice, width, height);
     this.drawGrey_(context, slice, place);
-    context.lineWidth = 1.5 * unit;
-    this.drawContours_(context, slice, place);
+    this.drawContours_(context, slice, place, unit);
     context.lineWidth = unit;
     if (this.crosshair_) {
       this.drawCrosshair_(context, slice, place, this.crosshair_);
@@ -128,22 +135,32 @@ export class SliceView {
   }
 
   /**
+   * Lines with a dark edge: their colours may be as light as the bone that they run around.
    * @private
    * @param {CanvasRenderingContext2D} context
    * @param {Slice} slice
    * @param {Placed} place
+   * @param {number} unit
    */
-  drawContours_(context, slice, place) {
+  drawContours_(context, slice, place, unit) {
     context.lineCap = 'round';
-    for (const {color, first, count} of slice.contours) {
-      context.strokeStyle = color;
-      context.beginPath();
+    const lines = slice.contours.map(({color, first, count}) => {
+      const path = new Path2D();
       for (let i = 4 * first; i < 4 * (first + count); i += 4) {
         const [x0, y0, x1, y1] = slice.segments.subarray(i, i + 4);
-        context.moveTo(...boxAt(slice, place, x0, y0));
-        context.lineTo(...boxAt(slice, place, x1, y1));
+        path.moveTo(...boxAt(slice, place, x0, y0));
+        path.lineTo(...boxAt(slice, place, x1, y1));
       }
-      context.stroke();
+      return {color, path};
+    });
+    // All edges first: none lies over another surface's line.
+    context.strokeStyle = EDGE_COLOUR;
+    context.lineWidth = (LINE_WIDTH + 2 * EDGE_WIDTH) * unit;
+    lines.forEach(({path}) => context.stroke(path));
+    context.lineWidth = LINE_WIDTH * unit;
+    for (const {color, path} of lines) {
+      context.strokeStyle = color;
+      context.stroke(path);
     }
   }
 
@@ -238,7 +255,7 @@ export class SliceView {
   press_(event) {
     this.canvas.focus();
     this.canvas.setPointerCapture(event.pointerId);
-    const tool = event.button === 2 || event.shiftKey ? 'window' : this.tool;
+    const tool = event.button === 2 || event.shiftKey ? 'window' : this.tool_;
     this.drag_ = {x: event.clientX, y: event.clientY, tool};
     const under = this.under_(event);
     if (under && tool === 'point') {

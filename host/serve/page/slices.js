@@ -1,6 +1,6 @@
 // Panel: three slices of the volume, linked with one another and with the picture.
 import {h} from './dom.js';
-import {word} from './lines.js';
+import {isoLine, roundIso} from './lines.js';
 import {choiceRow, intro, messageLine, numberField} from './panel_parts.js';
 import {nearestVoxel, patientText, toPatient, toVoxel} from './patient_grid.js';
 import {CT_WINDOWS, allValues, firstWindow, isHounsfield} from './slice_pixels.js';
@@ -51,7 +51,9 @@ class SlicesPanel {
     this.panes = PLANES.map((_, number) => this.pane(number));
     this.grid = h('div', {class: 'slice-grid'}, ...this.panes.map(pane => pane.element));
     this.target = h('select', {'aria-label': 'Surface whose isovalue is set', hidden: true,
-      'data-testid': 'slices-surface'});
+      'data-testid': 'slices-surface', onchange: () => app.selection.choose(this.target.value)});
+    /** @type {import('./slice_view.js').Tool}  Chosen here; a mode may lend another one. */
+    this.tool = 'point';
     this.window = numberField('Window', 'slices-window', window =>
       this.look({...this.through, window: Math.max(window, 1e-6)}));
     this.level = numberField('Level', 'slices-level', level => this.look({...this.through, level}));
@@ -61,22 +63,31 @@ class SlicesPanel {
   }
 
   build() {
-    const tools = choiceRow('What a press on a slice does', [
+    this.tools = choiceRow('What a press on a slice does', [
       {name: 'point', title: 'Point', help: 'Moves the crosshair, here and in the picture'},
       {name: 'window', title: 'Window', help: 'Drag: across for contrast, down for brightness ' +
         '(with any tool: right button, or shift)'},
       {name: 'tissue', title: 'Tissue', help: 'The value under the pointer becomes the isovalue'},
     ], tool => {
-      for (const {view} of this.panes) {
-        view.tool = tool;
-      }
-      this.target.hidden = tool !== 'tissue';
+      this.tool = tool;
+      this.app.modes.leave('tissue');
+      this.takeTool();
     });
     this.root.append(
       intro('The scan cut three ways, surfaces as lines.'),
-      h('div', {class: 'tool-row'}, tools.element, this.target),
+      h('div', {class: 'tool-row'}, this.tools.element, this.target),
       h('div', {class: 'tool-row'}, this.window.element, this.level.element), this.presets,
       this.message.element, this.grid, this.readout, this.notes);
+  }
+
+  /** A press sets an isovalue while the picture's mode does so, too. */
+  takeTool() {
+    const tool = this.app.modes.current?.value ? 'tissue' : this.tool;
+    for (const {view} of this.panes) {
+      view.setTool(tool);
+    }
+    this.tools?.show(tool);
+    this.target.hidden = tool !== 'tissue';
   }
 
   presetRow() {
@@ -131,12 +142,16 @@ class SlicesPanel {
   }
 
   listen() {
-    const {store, connection} = this.app;
+    const {store, connection, modes, selection} = this.app;
+    modes.watch(() => this.takeTool());
+    selection.watch(name => { this.target.value = name; });
     // What was asked when the connection was lost is asked again.
     connection.on('hello', () => this.refresh());
     store.subscribe(['volume'], state => this.open(state.volume));
     store.subscribe(['surfaces'], ({surfaces}) => {
-      this.target.replaceChildren(...surfaces.map(({name}) => h('option', {value: name}, name)));
+      this.target.replaceChildren(...surfaces.filter(each => each.compared_with === '')
+        .map(({name}) => h('option', {value: name}, name)));
+      this.target.value = selection.name;
       // The isovalue may be dragged: the large view follows, the small ones when it rests.
       const contours = JSON.stringify(surfaces.map(({name, isovalue, color, visible}) =>
         [name, isovalue, color, visible]));
@@ -260,11 +275,14 @@ class SlicesPanel {
 
   /** @param {number} value */
   tissue(value) {
-    const name = this.target.value;
-    if (!name) {
+    const {connection, modes, selection} = this.app;
+    if (modes.current?.value) {
+      modes.current.value(value);
+    } else if (selection.name === '') {
       this.message.fail('There is no surface yet whose isovalue could be set: add one first.');
-    } else {
-      void this.app.connection.set(`surface ${word(name)} iso=${value}`);
+    } else if (this.volume) {
+      connection.mark();
+      void connection.set(isoLine(selection.name, roundIso(value, this.volume)));
     }
   }
 

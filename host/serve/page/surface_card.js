@@ -30,6 +30,20 @@ export function show(input, value) {
   }
 }
 
+/**
+ * Where an isovalue is that no voxel can have, as words after "value"; '' if it may be there.
+ * @param {number} isovalue
+ * @param {import('./types.js').VolumeState | null | undefined} volume
+ */
+function outside(isovalue, volume) {
+  if (!volume || isovalue >= volume.minimum && isovalue <= volume.maximum) {
+    return '';
+  }
+  const side = isovalue < volume.minimum ? 'below' : 'above';
+  return `: it is ${side} all of the volume's, ${plain(volume.minimum, 3)} to `
+    + `${plain(volume.maximum, 3)} ${volume.unit}`.trimEnd();
+}
+
 export class SurfaceCard {
   /**
    * @param {App} app
@@ -77,6 +91,8 @@ export class SurfaceCard {
       'data-testid': `surface-facts-${name}`});
     /** @private */
     this.legend_ = h('p', {class: 'legend', hidden: true, 'data-testid': `surface-legend-${name}`});
+    /** @private In how many cells the tables differ, as far as this page asked. */
+    this.difference_ = h('span', {'data-testid': `surface-difference-${name}`});
     /** @private */
     this.certificate_ = h('div', {class: 'certificate',
       'data-testid': `surface-certificate-${name}`});
@@ -85,7 +101,7 @@ export class SurfaceCard {
     /** @private */
     this.compare_ = h('button', {'aria-pressed': false, 'data-testid': `surface-compare-${name}`,
       title: 'Draws only the cells where the watertight tables and those of 1987 differ',
-      onclick: () => this.compareClicked_()}, 'Compare with 1987');
+      onclick: () => void this.compareClicked_()}, 'Compare with 1987');
     /** @private */
     this.more_ = h('div', {class: 'more', id: `${id}-more`},
       h('label', {class: 'row'}, h('span', {class: 'field'}, 'Opacity'), this.opacity_,
@@ -111,10 +127,12 @@ export class SurfaceCard {
     show(this.iso_, plain(surface.isovalue, 6));
     show(this.opacity_, String(surface.opacity));
     this.opacityText_.textContent = `${Math.round(surface.opacity * 100)} %`;
+    const isFiltered = surface.components !== '' && surface.components !== 'all';
     this.facts_.textContent = surface.triangles === 0
-      ? 'No surface at this value.'
+      ? `No surface at this value${outside(surface.isovalue, this.app_.store.state?.volume)}.`
       : `${grouped(surface.triangles)} triangles, ${grouped(surface.area_mm2 / 100, 1)} cm², `
-        + `${grouped(surface.volume_ml, 1)} ml; found in ${grouped(surface.extraction_ms, 0)} ms`;
+        + `${grouped(surface.volume_ml, 1)} ml${isFiltered ? ' of all parts' : ''}; `
+        + `found in ${grouped(surface.extraction_ms, 0)} ms`;
     const table = surface.table === 'watertight' ? '' : `, table ${surface.table}`;
     this.title_.title = `${surface.name}${table}`;
     this.parts_.title = surface.components;
@@ -137,7 +155,8 @@ export class SurfaceCard {
    */
   showLegend_(compared) {
     this.legend_.hidden = compared.length === 0;
-    this.legend_.replaceChildren('Only cells where the tables differ:', ...compared.map(each => {
+    this.legend_.replaceChildren(this.difference_, `Only these are drawn; ${this.name_} itself is `
+      + 'hidden until you end the comparison:', ...compared.map(each => {
       const swatch = h('span', {class: 'swatch'});
       swatch.style.background = each.color;
       return h('span', {}, swatch, TABLE_NAMES.get(each.table) ?? each.table);
@@ -176,7 +195,8 @@ export class SurfaceCard {
   /** @private */
   askForPart_() {
     const {connection, modes} = this.app_;
-    modes.enter({name: 'part', hint: `Click on the part of ${this.name_} that shall stay.`,
+    modes.enter({name: 'part', surface: this.name_,
+      hint: `Click on the part of ${this.name_} that shall stay.`,
       click: (x, y) => {
         modes.leave('part');
         void connection.do(`components ${word(this.name_)} at=${x},${y}`);
@@ -228,8 +248,14 @@ export class SurfaceCard {
   }
 
   /** @private */
-  compareClicked_() {
+  async compareClicked_() {
     const isOn = this.compare_.getAttribute('aria-pressed') === 'true';
-    void this.app_.connection.do(`compare ${word(this.name_)}${isOn ? ' off' : ''}`);
+    const reply = await this.app_.connection.do(
+      `compare ${word(this.name_)}${isOn ? ' off' : ''}`);
+    // Cells and cases; what follows are holes and how to end it, which the card shows itself.
+    const counted = reply.result?.cells_differing;
+    this.difference_.textContent = counted === undefined ? ''
+      : `The tables differ in ${grouped(counted)} of ${grouped(reply.result.cells)} cells.`;
+    this.difference_.title = reply.text ?? '';
   }
 }

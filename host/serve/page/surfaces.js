@@ -162,7 +162,7 @@ function toggleTissueMode({connection, modes, store}, selection) {
   }
   const name = selection.name;
   modes.enter({
-    name: 'tissue',
+    name: 'tissue', surface: name,
     hint: `Click on tissue, here or in a slice: its value becomes the isovalue of ${name}.`,
     click: (x, y) => {
       connection.mark();

@@ -3,6 +3,8 @@ import {h} from './dom.js';
 
 const NOTE_MS = 6000;
 const MOST = 4;
+/** What errors are about that go away when something was opened. */
+export const OPENING = 'opening';
 
 export class Toasts {
   /** @param {HTMLElement} root */
@@ -17,9 +19,22 @@ export class Toasts {
     setTimeout(() => toast.remove(), NOTE_MS);
   }
 
-  /** @param {string} text */
-  error(text) {
-    this.add_('error', text);
+  /**
+   * @param {string} text
+   * @param {string} [about]  See forget.
+   */
+  error(text, about = '') {
+    this.add_('error', text).dataset.about = about;
+  }
+
+  /**
+   * Takes away the errors about something that has succeeded meanwhile.
+   * @param {string} about
+   */
+  forget(about) {
+    for (const toast of this.root_.querySelectorAll(`.toast[data-about="${about}"]`)) {
+      toast.remove();
+    }
   }
 
   /**

@@ -113,6 +113,7 @@
  * @property {import('./picture.js').PictureView} picture
  * @property {import('./modes.js').Modes} modes
  * @property {import('./toasts.js').Toasts} toasts
+ * @property {import('./selection.js').Selection} selection
  */
 
 export {};

@@ -40,12 +40,14 @@ export async function openFiles(app, files) {
  * Opens a volume and looks at the whole of it: zoom and pan were the one before's.
  * @param {App} app
  * @param {string} words  Of `load`.
+ * @param {{quiet?: boolean}} [options]  quiet: the caller shows why it was refused.
  */
-export async function loadVolume({connection}, words) {
-  const reply = await connection.do(`load ${words}`);
+export async function loadVolume({connection}, words, options = {}) {
+  const reply = await connection.do(`load ${words}`, options);
   if (reply.ok) {
     await connection.do('view anterior zoom=1');
   }
+  return reply;
 }
 
 /**
