@@ -11,6 +11,7 @@
 
 #include "host/activity_text.hpp"
 #include "host/session.hpp"
+#include "tests/system/error_of.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;
@@ -79,15 +80,6 @@ FieldValue value_of(const Fields& fields, const std::string& name) {
     const auto found = std::ranges::find(fields, name, &Field::name);
     REQUIRE(found != fields.end());
     return found->value;
-}
-
-std::string error_of(const std::function<void()>& act) {
-    try {
-        act();
-    } catch (const RequestError& error) {
-        return error.what();
-    }
-    return {};
 }
 
 }  // namespace
@@ -233,11 +225,14 @@ TEST_CASE("programs are told the last frame's regions and all nodes in ring orde
 
 TEST_CASE("what cannot be killed is refused by name") {
     Bench bench(2, 1);
-    CHECK(error_of([&] { bench.session.kill_node("gp-7"); }).find("there is no node 'gp-7'; did") ==
+    CHECK(test::error_of([&] {
+              bench.session.kill_node("gp-7");
+          }).find("there is no node 'gp-7'; did") == 0);
+    CHECK(test::error_of([&] { bench.session.kill_node("host"); }).find("host cannot be killed") ==
           0);
-    CHECK(error_of([&] { bench.session.kill_node("host"); }).find("host cannot be killed") == 0);
-    CHECK(error_of([&] { bench.session.kill_node("io-0"); }).find("io-0 cannot be killed") == 0);
-    CHECK(error_of([&] { bench.session.kill_node("gp-1"); }) ==
+    CHECK(test::error_of([&] { bench.session.kill_node("io-0"); }).find("io-0 cannot be killed") ==
+          0);
+    CHECK(test::error_of([&] { bench.session.kill_node("gp-1"); }) ==
           "this machine has no processes to kill");
 }
 

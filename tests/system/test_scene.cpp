@@ -9,6 +9,7 @@
 
 #include "host/error.hpp"
 #include "host/session.hpp"
+#include "tests/system/error_of.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;
@@ -23,15 +24,6 @@ Topology machine_of(int gps, int gp_memory_mib = 64) {
     topology.gp_memory_mib = gp_memory_mib;
     topology.seed = 5;
     return topology;
-}
-
-std::string error_of(const std::function<void()>& act) {
-    try {
-        act();
-    } catch (const RequestError& error) {
-        return error.what();
-    }
-    return {};
 }
 
 /// A file that is gone when its test is over.
@@ -81,9 +73,9 @@ TEST_CASE("a scene has no surfaces, and says so") {
     const std::string said = file.path +
                              " is a scene of polygons, spheres and lines: it has no voxels and no "
                              "isosurfaces; load a volume for them";
-    CHECK(error_of([&] { session.set_surface("s", 1, CaseTable::watertight, {}); }) == said);
-    CHECK(error_of([&] { session.remove_surface("s"); }) == said);
-    CHECK(error_of([&] { session.mesh_digest("s"); }) == said);
+    CHECK(test::error_of([&] { session.set_surface("s", 1, CaseTable::watertight, {}); }) == said);
+    CHECK(test::error_of([&] { session.remove_surface("s"); }) == said);
+    CHECK(test::error_of([&] { session.mesh_digest("s"); }) == said);
 }
 
 TEST_CASE("volume and scene take each other's place") {
@@ -110,7 +102,7 @@ TEST_CASE("a bad archive leaves what is loaded; one that does not fit leaves not
     session.load("phantom:sphere");
     {
         const ArchiveFile bad("sphere 0 0 0;\n");
-        CHECK(error_of([&] { session.load(bad.path); }) ==
+        CHECK(test::error_of([&] { session.load(bad.path); }) ==
               bad.path + ":2:13: found ';', expected radius, a number");
         CHECK(session.has_volume());
     }
@@ -119,7 +111,7 @@ TEST_CASE("a bad archive leaves what is loaded; one that does not fit leaves not
         many += fmt::format("sphere {} {} 0 1;\n", i % 400, i / 400);
     }
     const ArchiveFile large(many);
-    const std::string error = error_of([&] { session.load(large.path); });
+    const std::string error = test::error_of([&] { session.load(large.path); });
     CHECK(error.find(large.path) == 0);
     CHECK(error.find("bytes of local memory") != std::string::npos);
     CHECK(error.find("more GPs share a scene") != std::string::npos);

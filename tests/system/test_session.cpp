@@ -5,6 +5,7 @@
 
 #include "host/error.hpp"
 #include "host/session.hpp"
+#include "tests/system/error_of.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;
@@ -31,15 +32,6 @@ void show_sphere(Session& session, int width, int height, double isovalue) {
     session.set_surface("s", isovalue, CaseTable::watertight, grey);
 }
 
-std::string error_of(const std::function<void()>& act) {
-    try {
-        act();
-    } catch (const RequestError& error) {
-        return error.what();
-    }
-    return {};
-}
-
 }  // namespace
 
 TEST_CASE("an orbit that is broken off leaves no frame and no turned camera behind") {
@@ -62,8 +54,8 @@ TEST_CASE("an orbit that is broken off leaves no frame and no turned camera behi
 TEST_CASE("a frame asked for too early does not stand in the way of later ones") {
     test::SimulatedMachine machine(machine_of(1, 1));
     Session session(machine);
-    CHECK(error_of([&] { session.draw(); }).find("no volume is loaded") == 0);
-    CHECK(error_of([&] {
+    CHECK(test::error_of([&] { session.draw(); }).find("no volume is loaded") == 0);
+    CHECK(test::error_of([&] {
               session.orbit(3, [](int, const Picture&, const Camera&) {});
           }).find("no volume") == 0);
     session.load("phantom:sphere");
@@ -73,7 +65,7 @@ TEST_CASE("a frame asked for too early does not stand in the way of later ones")
 TEST_CASE("when all GPs refuse a volume, the next volume is not blamed for it") {
     test::SimulatedMachine machine(machine_of(4, 1, 1));
     Session session(machine);
-    const std::string error = error_of([&] { session.load("phantom:head"); });
+    const std::string error = test::error_of([&] { session.load("phantom:head"); });
     CHECK(error.find("phantom:head") == 0);
     CHECK(error.find("GPs") != std::string::npos);
     CHECK(!session.has_volume());
@@ -89,7 +81,7 @@ TEST_CASE("a surface that no GP has room for is gone, and the others stay") {
     std::string error;
     int held = 0;
     for (; held < 16 && error.empty(); ++held) {
-        error = error_of([&] {
+        error = test::error_of([&] {
             session.set_surface("s" + std::to_string(held), 100 + held, CaseTable::watertight,
                                 grey);
         });
@@ -145,7 +137,7 @@ TEST_CASE("a sweep shows each isovalue and leaves the surface as it was") {
                                   }),
                     RequestError);
     CHECK(session.draw().rgba == before.rgba);
-    CHECK(error_of([&] { session.sweep("t", isovalues, {}); }).find("no surface 't'") !=
+    CHECK(test::error_of([&] { session.sweep("t", isovalues, {}); }).find("no surface 't'") !=
           std::string::npos);
 }
 

@@ -1,0 +1,21 @@
+// What a request that cannot be obeyed is told.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "host/error.hpp"
+
+namespace pxpl5::test {
+
+/// The text of the RequestError that `act` throws; empty if it throws none.
+inline std::string error_of(const std::function<void()>& act) {
+    try {
+        act();
+    } catch (const host::RequestError& error) {
+        return error.what();
+    }
+    return {};
+}
+
+}  // namespace pxpl5::test
