@@ -241,11 +241,11 @@ TEST_CASE("a fault that comes unasked is told where it is taken, and not by the 
     bench.machine.send(bench.machine.gp_ids().front(), bus::pack(schema::SlicesT{}));
     std::string told;
     for (int look = 0; look < 100 && told.empty(); ++look) {  // Each look delivers a little.
-        told = error_of([&] { bench.session.activity(AwaitAnswers::none); });
+        told = test::error_of([&] { bench.session.activity(AwaitAnswers::none); });
     }
     CHECK(told.find("told unasked: ") == 0);
     CAPTURE(told);
     CHECK(told.find("slice_count is 0") != std::string::npos);
-    CHECK(error_of([&] { bench.session.draw(); }).empty());
-    CHECK(error_of([&] { bench.session.activity(AwaitAnswers::all); }).empty());
+    CHECK(test::error_of([&] { bench.session.draw(); }).empty());
+    CHECK(test::error_of([&] { bench.session.activity(AwaitAnswers::all); }).empty());
 }

@@ -5,6 +5,8 @@ import {byId, h} from './dom.js';
 /** @typedef {import('./types.js').Progress} Progress */
 
 const SHOW_AFTER_MS = 300;      // Short work need not flash.
+/** Work that the server gives up when it is asked to, by what `progress` calls it. */
+const CANCELLABLE = ['load', 'reading', 'handing to the GPs'];
 const HINTS_SEEN = 'pxpl5-hints-seen';
 const VEIL_AFTER_MS = 400;
 
@@ -13,8 +15,9 @@ export function createWork(app) {
   const root = byId('work');
   const what = h('p', {'data-testid': 'work-what'});
   const bar = h('progress', {'aria-label': 'Progress'});
-  root.append(what, bar, h('button', {'data-testid': 'cancel',
-    onclick: () => app.connection.cancel()}, 'Cancel'));
+  const cancel = h('button', {'data-testid': 'cancel',
+    onclick: () => app.connection.cancel()}, 'Cancel');
+  root.append(what, bar, cancel);
   let timer = 0;
   app.connection.on('progress', (/** @type {Progress | null} */ progress) => {
     if (!progress) {
@@ -23,6 +26,7 @@ export function createWork(app) {
       root.hidden = true;
       return;
     }
+    cancel.hidden = !CANCELLABLE.includes(progress.what);
     const percent = Math.round(progress.done / progress.total * 100);
     what.textContent = progress.what + (progress.total > 0 ? ` ${percent} %` : '');
     if (progress.total > 0) {
