@@ -196,7 +196,7 @@ TEST_CASE("a Renderer that is killed at work leaves a trace that is read up to t
     };
     CHECK_THROWS_AS(session.orbit(100'000, kill_it), MachineError);
     const TraceFile file(machine.run_folder() / "traces" / "renderer-0.mcap");
-    CHECK(file.cut().find("not closed") != std::string::npos);
+    CHECK(!file.cut().empty());  // Between two records, or within one.
     CHECK(kinds_in(file).at("BeginFrame") >= 5);
     for (const bus::trace::Entry& entry : file.entries()) {
         CHECK(bus::kind_name(file.load(entry).kind()) == bus::kind_name(entry.kind()));
