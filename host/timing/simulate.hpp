@@ -1,0 +1,65 @@
+// The model: a discrete-event replay of a run's counts on a machine. Integer nanoseconds, one
+// thread, no clock: the same machine and run give the same result to the last digit.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/timing/machine.hpp"
+#include "host/timing/work.hpp"
+
+namespace pxpl5::host::timing {
+
+using Ns = std::int64_t;  ///< Modelled time.
+
+/// What can be the limit.
+enum class Unit : std::uint8_t { host_link, gp, ring, renderer, frame_buffer };
+std::string_view name_of(Unit unit);
+
+/// How busy the nodes, or channels, of a kind were.
+struct UnitUse {
+    Unit unit{};
+    double mean = 0;          ///< Share of the time, 0..1, over all of the kind.
+    double busiest = 0;       ///< Of the one that was busy longest.
+    std::uint32_t index = 0;  ///< Which that was.
+};
+
+/// One step of the run.
+struct StepTime {
+    std::size_t step = 0;      ///< Index in RunWork::steps.
+    Ns begin = 0;              ///< The host's command.
+    Ns end = 0;                ///< The host knows that it is done; of a frame: it is shown.
+    std::vector<UnitUse> use;  ///< Between the two, one for each Unit.
+    Unit limit{};              ///< That with the busiest node.
+};
+
+/// Words on the ring, headers included.
+struct RingCount {
+    std::uint16_t source = 0, destination = 0, channel = 0;  ///< Places on the ring, from 0.
+    std::uint64_t messages = 0, words = 0;
+};
+
+struct RunTime {
+    std::vector<StepTime> steps;
+    std::vector<RingCount> ring;  ///< Ascending, those that are not 0.
+    std::uint64_t events = 0;
+};
+
+/// Replays all steps, one behind the other; frames that follow each other overlap, as many as
+/// Machine::frames_in_flight.
+/// Throws RequestError (bad_data) if a step needs what the run has not (a build without a volume,
+/// a recorded assignment for another number of Renderers).
+RunTime simulate(const Machine& machine, const RunWork& run);
+
+/// The rate at which a machine shows one frame over and over, once it has settled.
+struct Rate {
+    double frames_per_s = 0;
+    Ns latency = 0;  ///< Of the last frame: from the command to the host's knowledge.
+    std::vector<UnitUse> use;
+    Unit limit{};
+};
+Rate frame_rate(const Machine& machine, const FrameWork& frame);
+
+}  // namespace pxpl5::host::timing

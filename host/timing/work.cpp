@@ -1,0 +1,19 @@
+#include "host/timing/work.hpp"
+
+#include <numeric>
+
+#include "ringbus/ranges.hpp"
+
+namespace pxpl5::host::timing {
+
+std::uint64_t PartWork::cycles() const {
+    return std::accumulate(
+        classes.begin(), classes.end(), std::uint64_t{0},
+        [](std::uint64_t sum, const ClassCounts& counts) { return sum + counts.cycles; });
+}
+
+std::uint32_t FrameWork::regions() const {
+    return bus::region_count(width, height, views);
+}
+
+}  // namespace pxpl5::host::timing
