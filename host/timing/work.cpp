@@ -12,7 +12,7 @@ std::uint64_t PartWork::cycles() const {
         [](std::uint64_t sum, const ClassCounts& counts) { return sum + counts.cycles; });
 }
 
-std::uint32_t FrameWork::regions() const {
+std::size_t FrameWork::regions() const {
     return bus::region_count(width, height, views);
 }
 

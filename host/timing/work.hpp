@@ -93,7 +93,7 @@ struct FrameWork {
     std::vector<DrawnSlab> drawn;                    ///< Ascending by (surface, slab).
     std::vector<PartWork> parts;                     ///< By region, then in the order of execution.
     std::vector<std::uint16_t> assignment;           ///< Renderer of each region, as it was drawn.
-    std::uint32_t regions() const;
+    std::size_t regions() const;
     friend bool operator==(const FrameWork&, const FrameWork&) = default;
 };
 
