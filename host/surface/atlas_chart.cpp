@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "host/chart_axis.hpp"
 #include "host/error.hpp"
-#include "host/surface/atlas_axis.hpp"
 
 namespace pxpl5::host {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "host/chart_axis.hpp"
 #include "host/inspect/text_table.hpp"
-#include "host/surface/atlas_axis.hpp"
 #include "host/surface/atlas_chart.hpp"
 
 namespace pxpl5::host {

@@ -1,4 +1,4 @@
-#include "host/surface/atlas_axis.hpp"
+#include "host/chart_axis.hpp"
 
 #include <fmt/format.h>
 
@@ -64,6 +64,19 @@ ChartAxis logarithmic_axis(double lowest, double highest, int most_ticks) {
     const double step = std::ceil((last - first + 1) / most_ticks);
     for (double decade = first; decade <= last; decade += step) {
         axis.ticks.push_back(std::pow(10.0, decade));
+    }
+    return axis;
+}
+
+ChartAxis octave_axis(double lowest, double highest, int most_ticks) {
+    assert(lowest > 0);
+    assert(most_ticks > 1);
+    const double first = std::floor(std::log2(lowest) + 1e-9);
+    const double last = std::max(std::ceil(std::log2(highest) - 1e-9), first + 1);
+    ChartAxis axis{std::exp2(first), std::exp2(last), true, {}};
+    const double step = std::ceil((last - first + 1) / most_ticks);
+    for (double octave = first; octave <= last; octave += step) {
+        axis.ticks.push_back(std::exp2(octave));
     }
     return axis;
 }

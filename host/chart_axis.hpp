@@ -27,6 +27,10 @@ ChartAxis axis_from_zero(double highest, int most_ticks);
 /// powers of ten, at most `most_ticks`. Both > 0.
 ChartAxis logarithmic_axis(double lowest, double highest, int most_ticks);
 
+/// From the power of two not above `lowest` to that not below `highest`, an octave apart or more,
+/// with ticks at powers of two, at most `most_ticks`. Both > 0.
+ChartAxis octave_axis(double lowest, double highest, int most_ticks);
+
 /// The number with thousands apart, as "1,234,500" or "0.25"; at most six digits of a fraction.
 std::string grouped(double value);
 
