@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "host/error.hpp"
+#include "host/machine/timing_section.hpp"
 #include "host/machine/topology_file.hpp"
 #include "host/nearest.hpp"
 
@@ -34,9 +35,6 @@ constexpr std::array<std::string_view, 3> record_names = {"off", "flight", "full
 // One view of a picture needs one frame buffer; both eyes of a stereo picture share it, stacked.
 constexpr int max_frame_buffers = 1;
 constexpr int max_memory_mib = 1 << 20;
-constexpr int max_channels = 64;
-constexpr int max_channel_mb_s = 1'000'000;
-constexpr int max_hop_ns = 1'000'000;
 
 constexpr std::array number_keys = {
     NumberKey{"gp.count", 1, max_nodes_per_role, [](Topology& t) -> int& { return t.gp.count; }},
@@ -46,11 +44,9 @@ constexpr std::array number_keys = {
               [](Topology& t) -> int& { return t.renderer.count; }},
     NumberKey{"frame_buffer.count", 1, max_frame_buffers,
               [](Topology& t) -> int& { return t.frame_buffer.count; }},
-    NumberKey{"ring.channels", 1, max_channels,
-              [](Topology& t) -> int& { return t.ring.channels; }},
-    NumberKey{"ring.channel_mb_s", 1, max_channel_mb_s,
-              [](Topology& t) -> int& { return t.ring.channel_mb_s; }},
-    NumberKey{"ring.hop_ns", 0, max_hop_ns, [](Topology& t) -> int& { return t.ring.hop_ns; }},
+#define PXPL5_TIMING_RING(field, name, unit, least, most) \
+    NumberKey{name, least, most, [](Topology& t) -> int& { return t.ring.field; }},
+#include "host/machine/timing_parameters.def"
 };
 
 /// In the order of their values.
@@ -111,6 +107,7 @@ void check(Topology& topology, const std::string& where) {
     for (const RoleKey& key : role_keys) {
         check_cores(where, key, key.in(topology));
     }
+    check_timing(topology.timing, where);
 }
 
 template <typename Number>
@@ -168,7 +165,10 @@ bool set_role_list(Topology& topology, std::string_view key, std::string_view va
     for (const RoleKey& role : role_keys) {
         known.insert(known.end(), {role.cpu, role.env});
     }
+    const std::vector<std::string_view> timing = timing_names();
+    known.insert(known.end(), timing.begin(), timing.end());
     std::sort(known.begin(), known.end());
+    known.erase(std::unique(known.begin(), known.end()), known.end());
     refuse(fmt::format("--set: unknown key '{}'{}", key, did_you_mean(key, known)));
 }
 
@@ -178,6 +178,7 @@ void set_value(Topology& topology, std::string_view key, std::string_view value)
     if (number != number_keys.end()) {
         number->in(topology) = whole_number<int>(key, value);
         topology.fitted_to_cores = key.ends_with(".count") ? 0 : topology.fitted_to_cores;
+        mark_overridden(topology.timing, key);
     } else if (key == "seed") {
         topology.seed = whole_number<std::uint64_t>(key, value);
     } else if (key == "ring.transport") {
@@ -186,8 +187,16 @@ void set_value(Topology& topology, std::string_view key, std::string_view value)
         topology.record = value_named<Record>(key, value, record_names);
     } else if (key == "vector_target") {
         topology.vector_target = value_named<isa::VectorTarget>(key, value, target_names());
-    } else if (!set_role_list(topology, key, value)) {
+    } else if (!override_timing(topology.timing, key, value) &&
+               !set_role_list(topology, key, value)) {
         refuse_key(key);
+    }
+}
+
+/// A plan made by hand has the paper's timing, too.
+void complete_timing(Topology& topology) {
+    if (topology.timing.empty()) {
+        topology.timing = paper_timing();
     }
 }
 
@@ -237,6 +246,7 @@ void apply_override(Topology& topology, std::string_view assignment) {
     if (equals == std::string_view::npos) {
         refuse(fmt::format("--set {}: must be key=value", assignment));
     }
+    complete_timing(topology);
     set_value(topology, assignment.substr(0, equals), assignment.substr(equals + 1));
     resolve_counts(topology);
     check(topology, fmt::format("--set {}", assignment));
@@ -246,6 +256,7 @@ Topology parse_topology(std::string_view text, const std::string& file,
                         const std::vector<std::string>& overrides) {
     Topology topology = read_topology_file(text, file);
     topology.name = std::filesystem::path(file).stem().string();
+    complete_timing(topology);
     resolve_counts(topology);
     check(topology, file);
     for (const std::string& assignment : overrides) {

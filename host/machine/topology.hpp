@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +33,26 @@ struct RingSettings {
     int hop_ns = 50;        ///< From one node's ring interface to the next, modelled.
 };
 
+/// Where the value of a timing parameter comes from.
+enum class Provenance : std::uint8_t {
+    published,  ///< The paper or another public text.
+    recalled,   ///< From the literature, not read again.
+    derived,    ///< Arithmetic from these.
+    ours,       ///< No public source.
+    fitted      ///< To results of the paper.
+};
+std::string_view name_of(Provenance provenance);
+
+/// A parameter of the timing model, as a file gives it. timing_section.hpp has the names.
+struct TimingValue {
+    std::string name;             ///< "gp.edge_cycles"
+    std::optional<double> value;  ///< None for words, and where section `ring` has it.
+    std::string word;             ///< "even"; empty for numbers.
+    std::string unit;             ///< Empty for words.
+    Provenance provenance = Provenance::ours;
+    std::string note;
+};
+
 /// A resolved plan: every number is what will be launched.
 struct Topology {
     std::string name;  ///< The file's name without folder and suffix.
@@ -39,6 +60,7 @@ struct Topology {
     int fitted_to_cores = 0;   ///< What counts of 0 were resolved to; 0 if there were none.
     int gp_memory_mib = 4096;  ///< Local memory of each GP.
     RingSettings ring;
+    std::vector<TimingValue> timing;  ///< All of them; those of paper-1993 if the file has none.
     Record record = Record::off;
     isa::VectorTarget vector_target = isa::VectorTarget::best;  ///< Of all nodes.
     std::uint64_t seed = 0;  ///< For everything that is random on purpose: simulated arrival order.
@@ -57,7 +79,8 @@ Topology parse_topology(std::string_view text, const std::string& file,
                         const std::vector<std::string>& overrides = {});
 
 /// Sets one value: "gp.count=4", "gp.memory_mib=8", "gp.cpu=0,1", "renderer.env=A=b",
-/// "ring.transport=tcp", "record=full", "vector_target=sse4", "seed=7". A count of 0 is resolved.
+/// "ring.transport=tcp", "record=full", "vector_target=sse4", "seed=7", "gp.edge_cycles=140",
+/// "share=own". A count of 0 is resolved.
 /// Throws RequestError (usage).
 void apply_override(Topology& topology, std::string_view assignment);
 

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "host/error.hpp"
+#include "host/machine/timing_section.hpp"
 #include "host/machine/topology_schema.hpp"
 #include "host/nearest.hpp"
 #include "topology_generated.h"
@@ -51,6 +52,66 @@ void copy_role(const Role& from, RoleSettings& to) {
     to = {from.count, from.env, from.cpu};
 }
 
+/// The parser takes any number for an enumeration.
+template <typename Enum>
+void check_enum(const std::string& file, std::string_view key, Enum value,
+                std::string_view values) {
+    if (value > Enum::MAX) {
+        throw RequestError(ExitCode::usage, fmt::format("{}: {} is {}, must be {}", file, key,
+                                                        static_cast<int>(value), values));
+    }
+}
+
+std::vector<TimingValue> timing_of(const config::MachineT& machine, const std::string& file) {
+    std::vector<TimingValue> timing;
+    for (const auto& entry : machine.timing) {
+        if (!entry->provenance) {
+            throw RequestError(ExitCode::usage,
+                               fmt::format("{}: {} has no provenance", file, entry->name));
+        }
+        check_enum(file, entry->name + "'s provenance", *entry->provenance,
+                   "published, recalled, derived, ours or fitted");
+        timing.push_back({entry->name, entry->value ? std::optional(*entry->value) : std::nullopt,
+                          entry->word, entry->unit, static_cast<Provenance>(*entry->provenance),
+                          entry->note});
+    }
+    return timing;
+}
+
+/// The nearest to an unknown name, with the line where that stands.
+void check_timing_names(const std::vector<TimingValue>& timing, std::string_view text,
+                        const std::string& file) {
+    const std::vector<std::string_view> known = timing_names();
+    for (const TimingValue& entry : timing) {
+        if (std::find(known.begin(), known.end(), entry.name) == known.end()) {
+            const std::size_t at = text.find('"' + entry.name + '"');
+            const auto before = text.substr(0, std::min(at, text.size()));
+            throw RequestError(ExitCode::usage,
+                               fmt::format("{}:{}: unknown parameter '{}'{}", file,
+                                           1 + std::count(before.begin(), before.end(), '\n'),
+                                           entry.name, did_you_mean(entry.name, known)));
+        }
+    }
+}
+
+std::vector<std::unique_ptr<config::TimingValueT>> timing_table(
+    const std::vector<TimingValue>& timing) {
+    std::vector<std::unique_ptr<config::TimingValueT>> table;
+    for (const TimingValue& value : timing) {
+        auto entry = std::make_unique<config::TimingValueT>();
+        entry->name = value.name;
+        if (value.value) {
+            entry->value = *value.value;
+        }
+        entry->word = value.word;
+        entry->unit = value.unit;
+        entry->provenance = static_cast<config::Provenance>(value.provenance);
+        entry->note = value.note;
+        table.push_back(std::move(entry));
+    }
+    return table;
+}
+
 Topology plan_of(const config::MachineT& machine) {
     Topology plan;
     const config::RolesT roles = machine.roles ? *machine.roles : config::RolesT{};
@@ -77,22 +138,20 @@ std::unique_ptr<RoleTable> role_table(const RoleSettings& role) {
     return table;
 }
 
-/// The parser takes any number for an enumeration.
-template <typename Enum>
-void check_enum(const std::string& file, std::string_view key, Enum value,
-                std::string_view values) {
-    if (value > Enum::MAX) {
-        throw RequestError(ExitCode::usage, fmt::format("{}: {} is {}, must be {}", file, key,
-                                                        static_cast<int>(value), values));
-    }
-}
-
 void learn_schema(flatbuffers::Parser& parser) {
     [[maybe_unused]] const bool valid = parser.Parse(topology_schema);
     assert(valid);
 }
 
 }  // namespace
+
+std::string_view name_of(Provenance provenance) {
+    return config::EnumNameProvenance(static_cast<config::Provenance>(provenance));
+}
+
+std::vector<TimingValue> paper_timing() {
+    return read_topology_file(paper_topology, "paper-1993.json").timing;
+}
 
 Topology read_topology_file(std::string_view text, const std::string& file) {
     flatbuffers::Parser parser;
@@ -106,7 +165,10 @@ Topology read_topology_file(std::string_view text, const std::string& file) {
     }
     check_enum(file, "record", machine->record, "off, flight or full");
     check_enum(file, "vector_target", machine->vector_target, "best, sse4, avx2 or avx512");
-    return plan_of(*machine);
+    Topology plan = plan_of(*machine);
+    plan.timing = timing_of(*machine, file);
+    check_timing_names(plan.timing, text, file);
+    return plan;
 }
 
 std::string resolved_json(const Topology& topology) {
@@ -121,6 +183,7 @@ std::string resolved_json(const Topology& topology) {
     machine.ring->transport = static_cast<config::Transport>(topology.ring.transport);
     machine.ring->channel_mb_s = topology.ring.channel_mb_s;
     machine.ring->hop_ns = topology.ring.hop_ns;
+    machine.timing = timing_table(topology.timing.empty() ? paper_timing() : topology.timing);
     machine.seed = topology.seed;
     machine.record = static_cast<config::Record>(topology.record);
     machine.vector_target = static_cast<config::VectorTarget>(topology.vector_target);

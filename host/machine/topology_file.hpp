@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "host/machine/topology.hpp"
 
@@ -11,5 +12,9 @@ namespace pxpl5::host {
 /// The plan as the file states it: counts may be 0, ranges are unchecked.
 /// Throws RequestError (usage) naming file, line and, for an unknown key, the nearest one.
 Topology read_topology_file(std::string_view text, const std::string& file);
+
+/// Section `timing` of host/topologies/paper-1993.json, as it was when this was compiled: it needs
+/// no folder of topologies.
+std::vector<TimingValue> paper_timing();
 
 }  // namespace pxpl5::host

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "host/error.hpp"
+#include "host/machine/timing_section.hpp"
 #include "host/machine/topology.hpp"
 
 using namespace pxpl5::host;
@@ -151,11 +152,68 @@ TEST_CASE("an override that cannot be obeyed names key, value and range") {
     CHECK(has(refusal_of_override("record=on"), "record is 'on', must be off, flight or full"));
 }
 
+TEST_CASE("a plan without timing has that of the machine of the paper, and overrides change it") {
+    const auto find = [](const Topology& plan, std::string_view name) {
+        const TimingValue* found = find_timing(plan.timing, name);
+        REQUIRE(found != nullptr);
+        return *found;
+    };
+    const Topology paper = load_topology("paper-1993");
+    const Topology plan = parse_topology(
+        small, "small.json", {"gp.edge_cycles=17.5", "share=own", "ring.channel_mb_s=160"});
+    CHECK(plan.timing.size() == paper.timing.size());
+    CHECK(find(plan, "gp.edge_cycles").value == 17.5);
+    CHECK(find(plan, "gp.edge_cycles").provenance == Provenance::ours);
+    CHECK(find(plan, "share").word == "own");
+    CHECK(plan.ring.channel_mb_s == 160);
+    CHECK(!find(plan, "ring.channel_mb_s").value);
+    CHECK(find(paper, "ring.channel_mb_s").provenance == Provenance::published);
+    CHECK(find(plan, "ring.channel_mb_s").provenance == Provenance::ours);
+    CHECK(find(plan, "gp.clock_mhz").value == find(paper, "gp.clock_mhz").value);
+    CHECK(find(plan, "gp.clock_mhz").provenance == Provenance::published);
+    CHECK(find(plan, "gp.clock_mhz").note == find(paper, "gp.clock_mhz").note);
+}
+
+TEST_CASE("every parameter of the machine of the paper says where it comes from") {
+    for (const TimingValue& entry : load_topology("paper-1993").timing) {
+        CHECK_MESSAGE(!entry.note.empty(), entry.name);
+    }
+    CHECK(name_of(Provenance::published) == "published");
+    CHECK(name_of(Provenance::fitted) == "fitted");
+}
+
+TEST_CASE("a parameter of the timing that cannot be is refused by name, value and range") {
+    const auto with = [](const std::string& entry) {
+        return refusal_of("{ roles: { gp: { count: 1 }, renderer: { count: 1 } },\n  timing: [\n" +
+                          entry + "] }");
+    };
+    CHECK(with("{ name: \"gp.edge_cycels\", value: 1, unit: \"cycles\", provenance: \"ours\" }") ==
+          "some/machine.json:3: unknown parameter 'gp.edge_cycels'; did you mean "
+          "'gp.edge_cycles'?");
+    CHECK(with("{ name: \"gp.edge_cycles\", value: 1, unit: \"cycles\" }") ==
+          "some/machine.json: gp.edge_cycles has no provenance");
+    CHECK(with("{ name: \"gp.edge_cycles\", value: 1, unit: \"cycles\", provenance: 9 }") ==
+          "some/machine.json: gp.edge_cycles's provenance is 9, must be published, recalled, "
+          "derived, ours or fitted");
+    CHECK(with("{ name: \"gp.edge_cycles\", value: 1, unit: \"cycles\", provenance: \"ours\" }") ==
+          "some/machine.json: section timing has no host.link_mb_s");
+    CHECK(has(refusal_of_override("gp.edge_cycles=-1"),
+              "gp.edge_cycles is -1, must be 0..1000000 cycles"));
+    CHECK(has(refusal_of_override("gp.edge_cycles=nan"), "gp.edge_cycles is nan, must be 0..1"));
+    CHECK(has(refusal_of_override("gp.edge_cycles=1O"), "'1O', must be a number of cycles"));
+    CHECK(has(refusal_of_override("ring.fifo_words=1.5"),
+              "ring.fifo_words is 1.5, must be a whole number, 1..1000000 words"));
+    CHECK(has(refusal_of_override("ring.channels=65"), "ring.channels is 65, must be 1..64"));
+    CHECK(has(refusal_of_override("share=evne"), "share is 'evne', must be even or own"));
+    CHECK(has(refusal_of_override("gp.edge_cycle=1"), "did you mean 'gp.edge_cycles'?"));
+}
+
 TEST_CASE("the resolved plan, read again, is the same plan") {
     const Topology plan =
         load_topology("default", {"gp.cpu=0,1", "renderer.env=NAME=a \"quoted\" value",
                                   "seed=12345678901234567890", "ring.transport=tcp",
-                                  "ring.hop_ns=0", "record=off", "vector_target=sse4"});
+                                  "ring.hop_ns=0", "record=off", "vector_target=sse4",
+                                  "gp.message_us=12.25", "assignment=recorded"});
     const std::string text = resolved_json(plan);
     const Topology again = parse_topology(text, "default.json");
     CHECK(resolved_json(again) == text);
@@ -169,6 +227,8 @@ TEST_CASE("the resolved plan, read again, is the same plan") {
     CHECK(load_topology("default").record == Record::flight);
     CHECK(again.ring.transport == Transport::tcp);
     CHECK(again.ring.hop_ns == 0);
+    CHECK(find_timing(again.timing, "gp.message_us")->value == 12.25);
+    CHECK(find_timing(again.timing, "assignment")->word == "recorded");
     CHECK(again.ring.channels == plan.ring.channels);
 }
 
