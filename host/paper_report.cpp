@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "host/error.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/picture_text.hpp"
+#include "host/timing/paper_rows.hpp"
 
 namespace pxpl5::host {
 
@@ -17,20 +17,8 @@ namespace {
 
 constexpr int rate_frames = 60;
 
-/// A row of the paper's results, as its captions give them.
-struct PaperRow {
-    std::string_view volume, surface;
-    std::int64_t triangles;
-    double built_ms, frames_per_s;
-    ViewAngles view;  ///< Ours: the paper's views are not stated.
-};
-constexpr std::array paper_rows = {
-    PaperRow{"phantom:pelvis", "skin", 41'708, 409, 20, {25, 15}},
-    PaperRow{"phantom:pelvis", "muscle", 110'450, 676, 8, {25, 15}},
-    PaperRow{"phantom:pelvis", "bone", 49'552, 409, 19, {15, 15}},
-    PaperRow{"phantom:fetus", "face", 70'874, 357, 12, {20, 10}},
-    PaperRow{"phantom:head", "skin", 269'720, 591, 3, {35, 10}},
-};
+using timing::paper_rows;
+using timing::PaperRow;
 
 PhantomSurface phantom_surface(const PaperRow& row) {
     for (const PhantomSurface& surface : suggested_surfaces(row.volume)) {
@@ -67,14 +55,14 @@ void report_paper(Session& session, const std::string& machine, const std::strin
                "paper", "here", "paper", "here");
     std::vector<std::string> paths;
     std::string_view loaded;
-    for (const PaperRow& row : paper_rows) {
+    for (const PaperRow& row : paper_rows()) {
         if (row.volume != loaded) {
             session.load(std::string(row.volume));
             loaded = row.volume;
         }
         const PhantomSurface surface = phantom_surface(row);
         const SurfaceReport built = extract(session, surface);
-        session.scene.camera = {row.view, 1};
+        session.scene.camera = {{row.azimuth_deg, row.elevation_deg}, 1};
         const OrbitReport orbit =
             session.orbit(rate_frames, [](int, const Picture&, const Camera&) {});
         if (!pictures.empty()) {
@@ -82,8 +70,8 @@ void report_paper(Session& session, const std::string& machine, const std::strin
         }
         session.remove_surface(surface.name);
         fmt::print("{:<24}{:>10}{:>10}{:>12.0f}{:>12.1f}{:>11.0f}{:>11.1f}\n",
-                   fmt::format("{}, {}", row.volume, row.surface), row.triangles, built.triangles,
-                   row.built_ms, built.elapsed_ms, row.frames_per_s,
+                   fmt::format("{}, {}", row.volume, row.surface), row.paper.triangles,
+                   built.triangles, row.paper.built_ms, built.elapsed_ms, row.paper.frames_per_s,
                    orbit.frames * 1000 / orbit.elapsed_ms);
         std::fflush(stdout);
     }
