@@ -21,9 +21,10 @@ std::string_view name_of(Unit unit);
 /// How busy the nodes, or channels, of a kind were.
 struct UnitUse {
     Unit unit{};
-    double mean = 0;          ///< Share of the time, 0..1, over all of the kind.
-    double busiest = 0;       ///< Of the one that was busy longest.
-    std::uint32_t index = 0;  ///< Which that was.
+    double mean = 0;     ///< Share of the time, 0..1, over all of the kind.
+    double busiest = 0;  ///< Of the one that was busy longest.
+    std::uint32_t index =
+        0;  ///< Which that was; of frame buffers: their ports, one behind the other.
 };
 
 /// One step of the run.
@@ -35,10 +36,10 @@ struct StepTime {
     Unit limit{};              ///< That with the busiest node.
 };
 
-/// Words on the ring, headers included.
+/// Packets and their words, headers included.
 struct RingCount {
     std::uint16_t source = 0, destination = 0, channel = 0;  ///< Places on the ring, from 0.
-    std::uint64_t messages = 0, words = 0;
+    std::uint64_t messages = 0, words = 0;                   ///< A message of the ring is a packet.
 };
 
 struct RunTime {
@@ -55,11 +56,15 @@ RunTime simulate(const Machine& machine, const RunWork& run);
 
 /// The rate at which a machine shows one frame over and over, once it has settled.
 struct Rate {
+    /// 12 frames by the time from the last pixel of one to that of the twelfth behind it. Frames
+    /// are shown at retraces, so that intervals between them vary; those between last pixels do so
+    /// only if a frame waits for an earlier one's retrace, in patterns of a few frames.
     double frames_per_s = 0;
-    Ns latency = 0;  ///< Of the last frame: from the command to the host's knowledge.
-    std::vector<UnitUse> use;
+    Ns latency = 0;            ///< Of the last frame: from the command to the host's knowledge.
+    std::vector<UnitUse> use;  ///< From one of these frames shown to the other.
     Unit limit{};
 };
+/// Throws as simulate().
 Rate frame_rate(const Machine& machine, const FrameWork& frame);
 
 }  // namespace pxpl5::host::timing
