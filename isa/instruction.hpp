@@ -149,6 +149,35 @@ constexpr const OpInfo& info(Op op) {
     return op_table[static_cast<std::size_t>(op)];
 }
 
+/// The sections of instructions.def, in its order.
+enum class InstructionClass : std::uint8_t { enable, tree, memory, arithmetic, backing, control };
+inline constexpr std::array<std::string_view, 6> class_names = {"enable",     "tree",    "memory",
+                                                                "arithmetic", "backing", "control"};
+inline constexpr std::size_t class_count = class_names.size();
+
+/// The top four bits of an instruction word number its class.
+constexpr InstructionClass class_of(Op op) {
+    constexpr unsigned class_shift = 28;
+    return static_cast<InstructionClass>(info(op).pattern.fixed_bits >> class_shift);
+}
+constexpr std::string_view name_of(InstructionClass which) {
+    return class_names[static_cast<std::size_t>(which)];
+}
+
+/// True if every row has a class, and the rows of a class stand together.
+constexpr bool classes_in_order() {
+    std::size_t newest = 0;
+    for (std::size_t i = 0; i < op_count; ++i) {
+        const auto number = static_cast<std::size_t>(class_of(static_cast<Op>(i)));
+        if (number < newest || number > newest + 1 || number >= class_count) {
+            return false;
+        }
+        newest = number;
+    }
+    return newest + 1 == class_count;
+}
+static_assert(classes_in_order(), "a row's top four bits do not fit its section");
+
 /// True if no word can decode as two instructions.
 constexpr bool patterns_disjoint() {
     for (std::size_t i = 0; i < op_count; ++i) {

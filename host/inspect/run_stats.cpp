@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <cassert>
 #include <memory>
 
 #include "host/inspect/recorded_results.hpp"
 #include "host/inspect/region_walk.hpp"
 #include "host/inspect/selected_messages.hpp"
+#include "isa/instruction_counts.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 
 namespace pxpl5::host::inspect {
@@ -110,33 +110,13 @@ OpCount PartCounts::total() const {
     return sum;
 }
 
-std::string_view class_of(isa::Op op) {
-    constexpr std::string_view classes[] = {"enable",     "tree",    "memory",
-                                            "arithmetic", "backing", "control"};
-    constexpr unsigned class_shift = 28;
-    const std::uint32_t number = isa::info(op).pattern.fixed_bits >> class_shift;
-    assert(number < std::size(classes));
-    return classes[number];
-}
-
-bool runs_straight(renderer::Words words) {
-    // Of the rows that may change the flow, BSWAIT alone never does.
-    for (std::size_t at = 0; at < words.size(); at += isa::instruction_words(words[at])) {
-        const isa::Instruction in = *isa::decode(words[at]);
-        if ((isa::info(in.op).effects & isa::flow) != 0 && in.op != isa::Op::bs_wait) {
-            return false;
-        }
-    }
-    return true;
-}
-
 std::vector<PartCounts> count_region(const RecordedFrame& frame, const RecordedRegion& region) {
     std::vector<PartCounts> parts;
     const auto executor = std::make_unique<renderer::fast::Fast>();
     RegionWalk walk(region.plan, *executor);
     for (const renderer::RegionPlan::Part& part : region.plan.parts) {
         PartCounts& counts = parts.emplace_back(counts_of(frame, region, part));
-        const bool straight = runs_straight(part.segment.words);
+        const bool straight = isa::runs_straight(part.segment.words);
         count_text(counts, part.segment.words, straight);
         const std::size_t at = parts.size() - 1;
         while (!walk.done() && walk.at().part == at) {

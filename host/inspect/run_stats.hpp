@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <map>
-#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -33,15 +32,8 @@ struct PartCounts {
     OpCount total() const;
 };
 
-/// True if every instruction runs exactly once.
-bool runs_straight(renderer::Words words);
-
 /// Of every part of a region, in order. Parts whose flow depends on pixels are executed again.
 std::vector<PartCounts> count_region(const RecordedFrame& frame, const RecordedRegion& region);
-
-/// The families of instructions.def: "enable", "tree", "memory", "arithmetic", "backing",
-/// "control".
-std::string_view class_of(isa::Op op);
 
 struct MessageCount {
     std::uint64_t messages = 0, bytes = 0;  ///< Bytes of bodies.

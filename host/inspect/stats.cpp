@@ -106,7 +106,9 @@ std::vector<NamedSums> tables_of(const RunStats& stats) {
                      return p.is_segment() ? fmt::format("gp-{}", p.gp) : std::string(name_of(p));
                  }),
          true},
-        {"class", sums_of_ops(stats, [&](isa::Op op) { return text(class_of(op)); }), false},
+        {"class",
+         sums_of_ops(stats, [&](isa::Op op) { return text(isa::name_of(isa::class_of(op))); }),
+         false},
         {"instruction", sums_of_ops(stats, [&](isa::Op op) { return text(isa::info(op).name); }),
          false},
     };
@@ -243,9 +245,9 @@ void put_csv(const RunStats& stats, TextOutput& output) {
             const OpCount& count = part.ops[i];
             if (count != OpCount{}) {
                 output.line(fmt::format("{},{},{},{},{},{},{},{},{},{}", part.frame, part.region,
-                                        part.renderer, name_of(part), from, class_of(op),
-                                        isa::info(op).name, count.instructions, count.cycles,
-                                        count.words));
+                                        part.renderer, name_of(part), from,
+                                        isa::name_of(isa::class_of(op)), isa::info(op).name,
+                                        count.instructions, count.cycles, count.words));
             }
         }
     }

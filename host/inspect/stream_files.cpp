@@ -7,9 +7,9 @@
 #include "host/error.hpp"
 #include "host/inspect/region_listing.hpp"
 #include "host/inspect/region_walk.hpp"
-#include "host/inspect/run_stats.hpp"
 #include "host/inspect/text_output.hpp"
 #include "isa/disassemble.hpp"
+#include "isa/instruction_counts.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -50,7 +50,7 @@ class RegionFiles {
 
     void add(std::size_t index) {
         const Part& part = region_.plan.parts[index];
-        const bool straight = runs_straight(part.segment.words);
+        const bool straight = isa::runs_straight(part.segment.words);
         if (files_.empty() || part.kind != Kind::segment || !straight || !may_go_on_) {
             const char* suffix = suffix_of(part.kind);
             files_.push_back(

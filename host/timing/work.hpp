@@ -12,6 +12,8 @@
 #include <variant>
 #include <vector>
 
+#include "isa/instruction_counts.hpp"
+
 namespace pxpl5::host::timing {
 
 /// A volume that is handed to the GPs.
@@ -42,7 +44,8 @@ struct BuildWork {
     friend bool operator==(const BuildWork&, const BuildWork&) = default;
 };
 
-/// Primitives of one slab that a GP takes through a frame: transform, cull, set up, bin.
+/// Primitives of one slab that a GP takes through a frame: transform, cull, set up, bin. Slabs
+/// without any are left out; masked triangles count.
 struct DrawnSlab {
     std::uint32_t surface = 0;  ///< Index in the frame's list.
     std::uint32_t slab = 0;
@@ -61,15 +64,9 @@ enum class PartKind : std::uint8_t {
     end_of_region
 };
 
-/// The classes of instructions.def, in its order.
-enum class InstructionClass : std::uint8_t { enable, tree, memory, arithmetic, backing, control };
-inline constexpr std::size_t instruction_classes = 6;
-
-struct ClassCounts {
-    std::uint64_t instructions = 0;  ///< Executed.
-    std::uint64_t cycles = 0;        ///< By their rows, at the Renderer's clock.
-    friend bool operator==(const ClassCounts&, const ClassCounts&) = default;
-};
+using isa::InstructionClass;
+inline constexpr std::size_t instruction_classes = isa::class_count;
+using isa::ClassCounts;  ///< Executed; cycles are at the Renderer's clock.
 
 /// What a Renderer executes for one part of a region.
 struct PartWork {
