@@ -265,6 +265,10 @@ bool GpNode::step(EndVolume&, bus::Outbox& out) {
     ready.slabs = static_cast<std::uint32_t>(store_->slabs().size());
     ready.memory_bytes = memory_->used_bytes();
     ready.elapsed_us = to_us(Clock::now() - volume_since_);
+    const StoreCounts counts = store_->counts();
+    ready.slices = counts.slices;
+    ready.rows_in_runs = counts.rows_in_runs;
+    ready.runs = counts.runs;
     out.send(bus::host_id, bus::pack(ready));
     return true;
 }

@@ -13,6 +13,7 @@
 //   MeasureIsovalues  --->|            |---> IsovaluesMeasured  (to the host)
 //   DrawFrame (GP 0)  --->|            |---> BeginFrame      (from GP 0 to all that draw)
 //   BeginFrame        --->|            |---> RegionPrograms  (one to each Renderer)
+//                         |            |---> FrameCounts     (to the host, if it asked for them)
 //                         +------------+---> Fault           (thrown; the driver sends it)
 #pragma once
 

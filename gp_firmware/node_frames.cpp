@@ -117,6 +117,9 @@ bool GpNode::draw_piece(Draw& job, bus::Outbox& out) {
         if (draw_slabs(out.clock())) {
             return false;
         }
+        if (job.request.counts) {
+            out.send(bus::host_id, frame_counts_message(job.request.frame, drawing_));
+        }
         programs_.begin(job.request, gp_index(), machine_->renderers.size(), drawing_);
         job.stage = Draw::Stage::sending;
     }

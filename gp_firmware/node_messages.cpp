@@ -131,6 +131,7 @@ VolumeShape shape_of(const schema::VolumeHeader& header) {
 FrameRequest frame_request(const schema::DrawFrame& draw, const VolumeShape& shape) {
     FrameRequest request;
     request.frame = draw.frame();
+    request.counts = draw.counts();
     request.gap_slabs = shape.gap_slabs;
     for (const auto* view : *draw.views()) {
         Camera& camera = request.views.emplace_back();
@@ -199,12 +200,24 @@ bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& hel
     for (const SlabMesh& mesh : held.slabs) {
         const SlabCounts& c = mesh.counts;
         built.slabs.emplace_back(static_cast<std::uint32_t>(mesh.slab), c.triangles, c.vertices,
-                                 c.cells_active, c.cells_ambiguous, c.rows_skipped, c.area_mm2,
-                                 c.volume_mm3);
+                                 c.cells_active, c.cells_ambiguous, c.rows_skipped, c.cells_visited,
+                                 c.edges_visited, c.edges_crossed, c.area_mm2, c.volume_mm3);
     }
     built.memory_bytes = memory_bytes;
     built.elapsed_us = elapsed_us;
     return bus::pack(built);
+}
+
+bus::Payload frame_counts_message(std::uint32_t frame, const FrameDrawing& drawing) {
+    schema::FrameCountsT counts;
+    counts.frame = frame;
+    for (const DrawnSlab& slab : drawing.drawn()) {
+        counts.drawn.emplace_back(slab.surface, slab.slab, slab.primitives, slab.culled);
+    }
+    for (const RegionProgram& region : drawing.programs().regions()) {
+        counts.words += region.word_count();
+    }
+    return bus::pack(counts);
 }
 
 MeshPartBuilder::MeshPartBuilder(std::uint16_t surface, const HeldSurface& held, bool origins)

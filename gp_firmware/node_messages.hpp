@@ -44,6 +44,9 @@ SlabMesh slab_mesh_of(const bus::schema::ScenePart& part);
 bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& held,
                                    std::size_t memory_bytes, std::uint64_t elapsed_us);
 
+/// Of a frame that is drawn.
+bus::Payload frame_counts_message(std::uint32_t frame, const FrameDrawing& drawing);
+
 /// A MeshPart, put together slab by slab.
 class MeshPartBuilder {
   public:

@@ -9,7 +9,7 @@ import sys
 
 HERE = pathlib.Path(__file__).parent
 FILES = ["common", "control", "volume", "surface", "frame", "scene", "export", "activity",
-         "trace"]
+         "counts", "trace"]
 REWRITE = "python3 ringbus/generate_protocol_md.py --write"
 
 

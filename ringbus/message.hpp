@@ -17,7 +17,7 @@ using NodeId = std::uint16_t;
 inline constexpr NodeId host_id = 0;  ///< The host is node 0 of every machine.
 
 inline constexpr std::uint32_t header_magic = 0x35505850;  ///< "PXP5", little endian.
-inline constexpr std::uint16_t protocol_version = 4;
+inline constexpr std::uint16_t protocol_version = 5;
 inline constexpr std::size_t max_body_bytes = std::size_t{1} << 30;
 /// Of a finished body, wherever it lies: no field of a message needs more.
 inline constexpr std::size_t body_alignment = sizeof(std::uint64_t);

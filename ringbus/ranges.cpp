@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "ringbus/activity.hpp"
 #include "ringbus/channel_model.hpp"
@@ -186,6 +187,47 @@ std::string range_of(const schema::Activity& activity) {
     return check.reason();
 }
 
+std::string range_of(const schema::PartCounts& part) {
+    std::uint64_t cycles = 0;
+    for (std::uint16_t i = 0; i < part.classes()->size(); ++i) {
+        cycles += part.classes()->Get(i)->cycles();
+    }
+    return Check()
+        .at_most("region", std::size_t{part.region()}, max_regions - 1)
+        .known("kind", part.kind())
+        .at_most("surface", std::size_t{part.surface()}, max_surfaces - 1)
+        .at_most("slab", part.slab(), max_scene_slab)
+        .at_most("primitives", part.primitives(), part.words())
+        .at_most("port_cycles", part.port_cycles(), cycles)
+        .at_most("backing_cycles beside the port's", part.backing_cycles(),
+                 cycles - std::min(cycles, part.port_cycles()))
+        .reason();
+}
+
+std::string range_of(const schema::FrameCounts& counts) {
+    Check check;
+    const schema::DrawnSlab* before = nullptr;
+    for (const schema::DrawnSlab* slab : *counts.drawn()) {
+        check.at_most("surface", std::size_t{slab->surface()}, max_surfaces - 1)
+            .at_most("slab", slab->slab(), max_scene_slab)
+            .at_most("culled", slab->culled(), slab->primitives());
+        if (before != nullptr && std::pair(before->surface(), before->slab()) >=
+                                     std::pair(slab->surface(), slab->slab())) {
+            check.add(fmt::format("surface {}, slab {} comes after surface {}, slab {}",
+                                  slab->surface(), slab->slab(), before->surface(),
+                                  before->slab()));
+        }
+        before = slab;
+    }
+    std::uint16_t region = 0;
+    for (const schema::PartCounts* part : *counts.parts()) {
+        check.add(range_of(*part));
+        check.within("region", part->region(), region, std::uint16_t{max_regions - 1});
+        region = part->region();
+    }
+    return check.reason();
+}
+
 }  // namespace
 
 std::string out_of_range(const schema::Message& message) {
@@ -208,6 +250,8 @@ std::string out_of_range(const schema::Message& message) {
             return range_of(*message.body_as_FrameDone());
         case Body::Activity:
             return range_of(*message.body_as_Activity());
+        case Body::FrameCounts:
+            return range_of(*message.body_as_FrameCounts());
         default:
             return model_out_of_range(message);
     }

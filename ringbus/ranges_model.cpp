@@ -139,6 +139,8 @@ std::string range_of(const schema::SurfaceBuilt& built) {
     const schema::SlabCounts* last = nullptr;
     for (const auto* slab : *built.slabs()) {
         check.within("slab", slab->slab(), last == nullptr ? 0U : last->slab() + 1, max_slab)
+            .at_most("cells_active", slab->cells_active(), slab->cells_visited())
+            .at_most("edges_crossed", slab->edges_crossed(), slab->edges_visited())
             .finite("area_mm2", slab->area_mm2())
             .finite("volume_mm3", slab->volume_mm3());
         last = slab;

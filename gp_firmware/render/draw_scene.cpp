@@ -94,6 +94,7 @@ DrawCounts draw_spheres(const SlabMesh& mesh, const Projection& projection, cons
         if (!screen) {
             continue;
         }
+        const std::uint32_t emitted_before = counts.triangles_out;
         const PixelBox& box = screen->box;
         for (int row = box.y0 >> region_bits; row <= box.y1 >> region_bits; ++row) {
             for (int column = box.x0 >> region_bits; column <= box.x1 >> region_bits; ++column) {
@@ -108,6 +109,7 @@ DrawCounts draw_spheres(const SlabMesh& mesh, const Projection& projection, cons
                 ++counts.triangles_out;
             }
         }
+        counts.drawn += counts.triangles_out > emitted_before ? 1 : 0;
     }
     return counts;
 }
@@ -130,8 +132,10 @@ DrawCounts draw_lines(const SlabMesh& mesh, const Projection& projection, const 
         const ScreenVertex a = corner(from, -ax - ay, -ay + ax),
                            b = corner(from, -ax + ay, -ay - ax), c = corner(to, ax + ay, ay - ax),
                            d = corner(to, ax - ay, ay + ax);
-        counts.triangles_out += draw_screen_triangle(a, b, c, grid, both_sides, programs) +
-                                draw_screen_triangle(a, c, d, grid, both_sides, programs);
+        const std::uint32_t emitted = draw_screen_triangle(a, b, c, grid, both_sides, programs) +
+                                      draw_screen_triangle(a, c, d, grid, both_sides, programs);
+        counts.triangles_out += emitted;
+        counts.drawn += emitted > 0 ? 1 : 0;
     }
     return counts;
 }

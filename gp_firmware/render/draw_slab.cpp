@@ -160,8 +160,10 @@ DrawCounts SlabDrawing::draw(isa::VectorTarget vectors) {
         select(slab, target_.grid, first, selection);
         for (std::uint64_t rest = selection.chosen; rest != 0; rest &= rest - 1) {
             const auto i = static_cast<std::size_t>(std::countr_zero(rest));
-            counts.triangles_out +=
+            const std::uint32_t emitted =
                 draw_one(first + i, selection.regions[i], selection.triangles[i]);
+            counts.triangles_out += emitted;
+            counts.drawn += emitted > 0 ? 1 : 0;
         }
     }
     return counts;

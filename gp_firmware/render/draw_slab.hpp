@@ -37,6 +37,7 @@ struct DrawScratch {
 struct DrawCounts {
     std::uint32_t triangles_in = 0;   ///< Before culling.
     std::uint32_t triangles_out = 0;  ///< Emitted, over all regions.
+    std::uint32_t drawn = 0;          ///< Of triangles_in, those in any region.
     std::uint64_t transform_ns = 0;   ///< Wall time that transform() took of the whole.
 };
 

@@ -43,6 +43,7 @@ std::string missing_surface(const FrameRequest& request, const Surfaces& surface
 void FrameDrawing::begin(const FrameRequest& request) {
     programs_.begin_frame(request.assignment.size(), request.origins);
     counts_ = {};
+    drawn_.clear();
     next_surface_ = next_slab_ = 0;
     wanted_.clear();
     eyes_.clear();
@@ -77,10 +78,16 @@ bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
             if (!held.hidden.empty()) {
                 style.hidden = held.hidden[next_slab_];
             }
-            counts_.triangles_in += static_cast<std::uint32_t>(
+            const auto primitives = static_cast<std::uint32_t>(
                 mesh.indices.size() / 3 + mesh.spheres.size() + mesh.lines.size());
+            counts_.triangles_in += primitives;
+            DrawnSlab slab{style.index, static_cast<std::uint32_t>(mesh.slab), 0, 0};
             for (const Eye& eye : eyes_) {
-                draw_for(eye, mesh, style);
+                slab.primitives += primitives;
+                slab.culled += primitives - draw_for(eye, mesh, style);
+            }
+            if (primitives > 0) {
+                drawn_.push_back(slab);
             }
         }
     }
@@ -88,14 +95,15 @@ bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
     return false;
 }
 
-void FrameDrawing::draw_for(const Eye& eye, const SlabMesh& mesh, const SurfaceStyle& style) {
-    const DrawCounts drawn = draw_slab(mesh, eye.projection, eye.grid, style, scratch_, programs_);
-    counts_.triangles_out += drawn.triangles_out;
-    counts_.transform_ns += drawn.transform_ns;
-    counts_.triangles_out +=
-        draw_spheres(mesh, eye.projection, eye.grid, style, programs_).triangles_out;
-    counts_.triangles_out +=
-        draw_lines(mesh, eye.projection, eye.grid, style, programs_).triangles_out;
+std::uint32_t FrameDrawing::draw_for(const Eye& eye, const SlabMesh& mesh,
+                                     const SurfaceStyle& style) {
+    const DrawCounts triangles =
+        draw_slab(mesh, eye.projection, eye.grid, style, scratch_, programs_);
+    const DrawCounts spheres = draw_spheres(mesh, eye.projection, eye.grid, style, programs_);
+    const DrawCounts lines = draw_lines(mesh, eye.projection, eye.grid, style, programs_);
+    counts_.triangles_out += triangles.triangles_out + spheres.triangles_out + lines.triangles_out;
+    counts_.transform_ns += triangles.transform_ns;
+    return triangles.drawn + spheres.drawn + lines.drawn;
 }
 
 }  // namespace pxpl5::gp

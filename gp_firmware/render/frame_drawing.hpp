@@ -49,6 +49,15 @@ struct FrameRequest {
     std::vector<std::uint16_t> assignment;  ///< Renderer of each region.
     std::vector<int> gap_slabs;             ///< Of the volume, ascending.
     bool origins = false;                   ///< Programs tell where each primitive comes from.
+    bool counts = false;                    ///< The host wants what was drawn, counted.
+};
+
+/// A slab that went through a frame.
+struct DrawnSlab {
+    std::uint32_t surface = 0;  ///< Index in the frame's list.
+    std::uint32_t slab = 0;
+    std::uint32_t primitives = 0;  ///< Over all views; before culling. Masked triangles count.
+    std::uint32_t culled = 0;      ///< Of these, in no region.
 };
 
 /// Whether a slab is among those that `choice` names.
@@ -78,6 +87,8 @@ class FrameDrawing {
     const RegionGrid& grid() const { return eyes_.at(0).grid; }
     const RegionPrograms& programs() const { return programs_; }
     const DrawCounts& counts() const { return counts_; }
+    /// Those so far that hold anything, in the order of drawing: ascending by (surface, slab).
+    std::span<const DrawnSlab> drawn() const { return drawn_; }
 
   private:
     struct Eye {
@@ -85,7 +96,8 @@ class FrameDrawing {
         RegionGrid grid;
     };
 
-    void draw_for(const Eye& eye, const SlabMesh& mesh, const SurfaceStyle& style);
+    /// Returns how many of the slab's primitives are in any region.
+    std::uint32_t draw_for(const Eye& eye, const SlabMesh& mesh, const SurfaceStyle& style);
 
     std::vector<Eye> eyes_;
     std::vector<SurfaceWanted> wanted_;
@@ -94,6 +106,7 @@ class FrameDrawing {
     RegionPrograms programs_;
     DrawScratch scratch_;
     DrawCounts counts_;
+    std::vector<DrawnSlab> drawn_;
 };
 
 }  // namespace pxpl5::gp

@@ -25,6 +25,10 @@ struct SlabCounts {
     std::uint32_t cells_active = 0;
     std::uint32_t cells_ambiguous = 0;
     std::uint32_t rows_skipped = 0;
+    // What extraction looks at here, many at a time: less than the board, which had no ranges of
+    // rows and slices (host/timing/README.md has its rule).
+    std::uint32_t cells_visited = 0;
+    std::uint32_t edges_visited = 0, edges_crossed = 0;  ///< Those of the upper slice, too.
     double area_mm2 = 0;
     double volume_mm3 = 0;  ///< Of the inside, closed by the volume's faces where it leaves it.
 };

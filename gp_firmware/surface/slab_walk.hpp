@@ -191,6 +191,7 @@ class SlabWalk {
         const std::uint64_t first_key =
             4 * (shape_.slice_voxels() * (at(slab_) + lower) + voxel) + axis;
         std::uint32_t* slots = vertices_.data() + row.slot;
+        const std::size_t vertices_before = vertex_count_;
         for (std::size_t w = 0; w < words_; ++w) {
             std::uint64_t bits = crossed(w);
             if (bits == 0) continue;
@@ -212,6 +213,8 @@ class SlabWalk {
             batch_.count = i;
             vertex_count_ = vertex;
         }
+        out_.counts.edges_visited += static_cast<std::uint32_t>(axis == 0 ? nx - 1 : nx);
+        out_.counts.edges_crossed += static_cast<std::uint32_t>(vertex_count_ - vertices_before);
     }
 
     /// For a word's edges.
@@ -254,6 +257,7 @@ class SlabWalk {
     /// Triangles of the cells between rows y and y + 1.
     void make_cells(int y) {
         const std::size_t low = at(y & 1), high = 1 - low;
+        out_.counts.cells_visited += static_cast<std::uint32_t>(shape_.nx - 1);
         const std::size_t count =
             find_crossed_cells(target_,
                                {masks_[low][0].data(), masks_[high][0].data(),

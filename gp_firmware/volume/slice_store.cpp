@@ -105,6 +105,17 @@ std::vector<int> SliceStore::held() const {
     return numbers;
 }
 
+StoreCounts SliceStore::counts() const {
+    StoreCounts counts;
+    counts.slices = static_cast<std::uint32_t>(next_);
+    for (const auto& [z, slice] : slices_) {
+        counts.runs += slice.rows.runs.size();
+        for (std::size_t y = 0; y + 1 < slice.rows.run_first.size(); ++y)
+            counts.rows_in_runs += slice.rows.run_first[y] < slice.rows.run_first[y + 1] ? 1 : 0;
+    }
+    return counts;
+}
+
 const HeldSlice& SliceStore::slice(int z) const {
     const auto found = slices_.find(z);
     assert(found != slices_.end());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <span>
 #include <vector>
@@ -19,6 +20,12 @@ struct HeldSlice {
     std::vector<Gradient> gradients;  ///< nx * ny; empty if they are not held, and until both
                                       ///< neighbours in z were there.
     RowIndex rows;                    ///< Only for slices of slabs that are owned.
+};
+
+struct StoreCounts {
+    std::uint32_t slices = 0;        ///< That came, with those that are gone.
+    std::uint32_t rows_in_runs = 0;  ///< Of slices that are held: rows whose runs are kept.
+    std::uint64_t runs = 0;          ///< Of these rows.
 };
 
 /// Holds what a GP needs of a volume, and no more: a slice that no slab of the GP touches goes
@@ -54,6 +61,7 @@ class SliceStore {
     /// it is still coming or gradients are not held.
     SliceNeighbours neighbours(int z) const;
     std::size_t memory_bytes() const { return charged_bytes_; }
+    StoreCounts counts() const;
 
   private:
     void charge(std::size_t bytes, int z);

@@ -144,6 +144,15 @@ std::string text(const schema::ScenePart& m) {
 std::string text(const schema::SceneEnd& m) {
     return fmt::format("scene {}", m.scene());
 }
+std::string text(const schema::FrameCounts& m) {
+    std::uint64_t primitives = 0;
+    for (const schema::DrawnSlab* slab : *m.drawn()) {
+        primitives += slab->primitives();
+    }
+    return fmt::format("frame {}: {} in {}, {} of regions", m.frame(),
+                       many(primitives, "primitive"), many(m.drawn()->size(), "slab"),
+                       many(m.parts()->size(), "part"));
+}
 
 /// The text of the first of these kinds that the message is.
 template <typename... Kinds>
@@ -174,13 +183,13 @@ std::string describe(const bus::Message& message) {
     return text_of_any<Hello, Topology, Shutdown, Credit, Fault, ImportVolume, VolumeHeader, Slices,
                        VolumeEnd, VolumeReady, ExportPicture, IoDone, SetSurface, RemoveSurface,
                        SurfaceBuilt, FetchMesh, MeshPart, DrawFrame, BeginFrame, RegionPrograms,
-                       RegionPixels, FrameDone, TraceSaved, SceneBegin, ScenePart, SceneEnd>(
-        message);
+                       RegionPixels, FrameDone, TraceSaved, SceneBegin, ScenePart, SceneEnd,
+                       FrameCounts>(message);
 }
 
 bool is_of_frame(Body kind) {
     return kind == Body::DrawFrame || kind == Body::BeginFrame || kind == Body::RegionPrograms ||
-           kind == Body::RegionPixels || kind == Body::FrameDone;
+           kind == Body::RegionPixels || kind == Body::FrameDone || kind == Body::FrameCounts;
 }
 
 std::optional<std::uint32_t> frame_of(const bus::Message& message) {
@@ -198,6 +207,9 @@ std::optional<std::uint32_t> frame_of(const bus::Message& message) {
     }
     if (const auto* done = message.as<schema::FrameDone>()) {
         return done->frame();
+    }
+    if (const auto* counts = message.as<schema::FrameCounts>()) {
+        return counts->frame();
     }
     return std::nullopt;
 }

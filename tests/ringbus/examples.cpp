@@ -96,6 +96,9 @@ std::vector<Payload> volume_examples() {
     ready.slabs = 12;
     ready.memory_bytes = 1 << 20;
     ready.elapsed_us = 999;
+    ready.slices = 15;
+    ready.rows_in_runs = 40;
+    ready.runs = 100;
     schema::ExportPictureT picture;
     picture.path = "skin.png";
     picture.width = 2;
@@ -133,8 +136,8 @@ std::vector<Payload> surface_examples() {
     schema::SurfaceBuiltT built;
     built.surface = 2;
     built.revision = 8;
-    built.slabs = {schema::SlabCounts(0, 10, 11, 12, 1, 2, 3.5, -4.5),
-                   schema::SlabCounts(5, 20, 21, 22, 2, 3, 4.5, 5.5)};
+    built.slabs = {schema::SlabCounts(0, 10, 11, 12, 1, 2, 30, 60, 15, 3.5, -4.5),
+                   schema::SlabCounts(5, 20, 21, 22, 2, 3, 40, 70, 25, 4.5, 5.5)};
     built.memory_bytes = 1234;
     built.elapsed_us = 5678;
     schema::FetchMeshT fetch;
@@ -224,6 +227,24 @@ std::vector<Payload> activity_examples() {
     return {pack(schema::AskActivityT{}), pack(activity)};
 }
 
+schema::PartCounts example_part(std::uint16_t region, schema::PartKind kind) {
+    std::array<schema::ClassCounts, 6> classes{};
+    for (std::uint64_t i = 0; i < classes.size(); ++i) {
+        classes.at(i) = schema::ClassCounts(i, 10 * i);
+    }
+    return {region, 1, kind, 7, 2, 40, 100, 50, flatbuffers::make_span(classes)};
+}
+
+std::vector<Payload> counts_examples() {
+    schema::FrameCountsT counts;
+    counts.frame = 4;
+    counts.drawn = {schema::DrawnSlab(0, 7, 100, 40), schema::DrawnSlab(1, 3, 50, 50)};
+    counts.words = 2400;
+    counts.parts = {example_part(3, schema::PartKind::segment),
+                    example_part(5, schema::PartKind::end_of_region)};
+    return {pack(counts)};
+}
+
 /// Unpacks and packs table T if that is the message's kind.
 template <typename T>
 void repack_if(const bus::Message& message, Payload& result) {
@@ -271,6 +292,7 @@ schema::DrawFrameT example_draw() {
     draw.read_back = true;
     draw.read_depths = true;
     draw.region_costs = {5, 4, 3, 2, 1, 0};
+    draw.counts = true;
     return draw;
 }
 
@@ -310,8 +332,9 @@ schema::RegionProgramsT example_programs() {
 
 std::vector<Payload> one_of_each_kind() {
     std::vector<Payload> all;
-    for (const auto& group : {control_examples(), volume_examples(), surface_examples(),
-                              frame_examples(), scene_examples(), activity_examples()}) {
+    for (const auto& group :
+         {control_examples(), volume_examples(), surface_examples(), frame_examples(),
+          scene_examples(), activity_examples(), counts_examples()}) {
         all.insert(all.end(), group.begin(), group.end());
     }
     std::ranges::sort(all, {}, &Payload::kind);  // As the union has them.
@@ -325,7 +348,8 @@ Payload repacked(const bus::Message& message) {
         VolumeEnd, VolumeReady, ExportPicture, IoDone, SetSurface, RemoveSurface, SurfaceBuilt,
         FetchMesh, MeshPart, DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone,
         SaveTrace, TraceSaved, SceneBegin, ScenePart, SceneEnd, DropVolume, MaskSurface,
-        MeasureIsovalues, IsovaluesMeasured, ExportMesh, AskActivity, Activity>(message);
+        MeasureIsovalues, IsovaluesMeasured, ExportMesh, AskActivity, Activity, FrameCounts>(
+        message);
 }
 
 }  // namespace pxpl5::test

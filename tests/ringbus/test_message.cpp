@@ -42,9 +42,9 @@ TEST_SUITE("ringbus/message") {
         time.header.mutate_departure_ns(5);
         other.header.mutate_kind(static_cast<std::uint16_t>(Body::BeginFrame));
         CHECK(contains(refusal(magic), "magic is 1, expected 894"));
-        CHECK(contains(refusal(version), "version is 9, expected 4"));
+        CHECK(contains(refusal(version), "version is 9, expected 5"));
         CHECK(contains(refusal(size), "expected 12"));
-        CHECK(contains(refusal(kind), "kind is 999, expected 36"));
+        CHECK(contains(refusal(kind), "kind is 999, expected 37"));
         CHECK(contains(refusal(none), "kind is 0, expected 1"));
         CHECK(contains(refusal(reserved), "reserved field is 6, expected 0"));
         CHECK(contains(refusal(channel), "channel is 64, expected 63"));

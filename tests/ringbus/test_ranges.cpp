@@ -106,6 +106,10 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_slab(0), "slab is 0, allowed are 1 .. 4094");
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_slab(4095), "slab is 4095");
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[0].mutate_area_mm2(nan_value), "area_mm2 is nan");
+        CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_cells_visited(21),
+                      "cells_active is 22, allowed are at most 21");
+        CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_edges_crossed(71),
+                      "edges_crossed is 71, allowed are at most 70");
         CHECK_REFUSED(MeshPartT, m.slabs[0]->slab = 4095, "slab is 4095");
         CHECK_REFUSED(MeshPartT, m.slabs[0]->origins.push_back(m.slabs[0]->origins[0]),
                       "number of origins is 2, expected 1");
@@ -174,6 +178,28 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(FrameDoneT, m.region_cycles.clear(), "region_cycles is 0, expected 1");
         CHECK_REFUSED(FrameDoneT, m.region_renderers.clear(), "region_renderers is 0, expected 1");
         CHECK_REFUSED(FrameDoneT, m.region_renderers[0] = 256, "a region's Renderer is 256");
+    }
+
+    TEST_CASE("what a frame asked of a node") {
+        CHECK_REFUSED(FrameCountsT, m.drawn[1].mutate_surface(255), "surface is 255");
+        CHECK_REFUSED(FrameCountsT, m.drawn[0].mutate_slab(max_scene_slab + 1), "slab is 1048577");
+        CHECK_REFUSED(FrameCountsT, m.drawn[1].mutate_culled(51),
+                      "culled is 51, allowed are at most 50");
+        CHECK_REFUSED(FrameCountsT, m.drawn[1] = m.drawn[0],
+                      "surface 0, slab 7 comes after surface 0, slab 7");
+        CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_region(8192), "region is 8192");
+        CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_region(6), "region is 5, allowed are 6 ..");
+        CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_kind(static_cast<schema::PartKind>(6)),
+                      "kind is 6");
+        CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_surface(255), "surface is 255");
+        CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_slab(max_scene_slab + 1), "slab is 1048577");
+        CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_primitives(41),
+                      "primitives is 41, allowed are at most 40");
+        // All classes take 150 cycles.
+        CHECK_REFUSED(FrameCountsT, m.parts[1].mutate_port_cycles(151),
+                      "port_cycles is 151, allowed are at most 150");
+        CHECK_REFUSED(FrameCountsT, m.parts[1].mutate_backing_cycles(51),
+                      "backing_cycles beside the port's is 51, allowed are at most 50");
     }
 
     TEST_CASE("what a node has done") {

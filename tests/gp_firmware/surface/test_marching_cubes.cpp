@@ -37,6 +37,9 @@ bool same(const SlabMesh& a, const SlabMesh& b) {
            a.counts.cells_active == b.counts.cells_active &&
            a.counts.cells_ambiguous == b.counts.cells_ambiguous &&
            a.counts.rows_skipped == b.counts.rows_skipped &&
+           a.counts.cells_visited == b.counts.cells_visited &&
+           a.counts.edges_visited == b.counts.edges_visited &&
+           a.counts.edges_crossed == b.counts.edges_crossed &&
            a.counts.area_mm2 == b.counts.area_mm2 && a.counts.volume_mm3 == b.counts.volume_mm3;
 }
 
