@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <utility>
 
@@ -55,6 +56,25 @@ std::size_t body_bytes(std::size_t regions, bool has_pixels, bool wants_depths) 
            body_margin_bytes;
 }
 
+/// As the message has it.
+schema::PartCounts to_wire(std::uint32_t region, const PartCounts& part) {
+    std::array<schema::ClassCounts, isa::class_count> classes;
+    std::ranges::transform(part.executed.classes, classes.begin(), [](const isa::ClassCounts& c) {
+        return schema::ClassCounts(c.instructions, c.cycles);
+    });
+    return {static_cast<std::uint16_t>(region),
+            static_cast<std::uint16_t>(part.surface),
+            static_cast<schema::PartKind>(part.kind),
+            part.slab,
+            part.primitives,
+            part.words,
+            part.executed.port_cycles,
+            part.executed.backing_cycles,
+            flatbuffers::make_span(classes)};
+}
+static_assert(static_cast<int>(schema::PartKind::MAX) ==
+              static_cast<int>(RegionPlan::Kind::end_of_region));
+
 std::uint64_t held_bytes(const FrameMessages& messages) {
     std::uint64_t bytes = messages.begin ? messages.begin->bytes().size() : 0;
     for (const auto& [gp, message] : messages.programs) {
@@ -87,8 +107,9 @@ struct RendererNode::Drawing {
     std::size_t next_region = 0;
     flatbuffers::FlatBufferBuilder body;
     RegionWords pixels, depths;
-    std::vector<schema::RegionTile> tiles;  ///< Of the regions drawn so far.
-    std::vector<schema::FaultT> faults;     ///< Not yet told.
+    std::vector<schema::RegionTile> tiles;   ///< Of the regions drawn so far.
+    std::vector<schema::PartCounts> counts;  ///< Of these, if the host wants them.
+    std::vector<schema::FaultT> faults;      ///< Not yet told.
     std::size_t fault_count = 0;
 
     void note(FaultCode code, std::uint32_t gp, const std::string& reason);
@@ -224,6 +245,9 @@ bool RendererNode::work(bus::Outbox& out) {
     }
     tell_faults(out);
     if (drawing_->next_region == drawing_->plan.regions.size()) {
+        if (std::exchange(drawing_->plan.counts, false)) {
+            send_counts(out);
+        }
         send_pixels(out);
     }
     return true;
@@ -301,11 +325,16 @@ void RendererNode::draw_next_region(bus::StageClock* clock) {
     } else {
         executor_.reset();
     }
-    const RegionResult result = draw_region(executor_, programs, std::move(region.segments), route);
+    const RegionResult result =
+        draw_region(executor_, programs, std::move(region.segments), route,
+                    drawing_->plan.counts ? Counting::each_part : Counting::whole_region);
     drawing.enter(stage::plan);
     executor_.read_out_into({});
     drawing_->tiles.emplace_back(static_cast<std::uint16_t>(region.number), result.counts.cycles,
                                  result.counts.instructions);
+    for (const PartCounts& part : result.parts) {
+        drawing_->counts.push_back(to_wire(region.number, part));
+    }
     for (const SegmentFault& fault : result.faults) {
         drawing_->note(
             FaultCode::bad_instruction, fault.gp,
@@ -320,6 +349,13 @@ void RendererNode::tell_faults(bus::Outbox& out) {
         out.send(bus::host_id, bus::pack(fault));
     }
     drawing_->faults.clear();
+}
+
+void RendererNode::send_counts(bus::Outbox& out) {
+    schema::FrameCountsT counts;
+    counts.frame = drawing_->plan.frame;
+    counts.parts = std::move(drawing_->counts);
+    out.send(bus::host_id, bus::pack(counts));
 }
 
 void RendererNode::send_pixels(bus::Outbox& out) {

@@ -1,7 +1,7 @@
 // One Renderer: takes opcode streams for its regions, executes them, sends the finished regions.
 //
 //   BeginFrame     --->+----------+---> RegionPixels   (to the frame buffer)
-//   RegionPrograms --->| Renderer |
+//   RegionPrograms --->| Renderer |---> FrameCounts    (to the host, if it asked for them)
 //   Topology       --->+----------+---> Fault          (to the host)
 #pragma once
 
@@ -48,6 +48,7 @@ class RendererNode final : public bus::Node {
     void start_next(bus::Outbox& out);
     bool goes_on_from_sums(bus::Outbox& out);
     void draw_next_region(bus::StageClock* clock);
+    void send_counts(bus::Outbox& out);
     void send_pixels(bus::Outbox& out);
     void tell_faults(bus::Outbox& out);
 

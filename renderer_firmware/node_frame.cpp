@@ -101,6 +101,7 @@ FramePlan plan_frame(const FrameMessages& messages, std::uint32_t renderer) {
     const auto& begin = *messages.begin->as<schema::BeginFrame>();
     FramePlan plan;
     plan.frame = begin.draw()->frame();
+    plan.counts = begin.draw()->counts();
     const Shading shading = shading_of(*begin.draw());
     plan.pass = shading.pass;
     plan.programs = region_programs(shading, begin.draw()->read_depths());

@@ -37,6 +37,7 @@ struct FramePlan {
         std::vector<Segment> segments;  ///< Of all GPs, as they came.
     };
     std::uint32_t frame = 0;
+    bool counts = false;  ///< The host wants each part's.
     Pass pass;
     RegionPrograms programs;
     std::vector<Region> regions;  ///< This Renderer's own, ascending.

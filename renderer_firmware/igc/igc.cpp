@@ -20,16 +20,34 @@ std::optional<isa::ProgramError> Igc::check(std::span<const std::uint32_t> words
     return only_triangles(words) ? std::nullopt : isa::check(words).error;
 }
 
-Outcome Igc::run_checked(std::span<const std::uint32_t> words) {
+template <typename Run>
+Outcome Igc::run_to_end(std::span<const std::uint32_t> words, const Run& run) {
     Outcome outcome;
     isa::Sequencer sequencer(words, executor_, controller_);
     try {
-        sequencer.run();
+        run(sequencer);
     } catch (const isa::RunError& error) {
         outcome.error = isa::ProgramError{sequencer.at(), error.what()};
     }
     outcome.counts = sequencer.counts();
     return outcome;
+}
+
+Outcome Igc::run_checked(std::span<const std::uint32_t> words) {
+    return run_to_end(words, [](isa::Sequencer& sequencer) { sequencer.run(); });
+}
+
+Outcome Igc::run_counted(std::span<const std::uint32_t> words, isa::InstructionCounts& executed) {
+    if (isa::runs_straight(words)) {
+        executed += isa::count_text(words);
+        return run_checked(words);
+    }
+    return run_to_end(words, [&](isa::Sequencer& sequencer) {
+        while (!sequencer.done()) {
+            executed.add(*isa::decode(words[sequencer.at()]));
+            sequencer.step();
+        }
+    });
 }
 
 Outcome Igc::run(std::span<const std::uint32_t> words) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "isa/instruction_counts.hpp"
 #include "isa/program.hpp"
 #include "isa/sequencer.hpp"
 
@@ -26,10 +27,16 @@ class Igc {
     /// Runs `words`, which have passed check(), to their end.
     Outcome run_checked(std::span<const std::uint32_t> words);
 
+    /// As run_checked(), and adds what was executed to `executed`: for one who counts, slower.
+    Outcome run_counted(std::span<const std::uint32_t> words, isa::InstructionCounts& executed);
+
     /// Checks `words` and, if they are a program, runs them to their end. Nothing runs otherwise.
     Outcome run(std::span<const std::uint32_t> words);
 
   private:
+    template <typename Run>
+    Outcome run_to_end(std::span<const std::uint32_t> words, const Run& run);
+
     isa::Executor& executor_;
     isa::Controller controller_;
 };

@@ -36,6 +36,28 @@ bool uses_backing_store(Words words) {
     return false;
 }
 
+/// Each primitive begins with SETENABS, and has but one.
+std::uint32_t count_primitives(Words words) {
+    std::uint32_t count = 0;
+    for (std::size_t at = 0; at < words.size(); at += isa::instruction_words(words[at])) {
+        count += isa::decode(words[at])->op == isa::Op::set_enabs ? 1 : 0;
+    }
+    return count;
+}
+
+/// What is known of a part before it runs.
+PartCounts counts_of(const RegionPlan::Part& part) {
+    PartCounts counts;
+    counts.kind = part.kind;
+    counts.surface = part.segment.surface;
+    counts.slab = part.segment.slab;
+    if (part.kind == RegionPlan::Kind::segment) {
+        counts.primitives = count_primitives(part.segment.words);
+        counts.words = static_cast<std::uint32_t>(part.segment.words.size());
+    }
+    return counts;
+}
+
 /// Puts parts into a plan, and doors around the segments of transparent surfaces.
 class Planner {
   public:
@@ -130,15 +152,20 @@ RegionPlan plan_region(const RegionFrame& frame, std::vector<Segment> segments) 
 }
 
 RegionResult draw_region(isa::Executor& executor, const RegionFrame& frame,
-                         std::vector<Segment> segments, const PartWatcher& before_part) {
+                         std::vector<Segment> segments, const PartWatcher& before_part,
+                         Counting counting) {
     RegionPlan plan = plan_region(frame, std::move(segments));
-    RegionResult result{{}, std::move(plan.faults)};
+    RegionResult result{{}, std::move(plan.faults), {}};
     Igc igc(executor);
     for (const RegionPlan::Part& part : plan.parts) {
         if (before_part) {
             before_part(part.kind);
         }
-        const Outcome outcome = igc.run_checked(part.segment.words);
+        const Outcome outcome =
+            counting == Counting::whole_region
+                ? igc.run_checked(part.segment.words)
+                : igc.run_counted(part.segment.words,
+                                  result.parts.emplace_back(counts_of(part)).executed);
         add(result.counts, outcome.counts);
         if (outcome.error) {
             result.faults.push_back(

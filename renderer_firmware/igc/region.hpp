@@ -31,11 +31,6 @@ struct SegmentFault {
     std::string reason;
 };
 
-struct RegionResult {
-    isa::RunCounts counts;
-    std::vector<SegmentFault> faults;
-};
-
 /// What runs before and behind a transparent surface's segments.
 struct Door {
     std::uint32_t surface = 0;
@@ -79,13 +74,32 @@ struct RegionPlan {
 /// segment that is no program is left out.
 RegionPlan plan_region(const RegionFrame& frame, std::vector<Segment> segments);
 
+/// What one part of a region executed.
+struct PartCounts {
+    RegionPlan::Kind kind = RegionPlan::Kind::segment;
+    std::uint32_t surface = 0;  ///< Of a segment and of doors.
+    std::uint32_t slab = 0;     ///< Of a segment, as are the next two.
+    std::uint32_t primitives = 0, words = 0;
+    isa::InstructionCounts executed;
+};
+
+struct RegionResult {
+    isa::RunCounts counts;
+    std::vector<SegmentFault> faults;
+    std::vector<PartCounts> parts;  ///< In order; empty unless they are counted.
+};
+
+enum class Counting : std::uint8_t { whole_region, each_part };
+
 /// Called before a part runs: what is read out then is that part's.
 using PartWatcher = std::function<void(RegionPlan::Kind)>;
 
 /// Draws a region as planned on `executor`, with a fresh controller. A segment that cannot run to
 /// its end is left where it stopped; the rest of the region is drawn. The pixels leave through the
 /// executor's readout, after the depths if these are wanted.
+/// counting  Counting each part costs time where a part's flow depends on pixels.
 RegionResult draw_region(isa::Executor& executor, const RegionFrame& frame,
-                         std::vector<Segment> segments, const PartWatcher& before_part = {});
+                         std::vector<Segment> segments, const PartWatcher& before_part = {},
+                         Counting counting = Counting::whole_region);
 
 }  // namespace pxpl5::renderer
