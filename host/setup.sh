@@ -9,7 +9,7 @@ packages=(
     libglm-dev libhwy-dev libuv1-dev libedit-dev libcli11-dev libfmt-dev nlohmann-json3-dev
     libopenimageio-dev libgdcm-dev zlib1g-dev libbz2-dev libpng-dev libzstd-dev
     libcairo2-dev fonts-dejavu-core libmeshoptimizer-dev libassimp-dev
-    libwebsockets-dev libturbojpeg0-dev node-d3
+    libwebsockets-dev libturbojpeg0-dev node-d3 libnlopt-dev
     doctest-dev libbenchmark-dev
 )
 if [ "${1:-}" = tests ]; then

@@ -1,0 +1,31 @@
+#include "host/timing/paper_case.hpp"
+
+#include <cassert>
+
+namespace pxpl5::host::timing {
+
+namespace {
+
+constexpr double ns_per_ms = 1e6;
+
+}  // namespace
+
+double error_percent(double modelled, double stated) {
+    assert(stated != 0);
+    return 100 * (modelled - stated) / stated;
+}
+
+CaseTime time_of(const Machine& machine, const PaperCase& paper_case) {
+    const RunTime run = simulate(machine, {{paper_case.volume, paper_case.build}, {}});
+    const StepTime& build = run.steps.back();
+    CaseTime time;
+    time.built_ms = static_cast<double>(build.end - build.begin) / ns_per_ms;
+    time.build_limit = build.limit;
+    time.rate = frame_rate(machine, paper_case.frame);
+    const PaperResult& paper = paper_case.row.paper;
+    time.built_error_percent = error_percent(time.built_ms, paper.built_ms);
+    time.rate_error_percent = error_percent(time.rate.frames_per_s, paper.frames_per_s);
+    return time;
+}
+
+}  // namespace pxpl5::host::timing
