@@ -83,7 +83,7 @@ std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage)
 
 bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t frame,
                            std::span<const std::uint64_t> region_costs, ReadBack read_back,
-                           Pass pass) {
+                           Pass pass, bool counts) {
     schema::DrawFrameT draw;
     draw.frame = frame;
     draw.width = static_cast<std::uint32_t>(scene.size.width);
@@ -110,6 +110,7 @@ bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t
     draw.read_back = pass.is_last();
     draw.sample = static_cast<std::uint8_t>(pass.sample);
     draw.samples = static_cast<std::uint8_t>(pass.samples);
+    draw.counts = counts;
     draw.region_costs.assign(region_costs.begin(), region_costs.end());
     return bus::pack(draw);
 }

@@ -43,8 +43,10 @@ enum class ReadBack : std::uint8_t { pixels, pixels_and_depths };
 /// for
 ///                all passes of a picture, so that each region stays at its Renderer.
 /// read_back      Of a pass: what its picture's last carries.
+/// counts         Whether GPs and Renderers send FrameCounts.
 bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t frame,
                            std::span<const std::uint64_t> region_costs,
-                           ReadBack read_back = ReadBack::pixels, Pass pass = {});
+                           ReadBack read_back = ReadBack::pixels, Pass pass = {},
+                           bool counts = false);
 
 }  // namespace pxpl5::host

@@ -101,6 +101,8 @@ void Session::on_message(const bus::Message& message) {
         on_fault(*fault);
     } else if (const auto* frame = message.as<schema::FrameDone>()) {
         on_frame_done(*frame);
+    } else if (message.kind() == bus::Body::FrameCounts) {
+        on_frame_counts(message);
     } else if (const auto* header = message.as<schema::VolumeHeader>()) {
         receiver_.emplace().begin(*header);
     } else if (const auto* slices = message.as<schema::Slices>(); slices != nullptr && receiver_) {

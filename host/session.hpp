@@ -48,9 +48,10 @@ struct SurfaceReport {
     std::int64_t triangles = 0, vertices = 0;
     std::int64_t cells_active = 0, cells_ambiguous = 0, rows_skipped = 0;
     double area_mm2 = 0;
-    double volume_mm3 = 0;          ///< Of the inside, closed by the volume's faces.
-    double elapsed_ms = 0;          ///< Command to the last GP's acknowledgement.
-    std::int64_t memory_bytes = 0;  ///< In use over all GPs afterwards.
+    double volume_mm3 = 0;                         ///< Of the inside, closed by the volume's faces.
+    double elapsed_ms = 0;                         ///< Command to the last GP's acknowledgement.
+    std::int64_t memory_bytes = 0;                 ///< In use over all GPs afterwards.
+    std::vector<bus::schema::SlabCounts> slabs{};  ///< Ascending.
 };
 
 /// Of a picture of several samples: all its passes together.
@@ -62,6 +63,15 @@ struct FrameReport {
     int region_columns = 0, region_rows = 0;      ///< Rows over all views.
     std::vector<std::uint64_t> region_cycles;     ///< Modelled, by region.
     std::vector<std::uint16_t> region_renderers;  ///< Index of who drew it, by region.
+};
+
+/// A frame, and what each GP and Renderer tells of it.
+struct CountedFrame {
+    std::uint32_t frame = 0;
+    std::uint32_t width = 0, height = 0, views = 1;  ///< Pixels of a view.
+    Pass pass;
+    std::vector<std::uint16_t> region_renderers;  ///< Index of who drew it, by region.
+    std::map<bus::NodeId, bus::schema::FrameCountsT> counts;
 };
 
 struct LoadReport {
@@ -176,6 +186,8 @@ class Session {
     /// soon as the passes under way have come. Throws RequestError (failed) as drawing does, and if
     /// the Renderers have no room for the sums: see max_samples().
     std::optional<Picture> draw_samples(int samples, const std::function<bool()>& go_on = {});
+    /// Draws the scene, and drops the picture: one frame for each sample a pixel, in their order.
+    std::vector<CountedFrame> draw_counted();
     /// The most samples that the machine can draw a picture of the scene's size with.
     int max_samples() const;
     /// Draws `frames` frames, the azimuth growing by 360/frames each, `in_flight` (1 or 2) at a
@@ -276,6 +288,8 @@ class Session {
     void on_fault(const bus::schema::Fault& fault);
     void on_answer(const bus::Message& message);
     void on_frame_done(const bus::schema::FrameDone& done);
+    void on_frame_counts(const bus::Message& message);
+    bool is_counted(const CountedFrame& frame) const;
     /// Pumps until `done`; then throws the first fault that came meanwhile, if any.
     void wait(const std::string& what, const std::function<bool()>& done);
     /// Sends `request` to every GP and waits until each has answered.
@@ -303,7 +317,7 @@ class Session {
     WeldedMesh drawn_mesh(const Surface& surface);
     /// Masks what the filter leaves out. Returns as set_components().
     std::pair<std::size_t, std::size_t> apply_filter(const Surface& surface);
-    void submit_frame(ReadBack read_back = ReadBack::pixels, Pass pass = {});
+    void submit_frame(ReadBack read_back = ReadBack::pixels, Pass pass = {}, bool counts = false);
     /// Waits until at most `count` frames are under way.
     void wait_for_frames(std::size_t count);
     Picture take_frame();  ///< The oldest frame under way.
@@ -324,6 +338,7 @@ class Session {
     std::map<std::string, SurfaceReport, std::less<>> reports_;
     std::deque<PendingFrame> pending_;
     std::deque<Picture> finished_;
+    std::vector<CountedFrame> counted_;         ///< Being drawn.
     std::vector<std::uint32_t> depths_;         ///< Of the newest frame that was asked for them.
     std::vector<std::uint64_t> region_costs_;   ///< Of the newest frame.
     std::vector<std::uint64_t> picture_costs_;  ///< By which the newest picture is shared out.

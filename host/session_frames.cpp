@@ -1,4 +1,5 @@
 // What a session does with frames: asks for them, two in flight, and takes them.
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <span>
@@ -50,13 +51,13 @@ Stage Session::stage() const {
             !held.gap_slabs.empty()};
 }
 
-void Session::submit_frame(ReadBack read_back, Pass pass) {
+void Session::submit_frame(ReadBack read_back, Pass pass, bool counts) {
     if (pass.sample == 0) {
         picture_costs_ = region_costs_;
         picture_started_ns_ = now_ns();
     }
     const bus::Payload request =
-        frame_request(scene, stage(), next_frame_, picture_costs_, read_back, pass);
+        frame_request(scene, stage(), next_frame_, picture_costs_, read_back, pass, counts);
     pending_.push_back({next_frame_++, picture_started_ns_, pass});
     machine_.send(machine_.gp_ids().front(), request);
 }
@@ -71,6 +72,12 @@ void Session::on_frame_done(const schema::FrameDone& done) {
         last_frame_ = {};
     }
     add_pass(done, last_frame_);
+    if (const auto counted = std::ranges::find(counted_, done.frame(), &CountedFrame::frame);
+        counted != counted_.end()) {
+        counted->views = done.views();
+        counted->region_renderers.assign(done.region_renderers()->begin(),
+                                         done.region_renderers()->end());
+    }
     last_frame_.elapsed_ms = ms_since(pending.started_ns);
     region_costs_.assign(done.region_cycles()->begin(), done.region_cycles()->end());
     if (done.pixels() != nullptr) {

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "host/error.hpp"
 #include "host/nearest.hpp"
@@ -15,7 +16,7 @@ namespace {
 namespace schema = bus::schema;
 
 /// Sums in slab order, so that rounding does not depend on which GP held which slab.
-SurfaceReport sum_slabs(std::vector<schema::SlabCounts>& slabs) {
+SurfaceReport sum_slabs(std::vector<schema::SlabCounts> slabs) {
     std::sort(slabs.begin(), slabs.end(),
               [](const auto& p, const auto& q) { return p.slab() < q.slab(); });
     SurfaceReport report;
@@ -28,6 +29,7 @@ SurfaceReport sum_slabs(std::vector<schema::SlabCounts>& slabs) {
         report.area_mm2 += slab.area_mm2();
         report.volume_mm3 += slab.volume_mm3();
     }
+    report.slabs = std::move(slabs);
     return report;
 }
 
@@ -144,7 +146,7 @@ SurfaceReport Session::finish_surface(Building& building) {
         }
         throw;
     }
-    SurfaceReport report = sum_slabs(building.slabs);
+    SurfaceReport report = sum_slabs(std::move(building.slabs));
     report.elapsed_ms = ms_since(building.start_ns);
     report.memory_bytes = building.memory_bytes;
     reports_.insert_or_assign(building.name, report);
