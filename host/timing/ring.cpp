@@ -1,11 +1,16 @@
 #include "host/timing/ring.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <tuple>
 
 namespace pxpl5::host::timing {
+
+namespace {
+constexpr std::size_t bits = 64;  ///< Of a part of Ring::senders_.
+}
 
 Ring::Ring(const Machine& machine, const Costs& costs, Events& events, std::size_t places)
     : costs_(costs),
@@ -16,6 +21,7 @@ Ring::Ring(const Machine& machine, const Costs& costs, Events& events, std::size
       fifo_words_(std::max(message_words_, static_cast<std::uint32_t>(machine.ring_fifo_words))),
       hop_ns_(machine.ring_hop_ns),
       ports_(places),
+      senders_((places + bits - 1) / bits),
       channels_(static_cast<std::size_t>(machine.ring_channels)) {
     assert(message_words_ >= 1);
     assert(!channels_.empty());
@@ -40,9 +46,13 @@ void Ring::send(const RingMessage& message) {
 }
 
 void Ring::release(Place place, std::uint32_t words) {
-    assert(ports_[place].fifo >= words);
-    ports_[place].fifo -= words;
-    arbitrate();
+    Port& port = ports_[place];
+    assert(port.fifo >= words);
+    const bool may_have_refused = port.fifo + message_words_ > fifo_words_;
+    port.fifo -= words;
+    if (may_have_refused) {
+        arbitrate();
+    }
 }
 
 void Ring::open(Place place, std::uint32_t gate) {
@@ -62,7 +72,9 @@ bool Ring::accepts(const Transfer& transfer) const {
 }
 
 void Ring::wait(std::uint32_t transfer) {
-    ports_[transfers_[transfer].message.source].waiting.push_back({events_.now(), transfer});
+    const Place source = transfers_[transfer].message.source;
+    ports_[source].waiting.push_back({events_.now(), transfer});
+    senders_[source / bits] |= std::uint64_t{1} << source % bits;
     arbitrate();
 }
 
@@ -72,30 +84,40 @@ void Ring::arbitrate() {
 }
 
 bool Ring::start_longest_waiting() {
-    Port* from = nullptr;
-    std::size_t best = 0;
-    for (Port& port : ports_) {
-        if (port.sends) {
-            continue;
-        }
-        for (std::size_t i = 0; i < port.waiting.size(); ++i) {
-            if (from != nullptr && port.waiting[i].since >= from->waiting[best].since) {
-                break;  // Ties go to the lower place.
-            }
-            if (accepts(transfers_[port.waiting[i].transfer])) {
-                from = &port;
-                best = i;
-                break;
+    Place from = 0;
+    const Waiting* longest = nullptr;
+    for (std::size_t part = 0; part < senders_.size(); ++part) {
+        for (std::uint64_t left = senders_[part]; left != 0; left &= left - 1) {
+            const std::size_t place = part * bits + static_cast<std::size_t>(std::countr_zero(left));
+            const Waiting* waiting = longest_waiting(ports_[place]);
+            // Ties go to the lower place.
+            if (waiting != nullptr && (longest == nullptr || waiting->since < longest->since)) {
+                from = static_cast<Place>(place);
+                longest = waiting;
             }
         }
     }
-    if (from == nullptr) {
+    if (longest == nullptr) {
         return false;
     }
-    const std::uint32_t transfer = from->waiting[best].transfer;
-    from->waiting.erase(from->waiting.begin() + static_cast<std::ptrdiff_t>(best));
+    std::vector<Waiting>& waiting = ports_[from].waiting;
+    const std::uint32_t transfer = longest->transfer;
+    waiting.erase(waiting.begin() + (longest - waiting.data()));
+    if (waiting.empty()) {
+        senders_[from / bits] &= ~(std::uint64_t{1} << from % bits);
+    }
     start(transfer);
     return true;
+}
+
+const Ring::Waiting* Ring::longest_waiting(const Port& port) const {
+    if (port.sends) {
+        return nullptr;
+    }
+    const auto found = std::ranges::find_if(port.waiting, [this](const Waiting& waiting) {
+        return accepts(transfers_[waiting.transfer]);
+    });
+    return found == port.waiting.end() ? nullptr : &*found;
 }
 
 void Ring::start(std::uint32_t index) {

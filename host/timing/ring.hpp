@@ -73,6 +73,8 @@ class Ring {
     /// Lets packets go that may, longest waiting first.
     void arbitrate();
     bool start_longest_waiting();
+    /// Of those that may leave from a port now; null if there is none.
+    const Waiting* longest_waiting(const Port& port) const;
     void start(std::uint32_t transfer);
     void end(Flight flight);
     void arrive(std::uint32_t transfer, std::uint32_t words);
@@ -83,6 +85,7 @@ class Ring {
     std::uint32_t header_words_, message_words_, fifo_words_;
     double hop_ns_;
     std::vector<Port> ports_;
+    std::vector<std::uint64_t> senders_;  ///< A bit a place: packets wait there.
     std::vector<Meter> channels_;
     std::deque<std::uint16_t> free_channels_;  ///< Longest free first.
     std::vector<Transfer> transfers_;
