@@ -88,7 +88,8 @@ bool Ring::start_longest_waiting() {
     const Waiting* longest = nullptr;
     for (std::size_t part = 0; part < senders_.size(); ++part) {
         for (std::uint64_t left = senders_[part]; left != 0; left &= left - 1) {
-            const std::size_t place = part * bits + static_cast<std::size_t>(std::countr_zero(left));
+            const std::size_t place =
+                part * bits + static_cast<std::size_t>(std::countr_zero(left));
             const Waiting* waiting = longest_waiting(ports_[place]);
             // Ties go to the lower place.
             if (waiting != nullptr && (longest == nullptr || waiting->since < longest->since)) {

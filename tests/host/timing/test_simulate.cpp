@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "host/error.hpp"
 #include "host/timing/simulate.hpp"
 #include "tests/host/timing/machines.hpp"
@@ -50,15 +52,18 @@ TEST_CASE("a frame of one region takes what its steps take, one behind the other
     SUBCASE("a picture is shown at the first retrace behind its last pixel") {
         // 16 packets of 1026 words: 821 us more; the first retrace of 50 Hz is at 20 ms.
         CHECK(simulate(one_of_each(), {{frame}, {}}).steps[0].end == 20'000'000);
-        Machine machine = one_of_each();
-        // 0.5 us before and behind the time of the last pixel.
+        // Half a microsecond before the last pixel and behind it.
+        const auto shown_at = [&](double refresh_s) {
+            Machine machine = one_of_each();
+            machine.frame_buffer_refresh_hz = 1 / refresh_s;
+            return static_cast<double>(simulate(machine, {{frame}, {}}).steps[0].end) * 1e-9;
+        };
         constexpr double last_pixel_s = (drawn + 16 * 1026 * 50 + 50) * 1e-9;
-        machine.frame_buffer_refresh_hz = 1 / (last_pixel_s + 0.5e-6);
-        const Ns once = simulate(machine, {{frame}, {}}).steps[0].end;
-        CHECK(once > drawn);
-        machine.frame_buffer_refresh_hz = 1 / (last_pixel_s - 0.5e-6);
-        const Ns twice = simulate(machine, {{frame}, {}}).steps[0].end;
-        CHECK(twice > once + once / 2);
+        constexpr double half_us = 0.5e-6, ns = 1e-9;
+        const double later = shown_at(last_pixel_s + half_us);
+        CHECK(std::abs(later - (last_pixel_s + half_us)) <= ns);
+        const double too_late = shown_at(last_pixel_s - half_us);
+        CHECK(std::abs(too_late - 2 * (last_pixel_s - half_us)) <= ns);
     }
 }
 
