@@ -76,7 +76,7 @@ void Replay::start(std::size_t step, const FrameWork& frame) {
     for (std::size_t region = 0; region < plan_->regions(); ++region) {
         costs_before_.push_back(plan_->region(region).cycles);
     }
-    run.complete = [this, step] { times_[step].complete = hardware_.events.now(); };
+    run.complete = [this, step] { times_[step].complete = snapshot(hardware_); };
     run.shown = [this, step] { end(step); };
     run.known = [this, step] { known(step); };
     frames_.draw(std::move(run));
@@ -88,8 +88,8 @@ void Replay::end(std::size_t step) {
 
 void Replay::known(std::size_t step) {
     if (!std::holds_alternative<const FrameWork*>(refs_[step])) {
-        times_[step].complete = hardware_.events.now();
         end(step);
+        times_[step].complete = times_[step].end;
     }
     times_[step].known = hardware_.events.now();
     --under_way_;

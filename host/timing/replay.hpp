@@ -29,9 +29,9 @@ class Replay {
     /// A step's times. Of what is no frame the last three are the same.
     struct Step {
         Snapshot begin;
-        Ns complete = 0;  ///< The frame buffer has the last pixel.
-        Snapshot end;     ///< The frame is shown.
-        Ns known = 0;     ///< To the host.
+        Snapshot complete;  ///< The frame buffer has the last pixel.
+        Snapshot end;       ///< The frame is shown.
+        Ns known = 0;       ///< To the host.
     };
     const std::vector<Step>& steps() const { return times_; }
     const Hardware& hardware() const { return hardware_; }

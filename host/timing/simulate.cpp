@@ -39,18 +39,19 @@ constexpr std::size_t settling_frames = 4, window_frames = 12;
 }  // namespace
 
 Rate frame_rate(const Machine& machine, const FrameWork& frame) {
-    const std::size_t warm_up =
-        settling_frames + static_cast<std::size_t>(machine.frames_in_flight);
-    const std::vector<StepRef> steps(warm_up + window_frames + 1, StepRef(&frame));
+    const auto in_flight = static_cast<std::size_t>(machine.frames_in_flight);
+    const std::size_t begin = settling_frames + in_flight, end = begin + window_frames;
+    // Those behind keep the machine as busy as before.
+    const std::vector<StepRef> steps(end + 1 + in_flight, StepRef(&frame));
     Replay replay(machine, steps);
     replay.run();
-    const Replay::Step &first = replay.steps()[warm_up], &last = replay.steps().back();
+    const Replay::Step &first = replay.steps()[begin], &last = replay.steps()[end];
     Rate rate;
     constexpr double ns_per_s = 1e9;
     rate.frames_per_s = static_cast<double>(window_frames) * ns_per_s /
-                        static_cast<double>(last.complete - first.complete);
+                        static_cast<double>(last.complete.time - first.complete.time);
     rate.latency = last.known - last.begin.time;
-    rate.use = use_between(replay.hardware(), first.end, last.end);
+    rate.use = use_between(replay.hardware(), first.complete, last.complete);
     rate.limit = limit_of(rate.use);
     return rate;
 }

@@ -58,10 +58,11 @@ RunTime simulate(const Machine& machine, const RunWork& run);
 struct Rate {
     /// 12 frames by the time from the last pixel of one to that of the twelfth behind it. Frames
     /// are shown at retraces, so that intervals between them vary; those between last pixels do so
-    /// only if a frame waits for an earlier one's retrace, in patterns of a few frames.
+    /// only if a frame waits for an earlier one's retrace, in patterns of a few frames. Within 0.5
+    /// % of the mean over 240 frames, for machines and loads around the paper's.
     double frames_per_s = 0;
-    Ns latency = 0;            ///< Of the last frame: from the command to the host's knowledge.
-    std::vector<UnitUse> use;  ///< From one of these frames shown to the other.
+    Ns latency = 0;            ///< Of the last of them: from the command to the host's knowledge.
+    std::vector<UnitUse> use;  ///< In that time.
     Unit limit{};
 };
 /// Throws as simulate().
