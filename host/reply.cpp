@@ -1,6 +1,10 @@
 #include "host/reply.hpp"
 
+#include <fmt/format.h>
+
+#include <cassert>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 namespace pxpl5::host {
 
@@ -33,6 +37,27 @@ Json to_json(const Fields& fields) {
     return object;
 }
 
+/// A cell of a CSV table.
+struct ToCell {
+    std::string operator()(std::nullptr_t) const { return ""; }
+    std::string operator()(bool value) const { return value ? "true" : "false"; }
+    std::string operator()(const std::string& value) const {
+        std::string quoted = "\"";
+        for (const char c : value) {
+            quoted += c == '"' ? "\"\"" : std::string(1, c);
+        }
+        return quoted + "\"";
+    }
+    template <typename T>
+    std::string operator()(const T& value) const {
+        if constexpr (std::is_arithmetic_v<T>) {
+            return fmt::format("{}", value);
+        }
+        assert(false);
+        return "";
+    }
+};
+
 /// One line whatever the bytes: names of files need not be UTF-8.
 std::string dump(const Json& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -42,6 +67,22 @@ std::string dump(const Json& json) {
 
 std::string json_text(const Fields& fields) {
     return dump(to_json(fields));
+}
+
+std::string csv_heading(const Fields& fields) {
+    std::string line;
+    for (const Field& field : fields) {
+        line += (line.empty() ? "" : ",") + field.name;
+    }
+    return line + "\n";
+}
+
+std::string csv_line(const Fields& fields) {
+    std::string line;
+    for (const Field& field : fields) {
+        line += (&field == fields.data() ? "" : ",") + std::visit(ToCell{}, field.value);
+    }
+    return line + "\n";
 }
 
 std::string json_line(const std::string& command, const Reply& reply, double elapsed_ms) {

@@ -28,6 +28,11 @@ struct Reply {
 /// As a JSON object on one line.
 std::string json_text(const Fields& fields);
 
+/// A line of a CSV table, and the one above the first: texts in quotes, quotes doubled; null is
+/// empty. Both end with a newline. No field holds a list.
+std::string csv_heading(const Fields& fields);
+std::string csv_line(const Fields& fields);
+
 /// The outcome of one command line as one JSON object on one line:
 /// {"command", "ok", "result" or "error", "ms"}.
 std::string json_line(const std::string& command, const Reply& reply, double elapsed_ms);

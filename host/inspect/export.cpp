@@ -35,27 +35,6 @@ Fields fields_of(const RecordedRun& run, const MessageRef& ref) {
     return fields;
 }
 
-/// A field of a CSV file: texts in quotes, quotes doubled.
-std::string csv_of(const FieldValue& value) {
-    if (const auto* number = std::get_if<std::int64_t>(&value)) {
-        return std::to_string(*number);
-    }
-    std::string quoted = "\"";
-    for (const char c : std::get<std::string>(value)) {
-        quoted += c == '"' ? "\"\"" : std::string(1, c);
-    }
-    return quoted + "\"";
-}
-
-void put_csv(const Fields& fields, bool is_first, TextOutput& output) {
-    std::string heading, line;
-    for (const Field& field : fields) {
-        heading += (heading.empty() ? "" : ",") + field.name;
-        line += (line.empty() ? "" : ",") + csv_of(field.value);
-    }
-    output.put(is_first ? heading + "\n" + line + "\n" : line + "\n");
-}
-
 void put_messages(const RecordedRun& run, const Selection& selection, bool as_json,
                   TextOutput& output) {
     output.put(as_json ? "[" : "");
@@ -65,7 +44,7 @@ void put_messages(const RecordedRun& run, const Selection& selection, bool as_js
         if (as_json) {
             output.put((is_first ? "\n" : ",\n") + json_text(fields));
         } else {
-            put_csv(fields, is_first, output);
+            output.put((is_first ? csv_heading(fields) : "") + csv_line(fields));
         }
         is_first = false;
     }

@@ -36,4 +36,16 @@ TEST_SUITE("host/reply") {
         CHECK(json["error"] == "no file");
         CHECK(json["exit_code"] == 65);
     }
+
+    TEST_CASE("a line of CSV has a cell for every field") {
+        const Fields fields{{"name", std::string("a \"b\", c")},
+                            {"ms", 0.1},
+                            {"count", std::int64_t{-3}},
+                            {"held_back", true},
+                            {"wall_ms", nullptr},
+                            {"limit", std::string()}};
+        CHECK(csv_heading(fields) == "name,ms,count,held_back,wall_ms,limit\n");
+        CHECK(csv_line(fields) == "\"a \"\"b\"\", c\",0.1,-3,true,,\"\"\n");
+        CHECK(csv_line({{"wall_ms", nullptr}, {"ms", 1.0}}) == ",1\n");
+    }
 }
