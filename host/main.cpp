@@ -9,9 +9,9 @@
 #include "host/error.hpp"
 #include "host/inspect/cli.hpp"
 #include "host/machine/machine.hpp"
-#include "host/paper_report.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/phigs/archive.hpp"
+#include "host/report/report.hpp"
 #include "host/script.hpp"
 #include "host/serve/serve.hpp"
 #include "host/version.hpp"
@@ -65,12 +65,13 @@ struct MachineFlags {
 
 struct Flags {
     MachineFlags machine;
-    bool json = false, dry_run = false, keep_going = false, paper = false;
-    std::string script, volume, view, size, output, pictures;
+    bool json = false, dry_run = false, keep_going = false;
+    std::string script, volume, view, size, output;
     std::vector<std::string> commands, surfaces, load_words;
     std::optional<double> isovalue;
     int samples = 1;
     serve::ServerOptions server;
+    report::ReportOptions report;
 };
 
 Arguments command(std::string name, std::vector<std::string> words,
@@ -213,15 +214,38 @@ int serve_viewer(const Flags& flags) {
     return serve::serve(options);
 }
 
-int report(const Flags& flags) {
-    if (!flags.paper) {
-        throw RequestError(ExitCode::usage, "report needs --paper: there is no other report");
-    }
-    return flags.machine.with_session([&](Session& session, MachinePort&) {
-        session.will_write = !flags.pictures.empty();
-        report_paper(session, size_text(flags.machine.plan()), flags.pictures);
+/// --topology and --set are of the modelled machine; the default one draws.
+int run_report(const Flags& flags, bool has_topology) {
+    const Topology modelled = load_topology(has_topology ? flags.machine.topology : "paper-1993",
+                                            flags.machine.overrides);
+    report::check(flags.report);
+    MachineFlags draws = flags.machine;
+    draws.topology = MachineFlags().topology;
+    draws.overrides.clear();
+    return draws.with_session([&](Session& session, MachinePort&) {
+        session.will_write = !flags.report.pictures.empty();
+        report::run_report(session, flags.report, modelled, size_text(draws.plan()));
         return 0;
     });
+}
+
+CLI::App* declare_report(CLI::App& parent, report::ReportOptions& options) {
+    CLI::App* app = parent.add_subcommand(
+        "report",
+        "The paper's results, modelled and measured; --topology and --set say what is "
+        "modelled (paper-1993 if not given)");
+    app->add_flag("--paper", options.paper, "The paper's results table, run again");
+    app->add_flag("--scaling", options.scaling, "Modelled speed-up with 1 to 64 GPs and Renderers");
+    app->add_option("rows", options.rows, "Only these: pelvis/skin, pelvis/muscle, ...");
+    app->add_option("--data", options.data, "Folder of real volumes with the paper's loads");
+    app->add_flag("--sensitivity", options.sensitivity,
+                  "How modelled figures change with each parameter");
+    app->add_flag("--fit", options.fit, "Fit the parameters that are fitted once more");
+    app->add_flag("--json", options.json, "One JSON object instead of text");
+    app->add_option("--csv", options.csv, "Table to write");
+    app->add_option("--picture", options.picture, "Plot to write, as SVG");
+    app->add_option("--pictures", options.pictures, "Folder for pictures of the surfaces");
+    return app;
 }
 
 /// Declares the subcommands. Exactly one of them, or none, is then parsed.
@@ -269,9 +293,7 @@ void declare(CLI::App& app, Flags& flags) {
     }
     flags.machine.add_folder_to(*info_app);
 
-    CLI::App* report_app = app.add_subcommand("report", "Measure this machine");
-    report_app->add_flag("--paper", flags.paper, "The paper's results table, run again");
-    report_app->add_option("--pictures", flags.pictures, "Folder for the pictures");
+    CLI::App* report_app = declare_report(app, flags.report);
 
     for (CLI::App* each : {run_app, render_app, report_app, serve_app}) {
         flags.machine.add_to(*each);
@@ -293,7 +315,7 @@ int dispatch(const CLI::App& app, const Flags& flags) {
         return serve_viewer(flags);
     }
     if (app.got_subcommand("report")) {
-        return report(flags);
+        return run_report(flags, app.get_subcommand("report")->count("--topology") > 0);
     }
     return run(flags);
 }

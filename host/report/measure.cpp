@@ -1,0 +1,93 @@
+#include "host/report/measure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "host/error.hpp"
+#include "host/live_work.hpp"
+#include "host/phantom/phantom.hpp"
+#include "host/picture_text.hpp"
+#include "host/report/report_row.hpp"
+
+namespace pxpl5::host::report {
+
+namespace {
+
+constexpr int rate_frames = 60;
+
+/// The row's surface: of a phantom as it suggests.
+Surface surface_of(const Source& source) {
+    Surface surface;
+    surface.name = source.row.surface;
+    surface.isovalue = source.row.isovalue;
+    const std::vector<PhantomSurface> suggested = suggested_surfaces(source.volume);
+    const auto found = std::ranges::find(suggested, source.row.surface, &PhantomSurface::name);
+    if (found != suggested.end()) {
+        surface.isovalue = found->isovalue;
+        surface.colour = {found->colour_rgb[0], found->colour_rgb[1], found->colour_rgb[2]};
+    } else if (!suggested.empty()) {
+        throw RequestError(ExitCode::failed, fmt::format("{} has no surface '{}'", source.volume,
+                                                         source.row.surface));
+    }
+    return surface;
+}
+
+std::string write_picture(Session& session, const Source& source, const std::string& folder) {
+    std::filesystem::create_directories(folder);
+    std::string name = source.name;
+    std::ranges::replace(name, '/', '-');
+    const std::string path = (std::filesystem::path(folder) / (name + ".png")).string();
+    const Picture picture = session.draw();
+    session.export_pictures({&picture, 1}, path, picture_extras(session, session.scene.camera));
+    return path;
+}
+
+MeasuredCase measured(Session& session, const Source& source, const MeasureOptions& options) {
+    const Surface surface = surface_of(source);
+    const SurfaceReport built =
+        session.set_surface(surface.name, surface.isovalue, CaseTable::watertight, surface.colour);
+    session.scene.camera = {{source.row.azimuth_deg, source.row.elevation_deg}, 1};
+    MeasuredCase measured;
+    measured.triangles = built.triangles;
+    measured.wall_built_ms = built.elapsed_ms;
+    session.scene.size = wall_size;
+    if (options.wall) {
+        constexpr double ms_per_s = 1000;
+        const OrbitReport orbit =
+            session.orbit(rate_frames, [](int, const Picture&, const Camera&) {});
+        measured.wall_frames_per_s = orbit.frames * ms_per_s / orbit.elapsed_ms;
+    }
+    if (!options.pictures.empty()) {
+        measured.picture = write_picture(session, source, options.pictures);
+    }
+    session.scene.size = modelled_size;
+    measured.work = {source.row, volume_work(session), build_work(session, surface.name),
+                     std::move(frame_work(session).at(0))};
+    session.scene.size = wall_size;
+    session.remove_surface(surface.name);
+    return measured;
+}
+
+}  // namespace
+
+std::vector<MeasuredCase> measure(Session& session, std::span<const Source> sources,
+                                  const MeasureOptions& options) {
+    std::vector<MeasuredCase> cases;
+    std::string_view loaded;
+    for (const Source& source : sources) {
+        if (options.progress) {
+            options.progress(cases.size(), source);
+        }
+        if (source.volume != loaded) {
+            session.load(source.volume);
+            loaded = source.volume;
+        }
+        cases.push_back(measured(session, source, options));
+    }
+    return cases;
+}
+
+}  // namespace pxpl5::host::report

@@ -1,0 +1,34 @@
+// The rows of a report, made on a machine that is there: their counts, and their wall time.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/report/sources.hpp"
+#include "host/session.hpp"
+#include "host/timing/paper_case.hpp"
+
+namespace pxpl5::host::report {
+
+struct MeasuredCase {
+    timing::PaperCase work;  ///< Its frame is of modelled_size.
+    std::int64_t triangles = 0;
+    double wall_built_ms = 0;
+    double wall_frames_per_s = 0;  ///< Of wall_size; 0 if it was not asked for.
+    std::string picture;           ///< The file that was written, if one was.
+};
+
+struct MeasureOptions {
+    bool wall = true;      ///< Whether frames are drawn for their wall time.
+    std::string pictures;  ///< Folder for pictures, made if absent; none if empty.
+    /// Called before each row.
+    std::function<void(std::size_t done, const Source& source)> progress;
+};
+
+/// Throws RequestError, MachineError.
+std::vector<MeasuredCase> measure(Session& session, std::span<const Source> sources,
+                                  const MeasureOptions& options);
+
+}  // namespace pxpl5::host::report

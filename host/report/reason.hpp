@@ -1,0 +1,20 @@
+// Why a modelled figure is what it is, in words: the unit that limits it, and the counts that keep
+// this unit busy.
+#pragma once
+
+#include <string>
+
+#include "host/timing/simulate.hpp"
+
+namespace pxpl5::host::report {
+
+/// limit     The unit that limits the build, and how busy it is.
+/// paper_ms  What the counts would have to be is told for this time.
+std::string build_reason(const timing::Machine& machine, const timing::VolumeWork& volume,
+                         const timing::BuildWork& build, const timing::StepTime& time,
+                         double paper_ms);
+
+std::string frames_reason(const timing::Machine& machine, const timing::FrameWork& frame,
+                          const timing::Rate& rate);
+
+}  // namespace pxpl5::host::report

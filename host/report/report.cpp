@@ -1,0 +1,234 @@
+#include "host/report/report.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <iterator>
+#include <optional>
+
+#include "host/error.hpp"
+#include "host/inspect/text_output.hpp"
+#include "host/report/fit_text.hpp"
+#include "host/report/measure.hpp"
+#include "host/report/reason.hpp"
+#include "host/report/report_row.hpp"
+#include "host/report/scaling.hpp"
+#include "host/report/sensitivity_text.hpp"
+#include "host/report/sources.hpp"
+
+namespace pxpl5::host::report {
+
+namespace {
+
+using timing::CaseTime;
+using timing::Machine;
+using timing::PaperCase;
+
+/// One line on standard error that tells how far the work has come, if people read it.
+class Progress {
+  public:
+    Progress() = default;
+    ~Progress() {
+        if (is_shown_) {
+            fmt::print(stderr, "\r\x1b[K");
+        }
+    }
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    void tell(const std::string& text) const {
+        if (is_shown_) {
+            fmt::print(stderr, "\r\x1b[K{}", text);
+        }
+    }
+
+  private:
+    bool is_shown_ = isatty(STDERR_FILENO) != 0;
+};
+
+/// What a report is about, measured.
+struct Material {
+    std::vector<Source> sources;
+    std::vector<MeasuredCase> cases;
+    Machine machine;
+
+    std::vector<std::string> names() const {
+        std::vector<std::string> all;
+        for (const Source& source : sources) {
+            all.push_back(source.name);
+        }
+        return all;
+    }
+    std::vector<PaperCase> work() const {
+        std::vector<PaperCase> all;
+        for (const MeasuredCase& measured : cases) {
+            all.push_back(measured.work);
+        }
+        return all;
+    }
+};
+
+double share_of(const std::vector<timing::UnitUse>& use, timing::Unit limit) {
+    for (const timing::UnitUse& one : use) {
+        if (one.unit == limit) {
+            return one.busiest;
+        }
+    }
+    return 0;
+}
+
+ReportRow row_of(const Machine& machine, const Source& source, const MeasuredCase& measured) {
+    const PaperCase& work = measured.work;
+    const timing::PaperResult& paper = work.row.paper;
+    const CaseTime time = time_of(machine, work);
+    const timing::RunTime build = simulate(machine, {{work.volume, work.build}, {}});
+    ReportRow row{source.name,
+                  source.volume,
+                  work.row.held_back,
+                  paper.triangles,
+                  measured.triangles,
+                  {},
+                  {},
+                  {},
+                  {}};
+    row.build_ms = {paper.built_ms, time.built_ms, measured.wall_built_ms, time.build_limit,
+                    share_of(build.steps.back().use, time.build_limit)};
+    row.frames_per_s = {paper.frames_per_s, time.rate.frames_per_s, measured.wall_frames_per_s,
+                        time.rate.limit, share_of(time.rate.use, time.rate.limit)};
+    row.build_reason =
+        build_reason(machine, work.volume, work.build, build.steps.back(), paper.built_ms);
+    row.frames_reason = frames_reason(machine, work.frame, time.rate);
+    return row;
+}
+
+/// What one kind of report says, in each of its forms.
+struct Output {
+    std::string text;
+    Fields fields;
+    std::vector<Fields> lines;  ///< Of the CSV file.
+    std::vector<timing::Plot> plots;
+};
+
+void add_sensitivity(Output& output, const Material& material, const Progress& progress) {
+    const std::vector<timing::Sensitivity> list = timing::sensitivity(
+        material.machine, material.work(), [&progress](std::size_t done, std::size_t all) {
+            progress.tell(fmt::format("sensitivity: {} of {} parameters", done, all));
+        });
+    const std::vector<std::string> names = material.names();
+    output.text += "\n" + text_of(list, names);
+    output.fields.push_back({"sensitivity", fields_of(list, names)});
+    output.plots = plots_of(list);
+    output.lines = fields_of(list, names);
+}
+
+void add_fit(Output& output, const Material& material, const Topology& modelled,
+             const Progress& progress) {
+    const std::vector<PaperCase> work = material.work();
+    const timing::Fit fit = timing::fit(
+        material.machine, timing::fitted_parameters(modelled), work,
+        [&progress](int runs) { progress.tell(fmt::format("fit: {} runs of the model", runs)); });
+    output.text += "\n" + text_of(fit, work, material.names());
+    output.fields.push_back({"fit", fields_of(fit)});
+}
+
+std::string picture_list(const Material& material) {
+    std::string text;
+    for (const MeasuredCase& measured : material.cases) {
+        if (!measured.picture.empty()) {
+            text += (text.empty() ? "pictures:\n  " : "  ") + measured.picture + "\n";
+        }
+    }
+    return text;
+}
+
+Output paper_output(const Material& material, const ReportOptions& options,
+                    const Topology& modelled, const std::string& drawn_by,
+                    const Progress& progress) {
+    std::vector<ReportRow> rows;
+    Output output;
+    for (std::size_t i = 0; i < material.cases.size(); ++i) {
+        progress.tell(fmt::format("model: {}", material.sources[i].name));
+        rows.push_back(row_of(material.machine, material.sources[i], material.cases[i]));
+        output.lines.push_back(fields_of(rows.back()));
+    }
+    output.text =
+        table_of(rows) + text_of(Footnote{size_text(modelled), drawn_by}) + picture_list(material);
+    output.fields = {
+        {"modelled", size_text(modelled)}, {"drawn_by", drawn_by}, {"rows", output.lines}};
+    output.plots = plots_of(rows);
+    if (options.sensitivity) {
+        add_sensitivity(output, material, progress);
+    }
+    if (options.fit) {
+        add_fit(output, material, modelled, progress);
+    }
+    return output;
+}
+
+Output scaling_output(const Material& material, const Progress& progress) {
+    ScalingReport report{material.machine.gps, material.machine.renderers, {}};
+    for (std::size_t i = 0; i < material.cases.size(); ++i) {
+        progress.tell(fmt::format("model: {}", material.sources[i].name));
+        report.rows.push_back(
+            scaling_of(material.machine, material.sources[i].name, material.cases[i].work));
+    }
+    Output output{text_of(report), {}, fields_of(report), plots_of(report)};
+    output.fields = {{"points", output.lines}};
+    return output;
+}
+
+void write(const std::string& path, std::string_view text) {
+    inspect::TextOutput file(path);
+    file.put(text);
+    file.finish();
+}
+
+void put(const Output& output, const ReportOptions& options) {
+    inspect::TextOutput out("");
+    out.put(options.json ? json_text(output.fields) + "\n" : output.text);
+    out.finish();
+    if (!options.csv.empty()) {
+        std::string csv = csv_heading(output.lines.at(0));
+        for (const Fields& line : output.lines) {
+            csv += csv_line(line);
+        }
+        write(options.csv, csv);
+    }
+    if (!options.picture.empty()) {
+        constexpr std::size_t beside = 2;
+        const bool is_wide = options.paper && !options.sensitivity;
+        write(options.picture, svg_of(output.plots, is_wide ? 1 : beside));
+    }
+}
+
+}  // namespace
+
+void check(const ReportOptions& options) {
+    if (options.paper == options.scaling) {
+        throw RequestError(ExitCode::usage, "report needs one of --paper and --scaling");
+    }
+    if (options.scaling && (options.sensitivity || options.fit || !options.pictures.empty())) {
+        throw RequestError(ExitCode::usage,
+                           "--sensitivity, --fit and --pictures go with --paper, not --scaling");
+    }
+    sources_of(options.data, options.rows);
+}
+
+void run_report(Session& session, const ReportOptions& options, const Topology& modelled,
+                const std::string& drawn_by) {
+    Material material{sources_of(options.data, options.rows), {}, timing::machine_of(modelled)};
+    std::optional<Progress> progress(std::in_place);
+    MeasureOptions measuring{options.paper, options.pictures, {}};
+    measuring.progress = [&](std::size_t done, const Source& source) {
+        progress->tell(fmt::format("{} of {}: {}", done + 1, material.sources.size(), source.name));
+    };
+    material.cases = measure(session, material.sources, measuring);
+    const Output output = options.paper
+                              ? paper_output(material, options, modelled, drawn_by, *progress)
+                              : scaling_output(material, *progress);
+    progress.reset();
+    put(output, options);
+}
+
+}  // namespace pxpl5::host::report

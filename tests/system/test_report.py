@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+"""pxpl5 report with real processes: the paper's results, modelled within their bounds.
+
+usage: test_report.py BIN_DIR [--data DATA_DIR] [unittest arguments]
+With --data only the real volumes are reported, else only the phantoms.
+"""
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+BIN = pathlib.Path(sys.argv.pop(1)).resolve()
+DATA = None
+if len(sys.argv) > 1 and sys.argv[1] == "--data":
+    DATA = pathlib.Path(sys.argv[2])
+    del sys.argv[1:3]
+LIMIT_S = 280
+BUILD_BOUND, FRAMES_BOUND = 0.20, 0.15
+PHANTOM_ROWS = {"pelvis/skin": 41708, "pelvis/muscle": 110450, "pelvis/bone": 49552,
+                "fetus/face": 70874, "head/skin": 269720}
+DATA_ROWS = {"ct-knee/skin": 42416, "ct-knee/muscle": 111436, "ct-knee/bone": 49908,
+             "us-spine/spine": 70232, "mr-head/skin": 269544}
+
+
+class Report(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="pxpl5-test-")
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return str(pathlib.Path(self.folder.name) / name)
+
+    def report(self, *arguments, code=0):
+        done = subprocess.run([BIN / "pxpl5", "report", *arguments, "--run-folder",
+                               self.path("run")], capture_output=True, text=True,
+                              timeout=LIMIT_S, cwd=self.folder.name, check=False)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done
+
+    def check_bounds(self, row):
+        """Computed anew: what the program says of itself is no proof."""
+        for name, bound in (("build_ms", BUILD_BOUND), ("frames_per_s", FRAMES_BOUND)):
+            with self.subTest(row=row["row"], figure=name):
+                paper, modelled = row["paper_" + name], row["modelled_" + name]
+                self.assertLessEqual(abs(modelled / paper - 1), bound, (paper, modelled))
+                self.assertTrue(row[name + "_within"])
+                self.assertAlmostEqual(row[name + "_error_percent"], (modelled / paper - 1) * 100)
+
+    def check_files(self, rows, csv_path, picture_path):
+        with open(csv_path, newline="", encoding="utf-8") as file:
+            lines = list(csv.DictReader(file))
+        self.assertEqual([line["row"] for line in lines], [row["row"] for row in rows])
+        for line, row in zip(lines, rows):
+            self.assertEqual(float(line["modelled_build_ms"]), row["modelled_build_ms"])
+        drawing = xml.etree.ElementTree.parse(picture_path).getroot()
+        texts = [text.text for text in drawing.iter("{http://www.w3.org/2000/svg}text")]
+        self.assertIn("Surface built in", texts)
+        self.assertIn("modelled", texts)
+
+
+@unittest.skipIf(DATA, "only the real volumes")
+class Phantoms(Report):
+    def test_all_figures_are_within_their_bounds(self):
+        done = self.report("--paper", "--json", "--csv", self.path("t.csv"), "--picture",
+                           self.path("t.svg"), "--pictures", self.path("pictures"))
+        rows = json.loads(done.stdout)["rows"]
+        self.assertEqual([row["row"] for row in rows], list(PHANTOM_ROWS))
+        for row in rows:
+            self.assertEqual(row["paper_triangles"], PHANTOM_ROWS[row["row"]])
+            self.assertAlmostEqual(row["triangles"] / row["paper_triangles"], 1, delta=0.01)
+            self.assertGreater(row["wall_frames_per_s"], 0)
+            self.check_bounds(row)
+        self.assertGreaterEqual(sum(row["held_back"] for row in rows), 2)
+        self.check_files(rows, self.path("t.csv"), self.path("t.svg"))
+        names = sorted(path.name for path in pathlib.Path(self.path("pictures")).iterdir())
+        self.assertEqual(names, sorted(name.replace("/", "-") + ".png" for name in PHANTOM_ROWS))
+
+    def test_the_model_gives_the_same_again_and_a_smaller_machine_is_slower(self):
+        first, again, small = (
+            json.loads(self.report("--paper", "pelvis/skin", "--json", *more).stdout)["rows"][0]
+            for more in ([], [], ["--set", "gp.count=9"]))
+        for name in ("modelled_build_ms", "modelled_frames_per_s", "triangles",
+                     "build_ms_limit_share", "frames_per_s_limit_share"):
+            self.assertEqual(first[name], again[name])
+        self.assertGreater(small["modelled_build_ms"], 2 * first["modelled_build_ms"])
+        self.assertLess(small["modelled_frames_per_s"], first["modelled_frames_per_s"] / 2)
+
+    def test_the_text_names_columns_rows_and_clocks(self):
+        text = self.report("--paper", "pelvis/bone", "--sensitivity").stdout
+        for part in ("surface built in, ms", "pelvis/bone *", "modelled: 36 GPs, 16 Renderers",
+                     "wall: wall time here", "sensitivity: change", "gp.clock_mhz"):
+            self.assertIn(part, text)
+        self.assertNotIn("pelvis/skin", text)
+
+    def test_scaling_doubles_counts_and_says_where_it_ends(self):
+        done = self.report("--scaling", "pelvis/skin", "--csv", self.path("s.csv"), "--picture",
+                           self.path("s.svg"))
+        self.assertIn("pelvis/skin, 16 Renderers", done.stdout)
+        self.assertIn("as with one", done.stdout)
+        with open(self.path("s.csv"), newline="", encoding="utf-8") as file:
+            lines = list(csv.DictReader(file))
+        counts = [2 ** step for step in range(7)]
+        self.assertEqual([int(line["gps"]) for line in lines], counts + [36] * 7)
+        self.assertEqual([int(line["renderers"]) for line in lines], [16] * 7 + counts)
+        # One GP does all the work of two, but for what they tell each other.
+        self.assertGreater(float(lines[1]["build_speed_up"]), 1.7)
+        self.assertLessEqual(float(lines[1]["build_speed_up"]), 2.1)
+        xml.etree.ElementTree.parse(self.path("s.svg"))
+
+    def test_what_cannot_be_reported_is_refused_by_name(self):
+        for arguments, code, part in (
+                ([], 64, "one of --paper and --scaling"),
+                (["--paper", "--scaling"], 64, "one of --paper and --scaling"),
+                (["--scaling", "--fit"], 64, "go with --paper"),
+                (["--paper", "pelvis/skim"], 64, "did you mean 'pelvis/skin'"),
+                (["--paper", "--data", "nowhere"], 65, "nowhere: there is no such folder"),
+                (["--paper", "--data", "."], 65, "'ct/knee_128x128x56.nrrd', which row"),
+                (["--paper", "--topology", "nothing"], 64, "nothing"),
+                (["--scaling", "pelvis/skin", "--csv", "no/s.csv"], 1, "no/s.csv")):
+            with self.subTest(arguments):
+                self.assertIn(part, self.report(*arguments, code=code).stderr)
+
+
+@unittest.skipUnless(DATA, "only the phantoms")
+class RealVolumes(Report):
+    def test_all_figures_are_within_their_bounds(self):
+        done = self.report("--paper", *DATA_ROWS, "--data", DATA, "--json", "--csv",
+                           self.path("t.csv"), "--picture", self.path("t.svg"))
+        rows = json.loads(done.stdout)["rows"]
+        self.assertEqual({row["row"]: row["triangles"] for row in rows}, DATA_ROWS)
+        for row in rows:
+            self.assertTrue(row["held_back"])
+            self.check_bounds(row)
+        self.check_files(rows, self.path("t.csv"), self.path("t.svg"))
+
+
+if __name__ == "__main__":
+    if DATA and not (DATA / "ct").is_dir():
+        print(f"SKIPPED: {DATA} is not there")
+        sys.exit(0)
+    unittest.main()
