@@ -4,7 +4,9 @@
 #include <nlopt.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <limits>
 #include <memory>
@@ -17,27 +19,38 @@ namespace pxpl5::host::timing {
 namespace {
 
 constexpr double first_step = 0.1;  // In ln(value).
-constexpr double tolerance = 1e-4;  // Likewise.
+constexpr double probe_step = 0.05;
+constexpr double tolerance = 1e-3;  // Likewise.
 constexpr double least_value = 1e-6;
+constexpr double least_gain = 0.01;  // Of the sum of squares, by beginning again.
 constexpr int most_runs = 400;
 constexpr int digits = 3;
+
+/// A figure of all cases.
+enum class Figure : std::uint8_t { built, rate };
+constexpr std::array figures = {Figure::built, Figure::rate};
+
+/// ln(modelled / paper).
+double deviation_of(const Machine& machine, const PaperCase& each, Figure figure) {
+    const PaperResult& paper = each.row.paper;
+    return figure == Figure::built
+               ? std::log(built_ms(build_of(machine, each)) / paper.built_ms)
+               : std::log(frame_rate(machine, each.frame).frames_per_s / paper.frames_per_s);
+}
 
 /// What the search calls: values are logarithms, so that steps are shares.
 struct Search {
     Machine machine;
-    std::span<const Parameter* const> fitted;
-    std::vector<const PaperCase*> cases;
+    std::vector<const Parameter*> fitted;
+    std::vector<Figure> figures;
+    std::span<const PaperCase* const> cases;
     const FitProgress& progress;
-    int runs = 0;
+    int& runs;
     nlopt_opt optimiser = nullptr;
     std::exception_ptr failure{};  ///< Of the model: it must not pass through the optimiser.
 
     double sum_of_squares(std::span<const double> logarithms);
 };
-
-double square(double x) {
-    return x * x;
-}
 
 double Search::sum_of_squares(std::span<const double> logarithms) {
     for (std::size_t i = 0; i < fitted.size(); ++i) {
@@ -45,9 +58,10 @@ double Search::sum_of_squares(std::span<const double> logarithms) {
     }
     double sum = 0;
     for (const PaperCase* each : cases) {
-        const CaseTime time = time_of(machine, *each);
-        sum += square(std::log(time.built_ms / each->row.paper.built_ms)) +
-               square(std::log(time.rate.frames_per_s / each->row.paper.frames_per_s));
+        for (const Figure figure : figures) {
+            const double deviation = deviation_of(machine, *each, figure);
+            sum += deviation * deviation;
+        }
     }
     ++runs;
     if (progress) {
@@ -71,14 +85,15 @@ double objective(unsigned count, const double* logarithms, double*, void* data) 
     throw RequestError(ExitCode::bad_data, "fit: " + text);
 }
 
-void check(const Search& search) {
-    const std::size_t figures = 2 * search.cases.size();
-    if (search.fitted.empty() || figures < search.fitted.size()) {
+void check(const Machine& machine, std::span<const Parameter* const> fitted,
+           std::size_t case_count) {
+    const std::size_t figure_count = figures.size() * case_count;
+    if (fitted.empty() || figure_count < fitted.size()) {
         refuse(fmt::format("{} parameters, at least 1, and as many figures; {} cases have {}",
-                           search.fitted.size(), search.cases.size(), figures));
+                           fitted.size(), case_count, figure_count));
     }
-    for (const Parameter* parameter : search.fitted) {
-        const double value = search.machine.*parameter->value;
+    for (const Parameter* parameter : fitted) {
+        const double value = machine.*parameter->value;
         const double least = std::max(parameter->least, least_value);
         if (!(value >= least && value <= parameter->most)) {
             refuse(fmt::format("{} is {}, must be {}..{} {} to begin with", parameter->name, value,
@@ -87,7 +102,47 @@ void check(const Search& search) {
     }
 }
 
-std::vector<double> minimise(Search& search) {
+/// Whether a figure of any case changes with the parameter.
+bool matters(Machine machine, const Parameter& parameter, Figure figure,
+             std::span<const PaperCase* const> cases) {
+    Machine other = machine;
+    other.*parameter.value *= 1 + probe_step;
+    return std::ranges::any_of(cases, [&](const PaperCase* each) {
+        return deviation_of(machine, *each, figure) != deviation_of(other, *each, figure);
+    });
+}
+
+/// What is fitted together.
+struct Group {
+    std::vector<const Parameter*> fitted;
+    std::vector<Figure> figures;
+};
+
+/// Parameters of builds and those of rates apart, so that the one do not blur the other; all
+/// together if one is of both.
+std::vector<Group> groups_of(const Machine& machine, std::span<const Parameter* const> fitted,
+                             std::span<const PaperCase* const> cases) {
+    Group built{{}, {Figure::built}}, rate{{}, {Figure::rate}};
+    bool are_apart = true;
+    for (const Parameter* parameter : fitted) {
+        const bool of_build = matters(machine, *parameter, Figure::built, cases);
+        const bool of_rate = matters(machine, *parameter, Figure::rate, cases);
+        if (!of_build && !of_rate) {
+            refuse(fmt::format("no figure changes with {}", parameter->name));
+        }
+        are_apart = are_apart && of_build != of_rate;
+        (of_build ? built : rate).fitted.push_back(parameter);
+    }
+    if (!are_apart) {
+        return {{{fitted.begin(), fitted.end()}, {Figure::built, Figure::rate}}};
+    }
+    std::vector<Group> groups = {built, rate};
+    std::erase_if(groups, [](const Group& group) { return group.fitted.empty(); });
+    return groups;
+}
+
+/// Leaves the values that it finds in search.machine.
+void minimise(Search& search) {
     const auto count = static_cast<unsigned>(search.fitted.size());
     const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> optimiser(
         nlopt_create(count < 2 ? NLOPT_LN_SBPLX : NLOPT_LN_BOBYQA, count), nlopt_destroy);
@@ -104,15 +159,25 @@ std::vector<double> minimise(Search& search) {
     nlopt_set_initial_step1(optimiser.get(), first_step);
     nlopt_set_xtol_abs1(optimiser.get(), tolerance);
     nlopt_set_maxeval(optimiser.get(), most_runs);
-    double least = 0;
-    const nlopt_result result = nlopt_optimize(optimiser.get(), at.data(), &least);
-    if (search.failure) {
-        std::rethrow_exception(search.failure);
+    // A rate has steps, in which a search can stay: it begins again where it has ended.
+    double least = std::numeric_limits<double>::infinity();
+    for (double before = least; search.runs < most_runs; before = least) {
+        std::vector<double> next = at;
+        const nlopt_result result = nlopt_optimize(optimiser.get(), next.data(), &least);
+        if (search.failure) {
+            std::rethrow_exception(search.failure);
+        }
+        if (result < 0 && result != NLOPT_ROUNDOFF_LIMITED) {
+            refuse(fmt::format("the search ended with {}", nlopt_result_to_string(result)));
+        }
+        if (!(least < before * (1 - least_gain))) {
+            break;
+        }
+        at = next;
     }
-    if (result < 0 && result != NLOPT_ROUNDOFF_LIMITED) {
-        refuse(fmt::format("the search ended with {}", nlopt_result_to_string(result)));
+    for (std::size_t i = 0; i < at.size(); ++i) {
+        search.machine.*search.fitted[i]->value = rounded(std::exp(at[i]), digits);
     }
-    return at;
 }
 
 }  // namespace
@@ -138,24 +203,30 @@ double rounded(double value, int digits) {
 
 Fit fit(const Machine& machine, std::span<const Parameter* const> fitted,
         std::span<const PaperCase> cases, const FitProgress& progress) {
-    Search search{machine, fitted, {}, progress, 0, nullptr, {}};
+    std::vector<const PaperCase*> used;
     for (const PaperCase& each : cases) {
         if (!each.row.held_back) {
-            search.cases.push_back(&each);
+            used.push_back(&each);
         }
     }
-    check(search);
-    std::vector<double> found = minimise(search);
-    Fit result{machine, {}, search.cases.size(), 0, 0};
-    for (std::size_t i = 0; i < fitted.size(); ++i) {
-        const double value = rounded(std::exp(found[i]), digits);
-        result.values.push_back({fitted[i], machine.*fitted[i]->value, value});
-        result.machine.*fitted[i]->value = value;
-        found[i] = std::log(value);
+    check(machine, fitted, used.size());
+    Fit result{machine, {}, used.size(), 0, 0};
+    for (const Group& group : groups_of(machine, fitted, used)) {
+        Search search{result.machine, group.fitted, group.figures, used, progress, result.runs};
+        minimise(search);
+        result.machine = search.machine;
     }
-    const double figures = 2.0 * static_cast<double>(search.cases.size());
-    result.deviation = std::sqrt(search.sum_of_squares(found) / figures);
-    result.runs = search.runs;
+    for (const Parameter* parameter : fitted) {
+        result.values.push_back(
+            {parameter, machine.*parameter->value, result.machine.*parameter->value});
+    }
+    double sum = 0;
+    for (const PaperCase* each : used) {
+        for (const Figure figure : figures) {
+            sum += std::pow(deviation_of(result.machine, *each, figure), 2);
+        }
+    }
+    result.deviation = std::sqrt(sum / static_cast<double>(figures.size() * used.size()));
     return result;
 }
 

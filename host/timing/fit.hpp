@@ -26,7 +26,7 @@ struct Fit {
     std::size_t cases_used = 0;  ///< Those that are not held back.
     /// Root mean square of ln(modelled / paper) over their builds and frame rates.
     double deviation = 0;
-    int runs = 0;  ///< How often the model ran all of them.
+    int runs = 0;  ///< How often the model built all of them, or drew all.
 };
 
 /// Called with the number of runs so far.
@@ -34,11 +34,12 @@ using FitProgress = std::function<void(int runs)>;
 
 /// Chooses the values of `fitted` so that the sum of ln(modelled / paper) squared, over the build
 /// times and frame rates of the cases that are not held back, is least: 20 % too slow and 20 % too
-/// quick weigh the same. Without derivatives (BOBYQA, Powell 2009; one alone: Subplex, Rowan 1990),
-/// from the machine's own values.
+/// quick weigh the same. Parameters that only builds depend on and those that only rates depend on
+/// are chosen one group after the other. Without derivatives (BOBYQA, Powell 2009; one alone:
+/// Subplex, Rowan 1990), from the machine's own values.
 ///
 /// Throws RequestError (bad_data): no parameter, fewer figures than parameters, a parameter that is
-/// 0 or out of its range, the search fails, what simulate() refuses.
+/// 0 or out of its range or changes no figure, the search fails, what simulate() refuses.
 Fit fit(const Machine& machine, std::span<const Parameter* const> fitted,
         std::span<const PaperCase> cases, const FitProgress& progress = {});
 

@@ -15,11 +15,18 @@ double error_percent(double modelled, double stated) {
     return 100 * (modelled - stated) / stated;
 }
 
+StepTime build_of(const Machine& machine, const PaperCase& paper_case) {
+    return simulate(machine, {{paper_case.volume, paper_case.build}, {}}).steps.back();
+}
+
+double built_ms(const StepTime& build) {
+    return static_cast<double>(build.end - build.begin) / ns_per_ms;
+}
+
 CaseTime time_of(const Machine& machine, const PaperCase& paper_case) {
-    const RunTime run = simulate(machine, {{paper_case.volume, paper_case.build}, {}});
-    const StepTime& build = run.steps.back();
+    const StepTime build = build_of(machine, paper_case);
     CaseTime time;
-    time.built_ms = static_cast<double>(build.end - build.begin) / ns_per_ms;
+    time.built_ms = built_ms(build);
     time.build_limit = build.limit;
     time.rate = frame_rate(machine, paper_case.frame);
     const PaperResult& paper = paper_case.row.paper;

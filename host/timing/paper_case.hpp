@@ -25,8 +25,12 @@ struct CaseTime {
     double rate_error_percent = 0;
 };
 
-/// Loads the volume, builds the surface, then shows the frame over and over.
+/// Loads the volume and builds the surface: the build's time, ms, and use.
 /// Throws RequestError (bad_data) as simulate() does.
+StepTime build_of(const Machine& machine, const PaperCase& paper_case);
+double built_ms(const StepTime& build);
+
+/// build_of(), then the frame shown over and over.
 CaseTime time_of(const Machine& machine, const PaperCase& paper_case);
 
 /// Deviation of a modelled value from a stated one that is not 0.
