@@ -120,6 +120,21 @@ TEST_CASE("primitives of other slabs are other GPs'") {
     CHECK(words_between(time, {2, 3}, {3, 4}) == 340 + 2);
 }
 
+TEST_CASE("a GP draws its own slabs, not another's") {
+    Machine machine = machine_of(2, 1);
+    machine.share = Share::own;
+    FrameWork frame = pass_of(frame_of(128, 128, 2, 400));
+    frame.drawn[0].primitives = 0;
+    std::erase_if(frame.parts,
+                  [](const PartWork& p) { return p.kind == PartKind::segment && p.slab == 0; });
+    const RunTime time = simulate(machine, {{frame}, {}});
+    const UnitUse& use = use_of(time.steps[0], Unit::gp);
+    CHECK(use.index == 1);
+    // BeginFrame taken, slab 1's primitives and words, its bin sent.
+    CHECK(use.busiest * static_cast<double>(length(time.steps[0])) ==
+          doctest::Approx(10'000 + 400 * (1000 + 34 * 10) * 25.0 + 10'000));
+}
+
 TEST_CASE("what is drawn travels once, and what was drawn is read out once") {
     for (const std::uint32_t gps : {1U, 5U, 36U}) {
         Machine machine = machine_of(gps, 3);
