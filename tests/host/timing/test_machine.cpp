@@ -42,7 +42,7 @@ TEST_CASE("the modelled machine of the paper is what its file says") {
     CHECK(machine.renderers == 16);
     CHECK(machine.frame_buffers == 1);
     CHECK(machine.share == Share::even);
-    CHECK(machine.assignment == Assignment::first_free);
+    CHECK(machine.assignment == Assignment::longest_first);
     CHECK(machine.gp_clock_mhz == 40);
     CHECK(machine.renderer_clock_mhz == 40);
     CHECK(machine.ring_channels == 8);
@@ -72,10 +72,11 @@ TEST_CASE("every number of the machine is set by its own name, and nothing else 
 TEST_CASE("words are chosen by name") {
     const Machine own = machine_of(load_topology("paper-1993", {"share=own"}));
     CHECK(own.share == Share::own);
-    CHECK(own.assignment == Assignment::first_free);
+    CHECK(own.assignment == Assignment::longest_first);
     const auto assigned = [](const std::string& word) {
         return machine_of(load_topology("paper-1993", {"assignment=" + word})).assignment;
     };
+    CHECK(assigned("first_free") == Assignment::first_free);
     CHECK(assigned("longest_first") == Assignment::longest_first);
     CHECK(assigned("round_robin") == Assignment::round_robin);
     CHECK(assigned("recorded") == Assignment::recorded);
