@@ -121,7 +121,7 @@ struct Arrived {
 struct Peer {
     std::string endpoint;
     zmq::socket_t socket;  ///< None until something is sent to it: most nodes are never sent to.
-    int linger_ms = 0;
+    int linger_ms = closing_ms;
     bool is_near = false;  ///< On this computer, so that it may be able to read in the arena.
     bool has_offer = false;
     Window window;

@@ -10,6 +10,10 @@
 
 namespace pxpl5::bus {
 
+/// What was sent may take so long to leave when a socket is closed. Not 0: ZeroMQ aborts if it then
+/// loses the connection between two parts of a message (libzmq issue 3442).
+inline constexpr int closing_ms = 100;
+
 class ZmqLink final : public Link {
   public:
     /// Binds the inbound socket of node `id`.
@@ -34,8 +38,8 @@ class ZmqLink final : public Link {
     std::optional<Message> receive() override;
     bool wait(int timeout_ms) override;
 
-    /// What was sent to `peer` may take so long to leave when the link is destroyed; without this
-    /// it is dropped then.
+    /// What was sent to `peer` may take so long to leave when the link is destroyed; without this,
+    /// closing_ms.
     void linger(NodeId peer, int patience_ms);
 
     /// Becomes readable when input may have come. Edge-triggered: call receive() until it has none
