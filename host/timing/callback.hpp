@@ -3,7 +3,7 @@
 
 #include <array>
 #include <cstddef>
-#include <cstring>
+#include <new>
 #include <type_traits>
 
 namespace pxpl5::host::timing {
@@ -13,12 +13,12 @@ class Callback {
   public:
     Callback() = default;
 
+    /// Not explicit, as std::function's.
     template <class F>
-    requires std::is_invocable_v<F, Arguments...> Callback(
-        F function) {  // NOLINT(google-explicit-constructor): as std::function
+    requires std::is_invocable_v<F, Arguments...> Callback(F function) {
         static_assert(sizeof(F) <= room && std::is_trivially_copyable_v<F> &&
                       std::is_trivially_destructible_v<F>);
-        std::memcpy(kept_.data(), &function, sizeof(F));
+        ::new (static_cast<void*>(kept_.data())) F(function);
         call_ = [](void* kept, Arguments... arguments) { (*static_cast<F*>(kept))(arguments...); };
     }
 
