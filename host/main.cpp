@@ -242,8 +242,10 @@ CLI::App* declare_report(CLI::App& parent, report::ReportOptions& options) {
                   "How modelled figures change with each parameter");
     app->add_flag("--fit", options.fit, "Fit the parameters that are fitted once more");
     app->add_flag("--json", options.json, "One JSON object instead of text");
-    app->add_option("--csv", options.csv, "Table to write");
-    app->add_option("--picture", options.picture, "Plot to write, as SVG");
+    app->add_option("--csv", options.csv,
+                    "Table to write; of the sensitivity, if that is asked for");
+    app->add_option("--picture", options.picture,
+                    "Plot to write, as SVG; of the sensitivity, if that is asked for");
     app->add_option("--pictures", options.pictures, "Folder for pictures of the surfaces");
     return app;
 }

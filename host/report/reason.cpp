@@ -16,7 +16,8 @@ namespace {
 using namespace timing;
 
 constexpr double mhz_to_cycles_per_ms = 1e3, ns_per_ms = 1e6, bytes_per_word = 4;
-constexpr double always_busy = 0.9;
+constexpr double always_busy = 0.9;  ///< A unit that never waits for long.
+constexpr double long_share = 0.5;   ///< Of a frame, that is worth telling of one region.
 
 /// A count, and the time that it takes its unit.
 struct Load {
@@ -141,6 +142,15 @@ std::vector<Load> frame_loads(const Machine& machine, const FrameWork& frame, co
     return {};
 }
 
+double dearest_region_ms(const Machine& machine, const FrameWork& frame) {
+    std::vector<std::uint64_t> cycles(frame.regions());
+    for (const PartWork& part : frame.parts) {
+        cycles.at(part.region) += part.cycles();
+    }
+    const auto dearest = static_cast<double>(std::ranges::max(cycles));
+    return dearest / (machine.renderer_clock_mhz * mhz_to_cycles_per_ms);
+}
+
 }  // namespace
 
 std::string build_reason(const Machine& machine, const VolumeWork& volume, const BuildWork& build,
@@ -161,9 +171,16 @@ std::string frames_reason(const Machine& machine, const FrameWork& frame, const 
     std::string text = busy_text(use, ms_per_s / rate.frames_per_s) + " a frame";
     const std::vector<Load> loads = frame_loads(machine, frame, use);
     text += loads.empty() ? "" : ": " + joined(loads);
+    const double region_ms = dearest_region_ms(machine, frame);
+    if (region_ms * rate.frames_per_s > long_share * ms_per_s) {
+        text += fmt::format("; the dearest region alone keeps its Renderer busy for {:.1f} ms",
+                            region_ms);
+    }
     if (use.busiest < always_busy) {
-        text += fmt::format("; the rest is waiting: for other units, and for the retrace at {} Hz",
-                            machine.frame_buffer_refresh_hz);
+        text += fmt::format(
+            "; the rest is waiting: for other units, and for a retrace, which comes every {:.1f} "
+            "ms",
+            ms_per_s / machine.frame_buffer_refresh_hz);
     }
     return text;
 }

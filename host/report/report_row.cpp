@@ -80,13 +80,15 @@ std::string beyond_text(const ReportRow& row, const Figure& figure, const std::s
                        reason);
 }
 
-void add_fields(Fields& fields, const std::string& name, const Figure& figure, bool within) {
+void add_fields(Fields& fields, const std::string& name, const Figure& figure, bool within,
+                const std::string& reason) {
     fields.push_back({"paper_" + name, figure.paper});
     fields.push_back({"modelled_" + name, figure.modelled});
     fields.push_back({name + "_error_percent", figure.error_percent()});
     fields.push_back({name + "_within", within});
     fields.push_back({name + "_limit", std::string(timing::name_of(figure.limit))});
     fields.push_back({name + "_limit_share", figure.limit_share});
+    fields.push_back({name + "_reason", reason});
     fields.push_back({"wall_" + name, figure.wall});
 }
 
@@ -97,7 +99,7 @@ timing::BarPlot bars_of(const std::vector<ReportRow>& rows, Figure ReportRow::*w
         // Blanks let a name be broken into lines.
         std::string group = row.name;
         group.replace(group.find('/'), 1, " ");
-        plot.groups.push_back(group + (row.held_back ? " *" : ""));
+        plot.groups.push_back(group + (row.held_back ? "\u00a0*" : ""));  // With the last word.
         const Figure& figure = row.*which;
         plot.series[0].values.emplace_back(figure.paper);
         plot.series[1].values.emplace_back(figure.modelled);
@@ -154,8 +156,8 @@ Fields fields_of(const ReportRow& row) {
                   {"held_back", row.held_back},
                   {"paper_triangles", row.paper_triangles},
                   {"triangles", row.triangles}};
-    add_fields(fields, "build_ms", row.build_ms, row.build_within());
-    add_fields(fields, "frames_per_s", row.frames_per_s, row.frames_within());
+    add_fields(fields, "build_ms", row.build_ms, row.build_within(), row.build_reason);
+    add_fields(fields, "frames_per_s", row.frames_per_s, row.frames_within(), row.frames_reason);
     return fields;
 }
 

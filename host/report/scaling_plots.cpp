@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "host/report/scaling.hpp"
 
 namespace pxpl5::host::report {
@@ -40,7 +42,11 @@ LinePlot plot_of(const ScalingReport& report, ScalingSeries ScalingRow::*series,
         ideal.points.push_back({point.x, point.x});
     }
     plot.lines.push_back(ideal);
-    plot.note = fmt::format("Ring: doubling from here gains less than {:.0f} %.", least_gain * 100);
+    if (std::ranges::any_of(plot.lines,
+                            [](const PlotLine& line) { return line.ringed.has_value(); })) {
+        plot.note =
+            fmt::format("Ring: doubling from here gains less than {:.0f} %.", least_gain * 100);
+    }
     return plot;
 }
 

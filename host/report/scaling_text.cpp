@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <array>
+#include <cmath>
 
 #include "host/inspect/text_table.hpp"
 #include "host/report/scaling.hpp"
@@ -16,6 +16,11 @@ struct Growing {
     std::string_view what;  ///< "GPs"
     std::string beside;     ///< "16 Renderers"
 };
+
+/// Rounded to a tenth, so that next to nothing has no sign.
+double tenths(double value) {
+    return std::round(value * 10) / 10 + 0.0;
+}
 
 template <typename Cell>
 TableRow row_of(const std::string& name, const ScalingSeries& series, const Cell& cell) {
@@ -59,7 +64,7 @@ std::string in_words(const ScalingSeries& series, const std::vector<double>& spe
                            subject, speed_up.back(), last.count, growing.what,
                            name_of(last.*limit));
     }
-    const double gain_percent = (speed_up[*at + 1] / speed_up[*at] - 1) * 100;
+    const double gain_percent = tenths((speed_up[*at + 1] / speed_up[*at] - 1) * 100);
     const std::string_view limit_there = name_of(series.points[*at + 1].*limit);
     if (*at == 0) {
         return fmt::format("  {} no faster with more {}: twice as many gain {:.1f} %; limit: {}\n",

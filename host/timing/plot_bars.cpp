@@ -8,7 +8,8 @@ namespace pxpl5::host::timing {
 
 namespace {
 
-constexpr double area_height = 240, least_bar = 18, group_gap = 16, value_px = 10;
+constexpr double area_height = 240, least_bar = 18, least_gap = 16, value_px = 10;
+constexpr double least_width = 380;
 
 void check(const BarPlot& plot) {
     if (plot.groups.empty() || plot.series.empty()) {
@@ -34,7 +35,7 @@ void check(const BarPlot& plot) {
 
 /// Widths of what stands beside each other.
 struct Pitch {
-    double bar = least_bar, group = 0;
+    double bar = least_bar, group = 0, gap = least_gap;
 };
 
 Pitch pitch_of(const BarPlot& plot) {
@@ -51,6 +52,8 @@ Pitch pitch_of(const BarPlot& plot) {
             pitch.group = std::max(pitch.group, text_width(word));
         }
     }
+    pitch.gap =
+        std::max(pitch.gap, least_width / static_cast<double>(plot.groups.size()) - pitch.group);
     return pitch;
 }
 
@@ -107,14 +110,14 @@ Svg drawn(const BarPlot& plot) {
     Svg svg;
     const double top = draw_heading(svg, plot.title, plot.y_label, plot_margin);
     Box box{plot_margin + y_axis_width(axis), top,
-            static_cast<double>(plot.groups.size()) * (pitch.group + group_gap), area_height};
+            static_cast<double>(plot.groups.size()) * (pitch.group + pitch.gap), area_height};
     // Values over the highest bars must not touch the legend.
     box.y += draw_legend_row(svg, entries, {plot_margin, top - tick_gap}, box.width) + value_px;
     draw_y_axis(svg, box, axis);
-    double x = box.x + group_gap / 2;
+    double x = box.x + pitch.gap / 2;
     for (std::size_t group = 0; group < plot.groups.size(); ++group) {
         draw_group(svg, plot, box, axis, pitch, group, x);
-        x += pitch.group + group_gap;
+        x += pitch.group + pitch.gap;
     }
     const double bottom = box.y + box.height;
     svg.line({box.x, bottom}, {box.x + box.width, bottom}, axis_ink);

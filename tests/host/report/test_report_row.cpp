@@ -88,23 +88,25 @@ TEST_SUITE("host/report/report_row") {
         const Fields fields = fields_of(rows()[0]);
         CHECK(csv_heading(fields) ==
               "row,source,held_back,paper_triangles,triangles,paper_build_ms,modelled_build_ms,"
-              "build_ms_error_percent,build_ms_within,build_ms_limit,build_ms_limit_share,"
+              "build_ms_error_percent,build_ms_within,build_ms_limit,build_ms_limit_share,build_ms_"
+              "reason,"
               "wall_build_ms,paper_frames_per_s,modelled_frames_per_s,frames_per_s_error_percent,"
               "frames_per_s_within,frames_per_s_limit,frames_per_s_limit_share,"
+              "frames_per_s_reason,"
               "wall_frames_per_s\n");
         CHECK(number(fields, "modelled_build_ms") == 419.4);
         CHECK(number(fields, "frames_per_s_error_percent") == doctest::Approx(17.5));
         CHECK(
             csv_line(fields).starts_with("\"pelvis/skin\",\"phantom:pelvis\",false,41708,41716,"
                                          "409,419.4,"));
-        CHECK(csv_line(fields).ends_with(",false,\"GP\",0.99,61.04\n"));
+        CHECK(csv_line(fields).ends_with(",false,\"GP\",0.99,\"GP 3 is busiest\",61.04\n"));
     }
 
     TEST_CASE("the picture has bars of paper, model and wall for each row") {
         const std::vector<timing::Plot> plots = plots_of(rows());
         REQUIRE(plots.size() == 2);
         const auto& build = std::get<timing::BarPlot>(plots[0]);
-        CHECK(build.groups == std::vector<std::string>{"pelvis skin", "mr-head skin *"});
+        CHECK(build.groups == std::vector<std::string>{"pelvis skin", "mr-head skin\u00a0*"});
         REQUIRE(build.series.size() == 3);
         CHECK(build.series[0].values[1] == 591);
         CHECK(build.series[1].values[0] == 419.4);
