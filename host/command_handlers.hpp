@@ -3,6 +3,8 @@
 
 #include <limits>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "host/command_line.hpp"
 #include "host/reply.hpp"
@@ -39,6 +41,7 @@ Reply run_certificate(Session& session, const Arguments& arguments);
 Reply run_compare(Session& session, const Arguments& arguments);
 Reply run_export(Session& session, const Arguments& arguments);
 Reply run_digest(Session& session, const Arguments& arguments);
+Reply run_model(Session& session, const Arguments& arguments);
 Reply run_activity(Session& session, const Arguments& arguments);
 Reply run_kill(Session& session, const Arguments& arguments);
 Reply run_trace(Session& session, const Arguments& arguments);
@@ -49,6 +52,9 @@ Reply run_history(Session& session, const Arguments& arguments);
 Reply run_play(Session& session, const Arguments& arguments);
 Reply run_help(Session& session, const Arguments& arguments);
 Reply run_quit(Session& session, const Arguments& arguments);
+
+/// Options that `model` takes: what may be set of a machine.
+std::vector<std::string_view> model_option_names();
 
 /// Isovalues beyond this are no floats.
 inline constexpr double max_isovalue = std::numeric_limits<float>::max();

@@ -227,6 +227,11 @@ std::span<const Command> command_table() {
          1,
          {},
          run_kill},
+        {"model", "[MACHINE] [PARAMETER=VALUE ...]",
+         "Tells what another machine (paper-1993) would have taken to load the volume, to build "
+         "the surfaces and to draw the scene, and what limits it; draws the scene once. Parameters "
+         "are those of topologies.",
+         0, 1, model_option_names(), run_model},
         {"digest", "", "Prints fingerprints of the frame and of each mesh.", 0, 0, {}, run_digest},
         {"trace",
          "save",

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
+#include <tuple>
 
 #include "isa/triangle_shape.hpp"
 #include "tests/gp_firmware/node_support.hpp"
@@ -100,6 +102,27 @@ TEST_SUITE("gp/node counts") {
             // Of a closed surface about half looks away.
             CHECK((sums.culled > sums.primitives / 3) == cull_back);
         }
+    }
+
+    TEST_CASE("a triangle in several regions is drawn once") {
+        schema::DrawFrameT draw = draw_frame(9, 1);
+        draw.counts = true;
+        const auto gps = run_machine({1, 1, plenty_bytes, schema::Recording::flight}, draw);
+        std::set<std::tuple<std::uint32_t, int, int, int>> drawn;  // Slab, cell and triangle.
+        std::size_t emitted = 0;
+        for (const auto* region : *gps[0]->box.of<schema::RegionPrograms>()[0]->regions()) {
+            for (const auto* s : *region->segments()) {
+                const std::uint32_t words = isa::triangle::word_count;
+                for (std::uint32_t i = 0; i < s->word_count() / words; ++i) {
+                    const auto* o = region->origins()->Get(s->first_word() / words + i);
+                    drawn.emplace(s->slab(), o->i(), o->j(), o->triangle());
+                    ++emitted;
+                }
+            }
+        }
+        const Sums sums = sums_of(counts_of(*gps[0]));
+        CHECK(sums.primitives - sums.culled == drawn.size());
+        CHECK(emitted > drawn.size());
     }
 
     TEST_CASE("each view counts; what lies behind the viewer is culled") {
