@@ -83,6 +83,16 @@ TEST_CASE("what cannot be replayed is refused with both values") {
     CHECK(refusal(machine, FrameWork{}).find("0 x 0 pixels; 1..8192") != std::string::npos);
 }
 
+TEST_CASE("work of hours is refused, not summed until it runs over") {
+    FrameWork frame = frame_of(128, 128, 1, 2);
+    frame.drawn[0].primitives = std::uint64_t{1} << 32;
+    // 2^32 x 1000 cycles of 25 ns.
+    CHECK(refusal(one_of_each(), frame).find("1.07e+14 ns; at most 1e+13") != std::string::npos);
+    ++frame.drawn[0].primitives;
+    CHECK(refusal(one_of_each(), frame).find("4294967297 primitives; at most 4294967296") !=
+          std::string::npos);
+}
+
 TEST_CASE("a recorded assignment needs as many Renderers") {
     Machine machine = one_of_each();
     machine.assignment = Assignment::recorded;
