@@ -54,7 +54,7 @@ struct Search {
 
 double Search::sum_of_squares(std::span<const double> logarithms) {
     for (std::size_t i = 0; i < fitted.size(); ++i) {
-        machine.*fitted[i]->value = std::exp(logarithms[i]);
+        machine.*fitted[i]->value = rounded(std::exp(logarithms[i]), digits);
     }
     double sum = 0;
     for (const PaperCase* each : cases) {
@@ -160,9 +160,10 @@ void minimise(Search& search) {
     nlopt_set_xtol_abs1(optimiser.get(), tolerance);
     nlopt_set_maxeval(optimiser.get(), most_runs);
     // A rate has steps, in which a search can stay: it begins again where it has ended.
-    double least = std::numeric_limits<double>::infinity();
-    for (double before = least; search.runs < most_runs; before = least) {
+    // What is hardly better than where it began is not worth a move.
+    for (double before = search.sum_of_squares(at); search.runs < most_runs;) {
         std::vector<double> next = at;
+        double least = 0;
         const nlopt_result result = nlopt_optimize(optimiser.get(), next.data(), &least);
         if (search.failure) {
             std::rethrow_exception(search.failure);
@@ -174,6 +175,7 @@ void minimise(Search& search) {
             break;
         }
         at = next;
+        before = least;
     }
     for (std::size_t i = 0; i < at.size(); ++i) {
         search.machine.*search.fitted[i]->value = rounded(std::exp(at[i]), digits);
