@@ -36,7 +36,8 @@ using FitProgress = std::function<void(int runs)>;
 /// times and frame rates of the cases that are not held back, is least: 20 % too slow and 20 % too
 /// quick weigh the same. Parameters that only builds depend on and those that only rates depend on
 /// are chosen one group after the other. Without derivatives (BOBYQA, Powell 2009; one alone:
-/// Subplex, Rowan 1990), from the machine's own values.
+/// Subplex, Rowan 1990), from the machine's own values,
+/// which stay if the sum would fall by less than 1 %.
 ///
 /// Throws RequestError (bad_data): no parameter, fewer figures than parameters, a parameter that is
 /// 0 or out of its range or changes no figure, the search fails, what simulate() refuses.
