@@ -17,27 +17,6 @@ namespace {
 
 namespace schema = bus::schema;
 
-/// Slices on either side of a slab that its gradients need.
-constexpr int slices_below = 1, slices_above = 2;
-
-/// Extracts one slab. Of the share's other slabs, if the volume is so high that it has any, slices
-/// of zeros are enough: nothing of a slab depends on them.
-gp::SlabMesh extract(const KnownVolume& volume, int k, const ShownSurface& surface) {
-    const gp::Share share{k % gp::max_gp_count, gp::max_gp_count};
-    gp::VolumeShape shape = volume.shape();
-    shape.slabs_per_set = 1;  // A slab is the same in sets of any size: the smallest is cheapest.
-    gp::LocalMemory plenty(std::numeric_limits<std::size_t>::max());
-    gp::SliceStore store(shape, share, plenty);
-    const std::vector<std::byte> zeros(shape.slice_voxels() * gp::size_bytes(shape.type));
-    for (const int z : gp::slices_needed(shape, share)) {
-        const bool ours = z >= k - slices_below && z <= k + slices_above;
-        store.add_slice(z, ours ? volume.slice(z) : std::span<const std::byte>(zeros));
-    }
-    gp::SlabMesh mesh;
-    gp::extract_slab(store, k, *surface.isovalue, gp::case_table(surface.rule), mesh, true);
-    return mesh;
-}
-
 /// The words that the GPs sent of a slab for a region; empty if there are none.
 renderer::Words recorded_words(const RecordedRegion& region, std::uint32_t surface, int k) {
     for (const renderer::RegionPlan::Part& part : region.plan.parts) {
@@ -116,6 +95,24 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
     return surfaces;
 }
 
+// Of the share's other slabs, if the volume is so high that it has any, slices of zeros are enough:
+// nothing of a slab depends on them.
+gp::SlabMesh extract_again(const KnownVolume& volume, int k, double isovalue, gp::CaseRule rule) {
+    const gp::Share share{k % gp::max_gp_count, gp::max_gp_count};
+    gp::VolumeShape shape = volume.shape();
+    shape.slabs_per_set = 1;  // A slab is the same in sets of any size: the smallest is cheapest.
+    gp::LocalMemory plenty(std::numeric_limits<std::size_t>::max());
+    gp::SliceStore store(shape, share, plenty);
+    const std::vector<std::byte> zeros(shape.slice_voxels() * gp::size_bytes(shape.type));
+    for (const int z : gp::slices_needed(shape, share)) {
+        const bool ours = z >= k - slices_below && z <= k + slices_above;
+        store.add_slice(z, ours ? volume.slice(z) : std::span<const std::byte>(zeros));
+    }
+    gp::SlabMesh mesh;
+    gp::extract_slab(store, k, isovalue, gp::case_table(rule), mesh, true);
+    return mesh;
+}
+
 GpAgain::GpAgain(const RecordedFrame& frame, const std::vector<ShownSurface>& surfaces,
                  KnownVolume& volume)
     : frame_(frame), surfaces_(surfaces), volume_(volume) {
@@ -145,7 +142,8 @@ const gp::SlabMesh& GpAgain::mesh(std::uint32_t surface, int k) {
     if (found != meshes_.end()) {
         return found->second;
     }
-    return meshes_[{surface, k}] = extract(volume_, k, surfaces_.at(surface));
+    return meshes_[{surface, k}] = extract_again(volume_, k, *surfaces_.at(surface).isovalue,
+                                                 surfaces_.at(surface).rule);
 }
 
 const SlabAgain& GpAgain::slab(std::uint32_t surface, int k, int view) {

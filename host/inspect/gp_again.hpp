@@ -55,6 +55,13 @@ struct CellAgain {
     bool crossed() const { return inside != 0 && inside != 0xFF; }
 };
 
+/// Extracts one slab, whose slices, and those that its gradients need, KnownVolume::need() has
+/// granted; see slices_below and slices_above.
+gp::SlabMesh extract_again(const KnownVolume& volume, int k, double isovalue, gp::CaseRule rule);
+
+/// Slices on either side of a slab's lower one that its extraction looks at.
+inline constexpr int slices_below = 1, slices_above = 2;
+
 class GpAgain {
   public:
     /// All outlive it. The volume has a shape.

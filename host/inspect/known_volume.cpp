@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "gp_firmware/node_messages.hpp"
 #include "host/digest.hpp"
@@ -12,7 +13,10 @@
 namespace pxpl5::host::inspect {
 
 KnownVolume::KnownVolume(const RecordedRun& run, std::uint32_t frame, const Volume* held)
-    : volume_(run.volume(frame)), held_(held) {
+    : KnownVolume(run.volume(frame), held) {}
+
+KnownVolume::KnownVolume(std::optional<RecordedVolume> volume, const Volume* held)
+    : volume_(std::move(volume)), held_(held) {
     if (volume_) {
         shape_ = gp::shape_of(header());
     }

@@ -19,6 +19,7 @@ class KnownVolume {
   public:
     /// held  The volume that the frame shows, if a session still has it; may be null. Outlives it.
     KnownVolume(const RecordedRun& run, std::uint32_t frame, const Volume* held = nullptr);
+    explicit KnownVolume(std::optional<RecordedVolume> volume, const Volume* held = nullptr);
 
     /// Whether the volume's header is recorded: without it there is no shape.
     bool has_shape() const { return volume_.has_value(); }

@@ -281,11 +281,12 @@ std::optional<RecordedVolume> RecordedRun::volume(std::uint32_t frame) const {
             break;
         }
     }
-    if (!header) {
-        return std::nullopt;
-    }
-    const auto& shape = *header->as<schema::VolumeHeader>();
-    RecordedVolume volume{*header, {}, std::vector<const std::uint8_t*>(shape.nz(), nullptr)};
+    return header ? std::optional(volume_of(*header)) : std::nullopt;
+}
+
+RecordedVolume RecordedRun::volume_of(const bus::Message& header) const {
+    const auto& shape = *header.as<schema::VolumeHeader>();
+    RecordedVolume volume{header, {}, std::vector<const std::uint8_t*>(shape.nz(), nullptr)};
     for (const auto& [id, node] : nodes_) {
         for (const bus::trace::Entry& entry : node.entries) {
             if (entry.kind() != Body::Slices) {

@@ -114,6 +114,8 @@ class RecordedRun {
 
     /// The volume that the frame shows. Nothing if no trace has its header.
     std::optional<RecordedVolume> volume(std::uint32_t frame) const;
+    /// The volume of which this is the VolumeHeader, with the slices that traces have.
+    RecordedVolume volume_of(const bus::Message& header) const;
     /// The SetSurface that gave `surface` this revision, if recorded.
     std::optional<bus::Message> surface(std::uint16_t surface, std::uint32_t revision) const;
 
