@@ -1,0 +1,50 @@
+// Trying machines: parameters run through values, each machine timed on the same work.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/timing/simulate.hpp"
+
+namespace pxpl5::host::timing {
+
+inline constexpr std::size_t max_swept_keys = 2, max_swept_machines = 4096;
+
+/// A key of the topology, as of --set, and its values, one machine each.
+struct SweptKey {
+    std::string key;
+    std::vector<std::string> values;
+};
+
+/// "gp.count=1..64" (all whole numbers), "gp.count=1..64*2" (1, 2, 4, ... 64),
+/// "ring.channel_mb_s=40,80,160", "share=even,own".
+/// Throws RequestError (usage) that names the text and what is wrong with it.
+SweptKey parse_sweep(std::string_view text);
+
+/// What the machine held when the frame of that step was asked for: the volume, and each surface's
+/// newest revision, in the order in which they were built. The frame itself is not in it.
+RunWork setting_of(const RunWork& run, std::size_t frame_step);
+
+/// One machine of a sweep.
+struct SweptMachine {
+    std::vector<std::string> values;  ///< In the order of the keys.
+    std::optional<Ns> load, build;    ///< Of all surfaces; nothing if there is nothing to do.
+    Unit build_limit{};               ///< Of the surface that takes longest.
+    Rate rate;                        ///< Of the frame, shown over and over.
+};
+
+/// Times one frame of a run, and what it shows, on every machine: all values of the last key for
+/// each of the one before.
+///
+/// plan  The machine without the keys' values.
+/// keys  1 or 2.
+/// Throws RequestError (usage) for keys and values that apply_override() or machine_of() refuses,
+/// too many keys or machines, and a step that is no frame; those of simulate().
+std::vector<SweptMachine> sweep(const Topology& plan, std::span<const SweptKey> keys,
+                                const RunWork& run, std::size_t frame_step);
+
+}  // namespace pxpl5::host::timing
