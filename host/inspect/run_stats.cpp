@@ -9,6 +9,7 @@
 #include "host/inspect/selected_messages.hpp"
 #include "isa/instruction_counts.hpp"
 #include "renderer_firmware/fast/fast.hpp"
+#include "ringbus/channel_model.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -18,6 +19,12 @@ using Kind = renderer::RegionPlan::Kind;
 
 std::size_t index_of(isa::Op op) {
     return static_cast<std::size_t>(op);
+}
+
+/// As on the modelled ring: whole words, and the message's header before them.
+std::uint64_t ring_words(std::uint64_t body_bytes) {
+    constexpr bus::RingParameters ring;
+    return ring.header_words + (body_bytes + ring.word_bytes - 1) / ring.word_bytes;
 }
 
 void count_once(PartCounts& part, isa::Instruction in) {
@@ -102,6 +109,13 @@ OpCount& OpCount::operator+=(const OpCount& other) {
     return *this;
 }
 
+MessageCount& MessageCount::operator+=(const MessageCount& other) {
+    messages += other.messages;
+    bytes += other.bytes;
+    words += other.words;
+    return *this;
+}
+
 OpCount PartCounts::total() const {
     OpCount sum;
     for (const OpCount& count : ops) {
@@ -155,10 +169,9 @@ RunStats stats_of(const RecordedRun& run, const Selection& selection) {
     }
     for (const MessageRef& message : select_messages(run, selection)) {
         const bus::schema::Header& header = message.header();
-        MessageCount& count =
-            stats.messages[{message.at().kind(), header.source(), header.destination()}];
-        ++count.messages;
-        count.bytes += header.body_bytes();
+        stats.messages[{message.at().kind(), header.source(), header.destination(),
+                        header.channel()}] +=
+            {1, header.body_bytes(), ring_words(header.body_bytes())};
     }
     return stats;
 }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <map>
-#include <tuple>
 #include <vector>
 
 #include "host/inspect/recorded_run.hpp"
@@ -36,10 +35,20 @@ struct PartCounts {
 std::vector<PartCounts> count_region(const RecordedFrame& frame, const RecordedRegion& region);
 
 struct MessageCount {
-    std::uint64_t messages = 0, bytes = 0;  ///< Bytes of bodies.
+    std::uint64_t messages = 0;
+    std::uint64_t bytes = 0;  ///< Of bodies.
+    std::uint64_t words = 0;  ///< On the ring, its headers included (ringbus/channel_model.hpp).
+    MessageCount& operator+=(const MessageCount& other);
 };
-/// By kind, source and destination.
-using MessageCounts = std::map<std::tuple<bus::Body, bus::NodeId, bus::NodeId>, MessageCount>;
+
+/// Messages of one kind that went one way, over one channel of the modelled ring.
+struct MessageWay {
+    bus::Body kind{};
+    bus::NodeId source = 0, destination = 0;
+    std::uint16_t channel = 0;
+    auto operator<=>(const MessageWay&) const = default;
+};
+using MessageCounts = std::map<MessageWay, MessageCount>;
 
 struct RunStats {
     std::vector<PartCounts> parts;

@@ -138,19 +138,23 @@ std::string text_of(const NamedSums& table, const OpCount& total) {
     return text_table(heading, rows) + "\n";
 }
 
-/// Messages by one of kind, source and destination.
+/// "gp" of "gp-3"
+std::string role_of(const std::string& node) {
+    return node.substr(0, node.rfind('-'));
+}
+
+/// Messages by one of kind, source, destination and channel.
 template <typename Name>
 std::vector<std::pair<std::string, MessageCount>> messages_by(const MessageCounts& counts,
                                                               const Name& name) {
     std::vector<std::pair<std::string, MessageCount>> sums;
-    for (const auto& [key, count] : counts) {
-        const std::string one = name(key);
+    for (const auto& [way, count] : counts) {
+        const std::string one = name(way);
         auto found = std::ranges::find(sums, one, [](const auto& row) { return row.first; });
         if (found == sums.end()) {
             found = sums.insert(sums.end(), {one, {}});
         }
-        found->second.messages += count.messages;
-        found->second.bytes += count.bytes;
+        found->second += count;
     }
     return sums;
 }
@@ -160,13 +164,19 @@ std::string messages_text(const RecordedRun& run, const MessageCounts& counts) {
     const auto put = [&](const char* what, const auto& name) {
         std::vector<TableRow> rows;
         for (const auto& [one, count] : messages_by(counts, name)) {
-            rows.push_back({one, grouped(count.messages), grouped(count.bytes)});
+            rows.push_back(
+                {one, grouped(count.messages), grouped(count.bytes), grouped(count.words)});
         }
-        text += text_table({what, "messages", "bytes"}, rows) + "\n";
+        text += text_table({what, "messages", "bytes", "words on the ring"}, rows) + "\n";
     };
-    put("kind", [](const auto& key) { return bus::kind_name(std::get<0>(key)); });
-    put("from", [&](const auto& key) { return run.node_name(std::get<1>(key)); });
-    put("to", [&](const auto& key) { return run.node_name(std::get<2>(key)); });
+    put("kind", [](const MessageWay& way) { return bus::kind_name(way.kind); });
+    put("from", [&](const MessageWay& way) { return run.node_name(way.source); });
+    put("to", [&](const MessageWay& way) { return run.node_name(way.destination); });
+    put("between", [&](const MessageWay& way) {
+        return role_of(run.node_name(way.source)) + " -> " +
+               role_of(run.node_name(way.destination));
+    });
+    put("channel", [](const MessageWay& way) { return fmt::format("{}", way.channel); });
     return text;
 }
 
@@ -221,12 +231,14 @@ Fields fields_of(const RecordedRun& run, const RunStats& stats) {
         fields.push_back({key, rows});
     }
     std::vector<Fields> messages;
-    for (const auto& [key, count] : stats.messages) {
-        messages.push_back({{"kind", bus::kind_name(std::get<0>(key))},
-                            {"source", run.node_name(std::get<1>(key))},
-                            {"destination", run.node_name(std::get<2>(key))},
+    for (const auto& [way, count] : stats.messages) {
+        messages.push_back({{"kind", bus::kind_name(way.kind)},
+                            {"source", run.node_name(way.source)},
+                            {"destination", run.node_name(way.destination)},
+                            {"channel", number(way.channel)},
                             {"messages", number(count.messages)},
-                            {"bytes", number(count.bytes)}});
+                            {"bytes", number(count.bytes)},
+                            {"words", number(count.words)}});
     }
     fields.push_back({"messages", messages});
     return fields;

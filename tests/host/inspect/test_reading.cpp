@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <tuple>
 #include <utility>
 
 #include "host/error.hpp"
@@ -122,8 +126,8 @@ TEST_CASE("counts of a whole run equal what its Renderers told, and messages the
     CHECK(stats.differences.empty());
     const auto count = [&](bus::Body kind) {
         std::uint64_t messages = 0;
-        for (const auto& [key, one] : stats.messages) {
-            messages += std::get<0>(key) == kind ? one.messages : 0;
+        for (const auto& [way, one] : stats.messages) {
+            messages += way.kind == kind ? one.messages : 0;
         }
         return messages;
     };
@@ -142,7 +146,39 @@ TEST_CASE("counts of a whole run equal what its Renderers told, and messages the
         primitives += one.primitives;
     }
     CHECK(primitives > 100);
-    CHECK(part.messages.size() == 2);  // GP 1 to both Renderers.
+    std::set<bus::NodeId> receivers;
+    for (const auto& [way, one] : part.messages) {
+        CHECK(one.messages == 1);
+        receivers.insert(way.destination);
+    }
+    CHECK(receivers.size() == 2);  // GP 1 to both Renderers.
+}
+
+TEST_CASE("words on the ring are those of bodies and two of each header, by way and channel") {
+    const test::TracedSphere sphere({256, 128}, 2, 2);
+    std::vector<NodeTrace> traces = sphere.traces();
+    using Way = std::tuple<bus::NodeId, bus::NodeId, std::uint16_t>;
+    std::map<Way, std::uint64_t> expected;
+    std::uint16_t channel = 0;
+    for (NodeTrace& node : traces) {
+        for (bus::trace::Entry& entry : node.entries) {
+            const bus::schema::Header h = entry.header;
+            channel = static_cast<std::uint16_t>((channel + 1) % 8);
+            entry.header =
+                bus::schema::Header(h.magic(), h.version(), h.kind(), h.source(), h.destination(),
+                                    channel, h.reserved(), h.sequence(), h.body_bytes(),
+                                    h.departure_ns(), h.arrival_ns(), h.clock());
+            const auto body = static_cast<double>(node.load(entry).bytes().size());
+            expected[{h.source(), h.destination(), channel}] +=
+                2 + static_cast<std::uint64_t>(std::ceil(body / 4));
+        }
+    }
+    std::map<Way, std::uint64_t> counted;
+    for (const auto& [way, one] : stats_of(RecordedRun(traces), {}).messages) {
+        counted[{way.source, way.destination, way.channel}] += one.words;
+    }
+    CHECK(counted == expected);
+    CHECK(expected.size() > 16);
 }
 
 TEST_CASE("a listing shows how many pixels each instruction left enabled and what it wrote") {
