@@ -66,6 +66,7 @@ std::function<std::optional<int>()> declare_inspection(CLI::App& app) {
     declare_stepping(*tools, *trace);
     declare_programs(*tools, app);
     declare_asking(*tools, app);
+    declare_model(*tools, app);
     return [tools]() -> std::optional<int> {
         for (const auto& [tool, run] : tools->list) {
             if (tool->parsed()) {

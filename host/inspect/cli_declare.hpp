@@ -44,6 +44,7 @@ void declare_selection(CLI::App& app, SelectionText& text,
 void declare_reading(Tools& tools, CLI::App& trace);    ///< ls, dump, stats, export
 void declare_programs(Tools& tools, CLI::App& parent);  ///< asm, dis, exec
 void declare_asking(Tools& tools, CLI::App& parent);    ///< why, why-not
+void declare_model(Tools& tools, CLI::App& parent);     ///< model
 void declare_replaying(Tools& tools, CLI::App& trace);  ///< replay, diff, shrink
 void declare_stepping(Tools& tools, CLI::App& trace);   ///< step, map
 
