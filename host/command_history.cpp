@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <sstream>
 
 #include "host/command_handlers.hpp"
@@ -18,8 +19,13 @@ namespace {
 constexpr std::uintmax_t max_script_bytes = std::uintmax_t{16} << 20;
 constexpr int max_play_depth = 8;  ///< Of scripts that play scripts.
 
-Reply tell(const char* what, const std::string& line) {
-    return {fmt::format("{}: {}", what, line), {{"line", line}}};
+/// Puts back a scene of the history, which `note` then tells of the one that was left.
+Reply go_to(Session& session, const Scene& scene, const char* done,
+            const std::optional<std::string>& line, void (History::*note)(const Scene&)) {
+    const Scene before = session.scene;
+    restore(session, scene);
+    (session.history.*note)(before);
+    return {fmt::format("{}: {}", done, line.value_or("")), {{"line", line.value_or("")}}};
 }
 
 /// Written aside first, so that a script is never half there.
@@ -80,19 +86,14 @@ class PlayDepth {
 }  // namespace
 
 Reply run_undo(Session& session, const Arguments&) {
-    const Scene before = session.scene;
-    const std::string line = session.history.undo_line().value_or("");
-    restore(session, session.history.before_last());
-    session.history.undone(before);
-    return tell("undone", line);
+    History& history = session.history;
+    return go_to(session, history.before_last(), "undone", history.undo_line(), &History::undone);
 }
 
 Reply run_redo(Session& session, const Arguments&) {
-    const Scene before = session.scene;
-    const std::string line = session.history.redo_line().value_or("");
-    restore(session, session.history.after_next());
-    session.history.redone(before);
-    return tell("done again", line);
+    History& history = session.history;
+    return go_to(session, history.after_next(), "done again", history.redo_line(),
+                 &History::redone);
 }
 
 Reply run_mark(Session& session, const Arguments&) {

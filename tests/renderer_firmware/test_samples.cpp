@@ -5,6 +5,7 @@
 
 #include "isa/reference/reference.hpp"
 #include "isa/sample_sums.hpp"
+#include "tests/mean_pixel.hpp"
 #include "tests/renderer_firmware/node_bench.hpp"
 #include "tests/renderer_firmware/targets.hpp"
 
@@ -60,20 +61,6 @@ WordList drawn(isa::Executor& executor, const renderer::Shading& shading, std::s
     return pixels;
 }
 
-/// The mean of each channel, halves up.
-std::uint32_t mean(const std::vector<WordList>& pictures, std::size_t pixel) {
-    const auto count = static_cast<std::uint32_t>(pictures.size());
-    std::uint32_t word = 0;
-    for (std::uint32_t shift = 0; shift < 24; shift += 8) {
-        std::uint32_t sum = 0;
-        for (const WordList& picture : pictures) {
-            sum += picture.at(pixel) >> shift & 255;
-        }
-        word |= (2 * sum + count) / (2 * count) << shift;
-    }
-    return word;
-}
-
 std::array<std::size_t, 4> slots_of(std::uint32_t samples) {
     return {0, 1, 2, isa::max_summed_regions(samples) - 1};
 }
@@ -117,7 +104,7 @@ TEST_CASE("the last of several passes reads out the mean of what each alone woul
                 REQUIRE(pixels[i].size() == tile);
                 std::size_t wrong = 0;
                 for (std::size_t p = 0; p < tile; ++p) {
-                    wrong += pixels[i][p] == mean(expected[i], p) ? 0 : 1;
+                    wrong += pixels[i][p] == mean_pixel(expected[i], p) ? 0 : 1;
                 }
                 CHECK(wrong == 0);
             }
@@ -135,7 +122,7 @@ TEST_CASE("the reference executor sums as the fast one does") {
         }
         for (std::size_t y = 62; y < 66; ++y) {
             for (std::size_t x = 62; x < 66; ++x) {
-                CHECK(pixels.at(y * 128 + x) == mean(expected[3], y * 128 + x));
+                CHECK(pixels.at(y * 128 + x) == mean_pixel(expected[3], y * 128 + x));
             }
         }
     }

@@ -11,6 +11,7 @@
 #include "host/error.hpp"
 #include "host/sample_offsets.hpp"
 #include "host/session.hpp"
+#include "tests/mean_pixel.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;
@@ -29,6 +30,7 @@ Topology plan(int gps, int renderers) {
 }
 
 using Pixels = std::vector<std::uint32_t>;
+constexpr std::uint32_t opaque_black = 0xFF000000;
 
 /// A machine that shows the letters, and notes what it is asked to draw.
 struct Bench {
@@ -70,20 +72,6 @@ struct Bench {
     test::SimulatedMachine machine;
     Session session;
 };
-
-/// Of each channel, halves up; opaque.
-std::uint32_t mean(const std::vector<Pixels>& pictures, std::size_t pixel) {
-    const auto count = static_cast<std::uint32_t>(pictures.size());
-    std::uint32_t word = 0xFF000000;
-    for (std::uint32_t shift = 0; shift < 24; shift += 8) {
-        std::uint32_t sum = 0;
-        for (const Pixels& picture : pictures) {
-            sum += picture[pixel] >> shift & 255;
-        }
-        word |= (2 * sum + count) / (2 * count) << shift;
-    }
-    return word;
-}
 
 }  // namespace
 
@@ -127,7 +115,7 @@ TEST_CASE("a picture of 4 or 16 samples is the mean of as many pictures, each mo
         }
         std::size_t wrong = 0;
         for (std::size_t p = 0; p < picture->rgba.size(); ++p) {
-            wrong += picture->rgba[p] == mean(alone, p) ? 0 : 1;
+            wrong += picture->rgba[p] == (opaque_black | test::mean_pixel(alone, p)) ? 0 : 1;
         }
         CHECK(wrong == 0);
         CHECK(std::set<Pixels>(alone.begin(), alone.end()).size() == alone.size());
