@@ -7,11 +7,10 @@
 #include <utility>
 
 #include "host/error.hpp"
-#include "host/phantom/phantom.hpp"
+#include "host/first_surfaces.hpp"
 #include "host/reply.hpp"
 #include "host/restore.hpp"
 #include "host/serve/director.hpp"
-#include "host/surface/first_isovalue.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -151,20 +150,21 @@ void Director::show_first_surfaces() {
     if (!session_->has_volume() || !session_->scene.surfaces.empty()) {
         return;
     }
-    const Volume& volume = session_->volume();
-    const std::vector<PhantomSurface> suggested = suggested_surfaces(volume.name);
-    if (suggested.empty()) {
-        run_command(*session_,
-                    {"surface", {"surface"}, {{"iso", fmt::format("{}", first_isovalue(volume))}}});
-        return;
-    }
-    run_command(*session_, {"surface", {suggested.front().name}, {}});
-    for (const PhantomSurface& each : suggested) {
-        if (each.name == "skin" && each.name != suggested.front().name) {
-            run_command(*session_, {"surface", {each.name}, {{"opacity", see_through}}});
+    for (const FirstSurface& each : first_surfaces(session_->volume())) {
+        Arguments command{"surface", {each.name}, {}};
+        if (each.isovalue) {
+            command.options["iso"] = fmt::format("{}", *each.isovalue);
+        }
+        if (each.seen_through) {
+            command.options["opacity"] = see_through;
         }
     }
-    session_->history.mark();
+    // They belong to the load: undo does not go back beyond them.
+    History& history = session_->history;
+    if (const std::optional<std::string> load = history.load_line()) {
+        history.begin_anew(*load);
+        history.mark();
+    }
 }
 
 /// Does what is no command; if the machine dies of it, it is started again.
@@ -172,6 +172,7 @@ void Director::guard(const std::string& what, const std::function<void()>& act) 
     const Scene before = session_->scene;
     try {
         act();
+        run_command(*session_, command);
     } catch (const MachineError& death) {
         start_again(death, before);
     } catch (const std::exception& error) {

@@ -38,6 +38,7 @@ TEST_CASE("who joins is greeted, and hears of the volume and its first surface")
     CHECK(state["surfaces"].size() == 1);
     CHECK(state["camera"]["patient_to_clip"].size() == 16);
     CHECK(state["busy"].is_null());
+    CHECK(state["undo"].is_null());  // Its first surface is no step back to nothing.
     CHECK(state["redo"].is_null());
     CHECK(state["size"] == Json({128, 96}));
 }
