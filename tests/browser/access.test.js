@@ -1,27 +1,17 @@
 // The page for everybody: names for those who hear it, contrast, keyboard, sizes of screens; and
 // nothing asked of any other host.
 import assert from 'node:assert/strict';
-import test, { after as afterAll, before } from 'node:test';
+import test from 'node:test';
 import { lookFor } from './layout.js';
-import { launchBrowser, openPage, serve, shoot } from './harness.js';
+import { browser, openPage, server, shoot, useServer } from './harness.js';
 import { settled, unfold } from './steps.js';
 
 const SIZES = [[1280, 720], [1920, 1080], [390, 844]];
 const MOST_TABS = 400;  // Key presses until each control must have had its turn.
 
-let server;
-let browser;
 let opened;
 
-before(async () => {
-  server = await serve('phantom:pelvis', 'resample=96x96x48');
-  browser = await launchBrowser();
-});
-afterAll(async () => {
-  await browser?.close();
-  const how = await server?.stop();
-  assert.equal(how?.code, 0, how?.errors);
-});
+useServer();
 test.beforeEach(async () => {
   opened = await openPage(browser, server.url);
   await unfold(opened.page);

@@ -3,32 +3,16 @@
 import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
-import test, { after as afterAll, before } from 'node:test';
-import { launchBrowser, openPage, serve } from './harness.js';
-import { after, errorsShown, lookAtPicture, settled, state, stateWhen } from './steps.js';
+import test from 'node:test';
+import { browser, byId, openPage, page, serve, server, usePage } from './harness.js';
+import { after, errorsShown, lookAtPicture, rawSocket, say, settled, state, stateWhen }
+  from './steps.js';
 
 const STL_HEADER_BYTES = 84;
 const STL_TRIANGLE_BYTES = 50;
 const SIDE = 24;  // Voxels of the ball that is dropped, along each axis.
 
-let server;
-let browser;
-let page;
-let close;
-
-before(async () => {
-  server = await serve('phantom:pelvis', 'resample=96x96x48');
-  browser = await launchBrowser();
-  ({ page, close } = await openPage(browser, server.url));
-});
-afterAll(async () => {
-  await close?.();
-  await browser?.close();
-  const how = await server?.stop();
-  assert.equal(how?.code, 0, how?.errors);
-});
-
-const byId = id => page.getByTestId(id);
+usePage();
 
 /** Does what makes the page save a file, and returns its name and bytes. */
 async function saved(act) {
@@ -216,4 +200,22 @@ test('long work is shown and can be given up; what was open stays', async () => 
   else assert.deepEqual(surfaces, []);
   assert.match((await errorsShown(page)).join(' '), /cancel|given up/i);
   await closeMessages();
+});
+
+test('when nothing is open any more, no old picture is shown', async () => {
+  const small = await serve('phantom:sphere', 'resample=16x16x16', '--set', 'gp.memory_mib=1');
+  try {
+    const { page, close } = await openPage(browser, small.url);
+    await settled(page);
+    assert.ok((await lookAtPicture(page)).colors > 100);
+    const reply = await say(await rawSocket(page, small.url), 'load phantom:pelvis');
+    assert.match(reply.error, /memory/, 'GPs that hold so little had dropped the sphere by then');
+    await stateWhen(page, now => now.volume === null && !now.busy);
+    assert.equal((await lookAtPicture(page)).colors, 1);
+    assert.equal(await page.locator('#corner').isVisible(), false);
+    await close();
+  } finally {
+    const how = await small.stop();
+    assert.equal(how.code, 0, how.errors);
+  }
 });

@@ -6,6 +6,7 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { createInterface } from 'node:readline';
+import { after, before } from 'node:test';
 
 /** Where the build put programs and packages; ctest hands them over. */
 export const bin = required('PXPL5_BIN_DIR');
@@ -112,4 +113,39 @@ export async function openPage(browser, url, { script, ...options } = {}) {
 /** Keeps a screenshot under a name that the README may show. */
 export async function shoot(page, name) {
   await page.screenshot({ path: path.join(shots, `${name}.png`) });
+}
+
+/** What all tests of a file share, from usePage() or useServer() on. */
+export let server;
+export let browser;
+export let page;
+
+/** An element of that page. */
+export const byId = id => page.getByTestId(id);
+
+/**
+ * Serves to all tests of a file, and stops when they are done.
+ * @param {string[]} [words] arguments of serve; few voxels, unless said
+ */
+export function useServer(words = ['phantom:pelvis', 'resample=96x96x48'], opensPage = false) {
+  let close;
+  before(async () => {
+    server = await serve(...words);
+    browser = await launchBrowser();
+    if (opensPage) ({ page, close } = await openPage(browser, server.url));
+  });
+  after(async () => {
+    try {
+      await close?.();
+    } finally {
+      await browser?.close();
+      const how = await server?.stop();
+      assert.equal(how?.code, 0, how?.errors);
+    }
+  });
+}
+
+/** The same, and a page that shows a picture. */
+export function usePage(words) {
+  useServer(words, true);
 }

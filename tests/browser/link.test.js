@@ -2,26 +2,15 @@
 // and that a flood of input ends with the newest state on the screen.
 import assert from 'node:assert/strict';
 import { createServer } from 'node:http';
-import test, { after as afterAll, before } from 'node:test';
-import { launchBrowser, openPage, serve } from './harness.js';
+import test from 'node:test';
+import { browser, openPage, server, useServer } from './harness.js';
 import { after, rawSocket, say, settled, state, stateWhen } from './steps.js';
 
 const LONGEST_MESSAGE = 64 * 1024;  // host/serve/README.md
 const FLOOD = 1000;
 const FLOOD_A_FRAME = 5;  // 60 times a second: below the 400 messages a second that are allowed.
 
-let server;
-let browser;
-
-before(async () => {
-  server = await serve('phantom:pelvis', 'resample=96x96x48');
-  browser = await launchBrowser();
-});
-afterAll(async () => {
-  await browser?.close();
-  const how = await server?.stop();
-  assert.equal(how?.code, 0, how?.errors);
-});
+useServer();
 
 /**
  * Keeps the page's own sockets, newest last, so that a test can do to them what a network does;

@@ -241,8 +241,16 @@ function pictureIn(connection, decode) {
     requestAnimationFrame: setImmediate});
   /** @type {string[]} */
   const told = [];
-  const picture = new PictureView(connection, new Store(), text => told.push(text));
-  return {picture, told, drawn};
+  const store = new Store();
+  const picture = new PictureView(connection, store, text => told.push(text));
+  return {picture, store, told, drawn};
+}
+
+/** As many turns as a frame takes that is decoded at once. */
+async function framesDone() {
+  for (let turn = 0; turn < 4; ++turn) {
+    await settled();
+  }
 }
 
 test('a frame that fails is told and acknowledged, and the next one is shown', async () => {
@@ -261,12 +269,24 @@ test('a frame that fails is told and acknowledged, and the next one is shown', a
   });
   for (const number of [1, 2, 3]) {
     socket.say(frameOf(number));
-    for (let turn = 0; turn < 4; ++turn) {
-      await settled();
-    }
+    await framesDone();
   }
   assert.deepEqual(socket.sent, [{shown: 1}, {shown: 2}, {shown: 3}]);
   assert.deepEqual(told, ['A picture could not be shown: no JPEG',
     'A picture could not be shown: a listener fell']);
+  assert.equal(drawn.count, 2);
+});
+
+test('a frame of what is open no more is acknowledged, and not drawn', async () => {
+  const {connection, socket} = connected();
+  const {store, drawn} = pictureIn(connection, async () => ({width: 1, height: 1, close() {}}));
+  socket.say(frameOf(1));
+  store.take(/** @type {any} */ ({revision: 2, volume: null, archive: null}));
+  await framesDone();
+  for (const number of [2, 3]) {
+    socket.say(frameOf(number));
+    await framesDone();
+  }
+  assert.deepEqual(socket.sent, [{shown: 1}, {shown: 2}, {shown: 3}]);
   assert.equal(drawn.count, 2);
 });

@@ -1,32 +1,18 @@
 // The panels on the right: slices, volume, distances, the machine and its inspector.
 import assert from 'node:assert/strict';
-import test, { after as afterAll, before } from 'node:test';
-import { launchBrowser, openPage, serve } from './harness.js';
+import test, { before } from 'node:test';
+import { byId, page, server, usePage } from './harness.js';
 import { after, ask, drag, lookAtPicture, middleOf, rawSocket, say, settled, state, stateWhen }
   from './steps.js';
 
 const REGION = 128;  // Pixels along a region's edge.
 
-let server;
-let browser;
-let page;
-let close;
 let raw;
 
+usePage();
 before(async () => {
-  server = await serve('phantom:pelvis', 'resample=96x96x48');
-  browser = await launchBrowser();
-  ({ page, close } = await openPage(browser, server.url));
   raw = await rawSocket(page, server.url);
 });
-afterAll(async () => {
-  await close?.();
-  await browser?.close();
-  const how = await server?.stop();
-  assert.equal(how?.code, 0, how?.errors);
-});
-
-const byId = id => page.getByTestId(id);
 
 /** Runs in the page: a fingerprint of a canvas, and how many pixels have about that colour. */
 function lookAtCanvas(canvas, color) {

@@ -1,24 +1,13 @@
 // The page as a person sees it, kept as screenshots: on a laptop, a desk, and a large screen.
 import assert from 'node:assert/strict';
-import test, { after as afterAll, before } from 'node:test';
-import { launchBrowser, openPage, serve, shoot } from './harness.js';
+import test from 'node:test';
+import { browser, openPage, server, shoot, useServer } from './harness.js';
 import { after, drag, lookAtPicture, middleOf, settled, unfold } from './steps.js';
 
 const SIZES = [[1280, 720], [1920, 1080]];
 const LARGE = [3840, 2160];
 
-let server;
-let browser;
-
-before(async () => {
-  server = await serve('phantom:pelvis');
-  browser = await launchBrowser();
-});
-afterAll(async () => {
-  await browser?.close();
-  const how = await server?.stop();
-  assert.equal(how?.code, 0, how?.errors);
-});
+useServer(['phantom:pelvis']);
 
 /** Keeps a screenshot of a page that has come to rest with a picture on it. */
 async function keep(page, name) {

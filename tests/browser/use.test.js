@@ -1,28 +1,12 @@
 // What a person does with the picture and the surfaces, with mouse, keyboard and fingers.
 import assert from 'node:assert/strict';
-import test, { after as afterAll, before } from 'node:test';
-import { launchBrowser, openPage, serve } from './harness.js';
+import test from 'node:test';
+import { browser, byId, openPage, page, server, usePage } from './harness.js';
 import { after, drag, lookAtPicture, middleOf, settled, state, stateWhen, unfold }
   from './steps.js';
 
-let server;
-let browser;
-let page;
-let close;
+usePage();
 
-before(async () => {
-  server = await serve('phantom:pelvis', 'resample=96x96x48');
-  browser = await launchBrowser();
-  ({ page, close } = await openPage(browser, server.url));
-});
-afterAll(async () => {
-  await close?.();
-  await browser?.close();
-  const how = await server?.stop();
-  assert.equal(how?.code, 0, how?.errors);
-});
-
-const byId = id => page.getByTestId(id);
 const surfaceOf = (now, name) => now.surfaces.find(each => each.name === name);
 
 /** Presses keys with the picture in focus. */
