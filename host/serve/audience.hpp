@@ -13,6 +13,7 @@ class Audience {
     virtual std::vector<Event> take() = 0;
     virtual void send(std::uint32_t viewer, std::string text) = 0;
     virtual void send_binary(std::uint32_t viewer, std::string bytes) = 0;
+    virtual void opened(std::string path) = 0;
     virtual void show(Shown frame) = 0;
     virtual bool wants_frame() const = 0;
     virtual LinkAdvice advice() const = 0;
@@ -30,6 +31,7 @@ class WebAudience final : public Audience {
     void send_binary(std::uint32_t viewer, std::string bytes) override {
         server_.send_binary(viewer, std::move(bytes));
     }
+    void opened(std::string path) override { server_.opened(std::move(path)); }
     void show(Shown frame) override { server_.show(std::move(frame)); }
     bool wants_frame() const override { return server_.wants_frame(); }
     LinkAdvice advice() const override { return server_.advice(); }

@@ -172,7 +172,7 @@ void Director::take(const Said& said) {
             refuse_command("you only watch: the address of this page may not change anything");
         }
         if (message.cancels) {
-            cancels_ = true;  // For what is being done; step() forgets it.
+            cancels_ = true;  // For what is being done; do_command() forgets it.
             return;
         }
         wish.is_ask = message.ask.has_value();

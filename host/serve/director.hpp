@@ -70,7 +70,6 @@ class Director {
     void take(const Joined& joined);
     void take(const Left& left);
     void take(const Said& said);
-    void take(const Uploaded&) {}  // Loaded when the page says so.
     void take_wish(const Said& said, Wish wish);
     bool may(const Said& said, const std::optional<std::string>& ask) const;
     void refuse(const Wish& wish, const RequestError& error);
@@ -78,6 +77,7 @@ class Director {
     void do_wish(const Wish& wish);
     void do_command(const Wish& wish);
     Reply run(const Arguments& arguments);
+    void tell_opened();
     void answer_ask(const Wish& wish);
     void guard(const std::string& what, const std::function<void()>& act);
     void start_again(const MachineError& death, const Scene& scene);
@@ -108,6 +108,7 @@ class Director {
     std::map<std::uint32_t, Viewer> viewers_;
     Inbox inbox_;
     Pace pace_;
+    std::string opened_;  ///< What the server was told is open.
     std::string busy_;
     bool cancels_ = false;  ///< Somebody wants what is being done given up.
     bool tells_progress_ = false;

@@ -105,6 +105,7 @@ void Director::do_command(const Wish& wish) {
     }
     const auto note_change = [&] {
         state_is_old_ |= kind_of(wish.arguments) != CommandKind::question || !busy_.empty();
+        tell_opened();
         if (loads != session_->history.loads() || !same_picture(before, session_->scene)) {
             ++revision_;
             state_is_old_ = true;
@@ -133,6 +134,14 @@ void Director::do_command(const Wish& wish) {
     }
 }
 
+void Director::tell_opened() {
+    const std::optional<std::string>& line = session_->history.load_line();
+    const std::string path = line ? parse_line(*line).words.at(0) : "";
+    if (path != std::exchange(opened_, path)) {
+        audience_.opened(path);
+    }
+}
+
 void Director::answer_ask(const Wish& wish) {
     if (!parts_.answer) {
         refuse_command("ask: this program answers no such question");
@@ -158,6 +167,7 @@ void Director::show_first_surfaces() {
         if (each.seen_through) {
             command.options["opacity"] = see_through;
         }
+        run_command(*session_, command);
     }
     // They belong to the load: undo does not go back beyond them.
     History& history = session_->history;
@@ -172,7 +182,6 @@ void Director::guard(const std::string& what, const std::function<void()>& act) 
     const Scene before = session_->scene;
     try {
         act();
-        run_command(*session_, command);
     } catch (const MachineError& death) {
         start_again(death, before);
     } catch (const std::exception& error) {

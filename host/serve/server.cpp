@@ -100,6 +100,9 @@ void Server::send_binary(std::uint32_t viewer, std::string bytes) {
     core_->mail.send({viewer, true, std::make_shared<const std::string>(std::move(bytes))});
 }
 
+void Server::opened(std::string path) {
+    core_->mail.opened(std::move(path));
+}
 void Server::show(Shown frame) {
     core_->mail.show(std::move(frame));
 }

@@ -37,13 +37,7 @@ struct Said {
     Role role = Role::watcher;
     std::string text;
 };
-/// A batch of files is complete.
-struct Uploaded {
-    std::uint32_t viewer = 0;  ///< 0 if the request did not say.
-    std::string path;          ///< The file, or the folder if several came.
-    std::string name;          ///< As the person knows it.
-};
-using Event = std::variant<Joined, Left, Said, Uploaded>;
+using Event = std::variant<Joined, Left, Said>;
 
 /// A frame for everybody.
 struct Shown {
@@ -86,6 +80,9 @@ class Server {
     void send(std::uint32_t viewer, std::string text);
     void broadcast(std::string text);
     void send_binary(std::uint32_t viewer, std::string bytes);
+
+    /// What is open now; an upload that was open before is removed. Empty: nothing is open.
+    void opened(std::string path);
 
     /// Takes the place of a frame that has not been sent yet. A viewer who joins later gets the
     /// newest one, too.

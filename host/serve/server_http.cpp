@@ -168,8 +168,6 @@ int Loop::end_upload(lws* connection) {
 int Loop::end_batch(lws* connection, const Request& request) {
     try {
         const UploadedBatch batch = uploads_.done(parameter(request, "batch"));
-        const auto viewer = number<std::uint32_t>(parameter(request, "viewer")).value_or(0);
-        mail_.push(Uploaded{viewer, batch.path.string(), batch.name});
         return answer(
             connection, 200, json_type,
             json_text(

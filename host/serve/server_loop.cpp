@@ -242,6 +242,9 @@ int Loop::on_event(lws* connection, int reason, void* data, std::size_t size) {
 }
 
 void Loop::deliver() {
+    for (const std::string& path : mail_.collect_opened()) {
+        uploads_.opened(path);
+    }
     for (const Outgoing& message : mail_.collect()) {
         for (auto& [connection, socket] : sockets_) {
             if (!socket.joined || socket.viewer.closing.code != 0 ||

@@ -52,6 +52,14 @@ void Mail::show(Shown frame) {
     wake_server();
 }
 
+void Mail::opened(std::string path) {
+    {
+        const std::scoped_lock lock(mutex_);
+        opened_.push_back(std::move(path));
+    }
+    wake_server();
+}
+
 bool Mail::push(Event event) {
     const auto* said = std::get_if<Said>(&event);
     const std::size_t bytes = said == nullptr ? 0 : said->text.size() + sizeof(Event);
@@ -68,6 +76,11 @@ bool Mail::push(Event event) {
 std::vector<Outgoing> Mail::collect() {
     const std::scoped_lock lock(mutex_);
     return std::exchange(outgoing_, {});
+}
+
+std::vector<std::string> Mail::collect_opened() {
+    const std::scoped_lock lock(mutex_);
+    return std::exchange(opened_, {});
 }
 
 std::shared_ptr<const NewestFrame> Mail::newest() const {

@@ -39,6 +39,7 @@ class Mail {
     std::vector<Event> take();
     void send(Outgoing message);
     void show(Shown frame);
+    void opened(std::string path);
     bool wants_frame() const { return wants_frame_; }
     LinkAdvice advice() const { return {scale_}; }
 
@@ -46,12 +47,13 @@ class Mail {
     /// False, and nothing kept, if the session lags by max_waiting_event_bytes of texts.
     bool push(Event event);
     std::vector<Outgoing> collect();
+    std::vector<std::string> collect_opened();
     std::shared_ptr<const NewestFrame> newest() const;
     /// wanted  Somebody would take a frame newer than number `sequence`. Old news if a newer one
     ///         has been shown meanwhile.
     void advise(bool wanted, std::uint64_t sequence, LinkAdvice advice);
 
-    /// Called after send() and show(), on the session's thread.
+    /// Called after send(), show() and opened(), on the session's thread.
     std::function<void()> wake_server;
 
   private:
@@ -62,6 +64,7 @@ class Mail {
     std::vector<Event> events_;
     std::size_t event_bytes_ = 0;
     std::vector<Outgoing> outgoing_;
+    std::vector<std::string> opened_;
     std::shared_ptr<const NewestFrame> newest_;
     std::atomic<bool> wants_frame_ = false;
     std::atomic<double> scale_ = 1;

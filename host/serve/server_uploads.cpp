@@ -76,6 +76,10 @@ std::optional<fs::path> only_header(const fs::path& folder) {
     return header;
 }
 
+bool is_within(const fs::path& folder, const fs::path& path) {
+    return std::ranges::mismatch(folder, path).in1 == folder.end();
+}
+
 }  // namespace
 
 fs::path cleaned_name(std::string_view name) {
@@ -151,6 +155,7 @@ void UploadingFile::finish() {
     Uploads::Batch& batch = uploads_.batches_.at(batch_);
     batch.under_way -= 1;
     batch.files += 1;
+    batch.bytes += announced_;
 }
 
 Uploads::Batch& Uploads::open_batch(const std::string& name) {
@@ -167,7 +172,7 @@ Uploads::Batch& Uploads::open_batch(const std::string& name) {
     if (error) {
         throw UploadError{500, fmt::format("Nothing can be stored: {}.", error.message())};
     }
-    return batches_[name] = {folder, 0, 0};
+    return batches_[name] = {folder};
 }
 
 std::unique_ptr<UploadingFile> Uploads::begin(const std::string& name, const std::string& batch,
@@ -205,6 +210,7 @@ UploadedBatch Uploads::done(const std::string& name) {
     }
     const Batch batch = found->second;
     batches_.erase(found);
+    complete_.push_back(batch);
     fs::path path = batch.folder;
     // A dropped folder comes as files below it: the folder's name is the one that people know.
     while (const auto only = only_entry(path)) {
@@ -218,6 +224,19 @@ UploadedBatch Uploads::done(const std::string& name) {
     }
     const std::string known_as = path == batch.folder ? name : path.filename().string();
     return {path, known_as, batch.files};
+}
+
+void Uploads::opened(const fs::path& path) {
+    for (Batch& batch : complete_) {
+        const bool was_open = std::exchange(batch.is_open, is_within(batch.folder, path));
+        if (was_open && !batch.is_open) {
+            std::error_code error;  // What cannot be removed now goes with the run's folder.
+            fs::remove_all(batch.folder, error);
+            bytes_ -= batch.bytes;
+            files_ -= std::exchange(batch.files, 0);
+        }
+    }
+    std::erase_if(complete_, [](const Batch& batch) { return batch.files == 0; });
 }
 
 }  // namespace pxpl5::host::serve

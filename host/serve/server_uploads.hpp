@@ -8,10 +8,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace pxpl5::host::serve {
 
-inline constexpr std::uint64_t max_upload_bytes = 4ULL << 30U;  // In all, while the server runs.
+inline constexpr std::uint64_t max_upload_bytes = 4ULL << 30U;  // At one time.
 inline constexpr int max_upload_files = 100'000;
 
 /// A request that cannot be obeyed, as HTTP says it.
@@ -62,17 +63,23 @@ class Uploads {
                                          std::uint64_t length);
     /// Ends the batch; its name may be used again, for a folder of its own.
     UploadedBatch done(const std::string& batch);
+    /// This path, which may lie anywhere, is open now and no other: batches that were open before
+    /// are removed.
+    void opened(const std::filesystem::path& path);
 
   private:
     friend class UploadingFile;
     struct Batch {
         std::filesystem::path folder;
         int files = 0, under_way = 0;
+        std::uint64_t bytes = 0;
+        bool is_open = false;
     };
     Batch& open_batch(const std::string& name);
 
     std::filesystem::path folder_;
-    std::map<std::string, Batch, std::less<>> batches_;
+    std::map<std::string, Batch, std::less<>> batches_;  ///< That may grow, by name.
+    std::vector<Batch> complete_;
     std::uint64_t bytes_ = 0;  ///< Stored or announced.
     int files_ = 0;            ///< Likewise.
     int batch_count_ = 0;

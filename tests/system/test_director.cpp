@@ -174,6 +174,18 @@ TEST_CASE("who only watches changes nothing, and nobody ends the program from th
     CHECK(stage.director.session().scene.camera.angles.azimuth_deg == 0);
 }
 
+TEST_CASE("what is open is told when it changes, and not of a load that failed") {
+    Theatre stage;
+    int id = 0;
+    for (const char* line : {"view 10 20", "load phantom:torus", "load phantom:nothing",
+                             "load phantom:torus smooth=1", "load phantom:sphere"}) {
+        stage.watchers.does(++id, line);
+        stage.settle();
+    }
+    CHECK(stage.watchers.openings ==
+          std::vector<std::string>{"phantom:sphere", "phantom:torus", "phantom:sphere"});
+}
+
 TEST_CASE("a load is given up when somebody says so, and leaves nothing") {
     Theatre stage;
     stage.watchers.does(1, "load phantom:pelvis");

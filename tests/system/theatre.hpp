@@ -41,6 +41,7 @@ class Watchers final : public Audience {
         texts.push_back({viewer, Json::parse(text)});
     }
     void send_binary(std::uint32_t, std::string bytes) override { binaries.push_back(bytes); }
+    void opened(std::string path) override { openings.push_back(std::move(path)); }
     void show(serve::Shown frame) override {
         frames.push_back(std::move(frame));
         if (on_show) {
@@ -75,6 +76,7 @@ class Watchers final : public Audience {
     std::vector<Event> events;
     std::vector<std::pair<std::uint32_t, Json>> texts;
     std::vector<std::string> binaries;
+    std::vector<std::string> openings;
     std::vector<serve::Shown> frames;
     bool takes_frames = true;
     bool scrolls = false;  ///< A second viewer, who asks for slices without end.

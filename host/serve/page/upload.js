@@ -56,8 +56,8 @@ export async function loadVolume({connection}, words, options = {}) {
  * @returns {Promise<string | null>} where they are on the server; null if that failed, and was told
  */
 async function upload(app, files) {
-  const {hello} = app.connection;
-  if (files.length === 0 || !hello || app.connection.watches) {
+  const {hello, watches} = app.connection;
+  if (files.length === 0 || !hello || watches) {
     return null;
   }
   const total = files.reduce((sum, {file}) => sum + file.size, 0);
@@ -80,8 +80,7 @@ async function upload(app, files) {
       sent += file.size;
       bar.value = sent;
     }
-    const done = address('upload/done', {batch, viewer: String(hello.viewer)});
-    return (await post(done, null, stop.signal)).path;
+    return (await post(address('upload/done', {batch}), null, stop.signal)).path;
   } catch (error) {
     if (!stop.signal.aborted) {
       app.toasts.error(`The files were not opened: ${/** @type {Error} */ (error).message}`);

@@ -44,6 +44,9 @@ void obey(serve::Server& server, const serve::Said& said) {
     if (words.contains("echo")) {
         server.send(said.viewer, words.dump());
     }
+    if (words.contains("opened")) {
+        server.opened(words["opened"].get<std::string>());
+    }
     if (words.contains("say")) {
         server.broadcast(words.dump());
     }
@@ -68,8 +71,6 @@ void tell(serve::Server& server, const serve::Event& event) {
         server.send(joined->viewer, Json{{"hello", joined->viewer}}.dump());
     } else if (const auto* left = std::get_if<serve::Left>(&event)) {
         fmt::print("left {}\n", left->viewer);
-    } else if (const auto* uploaded = std::get_if<serve::Uploaded>(&event)) {
-        fmt::print("uploaded {} {} {}\n", uploaded->viewer, uploaded->name, uploaded->path);
     } else {
         obey(server, std::get<serve::Said>(event));
     }

@@ -31,13 +31,21 @@ class Files(Case):
             query = urllib.parse.urlencode({"name": name, "batch": "b1"})
             body = b"" if name.endswith("empty") else content
             self.assertEqual(self.upload("/upload?" + query, body), (200, {}))
-        status, answer = self.upload("/upload/done?batch=b1&viewer=3")
+        status, answer = self.upload("/upload/done?batch=b1")
         self.assertEqual((status, answer["files"], answer["name"]), (200, 3, "study"))
         path = pathlib.Path(answer["path"])
         self.assertEqual(path.parent.parent, pathlib.Path(self.folder) / "uploads")
         self.assertEqual((path / "2.dcm").read_bytes(), content)
         self.assertEqual((path / "empty").read_bytes(), b"")
-        self.assertEqual(self.server.event(), f"uploaded 3 study {path}")
+
+    def test_an_upload_that_is_open_no_more_is_removed(self):
+        self.upload("/upload?name=a.nrrd&batch=b", b"voxels")
+        path = pathlib.Path(self.upload("/upload/done?batch=b")[1]["path"])
+        viewer = self.join()
+        for opened, is_kept in ((path, True), ("phantom:torus", False)):
+            viewer.send(json.dumps({"opened": str(opened)}))
+            self.sync(viewer)
+            self.assertEqual(path.exists(), is_kept)
 
     def test_what_is_wrong_with_an_upload_is_said(self):
         status, answer = self.upload("/upload?name=..&batch=b", b"x" * 1_000_000)

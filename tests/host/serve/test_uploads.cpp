@@ -104,6 +104,33 @@ TEST_CASE("uploads are refused when they would be too much, twice the same, or u
     }
 }
 
+TEST_CASE("a batch that was open is removed when another is, and its room is free again") {
+    const ScratchFolder scratch;
+    Uploads uploads(scratch.path / "uploads");
+    std::filesystem::create_directory(scratch.path / "uploads");
+    upload(uploads, "series/1.dcm", "b", "1");
+    upload(uploads, "series/2.dcm", "b", "2");
+    const std::filesystem::path first = uploads.done("b").path;
+    upload(uploads, "waits.nrrd", "b", "345");
+    const std::filesystem::path waiting = uploads.done("b").path;
+    upload(uploads, "next.nrrd", "c", "6");
+    const std::filesystem::path next = uploads.done("c").path;
+    CHECK(status_of([&] { uploads.begin("a", "d", max_upload_bytes - 5); }) == 413);
+
+    uploads.opened(first);
+    uploads.opened(first / "2.dcm");
+    CHECK(text_of(first / "1.dcm") == "1");
+    uploads.opened(next);
+    CHECK_FALSE(std::filesystem::exists(first.parent_path()));
+    CHECK(text_of(waiting) == "345");
+    CHECK(text_of(next) == "6");
+    CHECK(status_of([&] { uploads.begin("a", "d", max_upload_bytes - 3); }) == 413);
+    CHECK(status_of([&] { uploads.begin("a", "d", max_upload_bytes - 4); }) == 200);
+    uploads.opened("");
+    CHECK_FALSE(std::filesystem::exists(next));
+    CHECK(text_of(waiting) == "345");
+}
+
 TEST_CASE("batches of a server before are not touched") {
     const ScratchFolder scratch;
     Uploads first(scratch.path), second(scratch.path);
