@@ -127,12 +127,13 @@ export const byId = id => page.getByTestId(id);
  * Serves to all tests of a file, and stops when they are done.
  * @param {string[]} [words] arguments of serve; few voxels, unless said
  */
-export function useServer(words = ['phantom:pelvis', 'resample=96x96x48'], opensPage = false) {
+export function useServer(words = ['phantom:pelvis', 'resample=96x96x48'], opensPage = false, then) {
   let close;
   before(async () => {
     server = await serve(...words);
     browser = await launchBrowser();
     if (opensPage) ({ page, close } = await openPage(browser, server.url));
+    await then?.();
   });
   after(async () => {
     try {
@@ -145,7 +146,10 @@ export function useServer(words = ['phantom:pelvis', 'resample=96x96x48'], opens
   });
 }
 
-/** The same, and a page that shows a picture. */
-export function usePage(words) {
-  useServer(words, true);
+/**
+ * The same, and a page that shows a picture.
+ * @param {() => Promise<void>} [then] is done last: hooks of one file do not wait for each other
+ */
+export function usePage(words, then) {
+  useServer(words, true, then);
 }

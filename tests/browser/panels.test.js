@@ -1,6 +1,6 @@
 // The panels on the right: slices, volume, distances, the machine and its inspector.
 import assert from 'node:assert/strict';
-import test, { before } from 'node:test';
+import test from 'node:test';
 import { byId, page, server, usePage } from './harness.js';
 import { after, ask, drag, lookAtPicture, middleOf, rawSocket, say, settled, state, stateWhen }
   from './steps.js';
@@ -9,8 +9,7 @@ const REGION = 128;  // Pixels along a region's edge.
 
 let raw;
 
-usePage();
-before(async () => {
+usePage(undefined, async () => {
   raw = await rawSocket(page, server.url);
 });
 
