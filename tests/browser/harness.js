@@ -127,7 +127,8 @@ export const byId = id => page.getByTestId(id);
  * Serves to all tests of a file, and stops when they are done.
  * @param {string[]} [words] arguments of serve; few voxels, unless said
  */
-export function useServer(words = ['phantom:pelvis', 'resample=96x96x48'], opensPage = false, then) {
+export function useServer(words = ['phantom:pelvis', 'resample=96x96x48'], opensPage = false,
+                          then) {
   let close;
   before(async () => {
     server = await serve(...words);
