@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
+import {factsOf} from '../../host/serve/page/model_view.js';
 import {nearestVoxel, patientText, toPatient, toVoxel} from '../../host/serve/page/patient_grid.js';
 import {belongTo} from '../../host/serve/page/region_map.js';
 import {dotsOf, flowsOf, stretchesOf, sumsOf} from '../../host/serve/page/ring_flow.js';
@@ -168,4 +169,23 @@ test('values of a file that states no modality are taken for CT by air and bone 
   assert.ok(!isHounsfield({modality: 'MR', minimum: -1000, maximum: 1494}));
   assert.deepEqual(firstWindow({modality: 'US', minimum: 0, maximum: 255}),
     {window: 255, level: 127.5});
+});
+
+test('modelled times are told in three digits, with what limits them', () => {
+  const use = [{unit: 'host link', mean: 0.9, busiest: 0.9, index: 0},
+    {unit: 'GP', mean: 0.5, busiest: 0.754, index: 3}];
+  const surface = {name: 'bone', triangles: 12345, ms: 1234.5, limit: 'GP', use};
+  const frame = {primitives: 1, samples: 1, frames_per_s: 24.0961, latency_ms: 41.54, limit: 'GP',
+    use};
+  const whole = {machine: 'paper-1993', gps: 36, renderers: 16, frame_buffers: 1,
+    load: {ms: 999.9, limit: 'host link', use}, surfaces: [surface], frame};
+  assert.deepEqual(factsOf(whole), [
+    ['Machine', 'paper-1993\n36 GPs, 16 Renderers\n1 frame buffer'],
+    ['Volume loaded', 'in 1 s\nLimit: host link, 90 % busy'],
+    ['Surface bone', 'built in 1.23 s\n12,345 triangles\nLimit: GPs, 75 % busy'],
+    ['Pictures', '24.1 a second\neach 41.5 ms after it was asked for\n' +
+      '1 primitive\n1 sample a pixel\nLimit: GPs, 75 % busy']]);
+  const smooth = {...whole, load: undefined, surfaces: [], frame: {...frame, samples: 16}};
+  assert.equal(factsOf(smooth).length, 2);
+  assert.match(factsOf(smooth)[1][1], /\n16 samples a pixel\n/);
 });

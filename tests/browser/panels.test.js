@@ -196,6 +196,30 @@ test('the machine: its nodes, what they do, who draws what', async () => {
   await settled(page);
 });
 
+test('what the machine of 1993 would have taken is told when asked for, until the picture changes',
+     async () => {
+  assert.ok(await byId('model-facts').isHidden(), 'nothing is worked out before it is asked for');
+  await byId('model-go').click();
+  await byId('model-facts').waitFor();
+  const { result } = await say(raw, 'model');
+  const facts = await byId('model-facts').innerText();
+  const { machine, gps, surfaces, frame } = result;
+  const told = [machine, `${gps} GPs`, ...surfaces.map(({ name }) => `Surface ${name}`),
+    ...surfaces.map(({ triangles }) => `${triangles.toLocaleString('en')} triangles`),
+    `${Number(frame.frames_per_s.toPrecision(3))} a second`];
+  for (const each of told) assert.ok(facts.includes(each), `'${each}' in ${facts}`);
+  const rows = await byId('model-use').allInnerTexts();
+  assert.equal(rows.length, frame.use.length);
+  const limit = frame.use.findIndex(({ unit }) => unit === frame.limit);
+  rows.forEach((row, at) => {
+    assert.ok(row.includes(`${Math.round(100 * frame.use[at].busiest)} %`), row);
+    assert.equal(/the limit/.test(row), at === limit, row);
+  });
+  assert.equal(await byId('model-message').innerText(), '');
+  await after(page, () => say(raw, 'view 60 10'));
+  await byId('model-message').getByText('changed').waitFor();
+});
+
 test('a killed node is told of, and the same picture comes back', async () => {
   await after(page, () => say(raw, 'view 30 15'));
   await after(page, () => say(raw, 'background #102040'));

@@ -45,6 +45,10 @@ for (const [width, height] of SIZES) {
     await byId('node-gp-0').waitFor();
     await drag(page, stage, { x: stage.x + 40, y: stage.y }, { steps: 30 });
     await keep(page, `machine-${width}`);
+    await byId('model-go').click();
+    await byId('model-use').last().waitFor();
+    await byId('model').evaluate(element => element.scrollIntoView({ block: 'start' }));
+    await keep(page, `model-${width}`);
 
     await byId('surface-visible-skin').check();
     await unfold(page);

@@ -1,5 +1,6 @@
 // Panel: what the machine's processes do just now, and what happens when one dies.
 import {h} from './dom.js';
+import {ModelView} from './model_view.js';
 import {NodeDialog} from './node_dialog.js';
 import {NodeList} from './node_list.js';
 import {messageLine} from './panel_parts.js';
@@ -55,7 +56,8 @@ class MachinePanel {
       h('p', {class: 'legend'}, 'Lines: the last ten seconds. Press a node to look into it or to ' +
         'kill it.'),
       h('h3', {}, 'Who draws what'), this.regions.canvas, this.regions.readout,
-      h('h3', {}, 'Where a frame’s time goes'), this.stages.element);
+      h('h3', {}, 'Where a frame’s time goes'), this.stages.element,
+      h('h3', {}, 'On the machine of 1993'), new ModelView(app).element);
     root.append(h('p', {class: 'panel-intro'}, 'The machine’s processes at work. ', this.title),
       this.message.element, this.events, this.body);
     this.message.say('Waiting for the nodes to answer …');

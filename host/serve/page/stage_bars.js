@@ -55,7 +55,8 @@ export class StageBars {
     this.clocks_ = h('div', {class: 'stage-rows', 'data-testid': 'clocks'});
     this.element = h('div', {class: 'stack', 'data-testid': 'stages'}, this.rows_, this.clocks_,
       h('p', {class: 'legend'}, 'The modelled clock counts the cycles of the Renderer that ' +
-        'worked longest, at 40 MHz: Renderers only, without GPs, ring and frame buffer.'));
+        'worked longest, at 40 MHz: of as many Renderers and samples as here, without GPs, ring ' +
+        'and frame buffer.'));
   }
 
   /** @param {MachineReport} report  Keeps what it shows if no frame was done. */
