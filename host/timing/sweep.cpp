@@ -69,6 +69,23 @@ std::vector<std::string> list_of(std::string_view whole, std::string_view text) 
     return values;
 }
 
+/// How many machines the keys make.
+std::size_t machine_count(std::span<const SweptKey> keys) {
+    std::size_t machines = 1;
+    for (const SweptKey& key : keys) {
+        machines *= key.values.size();
+    }
+    if (keys.empty() || keys.size() > max_swept_keys || machines > max_swept_machines) {
+        refuse(keys.empty() ? "" : keys.front().key,
+               fmt::format("{} keys and {} machines; at most {} and {}", keys.size(), machines,
+                           max_swept_keys, max_swept_machines));
+    }
+    if (keys.size() > 1 && keys[0].key == keys[1].key) {
+        refuse(keys[0].key, "the key is there twice; list all its values once");
+    }
+    return machines;
+}
+
 SweptMachine time_on(const Machine& machine, const RunWork& setting, const FrameWork& frame) {
     SweptMachine result;
     Ns longest = -1;
@@ -125,37 +142,38 @@ RunWork setting_of(const RunWork& run, std::size_t frame_step) {
     return setting;
 }
 
+std::vector<TriedMachine> machines_of(const Topology& plan, std::span<const SweptKey> keys) {
+    const std::size_t count = machine_count(keys);
+    std::vector<TriedMachine> machines;
+    for (std::size_t n = 0; n < count; ++n) {
+        TriedMachine& one = machines.emplace_back();
+        std::size_t rest = n;
+        for (auto key = keys.rbegin(); key != keys.rend(); ++key) {
+            one.values.insert(one.values.begin(), key->values[rest % key->values.size()]);
+            rest /= key->values.size();
+        }
+        Topology topology = plan;
+        for (std::size_t k = 0; k < keys.size(); ++k) {
+            apply_override(topology, keys[k].key + "=" + one.values[k]);
+        }
+        one.machine = machine_of(topology);
+    }
+    return machines;
+}
+
 std::vector<SweptMachine> sweep(const Topology& plan, std::span<const SweptKey> keys,
                                 const RunWork& run, std::size_t frame_step) {
+    const std::vector<TriedMachine> machines = machines_of(plan, keys);
     const auto* frame =
         frame_step < run.steps.size() ? std::get_if<FrameWork>(&run.steps[frame_step]) : nullptr;
     if (frame == nullptr) {
         refuse("", fmt::format("step {} is no frame", frame_step));
     }
-    std::size_t machines = 1;
-    for (const SweptKey& key : keys) {
-        machines *= key.values.size();
-    }
-    if (keys.empty() || keys.size() > max_swept_keys || machines > max_swept_machines) {
-        refuse(keys.empty() ? "" : keys.front().key,
-               fmt::format("{} keys and {} machines; at most {} and {}", keys.size(), machines,
-                           max_swept_keys, max_swept_machines));
-    }
     const RunWork setting = setting_of(run, frame_step);
     std::vector<SweptMachine> results;
-    for (std::size_t n = 0; n < machines; ++n) {
-        Topology topology = plan;
-        std::vector<std::string> values;
-        std::size_t rest = n;
-        for (auto key = keys.rbegin(); key != keys.rend(); ++key) {
-            values.insert(values.begin(), key->values[rest % key->values.size()]);
-            rest /= key->values.size();
-        }
-        for (std::size_t k = 0; k < keys.size(); ++k) {
-            apply_override(topology, keys[k].key + "=" + values[k]);
-        }
-        results.push_back(time_on(machine_of(topology), setting, *frame));
-        results.back().values = std::move(values);
+    for (const TriedMachine& one : machines) {
+        results.push_back(time_on(one.machine, setting, *frame));
+        results.back().values = one.values;
     }
     return results;
 }

@@ -25,6 +25,17 @@ struct SweptKey {
 /// Throws RequestError (usage) that names the text and what is wrong with it.
 SweptKey parse_sweep(std::string_view text);
 
+/// A machine of a sweep, and the values that make it, in the order of the keys.
+struct TriedMachine {
+    std::vector<std::string> values;
+    Machine machine;
+};
+
+/// Every machine that sweep() times, in its order; cheap.
+/// Throws RequestError (usage) for keys and values that apply_override() or machine_of() refuses, a
+/// key that is there twice, too many keys or machines.
+std::vector<TriedMachine> machines_of(const Topology& plan, std::span<const SweptKey> keys);
+
 /// What the machine held when the frame of that step was asked for: the volume, and each surface's
 /// newest revision, in the order in which they were built. The frame itself is not in it.
 RunWork setting_of(const RunWork& run, std::size_t frame_step);
@@ -42,8 +53,7 @@ struct SweptMachine {
 ///
 /// plan  The machine without the keys' values.
 /// keys  1 or 2.
-/// Throws RequestError (usage) for keys and values that apply_override() or machine_of() refuses,
-/// too many keys or machines, and a step that is no frame; those of simulate().
+/// Throws RequestError as machines_of(); usage for a step that is no frame; those of simulate().
 std::vector<SweptMachine> sweep(const Topology& plan, std::span<const SweptKey> keys,
                                 const RunWork& run, std::size_t frame_step);
 

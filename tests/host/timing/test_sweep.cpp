@@ -134,6 +134,22 @@ TEST_CASE("a scene has nothing to load or build") {
     CHECK(machines.at(0).rate.frames_per_s > 0);
 }
 
+TEST_CASE("a sweep's machines are those of all its values, the last key's first") {
+    const Topology plan = load_topology("paper-1993");
+    const std::vector<SweptKey> keys = {{"gp.count", {"3", "36"}},
+                                        {"ring.channel_mb_s", {"40", "80", "160"}}};
+    const std::vector<TriedMachine> machines = machines_of(plan, keys);
+    REQUIRE(machines.size() == 6);
+    for (std::size_t n = 0; n < 6; ++n) {
+        CHECK(machines[n].values == Values{keys[0].values[n / 3], keys[1].values[n % 3]});
+        CHECK(std::to_string(machines[n].machine.gps) == machines[n].values[0]);
+        CHECK(machines[n].machine.ring_channel_mb_s == std::stod(machines[n].values[1]));
+    }
+    // Not only the first value of a key is tried.
+    const std::vector<SweptKey> wrong = {{"gp.count", {"1"}}, {"share", {"own", "evn"}}};
+    CHECK_THROWS_WITH_AS(machines_of(plan, wrong), doctest::Contains("evn"), RequestError);
+}
+
 TEST_CASE("a sweep over what no machine has is refused") {
     const Topology plan = load_topology("paper-1993");
     const auto refused = [&](std::vector<SweptKey> keys, std::size_t step, const char* text) {
@@ -145,6 +161,7 @@ TEST_CASE("a sweep over what no machine has is refused") {
     refused({{"gp.count", {"1"}}}, 99, "step 99 is no frame");
     refused({}, 6, "0 keys");
     refused({{"gp.count", {"1"}}, {"share", {"own"}}, {"seed", {"1"}}}, 6, "3 keys");
+    refused({{"gp.count", {"1"}}, {"gp.count", {"2"}}}, 6, "gp.count: the key is there twice");
     refused({{"seed", Values(100, "1")}, {"gp.count", Values(41, "1")}}, 6, "4100 machines");
 }
 
