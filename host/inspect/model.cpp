@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
+#include <utility>
 
 #include "host/error.hpp"
 #include "host/inspect/find_run.hpp"
@@ -40,24 +42,55 @@ timing::RunWork work_of(const ModelOptions& options) {
     return work;
 }
 
+/// A text, and the file that it goes to.
+struct Output {
+    std::string path, text;
+};
+
 template <typename Result>
-void put(const ModelOptions& options, const Result& result) {
+std::vector<Output> outputs_of(const ModelOptions& options, const Result& result) {
+    std::vector<Output> outputs;
     if (!options.csv.empty()) {
-        TextOutput csv(options.csv);
-        csv.put(to_csv(result));
-        csv.finish();
+        outputs.push_back({options.csv, to_csv(result)});
     }
-    TextOutput output(options.output);
-    output.put(options.json ? json_text(to_fields(result)) + "\n" : to_text(result));
-    output.finish();
+    outputs.push_back(
+        {options.output, options.json ? json_text(to_fields(result)) + "\n" : to_text(result)});
+    return outputs;
 }
 
-void put_plot(const ModelOptions& options, const ModelledSweep& sweep) {
-    if (!options.plot.empty()) {
-        TextOutput plot(options.plot);
-        plot.put(plot_of(sweep));
-        plot.finish();
+/// Writes all of them; what hinders one of them is thrown when the others are written.
+void put(const std::vector<Output>& outputs) {
+    std::exception_ptr failed;
+    for (const auto& [path, text] : outputs) {
+        try {
+            TextOutput output(path);
+            output.put(text);
+            output.finish();
+        } catch (...) {
+            failed = failed ? failed : std::current_exception();
+        }
     }
+    if (failed) {
+        std::rethrow_exception(failed);
+    }
+}
+
+/// The keys of --sweep; throws RequestError (usage) if they or their values cannot be swept.
+std::vector<timing::SweptKey> keys_of(const ModelOptions& options, const Topology& plan) {
+    std::vector<timing::SweptKey> keys;
+    for (const std::string& text : options.sweeps) {
+        keys.push_back(timing::parse_sweep(text));
+    }
+    if (!keys.empty()) {
+        timing::machines_of(plan, keys);
+    }
+    if (!options.plot.empty()) {
+        if (keys.empty()) {
+            throw RequestError(ExitCode::usage, "--plot needs --sweep: one machine is no curve");
+        }
+        check_axis(keys.front());
+    }
+    return keys;
 }
 
 }  // namespace
@@ -65,23 +98,20 @@ void put_plot(const ModelOptions& options, const ModelledSweep& sweep) {
 int run_model(const ModelOptions& options) {
     // What is asked wrongly is said before anything is read.
     const Topology plan = load_topology(options.topology, options.overrides);
-    std::vector<timing::SweptKey> keys;
-    for (const std::string& text : options.sweeps) {
-        keys.push_back(timing::parse_sweep(text));
-        Topology changed = plan;
-        apply_override(changed, keys.back().key + "=" + keys.back().values.front());
-    }
-    if (keys.empty() && !options.plot.empty()) {
-        throw RequestError(ExitCode::usage, "--plot needs --sweep: one machine is no curve");
-    }
+    std::vector<timing::SweptKey> keys = keys_of(options, plan);
     timing::RunWork work = work_of(options);
+    // Old files stay as they are until all texts are there.
+    std::vector<Output> outputs;
     if (keys.empty()) {
-        put(options, modelled(plan, std::move(work)));
+        outputs = outputs_of(options, modelled(plan, std::move(work)));
     } else {
         const ModelledSweep sweep = swept(plan, std::move(keys), work);
-        put_plot(options, sweep);
-        put(options, sweep);
+        outputs = outputs_of(options, sweep);
+        if (!options.plot.empty()) {
+            outputs.push_back({options.plot, plot_of(sweep)});
+        }
     }
+    put(outputs);
     return 0;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -29,7 +30,7 @@ std::string cell_of(const std::optional<Ns>& time) {
 double number_of(const timing::SweptKey& key, const std::string& text) {
     double number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || end != text.data() + text.size()) {
+    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number)) {
         throw RequestError(
             ExitCode::usage,
             fmt::format("--plot: {} is '{}', must be a number to be an axis", key.key, text));
@@ -165,6 +166,12 @@ std::string to_csv(const ModelledSweep& sweep) {
             machine.rate.frames_per_s, machine.rate.latency, timing::name_of(machine.rate.limit));
     }
     return text;
+}
+
+void check_axis(const timing::SweptKey& key) {
+    for (const std::string& text : key.values) {
+        number_of(key, text);
+    }
 }
 
 std::string plot_of(const ModelledSweep& sweep) {

@@ -29,8 +29,11 @@ Fields to_fields(const ModelledSweep& sweep);
 /// A heading, then a line for each machine.
 std::string to_csv(const ModelledSweep& sweep);
 
+/// Throws RequestError (usage) naming the value of a plot's first key that is no number.
+void check_axis(const timing::SweptKey& key);
+
 /// SVG: frames/s and the time to build, over the first key's values, a line for each of the
-/// second's. Throws RequestError (usage) naming the value of the first key that is no number.
+/// second's. Throws as check_axis().
 std::string plot_of(const ModelledSweep& sweep);
 
 }  // namespace pxpl5::host::inspect

@@ -152,6 +152,27 @@ class ModelCli(unittest.TestCase):
         self.assertIn("recorded assignment", self.refusal(65, self.large, "--set",
                                                           "assignment=recorded"))
 
+    def test_what_is_asked_wrongly_is_said_before_anything_is_read(self):
+        self.assertIn("gp.count is 65, must be 1..64",
+                      self.refusal(64, "nowhere", "--sweep", "gp.count=1,65"))
+        self.assertIn("gp.count: the key is there twice",
+                      self.refusal(64, "nowhere", "--sweep", "gp.count=1", "--sweep", "gp.count=2"))
+        self.assertIn("share is 'own', must be a number",
+                      self.refusal(64, "nowhere", "--sweep", "share=own", "--plot", "x.svg"))
+
+    def test_a_file_that_fails_costs_neither_the_old_one_nor_the_results(self):
+        old = pathlib.Path(self.path("old.svg"))
+        old.write_text("old", encoding="utf-8")
+        sweep = [self.small, "--sweep", "share=own,even"]
+        self.refusal(64, *sweep, "--plot", str(old))
+        self.refusal(65, self.large, "--sweep", "gp.count=1,2", "--set", "assignment=recorded",
+                     "--plot", str(old))
+        self.assertEqual(old.read_text(encoding="utf-8"), "old")
+        told = self.output("model", *sweep)
+        done = self.pxpl5("model", *sweep, "--csv", self.path("nowhere/s.csv"))
+        self.assertEqual((done.returncode, done.stdout), (1, told))
+        self.assertIn("nowhere/s.csv", done.stderr)
+
     def test_a_run_without_frames_or_without_anything(self):
         loaded = self.recorded("loaded", 1, 1, "load phantom:sphere")
         self.assertIn("no frame", self.output("model", loaded))
