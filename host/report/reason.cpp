@@ -143,11 +143,7 @@ std::vector<Load> frame_loads(const Machine& machine, const FrameWork& frame, co
 }
 
 double dearest_region_ms(const Machine& machine, const FrameWork& frame) {
-    std::vector<std::uint64_t> cycles(frame.regions());
-    for (const PartWork& part : frame.parts) {
-        cycles.at(part.region) += part.cycles();
-    }
-    const auto dearest = static_cast<double>(std::ranges::max(cycles));
+    const auto dearest = static_cast<double>(std::ranges::max(frame.region_cycles()));
     return dearest / (machine.renderer_clock_mhz * mhz_to_cycles_per_ms);
 }
 

@@ -13,8 +13,7 @@ std::uint64_t edges_of(const VolumeWork& volume, std::uint32_t slab) {
     const auto of_slice = [&](std::uint32_t z) {
         return volume.runs[z] - ny + nx * (ny - 1);  // Between runs along x; all along y.
     };
-    const bool last = slab + 2 == volume.nz;
-    return of_slice(slab) + nx * ny + (last ? of_slice(slab + 1) : 0);
+    return of_slice(slab) + nx * ny + of_slice(slab + 1);
 }
 
 void BuildModel::start(const BuildWork& build, const VolumeWork& volume, Callback<> done) {

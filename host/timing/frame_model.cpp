@@ -47,7 +47,7 @@ void FrameModel::broadcast(std::uint32_t frame) {
     }
     gp_begins(frame, 0);
     begun_ = frame + 1;
-    if (first_free()) {
+    if (hands_out()) {
         hand_out();
     }
 }
@@ -74,7 +74,7 @@ void FrameModel::renderer_begins(std::uint32_t frame, std::uint16_t renderer) {
 }
 
 void FrameModel::ask(std::uint16_t renderer) {
-    if (first_free()) {
+    if (hands_out()) {
         hardware_.mail.send(hardware_.places.renderer(renderer), hardware_.places.gp(0),
                             region_words, [this, renderer] {
                                 wants_region_.push_back(renderer);
@@ -90,7 +90,7 @@ void FrameModel::hand_out() {
             next_region_ = 0;
             continue;
         }
-        assign(wants_region_.front(), next_frame_, next_region_++);
+        assign(wants_region_.front(), next_frame_, frames_[next_frame_].order[next_region_++]);
         wants_region_.pop_front();
     }
 }

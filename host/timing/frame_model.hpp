@@ -20,7 +20,7 @@ class FrameModel {
     void draw(FrameRun frame);
 
   private:
-    bool first_free() const { return hardware_.machine.assignment == Assignment::first_free; }
+    bool hands_out() const { return is_handed_out(hardware_.machine.assignment); }
     void begin(std::uint32_t frame);
     void broadcast(std::uint32_t frame);
     void gp_begins(std::uint32_t frame, std::uint16_t gp);

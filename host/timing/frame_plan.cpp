@@ -1,6 +1,7 @@
 #include "host/timing/frame_plan.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <functional>
 #include <numeric>
 
@@ -132,7 +133,6 @@ void FramePlan::add_parts(const Machine& machine, const Costs& costs, const Fram
     Binner binner(machine, regions_, bins_, door_places_, own);
     for (const PartWork& part : frame.parts) {
         RegionPlan& region = regions_[part.region];
-        region.cycles += part.cycles();
         if (part.kind == PartKind::segment) {
             binner.add(part);
             continue;
@@ -184,34 +184,30 @@ std::vector<std::uint16_t> round_robin(std::size_t regions, std::size_t renderer
     return assignment;
 }
 
-// Graham 1969, longest processing time first; ties go to the lower index.
-std::vector<std::uint16_t> longest_first(std::size_t renderers,
-                                         std::span<const std::uint64_t> costs) {
-    std::vector<std::size_t> order(costs.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return costs[i]; });
-    std::vector<std::uint16_t> assignment(costs.size());
-    std::vector<std::uint64_t> load(renderers, 0);
-    for (const std::size_t region : order) {
-        const auto least = std::ranges::min_element(load);
-        *least += costs[region];
-        assignment[region] = static_cast<std::uint16_t>(least - load.begin());
-    }
-    return assignment;
-}
-
 }  // namespace
 
-std::vector<std::uint16_t> static_assignment(const Machine& machine, const FrameWork& frame,
-                                             std::span<const std::uint64_t> costs_before) {
+bool is_handed_out(Assignment assignment) {
+    return assignment == Assignment::first_free || assignment == Assignment::longest_first;
+}
+
+std::vector<std::uint16_t> static_assignment(const Machine& machine, const FrameWork& frame) {
+    assert(!is_handed_out(machine.assignment));
     if (machine.assignment == Assignment::recorded) {
         check_assignment(frame, machine.renderers);
         return frame.assignment;
     }
-    if (machine.assignment == Assignment::longest_first && costs_before.size() == frame.regions()) {
-        return longest_first(machine.renderers, costs_before);
-    }
     return round_robin(frame.regions(), machine.renderers);
+}
+
+// longest_first: list scheduling, longest processing time first (Graham 1969).
+std::vector<std::uint32_t> order_of(Assignment assignment, std::size_t regions,
+                                    std::span<const std::uint64_t> costs) {
+    std::vector<std::uint32_t> order(regions);
+    std::iota(order.begin(), order.end(), 0U);
+    if (assignment == Assignment::longest_first && costs.size() == regions) {
+        std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return costs[i]; });
+    }
+    return order;
 }
 
 }  // namespace pxpl5::host::timing

@@ -33,7 +33,6 @@ struct RegionPlan {
     Ns end = 0;   ///< The array's part of depths and end of region.
     Ns port = 0;  ///< Pixels leave the array.
     std::uint64_t pixel_words = 0;
-    std::uint64_t cycles = 0;  ///< Of all parts.
     std::uint32_t view = 0;
     std::vector<Door> doors;
 };
@@ -64,8 +63,15 @@ class FramePlan {
     std::vector<Ns> draw_times_;
 };
 
-/// The Renderer of each region. `costs_before`: cycles of each region of the frame before.
-std::vector<std::uint16_t> static_assignment(const Machine& machine, const FrameWork& frame,
-                                             std::span<const std::uint64_t> costs_before);
+/// Whether the Master hands regions out while Renderers draw; else they have them from the start.
+bool is_handed_out(Assignment assignment);
+
+/// The Renderer of each region. For assignments that are not handed out.
+std::vector<std::uint16_t> static_assignment(const Machine& machine, const FrameWork& frame);
+
+/// The order in which regions are handed out. `costs`: cycles of each region of the newest frame
+/// that is drawn; empty if there is none.
+std::vector<std::uint32_t> order_of(Assignment assignment, std::size_t regions,
+                                    std::span<const std::uint64_t> costs);
 
 }  // namespace pxpl5::host::timing

@@ -13,7 +13,8 @@ namespace pxpl5::host::timing {
 
 struct FrameRun {
     std::shared_ptr<const FramePlan> plan;  ///< Until the host knows that the frame is shown.
-    std::vector<std::uint16_t> assignment;  ///< Renderer of each region; empty with first_free.
+    std::vector<std::uint16_t> assignment;  ///< Renderer of each region; empty if handed out.
+    std::vector<std::uint32_t> order;       ///< In which regions are handed out.
     std::vector<std::uint16_t> ready;       ///< GPs whose bins are complete, in that order.
     std::size_t regions = 0;
     std::size_t regions_due = 0;  ///< That the frame buffer has not got whole.

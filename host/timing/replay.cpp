@@ -69,17 +69,21 @@ void Replay::start(std::size_t step, const FrameWork& frame) {
     }
     FrameRun run;
     run.plan = plan_;
-    if (hardware_.machine.assignment != Assignment::first_free) {
-        run.assignment = static_assignment(hardware_.machine, frame, costs_before_);
+    const Assignment assignment = hardware_.machine.assignment;
+    if (is_handed_out(assignment)) {
+        run.order = order_of(assignment, plan_->regions(), costs_drawn_);
+    } else {
+        run.assignment = static_assignment(hardware_.machine, frame);
     }
-    costs_before_.clear();
-    for (std::size_t region = 0; region < plan_->regions(); ++region) {
-        costs_before_.push_back(plan_->region(region).cycles);
-    }
-    run.complete = [this, step] { times_[step].complete = snapshot(hardware_); };
+    run.complete = [this, step] { complete(step); };
     run.shown = [this, step] { end(step); };
     run.known = [this, step] { known(step); };
     frames_.draw(std::move(run));
+}
+
+void Replay::complete(std::size_t step) {
+    times_[step].complete = snapshot(hardware_);
+    costs_drawn_ = std::get<const FrameWork*>(refs_[step])->region_cycles();
 }
 
 void Replay::end(std::size_t step) {

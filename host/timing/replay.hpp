@@ -43,6 +43,7 @@ class Replay {
     void start(std::size_t step, const VolumeWork& volume);
     void start(std::size_t step, const BuildWork& build);
     void start(std::size_t step, const FrameWork& frame);
+    void complete(std::size_t step);
     void end(std::size_t step);
     void known(std::size_t step);
 
@@ -56,7 +57,7 @@ class Replay {
     const VolumeWork* volume_ = nullptr;       ///< Loaded last.
     const FrameWork* frame_ = nullptr;         ///< Drawn last.
     std::shared_ptr<const FramePlan> plan_;    ///< Of frame_.
-    std::vector<std::uint64_t> costs_before_;  ///< Cycles of frame_'s regions.
+    std::vector<std::uint64_t> costs_drawn_;  ///< Cycles of each region of the newest drawn.
 };
 
 }  // namespace pxpl5::host::timing

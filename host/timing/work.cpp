@@ -16,4 +16,12 @@ std::size_t FrameWork::regions() const {
     return bus::region_count(width, height, views);
 }
 
+std::vector<std::uint64_t> FrameWork::region_cycles() const {
+    std::vector<std::uint64_t> cycles(regions());
+    for (const PartWork& part : parts) {
+        cycles.at(part.region) += part.cycles();
+    }
+    return cycles;
+}
+
 }  // namespace pxpl5::host::timing

@@ -91,6 +91,8 @@ struct FrameWork {
     std::vector<PartWork> parts;                     ///< By region, then in the order of execution.
     std::vector<std::uint16_t> assignment;           ///< Renderer of each region, as it was drawn.
     std::size_t regions() const;
+    /// Of each region, all its parts together.
+    std::vector<std::uint64_t> region_cycles() const;
     friend bool operator==(const FrameWork&, const FrameWork&) = default;
 };
 

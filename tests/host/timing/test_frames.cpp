@@ -5,6 +5,7 @@
 #include <array>
 #include <numeric>
 
+#include "host/timing/frame_plan.hpp"
 #include "tests/host/timing/machines.hpp"
 
 namespace pxpl5::host::timing {
@@ -78,14 +79,33 @@ TEST_CASE("who is free first takes the next region; in turn, everybody the next 
     CHECK(taken_by(first_free, 2) == begin + large + assigned);
     CHECK(taken_by(first_free, 3) == begin + 3 * small + 3 * assigned);
     CHECK(length(first_free.steps[0]) <= length(in_turn.steps[0]));
-    machine.assignment = Assignment::longest_first;
-    // The first frame in turn, the second by the costs of the first: Renderer 0 has region 0 only.
-    const RunTime longest = simulate(machine, {{frame, frame}, {}});
-    CHECK(taken_by(longest, 2) == begin + large + small + begin + large);
-    CHECK(taken_by(longest, 3) == begin + 2 * small + begin + 3 * small);
     machine.assignment = Assignment::recorded;
     frame.assignment = {1, 1, 0, 1};
     CHECK(taken_by(simulate(machine, {{frame}, {}}), 2) == begin + small);
+}
+
+TEST_CASE("longest first, the newest drawn frame's dearest regions are handed out first") {
+    using Order = std::vector<std::uint32_t>;
+    const std::vector<std::uint64_t> costs = {5, 9, 9, 1};
+    CHECK(order_of(Assignment::longest_first, 4, costs) == Order{1, 2, 0, 3});
+    CHECK(order_of(Assignment::first_free, 4, costs) == Order{0, 1, 2, 3});
+    CHECK(order_of(Assignment::longest_first, 3, costs) == Order{0, 1, 2});  // Another size.
+    CHECK(order_of(Assignment::longest_first, 4, {}) == Order{0, 1, 2, 3});
+
+    Machine machine = machine_of(1, 2);
+    FrameWork frame = frame_of(512, 128, 4, 1);
+    for (PartWork& part : frame.parts) {
+        if (part.kind == PartKind::segment) {
+            part = segment(part.region, 0, part.region == 3 ? 30'000 : 10'000);
+        }
+    }
+    machine.assignment = Assignment::first_free;
+    const RunTime by_number = simulate(machine, {{frame, frame}, {}});
+    machine.assignment = Assignment::longest_first;
+    const RunTime longest = simulate(machine, {{frame, frame}, {}});
+    CHECK(length(longest.steps[0]) == length(by_number.steps[0]));  // Nothing is known yet.
+    // By number one Renderer works for 1 + 3, the other for 1 + 1; longest first both for 3.
+    CHECK(length(longest.steps[1]) < length(by_number.steps[1]));
 }
 
 TEST_CASE("spread evenly, a slab's primitives are everybody's; else its GP's alone") {

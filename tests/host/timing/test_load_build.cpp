@@ -91,15 +91,15 @@ TEST_CASE("a single slice has no slab, and nothing to load") {
 
 TEST_CASE("edges that are looked at: between runs along x, all along y and z") {
     const VolumeWork volume = volume_of(4, 3, {5, 7, 6});
-    CHECK(edges_of(volume, 0) == (5 - 3) + 4 * 2 + 4 * 3);
+    CHECK(edges_of(volume, 0) == (5 - 3) + 4 * 2 + 4 * 3 + (7 - 3) + 4 * 2);
     CHECK(edges_of(volume, 1) == (7 - 3) + 4 * 2 + 4 * 3 + (6 - 3) + 4 * 2);
-    // Without two equal neighbours, all edges of the grid: 3 nx ny nz - nx ny - ny nz - nz nx.
+    // Without two equal neighbours, all edges of each slab's grid of two slices.
     const VolumeWork noise = volume_of(5, 4, {20, 20, 20, 20, 20, 20});
     std::uint64_t all = 0;
     for (std::uint32_t slab = 0; slab < 5; ++slab) {
         all += edges_of(noise, slab);
     }
-    CHECK(all == 3 * 5 * 4 * 6 - 5 * 4 - 4 * 6 - 6 * 5);
+    CHECK(all == 5 * (2 * 4 * 4 + 2 * 5 * 3 + 5 * 4));
 }
 
 TEST_CASE("a build on one GP is its edges and triangles, and two messages") {
@@ -109,9 +109,9 @@ TEST_CASE("a build on one GP is its edges and triangles, and two messages") {
     const RunTime time = simulate(machine_of(1), {{volume, build}, {}});
     REQUIRE(time.steps.size() == 2);
     CHECK(time.steps[1].begin == time.steps[0].end);
-    // 22 + 35 edges of 4 cycles and 10 triangles of 400; the answer has 8 words and 8 a slab.
+    // 34 + 35 edges of 4 cycles and 10 triangles of 400; the answer has 8 words and 8 a slab.
     constexpr Ns asked = 100'000 + 8'000 + 10 * 50 + 50 + 10'000;
-    constexpr Ns extraction = (57 * 4 + 10 * 400) * 25;
+    constexpr Ns extraction = (69 * 4 + 10 * 400) * 25;
     CHECK(length(time.steps[1]) == asked + extraction + to_host(8 + 2 * 8, 19));
     CHECK(time.steps[1].use[1].unit == Unit::gp);
     CHECK(time.steps[1].use[1].busiest ==
@@ -150,10 +150,10 @@ TEST_CASE("a build waits for the slowest GP, and for what it hands over") {
     const auto took = [&](Share share) {
         return length(simulate(machine_of(2, share), {{volume, build}, {}}).steps[1]);
     };
-    // GP 0 takes 1000 x 400 + 20 x 4 cycles; GP 1, asked 100 us later, is long done. Of own ones
+    // GP 0 takes 1000 x 400 + 28 x 4 cycles; GP 1, asked 100 us later, is long done. Of own ones
     // GP 0 answers at once.
     constexpr Ns asked = 100'000 + 8'000 + 10 * 50 + 50 + 10'000;
-    constexpr Ns extraction = (1000 * 400 + 20 * 4) * 25;
+    constexpr Ns extraction = (1000 * 400 + 28 * 4) * 25;
     CHECK(took(Share::own) == asked + extraction + to_host(16, 20));
     // Else GP 1 is the last to answer: it takes 500 triangles of 20 words, which are 10 packets,
     // and GP 0's own answer, of 18 words with its header, goes between two of these.
