@@ -54,9 +54,9 @@ class Replay {
     std::span<const StepRef> refs_;
     std::vector<Step> times_;
     std::size_t next_ = 0, under_way_ = 0;
-    const VolumeWork* volume_ = nullptr;       ///< Loaded last.
-    const FrameWork* frame_ = nullptr;         ///< Drawn last.
-    std::shared_ptr<const FramePlan> plan_;    ///< Of frame_.
+    const VolumeWork* volume_ = nullptr;      ///< Loaded last.
+    const FrameWork* frame_ = nullptr;        ///< Drawn last.
+    std::shared_ptr<const FramePlan> plan_;   ///< Of frame_.
     std::vector<std::uint64_t> costs_drawn_;  ///< Cycles of each region of the newest drawn.
 };
 

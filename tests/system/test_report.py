@@ -20,7 +20,6 @@ if len(sys.argv) > 1 and sys.argv[1] == "--data":
     del sys.argv[1:3]
 LIMIT_S = 280
 BUILD_BOUND, FRAMES_BOUND = 0.20, 0.15
-BEYOND_BY = 0.02  # What is known to be beyond may not be further.
 PHANTOM_ROWS = {"pelvis/skin": 41708, "pelvis/muscle": 110450, "pelvis/bone": 49552,
                 "fetus/face": 70874, "head/skin": 269720}
 DATA_ROWS = {"ct-knee/skin": 42416, "ct-knee/muscle": 111436, "ct-knee/bone": 49908,
@@ -42,16 +41,14 @@ class Report(unittest.TestCase):
         self.assertEqual(done.returncode, code, done.stderr)
         return done
 
-    def check_bounds(self, row, beyond=()):
+    def check_bounds(self, row):
         """Computed anew: what the program says of itself is no proof."""
         for name, bound in (("build_ms", BUILD_BOUND), ("frames_per_s", FRAMES_BOUND)):
             with self.subTest(row=row["row"], figure=name):
                 self.assertIn("busiest", row[name + "_reason"])
                 paper, modelled = row["paper_" + name], row["modelled_" + name]
-                is_beyond = (row["row"], name) in beyond
-                bound += BEYOND_BY if is_beyond else 0
                 self.assertLessEqual(abs(modelled / paper - 1), bound, (paper, modelled))
-                self.assertEqual(row[name + "_within"], not is_beyond)
+                self.assertTrue(row[name + "_within"])
                 self.assertAlmostEqual(row[name + "_error_percent"], (modelled / paper - 1) * 100)
 
     def check_files(self, rows, csv_path, picture_path):
@@ -115,6 +112,11 @@ class Phantoms(Report):
         self.assertLessEqual(float(lines[1]["build_speed_up"]), 2.1)
         xml.etree.ElementTree.parse(self.path("s.svg"))
 
+    def test_a_figure_beyond_its_bound_is_told_with_its_reason(self):
+        text = self.report("--paper", "pelvis/bone", "--set", "gp.draw_primitive_cycles=3000").stdout
+        self.assertRegex(text, r"pelvis/bone: [0-9.]+ frames/s, [0-9.]+ % less than the paper's "
+                               r"19, beyond 15 %: .* is busiest, .* a frame: [0-9,]+ ")
+
     def test_what_cannot_be_reported_is_refused_by_name(self):
         for arguments, code, part in (
                 ([], 64, "one of --paper and --scaling"),
@@ -138,13 +140,8 @@ class RealVolumes(Report):
         self.assertEqual({row["row"]: row["triangles"] for row in rows}, DATA_ROWS)
         for row in rows:
             self.assertTrue(row["held_back"])
-            self.check_bounds(row, beyond={("ct-knee/bone", "frames_per_s")})
+            self.check_bounds(row)
         self.check_files(rows, self.path("t.csv"), self.path("t.svg"))
-
-    def test_a_figure_beyond_its_bound_is_told_with_its_reason(self):
-        text = self.report("--paper", "ct-knee/bone", "--data", DATA).stdout
-        self.assertRegex(text, r"ct-knee/bone: [0-9.]+ frames/s, [0-9.]+ % less than the paper's "
-                               r"19, beyond 15 %: .* is busiest, .* a frame: [0-9,]+ ")
 
 
 if __name__ == "__main__":
