@@ -352,7 +352,7 @@ TEST_CASE("the newest run that holds a trace is found; none is refused") {
     for (const auto& [name, age_h] : {std::pair{"b", 1}, {"a", 3}, {"c", 2}}) {
         fs::create_directories(folder.path / name / "traces");
         std::ofstream(folder.path / name / "traces" / "host.mcap") << "x";
-        fs::last_write_time(folder.path / name, now - std::chrono::hours(age_h));
+        fs::last_write_time(folder.path / name / "traces", now - std::chrono::hours(age_h));
     }
     fs::create_directories(folder.path / "d" / "traces");
     CHECK(find_run("latest", folder.path) == folder.path / "b");
