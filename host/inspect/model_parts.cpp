@@ -14,8 +14,8 @@ namespace {
 
 using timing::Unit;
 
-constexpr std::array units = {Unit::host_link, Unit::gp, Unit::ring, Unit::renderer,
-                              Unit::frame_buffer};
+constexpr std::array units = {Unit::host, Unit::host_link, Unit::gp,
+                              Unit::ring, Unit::renderer,  Unit::frame_buffer};
 constexpr double percent = 100;
 
 std::string_view word_of(timing::Share share) {

@@ -45,7 +45,7 @@ const UnitUse& use_of(const std::vector<UnitUse>& use, Unit limit) {
 /// "GP 12 is busy 97 % of 532 ms"
 std::string busy_text(const UnitUse& use, double ms) {
     const std::string which =
-        use.unit == Unit::host_link
+        use.unit == Unit::host || use.unit == Unit::host_link
             ? std::string(name_of(use.unit))
             : fmt::format("{} {}{}", name_of(use.unit), use.unit == Unit::ring ? "channel " : "",
                           use.index);
@@ -136,6 +136,7 @@ std::vector<Load> frame_loads(const Machine& machine, const FrameWork& frame, co
             return {
                 {pixels, "words of pixels",
                  ring_ms(machine, pixels / machine.frame_buffer_ports / machine.frame_buffers)}};
+        case Unit::host:
         case Unit::host_link:
             break;
     }

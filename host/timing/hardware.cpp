@@ -6,7 +6,7 @@ namespace pxpl5::host::timing {
 
 Snapshot snapshot(const Hardware& hardware) {
     const Ns now = hardware.events.now();
-    Snapshot all{now, {hardware.mail.link().at(now)}};
+    Snapshot all{now, {hardware.mail.host().at(now), hardware.mail.link().at(now)}};
     for (const Processor& gp : hardware.gps) {
         all.busy.push_back(gp.busy().at(now));
     }
@@ -39,7 +39,9 @@ std::vector<UnitUse> use_between(const Hardware& hardware, const Snapshot& begin
         return use;
     };
     // In the order of Snapshot::busy.
-    return {of(Unit::host_link, 1), of(Unit::gp, hardware.gps.size()),
+    return {of(Unit::host, 1),
+            of(Unit::host_link, 1),
+            of(Unit::gp, hardware.gps.size()),
             of(Unit::ring, hardware.ring.channels().size()),
             of(Unit::renderer, hardware.renderers.size()),
             of(Unit::frame_buffer, hardware.places.ports)};

@@ -53,7 +53,7 @@ struct Hardware {
 /// Busy time of every node and channel up to some time.
 struct Snapshot {
     Ns time = 0;
-    std::vector<Ns> busy;  ///< Link, GPs, channels, Renderers, frame buffers' ports.
+    std::vector<Ns> busy;  ///< Host, link, GPs, channels, Renderers, frame buffers' ports.
 };
 Snapshot snapshot(const Hardware& hardware);
 

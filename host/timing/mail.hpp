@@ -34,6 +34,8 @@ class Mail {
     /// `taken` is called when the destination has it, its software included.
     void send(Place source, Place destination, std::uint64_t words, Callback<> taken);
 
+    /// The host's software.
+    const Meter& host() const { return host_; }
     const Meter& link() const { return link_; }
 
   private:

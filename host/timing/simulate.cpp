@@ -7,8 +7,8 @@
 namespace pxpl5::host::timing {
 
 std::string_view name_of(Unit unit) {
-    static constexpr std::array<std::string_view, 5> names = {"host link", "GP", "ring", "Renderer",
-                                                              "frame buffer"};
+    static constexpr std::array<std::string_view, 6> names = {"host", "host link", "GP",
+                                                              "ring", "Renderer",  "frame buffer"};
     return names.at(static_cast<std::size_t>(unit));
 }
 

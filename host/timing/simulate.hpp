@@ -14,8 +14,8 @@ namespace pxpl5::host::timing {
 
 using Ns = std::int64_t;  ///< Modelled time.
 
-/// What can be the limit.
-enum class Unit : std::uint8_t { host_link, gp, ring, renderer, frame_buffer };
+/// What can be the limit. `host` is its software.
+enum class Unit : std::uint8_t { host, host_link, gp, ring, renderer, frame_buffer };
 std::string_view name_of(Unit unit);
 
 /// How busy the nodes, or channels, of a kind were.

@@ -40,7 +40,7 @@ TEST_SUITE("host/report/reason") {
         build.slabs = {{0, 9, 9, 100}, {1, 9, 9, 999}, {2, 9, 9, 60}};
         StepTime time;
         time.end = 10'000'000;
-        time.use = {{Unit::host_link, 0, 0, 0}, {Unit::gp, 0.5, 0.8, 0}};
+        time.use = {{Unit::host, 0.7, 0.7, 0}, {Unit::host_link, 0, 0, 0}, {Unit::gp, 0.5, 0.8, 0}};
         time.limit = Unit::gp;
         // 48 edges x 100 and 160 triangles x 2000 cycles at 40 MHz; 2 ms more are a quarter more
         // triangles.
@@ -52,6 +52,9 @@ TEST_SUITE("host/report/reason") {
         time.limit = Unit::host_link;
         CHECK(build_reason(machine(), volume(), build, time, 12) ==
               "host link is busiest, 0 % of 10.0 ms");
+        time.limit = Unit::host;
+        CHECK(build_reason(machine(), volume(), build, time, 12) ==
+              "host is busiest, 70 % of 10.0 ms");
     }
 
     TEST_CASE("a frame's reason has the counts of the unit that limits it") {

@@ -1,6 +1,8 @@
 // Machines and counts for tests of the model, with round figures of their own.
 #pragma once
 
+#include <algorithm>
+
 #include "host/timing/simulate.hpp"
 
 namespace pxpl5::host::timing::testing {
@@ -31,6 +33,10 @@ inline Machine round_machine() {
     machine.frame_buffer_refresh_hz = 50;
     machine.frames_in_flight = 1;
     return machine;
+}
+
+inline const UnitUse& use_of(const std::vector<UnitUse>& use, Unit unit) {
+    return *std::ranges::find(use, unit, &UnitUse::unit);
 }
 
 inline PartWork part(std::uint32_t region, PartKind kind, std::uint64_t cycles) {

@@ -45,7 +45,7 @@ Ns length(const StepTime& step) {
 }
 
 const UnitUse& use_of(const StepTime& step, Unit unit) {
-    return *std::ranges::find(step.use, unit, &UnitUse::unit);
+    return testing::use_of(step.use, unit);
 }
 
 /// Busy time of all nodes of a kind together.
@@ -313,7 +313,7 @@ TEST_CASE("a GP that never waits sets the rate, whatever the retrace") {
     // A command may come before the bin leaves or behind it: once in 12 frames, 31 us.
     CHECK(rate.frames_per_s == doctest::Approx(1e9 / period).epsilon(31e3 / (12 * period)));
     CHECK(rate.limit == Unit::gp);
-    CHECK(rate.use[1].busiest == doctest::Approx(1).epsilon(1e-4));
+    CHECK(use_of(rate.use, Unit::gp).busiest == doctest::Approx(1).epsilon(1e-4));
 }
 
 TEST_CASE("one frame at a time keeps step with the retrace") {

@@ -113,10 +113,24 @@ TEST_CASE("a build on one GP is its edges and triangles, and two messages") {
     constexpr Ns asked = 100'000 + 8'000 + 10 * 50 + 50 + 10'000;
     constexpr Ns extraction = (69 * 4 + 10 * 400) * 25;
     CHECK(length(time.steps[1]) == asked + extraction + to_host(8 + 2 * 8, 19));
-    CHECK(time.steps[1].use[1].unit == Unit::gp);
-    CHECK(time.steps[1].use[1].busiest ==
+    CHECK(use_of(time.steps[1].use, Unit::gp).busiest ==
           doctest::Approx(static_cast<double>(extraction + 20'000) /
                           static_cast<double>(length(time.steps[1]))));
+}
+
+TEST_CASE("a host with slow software limits a build") {
+    Machine machine = machine_of(8);
+    machine.host_message_us = 10'000;
+    BuildWork build;
+    build.slabs = {{0, 3, 4, 6}, {1, 2, 3, 4}};
+    const RunTime time = simulate(machine, {{volume_of(4, 3, {5, 7, 6}), build}, {}});
+    // SetSurface to each GP, and each one's answer.
+    const UnitUse& host = use_of(time.steps[1].use, Unit::host);
+    CHECK(host.busiest ==
+          doctest::Approx(2 * 8 * 10e6 / static_cast<double>(length(time.steps[1]))));
+    CHECK(host.mean == host.busiest);
+    CHECK(time.steps[1].limit == Unit::host);
+    CHECK(name_of(time.steps[1].limit) == "host");
 }
 
 TEST_CASE("a build's triangles are spread over the GPs, 20 words each") {
