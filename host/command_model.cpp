@@ -24,8 +24,10 @@ double percent(double share) {
 }
 
 std::string limit_text(const std::vector<timing::UnitUse>& use, timing::Unit limit) {
-    const auto most = std::ranges::find(use, limit, &timing::UnitUse::unit);
-    return fmt::format("limit {}, {:.0f} % busy", timing::name_of(limit), percent(most->busiest));
+    const timing::UnitUse& most = timing::busiest_of(use);
+    return fmt::format("limit {}, {}{:.0f} % busy", timing::name_of(limit),
+                       limit == timing::Unit::waiting ? fmt::format("{} ", name_of(most.unit)) : "",
+                       percent(most.busiest));
 }
 
 /// One line for each kind of unit.

@@ -16,8 +16,7 @@ namespace {
 using namespace timing;
 
 constexpr double mhz_to_cycles_per_ms = 1e3, ns_per_ms = 1e6, bytes_per_word = 4;
-constexpr double always_busy = 0.9;  ///< A unit that never waits for long.
-constexpr double long_share = 0.5;   ///< Of a frame, that is worth telling of one region.
+constexpr double long_share = 0.5;  ///< Of a frame, that is worth telling of one region.
 
 /// A count, and the time that it takes its unit.
 struct Load {
@@ -36,10 +35,6 @@ double gp_ms(const Machine& machine, double cycles) {
 
 double ring_ms(const Machine& machine, double words) {
     return words * bytes_per_word / (machine.ring_channel_mb_s * mhz_to_cycles_per_ms);
-}
-
-const UnitUse& use_of(const std::vector<UnitUse>& use, Unit limit) {
-    return *std::ranges::find(use, limit, &UnitUse::unit);
 }
 
 /// "GP 12 is busy 97 % of 532 ms"
@@ -110,7 +105,7 @@ Load emit_load(const Machine& machine, const FrameWork& frame, std::uint32_t gp)
     return {words, "words put into bins", gp_ms(machine, words * machine.gp_emit_word_cycles)};
 }
 
-/// What keeps the frame's limit busy.
+/// What keeps the frame's busiest unit busy.
 std::vector<Load> frame_loads(const Machine& machine, const FrameWork& frame, const UnitUse& use) {
     const auto sum = [&frame](const auto& of) {
         return std::accumulate(frame.parts.begin(), frame.parts.end(), 0.0,
@@ -138,6 +133,7 @@ std::vector<Load> frame_loads(const Machine& machine, const FrameWork& frame, co
                  ring_ms(machine, pixels / machine.frame_buffer_ports / machine.frame_buffers)}};
         case Unit::host:
         case Unit::host_link:
+        case Unit::waiting:
             break;
     }
     return {};
@@ -152,19 +148,19 @@ double dearest_region_ms(const Machine& machine, const FrameWork& frame) {
 
 std::string build_reason(const Machine& machine, const VolumeWork& volume, const BuildWork& build,
                          const StepTime& time, double paper_ms) {
-    const UnitUse& use = use_of(time.use, time.limit);
+    const UnitUse& use = busiest_of(time.use);
     const double ms = static_cast<double>(time.end - time.begin) / ns_per_ms;
-    const std::string busy = busy_text(use, ms);
-    if (use.unit != Unit::gp) {
-        return busy;
+    std::string text = busy_text(use, ms);
+    if (use.unit == Unit::gp) {
+        const std::vector<Load> loads = extraction(machine, volume, build, use.index);
+        text += ": " + joined(loads) + instead_text(loads, paper_ms - ms);
     }
-    const std::vector<Load> loads = extraction(machine, volume, build, use.index);
-    return busy + ": " + joined(loads) + instead_text(loads, paper_ms - ms);
+    return text + (time.limit == Unit::waiting ? "; the rest is waiting for other units" : "");
 }
 
 std::string frames_reason(const Machine& machine, const FrameWork& frame, const Rate& rate) {
     constexpr double ms_per_s = 1e3;
-    const UnitUse& use = use_of(rate.use, rate.limit);
+    const UnitUse& use = busiest_of(rate.use);
     std::string text = busy_text(use, ms_per_s / rate.frames_per_s) + " a frame";
     const std::vector<Load> loads = frame_loads(machine, frame, use);
     text += loads.empty() ? "" : ": " + joined(loads);
@@ -173,7 +169,7 @@ std::string frames_reason(const Machine& machine, const FrameWork& frame, const 
         text += fmt::format("; the dearest region alone keeps its Renderer busy for {:.1f} ms",
                             region_ms);
     }
-    if (use.busiest < always_busy) {
+    if (rate.limit == Unit::waiting) {
         text += fmt::format(
             "; the rest is waiting: for other units, and for a retrace, which comes every {:.1f} "
             "ms",

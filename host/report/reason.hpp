@@ -1,5 +1,5 @@
-// Why a modelled figure is what it is, in words: the unit that limits it, and the counts that keep
-// this unit busy.
+// Why a modelled figure is what it is, in words: the busiest unit, the counts that keep it busy,
+// and whether the rest is waiting.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace pxpl5::host::report {
 
-/// limit     The unit that limits the build, and how busy it is.
+/// time      Of the build, with use and limit.
 /// paper_ms  What the counts would have to be is told for this time.
 std::string build_reason(const timing::Machine& machine, const timing::VolumeWork& volume,
                          const timing::BuildWork& build, const timing::StepTime& time,

@@ -142,12 +142,13 @@ std::string text_of(const Footnote& footnote) {
         "paper: 36 GPs, 16 Renderers, 1993, wall time of that machine, pictures of a size that is "
         "not stated\n"
         "modelled: {}; counts of the same work, replayed; pictures of {}x{}; limit: what was "
-        "busiest\n"
+        "busy for {:.0f} % of the time or more, else waiting\n"
         "wall: wall time here, {}, pictures of {}x{}, every view newly drawn\n"
         "*: held back from fitting the model's parameters; !: beyond {:.0f} % (built in), "
         "{:.0f} % (frames/s)\n",
-        footnote.modelled, modelled_size.width, modelled_size.height, footnote.drawn_by,
-        wall_size.width, wall_size.height, build_bound_percent, frames_bound_percent);
+        footnote.modelled, modelled_size.width, modelled_size.height,
+        timing::least_limit_share * 100, footnote.drawn_by, wall_size.width, wall_size.height,
+        build_bound_percent, frames_bound_percent);
 }
 
 Fields fields_of(const ReportRow& row) {

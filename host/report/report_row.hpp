@@ -18,7 +18,7 @@ struct Figure {
     double modelled = 0;  ///< Of the machine of 1993, from counts.
     double wall = 0;      ///< Of this computer.
     timing::Unit limit{};
-    double limit_share = 0;  ///< Of the modelled time that the limit's busiest node works, 0..1.
+    double limit_share = 0;  ///< Of the modelled time that the busiest node works, 0..1.
 
     double error_percent() const { return (modelled / paper - 1) * 100; }
 };

@@ -47,8 +47,4 @@ std::vector<UnitUse> use_between(const Hardware& hardware, const Snapshot& begin
             of(Unit::frame_buffer, hardware.places.ports)};
 }
 
-Unit limit_of(const std::vector<UnitUse>& use) {
-    return std::ranges::max_element(use, {}, &UnitUse::busiest)->unit;
-}
-
 }  // namespace pxpl5::host::timing

@@ -57,11 +57,9 @@ struct Snapshot {
 };
 Snapshot snapshot(const Hardware& hardware);
 
-/// One for each Unit. A frame buffer's index is that of its port, over all frame buffers.
+/// One for each Unit but `waiting`. A frame buffer's index is that of its port, over all frame
+/// buffers.
 std::vector<UnitUse> use_between(const Hardware& hardware, const Snapshot& begin,
                                  const Snapshot& end);
-
-/// The unit with the busiest node.
-Unit limit_of(const std::vector<UnitUse>& use);
 
 }  // namespace pxpl5::host::timing

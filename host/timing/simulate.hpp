@@ -14,8 +14,9 @@ namespace pxpl5::host::timing {
 
 using Ns = std::int64_t;  ///< Modelled time.
 
-/// What can be the limit. `host` is its software.
-enum class Unit : std::uint8_t { host, host_link, gp, ring, renderer, frame_buffer };
+/// What can be the limit. `host` is its software; `waiting`, of which there is no UnitUse, is what
+/// limits where nothing is busy enough: for a retrace, or one unit for another.
+enum class Unit : std::uint8_t { host, host_link, gp, ring, renderer, frame_buffer, waiting };
 std::string_view name_of(Unit unit);
 
 /// How busy the nodes, or channels, of a kind were.
@@ -27,13 +28,21 @@ struct UnitUse {
         0;  ///< Which that was; of frame buffers: their ports, one behind the other.
 };
 
+/// Share of the time that a unit's busiest node works if the unit is the limit, 0..1.
+inline constexpr double least_limit_share = 0.9;
+
+/// The kind with the busiest node. `use` is not empty.
+const UnitUse& busiest_of(const std::vector<UnitUse>& use);
+/// Its unit, or `waiting` if it is busy for less than `least_limit_share`.
+Unit limit_of(const std::vector<UnitUse>& use);
+
 /// One step of the run.
 struct StepTime {
     std::size_t step = 0;      ///< Index in RunWork::steps.
     Ns begin = 0;              ///< The host's command.
     Ns end = 0;                ///< The host knows that it is done; of a frame: it is shown.
     std::vector<UnitUse> use;  ///< Between the two, one for each Unit.
-    Unit limit{};              ///< That with the busiest node.
+    Unit limit{};              ///< limit_of() these.
 };
 
 /// Packets and their words, headers included.
@@ -63,7 +72,7 @@ struct Rate {
     double frames_per_s = 0;
     Ns latency = 0;            ///< Of the last of them: from the command to the host's knowledge.
     std::vector<UnitUse> use;  ///< In that time.
-    Unit limit{};
+    Unit limit{};              ///< limit_of() these.
 };
 /// Throws as simulate().
 Rate frame_rate(const Machine& machine, const FrameWork& frame);

@@ -185,6 +185,8 @@ test('modelled times are told in three digits, with what limits them', () => {
     ['Surface bone', 'built in 1.23 s\n12,345 triangles\nLimit: GPs, 75 % busy'],
     ['Pictures', '24.1 a second\neach 41.5 ms after it was asked for\n' +
       '1 primitive\n1 sample a pixel\nLimit: GPs, 75 % busy']]);
+  const idle = {...surface, limit: 'waiting'};
+  assert.match(factsOf({...whole, surfaces: [idle]})[2][1], /Limit: waiting, host link 90 % busy/);
   const smooth = {...whole, load: undefined, surfaces: [], frame: {...frame, samples: 16}};
   assert.equal(factsOf(smooth).length, 2);
   assert.match(factsOf(smooth)[1][1], /\n16 samples a pixel\n/);

@@ -104,6 +104,10 @@ TEST_CASE("what model says depends on the machine that is named, not on the one 
     CHECK(number(group(slow, "frame"), "frames_per_s") <
           number(group(usual, "frame"), "frames_per_s"));
     CHECK(std::get<std::string>(at(group(slow, "frame"), "limit")) == "Renderer");
+    // Pictures wait for the retrace.
+    const Reply seldom = small.run("model paper-1993 frame_buffer.refresh_hz=1");
+    CHECK(std::get<std::string>(at(group(seldom.fields, "frame"), "limit")) == "waiting");
+    CHECK(seldom.text.find("; limit waiting, GP ") != std::string::npos);
     CHECK(number(group(slow, "load"), "ms") == number(group(usual, "load"), "ms"));
     CHECK(small.run("model").text.find("surface inner: ") != std::string::npos);
 }

@@ -6,7 +6,10 @@ import {messageLine} from './panel_parts.js';
  * How busy the units of a kind were: shares of the time, 0..1; index of the busiest one, from 0.
  * @typedef {{unit: string, mean: number, busiest: number, index: number}} UnitUse
  */
-/** @typedef {{ms: number, limit: string, use: UnitUse[]}} Step  limit: the unit that is. */
+/**
+ * limit: the unit that is, or "waiting".
+ * @typedef {{ms: number, limit: string, use: UnitUse[]}} Step
+ */
 
 /**
  * The result of the command `model`.
@@ -52,8 +55,12 @@ function counted(count, what) {
 
 /** @param {{limit: string, use: UnitUse[]}} step */
 function limitText({limit, use}) {
-  const busiest = use.find(({unit}) => unit === limit)?.busiest ?? 0;
-  return `Limit: ${unitName(limit)}, ${percent(busiest)} busy`;
+  const limiting = use.find(({unit}) => unit === limit);
+  if (limiting) {
+    return `Limit: ${unitName(limit)}, ${percent(limiting.busiest)} busy`;
+  }
+  const most = use.reduce((a, b) => b.busiest > a.busiest ? b : a);
+  return `Limit: ${limit}, ${unitName(most.unit)} ${percent(most.busiest)} busy`;
 }
 
 /**

@@ -40,21 +40,24 @@ TEST_SUITE("host/report/reason") {
         build.slabs = {{0, 9, 9, 100}, {1, 9, 9, 999}, {2, 9, 9, 60}};
         StepTime time;
         time.end = 10'000'000;
-        time.use = {{Unit::host, 0.7, 0.7, 0}, {Unit::host_link, 0, 0, 0}, {Unit::gp, 0.5, 0.8, 0}};
+        time.use = {
+            {Unit::host, 0.7, 0.7, 0}, {Unit::host_link, 0, 0, 0}, {Unit::gp, 0.5, 0.91, 0}};
         time.limit = Unit::gp;
         // 48 edges x 100 and 160 triangles x 2000 cycles at 40 MHz; 2 ms more are a quarter more
         // triangles.
         CHECK(build_reason(machine(), volume(), build, time, 12) ==
-              "GP 0 is busiest, 80 % of 10.0 ms: 48 edges looked at (0.1 ms), 160 triangles made "
+              "GP 0 is busiest, 91 % of 10.0 ms: 48 edges looked at (0.1 ms), 160 triangles made "
               "(8.0 ms); the paper's time needs 17.67 times as many edges looked at or 1.25 times "
               "as many triangles made");
         CHECK(has(build_reason(machine(), volume(), build, time, 1), "needs") == false);
+        time.use[1].busiest = 0.96;
         time.limit = Unit::host_link;
         CHECK(build_reason(machine(), volume(), build, time, 12) ==
-              "host link is busiest, 0 % of 10.0 ms");
-        time.limit = Unit::host;
+              "host link is busiest, 96 % of 10.0 ms");
+        time.use = {{Unit::host, 0.7, 0.7, 0}, {Unit::gp, 0.5, 0.6, 0}};
+        time.limit = Unit::waiting;
         CHECK(build_reason(machine(), volume(), build, time, 12) ==
-              "host is busiest, 70 % of 10.0 ms");
+              "host is busiest, 70 % of 10.0 ms; the rest is waiting for other units");
     }
 
     TEST_CASE("a frame's reason has the counts of the unit that limits it") {
@@ -78,7 +81,8 @@ TEST_SUITE("host/report/reason") {
         Machine own = machine();
         own.share = Share::own;
         CHECK(has(frames_reason(own, frame, rate), "3,000 primitives drawn (75.0 ms)"));
-        rate.limit = Unit::renderer;
+        rate.use[0].busiest = 0.4;
+        rate.limit = Unit::waiting;
         even.renderers = 16;
         const std::string waits = frames_reason(even, frame, rate);
         CHECK(has(waits, "40,000 cycles a Renderer on average (1.0 ms)"));

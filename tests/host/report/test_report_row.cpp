@@ -23,7 +23,7 @@ std::vector<ReportRow> rows() {
         "mr-head/skin", "data/mr/head_96x96x109.mha", true, 269720, 269544, {}, {}, "", ""};
     head.build_ms = {591, 400, 30.5, Unit::gp, 0.9};
     head.build_reason = "GP 0 is busiest";
-    head.frames_per_s = {3, 2.6, 9.96, Unit::renderer, 0.8};
+    head.frames_per_s = {3, 2.6, 9.96, Unit::waiting, 0.8};
     return {skin, head};
 }
 
@@ -80,6 +80,7 @@ TEST_SUITE("host/report/report_row") {
     TEST_CASE("what columns mean is told") {
         const std::string text = text_of(Footnote{"36 GPs", "2 GPs"});
         CHECK(text.find("modelled: 36 GPs;") != std::string::npos);
+        CHECK(text.find("limit: what was busy for 90 % of") != std::string::npos);
         CHECK(text.find("pictures of 1280x1024") != std::string::npos);
         CHECK(text.find("wall: wall time here, 2 GPs, pictures of 512x512") != std::string::npos);
     }

@@ -316,6 +316,17 @@ TEST_CASE("a GP that never waits sets the rate, whatever the retrace") {
     CHECK(use_of(rate.use, Unit::gp).busiest == doctest::Approx(1).epsilon(1e-4));
 }
 
+TEST_CASE("the busiest unit is the limit from 90 % of the time on, else waiting is") {
+    std::vector<UnitUse> use = {
+        {Unit::host, 0, 0.2, 0}, {Unit::gp, 0.1, 0.9, 3}, {Unit::ring, 0.8, 0.8, 0}};
+    CHECK(busiest_of(use).unit == Unit::gp);
+    CHECK(limit_of(use) == Unit::gp);
+    use[1].busiest = 0.899;
+    CHECK(busiest_of(use).unit == Unit::gp);
+    CHECK(limit_of(use) == Unit::waiting);
+    CHECK(name_of(Unit::waiting) == "waiting");
+}
+
 TEST_CASE("one frame at a time keeps step with the retrace") {
     // All is over 1.3 ms after the command, so that every retrace but the one it waits for is free:
     // the host knows 0.1 ms behind a retrace and asks for the next.

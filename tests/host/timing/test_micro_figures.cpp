@@ -86,11 +86,11 @@ Machine machine_of(std::uint32_t gps, std::uint32_t renderers) {
 }
 
 /// Primitives a second that a machine draws, shared out evenly over GPs and regions.
-double rate_of(const Machine& machine, const Cost& cost, Unit limit) {
+double rate_of(const Machine& machine, const Cost& cost, Unit busiest) {
     constexpr std::uint64_t per_region = 720;
     const FrameWork frame = frame_of(per_region, cost);
     const Rate rate = frame_rate(machine, frame);
-    CHECK(rate.limit == limit);
+    CHECK(busiest_of(rate.use).unit == busiest);
     return rate.frames_per_s * static_cast<double>(per_region * frame.regions());
 }
 
