@@ -69,20 +69,10 @@ struct Material {
     }
 };
 
-double share_of(const std::vector<timing::UnitUse>& use, timing::Unit limit) {
-    for (const timing::UnitUse& one : use) {
-        if (one.unit == limit) {
-            return one.busiest;
-        }
-    }
-    return 0;
-}
-
 ReportRow row_of(const Machine& machine, const Source& source, const MeasuredCase& measured) {
     const PaperCase& work = measured.work;
     const timing::PaperResult& paper = work.row.paper;
     const CaseTime time = time_of(machine, work);
-    const timing::RunTime build = simulate(machine, {{work.volume, work.build}, {}});
     ReportRow row{source.name,
                   source.volume,
                   work.row.held_back,
@@ -92,12 +82,11 @@ ReportRow row_of(const Machine& machine, const Source& source, const MeasuredCas
                   {},
                   {},
                   {}};
-    row.build_ms = {paper.built_ms, time.built_ms, measured.wall_built_ms, time.build_limit,
-                    share_of(build.steps.back().use, time.build_limit)};
+    row.build_ms = {paper.built_ms, time.built_ms, measured.wall_built_ms, time.build.limit,
+                    busiest_of(time.build.use).busiest};
     row.frames_per_s = {paper.frames_per_s, time.rate.frames_per_s, measured.wall_frames_per_s,
-                        time.rate.limit, share_of(time.rate.use, time.rate.limit)};
-    row.build_reason =
-        build_reason(machine, work.volume, work.build, build.steps.back(), paper.built_ms);
+                        time.rate.limit, busiest_of(time.rate.use).busiest};
+    row.build_reason = build_reason(machine, work.volume, work.build, time.build, paper.built_ms);
     row.frames_reason = frames_reason(machine, work.frame, time.rate);
     return row;
 }

@@ -16,7 +16,7 @@ ScalingSeries series_of(timing::Machine machine, std::uint32_t timing::Machine::
         machine.*count = nodes;
         const timing::CaseTime time = timing::time_of(machine, work);
         series.points.push_back(
-            {nodes, time.built_ms, time.rate.frames_per_s, time.build_limit, time.rate.limit});
+            {nodes, time.built_ms, time.rate.frames_per_s, time.build.limit, time.rate.limit});
     }
     return series;
 }

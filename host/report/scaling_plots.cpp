@@ -37,7 +37,7 @@ LinePlot plot_of(const ScalingReport& report, ScalingSeries ScalingRow::*series,
     for (std::size_t i = 0; i < report.rows.size(); ++i) {
         plot.lines.push_back(line_of(report.rows[i], report.rows[i].*series, which, i));
     }
-    PlotLine ideal{"as many times", {}, grey, true, {}};
+    PlotLine ideal{"linear", {}, grey, true, {}};
     for (const PlotPoint& point : plot.lines.at(0).points) {
         ideal.points.push_back({point.x, point.x});
     }

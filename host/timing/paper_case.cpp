@@ -24,10 +24,9 @@ double built_ms(const StepTime& build) {
 }
 
 CaseTime time_of(const Machine& machine, const PaperCase& paper_case) {
-    const StepTime build = build_of(machine, paper_case);
     CaseTime time;
-    time.built_ms = built_ms(build);
-    time.build_limit = build.limit;
+    time.build = build_of(machine, paper_case);
+    time.built_ms = built_ms(time.build);
     time.rate = frame_rate(machine, paper_case.frame);
     const PaperResult& paper = paper_case.row.paper;
     time.built_error_percent = error_percent(time.built_ms, paper.built_ms);

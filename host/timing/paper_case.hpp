@@ -18,8 +18,8 @@ struct PaperCase {
 
 /// The modelled times of a row, and how far they are from the paper's.
 struct CaseTime {
+    StepTime build;  ///< Without loading.
     double built_ms = 0;
-    Unit build_limit{};
     Rate rate;
     double built_error_percent = 0;  ///< 100 (modelled - paper) / paper.
     double rate_error_percent = 0;

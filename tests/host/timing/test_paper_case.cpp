@@ -15,7 +15,7 @@ TEST_CASE("a case's build has the edges' and triangles' times, and not that of l
     CHECK(time_of(machine, made).built_ms == doctest::Approx(before_ms + 64));
     machine.gp_build_triangle_cycles += 80'000;
     CHECK(time_of(machine, made).built_ms == doctest::Approx(before_ms + 64 + 20));
-    CHECK(time_of(machine, made).build_limit == Unit::gp);
+    CHECK(time_of(machine, made).build.limit == Unit::gp);
     machine.gp_gradient_cycles += 40'000;
     CHECK(time_of(machine, made).built_ms == doctest::Approx(before_ms + 64 + 20));
 }
