@@ -113,7 +113,8 @@ class Phantoms(Report):
         xml.etree.ElementTree.parse(self.path("s.svg"))
 
     def test_a_figure_beyond_its_bound_is_told_with_its_reason(self):
-        text = self.report("--paper", "pelvis/bone", "--set", "gp.draw_primitive_cycles=3000").stdout
+        text = self.report("--paper", "pelvis/bone", "--set",
+                           "gp.draw_primitive_cycles=3000").stdout
         self.assertRegex(text, r"pelvis/bone: [0-9.]+ frames/s, [0-9.]+ % less than the paper's "
                                r"19, beyond 15 %: .* is busiest, .* a frame: [0-9,]+ ")
 
