@@ -143,6 +143,15 @@ double mean(const std::optional<Trial>& trial, Figure figure) {
     return trial && !trial->changes.empty() ? sum / static_cast<double>(trial->changes.size()) : 0;
 }
 
+/// A whole number changes by more than a fifth: by how much is said.
+std::string bar_name(const Sensitivity& one) {
+    std::string name(one.parameter->name);
+    if (one.parameter->whole && one.lower && one.upper) {
+        name += fmt::format(" {}, {}, {}", one.lower->value, one.value, one.upper->value);
+    }
+    return name;
+}
+
 timing::ChangePlot plot_of(const std::vector<Sensitivity>& list, Figure figure,
                            const std::string& title) {
     timing::ChangePlot plot{title,
@@ -152,9 +161,10 @@ timing::ChangePlot plot_of(const std::vector<Sensitivity>& list, Figure figure,
                             "parameter 20 % higher",
                             {}};
     for (const Sensitivity* one : ranked(list, figure)) {
-        if (plot.changes.size() < most_bars) {
-            plot.changes.push_back({std::string(one->parameter->name), mean(one->lower, figure),
-                                    mean(one->upper, figure)});
+        if (plot.changes.empty() ||
+            (plot.changes.size() < most_bars && size_of(*one, figure) >= least_shown_percent)) {
+            plot.changes.push_back(
+                {bar_name(*one), mean(one->lower, figure), mean(one->upper, figure)});
         }
     }
     return plot;
