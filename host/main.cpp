@@ -28,7 +28,8 @@ struct MachineFlags {
     void add_to(CLI::App& app) {
         app.add_option("--topology", topology, "Machine to launch: a name or a file")
             ->capture_default_str();
-        app.add_option("--set", overrides, "Change one value of the topology, e.g. gp.count=4");
+        app.add_option("--set", overrides, "Change one value of the topology, e.g. gp.count=4")
+            ->allow_extra_args(false);
         app.add_option("--record", record, "What nodes keep of their messages, for inspection")
             ->check(CLI::IsMember({"off", "flight", "full"}));
         app.add_option("--vector-target", vector_target,

@@ -201,6 +201,12 @@ void check(const ReportOptions& options) {
         throw RequestError(ExitCode::usage,
                            "--sensitivity, --fit and --pictures go with --paper, not --scaling");
     }
+    if (!options.picture.empty() && !options.picture.ends_with(".svg")) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("--picture {}: pictures are written as SVG, its name must "
+                                       "end in .svg",
+                                       options.picture));
+    }
     sources_of(options.data, options.rows);
 }
 

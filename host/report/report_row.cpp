@@ -144,6 +144,7 @@ std::string text_of(const Footnote& footnote) {
         "modelled: {}; counts of the same work, replayed; pictures of {}x{}; limit: what was "
         "busy for {:.0f} % of the time or more, else waiting\n"
         "wall: wall time here, {}, pictures of {}x{}, every view newly drawn\n"
+        "volumes: not the paper's own, but of its sizes and with its triangle loads\n"
         "*: held back from fitting the model's parameters; !: beyond {:.0f} % (built in), "
         "{:.0f} % (frames/s)\n",
         footnote.modelled, modelled_size.width, modelled_size.height,

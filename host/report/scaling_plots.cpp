@@ -45,7 +45,7 @@ LinePlot plot_of(const ScalingReport& report, ScalingSeries ScalingRow::*series,
     if (std::ranges::any_of(plot.lines,
                             [](const PlotLine& line) { return line.ringed.has_value(); })) {
         plot.note =
-            fmt::format("Ring: doubling from here gains less than {:.0f} %.", least_gain * 100);
+            fmt::format("Circle: doubling from here gains less than {:.0f} %.", least_gain * 100);
     }
     return plot;
 }

@@ -145,11 +145,14 @@ double mean(const std::optional<Trial>& trial, Figure figure) {
 
 /// A whole number changes by more than a fifth: by how much is said.
 std::string bar_name(const Sensitivity& one) {
-    std::string name(one.parameter->name);
-    if (one.parameter->whole && one.lower && one.upper) {
-        name += fmt::format(" {}, {}, {}", one.lower->value, one.value, one.upper->value);
+    if (!one.parameter->whole) {
+        return std::string(one.parameter->name);
     }
-    return name;
+    const auto value = [](const std::optional<Trial>& trial) {
+        return trial ? fmt::format("{}", trial->value) : "-";
+    };
+    return fmt::format("{} {}/{}/{}", one.parameter->name, value(one.lower), one.value,
+                       value(one.upper));
 }
 
 timing::ChangePlot plot_of(const std::vector<Sensitivity>& list, Figure figure,

@@ -123,6 +123,8 @@ class Phantoms(Report):
                 ([], 64, "one of --paper and --scaling"),
                 (["--paper", "--scaling"], 64, "one of --paper and --scaling"),
                 (["--scaling", "--fit"], 64, "go with --paper"),
+                (["--paper", "--picture", "x.png"], 64, "must end in .svg"),
+                (["--paper", "--set", "gp.count=4", "pelvis/skim"], 64, "did you mean"),
                 (["--paper", "pelvis/skim"], 64, "did you mean 'pelvis/skin'"),
                 (["--paper", "--data", "nowhere"], 65, "nowhere: there is no such folder"),
                 (["--paper", "--data", "."], 65, "'ct/knee_128x128x56.nrrd', which row"),

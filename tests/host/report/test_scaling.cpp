@@ -81,7 +81,7 @@ TEST_SUITE("host/report/scaling") {
         CHECK(frames.lines[0].points[3].y == 8);
         CHECK(frames.lines[1].points[6].y == 64);
         CHECK(frames.lines[1].name == "linear");
-        CHECK(frames.note == "Ring: doubling from here gains less than 5 %.");
+        CHECK(frames.note == "Circle: doubling from here gains less than 5 %.");
         CHECK(std::get<timing::LinePlot>(plots[0]).lines[0].ringed == std::nullopt);
         CHECK(std::get<timing::LinePlot>(plots[0]).note.empty());
     }
