@@ -7,7 +7,7 @@
 #include "host/command_handlers.hpp"
 #include "host/live_work.hpp"
 #include "host/machine/timing_section.hpp"
-#include "host/timing/simulate.hpp"
+#include "host/timing/picture.hpp"
 
 namespace pxpl5::host {
 
@@ -107,38 +107,24 @@ class Telling {
         return fields;
     }
 
-    /// A picture of one sample as it is shown over and over, one of several by itself.
     void tell_frame() {
-        std::vector<const timing::StepTime*> passes;
-        for (const timing::StepTime& step : time_.steps) {
-            if (std::holds_alternative<timing::FrameWork>(run_.steps[step.step])) {
-                passes.push_back(&step);
-            }
-        }
-        const auto& frame = std::get<timing::FrameWork>(run_.steps.back());
-        timing::Rate rate{0, passes.back()->end - passes.front()->begin, passes.back()->use,
-                          passes.back()->limit};
-        if (passes.size() == 1) {
-            rate = frame_rate(machine_, frame);
-        } else {
-            rate.frames_per_s = 1e9 / static_cast<double>(rate.latency);
-        }
+        const timing::Picture picture = timing::pictures_of(run_).back();
+        const timing::FrameWork& frame = *picture.passes.front();
+        const timing::Rate rate = timing::picture_rate(machine_, picture);
         std::uint64_t primitives = 0;
         for (const timing::DrawnSlab& slab : frame.drawn) {
             primitives += slab.primitives;
         }
         reply_.text += fmt::format("\nframe: {} primitives, {} x {} pixels, ", primitives,
                                    frame.width, frame.height);
-        reply_.text +=
-            passes.size() == 1
-                ? fmt::format("{:.1f} a second, each shown {:.1f} ms after it was asked for; {}",
-                              rate.frames_per_s, ms(rate.latency), limit_text(rate.use, rate.limit))
-                : fmt::format("{} passes in {:.1f} ms; of the last: {}", passes.size(),
-                              ms(rate.latency), limit_text(rate.use, rate.limit));
+        reply_.text += fmt::format(
+            "{}{:.1f} a second, each shown {:.1f} ms after it was asked for; {}",
+            frame.samples == 1 ? "" : fmt::format("{} samples a pixel, ", frame.samples),
+            rate.frames_per_s, ms(rate.latency), limit_text(rate.use, rate.limit));
         reply_.text += use_text(rate.use);
         reply_.fields.push_back(
             {"frame", Fields{{"primitives", static_cast<std::int64_t>(primitives)},
-                             {"samples", static_cast<std::int64_t>(passes.size())},
+                             {"samples", std::int64_t{frame.samples}},
                              {"frames_per_s", rate.frames_per_s},
                              {"latency_ms", ms(rate.latency)},
                              {"limit", std::string(timing::name_of(rate.limit))},

@@ -42,6 +42,8 @@ FrameWork work_of(const CountedFrame& counted) {
     work.height = counted.height;
     work.views = counted.views;
     work.reads_out = counted.pass.is_last();
+    work.sample = static_cast<std::uint32_t>(counted.pass.sample);
+    work.samples = static_cast<std::uint32_t>(counted.pass.samples);
     work.assignment = counted.region_renderers;
     for (const auto& [node, counts] : counted.counts) {
         for (const schema::DrawnSlab& slab : counts.drawn) {

@@ -14,7 +14,7 @@ void declare_model_options(CLI::App& app, ModelOptions& options) {
                    "Change one value of the machine: gp.count=54, ring.channel_mb_s=160, share=own")
         ->allow_extra_args(false);
     app.add_option("--sweep", options.sweeps,
-                   "Time the last frame, or that of --frame, on many machines: gp.count=1..64, "
+                   "Time the last picture, or that of --frame, on many machines: gp.count=1..64, "
                    "gp.count=1..64*2, ring.channel_mb_s=40,80,160; twice for two keys")
         ->allow_extra_args(false);
     declare_selection(app, options.selection, {"frame"});

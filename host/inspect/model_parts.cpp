@@ -32,6 +32,12 @@ std::string counted(std::uint64_t n, const std::string& word) {
     return fmt::format("{} {}{}", grouped(n), word, n == 1 ? "" : "s");
 }
 
+std::string picture_text(std::string_view word, std::uint32_t first, std::uint32_t samples) {
+    return samples == 1
+               ? fmt::format("{} {}", word, first)
+               : fmt::format("{}s {}..{}, {} samples", word, first, first + samples - 1, samples);
+}
+
 void add_use_headings(TableRow& heading) {
     heading.emplace_back("limit");
     for (const Unit unit : units) {

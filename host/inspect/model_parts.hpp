@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/inspect/text_table.hpp"
@@ -17,6 +18,9 @@ constexpr double ms(timing::Ns time) {
 
 /// "1 GP", "36 GPs".
 std::string counted(std::uint64_t n, const std::string& word);
+
+/// "frame 3"; of several samples "frames 3..6, 4 samples". `word` is "frame" or "Frame".
+std::string picture_text(std::string_view word, std::uint32_t first, std::uint32_t samples);
 
 /// Columns for what add_use() adds: the limit, and how busy the busiest of each kind was.
 void add_use_headings(TableRow& heading);

@@ -7,6 +7,7 @@
 
 #include "host/inspect/message_text.hpp"
 #include "host/inspect/model_parts.hpp"
+#include "host/timing/picture.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -41,8 +42,11 @@ struct StepName {
         for (const timing::DrawnSlab& slab : frame.drawn) {
             primitives += slab.primitives;
         }
-        return fmt::format("frame {}, {}x{}{}, {}", frame.frame, frame.width, frame.height,
+        return fmt::format("frame {}, {}x{}{}{}, {}", frame.frame, frame.width, frame.height,
                            frame.views == 1 ? "" : fmt::format(" x {}", frame.views),
+                           frame.samples == 1
+                               ? ""
+                               : fmt::format(", sample {} of {}", frame.sample + 1, frame.samples),
                            counted(primitives, "primitive"));
     }
 };
@@ -52,16 +56,6 @@ struct StepKind {
     const char* operator()(const BuildWork&) const { return "build"; }
     const char* operator()(const FrameWork&) const { return "frame"; }
 };
-
-std::vector<const FrameWork*> frames_of(const timing::RunWork& work) {
-    std::vector<const FrameWork*> frames;
-    for (const timing::StepWork& step : work.steps) {
-        if (const auto* frame = std::get_if<FrameWork>(&step)) {
-            frames.push_back(frame);
-        }
-    }
-    return frames;
-}
 
 /// What kind of node has the place on the ring.
 std::string_view kind_at(const timing::Machine& machine, std::uint32_t place) {
@@ -140,15 +134,16 @@ std::string steps_text(const ModelledRun& run) {
 }
 
 std::string rates_text(const ModelledRun& run) {
-    const std::vector<const FrameWork*> frames = frames_of(run.work);
-    if (frames.empty()) {
-        return "no frame\n";
+    const std::vector<timing::Picture> pictures = timing::pictures_of(run.work);
+    if (pictures.empty()) {
+        return "no whole picture\n";
     }
     TableRow heading{"shown over and over", "frames/s", "latency ms"};
     add_use_headings(heading);
     std::vector<TableRow> rows;
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-        rows.push_back({fmt::format("frame {}", frames[i]->frame),
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        const FrameWork& first = *pictures[i].passes.front();
+        rows.push_back({picture_text("frame", first.frame, first.samples),
                         fmt::format("{:.2f}", run.rates[i].frames_per_s),
                         fmt::format("{:.3f}", ms(run.rates[i].latency))});
         add_use(rows.back(), run.rates[i].limit, run.rates[i].use);
@@ -173,9 +168,11 @@ std::vector<Fields> step_fields(const ModelledRun& run) {
 
 std::vector<Fields> rate_fields(const ModelledRun& run) {
     std::vector<Fields> rows;
-    const std::vector<const FrameWork*> frames = frames_of(run.work);
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-        rows.push_back({{"frame", std::int64_t{frames[i]->frame}},
+    const std::vector<timing::Picture> pictures = timing::pictures_of(run.work);
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        const FrameWork& first = *pictures[i].passes.front();
+        rows.push_back({{"frame", std::int64_t{first.frame}},
+                        {"samples", std::int64_t{first.samples}},
                         {"frames_per_s", run.rates[i].frames_per_s},
                         {"latency_ns", run.rates[i].latency},
                         {"limit", std::string(timing::name_of(run.rates[i].limit))},
@@ -189,8 +186,8 @@ std::vector<Fields> rate_fields(const ModelledRun& run) {
 ModelledRun modelled(const Topology& plan, timing::RunWork work) {
     ModelledRun run{plan, timing::machine_of(plan), std::move(work), {}, {}};
     run.time = timing::simulate(run.machine, run.work);
-    for (const FrameWork* frame : frames_of(run.work)) {
-        run.rates.push_back(timing::frame_rate(run.machine, *frame));
+    for (const timing::Picture& picture : timing::pictures_of(run.work)) {
+        run.rates.push_back(timing::picture_rate(run.machine, picture));
     }
     return run;
 }
@@ -219,7 +216,10 @@ std::string to_csv(const ModelledRun& run) {
                             timing::name_of(use.unit));
     }
     text += ",frames_per_s\n";
-    auto rate = run.rates.begin();
+    std::map<std::size_t, double> rates;  // By a picture's last step.
+    for (std::size_t i = 0; const timing::Picture& picture : timing::pictures_of(run.work)) {
+        rates[picture.step + picture.passes.size() - 1] = run.rates[i++].frames_per_s;
+    }
     for (const timing::StepTime& step : run.time.steps) {
         const timing::StepWork& work = run.work.steps[step.step];
         text += fmt::format("{},{},{},{},{}", step.step, std::visit(StepKind(), work), step.begin,
@@ -227,9 +227,7 @@ std::string to_csv(const ModelledRun& run) {
         for (const timing::UnitUse& use : step.use) {
             text += fmt::format(",{},{}", use.mean, use.busiest);
         }
-        text += std::holds_alternative<FrameWork>(work)
-                    ? fmt::format(",{}\n", (rate++)->frames_per_s)
-                    : ",\n";
+        text += rates.contains(step.step) ? fmt::format(",{}\n", rates[step.step]) : ",\n";
     }
     return text;
 }

@@ -15,10 +15,10 @@ struct ModelledRun {
     timing::Machine machine;
     timing::RunWork work;
     timing::RunTime time;
-    std::vector<timing::Rate> rates;  ///< Of each frame of the run, shown over and over.
+    std::vector<timing::Rate> rates;  ///< Of pictures_of(work), each shown over and over.
 };
 
-/// Throws as machine_of(), simulate() and frame_rate() do.
+/// Throws as machine_of(), simulate() and picture_rate() do.
 ModelledRun modelled(const Topology& plan, timing::RunWork work);
 
 /// Lines end with a newline.

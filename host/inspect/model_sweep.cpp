@@ -10,6 +10,7 @@
 
 #include "host/error.hpp"
 #include "host/inspect/model_parts.hpp"
+#include "host/timing/picture.hpp"
 #include "host/timing/plot.hpp"
 
 namespace pxpl5::host::inspect {
@@ -54,11 +55,12 @@ timing::PlotScale scale_of(const timing::SweptKey& key) {
 template <typename Value>
 timing::LinePlot lines_of(const ModelledSweep& sweep, const std::string& y_label, const Value& y) {
     const timing::SweptKey& key = sweep.keys.front();
-    timing::LinePlot plot{fmt::format("Frame {} on {}", sweep.frame, sweep.plan.name),
-                          "",
-                          {key.key, scale_of(key)},
-                          {y_label},
-                          {}};
+    timing::LinePlot plot{
+        fmt::format("{} on {}", picture_text("Frame", sweep.frame, sweep.samples), sweep.plan.name),
+        "",
+        {key.key, scale_of(key)},
+        {y_label},
+        {}};
     const bool several = sweep.keys.size() > 1;
     const std::size_t lines = several ? sweep.keys[1].values.size() : 1;
     for (std::size_t line = 0; line < lines; ++line) {
@@ -77,21 +79,20 @@ timing::LinePlot lines_of(const ModelledSweep& sweep, const std::string& y_label
 
 ModelledSweep swept(const Topology& plan, std::vector<timing::SweptKey> keys,
                     const timing::RunWork& work) {
-    std::size_t step = work.steps.size();
-    while (step > 0 && !std::holds_alternative<timing::FrameWork>(work.steps[step - 1])) {
-        --step;
-    }
-    if (step == 0) {
+    const std::vector<timing::Picture> pictures = timing::pictures_of(work);
+    if (pictures.empty()) {
         throw RequestError(ExitCode::bad_data,
                            "--sweep times a frame, and none could be counted" +
                                (work.missing.empty() ? std::string() : ": " + work.missing.back()));
     }
+    const timing::Picture& last = pictures.back();
     ModelledSweep sweep{plan,
                         std::move(keys),
-                        std::get<timing::FrameWork>(work.steps[step - 1]).frame,
+                        last.passes.front()->frame,
+                        last.passes.front()->samples,
                         work.missing,
                         {}};
-    sweep.machines = timing::sweep(plan, sweep.keys, work, step - 1);
+    sweep.machines = timing::sweep(plan, sweep.keys, work, last.step);
     return sweep;
 }
 
@@ -115,9 +116,9 @@ std::string to_text(const ModelledSweep& sweep) {
     }
     return "machine: " + machine_text(sweep.plan) + "\n" + missing_text(sweep.missing) +
            fmt::format(
-               "frame {}, shown over and over; load and build: of what it shows\n"
+               "{}, shown over and over; load and build: of what it shows\n"
                "%: of the time, how long the busiest of its kind was busy\n\n",
-               sweep.frame) +
+               picture_text("frame", sweep.frame, sweep.samples)) +
            text_table(heading, rows, 0);
 }
 
@@ -142,6 +143,7 @@ Fields to_fields(const ModelledSweep& sweep) {
     }
     return {{"machine", machine_fields(sweep.plan)},
             {"frame", std::int64_t{sweep.frame}},
+            {"samples", std::int64_t{sweep.samples}},
             {"machines", machines},
             {"missing", missing_fields(sweep.missing)}};
 }

@@ -13,12 +13,12 @@ namespace pxpl5::host::inspect {
 struct ModelledSweep {
     Topology plan;
     std::vector<timing::SweptKey> keys;
-    std::uint32_t frame = 0;
+    std::uint32_t frame = 0, samples = 1;  ///< The picture's first pass; how many it has.
     std::vector<std::string> missing;
     std::vector<timing::SweptMachine> machines;
 };
 
-/// Sweeps over the run's last frame. Throws RequestError: bad_data if it has none; else as
+/// Sweeps over the run's last picture. Throws RequestError: bad_data if it has none; else as
 /// timing::sweep() does.
 ModelledSweep swept(const Topology& plan, std::vector<timing::SweptKey> keys,
                     const timing::RunWork& work);

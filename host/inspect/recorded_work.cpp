@@ -258,7 +258,9 @@ std::string WorkReader::why_not(const RecordedFrame& frame,
 
 void WorkReader::take_frame(const schema::DrawFrame& draw) {
     const std::uint32_t number = draw.frame();
-    const auto holds = [&](const Range& range) { return range.contains(number); };
+    // The picture's passes are numbered one after the other.
+    const std::uint32_t first = number - draw.sample(), last = first + draw.samples() - 1;
+    const auto holds = [&](const Range& range) { return range.from <= last && first <= range.to; };
     if (!frames_.empty() && std::ranges::none_of(frames_, holds)) {
         return;
     }
@@ -279,6 +281,8 @@ void WorkReader::take_frame(const schema::DrawFrame& draw) {
     }
     const auto& assignment = *frame.begin->as<schema::BeginFrame>()->assignment();
     work.assignment.assign(assignment.begin(), assignment.end());
+    work.sample = draw.sample();
+    work.samples = draw.samples();
     work.parts = part_work(frame);
     work_.steps.emplace_back(std::move(work));
 }

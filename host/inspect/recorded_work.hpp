@@ -19,7 +19,7 @@ namespace pxpl5::host::inspect {
 /// and slabs are extracted again; what cannot be counted is left out, and RunWork::missing says so.
 /// The same commands give the same work for any number of nodes, but for FrameWork::assignment.
 ///
-/// frames  Numbers of frames; empty: all.
+/// frames  Numbers of frames; empty: all. A picture's passes are counted if one of them is named.
 /// Throws RequestError (bad_data) if GP 0, which is told everything, has no trace.
 timing::RunWork recorded_work(const RecordedRun& run, const std::vector<Range>& frames = {});
 

@@ -42,28 +42,4 @@ RunTime simulate(const Machine& machine, const RunWork& run) {
     return result;
 }
 
-namespace {
-// Warm-up: the pipeline is full after as many frames as may be under way; then the assignment by
-// costs has its frame before. Window: whole patterns of 1, 2, 3, 4, 6 and 12 frames.
-constexpr std::size_t settling_frames = 4, window_frames = 12;
-}  // namespace
-
-Rate frame_rate(const Machine& machine, const FrameWork& frame) {
-    const auto in_flight = static_cast<std::size_t>(machine.frames_in_flight);
-    const std::size_t begin = settling_frames + in_flight, end = begin + window_frames;
-    // Those behind keep the machine as busy as before.
-    const std::vector<StepRef> steps(end + 1 + in_flight, StepRef(&frame));
-    Replay replay(machine, steps);
-    replay.run();
-    const Replay::Step &first = replay.steps()[begin], &last = replay.steps()[end];
-    Rate rate;
-    constexpr double ns_per_s = 1e9;
-    rate.frames_per_s = static_cast<double>(window_frames) * ns_per_s /
-                        static_cast<double>(last.complete.time - first.complete.time);
-    rate.latency = last.known - last.begin.time;
-    rate.use = use_between(replay.hardware(), first.complete, last.complete);
-    rate.limit = limit_of(rate.use);
-    return rate;
-}
-
 }  // namespace pxpl5::host::timing

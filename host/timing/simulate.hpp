@@ -63,9 +63,9 @@ struct RunTime {
 /// a recorded assignment for another number of Renderers).
 RunTime simulate(const Machine& machine, const RunWork& run);
 
-/// The rate at which a machine shows one frame over and over, once it has settled.
+/// The rate at which a machine shows one picture over and over, once it has settled.
 struct Rate {
-    /// 12 frames by the time from the last pixel of one to that of the twelfth behind it. Frames
+    /// 12 pictures by the time from the last pixel of one to that of the twelfth behind it. Frames
     /// are shown at retraces, so that intervals between them vary; those between last pixels do so
     /// only if a frame waits for an earlier one's retrace, in patterns of a few frames. Within 0.5
     /// % of the mean over 240 frames, for machines and loads around the paper's.
@@ -74,7 +74,7 @@ struct Rate {
     std::vector<UnitUse> use;  ///< In that time.
     Unit limit{};              ///< limit_of() these.
 };
-/// Throws as simulate().
+/// Of a frame as if it were a picture; see picture_rate(). Throws as simulate().
 Rate frame_rate(const Machine& machine, const FrameWork& frame);
 
 }  // namespace pxpl5::host::timing

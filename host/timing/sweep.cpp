@@ -7,6 +7,7 @@
 #include <map>
 
 #include "host/error.hpp"
+#include "host/timing/picture.hpp"
 
 namespace pxpl5::host::timing {
 
@@ -86,7 +87,7 @@ std::size_t machine_count(std::span<const SweptKey> keys) {
     return machines;
 }
 
-SweptMachine time_on(const Machine& machine, const RunWork& setting, const FrameWork& frame) {
+SweptMachine time_on(const Machine& machine, const RunWork& setting, const Picture& picture) {
     SweptMachine result;
     Ns longest = -1;
     for (const StepTime& time : simulate(machine, setting).steps) {
@@ -99,7 +100,7 @@ SweptMachine time_on(const Machine& machine, const RunWork& setting, const Frame
             longest = std::max(longest, took);
         }
     }
-    result.rate = frame_rate(machine, frame);
+    result.rate = picture_rate(machine, picture);
     return result;
 }
 
@@ -164,15 +165,14 @@ std::vector<TriedMachine> machines_of(const Topology& plan, std::span<const Swep
 std::vector<SweptMachine> sweep(const Topology& plan, std::span<const SweptKey> keys,
                                 const RunWork& run, std::size_t frame_step) {
     const std::vector<TriedMachine> machines = machines_of(plan, keys);
-    const auto* frame =
-        frame_step < run.steps.size() ? std::get_if<FrameWork>(&run.steps[frame_step]) : nullptr;
-    if (frame == nullptr) {
-        refuse("", fmt::format("step {} is no frame", frame_step));
+    const std::optional<Picture> picture = picture_at(run, frame_step);
+    if (!picture) {
+        refuse("", fmt::format("step {} is no frame of a whole picture", frame_step));
     }
     const RunWork setting = setting_of(run, frame_step);
     std::vector<SweptMachine> results;
     for (const TriedMachine& one : machines) {
-        results.push_back(time_on(one.machine, setting, *frame));
+        results.push_back(time_on(one.machine, setting, *picture));
         results.back().values = one.values;
     }
     return results;

@@ -45,15 +45,16 @@ struct SweptMachine {
     std::vector<std::string> values;  ///< In the order of the keys.
     std::optional<Ns> load, build;    ///< Of all surfaces; nothing if there is nothing to do.
     Unit build_limit{};               ///< Of the surface that takes longest.
-    Rate rate;                        ///< Of the frame, shown over and over.
+    Rate rate;                        ///< Of the picture, shown over and over.
 };
 
-/// Times one frame of a run, and what it shows, on every machine: all values of the last key for
+/// Times one picture of a run, and what it shows, on every machine: all values of the last key for
 /// each of the one before.
 ///
 /// plan  The machine without the keys' values.
 /// keys  1 or 2.
-/// Throws RequestError as machines_of(); usage for a step that is no frame; those of simulate().
+/// Throws RequestError as machines_of(); usage for a step that is no pass of a whole picture; those
+/// of simulate().
 std::vector<SweptMachine> sweep(const Topology& plan, std::span<const SweptKey> keys,
                                 const RunWork& run, std::size_t frame_step);
 

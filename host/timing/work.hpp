@@ -90,6 +90,7 @@ struct FrameWork {
     std::vector<DrawnSlab> drawn;                    ///< Ascending by (surface, slab).
     std::vector<PartWork> parts;                     ///< By region, then in the order of execution.
     std::vector<std::uint16_t> assignment;           ///< Renderer of each region, as it was drawn.
+    std::uint32_t sample = 0, samples = 1;           ///< Which pass of its picture; of how many.
     std::size_t regions() const;
     /// Of each region, all its parts together.
     std::vector<std::uint64_t> region_cycles() const;

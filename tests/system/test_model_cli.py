@@ -104,6 +104,28 @@ class ModelCli(unittest.TestCase):
                                                                     "frame"])
         self.assertEqual([frame["frame"] for frame in told["frames"]], [1])
 
+    def test_a_picture_of_several_samples_is_shown_as_one(self):
+        smooth = self.recorded("smooth", 1, 1, COMMANDS + "; antialias 4; digest")
+        rates = ["frames_per_s", "latency_ns", "limit", "use"]
+        told = json.loads(self.output("model", smooth, "--json", "--csv", self.path("4.csv")))
+        self.assertEqual([(one["frame"], one["samples"]) for one in told["frames"]],
+                         [(0, 1), (1, 1), (2, 4)])
+        self.assertEqual([step["kind"] for step in told["steps"]], STEPS + 4 * ["frame"])
+        single, picture = told["frames"][1:]
+        self.assertLess(picture["frames_per_s"], single["frames_per_s"] / 2)
+        self.assertGreater(picture["latency_ns"], single["latency_ns"])
+        with open(self.path("4.csv"), encoding="utf-8") as file:
+            shown = [row["frames_per_s"] for row in csv.DictReader(file)]
+        self.assertEqual(shown[5:8], 3 * [""])
+        self.assertEqual(float(shown[8]), picture["frames_per_s"])
+        self.assertIn("frames 2..5, 4 samples", self.output("model", smooth))
+        for frame in ([], ["--frame", "3"]):  # Any of its passes is the picture.
+            swept = json.loads(self.output("model", smooth, "--json", "--sweep", "gp.count=36",
+                                           *frame))
+            self.assertEqual((swept["frame"], swept["samples"]), (2, 4))
+            self.assertEqual([swept["machines"][0][rate] for rate in rates],
+                             [picture[rate] for rate in rates])
+
     def test_a_sweep_is_a_table_and_a_plot(self):
         sweep = ["--sweep", "gp.count=1,2,8", "--sweep", "renderer.count=1..3"]
         told = self.model(*sweep, "--csv", self.path("s.csv"), "--plot", self.path("s.svg"))
@@ -176,7 +198,7 @@ class ModelCli(unittest.TestCase):
 
     def test_a_run_without_frames_or_without_anything(self):
         loaded = self.recorded("loaded", 1, 1, "load phantom:sphere")
-        self.assertIn("no frame", self.output("model", loaded))
+        self.assertIn("no whole picture", self.output("model", loaded))
         self.assertIn("--sweep times a frame, and none could be counted",
                       self.refusal(65, loaded, "--sweep", "gp.count=1,2"))
         idle = self.recorded("idle", 1, 1, "help")

@@ -183,10 +183,9 @@ export class ModelView {
     this.told_.hidden = false;
     this.facts_.replaceChildren(...factsOf(modelled).flatMap(([what, is]) =>
       [h('dt', {}, what), h('dd', {}, is)]));
-    const {use, limit, samples} = modelled.frame;
-    this.legend_.textContent = `How busy the units are ${samples > 1
-      ? 'in the last of the picture’s passes' : 'while this picture is drawn over and over'}. ` +
-      'Bright: all of a kind on average; dim: the busiest of them.';
+    const {use, limit} = modelled.frame;
+    this.legend_.textContent = 'How busy the units are while this picture is drawn over and ' +
+      'over. Bright: all of a kind on average; dim: the busiest of them.';
     this.use_.replaceChildren(...use.flatMap(each => useRow(each, each.unit === limit)));
   }
 }

@@ -343,6 +343,27 @@ TEST_CASE("frames that are not selected are left out, silently") {
     CHECK(all<FrameWork>(work).at(0).frame == 1);
 }
 
+TEST_CASE("a picture's passes are selected together") {
+    test::RecordedMachine recorded(test::machine_of(1, 1));
+    test::set_up_sphere(recorded.session, {100, 100});
+    recorded.session.draw();
+    recorded.session.scene.samples = 4;
+    recorded.session.draw();
+    recorded.session.draw();
+    const inspect::RecordedRun run = recorded.run();
+    for (const std::uint32_t named : {1, 2, 4}) {
+        const std::vector<FrameWork> frames =
+            all<FrameWork>(inspect::recorded_work(run, {{named, named}}));
+        REQUIRE(frames.size() == 4);
+        for (std::uint32_t sample = 0; sample < 4; ++sample) {
+            CHECK(frames[sample].frame == 1 + sample);
+            CHECK(frames[sample].sample == sample);
+            CHECK(frames[sample].samples == 4);
+        }
+    }
+    CHECK(all<FrameWork>(inspect::recorded_work(run, {{0, 0}})).size() == 1);
+}
+
 TEST_CASE("without the trace of GP 0 nobody knows what was asked for") {
     test::TracedSphere sphere({100, 100}, 2, 1);
     std::vector<inspect::NodeTrace> traces = sphere.traces();
