@@ -65,8 +65,9 @@ class Telling {
         : session_(session), machine_(machine), run_(run), time_(simulate(machine, run)) {}
 
     Reply told(const std::string& name) {
-        reply_.text = fmt::format("{}, modelled: {} GPs, {} Renderers, {} frame buffers", name,
-                                  machine_.gps, machine_.renderers, machine_.frame_buffers);
+        reply_.text = fmt::format("{}, modelled: {} GPs, {} Renderers, {} frame buffer{}", name,
+                                  machine_.gps, machine_.renderers, machine_.frame_buffers,
+                                  machine_.frame_buffers == 1 ? "" : "s");
         reply_.fields = {{"machine", name},
                          {"gps", std::int64_t{machine_.gps}},
                          {"renderers", std::int64_t{machine_.renderers}},
