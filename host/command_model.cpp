@@ -5,19 +5,20 @@
 #include <iterator>
 
 #include "host/command_handlers.hpp"
+#include "host/inspect/model_parts.hpp"
 #include "host/live_work.hpp"
 #include "host/machine/timing_section.hpp"
 #include "host/timing/picture.hpp"
 
 namespace pxpl5::host {
 
+using inspect::counted;
+using inspect::ms;
+using inspect::use_fields;
+
 namespace {
 
 constexpr const char* usual_machine = "paper-1993";
-
-double ms(timing::Ns ns) {
-    return static_cast<double>(ns) / 1e6;
-}
 
 double percent(double share) {
     return share * 100;
@@ -41,17 +42,6 @@ std::string use_text(const std::vector<timing::UnitUse>& use) {
     return text;
 }
 
-std::vector<Fields> use_fields(const std::vector<timing::UnitUse>& use) {
-    std::vector<Fields> fields;
-    for (const timing::UnitUse& unit : use) {
-        fields.push_back({{"unit", std::string(timing::name_of(unit.unit))},
-                          {"mean", unit.mean},
-                          {"busiest", unit.busiest},
-                          {"index", std::int64_t{unit.index}}});
-    }
-    return fields;
-}
-
 Fields step_fields(const timing::StepTime& step) {
     return {{"ms", ms(step.end - step.begin)},
             {"limit", std::string(timing::name_of(step.limit))},
@@ -65,9 +55,9 @@ class Telling {
         : session_(session), machine_(machine), run_(run), time_(simulate(machine, run)) {}
 
     Reply told(const std::string& name) {
-        reply_.text = fmt::format("{}, modelled: {} GPs, {} Renderers, {} frame buffer{}", name,
-                                  machine_.gps, machine_.renderers, machine_.frame_buffers,
-                                  machine_.frame_buffers == 1 ? "" : "s");
+        reply_.text = fmt::format("{}, modelled: {}, {}, {}", name, counted(machine_.gps, "GP"),
+                                  counted(machine_.renderers, "Renderer"),
+                                  counted(machine_.frame_buffers, "frame buffer"));
         reply_.fields = {{"machine", name},
                          {"gps", std::int64_t{machine_.gps}},
                          {"renderers", std::int64_t{machine_.renderers}},
