@@ -10,6 +10,7 @@
 #include "host/inspect/text_output.hpp"
 #include "isa/disassemble.hpp"
 #include "isa/instruction_counts.hpp"
+#include "isa/program.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -42,6 +43,17 @@ const char* suffix_of(Kind kind) {
     return "";
 }
 
+/// Whether a stream may go on behind these words: no branch, whose addresses count from its begin,
+/// and no end.
+bool may_be_followed(renderer::Words words) {
+    for (std::size_t at = 0; at < words.size(); at += isa::instruction_words(words[at])) {
+        if (isa::decode(words[at])->op == isa::Op::eor) {
+            return false;
+        }
+    }
+    return isa::runs_straight(words);
+}
+
 /// The files of one region.
 class RegionFiles {
   public:
@@ -50,7 +62,7 @@ class RegionFiles {
 
     void add(std::size_t index) {
         const Part& part = region_.plan.parts[index];
-        const bool straight = isa::runs_straight(part.segment.words);
+        const bool straight = may_be_followed(part.segment.words);
         if (files_.empty() || part.kind != Kind::segment || !straight || !may_go_on_) {
             const char* suffix = suffix_of(part.kind);
             files_.push_back(
