@@ -6,15 +6,15 @@
 #include <functional>
 #include <map>
 
-#include "host/error.hpp"
-#include "host/inspect/cli.hpp"
+#include "host/base/error.hpp"
+#include "host/base/version.hpp"
+#include "host/commands/script.hpp"
+#include "host/inspect/tools/cli.hpp"
 #include "host/machine/machine.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/phigs/archive.hpp"
 #include "host/report/report.hpp"
-#include "host/script.hpp"
 #include "host/serve/serve.hpp"
-#include "host/version.hpp"
 
 namespace {
 
@@ -169,7 +169,7 @@ int run(const Flags& flags) {
             options.keep_going = true;
             fmt::print("pxpl5 {}: {}; 'help' lists the commands\n", version,
                        size_text(flags.machine.plan()));
-            run_script(session, lines_of_prompt(&machine), options);
+            run_script(session, lines_of_prompt(machine), options);
             return 0;
         }
         return run_script(session, lines_of(STDIN_FILENO, machine), options);

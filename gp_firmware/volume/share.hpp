@@ -46,7 +46,8 @@ int discarded_after(const VolumeShape& shape, Share share, int z);
 std::size_t peak_bytes(const VolumeShape& shape, Share share);
 
 /// slabs_per_set that the host would choose for as many GPs: 1 stays 1, larger sets are shared out
-/// so that each GP has two at least (host/volume_transfer.hpp; a test holds the two together).
+/// so that each GP has two at least (host/session/volume_transfer.hpp; a test holds the two
+/// together).
 int slabs_per_set_with(const VolumeShape& shape, int gp_count);
 
 /// The smallest number of GPs with `memory_bytes` each that can hold the volume, and beside it

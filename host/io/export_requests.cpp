@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "host/io/mesh_export.hpp"
-#include "host/io/picture.hpp"
+#include "host/io/mesh/mesh_export.hpp"
+#include "host/io/picture/picture.hpp"
 
 namespace pxpl5::host::io {
 

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <new>
 
-#include "host/io/dicom_file.hpp"
-#include "host/io/picture_stack.hpp"
-#include "host/io/place.hpp"
-#include "host/io/processing.hpp"
-#include "host/io/stored_header.hpp"
+#include "host/io/dicom/dicom_file.hpp"
+#include "host/io/formats/picture_stack.hpp"
+#include "host/io/formats/stored_header.hpp"
+#include "host/io/values/place.hpp"
+#include "host/io/values/processing.hpp"
 #include "host/phantom/phantom.hpp"
 
 namespace pxpl5::host::io {

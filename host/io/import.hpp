@@ -1,46 +1,12 @@
 // Volumes in: decodes a file, a folder or a phantom into a plain Volume.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <glm/vec3.hpp>
-#include <optional>
-#include <stdexcept>
 #include <string>
 
-#include "host/volume.hpp"
+#include "host/io/values/import_request.hpp"
+#include "host/volume/volume.hpp"
 
 namespace pxpl5::host::io {
-
-inline constexpr int min_dim = 2;     ///< Voxels along x and y; along z a single slice may be read.
-inline constexpr int max_dim = 4096;  ///< Voxels along an axis.
-inline constexpr std::uint64_t max_volume_bytes = std::uint64_t{8} << 30;
-
-/// Thrown for input that cannot be imported. `what` names the file, the field and both values.
-struct ImportError : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
-
-/// How the values of a file without a header lie: x fastest.
-struct RawLayout {
-    std::array<std::uint32_t, 3> dims{};  ///< Voxels along x, y, z.
-    std::string type;                     ///< As component_name.
-    bool big_endian = false;
-    std::uint64_t offset_bytes = 0;  ///< Before the first value.
-};
-
-/// What is asked for; only `path` must be given.
-struct ImportRequest {
-    std::string path;    ///< A file, a folder, or phantom:NAME.
-    std::string series;  ///< Of a DICOM folder: number in the list from 1, or UID.
-    std::optional<glm::dvec3> spacing_mm;  ///< For files that state none: pictures, raw files.
-    std::optional<RawLayout> raw;
-    /// First voxel and number of voxels kept; both or none.
-    std::optional<std::array<std::uint32_t, 3>> crop_first, crop_size;
-    std::optional<std::array<std::uint32_t, 3>> resample_size;  ///< Voxels afterwards.
-    std::optional<glm::dvec3> resample_spacing_mm;              ///< Or their distance.
-    double smooth_mm = 0;  ///< Standard deviation of a Gaussian; 0 for none.
-};
 
 /// Decodes NRRD, MetaImage, NIfTI-1 and -2, Analyze 7.5, VTK legacy, DICOM, stacks of pictures or
 /// a raw file, or makes a phantom; then crops, smooths and resamples, in this order.

@@ -12,7 +12,7 @@
 
 #include "host/io/export_requests.hpp"
 #include "host/io/import.hpp"
-#include "host/volume_transfer.hpp"
+#include "host/volume/volume_messages.hpp"
 
 namespace pxpl5::host::io {
 

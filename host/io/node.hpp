@@ -13,7 +13,7 @@
 #include <optional>
 
 #include "host/io/limits.hpp"
-#include "host/volume.hpp"
+#include "host/volume/volume.hpp"
 #include "ringbus/node.hpp"
 
 namespace pxpl5::host::io {

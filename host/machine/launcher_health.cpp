@@ -9,7 +9,7 @@
 #include <fstream>
 #include <utility>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/machine/launcher.hpp"
 
 namespace pxpl5::host {

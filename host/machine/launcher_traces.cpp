@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/machine/launcher.hpp"
 #include "isa/table_hash.hpp"
 #include "ringbus/process.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "ringbus/message.hpp"
 #include "ringbus/traffic.hpp"
 

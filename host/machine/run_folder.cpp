@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "ringbus/message.hpp"
 
 namespace pxpl5::host {

@@ -6,8 +6,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "host/error.hpp"
-#include "host/nearest.hpp"
+#include "host/base/error.hpp"
+#include "host/base/nearest.hpp"
 
 namespace pxpl5::host {
 

@@ -10,10 +10,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
+#include "host/base/nearest.hpp"
 #include "host/machine/timing_section.hpp"
 #include "host/machine/topology_file.hpp"
-#include "host/nearest.hpp"
 
 namespace pxpl5::host {
 

@@ -7,10 +7,10 @@
 #include <cassert>
 #include <memory>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
+#include "host/base/nearest.hpp"
 #include "host/machine/timing_section.hpp"
 #include "host/machine/topology_schema.hpp"
-#include "host/nearest.hpp"
 #include "topology_generated.h"
 
 namespace pxpl5::host {

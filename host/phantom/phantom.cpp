@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "host/nearest.hpp"
+#include "host/base/nearest.hpp"
 #include "host/phantom/catalogue.hpp"
 
 namespace pxpl5::host {

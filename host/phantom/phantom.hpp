@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/volume.hpp"
+#include "host/volume/volume.hpp"
 
 namespace pxpl5::host {
 

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "host/command_line.hpp"
+#include "host/base/command_line.hpp"
 
 namespace pxpl5::host::phigs {
 

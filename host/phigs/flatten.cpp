@@ -10,7 +10,7 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/phigs/colours.hpp"
 #include "host/phigs/content.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 
 namespace pxpl5::host::phigs {
 

@@ -8,7 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <set>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/phigs/lexer.hpp"
 
 namespace pxpl5::host::phigs {

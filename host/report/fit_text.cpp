@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "host/inspect/text_table.hpp"
+#include "host/base/text_table.hpp"
 
 namespace pxpl5::host::report {
 
@@ -15,7 +15,7 @@ std::string text_of(const timing::Fit& fit, std::span<const timing::PaperCase> c
         std::string& list = cases[i].row.held_back ? held_back : used;
         list += (list.empty() ? "" : ", ") + names[i];
     }
-    std::vector<inspect::TableRow> rows;
+    std::vector<TableRow> rows;
     for (const timing::FittedValue& value : fit.values) {
         rows.push_back({std::string(value.parameter->name), std::string(value.parameter->unit),
                         fmt::format("{:g}", value.start), fmt::format("{:g}", value.value),
@@ -24,8 +24,7 @@ std::string text_of(const timing::Fit& fit, std::span<const timing::PaperCase> c
     constexpr double to_percent = 100;
     return fmt::format("fit: used {}; held back {}\n", used,
                        held_back.empty() ? "none" : held_back) +
-           inspect::text_table({"parameter", "unit", "in the file", "fits best", "difference, %"},
-                               rows, 2) +
+           text_table({"parameter", "unit", "in the file", "fits best", "difference, %"}, rows, 2) +
            fmt::format(
                "deviation of what was used, root of the mean square: {:.1f} %; {} runs of "
                "the model\n",

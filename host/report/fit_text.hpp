@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/reply.hpp"
+#include "host/base/reply.hpp"
 #include "host/timing/fit.hpp"
 
 namespace pxpl5::host::report {

@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <utility>
 
-#include "host/error.hpp"
-#include "host/live_work.hpp"
+#include "host/base/error.hpp"
+#include "host/commands/picture_text.hpp"
 #include "host/phantom/phantom.hpp"
-#include "host/picture_text.hpp"
 #include "host/report/report_row.hpp"
+#include "host/session/live_work.hpp"
 
 namespace pxpl5::host::report {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/report/sources.hpp"
-#include "host/session.hpp"
+#include "host/session/session.hpp"
 #include "host/timing/paper_case.hpp"
 
 namespace pxpl5::host::report {

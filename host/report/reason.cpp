@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "host/chart_axis.hpp"
+#include "host/base/chart_axis.hpp"
 #include "host/timing/build_model.hpp"
 
 namespace pxpl5::host::report {

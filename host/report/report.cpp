@@ -7,8 +7,8 @@
 #include <iterator>
 #include <optional>
 
-#include "host/error.hpp"
-#include "host/inspect/text_output.hpp"
+#include "host/base/error.hpp"
+#include "host/base/text_output.hpp"
 #include "host/report/fit_text.hpp"
 #include "host/report/measure.hpp"
 #include "host/report/reason.hpp"
@@ -168,13 +168,13 @@ Output scaling_output(const Material& material, const Progress& progress) {
 }
 
 void write(const std::string& path, std::string_view text) {
-    inspect::TextOutput file(path);
+    TextOutput file(path);
     file.put(text);
     file.finish();
 }
 
 void put(const Output& output, const ReportOptions& options) {
-    inspect::TextOutput out("");
+    TextOutput out("");
     out.put(options.json ? json_text(output.fields) + "\n" : output.text);
     out.finish();
     if (!options.csv.empty()) {

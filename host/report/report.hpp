@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/machine/topology.hpp"
-#include "host/session.hpp"
+#include "host/session/session.hpp"
 
 namespace pxpl5::host::report {
 

@@ -7,14 +7,12 @@
 #include <cmath>
 #include <string_view>
 
-#include "host/chart_axis.hpp"
-#include "host/inspect/text_table.hpp"
+#include "host/base/chart_axis.hpp"
+#include "host/base/text_table.hpp"
 
 namespace pxpl5::host::report {
 
 namespace {
-
-using inspect::TableRow;
 
 /// With a mark if it is beyond its bound.
 std::string error_text(const Figure& figure, bool within) {
@@ -134,7 +132,7 @@ std::string table_of(const std::vector<ReportRow>& rows) {
                                   frames_bound_percent, row.frames_reason);
         }
     }
-    return group_line(cells) + inspect::text_table(heading, cells) + beyond;
+    return group_line(cells) + text_table(heading, cells) + beyond;
 }
 
 std::string text_of(const Footnote& footnote) {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host/command_line.hpp"
-#include "host/reply.hpp"
+#include "host/base/command_line.hpp"
+#include "host/base/reply.hpp"
 #include "host/timing/plot.hpp"
 #include "host/timing/simulate.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/reply.hpp"
+#include "host/base/reply.hpp"
 #include "host/timing/machine.hpp"
 #include "host/timing/paper_case.hpp"
 #include "host/timing/plot.hpp"

@@ -2,14 +2,12 @@
 
 #include <cmath>
 
-#include "host/inspect/text_table.hpp"
+#include "host/base/text_table.hpp"
 #include "host/report/scaling.hpp"
 
 namespace pxpl5::host::report {
 
 namespace {
-
-using inspect::TableRow;
 
 /// What grows in a series, and what stays.
 struct Growing {
@@ -38,7 +36,7 @@ std::string table_of(const ScalingSeries& series, const Growing& growing) {
         return fmt::format("{:.{}f}", value, value < 99.95 ? 1 : 0);
     };
     const auto factor = [](double value) { return fmt::format("{:.2f}", value); };
-    return inspect::text_table(
+    return text_table(
         row_of("  " + std::string(growing.what), series,
                [&](std::size_t i) { return fmt::format("{}", points[i].count); }),
         {row_of("  surface built in, ms", series,

@@ -6,13 +6,12 @@
 #include <cmath>
 #include <optional>
 
-#include "host/inspect/text_table.hpp"
+#include "host/base/text_table.hpp"
 
 namespace pxpl5::host::report {
 
 namespace {
 
-using inspect::TableRow;
 using timing::FigureChange;
 using timing::Sensitivity;
 using timing::Trial;
@@ -63,7 +62,7 @@ std::string table_of(const std::vector<Sensitivity>& list, std::span<const std::
     for (std::size_t i = first; i < last; ++i) {
         legend += fmt::format("{}{} {}", legend.empty() ? "" : ", ", i + 1, names[i]);
     }
-    return legend + "\n" + inspect::text_table(heading, rows, 2);
+    return legend + "\n" + text_table(heading, rows, 2);
 }
 
 /// The greatest change of a figure by this trial.

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "host/error.hpp"
-#include "host/nearest.hpp"
+#include "host/base/error.hpp"
+#include "host/base/nearest.hpp"
 
 namespace pxpl5::host::report {
 

@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <utility>
 
-#include "host/activity_text.hpp"
+#include "host/base/stopwatch.hpp"
 #include "host/machine/machine.hpp"
-#include "host/serve/director.hpp"
-#include "host/serve/inspector.hpp"
-#include "host/stopwatch.hpp"
+#include "host/serve/director/director.hpp"
+#include "host/serve/director/inspector.hpp"
+#include "host/session/activity_text.hpp"
 
 namespace pxpl5::host::serve {
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "host/command_line.hpp"
+#include "host/base/command_line.hpp"
 #include "host/machine/topology.hpp"
-#include "host/serve/server.hpp"
+#include "host/serve/server/server.hpp"
 
 namespace pxpl5::host::serve {
 

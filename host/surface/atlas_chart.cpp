@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "host/chart_axis.hpp"
-#include "host/error.hpp"
+#include "host/base/chart_axis.hpp"
+#include "host/base/error.hpp"
 
 namespace pxpl5::host {
 

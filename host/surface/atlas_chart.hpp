@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "host/command_line.hpp"
-#include "host/viewer/marks.hpp"
+#include "host/base/command_line.hpp"
+#include "host/scene/marks.hpp"
 
 namespace pxpl5::host {
 

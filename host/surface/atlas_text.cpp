@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "host/chart_axis.hpp"
-#include "host/inspect/text_table.hpp"
+#include "host/base/chart_axis.hpp"
+#include "host/base/text_table.hpp"
 #include "host/surface/atlas_chart.hpp"
 
 namespace pxpl5::host {
@@ -25,7 +25,7 @@ std::string plateau_of(const AtlasContent& content, double isovalue) {
 
 std::string atlas_text(const AtlasContent& content, std::size_t most) {
     const std::size_t count = content.rows.size(), shown = std::min(count, most);
-    std::vector<inspect::TableRow> lines;
+    std::vector<TableRow> lines;
     for (std::size_t line = 0; line < shown; ++line) {
         const std::size_t index = shown > 1 ? line * (count - 1) / (shown - 1) : 0;
         const AtlasRow& row = content.rows[index];
@@ -35,8 +35,8 @@ std::string atlas_text(const AtlasContent& content, std::size_t most) {
              fmt::format("{:.2f}", row.volume_mm3 / 1000),
              grouped(static_cast<double>(row.components)), plateau_of(content, row.isovalue)});
     }
-    std::string text = inspect::text_table(
-        {"isovalue", "triangles", "cm2", "ml", "components", "plateau"}, lines, 0);
+    std::string text =
+        text_table({"isovalue", "triangles", "cm2", "ml", "components", "plateau"}, lines, 0);
     for (std::size_t index = 0; index < content.plateaus.size(); ++index) {
         text += fmt::format("plateau {}: isovalue {:.6g} to {:.6g}\n", index + 1,
                             content.plateaus[index].from, content.plateaus[index].to);

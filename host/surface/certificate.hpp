@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/reply.hpp"
+#include "host/base/reply.hpp"
 #include "host/surface/volume_grid.hpp"
 #include "host/surface/welded_mesh.hpp"
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <tuple>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/surface/certificate.hpp"
 
 namespace pxpl5::host {

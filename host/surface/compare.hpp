@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/reply.hpp"
+#include "host/base/reply.hpp"
 #include "host/surface/components.hpp"
 #include "host/surface/welded_mesh.hpp"
 

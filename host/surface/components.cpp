@@ -9,7 +9,7 @@
 #include <limits>
 #include <numeric>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/surface/disjoint_sets.hpp"
 #include "host/surface/edge_table.hpp"
 #include "host/surface/mesh_measure.hpp"

@@ -1,7 +1,7 @@
 // An isovalue to show of a volume of which nobody has said anything.
 #pragma once
 
-#include "host/volume.hpp"
+#include "host/volume/volume.hpp"
 
 namespace pxpl5::host {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/volume.hpp"
+#include "host/volume/volume.hpp"
 
 namespace pxpl5::host {
 

@@ -12,7 +12,7 @@
 #include <numeric>
 #include <type_traits>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/surface/neighbour_links.hpp"
 #include "host/surface/typed_values.hpp"
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "host/volume.hpp"
+#include "host/volume/volume.hpp"
 
 namespace pxpl5::host {
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 
 namespace pxpl5::host {
 

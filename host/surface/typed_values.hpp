@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "host/volume.hpp"
+#include "host/volume/volume.hpp"
 
 namespace pxpl5::host {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "ringbus/ranges.hpp"
 
 namespace pxpl5::host::timing {

@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 
 namespace pxpl5::host::timing {
 

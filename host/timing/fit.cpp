@@ -11,7 +11,7 @@
 #include <limits>
 #include <memory>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/machine/timing_section.hpp"
 
 namespace pxpl5::host::timing {

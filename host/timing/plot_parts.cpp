@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 
 namespace pxpl5::host::timing {
 

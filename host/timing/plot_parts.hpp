@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/chart_axis.hpp"
+#include "host/base/chart_axis.hpp"
 #include "host/timing/svg.hpp"
 
 namespace pxpl5::host::timing {

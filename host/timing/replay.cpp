@@ -4,7 +4,7 @@
 
 #include <cassert>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/timing/check_work.hpp"
 
 namespace pxpl5::host::timing {

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <map>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/timing/picture.hpp"
 
 namespace pxpl5::host::timing {

@@ -7,7 +7,7 @@
 #include "gp_firmware/geometry/transform.hpp"
 #include "gp_firmware/surface/classify.hpp"
 #include "gp_firmware/volume/gradient.hpp"
-#include "host/viewer/camera.hpp"
+#include "host/scene/camera.hpp"
 #include "tests/bench/parts.hpp"
 #include "tests/host/phantom/phantom_probe.hpp"
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
+#include "host/base/stopwatch.hpp"
 #include "host/phantom/phantom.hpp"
-#include "host/stopwatch.hpp"
 #include "host/surface/compare.hpp"
 #include "host/surface/histogram.hpp"
 #include "host/surface/isovalue_components.hpp"

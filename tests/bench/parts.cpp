@@ -3,9 +3,9 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "host/frame_request.hpp"
-#include "host/viewer/camera.hpp"
-#include "host/volume_transfer.hpp"
+#include "host/scene/camera.hpp"
+#include "host/session/frame_request.hpp"
+#include "host/session/volume_transfer.hpp"
 
 namespace pxpl5::bench {
 

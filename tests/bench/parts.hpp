@@ -8,7 +8,7 @@
 #include "gp_firmware/node.hpp"
 #include "host/frame_buffer/node.hpp"
 #include "host/phantom/phantom.hpp"
-#include "host/scene.hpp"
+#include "host/scene/scene.hpp"
 #include "renderer_firmware/node.hpp"
 #include "ringbus/node.hpp"
 

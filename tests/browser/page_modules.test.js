@@ -160,7 +160,8 @@ test('two lines have one subject if the later makes the earlier needless', () =>
 });
 
 test('page and server agree on what sets, and on how many words say what', () => {
-  const table = readFileSync(new URL('../../host/command_tables.cpp', import.meta.url), 'utf8');
+  const file = new URL('../../host/commands/command_tables.cpp', import.meta.url);
+  const table = readFileSync(file, 'utf8');
   const rows = table.split(/\n {8}\{(?=")/).slice(1).map(row =>
     [/^"(\w+)"/.exec(row)?.[1], /CommandKind::setting(?:,\s*(\d+))?\}/.exec(row)]);
   const sets = rows.filter(([, kind]) => kind).map(([name, kind]) => [name, Number(kind[1] ?? 0)]);

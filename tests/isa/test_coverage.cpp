@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "host/inspect/region_walk.hpp"
+#include "host/inspect/record/region_walk.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 #include "tests/isa/coverage.hpp"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 
 namespace pxpl5::test {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "gp_firmware/node.hpp"
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/frame_buffer/node.hpp"
 #include "host/machine/port.hpp"
 #include "host/machine/roster.hpp"

@@ -1,8 +1,8 @@
 // A message is lost, repeated or damaged somewhere in a run: never a wrong picture, never a crash.
 #include <doctest/doctest.h>
 
-#include "host/error.hpp"
-#include "host/session.hpp"
+#include "host/base/error.hpp"
+#include "host/session/session.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/picture_text.hpp"
+#include "host/commands/picture_text.hpp"
 #include "tests/system/theatre.hpp"
 
 using namespace pxpl5;

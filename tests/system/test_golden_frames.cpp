@@ -2,9 +2,9 @@
 #include <doctest/doctest.h>
 #include <fmt/core.h>
 
+#include "host/commands/picture_text.hpp"
 #include "host/phantom/phantom.hpp"
-#include "host/picture_text.hpp"
-#include "host/session.hpp"
+#include "host/session/session.hpp"
 #include "tests/golden.hpp"
 #include "tests/system/simulated_machine.hpp"
 

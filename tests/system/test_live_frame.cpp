@@ -2,7 +2,7 @@
 // again.
 #include <doctest/doctest.h>
 
-#include "host/inspect/live_frame.hpp"
+#include "host/inspect/why/live_frame.hpp"
 #include "host/machine/machine.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <tuple>
 
-#include "host/live_work.hpp"
 #include "host/machine/machine.hpp"
+#include "host/session/live_work.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;

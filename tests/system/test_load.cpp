@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/machine/machine.hpp"
 #include "host/phantom/phantom.hpp"
-#include "host/session.hpp"
+#include "host/session/session.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "host/commands.hpp"
-#include "host/error.hpp"
-#include "host/live_work.hpp"
+#include "host/base/error.hpp"
+#include "host/commands/commands.hpp"
+#include "host/session/live_work.hpp"
 #include "host/timing/picture.hpp"
 #include "tests/system/simulated_machine.hpp"
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "host/inspect/recorded_work.hpp"
-#include "host/live_work.hpp"
+#include "host/inspect/model/recorded_work.hpp"
 #include "host/machine/machine.hpp"
+#include "host/session/live_work.hpp"
 #include "host/timing/simulate.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 #include "tests/ringbus/scratch_folder.hpp"

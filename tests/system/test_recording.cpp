@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "host/digest.hpp"
+#include "host/base/digest.hpp"
 #include "host/machine/machine.hpp"
-#include "host/session.hpp"
+#include "host/session/session.hpp"
 #include "ringbus/trace/trace_file.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
 

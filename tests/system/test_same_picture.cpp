@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/machine/machine.hpp"
-#include "host/session.hpp"
+#include "host/session/session.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;

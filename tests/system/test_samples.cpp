@@ -7,10 +7,10 @@
 #include <set>
 #include <vector>
 
-#include "host/commands.hpp"
-#include "host/error.hpp"
-#include "host/sample_offsets.hpp"
-#include "host/session.hpp"
+#include "host/base/error.hpp"
+#include "host/commands/commands.hpp"
+#include "host/scene/sample_offsets.hpp"
+#include "host/session/session.hpp"
 #include "tests/mean_pixel.hpp"
 #include "tests/system/simulated_machine.hpp"
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <functional>
 
-#include "host/error.hpp"
-#include "host/session.hpp"
+#include "host/base/error.hpp"
+#include "host/session/session.hpp"
 #include "tests/system/error_of.hpp"
 #include "tests/system/simulated_machine.hpp"
 

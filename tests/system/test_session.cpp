@@ -3,8 +3,8 @@
 
 #include <stdexcept>
 
-#include "host/error.hpp"
-#include "host/session.hpp"
+#include "host/base/error.hpp"
+#include "host/session/session.hpp"
 #include "tests/system/error_of.hpp"
 #include "tests/system/simulated_machine.hpp"
 

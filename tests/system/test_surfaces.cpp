@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "host/commands.hpp"
-#include "host/error.hpp"
-#include "host/session.hpp"
+#include "host/base/error.hpp"
+#include "host/commands/commands.hpp"
+#include "host/session/session.hpp"
 #include "host/surface/certificate.hpp"
 #include "host/surface/isovalue_components.hpp"
 #include "tests/system/simulated_machine.hpp"

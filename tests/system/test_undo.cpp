@@ -5,9 +5,9 @@
 #include <fstream>
 #include <glm/glm.hpp>
 
-#include "host/commands.hpp"
-#include "host/error.hpp"
-#include "host/picture_text.hpp"
+#include "host/base/error.hpp"
+#include "host/commands/commands.hpp"
+#include "host/commands/picture_text.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/error.hpp"
-#include "host/serve/director.hpp"
+#include "host/base/error.hpp"
+#include "host/serve/director/director.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 namespace pxpl5::test {

@@ -13,6 +13,49 @@ MAY_INCLUDE = {
     "host": {"host", "isa", "ringbus"},
     "tests": {"tests", "host", "gp_firmware", "renderer_firmware", "isa", "ringbus"},
 }
+# The rooms of a folder, from the bottom up, and which of its other rooms each may include. "." is
+# the folder's own files. A room of a room has its own row: "host/inspect": {"record": ...}.
+ROOMS = {
+    "host": {
+        "base": set(),
+        "volume": {"base"},
+        "scene": {"base", "volume"},
+        "surface": {"base", "volume", "scene"},
+        "phigs": {"base", "scene"},
+        "phantom": {"base", "volume"},
+        "io": {"base", "volume", "scene", "phantom"},
+        "frame_buffer": {"base"},
+        "machine": {"base"},
+        "timing": {"base", "machine"},
+        "session": {"base", "volume", "scene", "surface", "phigs", "phantom", "machine", "timing"},
+        "inspect": {"base", "volume", "phantom", "frame_buffer", "machine", "timing", "session"},
+        "commands": {"base", "volume", "scene", "surface", "phigs", "phantom", "machine", "timing",
+                     "session", "inspect"},
+        "report": {"base", "phantom", "machine", "timing", "session", "inspect", "commands"},
+        "serve": {"base", "machine", "session", "inspect", "commands"},
+        ".": {"base", "phantom", "phigs", "machine", "inspect", "commands", "report", "serve"},
+    },
+    "host/io": {
+        "values": set(),
+        "formats": {"values"},
+        "dicom": {"values"},
+        "picture": set(),
+        "mesh": set(),
+        ".": {"values", "formats", "dicom", "picture", "mesh"},
+    },
+    "host/inspect": {
+        "record": set(),
+        "replay": {"record"},
+        "listing": {"record", "replay"},
+        "map": {"record", "replay"},
+        "step": {"record", "replay", "listing", "map"},
+        "diff": {"record", "replay"},
+        "why": {"record", "listing", "step"},
+        "model": {"record", "listing", "why"},
+        "tools": {"record", "replay", "listing", "map", "step", "diff", "why", "model"},
+    },
+    "host/serve": {"server": set(), "director": {"server"}, ".": {"server", "director"}},
+}
 GENERATED = re.compile(r"^(\w+_generated\.h|schema_hash\.hpp|\w+\.inc)$")  # By the build.
 FIRMWARE = {"gp_firmware", "renderer_firmware"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
@@ -37,8 +80,7 @@ def may_use_messages(path: pathlib.PurePath) -> bool:
     if parts[0] in {"ringbus", "tests"} or _is_node_or_main(path):
         return True
     return parts[0] == "host" and (
-        len(parts) == 2 or parts[1] in {"machine", "io", "frame_buffer", "session", "surface",
-                                     "inspect"})
+        parts[1] in {"volume", "machine", "io", "frame_buffer", "session", "surface", "inspect"})
 
 
 def _layer_error(path: pathlib.PurePath, included: str) -> str:
@@ -56,6 +98,26 @@ def _layer_error(path: pathlib.PurePath, included: str) -> str:
     return ""
 
 
+def _room_of(folder: str, name: str) -> str:
+    """The room of `folder` that the file `name` lies in, or '' if it lies elsewhere."""
+    if not name.startswith(folder + "/"):
+        return ""
+    inside = name[len(folder) + 1:].split("/")
+    return inside[0] if len(inside) > 1 else "."
+
+
+def _room_error(path: pathlib.PurePath, included: str) -> str:
+    """An include goes down, from room to room of ROOMS."""
+    for folder, rooms in ROOMS.items():
+        room = _room_of(folder, path.as_posix())
+        if room and room not in rooms:
+            return f"{folder}/{room} is not in ROOMS of check_includes.py"
+        target = _room_of(folder, included)
+        if room and target and target not in rooms[room] | {room}:
+            return f"{folder}/{room} may not include {folder}/{target}"
+    return ""
+
+
 def error_of(path: pathlib.PurePath, quote: str, included: str) -> str:
     """What is wrong with `path` including `included`, or ''."""
     owner, target = path.parts[0], included.split("/")[0]
@@ -68,15 +130,15 @@ def error_of(path: pathlib.PurePath, quote: str, included: str) -> str:
     is_link = path.as_posix().startswith(("ringbus/zmq_link.", "tests/ringbus/test_zmq_link"))
     if ZMQ.match(included) and not is_link:
         return "only ringbus/zmq_link.* includes ZeroMQ"
-    is_server = path.as_posix().startswith("host/serve/server") and path.suffix == ".cpp"
+    is_server = path.as_posix().startswith("host/serve/server/") and path.suffix == ".cpp"
     if SOCKETS.match(included) and not is_server:
-        return "only host/serve/server*.cpp includes libwebsockets"
+        return "only host/serve/server/*.cpp includes libwebsockets"
     if CODECS.match(included) and path.parts[:2] != ("host", "io") and \
             path.parts[:3] != ("tests", "host", "io"):
         return f"only host/io includes {included}"
     if MESSAGES.match(included) and not may_use_messages(path):
         return f"only ringbus, nodes and the host's machine side include {included}"
-    return _layer_error(path, included)
+    return _layer_error(path, included) or _room_error(path, included)
 
 
 def check(root: pathlib.Path) -> List[str]:

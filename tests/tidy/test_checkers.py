@@ -32,9 +32,13 @@ CLEAN = {
     "renderer_firmware/README.md": "renderer\n",
     "renderer_firmware/main.cpp": '#include "ringbus/process.hpp"\n',
     "host/README.md": "host\n",
-    "host/session.cpp": '#include "ringbus/message.hpp"\n',
+    "host/main.cpp": '#include "host/phantom/field.hpp"\n',
+    "host/base/README.md": "base\n",
+    "host/base/text.hpp": "int g();\n",
+    "host/session/README.md": "session\n",
+    "host/session/session.cpp": '#include "ringbus/message.hpp"\n',
     "host/inspect/README.md": "inspect\n",
-    "host/inspect/walk.cpp": '#include "renderer_firmware/igc/region.hpp"\n',
+    "host/inspect/record/walk.cpp": '#include "renderer_firmware/igc/region.hpp"\n',
     "host/io/README.md": "io\n",
     "host/io/import.cpp": "#include <itkImageIOBase.h>\n",
     "host/phantom/README.md": "phantom\n",
@@ -78,20 +82,29 @@ class Planted(unittest.TestCase):
                 ("isa/a.hpp", '"ringbus/link.hpp"', "isa may not include ringbus"),
                 ("ringbus/a.hpp", '"isa/program.hpp"', "ringbus may not include isa"),
                 ("gp_firmware/a.cpp", '"renderer_firmware/a.hpp"', "may not include renderer"),
-                ("host/a.cpp", '"gp_firmware/volume/slice.hpp"', "host may not include gp"),
-                ("host/a.cpp", '"session.hpp"', "not a path from the top"),
+                ("host/base/a.cpp", '"gp_firmware/volume/slice.hpp"', "host may not include gp"),
+                ("host/base/a.cpp", '"session.hpp"', "not a path from the top"),
                 ("host/machine/a.cpp", "<zmq.hpp>", "only ringbus/zmq_link.*"),
                 ("ringbus/node.cpp", "<zmq.h>", "only ringbus/zmq_link.*"),
-                ("host/serve/director.cpp", "<libwebsockets.h>", "only host/serve/server*.cpp"),
-                ("host/a.cpp", "<OpenImageIO/imageio.h>", "only host/io includes"),
+                ("host/serve/director/a.cpp", "<libwebsockets.h>", "only host/serve/server/*.cpp"),
+                ("host/base/a.cpp", "<OpenImageIO/imageio.h>", "only host/io includes"),
                 ("host/phantom/a.cpp", "<itkImage.h>", "only host/io includes"),
-                ("host/viewer/a.cpp", "<cairo.h>", "only host/io includes"),
+                ("host/scene/a.cpp", "<cairo.h>", "only host/io includes"),
                 ("host/surface/a.cpp", "<meshoptimizer.h>", "only host/io includes"),
                 ("host/surface/a.cpp", "<assimp/scene.h>", "only host/io includes"),
                 ("host/phantom/a.cpp", '"ringbus/message.hpp"', "only ringbus, nodes"),
                 ("gp_firmware/volume/a.cpp", '"message_generated.h"', "only ringbus, nodes"),
                 ("gp_firmware/volume/a.cpp", '"ringbus/link.hpp"', "a stage may not include"),
                 ("gp_firmware/volume/a.cpp", '"gp_firmware/node.hpp"', "a stage may not include"),
+                ("host/base/a.cpp", '"host/session/session.hpp"',
+                 "host/base may not include host/session"),
+                ("host/io/values/a.cpp", '"host/io/import.hpp"',
+                 "host/io/values may not include host/io/."),
+                ("host/inspect/record/a.cpp", '"host/inspect/why/why.hpp"',
+                 "host/inspect/record may not include host/inspect/why"),
+                ("host/phantom/a.cpp", '"host/io/import.hpp"',
+                 "host/phantom may not include host/io"),
+                ("host/attic/a.cpp", '"host/base/text.hpp"', "is not in ROOMS"),
                 ("gp_firmware/hal/a.cpp", '"gp_firmware/volume/slice.hpp"', "hal may not")):
             self.finds(check_includes, name, f"#include {included}\n", words)
 
@@ -120,7 +133,7 @@ class Planted(unittest.TestCase):
     def test_layout(self):
         self.finds(check_layout, "extra/a.cpp", "", "extra: the top level is fixed")
         self.finds(check_layout, "notes.txt", "", "notes.txt: the top level is fixed")
-        self.finds(check_layout, "host/viewer/page.cpp", "", "host/viewer: has no README.md")
+        self.finds(check_layout, "host/scene/page.cpp", "", "host/scene: has no README.md")
         for gone in ("isa/README.md", "host/io/README.md", "LICENSE"):
             (self.root / gone).unlink()
             errors = check_layout.check(self.root)

@@ -23,7 +23,7 @@ const unit = a => {
 const levelRight = azimuth => [Math.cos(azimuth), Math.sin(azimuth), 0];
 
 /**
- * The eye's axes, as host/viewer/camera.cpp makes them: azimuth 0 is in front of the patient, 90 at
+ * The eye's axes, as host/scene/camera.cpp makes them: azimuth 0 is in front of the patient, 90 at
  * the patient's left; roll turns the picture counter-clockwise.
  * @param {Angles} angles
  * @returns {Rotation}

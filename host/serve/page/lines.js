@@ -13,15 +13,19 @@ export function word(text) {
   return parts.map(part => part.startsWith('"') ? `'${part}'` : `"${part}"`).join('') || '""';
 }
 
-/** How many words say what is set, of each command that sets; host/command_tables.cpp has them. */
+/**
+ * How many words say what is set, of each command that sets.
+ * host/commands/command_tables.cpp has them.
+ */
 export const SUBJECT_WORDS = new Map([
   ['surface', 1], ['components', 1], ['view', 0], ['light', 1], ['material', 0], ['background', 0],
   ['clip', 1], ['tint', 0], ['antialias', 0], ['overlay', 0], ['size', 0],
 ]);
 
 /**
- * What a line sets, as the server sees it (subject_of() in host/commands.cpp): of two lines with
- * one subject, the later makes the earlier needless. '' if it is no setting.
+ * What a line sets, as the server sees it (subject_of() in host/commands/commands.cpp).
+ * If two lines have one subject, the later line replaces the earlier one. Returns '' if the
+ * line is no setting.
  * @param {string} line
  */
 export function subjectOf(line) {

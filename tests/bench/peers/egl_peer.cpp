@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "host/viewer/camera.hpp"
+#include "host/scene/camera.hpp"
 #include "tests/bench/peers/ply.hpp"
 
 using namespace pxpl5;

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/inspect/recorded_run.hpp"
-#include "host/session.hpp"
+#include "host/inspect/record/recorded_run.hpp"
+#include "host/session/session.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 namespace pxpl5::test {

@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "host/viewer/camera.hpp"
-#include "host/volume_transfer.hpp"
+#include "host/scene/camera.hpp"
+#include "host/session/volume_transfer.hpp"
 #include "ringbus/ranges.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 #include "tests/host/inspect/surface_truth.hpp"

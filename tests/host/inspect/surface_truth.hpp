@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "gp_firmware/surface/case_tables.hpp"
-#include "host/inspect/why_not.hpp"
-#include "host/volume.hpp"
+#include "host/inspect/why/why_not.hpp"
+#include "host/volume/volume.hpp"
 
 namespace pxpl5::test {
 

@@ -1,9 +1,9 @@
 // Recordings compared with one another: the first difference, and who is right.
-#include "host/inspect/diff.hpp"
+#include "host/inspect/diff/diff.hpp"
 
 #include <doctest/doctest.h>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
 #include "tests/host/inspect/wrong_executors.hpp"
 

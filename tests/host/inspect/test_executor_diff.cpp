@@ -1,5 +1,5 @@
 // Two executors that part at a known instruction, pixel and bit.
-#include "host/inspect/executor_diff.hpp"
+#include "host/inspect/diff/executor_diff.hpp"
 
 #include <doctest/doctest.h>
 

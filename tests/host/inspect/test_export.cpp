@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "host/inspect/program_files.hpp"
-#include "host/inspect/recorded_results.hpp"
-#include "host/inspect/selected_messages.hpp"
-#include "host/inspect/stream_files.hpp"
-#include "host/inspect/timeline.hpp"
+#include "host/inspect/listing/stream_files.hpp"
+#include "host/inspect/listing/timeline.hpp"
+#include "host/inspect/record/recorded_results.hpp"
+#include "host/inspect/record/selected_messages.hpp"
+#include "host/inspect/tools/program_files.hpp"
 #include "isa/assemble.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
@@ -30,7 +30,7 @@ struct Drawn {
 Drawn timeline_of(const RecordedRun& run, const SelectionText& selection,
                   std::uint64_t max_events) {
     const Folder folder;
-    TextOutput output(folder.at("t.json"));
+    host::TextOutput output(folder.at("t.json"));
     const TimelineCounts counts = put_timeline(run, parse_selection(selection), max_events, output);
     output.finish();
     return {Json::parse(content_of(folder.at("t.json"))), counts};

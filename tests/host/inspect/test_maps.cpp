@@ -6,10 +6,10 @@
 #include <random>
 #include <set>
 
-#include "host/error.hpp"
-#include "host/inspect/map_colours.hpp"
-#include "host/inspect/map_picture.hpp"
-#include "host/inspect/map_values.hpp"
+#include "host/base/error.hpp"
+#include "host/inspect/map/map_colours.hpp"
+#include "host/inspect/map/map_picture.hpp"
+#include "host/inspect/map/map_values.hpp"
 #include "isa/assemble.hpp"
 #include "isa/reference/reference.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"

@@ -1,12 +1,12 @@
 // Depths read back from a whole machine: picked points, clipped surfaces, transparent surfaces.
 #include <fmt/format.h>
 
-#include "host/error.hpp"
-#include "host/inspect/replay.hpp"
-#include "host/inspect/run_stats.hpp"
-#include "host/inspect/step_view.hpp"
+#include "host/base/error.hpp"
+#include "host/inspect/listing/run_stats.hpp"
+#include "host/inspect/replay/replay.hpp"
+#include "host/inspect/step/step_view.hpp"
 #include "host/phantom/phantom.hpp"
-#include "host/viewer/pick.hpp"
+#include "host/scene/pick.hpp"
 #include "isa/depth.hpp"
 #include "tests/host/inspect/ray_check.hpp"
 

@@ -2,8 +2,8 @@
 // PXPL5_PLANTED_BUG.
 #include <doctest/doctest.h>
 
-#include "host/inspect/replay.hpp"
-#include "host/inspect/shrink.hpp"
+#include "host/inspect/diff/shrink.hpp"
+#include "host/inspect/replay/replay.hpp"
 #include "isa/disassemble.hpp"
 #include "isa/triangle_shape.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"

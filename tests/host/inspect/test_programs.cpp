@@ -1,14 +1,14 @@
 #include <doctest/doctest.h>
 
-#include "host/error.hpp"
-#include "host/inspect/exec.hpp"
-#include "host/inspect/exec_fields.hpp"
-#include "host/inspect/executors.hpp"
-#include "host/inspect/picture_file.hpp"
-#include "host/inspect/program_files.hpp"
-#include "host/inspect/program_tools.hpp"
-#include "host/inspect/selection.hpp"
-#include "host/inspect/text_table.hpp"
+#include "host/base/error.hpp"
+#include "host/base/text_table.hpp"
+#include "host/inspect/map/picture_file.hpp"
+#include "host/inspect/record/selection.hpp"
+#include "host/inspect/replay/executors.hpp"
+#include "host/inspect/tools/exec.hpp"
+#include "host/inspect/tools/exec_fields.hpp"
+#include "host/inspect/tools/program_files.hpp"
+#include "host/inspect/tools/program_tools.hpp"
 #include "isa/assemble.hpp"
 #include "tests/host/inspect/tool_files.hpp"
 
@@ -27,7 +27,7 @@ struct Executed {
     std::string text;
 };
 Executed executed(const Folder& folder, const ExecOptions& options) {
-    TextOutput output(folder.at("exec.txt"));
+    host::TextOutput output(folder.at("exec.txt"));
     const int code = execute(options, output);
     return {code, content_of(folder.at("exec.txt"))};
 }
@@ -222,6 +222,6 @@ TEST_CASE("a PNG file states its size, and names the reason if it cannot be writ
 }
 
 TEST_CASE("a table's columns are as wide as what they hold") {
-    CHECK(text_table({"a", "bb"}, {{"ccc", "1"}, {"d", "222"}}) ==
+    CHECK(host::text_table({"a", "bb"}, {{"ccc", "1"}, {"d", "222"}}) ==
           "a     bb\nccc    1\nd    222\n");
 }

@@ -11,15 +11,15 @@
 #include <tuple>
 #include <utility>
 
-#include "host/error.hpp"
-#include "host/inspect/dump.hpp"
-#include "host/inspect/enabled_pixels.hpp"
-#include "host/inspect/find_run.hpp"
-#include "host/inspect/message_text.hpp"
-#include "host/inspect/region_listing.hpp"
-#include "host/inspect/run_stats.hpp"
-#include "host/inspect/run_table.hpp"
-#include "host/inspect/selected_messages.hpp"
+#include "host/base/error.hpp"
+#include "host/inspect/listing/dump.hpp"
+#include "host/inspect/listing/enabled_pixels.hpp"
+#include "host/inspect/listing/region_listing.hpp"
+#include "host/inspect/listing/run_stats.hpp"
+#include "host/inspect/record/find_run.hpp"
+#include "host/inspect/record/message_text.hpp"
+#include "host/inspect/record/run_table.hpp"
+#include "host/inspect/record/selected_messages.hpp"
 #include "isa/assemble.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
@@ -77,7 +77,7 @@ std::string listing_of(const RecordedRun& run, const Selection& selection,
                        ListedLines* lines) {
     const Folder folder;
     const RecordedFrame frame = run.frame(0);
-    TextOutput output(folder.at("listing"));
+    host::TextOutput output(folder.at("listing"));
     *lines = list_region(frame, frame.regions.at(0), {selection, pixel, max_lines}, output);
     output.finish();
     return content_of(folder.at("listing"));

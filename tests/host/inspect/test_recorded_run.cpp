@@ -2,8 +2,8 @@
 
 #include <cstring>
 
-#include "host/error.hpp"
-#include "host/inspect/region_walk.hpp"
+#include "host/base/error.hpp"
+#include "host/inspect/record/region_walk.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "host/error.hpp"
-#include "host/inspect/recorded_work.hpp"
-#include "host/inspect/run_stats.hpp"
+#include "host/base/error.hpp"
+#include "host/inspect/listing/run_stats.hpp"
+#include "host/inspect/model/recorded_work.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/timing/runs.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"

@@ -1,10 +1,10 @@
 // Replaying recorded frames: every pixel, count and digest again, and what differs by name.
-#include "host/inspect/replay.hpp"
+#include "host/inspect/replay/replay.hpp"
 
 #include <doctest/doctest.h>
 
-#include "host/inspect/region_stepper.hpp"
-#include "host/picture_text.hpp"
+#include "host/commands/picture_text.hpp"
+#include "host/inspect/step/region_stepper.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
 

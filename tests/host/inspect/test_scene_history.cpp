@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "host/error.hpp"
-#include "host/inspect/pixel_history.hpp"
-#include "host/inspect/why.hpp"
+#include "host/base/error.hpp"
+#include "host/inspect/why/pixel_history.hpp"
+#include "host/inspect/why/why.hpp"
 #include "isa/region_layout.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"

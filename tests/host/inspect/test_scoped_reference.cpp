@@ -1,7 +1,7 @@
 // The quick reference against the plain one, and its boxes against every pixel.
 #include <doctest/doctest.h>
 
-#include "host/inspect/scoped_reference.hpp"
+#include "host/inspect/replay/scoped_reference.hpp"
 #include "isa/sequencer.hpp"
 #include "tests/renderer_firmware/triangles.hpp"
 

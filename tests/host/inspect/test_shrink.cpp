@@ -1,9 +1,9 @@
 // Programs reduced to what shows a mistake, and written as files that can be read again.
-#include "host/inspect/shrink.hpp"
+#include "host/inspect/diff/shrink.hpp"
 
 #include <doctest/doctest.h>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "isa/assemble.hpp"
 #include "isa/conformance_run.hpp"
 #include "isa/disassemble.hpp"

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <sstream>
 
-#include "host/error.hpp"
-#include "host/inspect/step_program.hpp"
-#include "host/inspect/step_view.hpp"
+#include "host/base/error.hpp"
+#include "host/inspect/step/step_program.hpp"
+#include "host/inspect/step/step_view.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
 
 using namespace pxpl5;

@@ -4,8 +4,8 @@
 #include <map>
 #include <random>
 
-#include "host/error.hpp"
-#include "host/inspect/stepper.hpp"
+#include "host/base/error.hpp"
+#include "host/inspect/step/stepper.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 #include "tests/isa/random_program.hpp"
 

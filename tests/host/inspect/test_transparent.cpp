@@ -3,11 +3,11 @@
 
 #include <set>
 
-#include "host/inspect/replay.hpp"
-#include "host/inspect/run_stats.hpp"
-#include "host/inspect/scoped_reference.hpp"
-#include "host/inspect/step_view.hpp"
-#include "host/inspect/why_not.hpp"
+#include "host/inspect/listing/run_stats.hpp"
+#include "host/inspect/replay/replay.hpp"
+#include "host/inspect/replay/scoped_reference.hpp"
+#include "host/inspect/step/step_view.hpp"
+#include "host/inspect/why/why_not.hpp"
 #include "host/phantom/phantom.hpp"
 #include "isa/triangle_shape.hpp"
 #include "tests/host/inspect/recorded_surface.hpp"

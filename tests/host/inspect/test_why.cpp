@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "host/error.hpp"
-#include "host/inspect/region_stepper.hpp"
+#include "host/base/error.hpp"
+#include "host/inspect/step/region_stepper.hpp"
 #include "host/phantom/phantom.hpp"
 #include "isa/disassemble.hpp"
 #include "tests/host/inspect/ray_check.hpp"

@@ -1,7 +1,7 @@
 // `why` and `why-not` in sets of slabs, on unevenly spaced slices, and behind a mask.
 #include <doctest/doctest.h>
 
-#include "host/inspect/why_not.hpp"
+#include "host/inspect/why/why_not.hpp"
 #include "host/phantom/phantom.hpp"
 #include "tests/host/inspect/ray_check.hpp"
 

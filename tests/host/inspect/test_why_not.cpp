@@ -4,7 +4,7 @@
 #include <map>
 #include <random>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/phantom/phantom.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
 #include "tests/host/inspect/recorded_surface.hpp"

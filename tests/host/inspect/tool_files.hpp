@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/inspect/selection.hpp"
+#include "host/inspect/record/selection.hpp"
 
 namespace pxpl5::test {
 

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "host/inspect/executor_diff.hpp"
-#include "host/inspect/scoped_reference.hpp"
+#include "host/inspect/diff/executor_diff.hpp"
+#include "host/inspect/replay/scoped_reference.hpp"
 #include "isa/triangle_shape.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 

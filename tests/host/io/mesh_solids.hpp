@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/mesh_export.hpp"
+#include "host/io/mesh/mesh_export.hpp"
 
 namespace pxpl5::test {
 

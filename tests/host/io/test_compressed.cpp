@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host/io/byte_source.hpp"
+#include "host/io/formats/byte_source.hpp"
 #include "host/io/import.hpp"
 #include "tests/host/io/volume_files.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <map>
 
-#include "host/io/dicom_series.hpp"
+#include "host/io/dicom/dicom_series.hpp"
 #include "host/io/import.hpp"
 
 using namespace pxpl5::host;

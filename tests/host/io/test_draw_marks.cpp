@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "host/io/draw_marks.hpp"
+#include "host/io/picture/draw_marks.hpp"
 
 using namespace pxpl5::host;
 using namespace pxpl5::host::io;

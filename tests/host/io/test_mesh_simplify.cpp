@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "host/io/mesh_simplify.hpp"
+#include "host/io/mesh/mesh_simplify.hpp"
 #include "tests/host/io/mesh_solids.hpp"
 #include "tests/host/io/volume_files.hpp"
 

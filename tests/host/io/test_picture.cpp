@@ -9,7 +9,7 @@
 
 #include <sys/resource.h>
 
-#include "host/io/picture.hpp"
+#include "host/io/picture/picture.hpp"
 #include "tests/host/io/volume_files.hpp"
 
 using namespace pxpl5::host::io;

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "host/io/formats/picture_stack.hpp"
 #include "host/io/import.hpp"
-#include "host/io/picture_stack.hpp"
 #include "tests/host/io/volume_files.hpp"
 
 using namespace pxpl5::host;

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <numeric>
 
-#include "host/io/processing.hpp"
+#include "host/io/values/processing.hpp"
 
 using namespace pxpl5::host;
 using namespace pxpl5::host::io;

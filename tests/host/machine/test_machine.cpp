@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/machine/launcher.hpp"
 #include "host/machine/machine.hpp"
 #include "ringbus/process.hpp"

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/machine/timing_section.hpp"
 #include "host/machine/topology.hpp"
 

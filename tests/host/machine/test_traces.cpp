@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/machine/machine.hpp"
 #include "isa/table_hash.hpp"
 #include "ringbus/process.hpp"

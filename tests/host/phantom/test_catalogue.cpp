@@ -4,7 +4,7 @@
 #include <set>
 #include <sstream>
 
-#include "host/digest.hpp"
+#include "host/base/digest.hpp"
 #include "tests/golden.hpp"
 #include "tests/host/phantom/phantom_probe.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/phigs/content.hpp"
 
 namespace pxpl5::test {

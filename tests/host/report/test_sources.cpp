@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/report/sources.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
 

@@ -12,8 +12,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "host/error.hpp"
-#include "host/serve/server.hpp"
+#include "host/base/error.hpp"
+#include "host/serve/server/server.hpp"
 
 namespace {
 

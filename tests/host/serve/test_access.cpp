@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "host/serve/server_access.hpp"
+#include "host/serve/server/server_access.hpp"
 
 namespace pxpl5::host::serve {
 namespace {

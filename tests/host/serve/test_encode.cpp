@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "host/serve/encode.hpp"
+#include "host/serve/server/encode.hpp"
 
 namespace pxpl5::host::serve {
 namespace {

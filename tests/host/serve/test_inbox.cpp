@@ -3,10 +3,10 @@
 
 #include <functional>
 
-#include "host/error.hpp"
-#include "host/serve/inbox.hpp"
-#include "host/serve/pace.hpp"
-#include "host/serve/viewer_message.hpp"
+#include "host/base/error.hpp"
+#include "host/serve/director/inbox.hpp"
+#include "host/serve/director/pace.hpp"
+#include "host/serve/director/viewer_message.hpp"
 
 using namespace pxpl5::host;
 using namespace pxpl5::host::serve;

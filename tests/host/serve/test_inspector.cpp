@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "host/error.hpp"
-#include "host/serve/inspector.hpp"
+#include "host/base/error.hpp"
+#include "host/serve/director/inspector.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;

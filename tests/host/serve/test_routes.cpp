@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
-#include "host/error.hpp"
-#include "host/serve/routes.hpp"
+#include "host/base/error.hpp"
+#include "host/serve/server/routes.hpp"
 #include "tests/host/serve/scratch_folder.hpp"
 
 namespace pxpl5::host::serve {

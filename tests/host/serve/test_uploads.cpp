@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "host/serve/server_uploads.hpp"
+#include "host/serve/server/server_uploads.hpp"
 #include "tests/host/serve/scratch_folder.hpp"
 
 namespace pxpl5::host::serve {

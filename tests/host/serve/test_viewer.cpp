@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 #include <poll.h>
 
-#include "host/serve/server_mail.hpp"
-#include "host/serve/server_viewer.hpp"
+#include "host/serve/server/server_mail.hpp"
+#include "host/serve/server/server_viewer.hpp"
 
 namespace pxpl5::host::serve {
 namespace {

@@ -1,9 +1,9 @@
 // What a session remembers: lines of its script, and steps to take back.
 #include <doctest/doctest.h>
 
-#include "host/commands.hpp"
-#include "host/error.hpp"
-#include "host/history.hpp"
+#include "host/base/error.hpp"
+#include "host/commands/commands.hpp"
+#include "host/session/history.hpp"
 
 using namespace pxpl5::host;
 

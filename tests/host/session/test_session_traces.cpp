@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "host/error.hpp"
-#include "host/session.hpp"
+#include "host/base/error.hpp"
+#include "host/session/session.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 
 using namespace pxpl5;

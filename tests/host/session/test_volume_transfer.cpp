@@ -6,8 +6,8 @@
 #include <set>
 
 #include "gp_firmware/volume/share.hpp"
-#include "host/error.hpp"
-#include "host/volume_transfer.hpp"
+#include "host/base/error.hpp"
+#include "host/session/volume_transfer.hpp"
 #include "ringbus/message.hpp"
 
 using namespace pxpl5::host;

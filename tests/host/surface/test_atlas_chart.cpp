@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/surface/atlas_chart.hpp"
 
 using namespace pxpl5::host;

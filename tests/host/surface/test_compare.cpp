@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/surface/compare.hpp"
 #include "tests/host/surface/surface_support.hpp"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/surface/components.hpp"
 #include "host/surface/mesh_mask.hpp"
 #include "tests/host/surface/surface_support.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/surface/components.hpp"
 #include "host/surface/isovalue_components.hpp"
 #include "tests/host/surface/surface_support.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "tests/host/surface/surface_support.hpp"
 
 using namespace pxpl5;

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/timing/fit.hpp"
 #include "tests/host/timing/cases.hpp"
 

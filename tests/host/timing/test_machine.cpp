@@ -3,7 +3,7 @@
 #include <set>
 #include <string>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/timing/machine.hpp"
 
 namespace pxpl5::host::timing {

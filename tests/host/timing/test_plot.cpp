@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/timing/plot.hpp"
 #include "tests/host/timing/xml.hpp"
 

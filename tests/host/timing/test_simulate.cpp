@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/timing/simulate.hpp"
 #include "tests/host/timing/machines.hpp"
 

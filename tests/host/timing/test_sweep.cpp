@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/error.hpp"
+#include "host/base/error.hpp"
 #include "host/timing/sweep.hpp"
 #include "tests/host/timing/machines.hpp"
 

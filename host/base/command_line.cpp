@@ -1,0 +1,214 @@
+#include "host/base/command_line.hpp"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "host/base/error.hpp"
+#include "host/base/nearest.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+/// A word and the place of its first '=' outside quotes.
+struct Word {
+    std::string text;
+    std::size_t equals = std::string::npos;
+};
+
+/// Reads one word at `at`, which is not a blank, and moves `at` behind it.
+Word read_word(std::string_view line, std::size_t& at) {
+    Word word;
+    char quote = 0;
+    for (; at < line.size() && (quote != 0 || (line[at] != ' ' && line[at] != '\t')); ++at) {
+        const char c = line[at];
+        if (c == quote) {
+            quote = 0;
+        } else if (quote == 0 && (c == '"' || c == '\'')) {
+            quote = c;
+        } else {
+            if (quote == 0 && c == '=' && word.equals == std::string::npos) {
+                word.equals = word.text.size();
+            }
+            word.text += c;
+        }
+    }
+    if (quote != 0) {
+        refuse_command(fmt::format("the quote {} is not closed in: {}", quote, line));
+    }
+    return word;
+}
+
+/// As it is where that is safe, else in quotes; a quote itself goes into the other kind.
+std::string quoted(const std::string& word) {
+    if (!word.empty() && word.find_first_of(" \t\r\n;#'\"=") == std::string::npos) {
+        return word;
+    }
+    std::string text = "'";
+    for (const char c : word) {
+        text += c == '\'' ? "'\"'\"'" : std::string(1, c);
+    }
+    return text + "'";
+}
+
+struct NamedColour {
+    std::string_view name;
+    Colour colour;
+};
+constexpr std::array named_colours = {
+    NamedColour{"white", {255, 255, 255}}, NamedColour{"grey", {160, 160, 160}},
+    NamedColour{"red", {214, 72, 62}},     NamedColour{"green", {96, 176, 96}},
+    NamedColour{"blue", {86, 130, 210}},   NamedColour{"yellow", {226, 200, 90}},
+    NamedColour{"bone", {236, 226, 200}},  NamedColour{"skin", {224, 172, 140}},
+    NamedColour{"muscle", {186, 88, 80}},  NamedColour{"brain", {222, 182, 178}},
+};
+
+std::optional<Colour> hex_colour(std::string_view text) {
+    std::uint32_t value = 0;
+    if (text.size() != 7 || text[0] != '#' ||
+        std::from_chars(text.data() + 1, text.data() + 7, value, 16).ptr != text.data() + 7) {
+        return std::nullopt;
+    }
+    const auto byte = [value](unsigned shift) {
+        return static_cast<std::uint8_t>((value >> shift) & 255U);
+    };
+    return Colour{byte(16), byte(8), byte(0)};
+}
+
+}  // namespace
+
+void refuse_command(const std::string& text) {
+    throw RequestError(ExitCode::usage, text);
+}
+
+std::string Arguments::text(std::string_view key, std::string_view otherwise) const {
+    const auto found = options.find(std::string(key));
+    return found == options.end() ? std::string(otherwise) : found->second;
+}
+
+double Arguments::number(std::string_view key, double otherwise, double low, double high) const {
+    return has(key) ? parse_number(key, text(key, ""), low, high) : otherwise;
+}
+
+Arguments parse_line(std::string_view line) {
+    while (line.ends_with('\r')) {
+        line.remove_suffix(1);  // Of a script with the line ends of Windows.
+    }
+    Arguments arguments;
+    for (std::size_t at = 0; at < line.size();) {
+        if (line[at] == ' ' || line[at] == '\t' || line[at] == '\r') {
+            ++at;
+            continue;
+        }
+        // "#ff8000" is a colour, "# words" a comment.
+        if (line[at] == '#' && (at + 1 == line.size() || line[at + 1] == ' ')) {
+            break;
+        }
+        const Word word = read_word(line, at);
+        if (arguments.name.empty()) {
+            arguments.name = word.text;
+        } else if (word.equals == std::string::npos || word.equals == 0) {
+            arguments.words.push_back(word.text);
+        } else if (!arguments.options
+                        .emplace(word.text.substr(0, word.equals),
+                                 word.text.substr(word.equals + 1))
+                        .second) {
+            refuse_command(fmt::format("'{}' is given twice", word.text.substr(0, word.equals)));
+        }
+    }
+    return arguments;
+}
+
+std::string to_line(const Arguments& arguments) {
+    std::string line = arguments.name;
+    for (const std::string& word : arguments.words) {
+        line += " " + quoted(word);
+    }
+    for (const auto& [key, value] : arguments.options) {
+        line += " " + key + "=" + quoted(value);
+    }
+    return line;
+}
+
+double parse_number(std::string_view what, std::string_view text, double low, double high) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
+        refuse_command(fmt::format("{}: '{}' is not a number", what, text));
+    }
+    if (value < low || value > high) {
+        refuse_command(fmt::format("{}: {} is outside {} .. {}", what, text, low, high));
+    }
+    return value;
+}
+
+int parse_whole(std::string_view what, std::string_view text, int low, int high) {
+    const double value = parse_number(what, text, low, high);
+    if (value != std::floor(value)) {
+        refuse_command(fmt::format("{}: '{}' is not a whole number", what, text));
+    }
+    return static_cast<int>(value);
+}
+
+glm::dvec3 parse_triple(std::string_view what, std::string_view text, double low, double high) {
+    const char separator = text.find(',') != std::string_view::npos ? ',' : 'x';
+    const std::size_t first = text.find(separator), second = text.rfind(separator);
+    if (first == second) {
+        refuse_command(fmt::format("{}: '{}' is not three numbers, as 1,2,3", what, text));
+    }
+    return {parse_number(what, text.substr(0, first), low, high),
+            parse_number(what, text.substr(first + 1, second - first - 1), low, high),
+            parse_number(what, text.substr(second + 1), low, high)};
+}
+
+std::pair<int, int> parse_pair(std::string_view what, std::string_view text) {
+    const std::size_t comma = text.find(',');
+    if (comma == std::string_view::npos) {
+        refuse_command(fmt::format("{}: '{}' is not two numbers, as 120,80", what, text));
+    }
+    constexpr int most = 1 << 20;
+    return {parse_whole(what, text.substr(0, comma), 0, most),
+            parse_whole(what, text.substr(comma + 1), 0, most)};
+}
+
+Size parse_size(std::string_view text, int low, int high) {
+    const std::size_t x = text.find('x');
+    if (x == std::string_view::npos) {
+        refuse_command(fmt::format("size: '{}' is not of the form WIDTHxHEIGHT", text));
+    }
+    const double width = parse_number("width", text.substr(0, x), low, high);
+    const double height = parse_number("height", text.substr(x + 1), low, high);
+    if (width != std::floor(width) || height != std::floor(height)) {
+        refuse_command(fmt::format("size: '{}' is not in whole pixels", text));
+    }
+    return {static_cast<int>(width), static_cast<int>(height)};
+}
+
+Colour parse_colour(std::string_view text) {
+    if (const auto colour = hex_colour(text)) {
+        return *colour;
+    }
+    std::vector<std::string_view> names;
+    for (const NamedColour& named : named_colours) {
+        if (named.name == text) {
+            return named.colour;
+        }
+        names.push_back(named.name);
+    }
+    const std::size_t first = text.find(','), second = text.rfind(',');
+    if (first == second) {
+        refuse_command(fmt::format("colour: '{}' is not #rrggbb, r,g,b or a name{}", text,
+                                   did_you_mean(text, names)));
+    }
+    const auto part = [](std::string_view number) {
+        return static_cast<std::uint8_t>(parse_number("colour", number, 0, 255));
+    };
+    return {part(text.substr(0, first)), part(text.substr(first + 1, second - first - 1)),
+            part(text.substr(second + 1))};
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,63 @@
+// A file that appears whole or not at all: written beside its place, then renamed.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace pxpl5::host {
+
+/// The path's suffix in small letters, with its dot.
+std::string suffix_of(const std::filesystem::path& path);
+
+/// The folder in which `path` is to be written, if it is not there: "FILE: its folder FOLDER does
+/// not exist". Otherwise empty.
+std::string missing_folder(const std::filesystem::path& path);
+
+/// A file until it is whole: written as `.NAME.PID.part.SUFFIX` beside its place, because renaming
+/// within a folder is atomic. Removed with this object unless it was kept.
+class PartFile {
+  public:
+    explicit PartFile(std::filesystem::path target);
+    ~PartFile();
+    PartFile(const PartFile&) = delete;
+    PartFile& operator=(const PartFile&) = delete;
+
+    /// For a library that writes the file itself.
+    const std::filesystem::path& path() const { return part_; }
+
+    /// Appends. After a failure what follows is dropped, and keep() tells the reason.
+    void write(std::string_view bytes);
+
+    /// Appends numbers as they lie in memory, little endian.
+    template <typename T>
+    void write_raw(std::span<const T> values) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        static_assert(std::endian::native == std::endian::little);
+        write({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+    }
+
+    /// Whether something could not be written, so that going on is in vain.
+    bool has_failed() const { return failure_ != 0; }
+
+    /// What the system says if the disk has no room for a file of `bytes`; empty if it has, or
+    /// cannot tell. Takes the room: for use after a failure, when the part is thrown away.
+    std::string lack_of_room(std::uint64_t bytes) const;
+
+    /// Gives the file its name. Returns why that failed, as "No space left on device", or nothing.
+    std::string keep();
+
+  private:
+    void note_failure();
+
+    std::filesystem::path target_, part_;
+    std::FILE* file_ = nullptr;
+    int failure_ = 0;  ///< The first errno; 0 if all went well.
+};
+
+}  // namespace pxpl5::host

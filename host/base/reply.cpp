@@ -1,0 +1,104 @@
+#include "host/base/reply.hpp"
+
+#include <fmt/format.h>
+
+#include <cassert>
+#include <nlohmann/json.hpp>
+#include <type_traits>
+
+namespace pxpl5::host {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Fields& fields);
+
+struct ToJson {
+    Json operator()(const Fields& fields) const { return to_json(fields); }
+    Json operator()(const std::vector<Fields>& list) const {
+        Json array = Json::array();
+        for (const Fields& fields : list) {
+            array.push_back(to_json(fields));
+        }
+        return array;
+    }
+    template <typename T>
+    Json operator()(const T& value) const {
+        return Json(value);
+    }
+};
+
+Json to_json(const Fields& fields) {
+    Json object = Json::object();
+    for (const Field& field : fields) {
+        object[field.name] = std::visit(ToJson{}, field.value);
+    }
+    return object;
+}
+
+/// A cell of a CSV table.
+struct ToCell {
+    std::string operator()(std::nullptr_t) const { return ""; }
+    std::string operator()(bool value) const { return value ? "true" : "false"; }
+    std::string operator()(const std::string& value) const {
+        std::string quoted = "\"";
+        for (const char c : value) {
+            quoted += c == '"' ? "\"\"" : std::string(1, c);
+        }
+        return quoted + "\"";
+    }
+    template <typename T>
+    std::string operator()(const T& value) const {
+        if constexpr (std::is_arithmetic_v<T>) {
+            return fmt::format("{}", value);
+        }
+        assert(false);
+        return "";
+    }
+};
+
+/// One line whatever the bytes: names of files need not be UTF-8.
+std::string dump(const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string json_text(const Fields& fields) {
+    return dump(to_json(fields));
+}
+
+std::string csv_heading(const Fields& fields) {
+    std::string line;
+    for (const Field& field : fields) {
+        line += (line.empty() ? "" : ",") + field.name;
+    }
+    return line + "\n";
+}
+
+std::string csv_line(const Fields& fields) {
+    std::string line;
+    for (const Field& field : fields) {
+        line += (&field == fields.data() ? "" : ",") + std::visit(ToCell{}, field.value);
+    }
+    return line + "\n";
+}
+
+std::string json_line(const std::string& command, const Reply& reply, double elapsed_ms) {
+    Json line{{"command", command}, {"ok", true}};
+    line["result"] = to_json(reply.fields);
+    line["ms"] = elapsed_ms;
+    return dump(line);
+}
+
+std::string json_error_line(const std::string& command, const std::string& error, int exit_code,
+                            double elapsed_ms) {
+    return dump(Json{{"command", command},
+                     {"ok", false},
+                     {"error", error},
+                     {"exit_code", exit_code},
+                     {"ms", elapsed_ms}});
+}
+
+}  // namespace pxpl5::host

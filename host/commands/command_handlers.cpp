@@ -1,0 +1,88 @@
+#include "host/commands/command_handlers.hpp"
+
+#include <fmt/core.h>
+
+#include "host/base/error.hpp"
+#include "host/commands/commands.hpp"
+#include "host/commands/picture_text.hpp"
+
+namespace pxpl5::host {
+
+Reply run_stats(Session& session, const Arguments&) {
+    Reply reply;
+    std::vector<Fields> list;
+    for (const Surface& surface : session.scene.surfaces) {
+        const SurfaceReport& report = session.report_of(surface.name);
+        reply.text +=
+            surface_text(surface, report) +
+            fmt::format("\n  {} cells crossed, {} of them ambiguous; {} cell rows skipped\n",
+                        report.cells_active, report.cells_ambiguous, report.rows_skipped);
+        list.push_back(surface_fields(surface, report));
+    }
+    if (const phigs::Content* archive = session.archive()) {
+        reply.text += fmt::format("{}: {} triangles, {} spheres, {} lines\n", archive->file,
+                                  archive->triangles, archive->spheres, archive->lines);
+    }
+    const FrameReport& frame = session.last_frame();
+    reply.text += fmt::format("machine: GPs {}, Renderers {}\n", session.gp_count(),
+                              session.renderer_count());
+    reply.text +=
+        fmt::format("last frame: {:.1f} ms, {} instructions, {} Renderer cycles (modelled)",
+                    frame.elapsed_ms, frame.instructions, frame.renderer_cycles);
+    reply.fields = {{"surfaces", list},
+                    {"gps", static_cast<std::int64_t>(session.gp_count())},
+                    {"renderers", static_cast<std::int64_t>(session.renderer_count())},
+                    {"frame", Fields{{"elapsed_ms", frame.elapsed_ms},
+                                     {"instructions", frame.instructions},
+                                     {"renderer_cycles", frame.renderer_cycles}}}};
+    return reply;
+}
+
+Reply run_digest(Session& session, const Arguments&) {
+    const std::string frame = fmt::format("{:016x}", picture_digest(session.draw()));
+    Reply reply{"frame " + frame, {{"frame", frame}}};
+    Fields meshes;
+    for (const Surface& surface : session.scene.surfaces) {
+        const std::string mesh = fmt::format("{:016x}", session.mesh_digest(surface.name));
+        reply.text += fmt::format("\nmesh {} {}", surface.name, mesh);
+        meshes.push_back({surface.name, mesh});
+    }
+    reply.fields.push_back({"meshes", meshes});
+    return reply;
+}
+
+Reply run_trace(Session& session, const Arguments& arguments) {
+    if (arguments.words[0] != "save") {
+        refuse_command(fmt::format("trace knows no '{}'; usage: trace save", arguments.words[0]));
+    }
+    const SavedTraces saved = session.save_traces();
+    return {fmt::format("{} messages of {} nodes, {:.1f} MB, in {}", saved.messages, saved.nodes,
+                        static_cast<double>(saved.bytes) / 1e6, saved.folder),
+            {{"folder", saved.folder},
+             {"nodes", std::int64_t{saved.nodes}},
+             {"messages", static_cast<std::int64_t>(saved.messages)},
+             {"bytes", static_cast<std::int64_t>(saved.bytes)}}};
+}
+
+Reply run_help(Session&, const Arguments& arguments) {
+    Reply reply;
+    std::vector<Fields> list;
+    for (const Command& command : command_table()) {
+        if (!arguments.words.empty() && find_command(arguments.words[0]).name != command.name) {
+            continue;
+        }
+        reply.text += fmt::format("{}{} {}\n    {}", reply.text.empty() ? "" : "\n", command.name,
+                                  command.arguments, command.help);
+        list.push_back({{"name", std::string(command.name)},
+                        {"arguments", std::string(command.arguments)},
+                        {"help", std::string(command.help)}});
+    }
+    reply.fields = {{"commands", list}};
+    return reply;
+}
+
+Reply run_quit(Session&, const Arguments&) {
+    return {"", {}};
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,143 @@
+// Commands about what was done: undo, redo, mark, history, play.
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <sstream>
+
+#include "host/base/error.hpp"
+#include "host/commands/command_handlers.hpp"
+#include "host/commands/commands.hpp"
+#include "host/session/restore.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr std::uintmax_t max_script_bytes = std::uintmax_t{16} << 20;
+constexpr int max_play_depth = 8;  ///< Of scripts that play scripts.
+
+/// Puts back a scene of the history, which `note` then tells of the one that was left.
+Reply go_to(Session& session, const Scene& scene, const char* done,
+            const std::optional<std::string>& line, void (History::*note)(const Scene&)) {
+    const Scene before = session.scene;
+    restore(session, scene);
+    (session.history.*note)(before);
+    return {fmt::format("{}: {}", done, line.value_or("")), {{"line", line.value_or("")}}};
+}
+
+/// Written aside first, so that a script is never half there.
+void write_script(const std::string& path, const std::string& text) {
+    const std::string aside = path + ".part";
+    std::ofstream file(aside, std::ios::binary | std::ios::trunc);
+    file << text;
+    file.close();
+    std::error_code error;
+    if (file) {
+        std::filesystem::rename(aside, path, error);
+    }
+    if (!file || error) {
+        std::filesystem::remove(aside, error);
+        throw RequestError(ExitCode::failed, fmt::format("history: '{}' cannot be written", path));
+    }
+}
+
+std::string read_script(const std::string& path) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) {
+        throw RequestError(ExitCode::usage, fmt::format("play: there is no file '{}'", path));
+    }
+    const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+    if (error || bytes > max_script_bytes) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("play: '{}' has {} bytes, at most {} are read", path, bytes,
+                                       max_script_bytes));
+    }
+    std::ifstream file(path, std::ios::binary);
+    std::string text{std::istreambuf_iterator<char>(file), {}};
+    if (!file) {
+        throw RequestError(ExitCode::usage, fmt::format("play: '{}' cannot be read", path));
+    }
+    return text;
+}
+
+/// Counts scripts that play each other, so that a circle of them ends.
+class PlayDepth {
+  public:
+    PlayDepth(int& depth, const std::string& path) : depth_(depth) {
+        if (depth_ == max_play_depth) {
+            throw RequestError(ExitCode::usage,
+                               fmt::format("play: '{}' is played by {} scripts within each other, "
+                                           "no more may",
+                                           path, max_play_depth));
+        }
+        ++depth_;
+    }
+    ~PlayDepth() { --depth_; }
+    PlayDepth(const PlayDepth&) = delete;
+    PlayDepth& operator=(const PlayDepth&) = delete;
+
+  private:
+    int& depth_;
+};
+
+}  // namespace
+
+Reply run_undo(Session& session, const Arguments&) {
+    History& history = session.history;
+    return go_to(session, history.before_last(), "undone", history.undo_line(), &History::undone);
+}
+
+Reply run_redo(Session& session, const Arguments&) {
+    History& history = session.history;
+    return go_to(session, history.after_next(), "done again", history.redo_line(),
+                 &History::redone);
+}
+
+Reply run_mark(Session& session, const Arguments&) {
+    session.history.mark();
+    return {};
+}
+
+Reply run_history(Session& session, const Arguments& arguments) {
+    const std::string script = session.history.script();
+    Reply reply{script.substr(0, script.find_last_not_of('\n') + 1), {{"script", script}}};
+    if (!arguments.words.empty()) {
+        const std::string& path = arguments.words[0];
+        write_script(path, script);
+        reply = {fmt::format("wrote {}", path), {{"script", script}, {"file", path}}};
+    }
+    return reply;
+}
+
+Reply run_play(Session& session, const Arguments& arguments) {
+    const std::string& path = arguments.words[0];
+    const PlayDepth depth(session.play_depth, path);
+    std::istringstream script(read_script(path));
+    std::int64_t done = 0;
+    int number = 1;
+    for (std::string line; std::getline(script, line); ++number) {
+        try {
+            const Arguments command = parse_line(line);
+            if (command.name.empty()) {
+                continue;
+            }
+            if (is_quit(command)) {
+                break;
+            }
+            run_command(session, command);
+            ++done;
+        } catch (const Cancelled&) {
+            throw;
+        } catch (const RequestError& error) {
+            throw RequestError(
+                error.code, fmt::format("{}, line {}, '{}': {}", path, number, line, error.what()));
+        }
+    }
+    return {fmt::format("played {} commands of {}", done, path),
+            {{"file", path}, {"commands", done}}};
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,21 @@
+// Commands that look at the machine's inside, or break it.
+#include <fmt/format.h>
+
+#include "host/commands/command_handlers.hpp"
+#include "host/session/activity_text.hpp"
+
+namespace pxpl5::host {
+
+Reply run_activity(Session& session, const Arguments&) {
+    const ActivityReport report = session.activity(AwaitAnswers::all);
+    return {activity_text(report), activity_fields(report, session.last_frame())};
+}
+
+Reply run_kill(Session& session, const Arguments& arguments) {
+    const std::string& name = arguments.words[0];
+    session.kill_node(name);
+    return {fmt::format("{} is killed: the machine ends with whatever comes next", name),
+            {{"node", name}}};
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,164 @@
+// Commands about surfaces as meshes: certificates, components, comparison, export.
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "host/base/error.hpp"
+#include "host/commands/command_handlers.hpp"
+#include "host/commands/picture_text.hpp"
+#include "host/surface/certificate.hpp"
+#include "host/surface/compare.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr std::size_t listed_components = 10;
+
+/// What the options say; nothing if there are none.
+std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& arguments) {
+    using Kind = ComponentFilter::Kind;
+    if (arguments.options.size() > 1) {
+        refuse_command("components: give one of show=, min_mm2=, min_ml=, at=");
+    }
+    if (arguments.has("min_mm2")) {
+        return ComponentFilter{Kind::at_least_mm2, arguments.number("min_mm2", 0, 0, 1e12), {}};
+    }
+    if (arguments.has("min_ml")) {
+        return ComponentFilter{Kind::at_least_ml, arguments.number("min_ml", 0, 0, 1e9), {}};
+    }
+    if (arguments.has("at")) {
+        const auto [x, y] = parse_pair("at", arguments.text("at", ""));
+        const auto picked = session.pick(x, y);
+        if (!picked || picked->surface != arguments.words[0]) {
+            refuse_command(fmt::format("at={},{}: the picture shows {} there, not {}", x, y,
+                                       picked ? picked->surface : "the background",
+                                       arguments.words[0]));
+        }
+        return ComponentFilter{Kind::at_point, 0, picked->pick.p_mm};
+    }
+    const std::string show = arguments.text("show", "");
+    if (show == "all" || show == "largest") {
+        return ComponentFilter{show == "all" ? Kind::all : Kind::largest, 0, {}};
+    }
+    if (!show.empty()) {
+        refuse_command(fmt::format("show: '{}' is neither all nor largest", show));
+    }
+    return std::nullopt;
+}
+
+Reply list_components(const MeshComponents& parts) {
+    Reply reply{fmt::format("{} components", parts.components.size()), {}};
+    std::vector<Fields> list;
+    for (std::size_t i = 0; i < std::min(listed_components, parts.components.size()); ++i) {
+        const MeshComponent& part = parts.components[i];
+        const std::string volume = part.volume_mm3
+                                       ? fmt::format("{:.3f} ml", *part.volume_mm3 / 1000)
+                                       : "no volume (holes)";
+        reply.text += fmt::format(
+            "\n{:>3}: {:>9} triangles, {:>10.2f} cm2, {}{}, centre ({:.1f}, {:.1f}, {:.1f}) mm",
+            i + 1, part.triangles, part.area_mm2 / 100, volume, part.closed ? "" : ", open",
+            part.centre_mm.x, part.centre_mm.y, part.centre_mm.z);
+        Fields fields = {{"triangles", static_cast<std::int64_t>(part.triangles)},
+                         {"area_mm2", part.area_mm2},
+                         {"closed", part.closed},
+                         {"centre_mm", std::vector<double>{part.centre_mm.x, part.centre_mm.y,
+                                                           part.centre_mm.z}}};
+        if (part.volume_mm3) {
+            fields.push_back({"volume_ml", *part.volume_mm3 / 1000});
+        }
+        list.push_back(std::move(fields));
+    }
+    if (parts.components.size() > listed_components) {
+        reply.text +=
+            fmt::format("\nand {} smaller ones", parts.components.size() - listed_components);
+    }
+    reply.fields = {{"components", static_cast<std::int64_t>(parts.components.size())},
+                    {"largest", list}};
+    return reply;
+}
+
+}  // namespace
+
+Reply run_components(Session& session, const Arguments& arguments) {
+    const std::string& name = arguments.words[0];
+    const std::optional<ComponentFilter> filter = wished_filter(session, arguments);
+    if (!filter) {
+        return list_components(find_components(session.mesh(name), session.grid()));
+    }
+    const auto [all, drawn] = session.set_components(name, *filter);
+    return {fmt::format("{}: {} of {} components are drawn", name, drawn, all),
+            {{"components", static_cast<std::int64_t>(all)},
+             {"drawn", static_cast<std::int64_t>(drawn)}}};
+}
+
+Reply run_certificate(Session& session, const Arguments& arguments) {
+    std::vector<std::string> names = arguments.words;
+    for (const Surface& surface : session.scene.surfaces) {
+        if (arguments.words.empty() && surface.compared_with.empty()) {
+            names.push_back(surface.name);
+        }
+    }
+    if (names.empty()) {
+        refuse_command("certificate: there is no surface yet");
+    }
+    Reply reply;
+    std::vector<Fields> list;
+    for (const std::string& name : names) {
+        const Reply one =
+            certificate_reply(certify(session.mesh(name, true), session.grid()), name);
+        reply.text += (reply.text.empty() ? "" : "\n") + one.text;
+        list.push_back(one.fields);
+        if (session.surface(name)->components.kind != ComponentFilter::Kind::all) {
+            reply.text += "\n  of the whole surface; not all of its components are drawn";
+        }
+    }
+    reply.fields = {{"certificates", list}};
+    return reply;
+}
+
+Reply run_compare(Session& session, const Arguments& arguments) {
+    const std::string& name = arguments.words[0];
+    session.report_of(name);  // Throws if there is no such surface.
+    if (arguments.words.size() > 1) {
+        if (arguments.words[1] != "off") {
+            refuse_command(fmt::format("compare: '{}' is not off", arguments.words[1]));
+        }
+        if (!session.end_comparison(name)) {
+            refuse_command(fmt::format("compare: {} is not compared", name));
+        }
+        return {name + " is drawn again", {{"name", name}}};
+    }
+    const MeshComparison comparison = session.compare(name);
+    Reply reply = comparison_reply(comparison, name + ":watertight", name + ":lorensen1987");
+    reply.text += fmt::format("\nof {0} only these cells are drawn until 'compare {0} off'", name);
+    return reply;
+}
+
+Reply run_export(Session& session, const Arguments& arguments) {
+    MeshExport wish;
+    wish.keep = arguments.number("keep", 1, 1e-4, 1);
+    const std::string axes = arguments.text("axes", "LPS");
+    if (axes != "LPS" && axes != "RAS") {
+        refuse_command(fmt::format("axes: '{}' is neither LPS nor RAS", axes));
+    }
+    wish.ras = axes == "RAS";
+    for (std::string left = arguments.text("surfaces", ""); !left.empty();) {
+        const std::size_t comma = std::min(left.find(','), left.size());
+        wish.surfaces.push_back(left.substr(0, comma));
+        left.erase(0, comma + 1);
+    }
+    wish.description = picture_extras(session, session.scene.camera).description;
+    const MeshExportReport report = session.export_mesh(arguments.words[0], wish);
+    std::string notes;
+    if (!session.scene.clips.empty()) {
+        notes += "\nclip planes cut the picture, not the mesh: crop= of load does";
+    }
+    if (is_assumed(session.volume())) {
+        notes += "\nplace or spacing of the volume is assumed, so the mesh's is too: see info";
+    }
+    return {fmt::format("wrote {}: {}{}", arguments.words[0], report.text, notes),
+            {{"file", arguments.words[0]}, {"triangles", report.triangles}, {"axes", axes}}};
+}
+
+}  // namespace pxpl5::host

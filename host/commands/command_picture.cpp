@@ -1,0 +1,166 @@
+// Commands that write pictures.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "host/base/error.hpp"
+#include "host/commands/command_handlers.hpp"
+#include "host/commands/picture_text.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr int max_orbit_frames = 100'000;
+constexpr int max_animation_frames = 2'000;
+
+/// Where the pictures of a command go that draws many: nowhere, into a file each, or into one
+/// animation.
+class PictureFiles {
+  public:
+    /// Refuses the command if its `at`-th word, which may be missing, names no such place.
+    PictureFiles(Session& session, const Arguments& arguments, std::size_t at, int count)
+        : session_(session), delay_ms_(arguments.number("delay_ms", 40, 10, 60'000)) {
+        if (arguments.words.size() > at) {
+            pattern_ = arguments.words[at];
+        }
+        is_animation_ = pattern_.ends_with(".gif");
+        if (!pattern_.empty() && !is_animation_ && pattern_.find("{}") == std::string::npos) {
+            refuse_command(
+                fmt::format("{}: '{}' is no .gif and has no {{}} where the frame's number goes",
+                            arguments.name, pattern_));
+        }
+        if (is_animation_ && count > max_animation_frames) {
+            refuse_command(fmt::format("{}: {} frames are too many for {}, {} are the most",
+                                       arguments.name, count, pattern_, max_animation_frames));
+        }
+    }
+
+    void take(int index, const Picture& picture, const Camera& camera) {
+        if (is_animation_) {
+            pictures_.push_back(picture);
+        } else if (!pattern_.empty()) {
+            std::string path = pattern_;
+            path.replace(path.find("{}"), 2, fmt::format("{:04}", index));
+            session_.export_pictures({&picture, 1}, path, picture_extras(session_, camera));
+            ++written_;
+        }
+    }
+    /// Writes the animation, if it is one.
+    void finish() {
+        if (is_animation_) {
+            PictureExtras extras = animation_extras(session_);
+            extras.delay_ms = static_cast<int>(delay_ms_);
+            session_.export_pictures(pictures_, pattern_, extras);
+            written_ = 1;
+        }
+    }
+    std::int64_t written() const { return written_; }
+    /// Whether files were written between the pictures: times then tell of writing.
+    bool has_interrupted() const { return written_ != 0 && !is_animation_; }
+    /// For the end of the command's answer.
+    std::string text() const {
+        return has_interrupted() ? fmt::format(", {} pictures written", written_)
+               : written_ != 0   ? "; wrote " + pattern_
+                                 : "";
+    }
+
+  private:
+    Session& session_;
+    double delay_ms_;
+    std::string pattern_;
+    bool is_animation_ = false;
+    std::int64_t written_ = 0;
+    std::vector<Picture> pictures_;
+};
+
+Fields to_fields(const Spread& spread) {
+    return {{"median", spread.median}, {"p95", spread.p95}, {"max", spread.max}};
+}
+
+}  // namespace
+
+Reply run_snapshot(Session& session, const Arguments& arguments) {
+    const Picture picture = session.draw();
+    const double draw_ms = session.last_frame().elapsed_ms;
+    session.export_pictures({&picture, 1}, arguments.words[0],
+                            picture_extras(session, session.scene.camera));
+    const bool is_empty =
+        std::ranges::count(picture.rgba, picture.rgba[0]) == std::ssize(picture.rgba);
+    return {fmt::format("wrote {} ({}x{}, drawn in {:.1f} ms){}", arguments.words[0], picture.width,
+                        picture.height, draw_ms, is_empty ? "; nothing is visible in it" : ""),
+            {{"file", arguments.words[0]},
+             {"width", std::int64_t{picture.width}},
+             {"height", std::int64_t{picture.height}},
+             {"draw_ms", draw_ms}}};
+}
+
+Reply run_orbit(Session& session, const Arguments& arguments) {
+    const int count = parse_whole("frames", arguments.words[0], 1, max_orbit_frames);
+    const int in_flight =
+        parse_whole("inflight", arguments.text("inflight", "2"), 1, max_frames_in_flight);
+    PictureFiles files(session, arguments, 1, count);
+    const OrbitReport report = session.orbit(
+        count,
+        [&](int index, const Picture& picture, const Camera& camera) {
+            files.take(index, picture, camera);
+        },
+        in_flight);
+    files.finish();
+    const double rate = report.frames * 1000.0 / report.elapsed_ms;
+    Reply reply{fmt::format("{} frames in {:.0f} ms", report.frames, report.elapsed_ms),
+                {{"frames", std::int64_t{report.frames}},
+                 {"elapsed_ms", report.elapsed_ms},
+                 {"inflight", std::int64_t{in_flight}},
+                 {"latency_ms", to_fields(report.latency_ms)},
+                 {"written", files.written()}}};
+    if (!files.has_interrupted()) {
+        reply.text +=
+            fmt::format(", {:.1f} frames/s, a view's picture after {:.1f} ms (p95 {:.1f})", rate,
+                        report.latency_ms.median, report.latency_ms.p95);
+        reply.fields.push_back({"frames_per_s", rate});
+    }
+    reply.text += files.text();
+    return reply;
+}
+
+Reply run_sweep(Session& session, const Arguments& arguments) {
+    const std::string& name = arguments.words[0];
+    const double first = parse_number("FROM", arguments.words[1], -max_isovalue, max_isovalue);
+    const double last = parse_number("TO", arguments.words[2], -max_isovalue, max_isovalue);
+    const int count = parse_whole("N", arguments.words[3], 2, max_orbit_frames);
+    PictureFiles files(session, arguments, 4, count);
+    if (const std::optional<Surface> known = session.surface(name)) {
+        session.end_comparison(known->compared_with.empty() ? name : known->compared_with);
+    }
+    std::vector<double> isovalues;
+    for (int i = 0; i < count; ++i) {
+        isovalues.push_back(first + (last - first) * i / (count - 1));
+    }
+    std::int64_t empty = 0;
+    const SweepReport report = session.sweep(
+        name, isovalues, [&](int index, const Picture& picture, const SurfaceReport& built) {
+            empty += built.triangles == 0 ? 1 : 0;
+            files.take(index, picture, session.scene.camera);
+        });
+    files.finish();
+    Reply reply{
+        fmt::format("{} isovalues {} .. {}: extracted in {:.1f} ms (p95 {:.1f}), picture after "
+                    "{:.1f} ms (p95 {:.1f}){}",
+                    report.changes, first, last, report.extraction_ms.median,
+                    report.extraction_ms.p95, report.picture_ms.median, report.picture_ms.p95,
+                    files.text()),
+        {{"changes", std::int64_t{report.changes}},
+         {"extraction_ms", to_fields(report.extraction_ms)},
+         {"picture_ms", to_fields(report.picture_ms)},
+         {"empty", empty},
+         {"written", files.written()}}};
+    if (empty != 0) {
+        reply.text += fmt::format("\n{} of them have no surface: the volume's values are {} .. {}",
+                                  empty, session.volume().minimum, session.volume().maximum);
+    }
+    return reply;
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,190 @@
+// Commands about isosurfaces: what they are and how they look.
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+
+#include "host/base/error.hpp"
+#include "host/base/nearest.hpp"
+#include "host/commands/command_handlers.hpp"
+#include "host/commands/tissues.hpp"
+#include "host/phantom/phantom.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+bool parse_yes(std::string_view key, const std::string& text) {
+    if (text != "yes" && text != "no") {
+        refuse_command(fmt::format("{}: '{}' is neither yes nor no", key, text));
+    }
+    return text == "yes";
+}
+
+/// The tissue's colour if the name is one, else one that the surfaces before it do not have.
+Colour first_colour(const std::string& name, std::size_t surfaces_before) {
+    constexpr std::array others = {Colour{236, 226, 200}, Colour{120, 170, 220},
+                                   Colour{150, 200, 130}, Colour{220, 150, 110},
+                                   Colour{190, 150, 210}, Colour{225, 205, 110}};
+    const Tissue* tissue = find_tissue(name);
+    return tissue != nullptr ? tissue->colour : others[surfaces_before % others.size()];
+}
+
+/// What a name alone says of a new surface: a built-in volume's suggestion, or a tissue of CT.
+bool suggest(const Volume& volume, Surface& wish) {
+    for (const PhantomSurface& suggested : suggested_surfaces(volume.name)) {
+        if (suggested.name == wish.name) {
+            wish.isovalue = suggested.isovalue;
+            wish.colour = {suggested.colour_rgb[0], suggested.colour_rgb[1],
+                           suggested.colour_rgb[2]};
+            return true;
+        }
+    }
+    const Tissue* tissue = volume.modality == "CT" ? find_tissue(wish.name) : nullptr;
+    if (tissue != nullptr) {
+        wish.isovalue = tissue->isovalue_hu;
+        wish.colour = tissue->colour;
+    }
+    return tissue != nullptr;
+}
+
+void take_preset(const std::string& name, Surface& wish) {
+    const Tissue* tissue = find_tissue(name);
+    if (tissue == nullptr) {
+        std::vector<std::string_view> names;
+        for (const Tissue& each : tissues()) {
+            names.push_back(each.name);
+        }
+        refuse_command(fmt::format("preset: there is no '{}'{}", name, did_you_mean(name, names)));
+    }
+    wish.isovalue = tissue->isovalue_hu;
+    wish.colour = tissue->colour;
+}
+
+void take_style(const Arguments& arguments, Surface& wish) {
+    if (arguments.has("color")) {
+        wish.colour = parse_colour(arguments.text("color", ""));
+    }
+    if (arguments.has("visible")) {
+        wish.visible = parse_yes("visible", arguments.text("visible", ""));
+    }
+    if (arguments.has("opacity")) {
+        // A screen door has sixteenths; less than one would show nothing.
+        const double share = arguments.number("opacity", 1, 0.01, 1);
+        wish.opacity = std::max(1, static_cast<int>(std::lround(share * opaque)));
+    }
+}
+
+/// The surface as it was, or as its name suggests, changed by the arguments.
+Surface wished_surface(const Session& session, const std::optional<Surface>& known,
+                       const Arguments& arguments) {
+    const Volume& volume = session.volume();
+    Surface wish = known.value_or(Surface{});
+    wish.name = arguments.words[0];
+    if (!known) {
+        wish.colour = first_colour(wish.name, session.scene.surfaces.size());
+    }
+    if (wish.name.empty()) {
+        refuse_command("a surface needs a name; it is empty");
+    }
+    bool has_isovalue = known.has_value() || suggest(volume, wish);
+    if (arguments.has("preset")) {
+        take_preset(arguments.text("preset", ""), wish);
+        has_isovalue = true;
+    }
+    if (!has_isovalue && !arguments.has("iso")) {
+        refuse_command(fmt::format(
+            "surface {} is new: give its isovalue, iso=V with V in {} .. {}{}", wish.name,
+            volume.minimum, volume.maximum,
+            find_tissue(wish.name) != nullptr
+                ? fmt::format(", or preset={} if values are Hounsfield units", wish.name)
+                : ""));
+    }
+    wish.isovalue = arguments.number("iso", wish.isovalue, -max_isovalue, max_isovalue);
+    if (arguments.has("table")) {
+        wish.table = parse_table(arguments.text("table", ""));
+    }
+    take_style(arguments, wish);
+    return wish;
+}
+
+}  // namespace
+
+Fields surface_fields(const Surface& surface, const SurfaceReport& report) {
+    return {{"name", surface.name},
+            {"isovalue", surface.isovalue},
+            {"table", std::string(case_table_names[static_cast<std::size_t>(surface.table)])},
+            {"triangles", report.triangles},
+            {"vertices", report.vertices},
+            {"cells_active", report.cells_active},
+            {"cells_ambiguous", report.cells_ambiguous},
+            {"rows_skipped", report.rows_skipped},
+            {"area_mm2", report.area_mm2},
+            {"volume_ml", report.volume_mm3 / 1000},
+            {"extraction_ms", report.elapsed_ms},
+            {"gp_memory_bytes", report.memory_bytes}};
+}
+
+std::string surface_text(const Surface& surface, const SurfaceReport& report) {
+    return fmt::format(
+        "{}: isovalue {}, {} triangles, {} vertices, {:.1f} cm2, {:.1f} ml, extracted in {:.1f} ms",
+        surface.name, surface.isovalue, report.triangles, report.vertices, report.area_mm2 / 100,
+        report.volume_mm3 / 1000, report.elapsed_ms);
+}
+
+CaseTable parse_table(const std::string& text) {
+    for (std::size_t i = 0; i < case_table_names.size(); ++i) {
+        if (case_table_names[i] == text) {
+            return static_cast<CaseTable>(i);
+        }
+    }
+    refuse_command(
+        fmt::format("table: there is no '{}'{}", text, did_you_mean(text, case_table_names)));
+}
+
+Reply run_surface(Session& session, const Arguments& arguments) {
+    const std::string& name = arguments.words[0];
+    const Volume& volume = session.volume();
+    const std::optional<Surface> known = session.surface(name);
+    const Surface wish = wished_surface(session, known, arguments);
+    if (!known || arguments.has("iso") || arguments.has("preset") || arguments.has("table")) {
+        session.end_comparison(known && !known->compared_with.empty() ? known->compared_with
+                                                                      : name);
+        session.set_surface(name, wish.isovalue, wish.table, wish.colour);
+    }
+    session.set_style(wish);
+    const SurfaceReport& report = session.report_of(name);
+    Reply reply{surface_text(wish, report), surface_fields(wish, report)};
+    if (report.triangles == 0) {
+        reply.text += fmt::format("\nno surface there: the volume's values are {} .. {}",
+                                  volume.minimum, volume.maximum);
+    }
+    return reply;
+}
+
+Reply run_remove(Session& session, const Arguments& arguments) {
+    const std::optional<Surface> known = session.surface(arguments.words[0]);
+    if (known && !known->compared_with.empty()) {
+        session.end_comparison(known->compared_with);
+    } else {
+        session.end_comparison(arguments.words[0]);
+        session.remove_surface(arguments.words[0]);
+    }
+    return {"removed " + arguments.words[0], {{"removed", arguments.words[0]}}};
+}
+
+Reply run_presets(Session&, const Arguments&) {
+    Reply reply;
+    std::vector<Fields> list;
+    for (const Tissue& tissue : tissues()) {
+        reply.text += fmt::format("{}{:<8} {:>8} HU  {}", reply.text.empty() ? "" : "\n",
+                                  tissue.name, tissue.isovalue_hu, tissue.help);
+        list.push_back({{"name", std::string(tissue.name)},
+                        {"isovalue", tissue.isovalue_hu},
+                        {"help", std::string(tissue.help)}});
+    }
+    reply.fields = {{"presets", list}};
+    return reply;
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,289 @@
+// Commands about how the scene is looked at.
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "host/base/error.hpp"
+#include "host/base/nearest.hpp"
+#include "host/commands/command_handlers.hpp"
+#include "host/scene/clip.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr double max_angle_deg = 36000;
+constexpr double min_zoom = 0.05, max_zoom = 100;
+constexpr double max_place_mm = 1e6, max_pan_mm = 1e5;
+constexpr std::size_t box_planes = 6;  ///< In a row.
+
+/// "off" or "on" at words[0].
+bool parse_switch(const Arguments& arguments) {
+    const std::string& word = arguments.words[0];
+    if (word != "on" && word != "off") {
+        refuse_command(fmt::format("{}: '{}' is neither on nor off", arguments.name, word));
+    }
+    return word == "on";
+}
+
+/// "X,Y" in millimetres.
+glm::dvec2 parse_pan(const std::string& text) {
+    const std::size_t comma = text.find(',');
+    if (comma == std::string::npos) {
+        refuse_command(fmt::format("pan: '{}' is not of the form X,Y", text));
+    }
+    return {parse_number("pan to the right", text.substr(0, comma), -max_pan_mm, max_pan_mm),
+            parse_number("pan upwards", text.substr(comma + 1), -max_pan_mm, max_pan_mm)};
+}
+
+/// Roll and pan, if there are any.
+std::string turn_text(const Camera& camera) {
+    const glm::dvec2& pan = camera.pan_mm;
+    return (camera.roll_deg == 0 ? "" : fmt::format(" roll {}", camera.roll_deg)) +
+           (pan == glm::dvec2(0) ? "" : fmt::format(" pan {},{} mm", pan.x, pan.y));
+}
+
+Reply describe_clips(const Session& session) {
+    Reply reply;
+    std::vector<Fields> list;
+    for (std::size_t i = 0; i < session.scene.clips.size(); ++i) {
+        const SceneClip& clip = session.scene.clips[i];
+        if (clip.words.starts_with("box")) {
+            i += box_planes - 1;
+        }
+        reply.text += fmt::format("{}clip {}", reply.text.empty() ? "" : "\n", clip.words);
+        list.push_back({{"clip", clip.words}});
+    }
+    if (list.empty()) {
+        reply.text = "nothing is cut off";
+    }
+    reply.fields = {{"clips", list}};
+    return reply;
+}
+
+/// Takes away what `kind`, a letter or "box", has cut; all for "off". Returns whether there was
+/// any.
+bool end_clip(Scene& scene, const std::string& kind) {
+    return std::erase_if(scene.clips, [&](const SceneClip& clip) {
+               return kind == "off" || clip.words.substr(0, clip.words.find(' ')) == kind;
+           }) != 0;
+}
+
+/// Across a patient's axis, through a place in millimetres or the volume's centre.
+void add_plane(Session& session, const Arguments& arguments) {
+    const std::string& letter = arguments.words[0];
+    double at_mm = 0;
+    if (arguments.words.size() > 1) {
+        at_mm = parse_number("place", arguments.words[1], -max_place_mm, max_place_mm);
+    } else if (const auto unit = letter.size() == 1 ? axis_plane(letter[0], 1) : std::nullopt) {
+        at_mm = glm::dot(session.subject().centre_mm, glm::dvec3(*unit));
+    }
+    const auto plane = letter.size() == 1 ? axis_plane(letter[0], at_mm) : std::nullopt;
+    if (!plane) {
+        refuse_command(
+            fmt::format("clip: '{}' is none of L R P A S I, box, off: the letter names the side "
+                        "that is kept",
+                        letter));
+    }
+    end_clip(session.scene, letter);
+    session.scene.clips.push_back({fmt::format("{} {:.6g}", letter, at_mm), *plane});
+}
+
+void add_box(Session& session, const Arguments& arguments) {
+    const Volume& volume = session.volume();
+    if (arguments.words.size() != 3) {
+        refuse_command("clip box: give two corner voxels, as clip box 10,10,0 90,90,40");
+    }
+    const glm::dvec3 first = parse_triple("first corner", arguments.words[1], -1e5, 1e5);
+    const glm::dvec3 last = parse_triple("last corner", arguments.words[2], -1e5, 1e5);
+    try {
+        const BoxPlanes planes =
+            box_planes_voxels(first, last, {volume.voxel_to_patient, volume.slice_places});
+        end_clip(session.scene, "box");
+        for (const glm::dvec4& plane : planes) {
+            session.scene.clips.push_back(
+                {fmt::format("box {} {}", arguments.words[1], arguments.words[2]), plane});
+        }
+    } catch (const std::invalid_argument& error) {
+        refuse_command(std::string("clip box: ") + error.what());
+    }
+}
+
+}  // namespace
+
+Reply run_view(Session& session, const Arguments& arguments) {
+    Camera camera = session.scene.camera;
+    if (arguments.words.size() == 1) {
+        const auto angles = find_view(arguments.words[0]);
+        if (!angles) {
+            std::vector<std::string_view> names;
+            for (const NamedView& view : named_views()) {
+                names.push_back(view.name);
+            }
+            refuse_command(fmt::format("there is no view '{}'{}", arguments.words[0],
+                                       did_you_mean(arguments.words[0], names)));
+        }
+        camera.angles = *angles;
+        camera.roll_deg = 0;
+        camera.pan_mm = {};
+    } else if (arguments.words.size() == 2) {
+        camera.angles = {parse_number("azimuth", arguments.words[0], -max_angle_deg, max_angle_deg),
+                         parse_number("elevation", arguments.words[1], -90, 90)};
+    }
+    camera.zoom = arguments.number("zoom", camera.zoom, min_zoom, max_zoom);
+    camera.roll_deg = arguments.number("roll", camera.roll_deg, -max_angle_deg, max_angle_deg);
+    if (arguments.has("pan")) {
+        camera.pan_mm = parse_pan(arguments.text("pan", ""));
+    }
+    session.scene.camera = camera;
+    return {fmt::format("azimuth {} elevation {} zoom {}", camera.angles.azimuth_deg,
+                        camera.angles.elevation_deg, camera.zoom) +
+                turn_text(camera),
+            {{"azimuth_deg", camera.angles.azimuth_deg},
+             {"elevation_deg", camera.angles.elevation_deg},
+             {"zoom", camera.zoom},
+             {"roll_deg", camera.roll_deg},
+             {"pan_mm", std::vector<double>{camera.pan_mm.x, camera.pan_mm.y}}}};
+}
+
+Reply run_light(Session& session, const Arguments& arguments) {
+    auto& lights = session.scene.lights;
+    const double number = parse_number("light", arguments.words[0], 1, max_lights);
+    const auto index = static_cast<std::size_t>(number) - 1;
+    if (number != std::floor(number) || index > lights.size()) {
+        refuse_command(fmt::format("light {} cannot be set: {} are on; the next is {}",
+                                   arguments.words[0], lights.size(), lights.size() + 1));
+    }
+    if (arguments.words[1] == "off") {
+        if (index < lights.size()) {
+            lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(index));
+        }
+    } else if (arguments.words.size() == 3) {
+        const double before = index < lights.size() ? lights[index].intensity : 0.8;
+        const Light light{
+            parse_number("azimuth", arguments.words[1], -max_angle_deg, max_angle_deg),
+            parse_number("elevation", arguments.words[2], -90, 90),
+            arguments.number("intensity", before, 0, 4)};
+        index < lights.size() ? lights[index] = light : lights.emplace_back(light);
+    } else {
+        refuse_command(fmt::format("light {}: give AZ EL or off, got '{}'", arguments.words[0],
+                                   arguments.words[1]));
+    }
+    return {fmt::format("{} of {} lights on", lights.size(), max_lights),
+            {{"lights", static_cast<std::int64_t>(lights.size())}}};
+}
+
+Reply run_material(Session& session, const Arguments& arguments) {
+    Material material = session.scene.material;
+    material.ambient = arguments.number("ambient", material.ambient, 0, 1);
+    material.specular = arguments.number("specular", material.specular, 0, 1);
+    const double power = arguments.number("power", material.specular_power, 1, 128);
+    material.specular_power = static_cast<std::uint32_t>(power);
+    session.scene.material = material;
+    return {fmt::format("ambient {} specular {} power {}", material.ambient, material.specular,
+                        material.specular_power),
+            {{"ambient", material.ambient},
+             {"specular", material.specular},
+             {"power", static_cast<std::int64_t>(material.specular_power)}}};
+}
+
+Reply run_background(Session& session, const Arguments& arguments) {
+    session.scene.background = parse_colour(arguments.words[0]);
+    return {"background " + arguments.words[0], {{"background", arguments.words[0]}}};
+}
+
+Reply run_size(Session& session, const Arguments& arguments) {
+    session.scene.size = parse_size(arguments.words[0], 1, max_picture_px);
+    return {"size " + arguments.words[0],
+            {{"width", std::int64_t{session.scene.size.width}},
+             {"height", std::int64_t{session.scene.size.height}}}};
+}
+
+Reply run_clip(Session& session, const Arguments& arguments) {
+    if (arguments.words.empty()) {
+        return describe_clips(session);
+    }
+    const std::string& kind = arguments.words[0];
+    if (arguments.words.back() == "off") {
+        if (!end_clip(session.scene, kind) && kind != "off") {
+            refuse_command(
+                fmt::format("clip: no plane '{}' cuts; 'clip' lists those that do", kind));
+        }
+    } else if (kind == "box") {
+        add_box(session, arguments);
+    } else {
+        add_plane(session, arguments);
+    }
+    static_assert(6 + box_planes <= max_clips, "one plane of each letter, and a box");
+    return describe_clips(session);
+}
+
+Reply run_antialias(Session& session, const Arguments& arguments) {
+    const int samples = parse_whole("samples", arguments.words[0], 1, sample_counts.back());
+    if (std::ranges::find(sample_counts, samples) == sample_counts.end()) {
+        refuse_command(fmt::format("antialias: {} samples a pixel, it must be {}", samples,
+                                   fmt::join(sample_counts, ", ")));
+    }
+    session.scene.samples = samples;
+    return {fmt::format("{} sample{} a pixel", samples, samples == 1 ? "" : "s"),
+            {{"samples", std::int64_t{samples}}}};
+}
+
+Reply run_overlay(Session& session, const Arguments& arguments) {
+    session.scene.overlay = parse_switch(arguments);
+    return {"overlay " + arguments.words[0], {{"overlay", session.scene.overlay}}};
+}
+
+Reply run_tint(Session& session, const Arguments& arguments) {
+    if (arguments.words[0] != "gaps" && arguments.words[0] != "off") {
+        refuse_command(fmt::format("tint: '{}' is neither gaps nor off", arguments.words[0]));
+    }
+    const std::size_t gaps = session.volume().gap_slabs.size();
+    if (arguments.has("color")) {
+        session.scene.gap_colour = parse_colour(arguments.text("color", ""));
+    }
+    session.scene.tint_gaps = arguments.words[0] == "gaps";
+    return {fmt::format("tint {}: the volume has {} gap{}", arguments.words[0], gaps,
+                        gaps == 1 ? "" : "s"),
+            {{"tint_gaps", session.scene.tint_gaps}, {"gaps", static_cast<std::int64_t>(gaps)}}};
+}
+
+Reply run_pick(Session& session, const Arguments& arguments) {
+    const auto& size = session.scene.size;
+    const int x = parse_whole("X", arguments.words[0], 0, size.width - 1);
+    const int y = parse_whole("Y", arguments.words[1], 0, size.height - 1);
+    const auto picked = session.pick(x, y);
+    if (!picked) {
+        return {fmt::format("nothing at ({}, {}): the background", x, y), {{"hit", false}}};
+    }
+    const Pick& pick = picked->pick;
+    Reply reply;
+    reply.text = fmt::format(
+        "{} at ({:.2f}, {:.2f}, {:.2f}) mm LPS; voxel ({}, {}, {}) has {}, {:.6g} between voxels",
+        picked->surface, pick.p_mm.x, pick.p_mm.y, pick.p_mm.z, pick.x, pick.y, pick.z,
+        pick.value ? fmt::format("{:.6g}", *pick.value) : "no value known",
+        pick.value_between.value_or(std::nan("")));
+    reply.fields = {
+        {"hit", true},
+        {"surface", picked->surface},
+        {"p_mm", std::vector<double>{pick.p_mm.x, pick.p_mm.y, pick.p_mm.z}},
+        {"p_voxel", std::vector<double>{pick.p_voxel.x, pick.p_voxel.y, pick.p_voxel.z}},
+        {"voxel", std::vector<double>{static_cast<double>(pick.x), static_cast<double>(pick.y),
+                                      static_cast<double>(pick.z)}}};
+    if (pick.value) {
+        reply.fields.push_back({"value", *pick.value});
+    }
+    if (arguments.has("set") && pick.value) {
+        Arguments surface;
+        surface.name = "surface";
+        surface.words = {arguments.text("set", "")};
+        surface.options["iso"] = fmt::format("{}", *pick.value);
+        const Reply built = run_surface(session, surface);
+        reply.text += "\n" + built.text;
+        reply.fields.push_back({"set", built.fields});
+    }
+    return reply;
+}
+
+}  // namespace pxpl5::host

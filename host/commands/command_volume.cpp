@@ -1,0 +1,133 @@
+// Commands about volumes: load, info and the isovalue atlas.
+#include <fmt/core.h>
+
+#include "host/base/error.hpp"
+#include "host/commands/command_handlers.hpp"
+#include "host/commands/load_options.hpp"
+#include "host/commands/picture_text.hpp"
+#include "host/commands/progress_bar.hpp"
+#include "host/commands/volume_text.hpp"
+#include "host/surface/atlas_chart.hpp"
+#include "host/surface/histogram.hpp"
+#include "host/surface/isovalue_components.hpp"
+#include "host/surface/plateaus.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr int atlas_isovalues = 256, max_atlas_isovalues = 4096, atlas_bins = 256;
+
+Reply describe_loaded(const Session& session, VolumeDetail detail) {
+    const phigs::Content* archive = session.archive();
+    return archive != nullptr ? describe_archive(*archive)
+                              : describe_volume(session.volume(), detail);
+}
+
+/// `count` isovalues evenly between the volume's least and greatest value, neither of them.
+std::vector<double> even_isovalues(double low, double high, int count) {
+    std::vector<double> isovalues;
+    for (int i = 1; i <= count; ++i) {
+        isovalues.push_back(low + (high - low) * i / (count + 1));
+    }
+    return isovalues;
+}
+
+AtlasContent atlas_content(const Volume& volume, const std::vector<AtlasRow>& rows) {
+    AtlasContent content;
+    content.title = volume.name + ", watertight";
+    content.value_unit = volume.modality == "CT" ? "HU" : "";
+    content.rows = rows;
+    content.plateaus = find_plateaus(rows);
+    const Histogram counted = histogram(volume, atlas_bins);
+    content.histogram = {counted.first,
+                         counted.first + counted.width * static_cast<double>(counted.counts.size()),
+                         counted.counts};
+    return content;
+}
+
+void write_chart(Session& session, const AtlasContent& content, const std::string& path) {
+    const AtlasChart chart = atlas_chart(content);
+    const MarkColour& c = chart.background;
+    const auto paper = static_cast<std::uint32_t>(c.r | c.g << 8 | c.b << 16) | 0xff00'0000U;
+    const Picture picture{
+        chart.size.width, chart.size.height,
+        std::vector<std::uint32_t>(static_cast<std::size_t>(chart.size.width) *
+                                       static_cast<std::size_t>(chart.size.height),
+                                   paper)};
+    PictureExtras extras;
+    extras.description = "isovalue atlas of " + content.title;
+    extras.marks = chart.marks;
+    session.export_pictures({&picture, 1}, path, extras);
+}
+
+Fields atlas_fields(const std::vector<AtlasRow>& rows) {
+    std::vector<Fields> list;
+    for (const AtlasRow& row : rows) {
+        list.push_back({{"isovalue", row.isovalue},
+                        {"triangles", static_cast<std::int64_t>(row.triangles)},
+                        {"area_mm2", row.area_mm2},
+                        {"volume_ml", row.volume_mm3 / 1000},
+                        {"components", static_cast<std::int64_t>(row.components)}});
+    }
+    std::vector<Fields> plateaus;
+    for (const AtlasPlateau& plateau : find_plateaus(rows)) {
+        plateaus.push_back({{"from", plateau.from}, {"to", plateau.to}});
+    }
+    return {{"rows", list}, {"plateaus", plateaus}};
+}
+
+}  // namespace
+
+Reply run_load(Session& session, const Arguments& arguments) {
+    const LoadReport report = [&] {
+        const ProgressBar bar(session);
+        return session.load(arguments.words[0], load_options(arguments));
+    }();
+    Reply reply = describe_loaded(session, VolumeDetail::brief);
+    reply.text += fmt::format(
+        "\nread in {:.0f} ms, distributed in {:.0f} ms; {:.1f} MiB on the GPs", report.read_ms,
+        report.distribute_ms, static_cast<double>(report.memory_bytes) / (1 << 20));
+    reply.fields.push_back({"read_ms", report.read_ms});
+    reply.fields.push_back({"distribute_ms", report.distribute_ms});
+    reply.fields.push_back({"gp_memory_bytes", report.memory_bytes});
+    return reply;
+}
+
+Reply run_info(Session& session, const Arguments& arguments) {
+    if (arguments.words.empty()) {
+        return describe_loaded(session, VolumeDetail::all);
+    }
+    const std::string& source = arguments.words[0];
+    return phigs::is_archive(source)
+               ? describe_archive(phigs::flatten(phigs::read_archive(source)))
+               : describe_volume(session.read(source, load_options(arguments)));
+}
+
+Reply run_atlas(Session& session, const Arguments& arguments) {
+    const Volume& volume = session.volume();
+    const double low = arguments.number("from", volume.minimum, -1e30, 1e30);
+    const double high = arguments.number("to", volume.maximum, -1e30, 1e30);
+    const int steps =
+        parse_whole("steps", arguments.text("steps", fmt::format("{}", atlas_isovalues)), 2,
+                    max_atlas_isovalues);
+    if (!(low < high)) {
+        refuse_command(fmt::format("atlas: from={} is not below to={}", low, high));
+    }
+    const std::vector<double> isovalues = even_isovalues(low, high, steps);
+    std::vector<AtlasRow> rows = session.measure_isovalues(isovalues, CaseTable::watertight);
+    const std::vector<ComponentCounts> components = count_components(volume, isovalues);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        rows[i].components = rows[i].triangles == 0 ? 0 : components[i].surface();
+    }
+    const AtlasContent content = atlas_content(volume, rows);
+    Reply reply{atlas_text(content), atlas_fields(rows)};
+    if (!arguments.words.empty()) {
+        write_chart(session, content, arguments.words[0]);
+        reply.text += "\nwrote " + arguments.words[0];
+        reply.fields.push_back({"file", arguments.words[0]});
+    }
+    return reply;
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,167 @@
+#include "host/commands/picture_text.hpp"
+
+#include <fmt/core.h>
+
+#include <span>
+
+#include "host/base/digest.hpp"
+#include "host/commands/volume_text.hpp"
+#include "host/scene/overlay.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+/// An archive has units of its own and no patient: its file's name alone.
+std::vector<PictureMark> archive_marks(const Session& session) {
+    const Colour& back = session.scene.background;
+    Overlay overlay;
+    overlay.camera = session.scene.camera;
+    overlay.subject = session.subject();
+    overlay.size = session.scene.size;
+    overlay.background = {back.r, back.g, back.b};
+    overlay.title = session.archive()->file;
+    overlay.letters = overlay.directions = overlay.scale = false;
+    return overlay_marks(overlay);
+}
+
+using Attributes = std::vector<std::pair<std::string, std::string>>;
+
+std::string title_of(const Session& session) {
+    if (session.archive() != nullptr) {
+        return session.archive()->file;
+    }
+    const Volume& volume = session.volume();
+    return volume.name + (is_assumed(volume) ? "  (place or spacing ASSUMED: see info)" : "");
+}
+
+std::string spacing_text(const Volume& volume) {
+    const glm::dvec3 spacing = spacing_mm(volume);
+    return fmt::format("{:.6g}x{:.6g}x{:.6g}", spacing.x, spacing.y, spacing.z);
+}
+
+std::string view_text(const Camera& camera) {
+    std::string text =
+        fmt::format("azimuth {:.6g} elevation {:.6g} zoom {:.6g}", camera.angles.azimuth_deg,
+                    camera.angles.elevation_deg, camera.zoom);
+    if (camera.roll_deg != 0) {
+        text += fmt::format(" roll {:.6g}", camera.roll_deg);
+    }
+    if (camera.pan_mm != glm::dvec2(0)) {
+        text += fmt::format(" pan {:.6g},{:.6g}", camera.pan_mm.x, camera.pan_mm.y);
+    }
+    return text;
+}
+
+Attributes attributes_of(const Session& session, const Camera& camera) {
+    Attributes attributes = {{"view", view_text(camera)}};
+    if (session.archive() != nullptr) {
+        attributes.emplace_back("scene", session.archive()->file);
+        return attributes;
+    }
+    const Volume& volume = session.volume();
+    attributes.emplace_back("volume", volume.source);
+    attributes.emplace_back("dims", fmt::format("{}x{}x{}", volume.nx, volume.ny, volume.nz));
+    attributes.emplace_back("spacing_mm", spacing_text(volume));
+    attributes.emplace_back("axes", orientation_letters(volume));
+    std::string isovalues;
+    for (const Surface& surface : session.scene.surfaces) {
+        isovalues +=
+            fmt::format("{}{}={}", isovalues.empty() ? "" : ", ", surface.name, surface.isovalue);
+    }
+    attributes.emplace_back("isovalues", isovalues);
+    return attributes;
+}
+
+/// The same in one line, for formats with one text only.
+std::string describe_scene(const Session& session, const Camera& camera) {
+    const Scene& scene = session.scene;
+    std::string text;
+    if (const phigs::Content* archive = session.archive()) {
+        text = fmt::format("scene {}, {} triangles, {} spheres, {} lines", archive->file,
+                           archive->triangles, archive->spheres, archive->lines);
+    } else {
+        const Volume& volume = session.volume();
+        text = fmt::format("volume {} {}x{}x{} spacing {} mm", volume.name, volume.nx, volume.ny,
+                           volume.nz, spacing_text(volume));
+    }
+    text += "; view " + view_text(camera);
+    for (const Surface& surface : scene.surfaces) {
+        text += fmt::format("; surface {} isovalue {}", surface.name, surface.isovalue);
+    }
+    return text;
+}
+
+}  // namespace
+
+PictureExtras picture_extras(const Session& session, const Camera& camera) {
+    PictureExtras extras{describe_scene(session, camera), attributes_of(session, camera), {}, 40};
+    if (session.scene.overlay) {
+        Scene seen = session.scene;
+        seen.camera = camera;
+        for (Surface& surface : seen.surfaces) {
+            surface.visible = surface.visible && !is_compared(session.scene.surfaces, surface);
+        }
+        if (seen.surfaces.empty() && session.archive() == nullptr) {
+            return extras;  // Nothing to explain.
+        }
+        extras.marks = session.archive() != nullptr
+                           ? archive_marks(session)
+                           : overlay_marks(seen, session.subject(), title_of(session));
+    }
+    return extras;
+}
+
+PictureExtras animation_extras(const Session& session) {
+    const Scene& scene = session.scene;
+    PictureExtras extras{describe_scene(session, scene.camera), {}, {}};
+    if (scene.overlay) {
+        Overlay overlay;
+        overlay.camera = scene.camera;
+        overlay.subject = session.subject();
+        overlay.size = scene.size;
+        overlay.background = {scene.background.r, scene.background.g, scene.background.b};
+        overlay.title = title_of(session);
+        overlay.legend = legend_of(scene.surfaces);
+        overlay.letters = overlay.directions = false;
+        extras.marks = overlay_marks(overlay);
+    }
+    return extras;
+}
+
+std::uint64_t picture_digest(const Picture& picture) {
+    Digest digest;
+    digest.add(std::as_bytes(std::span(picture.rgba)));
+    return digest.value();
+}
+
+Reply describe_archive(const phigs::Content& content) {
+    const glm::dvec3 &low = content.low, &high = content.high;
+    Reply reply;
+    reply.text = fmt::format(
+        "{}: {} structures, {} posted; {} polygons ({} triangles), {} spheres, {} lines in {} "
+        "colours\nfrom ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}) in its own units",
+        content.file, content.structures, content.posted, content.polygons, content.triangles,
+        content.spheres, content.lines, content.materials.size(), low.x, low.y, low.z, high.x,
+        high.y, high.z);
+    std::vector<Fields> notes;
+    for (const std::string& note : content.notes) {
+        reply.text += "\nnote: " + note;
+        notes.push_back({{"note", note}});
+    }
+    const auto number = [](std::size_t value) { return static_cast<std::int64_t>(value); };
+    reply.fields = {{"name", content.file},
+                    {"structures", number(content.structures)},
+                    {"posted", number(content.posted)},
+                    {"polygons", number(content.polygons)},
+                    {"triangles", number(content.triangles)},
+                    {"spheres", number(content.spheres)},
+                    {"lines", number(content.lines)},
+                    {"colours", number(content.materials.size())},
+                    {"low", std::vector<double>{low.x, low.y, low.z}},
+                    {"high", std::vector<double>{high.x, high.y, high.z}},
+                    {"notes", notes}};
+    return reply;
+}
+
+}  // namespace pxpl5::host

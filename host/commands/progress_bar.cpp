@@ -1,0 +1,49 @@
+#include "host/commands/progress_bar.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <string>
+
+#include "host/base/stopwatch.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr double silent_ms = 300;
+constexpr int bar_width = 40;
+
+}  // namespace
+
+ProgressBar::ProgressBar(Session& session) : session_(session), started_ns_(now_ns()) {
+    draws_ = !session_.progress && isatty(STDERR_FILENO) != 0;
+    if (draws_) {
+        session_.progress = [this](const LoadProgress& progress) { show(progress); };
+    }
+}
+
+ProgressBar::~ProgressBar() {
+    if (draws_) {
+        session_.progress = nullptr;
+    }
+    if (drawn_) {
+        fmt::print(stderr, "\r\x1b[K");
+    }
+}
+
+void ProgressBar::show(const LoadProgress& progress) {
+    if (ms_since(started_ns_) < silent_ms) {
+        return;
+    }
+    const char* phase = progress.phase == LoadProgress::Phase::reading ? "reading" : "distributing";
+    const int filled =
+        progress.total == 0 ? 0 : std::min(bar_width, bar_width * progress.done / progress.total);
+    fmt::print(stderr, "\r\x1b[K{:<12} [{:<{}}] {} of {}  (Ctrl-C cancels)", phase,
+               std::string(static_cast<std::size_t>(filled), '='), bar_width, progress.done,
+               progress.total);
+    drawn_ = true;
+}
+
+}  // namespace pxpl5::host

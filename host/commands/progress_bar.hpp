@@ -1,0 +1,27 @@
+// A bar on standard error while something long goes on.
+#pragma once
+
+#include "host/session/session.hpp"
+
+namespace pxpl5::host {
+
+/// Draws a bar for as long as it lives, if standard error is a terminal and nobody else shows the
+/// progress; nothing in the first
+/// moments, so that short work does not flicker.
+class ProgressBar {
+  public:
+    explicit ProgressBar(Session& session);
+    ~ProgressBar();
+    ProgressBar(const ProgressBar&) = delete;
+    ProgressBar& operator=(const ProgressBar&) = delete;
+
+  private:
+    void show(const LoadProgress& progress);
+
+    Session& session_;
+    std::int64_t started_ns_;
+    bool draws_ = false;  ///< It is this bar that the session tells.
+    bool drawn_ = false;
+};
+
+}  // namespace pxpl5::host

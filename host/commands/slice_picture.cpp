@@ -1,0 +1,145 @@
+#include "host/commands/slice_picture.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/error.hpp"
+#include "host/commands/volume_text.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr GreyWindow soft_tissue_hu{400, 40};
+constexpr int histogram_bins = 1024, dark_per_mille = 5, bright_per_mille = 995;
+constexpr std::uint32_t opaque_black = 0xFF00'0000U;
+constexpr float letter_px = 18, title_px = 12, halo_px = 2, margin_px = 8, contour_px = 1.5F;
+constexpr MarkColour ink{240, 240, 236, 255};
+
+/// Between a slice's voxels and a picture's pixels. Half a voxel lies beyond the outermost ones'
+/// middles.
+struct Scale {
+    const SliceFrame& frame;
+    double px_per_mm;
+
+    static double length_mm(const SliceSide& side) {
+        return side.place_mm(side.count - 1) + side.spacing_mm;
+    }
+    int length_px(const SliceSide& side) const {
+        return std::max(1, static_cast<int>(std::lround(length_mm(side) * px_per_mm)));
+    }
+    /// Voxel, counted along the side, at a place in the picture; held at the outermost ones.
+    double number_at(const SliceSide& side, double at_px) const {
+        const double number = side.number_at(at_px / px_per_mm - side.spacing_mm / 2);
+        return std::clamp(number, 0.0, side.count - 1.0);
+    }
+    float at_px(const SliceSide& side, float at_slice_px) const {
+        const double mm = side.place_mm(at_slice_px) + side.spacing_mm / 2;
+        return static_cast<float>(mm * px_per_mm);
+    }
+};
+
+Scale scale_of(const SliceFrame& frame, Size size) {
+    return {frame, std::min(size.width / Scale::length_mm(frame.across),
+                            size.height / Scale::length_mm(frame.down))};
+}
+
+double value_at(const SliceFrame& frame, const std::vector<double>& numbers, double x, double y) {
+    const auto width = static_cast<std::size_t>(frame.across.count);
+    const auto x0 = static_cast<std::size_t>(x), y0 = static_cast<std::size_t>(y);
+    const std::size_t right = x0 + 1 < width ? 1 : 0;
+    const std::size_t below = y0 + 1 < static_cast<std::size_t>(frame.down.count) ? width : 0;
+    const double* v = numbers.data() + y0 * width + x0;
+    const double fx = x - static_cast<double>(x0), fy = y - static_cast<double>(y0);
+    return (v[0] * (1 - fx) + v[right] * fx) * (1 - fy) +
+           (v[below] * (1 - fx) + v[below + right] * fx) * fy;
+}
+
+std::uint32_t grey_of(double value, const GreyWindow& window) {
+    const double share = (value - window.level) / window.width + 0.5;
+    if (!(share > 0)) {
+        return opaque_black;  // Also what is no number.
+    }
+    const auto grey = static_cast<std::uint32_t>(std::lround(std::min(share, 1.0) * 255));
+    return opaque_black | grey << 16 | grey << 8 | grey;
+}
+
+void add_letters(const SliceFrame& frame, const Picture& picture, const std::string& title,
+                 std::vector<PictureMark>& marks) {
+    const auto width = static_cast<float>(picture.width);
+    const auto height = static_cast<float>(picture.height);
+    const auto add = [&](glm::vec2 at, const std::string& text, float x, float y, float size) {
+        if (!text.empty()) {
+            marks.push_back(text_mark(at, text, ink, {size, x, y, halo_px}));
+        }
+    };
+    add({margin_px, height / 2}, frame.across.begin, 0, 0.5F, letter_px);
+    add({width - margin_px, height / 2}, frame.across.end, 1, 0.5F, letter_px);
+    add({width / 2, margin_px}, frame.down.begin, 0.5F, 0, letter_px);
+    add({width / 2, height - margin_px - title_px}, frame.down.end, 0.5F, 1, letter_px);
+    add({margin_px, height - margin_px / 2}, title, 0, 1, title_px);
+}
+
+}  // namespace
+
+GreyWindow usual_window(const Volume& volume) {
+    if (volume.modality == "CT") {
+        return soft_tissue_hu;
+    }
+    const Histogram counted = histogram(volume, histogram_bins);
+    const double dark = quantile(counted, dark_per_mille);
+    const double bright = quantile(counted, bright_per_mille) + counted.width;
+    return {bright - dark, (dark + bright) / 2};
+}
+
+std::vector<SurfaceContour> contours_of(const Scene& scene, const Slice& slice) {
+    const std::vector<double> numbers = numbers_of(slice);
+    std::vector<SurfaceContour> contours;
+    for (const Surface& surface : scene.surfaces) {
+        if (surface.visible && surface.compared_with.empty()) {
+            contours.push_back({&surface, slice_contour(slice.frame, numbers, surface.isovalue,
+                                                        saddle_rule(surface.table))});
+        }
+    }
+    return contours;
+}
+
+SlicePicture slice_picture(const Slice& slice, const std::vector<SurfaceContour>& contours,
+                           const GreyWindow& window, Size size, const std::string& title) {
+    const SliceSide &across = slice.frame.across, &down = slice.frame.down;
+    const Scale scale = scale_of(slice.frame, size);
+    SlicePicture out{{scale.length_px(across), scale.length_px(down), {}}, {}};
+    const std::vector<double> numbers = numbers_of(slice);
+    for (int y = 0; y < out.picture.height; ++y) {
+        const double row = scale.number_at(down, y + 0.5);
+        for (int x = 0; x < out.picture.width; ++x) {
+            const double column = scale.number_at(across, x + 0.5);
+            out.picture.rgba.push_back(
+                grey_of(value_at(slice.frame, numbers, column, row), window));
+        }
+    }
+    std::size_t count = 0;
+    for (const SurfaceContour& contour : contours) {
+        count += contour.pieces.size();
+        if (count > max_contour_marks) {
+            throw RequestError(ExitCode::failed,
+                               fmt::format("the contours have {} pieces up to surface {}, {} are "
+                                           "the most that are drawn: hide surfaces that are noise",
+                                           count, contour.surface->name, max_contour_marks));
+        }
+        const auto at = [&](glm::vec2 p) {
+            return glm::vec2(scale.at_px(across, p.x), scale.at_px(down, p.y));
+        };
+        const Colour& c = contour.surface->colour;
+        for (const ContourPiece& piece : contour.pieces) {
+            out.marks.push_back(
+                line_mark({at(piece.from), at(piece.to)}, {c.r, c.g, c.b, 255}, contour_px));
+        }
+    }
+    add_letters(slice.frame, out.picture, title, out.marks);
+    return out;
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,47 @@
+// A slice as a grey picture, with the contours of surfaces and the patient's directions as marks.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/scene/slice.hpp"
+#include "host/session/session.hpp"
+
+namespace pxpl5::host {
+
+/// Values from level - width / 2 (black) to level + width / 2 (white).
+struct GreyWindow {
+    double width = 1, level = 0;
+};
+
+/// For soft tissue if the volume is a CT, else without the darkest and brightest 0.5 %.
+GreyWindow usual_window(const Volume& volume);
+
+/// A surface's contours in a slice.
+struct SurfaceContour {
+    const Surface* surface = nullptr;
+    std::vector<ContourPiece> pieces;
+};
+
+/// Of the visible surfaces, in drawing order; all components of each. Surfaces that `compare` made
+/// have none.
+std::vector<SurfaceContour> contours_of(const Scene& scene, const Slice& slice);
+
+inline constexpr std::size_t max_contour_marks = 50'000;
+
+struct SlicePicture {
+    Picture picture;
+    std::vector<PictureMark> marks;
+};
+
+/// The slice in the patient's proportions, as large as fits into `size`; between voxels values are
+/// linear, also where these are unevenly spaced.
+///
+/// title   At the bottom left.
+/// Throws  RequestError (failed) for more than max_contour_marks pieces of contours.
+SlicePicture slice_picture(const Slice& slice, const std::vector<SurfaceContour>& contours,
+                           const GreyWindow& window, Size size, const std::string& title);
+
+}  // namespace pxpl5::host

@@ -1,0 +1,27 @@
+// Isovalues and colours of tissues in CT, where values are Hounsfield units.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "host/base/command_line.hpp"
+
+namespace pxpl5::host {
+
+/// A surface worth trying first. The isovalue ends in .5, so that it never meets a stored integer.
+struct Tissue {
+    std::string_view name;
+    double isovalue_hu;
+    Colour colour;
+    std::string_view help;
+};
+
+/// By ascending isovalue.
+/// Source  Customary windows: air -1000, lung -500, fat -100, water 0, muscle 10..40, soft bone
+///         from about 150, cortical bone from about 500, teeth and metal above 2000.
+std::span<const Tissue> tissues();
+
+/// Null if there is none of that name.
+const Tissue* find_tissue(std::string_view name);
+
+}  // namespace pxpl5::host

@@ -1,0 +1,173 @@
+#include "host/commands/volume_text.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "host/phantom/phantom.hpp"
+#include "host/surface/histogram.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr std::array<std::string_view, 4> scalar_names = {"uint8", "int16", "uint16", "float32"};
+constexpr std::array<std::string_view, 12> finding_names = {"note",
+                                                            "conversion",
+                                                            "assumption",
+                                                            "reflection",
+                                                            "gantry tilt",
+                                                            "missing slices",
+                                                            "uneven slices",
+                                                            "duplicate slices",
+                                                            "mixed orientations",
+                                                            "thickness differs",
+                                                            "other series",
+                                                            "processed"};
+
+glm::dvec3 axis_mm(const Volume& volume, int axis) {
+    return glm::dvec3(volume.voxel_to_patient[axis]);
+}
+
+constexpr std::array<int, 5> quantile_percent = {5, 25, 50, 75, 95};
+constexpr int histogram_bins = 1024, histogram_rows = 16, histogram_columns = 48;
+
+/// Values that so many percent of the voxels do not exceed, to a bin's width: where isovalues are
+/// worth trying.
+std::vector<double> quantiles(const Histogram& counted) {
+    std::vector<double> values;
+    for (const int percent : quantile_percent) {
+        values.push_back(quantile(counted, 10 * percent));
+    }
+    return values;
+}
+
+}  // namespace
+
+double quantile(const Histogram& counted, int per_mille) {
+    std::uint64_t all = 0, below = 0;
+    for (const std::uint64_t count : counted.counts) {
+        all += count;
+    }
+    std::size_t bin = 0;
+    for (; bin + 1 < counted.counts.size(); ++bin) {
+        below += counted.counts[bin];
+        if (below * 1000 >= all * static_cast<std::uint64_t>(per_mille)) {
+            break;
+        }
+    }
+    return counted.first + counted.width * static_cast<double>(bin);
+}
+
+std::string histogram_text(const Histogram& counted) {
+    if (counted.counts.empty()) {
+        return "no voxel is a finite number";
+    }
+    const std::size_t bins = counted.counts.size();
+    const std::size_t per_row = (bins + histogram_rows - 1) / histogram_rows;
+    std::vector<std::uint64_t> rows((bins + per_row - 1) / per_row);
+    for (std::size_t bin = 0; bin < bins; ++bin) {
+        rows[bin / per_row] += counted.counts[bin];
+    }
+    const double most = std::log2(1.0 + static_cast<double>(*std::ranges::max_element(rows)));
+    std::string text = "values from, voxels (bars by logarithm)";
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+        const double share = std::log2(1.0 + static_cast<double>(rows[row])) / std::max(1.0, most);
+        text += fmt::format("\n{:>10.6g} {:>10} {}",
+                            counted.first + counted.width * static_cast<double>(row * per_row),
+                            rows[row],
+                            std::string(static_cast<std::size_t>(share * histogram_columns), '#'));
+    }
+    return text;
+}
+
+Fields histogram_fields(const Histogram& counted) {
+    std::vector<double> counts;
+    for (const std::uint64_t count : counted.counts) {
+        counts.push_back(static_cast<double>(count));
+    }
+    return {{"first", counted.first}, {"width", counted.width}, {"counts", counts}};
+}
+
+glm::dvec3 spacing_mm(const Volume& volume) {
+    return {glm::length(axis_mm(volume, 0)), glm::length(axis_mm(volume, 1)),
+            glm::length(axis_mm(volume, 2))};
+}
+
+std::string_view finding_name(FindingKind kind) {
+    return finding_names[static_cast<std::size_t>(kind)];
+}
+
+std::string orientation_letters(const Volume& volume) {
+    std::string letters;
+    for (int axis = 0; axis < 3; ++axis) {
+        const glm::dvec3 direction = axis_mm(volume, axis);
+        const glm::dvec3 size = glm::abs(direction);
+        const int largest = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        letters += direction[largest] > 0 ? "LPS"[largest] : "RAI"[largest];
+    }
+    return letters;
+}
+
+Reply describe_volume(const Volume& volume, VolumeDetail detail) {
+    const glm::dvec3 spacing = spacing_mm(volume),
+                     extent =
+                         spacing * glm::dvec3(volume.nx - 1, volume.ny - 1, last_place(volume));
+    const glm::dvec3 origin(volume.voxel_to_patient[3]);
+    const std::string type(scalar_names[static_cast<std::size_t>(volume.type)]);
+    const std::string letters = orientation_letters(volume);
+    Reply reply;
+    reply.text = fmt::format(
+        "{}: {} x {} x {} voxels of {}, spacing {:.4g} x {:.4g} x {:.4g} mm, {:.0f} x {:.0f} x "
+        "{:.0f} mm\nvalues {} .. {}; axes point to {}, first voxel at ({:.1f}, {:.1f}, {:.1f}) mm "
+        "LPS",
+        volume.name, volume.nx, volume.ny, volume.nz, type, spacing.x, spacing.y, spacing.z,
+        extent.x, extent.y, extent.z, volume.minimum, volume.maximum, letters, origin.x, origin.y,
+        origin.z);
+    if (!volume.modality.empty()) {
+        reply.text += "; " + volume.modality;
+    }
+    const Histogram counted = histogram(volume, histogram_bins);
+    const std::vector<double> shares = quantiles(counted);
+    reply.text += "\nof the voxels";
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+        reply.text += fmt::format("{} {} % are up to {:.6g}", i == 0 ? "" : ",",
+                                  quantile_percent[i], shares[i]);
+    }
+    if (detail == VolumeDetail::all) {
+        reply.text += "\n" + histogram_text(counted);
+    }
+    std::vector<Fields> notes;
+    for (const Finding& finding : volume.findings) {
+        const std::string kind(finding_name(finding.kind));
+        reply.text += fmt::format("\n{}: {}", kind, finding.text);
+        notes.push_back({{"kind", kind}, {"note", finding.text}});
+    }
+    std::vector<Fields> surfaces;
+    for (const PhantomSurface& surface : suggested_surfaces(volume.name)) {
+        reply.text += fmt::format("\nsuggested: surface {} iso={}", surface.name, surface.isovalue);
+        surfaces.push_back({{"name", surface.name}, {"isovalue", surface.isovalue}});
+    }
+    reply.fields = {
+        {"name", volume.name},
+        {"dims", std::vector<double>{static_cast<double>(volume.nx), static_cast<double>(volume.ny),
+                                     static_cast<double>(volume.nz)}},
+        {"type", type},
+        {"spacing_mm", std::vector<double>{spacing.x, spacing.y, spacing.z}},
+        {"origin_mm", std::vector<double>{origin.x, origin.y, origin.z}},
+        {"orientation", letters},
+        {"minimum", volume.minimum},
+        {"maximum", volume.maximum},
+        {"quantiles", shares},
+        {"histogram", histogram_fields(counted)},
+        {"modality", volume.modality},
+        {"gap_slabs", std::vector<double>(volume.gap_slabs.begin(), volume.gap_slabs.end())},
+        {"notes", notes},
+        {"surfaces", surfaces}};
+    return reply;
+}
+
+}  // namespace pxpl5::host

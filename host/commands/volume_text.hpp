@@ -1,0 +1,39 @@
+// What a volume is, for people and programs.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <string>
+#include <string_view>
+
+#include "host/base/reply.hpp"
+#include "host/surface/histogram.hpp"
+#include "host/volume/volume.hpp"
+
+namespace pxpl5::host {
+
+/// Whether the text has a histogram; the fields have one in any case.
+enum class VolumeDetail : std::uint8_t { brief, all };
+
+/// What is known of a volume: shape, spacing, orientation, range, histogram, findings.
+Reply describe_volume(const Volume& volume, VolumeDetail detail = VolumeDetail::all);
+
+/// Distance between voxel centres along x, y and z in millimetres.
+glm::dvec3 spacing_mm(const Volume& volume);
+
+/// "gantry tilt", "missing slices", ...
+std::string_view finding_name(FindingKind kind);
+
+/// Where the volume's axes point in the patient, nearest first letter per axis: "LPS", "RAS", ...
+std::string orientation_letters(const Volume& volume);
+
+/// A row of blocks for each range of values, 16 at most; the length goes with the logarithm of the
+/// count.
+std::string histogram_text(const Histogram& counted);
+/// first, width, counts.
+Fields histogram_fields(const Histogram& counted);
+
+/// The value that so many of a thousand voxels do not exceed, to a bin's width.
+double quantile(const Histogram& counted, int per_mille);
+
+}  // namespace pxpl5::host

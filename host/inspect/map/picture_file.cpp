@@ -1,0 +1,31 @@
+#include "host/inspect/map/picture_file.hpp"
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include <bit>
+#include <cassert>
+
+#include "host/base/error.hpp"
+
+namespace pxpl5::host::inspect {
+
+// Pixels are handed over as bytes red, green, blue, alpha.
+static_assert(std::endian::native == std::endian::little);
+
+void write_png(const std::filesystem::path& path, int width, int height,
+               std::span<const std::uint32_t> rgba) {
+    assert(width > 0 && height > 0);
+    assert(rgba.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = static_cast<png_uint_32>(width);
+    image.height = static_cast<png_uint_32>(height);
+    image.format = PNG_FORMAT_RGBA;
+    if (png_image_write_to_file(&image, path.c_str(), 0, rgba.data(), 0, nullptr) == 0) {
+        throw RequestError(ExitCode::failed,
+                           fmt::format("cannot write {}: {}", path.string(), image.message));
+    }
+}
+
+}  // namespace pxpl5::host::inspect

@@ -1,0 +1,118 @@
+#include "host/inspect/model/model.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "host/base/text_output.hpp"
+#include "host/inspect/model/model_run.hpp"
+#include "host/inspect/model/model_sweep.hpp"
+#include "host/inspect/model/recorded_work.hpp"
+#include "host/inspect/record/find_run.hpp"
+
+namespace pxpl5::host::inspect {
+
+namespace {
+
+/// Throws RequestError (usage) that names the frames there are if none of these is there.
+void check_frames(const RecordedRun& run, const std::vector<Range>& ranges) {
+    const std::vector<std::uint32_t> frames = run.frames();
+    for (const Range& range : ranges) {
+        if (std::ranges::none_of(frames, [&](std::uint32_t n) { return range.contains(n); })) {
+            run.frame(range.from);  // Says which frames there are.
+        }
+    }
+}
+
+timing::RunWork work_of(const ModelOptions& options) {
+    const std::vector<Range> frames = parse_selection(options.selection).frames;
+    const RecordedRun run = open_run(options.run);
+    check_frames(run, frames);
+    timing::RunWork work = recorded_work(run, frames);
+    if (work.steps.empty()) {
+        throw RequestError(ExitCode::bad_data,
+                           work.missing.empty()
+                               ? "the run has loaded no volume, built no surface and drawn nothing"
+                               : fmt::format("nothing of the run could be counted: {}",
+                                             fmt::join(work.missing, "; ")));
+    }
+    return work;
+}
+
+/// A text, and the file that it goes to.
+struct Output {
+    std::string path, text;
+};
+
+template <typename Result>
+std::vector<Output> outputs_of(const ModelOptions& options, const Result& result) {
+    std::vector<Output> outputs;
+    if (!options.csv.empty()) {
+        outputs.push_back({options.csv, to_csv(result)});
+    }
+    outputs.push_back(
+        {options.output, options.json ? json_text(to_fields(result)) + "\n" : to_text(result)});
+    return outputs;
+}
+
+/// Writes all of them; what hinders one of them is thrown when the others are written.
+void put(const std::vector<Output>& outputs) {
+    std::exception_ptr failed;
+    for (const auto& [path, text] : outputs) {
+        try {
+            TextOutput output(path);
+            output.put(text);
+            output.finish();
+        } catch (...) {
+            failed = failed ? failed : std::current_exception();
+        }
+    }
+    if (failed) {
+        std::rethrow_exception(failed);
+    }
+}
+
+/// The keys of --sweep; throws RequestError (usage) if they or their values cannot be swept.
+std::vector<timing::SweptKey> keys_of(const ModelOptions& options, const Topology& plan) {
+    std::vector<timing::SweptKey> keys;
+    for (const std::string& text : options.sweeps) {
+        keys.push_back(timing::parse_sweep(text));
+    }
+    if (!keys.empty()) {
+        timing::machines_of(plan, keys);
+    }
+    if (!options.plot.empty()) {
+        if (keys.empty()) {
+            throw RequestError(ExitCode::usage, "--plot needs --sweep: one machine is no curve");
+        }
+        check_axis(keys.front());
+    }
+    return keys;
+}
+
+}  // namespace
+
+int run_model(const ModelOptions& options) {
+    // What is asked wrongly is said before anything is read.
+    const Topology plan = load_topology(options.topology, options.overrides);
+    std::vector<timing::SweptKey> keys = keys_of(options, plan);
+    timing::RunWork work = work_of(options);
+    // Old files stay as they are until all texts are there.
+    std::vector<Output> outputs;
+    if (keys.empty()) {
+        outputs = outputs_of(options, modelled(plan, std::move(work)));
+    } else {
+        const ModelledSweep sweep = swept(plan, std::move(keys), work);
+        outputs = outputs_of(options, sweep);
+        if (!options.plot.empty()) {
+            outputs.push_back({options.plot, plot_of(sweep)});
+        }
+    }
+    put(outputs);
+    return 0;
+}
+
+}  // namespace pxpl5::host::inspect

@@ -1,0 +1,14 @@
+// What Renderers executed of a recorded frame, as the model takes it.
+#pragma once
+
+#include <vector>
+
+#include "host/inspect/record/recorded_run.hpp"
+#include "host/timing/work.hpp"
+
+namespace pxpl5::host::inspect {
+
+/// Every part of the frame's regions that can be executed, by region, then in order.
+std::vector<timing::PartWork> part_work(const RecordedFrame& frame);
+
+}  // namespace pxpl5::host::inspect

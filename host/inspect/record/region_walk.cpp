@@ -1,0 +1,202 @@
+#include "host/inspect/record/region_walk.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+
+namespace pxpl5::host::inspect {
+
+namespace {
+
+namespace schema = bus::schema;
+using Kind = renderer::RegionPlan::Kind;
+
+constexpr std::uint32_t primitive_word = isa::encode({isa::Op::set_enabs, {}});
+
+/// The side table of one GP for one region; null if it was not recorded.
+const schema::RegionProgram* program_of(const RecordedFrame& frame, const RecordedRegion& region,
+                                        std::uint32_t gp) {
+    const bus::Message& message = frame.inputs.at(region.renderer).programs.at(gp);
+    for (const auto* program : *message.as<schema::RegionPrograms>()->regions()) {
+        if (program->region() == region.place.number) {
+            return program;
+        }
+    }
+    return nullptr;
+}
+
+/// Primitives that begin in words[0 .. end).
+std::size_t count_primitives(const schema::RegionProgram& program, std::size_t end) {
+    std::size_t count = 0;
+    for (std::size_t at = 0; at < end;) {
+        const std::uint32_t word = program.words()->Get(static_cast<std::uint32_t>(at));
+        count += word == primitive_word ? 1 : 0;
+        at += std::max<std::size_t>(isa::instruction_words(word), 1);
+    }
+    return count;
+}
+
+/// Adds the primitives of one segment.
+void add_primitives(const RecordedFrame& frame, const RecordedRegion& region, std::size_t part,
+                    std::vector<Primitive>& primitives) {
+    const renderer::Segment& segment = region.plan.parts[part].segment;
+    const schema::RegionProgram* program = program_of(frame, region, segment.gp);
+    const auto* origins = program == nullptr ? nullptr : program->origins();
+    std::size_t origin = origins == nullptr ? 0 : count_primitives(*program, segment.first_word);
+    const std::size_t first = primitives.size();
+    for (std::size_t at = 0; at < segment.words.size();
+         at += isa::instruction_words(segment.words[at])) {
+        if (segment.words[at] != primitive_word) {
+            continue;
+        }
+        Primitive primitive{part, primitives.size(), at, 0, std::nullopt, false};
+        if (origins != nullptr && origin < origins->size()) {
+            const schema::Origin& from = *origins->Get(static_cast<std::uint32_t>(origin++));
+            primitive.is_of_scene = from.inside() == 0;  // No cell without a corner inside is cut.
+            if (!primitive.is_of_scene) {
+                primitive.origin = from;
+            }
+        }
+        primitives.push_back(primitive);
+    }
+    for (std::size_t i = first; i < primitives.size(); ++i) {
+        const std::size_t end =
+            i + 1 < primitives.size() ? primitives[i + 1].first_word : segment.words.size();
+        primitives[i].word_count = end - primitives[i].first_word;
+    }
+}
+
+}  // namespace
+
+std::string to_text(const renderer::RegionPlan& plan, Address address) {
+    const renderer::RegionPlan::Part& part = plan.parts[address.part];
+    switch (part.kind) {
+        case Kind::prologue:
+            return fmt::format("prologue+{}", address.word);
+        case Kind::shut_door:
+            return fmt::format("shut-door surface {}+{}", part.segment.surface, address.word);
+        case Kind::open_door:
+            return fmt::format("open-door surface {}+{}", part.segment.surface, address.word);
+        case Kind::depths:
+            return fmt::format("depths+{}", address.word);
+        case Kind::end_of_region:
+            return fmt::format("end+{}", address.word);
+        case Kind::segment:
+            break;
+    }
+    const renderer::Segment& s = part.segment;
+    return fmt::format("gp-{} surface {} slab {}+{}", s.gp, s.surface, s.slab, address.word);
+}
+
+std::vector<Primitive> primitives_of(const RecordedFrame& frame, const RecordedRegion& region) {
+    std::vector<Primitive> primitives;
+    for (std::size_t part = 0; part < region.plan.parts.size(); ++part) {
+        if (region.plan.parts[part].kind == Kind::segment) {
+            add_primitives(frame, region, part, primitives);
+        }
+    }
+    return primitives;
+}
+
+const Primitive* primitive_at(std::span<const Primitive> primitives, Address address) {
+    const auto behind =
+        std::upper_bound(primitives.begin(), primitives.end(), address,
+                         [](Address a, const Primitive& p) { return a < p.address(); });
+    if (behind == primitives.begin()) {
+        return nullptr;
+    }
+    const Primitive& candidate = *std::prev(behind);
+    return candidate.part == address.part &&
+                   address.word < candidate.first_word + candidate.word_count
+               ? &candidate
+               : nullptr;
+}
+
+RegionWalk::RegionWalk(const renderer::RegionPlan& plan, isa::Executor& executor)
+    : plan_(plan), executor_(executor) {
+    enter();
+}
+
+/// Goes to the next part that holds an instruction.
+void RegionWalk::enter() {
+    for (; part_ < plan_.parts.size(); ++part_) {
+        const renderer::Words words = plan_.parts[part_].segment.words;
+        if (!words.empty()) {
+            sequencer_.emplace(words, executor_, controller_);
+            return;
+        }
+    }
+    sequencer_.reset();
+}
+
+RegionWalk::State RegionWalk::save() const {
+    return {part_, controller_.flag, sequencer_ ? sequencer_->state() : isa::Sequencer::State{},
+            counts_};
+}
+
+void RegionWalk::restore(const State& state) {
+    part_ = state.part;
+    controller_.flag = state.flag;
+    counts_ = state.counts;
+    enter();  // Stays at this part, which has an instruction, unless all is done.
+    if (sequencer_) {
+        sequencer_->restore(state.sequencer);
+    }
+}
+
+Address RegionWalk::at() const {
+    assert(!done());
+    return {part_, sequencer_->at()};
+}
+
+bool RegionWalk::is_part_begin() const {
+    assert(!done());
+    return sequencer_->counts().instructions == 0;
+}
+
+isa::Instruction RegionWalk::next() const {
+    return *isa::decode(plan_.parts[part_].segment.words[sequencer_->at()]);
+}
+
+isa::Coefficients RegionWalk::coefficients() const {
+    const renderer::Words words = plan_.parts[part_].segment.words;
+    const std::size_t at = sequencer_->at();
+    const renderer::Words coefficients =
+        words.subspan(at + 1, isa::instruction_words(words[at]) - 1);
+    return {reinterpret_cast<const std::int32_t*>(coefficients.data()), coefficients.size()};
+}
+
+void RegionWalk::step() {
+    assert(!done());
+    const isa::RunCounts before = sequencer_->counts();
+    bool over = false;
+    try {
+        sequencer_->step();
+        over = sequencer_->done();
+    } catch (const isa::RunError&) {
+        over = true;
+    }
+    counts_.instructions += sequencer_->counts().instructions - before.instructions;
+    counts_.cycles += sequencer_->counts().cycles - before.cycles;
+    if (over) {
+        ++part_;
+        enter();
+    }
+}
+
+void RegionWalk::run_part() {
+    assert(!done());
+    const isa::RunCounts before = sequencer_->counts();
+    try {
+        sequencer_->run();
+    } catch (const isa::RunError&) {
+        // What ran has run; the Renderer leaves the rest out, too.
+    }
+    counts_.instructions += sequencer_->counts().instructions - before.instructions;
+    counts_.cycles += sequencer_->counts().cycles - before.cycles;
+    ++part_;
+    enter();
+}
+
+}  // namespace pxpl5::host::inspect

@@ -1,0 +1,86 @@
+// Walks through a region's programs one instruction at a time, as its Renderer did.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/inspect/record/recorded_run.hpp"
+#include "isa/sequencer.hpp"
+
+namespace pxpl5::host::inspect {
+
+/// Address of an instruction in a region's programs.
+struct Address {
+    std::size_t part = 0;  ///< Index into the plan's parts.
+    std::size_t word = 0;  ///< Within the part's words.
+    auto operator<=>(const Address&) const = default;
+};
+
+/// "prologue+4", "gp-3 surface 0 slab 17+34", "shut-door surface 1+2", "open-door surface 1+0",
+/// "depths+0", "end+12".
+std::string to_text(const renderer::RegionPlan& plan, Address address);
+
+/// One primitive of a segment: what lies between one SETENABS and the next.
+struct Primitive {
+    std::size_t part = 0;
+    std::size_t number = 0;                      ///< In the region, over all segments, from 0.
+    std::size_t first_word = 0, word_count = 0;  ///< Within the part.
+    std::optional<bus::schema::Origin> origin;   ///< If it was recorded and there is a cell.
+    bool is_of_scene = false;                    ///< Of an archive: it has no voxel cell.
+    Address address() const { return {part, first_word}; }
+};
+
+/// All primitives of a region, in the order in which they run.
+std::vector<Primitive> primitives_of(const RecordedFrame& frame, const RecordedRegion& region);
+
+/// The primitive that holds the address; null for the Renderer's own programs.
+const Primitive* primitive_at(std::span<const Primitive> primitives, Address address);
+
+class RegionWalk {
+  public:
+    /// Both outlive the walk; `executor` is as new.
+    RegionWalk(const renderer::RegionPlan& plan, isa::Executor& executor);
+
+    const renderer::RegionPlan& plan() const { return plan_; }
+    bool done() const { return part_ == plan_.parts.size(); }
+    /// Of the next instruction. Not when done().
+    Address at() const;
+    bool is_part_begin() const;  ///< The next instruction is its part's first that runs.
+    isa::Instruction next() const;
+    isa::Coefficients coefficients() const;
+
+    /// Runs one instruction. A part that cannot go on (isa::RunError) is left, as the Renderer
+    /// does.
+    void step();
+    /// Runs to the end of the part under way, letting the executor run ahead.
+    void run_part();
+
+    const isa::RunCounts& counts() const { return counts_; }  ///< Of all that ran.
+
+    /// Where the walk stands. The executor's pixels are kept apart.
+    struct State {
+        std::size_t part = 0;
+        bool flag = true;  ///< The controller's.
+        isa::Sequencer::State sequencer;
+        isa::RunCounts counts;
+    };
+    State save() const;
+    /// Goes on from a state of a walk of the same plan.
+    void restore(const State& state);
+
+  private:
+    void enter();
+
+    const renderer::RegionPlan& plan_;
+    isa::Executor& executor_;
+    isa::Controller controller_;
+    std::size_t part_ = 0;
+    std::optional<isa::Sequencer> sequencer_;  ///< Of the part under way.
+    isa::RunCounts counts_;
+};
+
+}  // namespace pxpl5::host::inspect

@@ -1,0 +1,149 @@
+#include "host/inspect/record/run_table.hpp"
+
+#include <algorithm>
+
+#include "host/inspect/record/message_text.hpp"
+#include "ringbus/trace/trace_info.hpp"
+
+namespace pxpl5::host::inspect {
+
+namespace {
+
+namespace schema = bus::schema;
+using bus::Body;
+
+/// Gathers what messages tell of frames and volumes.
+struct Gatherer {
+    const RecordedRun& run;
+    std::map<std::uint32_t, FrameRow> frames;
+    std::map<std::uint32_t, VolumeRow> volumes;
+    struct Inputs {
+        std::vector<std::uint16_t> assignment;
+        std::set<std::uint32_t> begun;                          ///< Renderers.
+        std::map<std::uint32_t, std::set<std::uint32_t>> came;  ///< GPs by Renderer.
+        std::set<std::uint32_t> counted;                        ///< GPs.
+    };
+    std::map<std::uint32_t, Inputs> inputs;
+
+    void add(const NodeTrace& node, const bus::Message& message) {
+        if (const auto* begin = message.as<schema::BeginFrame>()) {
+            add_begin(node, *begin);
+        } else if (const auto* programs = message.as<schema::RegionPrograms>()) {
+            add_programs(node, *programs);
+        } else if (const auto* pixels = message.as<schema::RegionPixels>()) {
+            for (const schema::RegionTile* tile : *pixels->tiles()) {
+                frames[pixels->frame()].instructions += tile->instructions();
+            }
+        } else if (const auto* done = message.as<schema::FrameDone>()) {
+            frames[done->frame()].done = true;
+        } else if (const auto* volume = message.as<schema::VolumeHeader>()) {
+            volumes[volume->volume()] = {volume->volume(),
+                                         volume->name()->str(),
+                                         volume->source() == nullptr ? "" : volume->source()->str(),
+                                         schema::EnumNameScalarType(volume->type()),
+                                         volume->nx(),
+                                         volume->ny(),
+                                         volume->nz(),
+                                         volume->digest()};
+        }
+    }
+    void add_begin(const NodeTrace& node, const schema::BeginFrame& begin) {
+        const schema::DrawFrame& draw = *begin.draw();
+        FrameRow& frame = frames[draw.frame()];
+        frame.width = draw.width();
+        frame.height = draw.height();
+        frame.views = draw.views()->size();
+        frame.surfaces = draw.surfaces()->size();
+        frame.regions = begin.assignment()->size();
+        Inputs& in = inputs[draw.frame()];
+        in.assignment.assign(begin.assignment()->begin(), begin.assignment()->end());
+        if (node.info.role == schema::Role::renderer) {
+            in.begun.insert(node.info.index);
+        }
+    }
+    void add_programs(const NodeTrace& node, const schema::RegionPrograms& programs) {
+        FrameRow& frame = frames[programs.frame()];
+        Inputs& in = inputs[programs.frame()];
+        in.came[node.info.index].insert(programs.gp());
+        for (const schema::RegionProgram* region : *programs.regions()) {
+            frame.words += region->words()->size();
+        }
+        if (in.counted.insert(programs.gp()).second) {  // Each Renderer is told the same sum.
+            frame.triangles += programs.triangles_in();
+            frame.triangles_drawn += programs.triangles_out();
+        }
+    }
+    /// Regions all of whose messages are there.
+    std::size_t executable(const Inputs& in) const {
+        return static_cast<std::size_t>(
+            std::ranges::count_if(in.assignment, [&](std::uint32_t renderer) {
+                const auto came = in.came.find(renderer);
+                return in.begun.count(renderer) != 0 && came != in.came.end() &&
+                       came->second.size() >= run.gp_count();
+            }));
+    }
+};
+
+NodeRow row_of(const NodeTrace& node) {
+    NodeRow row{bus::trace::name_of(node.info.role, node.info.index),
+                schema::EnumNameRecording(node.info.recording),
+                node.entries.size(),
+                0,
+                0,
+                0,
+                node.info.dropped,
+                node.cut};
+    for (const bus::trace::Entry& entry : node.entries) {
+        row.bytes += entry.header.body_bytes();
+        row.last_clock = std::max(row.last_clock, entry.header.clock());
+        row.first_clock = &entry == node.entries.data()
+                              ? entry.header.clock()
+                              : std::min(row.first_clock, entry.header.clock());
+    }
+    return row;
+}
+
+void take_info(RunTable& table, const bus::trace::Info& info) {
+    table.build = info.build;
+    table.schema_hash = bus::trace::to_metadata(info).at("schema_hash");
+    for (const auto& [key, value] : info.more) {
+        if (key == "topology") {
+            table.topology = value;
+        } else {
+            table.more[key] = value;
+        }
+    }
+}
+
+bool tells(Body kind) {
+    return kind == Body::VolumeHeader || (is_of_frame(kind) && kind != Body::DrawFrame);
+}
+
+}  // namespace
+
+RunTable table_of(const RecordedRun& run) {
+    RunTable table;
+    table.gps = run.gp_count();
+    table.renderers = run.renderer_count();
+    Gatherer gatherer{run, {}, {}, {}};
+    for (const auto& [id, node] : run.nodes()) {
+        take_info(table, node.info);
+        table.nodes.push_back(row_of(node));
+        for (const bus::trace::Entry& entry : node.entries) {
+            if (tells(entry.kind())) {
+                gatherer.add(node, node.load(entry));
+            }
+        }
+    }
+    for (auto& [number, frame] : gatherer.frames) {
+        frame.number = number;
+        frame.executable = gatherer.executable(gatherer.inputs[number]);
+        table.frames.push_back(frame);
+    }
+    for (const auto& [id, volume] : gatherer.volumes) {
+        table.volumes.push_back(volume);
+    }
+    return table;
+}
+
+}  // namespace pxpl5::host::inspect

@@ -1,0 +1,85 @@
+#include "host/inspect/why/live_frame.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "host/inspect/step/scrub.hpp"
+#include "host/inspect/why/why.hpp"
+
+namespace pxpl5::host::inspect {
+
+namespace {
+
+/// Draws the session's scene with one sample a pixel, and has what was recorded of it written.
+std::pair<std::uint32_t, std::string> record_frame(Session& session) {
+    session.draw_samples(1);
+    const std::uint32_t frame = session.last_frame().frame;
+    return {frame, session.save_traces().folder};
+}
+
+/// Throws RequestError (failed) if regions of the frame cannot be executed again.
+void check_is_whole(const RecordedRun& run, std::uint32_t number) {
+    const std::vector<std::uint32_t> frames = run.frames();
+    const bool is_there = std::ranges::find(frames, number) != frames.end();
+    const std::string lacking =
+        is_there ? fmt::format("{}", fmt::join(run.frame(number).missing, "; ")) : "no BeginFrame";
+    if (!lacking.empty()) {
+        throw RequestError(
+            ExitCode::failed,
+            fmt::format("the recorders hold less than frame {} ({}): choose a smaller size, or "
+                        "start the machine with --record full",
+                        number, lacking));
+    }
+}
+
+}  // namespace
+
+struct LiveFrame::Parts {
+    Parts(std::uint64_t its_key, std::uint32_t number, const std::string& folder,
+          const Volume* volume)
+        : key(its_key), run(RecordedRun::open(folder)) {
+        check_is_whole(run, number);
+        inquiry.emplace(run, number, volume);
+    }
+
+    std::uint64_t key;
+    RecordedRun run;
+    std::optional<FrameInquiry> inquiry;
+    std::optional<RegionScrub> scrub;
+};
+
+LiveFrame::LiveFrame(Session& session, std::uint64_t key) {
+    const auto [frame, folder] = record_frame(session);
+    const Volume* volume = session.has_volume() ? &session.volume() : nullptr;
+    parts_ = std::make_unique<Parts>(key, frame, folder, volume);
+}
+
+LiveFrame::~LiveFrame() = default;
+
+LiveFrame& LiveFrame::of(Session& session) {
+    const std::uint64_t key = session.frame_key();
+    if (!session.asked_frame || session.asked_frame->parts_->key != key) {
+        session.asked_frame.reset();  // Before the next one is opened: each may be large.
+        session.asked_frame.reset(new LiveFrame(session, key));
+    }
+    return *session.asked_frame;
+}
+
+Reply LiveFrame::why(int x, int y) {
+    return why_reply(inspect::why(*parts_->inquiry, x, y));
+}
+
+ScrubView LiveFrame::scrub(int x, int y, const ScrubWish& wish) {
+    const RecordedFrame& frame = parts_->inquiry->frame;
+    const RegionPlace place = frame.region_at(x, y);
+    if (!parts_->scrub || parts_->scrub->region() != place.number) {
+        parts_->scrub.reset();
+        parts_->scrub.emplace(frame.regions.at(place.number));
+    }
+    return parts_->scrub->view(wish, {x - place.x0_px, y - place.y0_px});
+}
+
+}  // namespace pxpl5::host::inspect

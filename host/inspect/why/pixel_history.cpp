@@ -1,0 +1,299 @@
+#include "host/inspect/why/pixel_history.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "isa/disassemble.hpp"
+#include "isa/reference/reference.hpp"
+#include "isa/screen_door.hpp"
+#include "renderer_firmware/fast/fast.hpp"
+
+namespace pxpl5::host::inspect {
+
+namespace {
+
+namespace layout = isa::region;
+namespace schema = bus::schema;
+using Kind = renderer::RegionPlan::Kind;
+
+/// The whole region on the fast executor, which notes what it answers to ANYENAB.
+class Answering final : public isa::Executor {
+  public:
+    void execute(isa::Instruction in, isa::Coefficients coefficients) override {
+        pixels_.execute(in, coefficients);
+    }
+    isa::Taken execute_ahead(std::span<const std::uint32_t> words) override {
+        return pixels_.execute_ahead(words);
+    }
+    bool any_enabled() const override {
+        answers.push_back(pixels_.any_enabled());
+        return answers.back();
+    }
+    std::uint64_t field(int x, int y, std::uint32_t a, std::uint32_t n) const override {
+        return pixels_.field(x, y, a, n);
+    }
+    bool enabled(int x, int y) const override { return pixels_.enabled(x, y); }
+    bool carry(int x, int y) const override { return pixels_.carry(x, y); }
+    std::uint32_t backing_block(int x, int y, std::uint32_t block) const override {
+        return pixels_.backing_block(x, y, block);
+    }
+
+    mutable std::vector<bool> answers;
+
+  private:
+    renderer::fast::Fast pixels_;
+};
+
+/// One pixel on the reference executor, in a region that answers as `answers`.
+class OnePixel final : public isa::Executor {
+  public:
+    OnePixel(int x, int y, std::vector<bool> answers)
+        : x_(x), y_(y), pixel_({x, y, 1, 1}), answers_(std::move(answers)) {
+        pixel_.set_readout([this](std::span<const std::uint32_t> sent) {
+            colour = sent[static_cast<std::size_t>(y_ * layout::size_px + x_)];
+        });
+    }
+    void execute(isa::Instruction in, isa::Coefficients coefficients) override {
+        pixel_.execute(in, coefficients);
+    }
+    bool any_enabled() const override {
+        assert(next_answer_ < answers_.size());
+        return answers_[next_answer_++];
+    }
+    std::uint64_t field(int x, int y, std::uint32_t a, std::uint32_t n) const override {
+        return pixel_.field(x, y, a, n);
+    }
+    bool enabled(int x, int y) const override { return pixel_.enabled(x, y); }
+    bool carry(int x, int y) const override { return pixel_.carry(x, y); }
+    std::uint32_t backing_block(int x, int y, std::uint32_t block) const override {
+        return pixel_.backing_block(x, y, block);
+    }
+
+    bool enabled() const { return enabled(x_, y_); }
+    PixelState state() const {
+        const auto of = [this](layout::Field f) {
+            return static_cast<std::uint32_t>(field(x_, y_, f.address, f.width));
+        };
+        const auto is_signed = [&](layout::Field f) {
+            const int value = static_cast<int>(of(f)), half = 1 << (f.width - 1);
+            return value >= half ? value - 2 * half : value;
+        };
+        return {
+            enabled(),
+            of(layout::surface),
+            of(layout::z),
+            {is_signed(layout::normal_x), is_signed(layout::normal_y), is_signed(layout::normal_z)},
+            of(layout::rgb)};
+    }
+
+    std::uint32_t bits(std::uint32_t address, std::uint32_t width) const {
+        return static_cast<std::uint32_t>(pixel_.field(x_, y_, address, width));
+    }
+
+    std::uint32_t colour = 0;  ///< As read out.
+
+  private:
+    int x_, y_;
+    isa::reference::Reference pixel_;
+    std::vector<bool> answers_;
+    mutable std::size_t next_answer_ = 0;
+};
+
+/// A triangle's plane against the depth that is there.
+bool is_plane_depth_test(isa::Instruction in) {
+    const isa::OpInfo& row = isa::info(in.op);
+    return row.effects == isa::enable && in.operands.a == layout::z.address &&
+           in.operands.n == layout::z.width && row.b_role == isa::Role::fraction;
+}
+
+/// A depth computed in the pixel, a sphere's, against the one that is there.
+bool is_own_depth_test(isa::Instruction in) {
+    return in.op == isa::Op::mem_lt_mem && in.operands.b == layout::z.address &&
+           in.operands.n == layout::z.width;
+}
+
+bool stores(isa::Instruction in, bool enabled) {
+    const isa::OpInfo& row = isa::info(in.op);
+    return (row.effects & isa::mem) != 0 && (enabled || (row.effects & isa::all) != 0);
+}
+
+/// Steps through the region and takes notes.
+class Historian {
+  public:
+    Historian(const RecordedRegion& region, PixelHistory& history, OnePixel& pixel)
+        : plan_(region.plan), history_(history), pixel_(pixel), walk_(region.plan, pixel) {}
+
+    void run() {
+        while (!walk_.done()) {
+            step();
+        }
+        leave_primitive();
+        history_.colour = pixel_.colour;
+        history_.instructions = walk_.counts().instructions;
+    }
+
+  private:
+    void step() {
+        const Address at = walk_.at();
+        const Kind kind = plan_.parts[at.part].kind;
+        enter(at, kind);
+        const isa::Instruction in = walk_.next();
+        const bool enabled = pixel_.enabled();
+        if (kind == Kind::segment && enabled && is_own_depth_test(in)) {
+            visit().z = pixel_.bits(in.operands.a, in.operands.n);
+        }
+        if (kind == Kind::segment && enabled && is_plane_depth_test(in)) {
+            visit().z = static_cast<std::uint32_t>(
+                (form_at(walk_.coefficients(), history_.x_in_region(), history_.y_in_region()) >>
+                 in.operands.b) &
+                layout::z_far);
+        }
+        // What a sphere or a door computes on the way in scratch memory shows nothing.
+        const bool is_scratch = kind != Kind::prologue && kind != Kind::end_of_region &&
+                                in.operands.a >= layout::scratch;
+        if (!stores(in, enabled) || is_scratch) {
+            walk_.step();
+            if (in.op == isa::Op::enab_into_mem && kind == Kind::shut_door && enabled) {
+                history_.shut_surfaces.push_back(plan_.parts[at.part].segment.surface);
+            }
+            return;
+        }
+        PixelWrite write{at,
+                         walk_.counts().instructions,
+                         isa::disassemble(in, walk_.coefficients()),
+                         pixel_.state(),
+                         {}};
+        walk_.step();
+        write.after = pixel_.state();
+        list_of(kind).push_back(std::move(write));
+    }
+
+    /// Notes where a primitive, one of the Renderer's own programs, or the end of the region
+    /// begins.
+    void enter(Address at, Kind kind) {
+        while (next_ < history_.primitives.size() && history_.primitives[next_].address() <= at) {
+            leave_primitive();
+            current_ = next_++;
+            before_ = pixel_.state();
+        }
+        if (kind != Kind::segment) {
+            leave_primitive();
+        }
+        if (kind == Kind::end_of_region && !drawn_) {
+            drawn_ = true;
+            history_.drawn = pixel_.state();
+        }
+    }
+
+    void leave_primitive() {
+        if (visiting_) {
+            history_.visits.back().after = pixel_.state();
+        }
+        visiting_ = false;
+    }
+
+    PixelVisit& visit() {
+        if (!visiting_) {
+            visiting_ = true;
+            const Primitive& primitive = history_.primitives[current_];
+            history_.visits.push_back({current_,
+                                       std::nullopt,
+                                       before_,
+                                       {},
+                                       {},
+                                       plan_.parts[primitive.part].segment.surface});
+        }
+        return history_.visits.back();
+    }
+
+    std::vector<PixelWrite>& list_of(Kind kind) {
+        switch (kind) {
+            case Kind::prologue:
+                return history_.prologue;
+            case Kind::shut_door:
+            case Kind::open_door:
+                return history_.doors;
+            case Kind::depths:
+            case Kind::end_of_region:
+                return history_.end_of_region;
+            case Kind::segment:
+                break;
+        }
+        return visit().writes;
+    }
+
+    const renderer::RegionPlan& plan_;
+    PixelHistory& history_;
+    OnePixel& pixel_;
+    RegionWalk walk_;
+    std::size_t next_ = 0, current_ = 0;  ///< Primitives: to come, under way.
+    PixelState before_;                   ///< Of the primitive under way.
+    bool visiting_ = false, drawn_ = false;
+};
+
+/// The pixel's colour in the picture that the Renderer sent.
+std::optional<std::uint32_t> sent_colour(const RecordedFrame& frame, const RecordedRegion& region,
+                                         int x, int y) {
+    const auto found = frame.pixels.find(region.renderer);
+    if (found == frame.pixels.end()) {
+        return std::nullopt;
+    }
+    const auto& pixels = *found->second.as<schema::RegionPixels>();
+    for (std::uint32_t tile = 0; tile < pixels.tiles()->size(); ++tile) {
+        if (pixels.tiles()->Get(tile)->region() == region.place.number) {
+            const auto at =
+                tile * isa::region_pixels + static_cast<std::size_t>(y * layout::size_px + x);
+            return at < pixels.pixels()->size()
+                       ? std::optional(pixels.pixels()->Get(static_cast<std::uint32_t>(at)))
+                       : std::nullopt;
+        }
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::int64_t form_at(isa::Coefficients c, int x, int y) {
+    std::int64_t value = std::int64_t{c[0]} * x + std::int64_t{c[1]} * y + c[2];
+    if (c.size() == 6) {
+        value += (std::int64_t{c[3]} * x + std::int64_t{c[4]} * y) * x + std::int64_t{c[5]} * y * y;
+    }
+    return value;
+}
+
+isa::Coefficients coefficients_behind(std::span<const std::uint32_t> words, std::size_t word) {
+    const auto behind = words.subspan(word + 1, isa::instruction_words(words[word]) - 1);
+    return {reinterpret_cast<const std::int32_t*>(behind.data()), behind.size()};
+}
+
+const PixelVisit* PixelHistory::shown() const {
+    for (std::size_t i = visits.size(); i-- > 0;) {
+        if (!visits[i].writes.empty()) {
+            return &visits[i];
+        }
+    }
+    return nullptr;
+}
+
+bool PixelHistory::is_shut_out(const PixelVisit& visit) const {
+    return visit.writes.empty() &&
+           std::ranges::find(shut_surfaces, visit.surface) != shut_surfaces.end();
+}
+
+PixelHistory history_of(const RecordedFrame& frame, const RecordedRegion& region, int x, int y) {
+    PixelHistory history;
+    history.x = x;
+    history.y = y;
+    history.place = region.place;
+    history.primitives = primitives_of(frame, region);
+    Answering whole;
+    for (RegionWalk walk(region.plan, whole); !walk.done();) {
+        walk.run_part();
+    }
+    OnePixel pixel(history.x_in_region(), history.y_in_region(), std::move(whole.answers));
+    Historian(region, history, pixel).run();
+    history.sent = sent_colour(frame, region, history.x_in_region(), history.y_in_region());
+    return history;
+}
+
+}  // namespace pxpl5::host::inspect

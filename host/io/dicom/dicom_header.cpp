@@ -1,0 +1,354 @@
+// What DICOM files say of their slices. Only dicom_header.cpp and dicom_pixels.cpp include GDCM.
+#include "host/io/dicom/dicom_file.hpp"
+#include "host/io/dicom/dicom_structure.hpp"
+
+#include <fmt/format.h>
+#include <gdcmReader.h>
+#include <gdcmSequenceOfItems.h>
+#include <gdcmTrace.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <glm/geometric.hpp>
+
+#include "host/io/values/header_text.hpp"
+
+namespace pxpl5::host::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const gdcm::Tag pixel_data(0x7fe0, 0x0010);
+constexpr double max_skew_cosine = 1e-2;  // Rows and columns of an image are at right angles.
+
+/// The bytes of an element as text, without padding; empty if it is absent.
+std::string text_of(const gdcm::DataSet& data, gdcm::Tag tag) {
+    if (!data.FindDataElement(tag)) {
+        return {};
+    }
+    const gdcm::ByteValue* bytes = data.GetDataElement(tag).GetByteValue();
+    if (bytes == nullptr || bytes->GetPointer() == nullptr) {
+        return {};
+    }
+    const std::string text(bytes->GetPointer(), bytes->GetLength());
+    const std::size_t first = text.find_first_not_of(" \t");
+    const std::size_t last = text.find_last_not_of(std::string(" \t\0", 3));
+    return first == std::string::npos || last == std::string::npos || last < first
+               ? std::string()
+               : text.substr(first, last - first + 1);
+}
+
+/// Numbers of an element, which stand between backslashes. Empty if it is absent or empty.
+std::vector<double> numbers_of(const std::string& file, const gdcm::DataSet& data, gdcm::Tag tag) {
+    std::string text = text_of(data, tag);
+    std::replace(text.begin(), text.end(), '\\', ' ');
+    return numbers(file, fmt::format("({:04x},{:04x})", tag.GetGroup(), tag.GetElement()), text);
+}
+
+/// A US element; GDCM has put it into this machine's byte order. 0 if it is absent or too short.
+int unsigned_of(const gdcm::DataSet& data, gdcm::Tag tag) {
+    if (!data.FindDataElement(tag)) {
+        return 0;
+    }
+    const gdcm::ByteValue* bytes = data.GetDataElement(tag).GetByteValue();
+    std::uint16_t value = 0;
+    if (bytes == nullptr || bytes->GetPointer() == nullptr || bytes->GetLength() < sizeof value) {
+        return 0;
+    }
+    std::memcpy(&value, bytes->GetPointer(), sizeof value);
+    return value;
+}
+
+/// The data sets in which a frame's element may be: the frame's own functional group, the shared
+/// one, the file's.
+class FrameGroups {
+  public:
+    FrameGroups(const gdcm::DataSet& file, int frame) : file_(&file) {
+        add_group(gdcm::Tag(0x5200, 0x9230), static_cast<std::size_t>(frame) + 1);
+        add_group(gdcm::Tag(0x5200, 0x9229), 1);
+    }
+
+    /// The first of: element `tag` in sequence `macro` of the groups, `tag` in the file.
+    std::vector<double> numbers(const std::string& name, gdcm::Tag macro, gdcm::Tag tag) const {
+        for (const gdcm::SmartPointer<gdcm::SequenceOfItems>& group : groups_of(macro)) {
+            const auto found = numbers_of(name, group->GetItem(1).GetNestedDataSet(), tag);
+            if (!found.empty()) {
+                return found;
+            }
+        }
+        return numbers_of(name, *file_, tag);
+    }
+
+    bool has(gdcm::Tag macro) const { return !groups_of(macro).empty(); }
+
+  private:
+    using Items = gdcm::SmartPointer<gdcm::SequenceOfItems>;
+
+    void add_group(gdcm::Tag tag, std::size_t item) {
+        if (!file_->FindDataElement(tag)) {
+            return;
+        }
+        const Items items = file_->GetDataElement(tag).GetValueAsSQ();
+        if (items != nullptr && items->GetNumberOfItems() >= item) {
+            groups_.push_back({items, item});
+        }
+    }
+
+    std::vector<Items> groups_of(gdcm::Tag macro) const {
+        std::vector<Items> found;
+        for (const auto& [items, item] : groups_) {
+            const gdcm::DataSet& group = items->GetItem(item).GetNestedDataSet();
+            if (group.FindDataElement(macro)) {
+                const Items inner = group.GetDataElement(macro).GetValueAsSQ();
+                if (inner != nullptr && inner->GetNumberOfItems() > 0) {
+                    found.push_back(inner);
+                }
+            }
+        }
+        return found;
+    }
+
+    const gdcm::DataSet* file_;
+    std::vector<std::pair<Items, std::size_t>> groups_;
+};
+
+/// (0028,0030): distance of rows, then of columns. Detectors' spacing serves where no other is.
+void read_spacing(const std::string& file, const gdcm::DataSet& data, const FrameGroups& groups,
+                  DicomSlice& slice) {
+    std::vector<double> spacing =
+        groups.numbers(file, gdcm::Tag(0x0028, 0x9110), gdcm::Tag(0x0028, 0x0030));
+    if (spacing.empty()) {
+        spacing = numbers_of(file, data, gdcm::Tag(0x0018, 0x1164));
+    }
+    if (spacing.empty()) {
+        slice.spacing_stated = false;
+        return;
+    }
+    if (spacing.size() < 2 || !(spacing[0] > 0) || !(spacing[1] > 0) ||
+        !std::isfinite(spacing[0]) || !std::isfinite(spacing[1])) {
+        throw ImportError(
+            fmt::format("{}: pixel spacing (0028,0030) is {}, must be two lengths above 0", file,
+                        fmt::join(spacing, " and ")));
+    }
+    slice.x_step_mm *= spacing[1];
+    slice.y_step_mm *= spacing[0];
+}
+
+void read_position(const std::string& file, const FrameGroups& groups, DicomSlice& slice) {
+    const std::vector<double> axes =
+        groups.numbers(file, gdcm::Tag(0x0020, 0x9116), gdcm::Tag(0x0020, 0x0037));
+    const std::vector<double> origin =
+        groups.numbers(file, gdcm::Tag(0x0020, 0x9113), gdcm::Tag(0x0020, 0x0032));
+    // A file's own position is that of its first frame only.
+    slice.position_stated = axes.size() == 6 && origin.size() == 3 &&
+                            (slice.frames == 1 || groups.has(gdcm::Tag(0x0020, 0x9113)));
+    if (axes.size() == 6) {
+        const glm::dvec3 x(axes[0], axes[1], axes[2]), y(axes[3], axes[4], axes[5]);
+        const double cosine = glm::dot(x, y) / (glm::length(x) * glm::length(y));
+        if (!(std::abs(cosine) < max_skew_cosine)) {
+            throw ImportError(fmt::format(
+                "{}: the rows and columns of (0020,0037) meet at a cosine of {}, must be 0", file,
+                cosine));
+        }
+        slice.x_step_mm = glm::normalize(x);
+        slice.y_step_mm = glm::normalize(y);
+    }
+    if (origin.size() == 3) {
+        slice.origin_mm = {origin[0], origin[1], origin[2]};
+        if (!std::isfinite(origin[0] + origin[1] + origin[2])) {
+            throw ImportError(fmt::format("{}: its position (0020,0032) is {}, must be finite",
+                                          file, fmt::join(origin, ", ")));
+        }
+    }
+}
+
+double first_or(const std::vector<double>& values, double otherwise) {
+    return values.empty() ? otherwise : values[0];
+}
+
+void read_scale(const std::string& file, const gdcm::DataSet& data, const FrameGroups& groups,
+                DicomSlice& slice) {
+    const gdcm::Tag macro(0x0028, 0x9145);
+    slice.scale.slope = first_or(groups.numbers(file, macro, gdcm::Tag(0x0028, 0x1053)), 1);
+    slice.scale.intercept = first_or(groups.numbers(file, macro, gdcm::Tag(0x0028, 0x1052)), 0);
+    const std::vector<double> dose = numbers_of(file, data, gdcm::Tag(0x3004, 0x000e));
+    slice.scale.slope *= first_or(dose, 1);
+    if (!std::isfinite(slice.scale.slope) || !std::isfinite(slice.scale.intercept) ||
+        slice.scale.slope == 0) {
+        throw ImportError(fmt::format(
+            "{}: rescale slope (0028,1053) is {} and intercept (0028,1052) {}: must be finite, the "
+            "slope not 0",
+            file, slice.scale.slope, slice.scale.intercept));
+    }
+}
+
+/// Signed distance of frames that have no positions of their own.
+std::optional<double> frame_step(const std::string& file, const gdcm::DataSet& data) {
+    const std::vector<double> spacing = numbers_of(file, data, gdcm::Tag(0x0018, 0x0088));
+    if (!spacing.empty() && std::isfinite(spacing[0]) && spacing[0] != 0) {
+        return spacing[0];
+    }
+    return std::nullopt;
+}
+
+/// Frames of a dose lie at offsets from the file's position, along its normal (3004,000c).
+void place_by_offsets(const std::string& file, const gdcm::DataSet& data,
+                      std::vector<DicomSlice>& slices) {
+    const std::vector<double> offsets = numbers_of(file, data, gdcm::Tag(0x3004, 0x000c));
+    const bool has_place = data.FindDataElement(gdcm::Tag(0x0020, 0x0032)) &&
+                           data.FindDataElement(gdcm::Tag(0x0020, 0x0037));
+    // The standard's other way counts from the isocentre, which the file does not state.
+    if (offsets.size() != slices.size() || offsets.empty() || offsets[0] != 0 || !has_place) {
+        return;
+    }
+    for (std::size_t i = 0; i < slices.size(); ++i) {
+        DicomSlice& slice = slices[i];
+        slice.origin_mm +=
+            offsets[i] * glm::normalize(glm::cross(slice.x_step_mm, slice.y_step_mm));
+        slice.position_stated = std::isfinite(offsets[i]);
+    }
+}
+
+bool is_lossy(const gdcm::Reader& reader, const gdcm::DataSet& data) {
+    if (text_of(data, gdcm::Tag(0x0028, 0x2110)) == "01") {
+        return true;
+    }
+    using gdcm::TransferSyntax;
+    const TransferSyntax::TSType syntax = reader.GetFile().GetHeader().GetDataSetTransferSyntax();
+    return syntax == TransferSyntax::JPEGBaselineProcess1 ||
+           syntax == TransferSyntax::JPEGExtendedProcess2_4 ||
+           syntax == TransferSyntax::JPEGExtendedProcess3_5 ||
+           syntax == TransferSyntax::JPEGSpectralSelectionProcess6_8 ||
+           syntax == TransferSyntax::JPEGFullProgressionProcess10_12 ||
+           syntax == TransferSyntax::JPEGLSNearLossless;
+}
+
+/// What all frames of a file share.
+DicomSlice read_shared(const fs::path& path, const gdcm::Reader& reader) {
+    const std::string file = path.string();
+    const gdcm::DataSet& data = reader.GetFile().GetDataSet();
+    DicomSlice slice;
+    slice.path = path;
+    slice.series = text_of(data, gdcm::Tag(0x0020, 0x000e));
+    slice.description = text_of(data, gdcm::Tag(0x0008, 0x103e));
+    slice.modality = text_of(data, gdcm::Tag(0x0008, 0x0060));
+    const auto whole = [&](gdcm::Tag tag) {
+        const double value = first_or(numbers_of(file, data, tag), 0);
+        return std::abs(value) < 1e9 ? static_cast<int>(value) : 0;
+    };
+    slice.series_number = whole(gdcm::Tag(0x0020, 0x0011));
+    slice.instance_number = whole(gdcm::Tag(0x0020, 0x0013));
+    slice.rows = unsigned_of(data, gdcm::Tag(0x0028, 0x0010));
+    slice.columns = unsigned_of(data, gdcm::Tag(0x0028, 0x0011));
+    const double frames = first_or(numbers_of(file, data, gdcm::Tag(0x0028, 0x0008)), 1);
+    if (!(frames >= 1) || frames > static_cast<double>(max_slices)) {
+        throw ImportError(fmt::format("{}: number of frames (0028,0008) is {}, must be 1 to {}",
+                                      file, frames, max_slices));
+    }
+    slice.frames = static_cast<int>(frames);
+    slice.is_lossy = is_lossy(reader, data);
+    slice.is_inverted = text_of(data, gdcm::Tag(0x0028, 0x0004)) == "MONOCHROME1";
+    slice.frame_step_mm = frame_step(file, data);
+    slice.samples = std::max(unsigned_of(data, gdcm::Tag(0x0028, 0x0002)), 1);
+    slice.bits = unsigned_of(data, gdcm::Tag(0x0028, 0x0100));
+    using gdcm::TransferSyntax;
+    // Positions in a deflated file are not those in its text.
+    if (reader.GetFile().GetHeader().GetDataSetTransferSyntax() !=
+        TransferSyntax::DeflatedExplicitVRLittleEndian) {
+        slice.pixel_offset_bytes = reader.GetStreamCurrentPosition();
+    }
+    return slice;
+}
+
+/// The file must have the bytes that its pixels need; compressed ones, a fragment for each frame.
+void check_size(const std::string& file, const gdcm::Reader& reader, const DicomSlice& slice) {
+    constexpr std::uint64_t fragment_bytes = 8;
+    if (slice.pixel_offset_bytes == 0) {
+        return;
+    }
+    const std::uint64_t size = fs::file_size(slice.path);
+    const std::uint64_t has = size - std::min(size, slice.pixel_offset_bytes);
+    const bool compressed =
+        reader.GetFile().GetHeader().GetDataSetTransferSyntax().IsEncapsulated();
+    const std::uint64_t pixels = static_cast<std::uint64_t>(slice.columns) *
+                                 static_cast<std::uint64_t>(slice.rows) *
+                                 static_cast<std::uint64_t>(slice.frames * slice.samples);
+    const auto bytes = static_cast<std::uint64_t>((slice.bits + 7) / 8);
+    const std::uint64_t needed = compressed
+                                     ? fragment_bytes * static_cast<std::uint64_t>(slice.frames)
+                                     : pixels * static_cast<std::uint64_t>(slice.bits) / 8;
+    if (has < needed) {
+        throw ImportError(fmt::format(
+            "{}: pixel data (7fe0,0010) have {} bytes, {}x{}x{} of {} bytes need {}{}", file, has,
+            slice.columns, slice.rows, slice.frames, bytes, needed, compressed ? " or more" : ""));
+    }
+}
+
+void check_shape(const std::string& file, const DicomSlice& slice) {
+    for (const auto& [size, name] : {std::pair{slice.columns, "columns (0028,0011)"},
+                                     std::pair{slice.rows, "rows (0028,0010)"}}) {
+        if (size < min_dim || size > max_dim) {
+            throw ImportError(
+                fmt::format("{}: has {} {}, must be {} to {}", file, size, name, min_dim, max_dim));
+        }
+    }
+}
+
+}  // namespace
+
+bool begins_as_dicom(const fs::path& path) {
+    constexpr std::size_t preamble_bytes = 132, element_bytes = 8;
+    std::array<char, preamble_bytes + element_bytes> head{};
+    std::ifstream stream(path, std::ios::binary);
+    stream.read(head.data(), head.size());
+    return stream && std::string_view(head.data(), head.size()).substr(128, 4) == "DICM";
+}
+
+std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
+    const std::string file = path.string();
+    if (!begins_as_dicom(path)) {
+        return {};
+    }
+    const PixelBytes pixels = check_dicom_structure(path);
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+    gdcm::Reader reader;
+    reader.SetFileName(file.c_str());
+    if (!reader.ReadUpToTag(pixel_data, {pixel_data})) {  // Values are passed over.
+        return {};
+    }
+    const gdcm::DataSet& data = reader.GetFile().GetDataSet();
+    const DicomSlice shared = read_shared(path, reader);
+    if (shared.rows == 0 || shared.columns == 0) {
+        return {};
+    }
+    check_shape(file, shared);
+    check_size(file, reader, shared);
+    if (pixels.stated > pixels.left + 1) {  // Some writers forget the byte that makes it even.
+        throw ImportError(fmt::format("{}: pixel data (7fe0,0010) state {} bytes, {} are left",
+                                      file, pixels.stated, pixels.left));
+    }
+    std::vector<DicomSlice> slices;
+    for (int frame = 0; frame < shared.frames; ++frame) {
+        DicomSlice slice = shared;
+        const FrameGroups groups(data, frame);
+        slice.frame = frame;
+        read_position(file, groups, slice);
+        read_spacing(file, data, groups, slice);
+        read_scale(file, data, groups, slice);
+        const auto thickness =
+            groups.numbers(file, gdcm::Tag(0x0028, 0x9110), gdcm::Tag(0x0018, 0x0050));
+        if (!thickness.empty() && thickness[0] > 0) {
+            slice.thickness_mm = thickness[0];
+        }
+        slices.push_back(std::move(slice));
+    }
+    place_by_offsets(file, data, slices);
+    return slices;
+}
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,304 @@
+// Slices of one series by position, and the distances between them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+
+#include "host/io/dicom/dicom_series.hpp"
+#include "host/io/values/header_text.hpp"
+
+namespace pxpl5::host::io {
+
+namespace {
+
+constexpr double same_position_mm = 1e-3;
+constexpr double max_uneven = 0.01;       // Of the usual step: positions have few digits.
+constexpr double gap_steps = 1.5;         // Wider slabs span missing slices.
+constexpr double same_direction = 1e-3;   // Of a unit vector: 0.06 degrees.
+constexpr double same_spacing = 1e-3;     // Of the spacing.
+constexpr double max_sideways = 0.1;      // Of a pixel.
+constexpr std::size_t max_named = 8;      // Of one kind in one finding.
+constexpr std::size_t max_shapes = 1024;  // A file for each would be no series.
+
+std::string name_of(const DicomSlice& slice) {
+    const std::string file = shown(slice.path.filename().string());
+    return slice.frames == 1 ? file : fmt::format("frame {} of {}", slice.frame + 1, file);
+}
+
+bool is_same_step(glm::dvec3 a, glm::dvec3 b) {
+    return std::abs(glm::length(a) - glm::length(b)) <= same_spacing * glm::length(a) &&
+           glm::length(glm::normalize(a) - glm::normalize(b)) <= same_direction;
+}
+
+bool is_same_shape(const DicomSlice& a, const DicomSlice& b) {
+    return a.columns == b.columns && a.rows == b.rows && is_same_step(a.x_step_mm, b.x_step_mm) &&
+           is_same_step(a.y_step_mm, b.y_step_mm);
+}
+
+/// The largest set of one size and orientation; of equally large ones the first.
+std::vector<DicomSlice> largest_shape(const std::string& source, std::vector<DicomSlice> series,
+                                      std::vector<Finding>& findings) {
+    std::vector<std::vector<DicomSlice>> shapes;
+    for (DicomSlice& slice : series) {
+        const auto same = std::find_if(shapes.begin(), shapes.end(), [&](const auto& shape) {
+            return is_same_shape(shape.front(), slice);
+        });
+        if (same != shapes.end()) {
+            same->push_back(std::move(slice));
+        } else if (shapes.size() == max_shapes) {
+            throw ImportError(fmt::format("{}: its slices have more than {} sizes and orientations",
+                                          source, max_shapes));
+        } else {
+            shapes.push_back({std::move(slice)});
+        }
+    }
+    const auto largest =
+        std::max_element(shapes.begin(), shapes.end(),
+                         [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    for (const auto& shape : shapes) {
+        if (&shape != &*largest) {
+            findings.push_back(
+                {FindingKind::mixed_orientations,
+                 fmt::format("{} slices of {}x{} in another orientation or size are left out, the "
+                             "first is {}",
+                             shape.size(), shape.front().columns, shape.front().rows,
+                             name_of(shape.front()))});
+        }
+    }
+    return std::move(*largest);
+}
+
+/// Frames of one file that have no positions lie as far apart as the file says.
+void place_frames(const std::string& source, std::vector<DicomSlice>& slices,
+                  const ImportRequest& request, std::vector<Finding>& findings) {
+    const DicomSlice& first = slices.front();
+    const bool wished = request.spacing_mm.has_value();
+    if (!first.frame_step_mm && !wished) {
+        throw ImportError(fmt::format(
+            "{}: its {} frames state neither positions (0020,0032) nor a distance (0018,0088): "
+            "give spacing=x,y,z in millimetres",
+            source, slices.size()));
+    }
+    const double step = first.frame_step_mm ? *first.frame_step_mm : request.spacing_mm->z;
+    const glm::dvec3 normal = glm::normalize(glm::cross(first.x_step_mm, first.y_step_mm));
+    for (DicomSlice& slice : slices) {
+        slice.origin_mm += normal * (step * slice.frame);
+    }
+    findings.push_back(
+        {FindingKind::assumption,
+         fmt::format("the frames state no positions of their own: they are taken as {} "
+                     "mm apart ({})",
+                     step, first.frame_step_mm ? "0018,0088" : "as asked for")});
+}
+
+void check_positions(const std::string& source, std::vector<DicomSlice>& slices,
+                     const ImportRequest& request, std::vector<Finding>& findings) {
+    const auto without = std::find_if(slices.begin(), slices.end(), [](const DicomSlice& slice) {
+        return !slice.position_stated;
+    });
+    if (without == slices.end()) {
+        return;
+    }
+    if (slices.size() == 1) {
+        findings.push_back({FindingKind::assumption,
+                            "the slice states no position and orientation (0020,0032 and "
+                            "0020,0037): x, y, z are taken as left, posterior, superior"});
+        return;
+    }
+    const bool one_file = std::all_of(slices.begin(), slices.end(), [&](const DicomSlice& slice) {
+        return slice.path == slices.front().path && !slice.position_stated;
+    });
+    if (one_file) {
+        place_frames(source, slices, request, findings);
+        return;
+    }
+    throw ImportError(
+        fmt::format("{}: {} states no position and orientation (0020,0032 and 0020,0037), so the "
+                    "slices have no order",
+                    source, name_of(*without)));
+}
+
+/// "a, b, c and 4 more".
+std::string named(const std::vector<std::string>& names) {
+    const std::vector<std::string> few(
+        names.begin(),
+        names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), max_named)));
+    const std::string rest =
+        names.size() > max_named ? fmt::format(" and {} more", names.size() - max_named) : "";
+    return fmt::format("{}{}", fmt::join(few, "; "), rest);
+}
+
+void report_duplicates(std::size_t kept, const std::vector<std::string>& copies,
+                       std::vector<Finding>& findings) {
+    if (copies.empty()) {
+        return;
+    }
+    const bool is_series_of_volumes = copies.size() % kept == 0 && kept > 1;
+    findings.push_back(
+        {FindingKind::duplicate_slices,
+         fmt::format("{} slices have the position of another and are left out{}: {}", copies.size(),
+                     is_series_of_volumes ? fmt::format(" (each position is there {} times, as in "
+                                                        "a series of times or echoes)",
+                                                        copies.size() / kept + 1)
+                                          : "",
+                     named(copies))});
+}
+
+void report_steps(const OrderedSlices& ordered, const std::vector<double>& steps, double median,
+                  Volume& volume) {
+    std::vector<std::string> gaps, uneven;
+    double missing_mm = 0;
+    int missing = 0;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        if (std::abs(steps[i] - median) <= max_uneven * median) {
+            continue;
+        }
+        const std::string text =
+            fmt::format("{:.3f} mm from {} to {}", steps[i], name_of(ordered.slices[i]),
+                        name_of(ordered.slices[i + 1]));
+        if (steps[i] > gap_steps * median) {
+            volume.gap_slabs.push_back(static_cast<int>(i));
+            gaps.push_back(text);
+            missing += static_cast<int>(std::lround(std::min(steps[i] / median, 1e6))) - 1;
+            missing_mm += steps[i] - median;
+        } else {
+            uneven.push_back(text);
+        }
+    }
+    if (!gaps.empty()) {
+        volume.findings.push_back(
+            {FindingKind::missing_slices,
+             fmt::format("about {} slices are missing, {:.3f} mm in all: {}; elsewhere {:.3f} mm",
+                         missing, missing_mm, named(gaps), median)});
+    }
+    if (!uneven.empty()) {
+        volume.findings.push_back(
+            {FindingKind::uneven_slices,
+             fmt::format("{} of {} steps between slices are uneven: {}; the median is {:.3f} mm",
+                         uneven.size(), steps.size(), named(uneven), median)});
+    }
+}
+
+/// Slices that do not lie behind each other on one line.
+void report_sideways(const OrderedSlices& ordered, Volume& volume) {
+    const glm::dvec3 first = ordered.slices.front().origin_mm;
+    const glm::dvec3 whole = ordered.slices.back().origin_mm - first;
+    const double length = ordered.along_mm.back() - ordered.along_mm.front();
+    double most_mm = 0;
+    for (std::size_t i = 0; i < ordered.slices.size(); ++i) {
+        const double part = (ordered.along_mm[i] - ordered.along_mm.front()) / length;
+        most_mm =
+            std::max(most_mm, glm::length(ordered.slices[i].origin_mm - first - whole * part));
+    }
+    const double pixel = std::min(glm::length(ordered.slices.front().x_step_mm),
+                                  glm::length(ordered.slices.front().y_step_mm));
+    if (most_mm > max_sideways * pixel) {
+        volume.findings.push_back(
+            {FindingKind::uneven_slices,
+             fmt::format("slices are shifted sideways by up to {:.3f} mm from a straight row; they "
+                         "are shown in a straight row",
+                         most_mm)});
+    }
+}
+
+void report_thickness(const DicomSlice& first, double step_mm, Volume& volume) {
+    if (first.thickness_mm &&
+        std::abs(*first.thickness_mm - step_mm) > max_uneven * std::abs(step_mm)) {
+        volume.findings.push_back(
+            {FindingKind::thickness_differs,
+             fmt::format("slices are {:.3f} mm apart and {:.3f} mm thick ({}); the distance counts",
+                         step_mm, *first.thickness_mm,
+                         *first.thickness_mm > step_mm ? "they overlap" : "there are gaps")});
+    }
+}
+
+/// The z step of a single slice: nothing states one.
+glm::dvec3 single_step(const DicomSlice& slice, const ImportRequest& request, Volume& volume) {
+    const glm::dvec3 normal = glm::normalize(glm::cross(slice.x_step_mm, slice.y_step_mm));
+    const double thickness = slice.thickness_mm.value_or(0);
+    const double step = request.spacing_mm ? request.spacing_mm->z
+                        : thickness > 0    ? thickness
+                                           : 1.0;
+    volume.findings.push_back(
+        {FindingKind::assumption,
+         fmt::format("a single slice has no distance to another: {} mm is taken along z ({})", step,
+                     request.spacing_mm ? "as asked for"
+                     : thickness > 0    ? "its thickness"
+                                        : "its thickness is not stated either")});
+    return normal * step;
+}
+
+}  // namespace
+
+OrderedSlices order_slices(const std::string& source, std::vector<DicomSlice> series,
+                           const ImportRequest& request, std::vector<Finding>& findings) {
+    std::vector<DicomSlice> slices = largest_shape(source, std::move(series), findings);
+    check_positions(source, slices, request, findings);
+    const DicomSlice& shape = slices.front();
+    const glm::dvec3 normal = glm::normalize(glm::cross(shape.x_step_mm, shape.y_step_mm));
+    std::vector<std::size_t> order(slices.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto along = [&](std::size_t i) { return glm::dot(slices[i].origin_mm, normal); };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return along(a) < along(b); });
+    OrderedSlices ordered;
+    std::vector<std::string> copies;
+    for (std::size_t at = 0; at < order.size();) {
+        std::size_t end = at + 1;
+        while (end < order.size() && along(order[end]) - along(order[at]) < same_position_mm) {
+            ++end;
+        }
+        // At one position the first image of the series counts.
+        const auto first = order.begin() + static_cast<std::ptrdiff_t>(at);
+        const auto last = order.begin() + static_cast<std::ptrdiff_t>(end);
+        std::stable_sort(first, last, [&](std::size_t a, std::size_t b) {
+            return slices[a].instance_number < slices[b].instance_number;
+        });
+        ordered.slices.push_back(slices[*first]);
+        ordered.along_mm.push_back(along(*first));
+        for (auto copy = first + 1; copy < last; ++copy) {
+            copies.push_back(
+                fmt::format("{} has that of {}", name_of(slices[*copy]), name_of(slices[*first])));
+        }
+        at = end;
+    }
+    report_duplicates(ordered.slices.size(), copies, findings);
+    return ordered;
+}
+
+void place_slices(const OrderedSlices& ordered, const ImportRequest& request, Volume& volume) {
+    const DicomSlice& first = ordered.slices.front();
+    glm::dvec3 z_step_mm(0);
+    if (ordered.slices.size() == 1) {
+        z_step_mm = single_step(first, request, volume);
+    } else {
+        std::vector<double> steps(ordered.along_mm.size());
+        std::adjacent_difference(ordered.along_mm.begin(), ordered.along_mm.end(), steps.begin());
+        steps.erase(steps.begin());
+        std::vector<double> sorted = steps;
+        std::sort(sorted.begin(), sorted.end());
+        const double median = sorted[sorted.size() / 2];
+        const glm::dvec3 whole = ordered.slices.back().origin_mm - first.origin_mm;
+        const double length = ordered.along_mm.back() - ordered.along_mm.front();
+        const bool is_even = sorted.front() >= (1 - max_uneven) * median &&
+                             sorted.back() <= (1 + max_uneven) * median;
+        // Over an even series the mean is the better estimate: each position is rounded.
+        const double step = is_even ? length / static_cast<double>(steps.size()) : median;
+        z_step_mm = whole * (step / length);
+        report_steps(ordered, steps, median, volume);
+        for (const double along_mm : ordered.along_mm) {
+            if (!is_even) {
+                volume.slice_places.push_back((along_mm - ordered.along_mm.front()) / step);
+            }
+        }
+        report_sideways(ordered, volume);
+        report_thickness(first, step, volume);
+    }
+    volume.voxel_to_patient =
+        glm::dmat4(glm::dvec4(first.x_step_mm, 0), glm::dvec4(first.y_step_mm, 0),
+                   glm::dvec4(z_step_mm, 0), glm::dvec4(first.origin_mm, 1));
+}
+
+}  // namespace pxpl5::host::io

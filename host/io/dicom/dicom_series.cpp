@@ -1,0 +1,157 @@
+#include "host/io/dicom/dicom_series.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "host/io/values/header_text.hpp"
+
+namespace pxpl5::host::io {
+
+namespace {
+
+constexpr std::size_t max_listed_series = 50;
+
+using Series = std::vector<DicomSlice>;
+
+/// What slices of one series share. Without a UID: whatever else tells series apart.
+using SeriesKey = std::tuple<int, std::string, std::string, std::string, int, int>;
+
+SeriesKey key_of(const DicomSlice& slice) {
+    if (!slice.series.empty()) {
+        return {slice.series_number, slice.series, "", "", 0, 0};
+    }
+    return {slice.series_number, "", slice.modality, slice.description, slice.columns, slice.rows};
+}
+
+std::vector<Series> series_of(std::vector<DicomSlice> slices) {
+    std::map<SeriesKey, Series> by_key;
+    for (DicomSlice& slice : slices) {
+        by_key[key_of(slice)].push_back(std::move(slice));
+    }
+    std::vector<Series> all;
+    for (auto& [key, series] : by_key) {
+        all.push_back(std::move(series));
+    }
+    return all;
+}
+
+/// "2: 1.2.840.1 'Thorax 3 mm', CT, 512x512x112".
+std::string line_of(std::size_t number, const Series& series) {
+    const DicomSlice& first = series.front();
+    const std::string uid = first.series.empty() ? "(no UID)" : shown(first.series);
+    return fmt::format("{}: {} '{}', {}, {}x{}x{}", number, uid, shown(first.description),
+                       first.modality.empty() ? "no modality" : shown(first.modality),
+                       first.columns, first.rows, series.size());
+}
+
+std::string list_of(const std::vector<Series>& all) {
+    std::string list;
+    for (std::size_t i = 0; i < std::min(all.size(), max_listed_series); ++i) {
+        list += "\n  " + line_of(i + 1, all[i]);
+    }
+    if (all.size() > max_listed_series) {
+        list += fmt::format("\n  and {} more", all.size() - max_listed_series);
+    }
+    return list;
+}
+
+/// Index of the series that is asked for.
+std::size_t choose(const std::string& source, const std::vector<Series>& all,
+                   const std::string& wish) {
+    if (wish.empty() && all.size() == 1) {
+        return 0;
+    }
+    for (std::size_t i = 0; i < all.size() && !wish.empty(); ++i) {
+        if (wish == std::to_string(i + 1) || wish == all[i].front().series) {
+            return i;
+        }
+    }
+    if (wish.empty()) {
+        throw ImportError(fmt::format("{}: holds {} series: choose one by series=N or its UID:{}",
+                                      source, all.size(), list_of(all)));
+    }
+    throw ImportError(fmt::format("{}: has no series '{}', it holds {}:{}", source, shown(wish),
+                                  all.size(), list_of(all)));
+}
+
+void report_slices(const Series& slices, std::vector<Finding>& findings) {
+    const auto [low, high] = std::minmax_element(
+        slices.begin(), slices.end(),
+        [](const DicomSlice& a, const DicomSlice& b) { return a.scale.slope < b.scale.slope; });
+    const bool same = std::all_of(slices.begin(), slices.end(), [&](const DicomSlice& slice) {
+        return slice.scale == slices.front().scale;
+    });
+    if (!same) {
+        findings.push_back(
+            {FindingKind::note,
+             fmt::format("each slice has its own rescale slope, {} to {}, and intercept",
+                         low->scale.slope, high->scale.slope)});
+    }
+    const auto lossy = std::count_if(slices.begin(), slices.end(),
+                                     [](const DicomSlice& slice) { return slice.is_lossy; });
+    if (lossy > 0) {
+        findings.push_back(
+            {FindingKind::note, fmt::format("{} of {} slices were compressed with loss: their "
+                                            "values are not those of the scanner",
+                                            lossy, slices.size())});
+    }
+    if (slices.front().is_inverted) {
+        findings.push_back({FindingKind::note,
+                            "MONOCHROME1: small values are meant to look bright; the values are "
+                            "as stored"});
+    }
+}
+
+std::array<bool, 3> spacing_stated(const Series& slices) {
+    const bool pixels = std::all_of(slices.begin(), slices.end(),
+                                    [](const DicomSlice& slice) { return slice.spacing_stated; });
+    const DicomSlice& first = slices.front();
+    return {pixels, pixels,
+            slices.size() > 1 && (first.position_stated || first.frame_step_mm.has_value())};
+}
+
+}  // namespace
+
+SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> slices,
+                             const ImportRequest& request, const DecodeSlice& decode) {
+    const std::vector<Series> all = series_of(std::move(slices));
+    const std::size_t chosen = choose(source, all, request.series);
+    Volume volume;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (i != chosen) {
+            volume.findings.push_back({FindingKind::other_series,
+                                       "another series is left out: " + line_of(i + 1, all[i])});
+        }
+    }
+    const OrderedSlices ordered = order_slices(source, all[chosen], request, volume.findings);
+    const DicomSlice& first = ordered.slices.front();
+    if (ordered.slices.size() > max_dim) {
+        throw ImportError(fmt::format("{}: {} voxels along z, must be 1 to {}", source,
+                                      ordered.slices.size(), max_dim));
+    }
+    volume.nx = first.columns;
+    volume.ny = first.rows;
+    volume.nz = static_cast<int>(ordered.slices.size());
+    volume.modality = first.modality;
+    place_slices(ordered, request, volume);
+    report_slices(ordered.slices, volume.findings);
+    const std::size_t slice_values =
+        static_cast<std::size_t>(volume.nx) * static_cast<std::size_t>(volume.ny);
+    if (slice_values * ordered.slices.size() * 2 > max_volume_bytes) {
+        throw ImportError(fmt::format("{}: {}x{}x{} of 2 bytes need {} bytes, at most {} are read",
+                                      source, volume.nx, volume.ny, volume.nz,
+                                      slice_values * ordered.slices.size() * 2, max_volume_bytes));
+    }
+    ValueSink sink(slice_values * ordered.slices.size());
+    for (const DicomSlice& slice : ordered.slices) {
+        decode(slice, sink);
+    }
+    sink.finish(source, volume);
+    return {std::move(volume), spacing_stated(ordered.slices)};
+}
+
+}  // namespace pxpl5::host::io

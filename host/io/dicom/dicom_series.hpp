@@ -1,0 +1,73 @@
+// DICOM slices become one volume: which of them, in which order, how far apart.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/io/values/import_request.hpp"
+#include "host/io/values/value_sink.hpp"
+#include "host/volume/volume.hpp"
+
+namespace pxpl5::host::io {
+
+inline constexpr std::size_t max_slices = 65'536;  ///< Files of a folder, and frames of all.
+
+/// One slice: a file, or one frame of it.
+struct DicomSlice {
+    std::filesystem::path path;
+    int frame = 0, frames = 1;  ///< Index in the file, and how many the file holds.
+    std::string series;         ///< Series instance UID; may be empty.
+    std::string description, modality;
+    int series_number = 0, instance_number = 0;
+    int columns = 0, rows = 0;
+    int samples = 1, bits = 0;  ///< Of a pixel: 1 is grey; bits allocated of each sample.
+    glm::dvec3 x_step_mm{1, 0, 0}, y_step_mm{0, 1, 0};  ///< One column and one row further, LPS.
+    glm::dvec3 origin_mm{0};                            ///< Centre of the first voxel, LPS.
+    bool spacing_stated = true;                         ///< Else x and y steps have length 1.
+    bool position_stated = true;  ///< Else origin and orientation are not known.
+    std::optional<double> thickness_mm;
+    /// Signed distance to the next frame where frames have no positions of their own.
+    std::optional<double> frame_step_mm;
+    Scale scale;
+    std::uint64_t pixel_offset_bytes = 0;        ///< Of the values in the file; 0 if unknown.
+    bool is_lossy = false, is_inverted = false;  ///< JPEG and the like; MONOCHROME1.
+};
+
+/// Adds the values of one slice. Slices of one file are asked for by ascending frame if they are
+/// ascending in space.
+using DecodeSlice = std::function<void(const DicomSlice&, ValueSink&)>;
+
+struct SeriesVolume {
+    Volume volume;
+    std::array<bool, 3> spacing_stated{};  ///< By the slices that were taken, along x, y, z.
+};
+
+/// Puts the slices of one series in order along their normal. The z step comes from the slices'
+/// positions alone: thickness is not distance, and a tilted gantry shears. Where steps differ, the
+/// volume's slice_places and gap_slabs say so. What was left out or is odd is in the findings.
+///
+/// source   File or folder, for error texts.
+/// request  Its series is the one to take; must be given if there are several.
+/// Throws   ImportError: several series (listed), an unknown one, slices without positions.
+SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> slices,
+                             const ImportRequest& request, const DecodeSlice& decode);
+
+/// Slices of one volume in order, and how far along their normal each lies.
+struct OrderedSlices {
+    std::vector<DicomSlice> slices;
+    std::vector<double> along_mm;  ///< Ascending.
+};
+
+/// Of one series: the largest set of one size and orientation, by position, each position once.
+OrderedSlices order_slices(const std::string& source, std::vector<DicomSlice> series,
+                           const ImportRequest& request, std::vector<Finding>& findings);
+
+/// Sets the affine, slice_places and gap_slabs of `volume`, and reports gaps, tilt and thickness.
+void place_slices(const OrderedSlices& ordered, const ImportRequest& request, Volume& volume);
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,205 @@
+#include "host/io/formats/picture_stack.hpp"
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <memory>
+#include <optional>
+
+#include "host/io/values/header_text.hpp"
+#include "host/io/values/value_sink.hpp"
+
+namespace pxpl5::host::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What all pages of a stack share.
+struct Page {
+    int columns = 0, rows = 0;
+    Component component = Component::uint8;
+    friend bool operator==(const Page&, const Page&) = default;
+};
+
+std::optional<Component> component_of(OIIO::TypeDesc type) {
+    switch (type.basetype) {
+        case OIIO::TypeDesc::UINT8:
+            return Component::uint8;
+        case OIIO::TypeDesc::INT8:
+            return Component::int8;
+        case OIIO::TypeDesc::UINT16:
+            return Component::uint16;
+        case OIIO::TypeDesc::INT16:
+            return Component::int16;
+        case OIIO::TypeDesc::UINT32:
+            return Component::uint32;
+        case OIIO::TypeDesc::INT32:
+            return Component::int32;
+        case OIIO::TypeDesc::HALF:
+        case OIIO::TypeDesc::FLOAT:
+            return Component::float32;
+        case OIIO::TypeDesc::DOUBLE:
+            return Component::float64;
+        default:
+            return std::nullopt;
+    }
+}
+
+OIIO::TypeDesc type_of(Component component) {
+    constexpr OIIO::TypeDesc::BASETYPE types[] = {OIIO::TypeDesc::UINT8,  OIIO::TypeDesc::INT8,
+                                                  OIIO::TypeDesc::UINT16, OIIO::TypeDesc::INT16,
+                                                  OIIO::TypeDesc::UINT32, OIIO::TypeDesc::INT32,
+                                                  OIIO::TypeDesc::UINT64, OIIO::TypeDesc::INT64,
+                                                  OIIO::TypeDesc::FLOAT,  OIIO::TypeDesc::DOUBLE};
+    return types[static_cast<std::size_t>(component)];
+}
+
+Page page_of(const std::string& file, const OIIO::ImageSpec& spec) {
+    if (spec.nchannels != 1) {
+        throw ImportError(fmt::format(
+            "{}: has {} channels, a slice has 1 (grey): colour and transparency are not read", file,
+            spec.nchannels));
+    }
+    if (spec.width < min_dim || spec.width > max_dim || spec.height < min_dim ||
+        spec.height > max_dim || spec.depth > 1) {
+        throw ImportError(fmt::format("{}: is {}x{} pixels, must be {} to {} each way", file,
+                                      spec.width, spec.height, min_dim, max_dim));
+    }
+    const std::optional<Component> component = component_of(spec.format);
+    if (!component) {
+        throw ImportError(
+            fmt::format("{}: pixels are of type {}, which is not read", file, spec.format.c_str()));
+    }
+    return {spec.width, spec.height, *component};
+}
+
+/// An open file, as its pixels were stored: nothing scaled by transparency.
+std::unique_ptr<OIIO::ImageInput> opened(const fs::path& path) {
+    OIIO::ImageSpec config;
+    config.attribute("oiio:UnassociatedAlpha", 1);
+    auto input = OIIO::ImageInput::open(path.string(), &config);
+    if (!input) {
+        std::string reason = OIIO::geterror();
+        std::replace(reason.begin(), reason.end(), '\n', ' ');
+        throw ImportError(
+            fmt::format("{}: {}", path.string(), reason.empty() ? "is no picture" : shown(reason)));
+    }
+    return input;
+}
+
+/// Counts pages and checks that all are alike. `page` is that of the files before.
+int count_pages(const fs::path& path, std::optional<Page>& page) {
+    const auto input = opened(path);
+    int pages = 0;
+    while (pages < static_cast<int>(max_pages) + 1 && input->seek_subimage(pages, 0)) {
+        const Page next = page_of(path.string(), input->spec());
+        if (page && next != *page) {
+            throw ImportError(fmt::format(
+                "{}: page {} is {}x{} of {}, those before are {}x{} of {}", path.string(),
+                pages + 1, next.columns, next.rows, component_name(next.component), page->columns,
+                page->rows, component_name(page->component)));
+        }
+        page = next;
+        ++pages;
+    }
+    return pages;
+}
+
+void read_pages(const fs::path& path, const Page& page, ValueSink& sink) {
+    const auto input = opened(path);
+    std::vector<std::byte> values(static_cast<std::size_t>(page.columns) *
+                                  static_cast<std::size_t>(page.rows) *
+                                  component_bytes(page.component));
+    for (int index = 0; input->seek_subimage(index, 0) && index < static_cast<int>(max_pages);
+         ++index) {
+        if (!input->read_image(index, 0, 0, 1, type_of(page.component), values.data())) {
+            std::string reason = input->geterror();
+            std::replace(reason.begin(), reason.end(), '\n', ' ');
+            throw ImportError(fmt::format("{}: page {} cannot be read: {}", path.string(),
+                                          index + 1, shown(reason)));
+        }
+        sink.add(values, page.component);
+    }
+}
+
+}  // namespace
+
+bool is_picture(const fs::path& path) {
+    const std::string suffix = lower_case(path.extension().string());
+    return suffix == ".png" || suffix == ".tif" || suffix == ".tiff";
+}
+
+bool is_naturally_before(const std::string& a, const std::string& b) {
+    const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+    std::size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (!is_digit(a[i]) || !is_digit(b[j])) {
+            if (a[i] != b[j]) {
+                return a[i] < b[j];
+            }
+            ++i;
+            ++j;
+            continue;
+        }
+        const auto run = [&](const std::string& text, std::size_t& at) {
+            const std::size_t begin = std::min(text.find_first_not_of('0', at), text.size());
+            at = begin;
+            while (at < text.size() && is_digit(text[at])) {
+                ++at;
+            }
+            return text.substr(begin, at - begin);
+        };
+        const std::string left = run(a, i), right = run(b, j);
+        if (left != right) {
+            return left.size() != right.size() ? left.size() < right.size() : left < right;
+        }
+    }
+    return i == a.size() && j == b.size() ? a < b : i == a.size();
+}
+
+Volume read_pictures(const std::string& source, const std::vector<fs::path>& files,
+                     const ImportRequest& request) {
+    if (!request.spacing_mm) {
+        throw ImportError(source +
+                          ": pictures state no distances: give spacing=x,y,z in millimetres");
+    }
+    OIIO::attribute("threads", 1);
+    std::optional<Page> page;
+    std::size_t pages = 0;
+    for (const fs::path& file : files) {
+        pages += static_cast<std::size_t>(count_pages(file, page));
+        if (pages > max_pages) {
+            throw ImportError(fmt::format("{}: has more than {} pages", source, max_pages));
+        }
+    }
+    Volume volume;
+    volume.nx = page->columns;
+    volume.ny = page->rows;
+    volume.nz = static_cast<int>(pages);
+    const std::size_t values =
+        static_cast<std::size_t>(volume.nx) * static_cast<std::size_t>(volume.ny) * pages;
+    if (values * component_bytes(page->component) > max_volume_bytes) {
+        throw ImportError(fmt::format("{}: {}x{}x{} of {} need {} bytes, at most {} are read",
+                                      source, volume.nx, volume.ny, volume.nz,
+                                      component_name(page->component),
+                                      values * component_bytes(page->component), max_volume_bytes));
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        volume.voxel_to_patient[axis] *= (*request.spacing_mm)[axis];
+    }
+    volume.findings.push_back(
+        {FindingKind::assumption,
+         "pictures state no patient space: columns are taken as left, rows as posterior, slices as "
+         "superior, at the distances asked for"});
+    ValueSink sink(values);
+    for (const fs::path& file : files) {
+        read_pages(file, *page, sink);
+    }
+    sink.finish(source, volume);
+    return volume;
+}
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,213 @@
+#include "host/io/formats/stored_header.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+
+#include "host/io/values/header_text.hpp"
+#include "host/io/values/import_request.hpp"
+
+namespace pxpl5::host::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t max_gzip_ratio = 1032;     // Deflate's best.
+constexpr std::uint64_t max_bzip2_ratio = 32'768;  // 900 kB of one byte take 39 bytes.
+constexpr std::uint64_t min_ascii_bytes = 2;       // A digit and a separator.
+constexpr std::size_t max_axes = 16;
+
+bool ends_with_any(const std::string& name, std::initializer_list<const char*> suffixes) {
+    return std::any_of(suffixes.begin(), suffixes.end(),
+                       [&](const char* suffix) { return name.ends_with(suffix); });
+}
+
+Format format_by_content(const fs::path& path) {
+    std::array<char, 132> head{};
+    std::ifstream(path, std::ios::binary).read(head.data(), head.size());
+    const std::string_view bytes(head.data(), head.size());
+    if (bytes.starts_with("NRRD000")) {
+        return Format::nrrd;
+    }
+    if (bytes.starts_with("# vtk DataFile")) {
+        return Format::vtk;
+    }
+    if (bytes.substr(128, 4) == "DICM") {
+        return Format::dicom;
+    }
+    throw ImportError(fmt::format(
+        "{}: neither its suffix nor its first bytes are of a known format (.nrrd .nhdr .mha .mhd "
+        ".nii .nii.gz .hdr .img .vtk .dcm .tif .png, or the folder of a DICOM series or of "
+        "pictures); a file without a header needs its dims and type",
+        path.string()));
+}
+
+/// Values of one data file must fit in it.
+void check_data_file(const std::string& file, const fs::path& data_file, std::uint64_t needed,
+                     StoredHeader& header) {
+    std::error_code failure;
+    const std::uint64_t file_bytes = fs::file_size(data_file, failure);
+    if (failure || !fs::is_regular_file(data_file)) {
+        throw ImportError(fmt::format("{}: its data file {} cannot be read: {}", file,
+                                      data_file.string(),
+                                      failure ? failure.message() : "it is no file"));
+    }
+    const bool is_raw = header.encoding == Encoding::raw;
+    const std::uint64_t before =
+        header.offset_bytes + (is_raw && !header.at_end ? header.byte_skip : 0);
+    const std::uint64_t available = file_bytes - std::min(file_bytes, before);
+    const std::uint64_t values = needed / component_bytes(header.component);
+    const std::uint64_t least = is_raw                               ? needed
+                                : header.encoding == Encoding::ascii ? values * min_ascii_bytes - 1
+                                : header.encoding == Encoding::hex   ? 2 * needed
+                                : header.encoding == Encoding::gzip  ? needed / max_gzip_ratio
+                                                                     : needed / max_bzip2_ratio;
+    if (available < least) {
+        throw ImportError(fmt::format("{}: {} of {} need {} bytes{}, {} has {}", file,
+                                      join_sizes(header.sizes), header.type,
+                                      is_compressed(header.encoding) ? needed : least,
+                                      is_compressed(header.encoding) ? " when decompressed" : "",
+                                      data_file.filename().string(), available));
+    }
+    if (header.ends_file && is_raw && available > needed) {
+        // More bytes than stated often mean another type or size than stated.
+        header.find(FindingKind::note,
+                    fmt::format("{} holds {} bytes more than the header states",
+                                data_file.filename().string(), available - needed));
+    }
+}
+
+}  // namespace
+
+std::array<int, 3> volume_dims(const std::string& file, const std::vector<std::uint64_t>& sizes) {
+    std::vector<std::uint64_t> significant = sizes;
+    while (significant.size() > 3 && significant.back() == 1) {
+        significant.pop_back();
+    }
+    const bool has_empty =
+        sizes.size() > 3 && (significant[0] < min_dim || significant[1] < min_dim);
+    if (significant.size() < 2 || significant.size() > 3 || has_empty) {
+        throw ImportError(fmt::format(
+            "{}: has {} axes ({}), a volume has 3{}", file, sizes.size(), join_sizes(sizes),
+            sizes.size() < 2 ? "" : ": time series, vectors and colour are not read"));
+    }
+    significant.resize(3, 1);
+    std::array<int, 3> dims{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int least = axis < 2 ? min_dim : 1;
+        if (significant[axis] < static_cast<std::uint64_t>(least) || significant[axis] > max_dim) {
+            throw ImportError(fmt::format("{}: {} voxels along {}, must be {} to {}", file,
+                                          significant[axis], "xyz"[axis], least, max_dim));
+        }
+        dims[axis] = static_cast<int>(significant[axis]);
+    }
+    return dims;
+}
+
+std::uint64_t needed_bytes(const StoredHeader& header) {
+    std::uint64_t bytes = component_bytes(header.component);
+    for (const std::uint64_t size : header.sizes) {
+        bytes *= size;  // Cannot overflow: sizes have been checked against max_dim.
+    }
+    return bytes;
+}
+
+std::string join_sizes(const std::vector<std::uint64_t>& sizes) {
+    std::string text;
+    for (std::size_t axis = 0; axis < std::min(sizes.size(), max_axes); ++axis) {
+        text += (axis == 0 ? "" : "x") + std::to_string(sizes[axis]);
+    }
+    return sizes.size() > max_axes ? text + "x..." : text;
+}
+
+Format format_of(const fs::path& path) {
+    std::error_code failure;
+    const fs::file_status status = fs::status(path, failure);
+    if (!fs::exists(status)) {
+        throw ImportError(fmt::format("{}: {}", path.string(), failure.message()));
+    }
+    if (fs::is_directory(status)) {
+        return Format::dicom;
+    }
+    if (!fs::is_regular_file(status) || !std::ifstream(path)) {
+        throw ImportError(path.string() + ": is not a readable file");
+    }
+    const std::string name = lower_case(path.filename().string());
+    if (ends_with_any(name, {".nrrd", ".nhdr"})) {
+        return Format::nrrd;
+    }
+    if (ends_with_any(name, {".mha", ".mhd"})) {
+        return Format::meta_image;
+    }
+    if (ends_with_any(name, {".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"})) {
+        return Format::nifti;
+    }
+    if (ends_with_any(name, {".vtk"})) {
+        return Format::vtk;
+    }
+    if (ends_with_any(name, {".tif", ".tiff", ".png"})) {
+        return Format::pictures;
+    }
+    return ends_with_any(name, {".dcm", ".ima"}) ? Format::dicom : format_by_content(path);
+}
+
+void check_stored_header(const fs::path& path, StoredHeader& header) {
+    const std::string file = path.string();
+    volume_dims(file, header.sizes);
+    const std::uint64_t needed = needed_bytes(header);
+    if (needed > max_volume_bytes) {
+        throw ImportError(fmt::format("{}: {} of {} need {} bytes, at most {} are read", file,
+                                      join_sizes(header.sizes), header.type, needed,
+                                      max_volume_bytes));
+    }
+    const std::uint64_t files = header.data_files.size();
+    const std::uint64_t values = needed / component_bytes(header.component);
+    if (files == 0 || values % files != 0) {
+        throw ImportError(fmt::format("{}: its {} values do not divide among {} data files", file,
+                                      values, files));
+    }
+    for (const fs::path& data_file : header.data_files) {
+        check_data_file(file, data_file, needed / files, header);
+    }
+}
+
+std::vector<fs::path> numbered_files(const fs::path& header_file, const std::string& field,
+                                     const std::string& text) {
+    const std::string file = header_file.string();
+    const std::vector<std::string> words = words_of(text);
+    if (words.size() < 4 || !is_file_pattern(words[0])) {
+        throw ImportError(
+            fmt::format("{}: {} '{}' must be LOCAL, LIST, a name, or a pattern with "
+                        "one %d, first, last and step",
+                        file, field, shown(text)));
+    }
+    const auto range = numbers(file, field, words[1] + " " + words[2] + " " + words[3]);
+    const double first = range[0], last = range[1], step = range[2];
+    if (!(step != 0) || !((last - first) / step >= 0) ||
+        !((last - first) / step < static_cast<double>(max_data_files))) {
+        throw ImportError(
+            fmt::format("{}: {} '{}' counts from {} to {} by {}: must be 1 to {} "
+                        "files",
+                        file, field, shown(text), first, last, step, max_data_files));
+    }
+    const std::size_t percent = words[0].find('%'), end = words[0].find('d', percent);
+    const std::string width_text = words[0].substr(percent + 1, end - percent - 1);
+    const std::size_t width = width_text.empty() ? 0 : std::stoul(width_text);
+    const char fill = width_text.starts_with('0') ? '0' : ' ';
+    std::vector<fs::path> files;
+    for (std::size_t i = 0; first + static_cast<double>(i) * step <= std::max(first, last) &&
+                            first + static_cast<double>(i) * step >= std::min(first, last);
+         ++i) {
+        std::string digits =
+            std::to_string(static_cast<long long>(first + static_cast<double>(i) * step));
+        digits.insert(0, digits.size() < width ? width - digits.size() : 0, fill);
+        files.push_back(header_file.parent_path() /
+                        (words[0].substr(0, percent) + digits + words[0].substr(end + 1)));
+    }
+    return files;
+}
+
+}  // namespace pxpl5::host::io

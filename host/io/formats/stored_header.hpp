@@ -1,0 +1,82 @@
+// What a volume file says of itself, and the check of it before anything is allocated.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <glm/mat4x4.hpp>
+#include <string>
+#include <vector>
+
+#include "host/io/formats/byte_source.hpp"
+#include "host/io/values/import_request.hpp"
+#include "host/io/values/value_sink.hpp"
+#include "host/volume/volume.hpp"
+
+namespace pxpl5::host::io {
+
+enum class Format : std::uint8_t { nrrd, meta_image, nifti, vtk, dicom, pictures };
+
+/// The format of `path` by its suffix, or by its first bytes if the suffix says nothing. Of a
+/// folder: dicom, though it may hold pictures only.
+/// Throws ImportError for a missing file or an unknown format.
+Format format_of(const std::filesystem::path& path);
+
+/// A header's own words, without the defaults that decoders put in.
+struct StoredHeader {
+    std::vector<std::uint64_t> sizes;  ///< Voxels along each axis, x first, as stated.
+    std::string type;                  ///< As the header spells it.
+    Component component = Component::uint8;
+    bool big_endian = false;
+    Encoding encoding = Encoding::raw;
+    /// Where the values are, in order; each file holds the same number. May be the header's own.
+    std::vector<std::filesystem::path> data_files;
+    std::uint64_t offset_bytes = 0;  ///< In each file, before decompression.
+    std::uint64_t line_skip = 0;     ///< Lines after that, before decompression.
+    std::uint64_t byte_skip = 0;     ///< Bytes after that, decompressed.
+    bool at_end = false;             ///< The values are the last bytes; byte_skip means nothing.
+    bool ends_file = false;          ///< Nothing but the values should follow.
+    Scale scale;
+    glm::dmat4 voxel_to_patient{1.0};  ///< LPS millimetres. Axes without spacing have length 1.
+    std::array<bool, 3> spacing_stated{true, true, true};
+    std::vector<Finding> findings;
+
+    void find(FindingKind kind, std::string text) { findings.push_back({kind, std::move(text)}); }
+};
+
+/// Read the header of `path`. Throw ImportError naming the field and its value.
+StoredHeader read_nrrd_header(const std::filesystem::path& path);
+StoredHeader read_meta_header(const std::filesystem::path& path);
+StoredHeader read_nifti_header(const std::filesystem::path& path);
+StoredHeader read_vtk_header(const std::filesystem::path& path);
+
+/// The header that `layout` describes. Throws ImportError if the file's size is another.
+StoredHeader read_raw_layout(const std::filesystem::path& path, const RawLayout& layout);
+
+/// Holds `header` of `path` against the limits and the sizes of the data files, and notes bytes
+/// that are left over. Throws ImportError naming both values.
+void check_stored_header(const std::filesystem::path& path, StoredHeader& header);
+
+/// Decodes the values of a header that has been checked. Sets dims, affine, values and findings.
+/// Throws ImportError naming how many bytes or values there are and how many are needed.
+Volume read_stored_values(const std::filesystem::path& path, const StoredHeader& header);
+
+/// The three sizes of a volume: those after the third must be 1; those that are not stated are.
+/// Throws ImportError naming all sizes.
+std::array<int, 3> volume_dims(const std::string& file, const std::vector<std::uint64_t>& sizes);
+
+/// Bytes of all values. Sizes must have passed check_stored_header, or be small.
+std::uint64_t needed_bytes(const StoredHeader& header);
+
+/// "128x128x56".
+std::string join_sizes(const std::vector<std::uint64_t>& sizes);
+
+/// Files of a pattern with one %d ("slice%03d.raw 1 20 1"), or of the lines that follow in a
+/// header ("LIST").
+/// Throws ImportError if there are more than max_data_files, or the pattern is none.
+std::vector<std::filesystem::path> numbered_files(const std::filesystem::path& header_file,
+                                                  const std::string& field,
+                                                  const std::string& text);
+inline constexpr std::size_t max_data_files = 65'536;
+
+}  // namespace pxpl5::host::io

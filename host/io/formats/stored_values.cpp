@@ -1,0 +1,233 @@
+// The values that a stored header describes: decompressed, put into native byte order, gathered.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <type_traits>
+
+#include "host/io/formats/stored_header.hpp"
+#include "host/io/values/header_text.hpp"
+#include "host/io/values/import_request.hpp"
+
+namespace pxpl5::host::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
+constexpr std::size_t max_word_chars = 400;  // The longest float64 written out has 1077 digits,
+                                             // but nobody writes them.
+
+static_assert(std::endian::native == std::endian::little);
+
+void swap_bytes(std::span<std::byte> bytes, std::size_t size) {
+    for (std::size_t at = 0; size > 1 && at + size <= bytes.size(); at += size) {
+        std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                     bytes.begin() + static_cast<std::ptrdiff_t>(at + size));
+    }
+}
+
+/// What is short of what.
+ImportError too_short(const std::string& file, const StoredHeader& header, const fs::path& data,
+                      std::uint64_t got) {
+    const std::uint64_t needed = needed_bytes(header) / header.data_files.size();
+    return ImportError(fmt::format("{}: {} of {} need {} bytes{}, {} has {}", file,
+                                   join_sizes(header.sizes), header.type, needed,
+                                   is_compressed(header.encoding) ? " when decompressed" : "",
+                                   data.filename().string(), got));
+}
+
+/// Where values begin in a file whose lines are skipped.
+std::uint64_t offset_after_lines(const fs::path& path, std::uint64_t offset, std::uint64_t lines) {
+    std::ifstream stream(path, std::ios::binary);
+    stream.seekg(static_cast<std::streamoff>(offset));
+    for (std::uint64_t line = 0; line < lines; ++line) {
+        stream.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+        if (!stream || stream.eof()) {
+            throw ImportError(fmt::format("{}: line skip is {}, but only {} lines follow",
+                                          path.string(), lines, line));
+        }
+    }
+    const auto at = stream.tellg();
+    return at < 0 ? offset : static_cast<std::uint64_t>(at);
+}
+
+/// Passes over what comes before the values.
+void skip_to_values(const std::string& file, const StoredHeader& header, const fs::path& data,
+                    std::uint64_t offset, std::uint64_t needed, ByteSource& source) {
+    std::uint64_t skip = header.byte_skip;
+    if (header.at_end) {
+        const std::uint64_t all =
+            header.encoding == Encoding::raw
+                ? fs::file_size(data) - std::min<std::uint64_t>(fs::file_size(data), offset)
+                : ByteSource(data, header.encoding, offset)
+                      .skip(std::numeric_limits<std::uint64_t>::max());
+        if (all < needed) {
+            throw too_short(file, header, data, all);
+        }
+        skip = all - needed;
+    }
+    const std::uint64_t skipped = source.skip(skip);
+    if (skipped < skip) {
+        throw ImportError(fmt::format("{}: values begin after {} bytes, {} has {}", file, skip,
+                                      data.filename().string(), skipped));
+    }
+}
+
+void read_binary(const std::string& file, const StoredHeader& header, const fs::path& data,
+                 std::uint64_t needed, ByteSource& source, ValueSink& sink) {
+    std::vector<std::byte> chunk(std::min<std::uint64_t>(chunk_bytes, needed));
+    const std::size_t size = component_bytes(header.component);
+    for (std::uint64_t got = 0; got < needed;) {
+        const std::span<std::byte> part =
+            std::span(chunk).first(std::min<std::uint64_t>(chunk.size(), needed - got));
+        const std::size_t came = source.read(part);
+        if (came < part.size()) {
+            throw too_short(file, header, data, got + came);
+        }
+        if (header.big_endian) {
+            swap_bytes(part, size);
+        }
+        sink.add(part, header.component, header.scale);
+        got += came;
+    }
+}
+
+/// One value as text, in the type that the header states.
+template <typename T>
+T parsed(const std::string& file, const StoredHeader& header, std::string_view word,
+         std::uint64_t index) {
+    const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);
+    const char* end = word.data() + word.size();
+    T value{};
+    auto [rest, failure] = std::from_chars(begin, end, value);
+    if (failure == std::errc{} && rest == end && begin < end) {
+        return value;
+    }
+    double wide = 0;
+    const auto [wide_rest, wide_failure] = std::from_chars(begin, end, wide);
+    if (wide_failure != std::errc{} || wide_rest != end || begin == end) {
+        throw ImportError(fmt::format("{}: value {} is '{}', must be a number", file, index,
+                                      shown(word.substr(0, 40))));
+    }
+    if (!(wide >= static_cast<double>(std::numeric_limits<T>::lowest()) &&
+          wide <= static_cast<double>(std::numeric_limits<T>::max())) ||
+        (std::is_integral_v<T> && (sizeof(T) == 8 || std::trunc(wide) != wide))) {
+        throw ImportError(fmt::format("{}: value {} is {}, which the type {} does not hold", file,
+                                      index, shown(word.substr(0, 40)), header.type));
+    }
+    return static_cast<T>(wide);
+}
+
+/// Splits a stream of text into words.
+class Words {
+  public:
+    explicit Words(ByteSource& source) : source_(source), chunk_(chunk_bytes) {}
+
+    /// Returns an empty word at the end.
+    std::string_view next() {
+        word_.clear();
+        while (true) {
+            if (at_ == end_) {
+                at_ = 0;
+                end_ = source_.read(std::as_writable_bytes(std::span(chunk_)));
+                if (end_ == 0) {
+                    return word_;
+                }
+            }
+            const char c = chunk_[at_++];
+            // Commas and braces separate in NRRD's text, blanks everywhere.
+            const bool separates =
+                c == ' ' || (c >= '\t' && c <= '\r') || c == ',' || c == '{' || c == '}';
+            if (!separates) {
+                word_.push_back(c);
+            }
+            if ((separates && !word_.empty()) || word_.size() >= max_word_chars) {
+                return word_;
+            }
+        }
+    }
+
+  private:
+    ByteSource& source_;
+    std::vector<char> chunk_;
+    std::size_t at_ = 0, end_ = 0;
+    std::string word_;
+};
+
+void read_ascii(const std::string& file, const StoredHeader& header, std::uint64_t count,
+                ByteSource& source, ValueSink& sink) {
+    Words words(source);
+    with_type(header.component, [&]<typename T>(T*) {
+        std::vector<T> values;
+        for (std::uint64_t index = 0; index < count; ++index) {
+            const std::string_view word = words.next();
+            if (word.empty()) {
+                throw ImportError(
+                    fmt::format("{}: has {} values, its header states {}", file, index, count));
+            }
+            values.push_back(parsed<T>(file, header, word, index));
+            if (values.size() * sizeof(T) >= chunk_bytes || index + 1 == count) {
+                sink.add(std::as_bytes(std::span<const T>(values)), header.component, header.scale);
+                values.clear();
+            }
+        }
+    });
+}
+
+/// The checksum comes after the last value.
+void check_end(const std::string& file, const StoredHeader& header, const fs::path& data,
+               ByteSource& source, Volume& volume) {
+    const bool goes_on = source.skip(1) == 1;
+    if (source.is_damaged()) {
+        throw ImportError(
+            fmt::format("{}: the compressed data of {} are damaged: the checksum is "
+                        "not that of its {} bytes",
+                        file, data.filename().string(), needed_bytes(header)));
+    }
+    if (header.ends_file && goes_on) {
+        volume.findings.push_back(
+            {FindingKind::note,
+             fmt::format("{} holds more bytes than the header states", data.filename().string())});
+    }
+}
+
+}  // namespace
+
+Volume read_stored_values(const fs::path& path, const StoredHeader& header) {
+    const std::string file = path.string();
+    const std::array<int, 3> dims = volume_dims(file, header.sizes);
+    Volume volume;
+    volume.nx = dims[0];
+    volume.ny = dims[1];
+    volume.nz = dims[2];
+    volume.voxel_to_patient = header.voxel_to_patient;
+    volume.findings = header.findings;
+    const std::uint64_t needed = needed_bytes(header), share = needed / header.data_files.size();
+    const std::size_t size = component_bytes(header.component);
+    ValueSink sink(needed / size);
+    for (const fs::path& data : header.data_files) {
+        const std::uint64_t offset =
+            header.line_skip == 0 ? header.offset_bytes
+                                  : offset_after_lines(data, header.offset_bytes, header.line_skip);
+        ByteSource source(data, header.encoding, offset);
+        if (header.encoding == Encoding::ascii) {
+            read_ascii(file, header, share / size, source, sink);
+            continue;
+        }
+        skip_to_values(file, header, data, offset, share, source);
+        read_binary(file, header, data, share, source, sink);
+        if (is_compressed(header.encoding)) {
+            check_end(file, header, data, source, volume);
+        }
+    }
+    sink.finish(file, volume);
+    return volume;
+}
+
+}  // namespace pxpl5::host::io

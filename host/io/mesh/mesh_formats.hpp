@@ -1,0 +1,44 @@
+// The mesh formats, one writer each. Meshes come checked, decimated and without empty surfaces.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/base/part_file.hpp"
+#include "host/io/mesh/mesh_export.hpp"
+
+namespace pxpl5::host::io {
+
+void write_stl(const MeshExport& mesh, PartFile& file);
+void write_ply(const MeshExport& mesh, PartFile& file);
+void write_vtp(const MeshExport& mesh, PartFile& file);
+
+/// Throws MeshError if the surfaces are beyond the 4 GiB that the format can count.
+void write_glb(const MeshExport& mesh, PartFile& file);
+
+/// `material_file` is the name by which the mesh refers to its materials.
+void write_obj(const MeshExport& mesh, const std::string& material_file, PartFile& file);
+void write_mtl(const MeshExport& mesh, PartFile& file);
+
+// What the writers share.
+
+/// A vector in LPS along the mesh's axes. 0 stays 0, never -0.
+inline glm::vec3 turned(const glm::vec3& v, MeshAxes axes) {
+    return axes == MeshAxes::LPS ? v : glm::vec3(0.0F - v.x, 0.0F - v.y, v.z);
+}
+
+std::string_view axes_name(MeshAxes axes);  ///< "LPS" or "RAS".
+
+/// What a reader of the file must know, one line each: axes, unit, description. SPACE=LPS or
+/// SPACE=RAS is where 3D Slicer looks for the axes.
+std::vector<std::string> mesh_notes(const MeshExport& mesh);
+
+/// `text` on one line: control characters become blanks.
+std::string one_line(std::string_view text);
+
+std::size_t vertex_count(const MeshExport& mesh);
+std::size_t triangle_count(const MeshExport& mesh);
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,44 @@
+// Draws marks over pictures: anti-aliased, with one font, the same pixels on every machine with the
+// same cairo.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "host/scene/marks.hpp"
+
+namespace pxpl5::host::io {
+
+/// Debian's fonts-dejavu-core. The file itself, so that no font configuration has a say.
+inline constexpr const char* mark_font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+
+inline constexpr std::size_t max_marks = 100'000;
+inline constexpr float max_mark_px = 100'000;  ///< Of a coordinate, either sign.
+inline constexpr float max_font_px = 2'000;
+inline constexpr float max_line_px = 2'000;
+
+/// Thrown for marks that cannot be drawn. `what` names the mark and the reason.
+struct MarkError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// What marks look like over nothing: display-coded values multiplied by their alpha.
+struct MarkLayer {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> bgra;  ///< width * height * 4, top row first; alpha multiplied in.
+};
+
+/// Draws `marks` in their order. What lies outside of the picture is cut off. A letter that the
+/// font does not have is an empty box.
+/// Throws   MarkError: too few points, numbers that are not finite or beyond the limits above, a
+///          text that is not UTF-8, a missing font.
+MarkLayer draw_marks(std::span<const PictureMark> marks, int width, int height);
+
+/// Lays the layer over one picture of its size. Pixels without marks keep their bits.
+///
+/// rgba   width * height * 4, alpha not multiplied in.
+void lay_over(const MarkLayer& layer, std::span<std::uint8_t> rgba);
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,240 @@
+// The only file that includes OpenImageIO.
+#include "host/io/picture/picture.hpp"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "host/base/part_file.hpp"
+#include "host/io/picture/draw_marks.hpp"
+
+namespace pxpl5::host::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t head_bytes = std::size_t{1} << 16;  // Of a file, beside its pixels.
+
+std::size_t bytes_of_one(const Picture& picture) {
+    return 4 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
+}
+
+void check_attributes(const std::string& file, const Picture& picture) {
+    if (picture.attributes.size() > max_attributes) {
+        throw PictureError(fmt::format("{}: {} attributes, at most {}", file,
+                                       picture.attributes.size(), max_attributes));
+    }
+    std::set<std::string> names;
+    for (const PictureAttribute& attribute : picture.attributes) {
+        const std::string& name = attribute.name;
+        const bool printable =
+            std::all_of(name.begin(), name.end(), [](char c) { return c > ' ' && c <= '~'; });
+        if (name.empty() || name.size() > max_attribute_name || !printable) {
+            throw PictureError(
+                fmt::format("{}: attribute '{}' must be named in 1 to {} ASCII letters", file, name,
+                            max_attribute_name));
+        }
+        if (!names.insert(name).second) {
+            throw PictureError(fmt::format("{}: attribute '{}' is there twice", file, name));
+        }
+    }
+}
+
+void check_animation(const std::string& file, const std::string& suffix, const Picture& picture) {
+    if (picture.count < 1 || picture.count > max_pictures) {
+        throw PictureError(
+            fmt::format("{}: {} pictures, must be 1 to {}", file, picture.count, max_pictures));
+    }
+    if (picture.count > 1 && suffix != ".gif") {
+        throw PictureError(
+            fmt::format("{}: {} pictures need an animation, which is .gif; '{}' "
+                        "holds one",
+                        file, picture.count, suffix));
+    }
+    if (picture.delay_ms < min_delay_ms || picture.delay_ms > max_delay_ms) {
+        throw PictureError(fmt::format("{}: {} ms between pictures, must be {} to {}", file,
+                                       picture.delay_ms, min_delay_ms, max_delay_ms));
+    }
+}
+
+void check(const fs::path& path, const Picture& picture) {
+    const std::string file = path.string();
+    constexpr std::array known = {".png", ".tif", ".tiff", ".exr", ".gif"};
+    if (std::find(known.begin(), known.end(), suffix_of(path)) == known.end()) {
+        throw PictureError(
+            fmt::format("{}: suffix is '{}', pictures are .png, .tif, .tiff, .exr or .gif", file,
+                        path.extension().string()));
+    }
+    if (picture.width < 1 || picture.height < 1 || picture.width > max_picture_side_px ||
+        picture.height > max_picture_side_px) {
+        throw PictureError(fmt::format("{}: picture of {}x{} pixels, each side must be 1 to {}",
+                                       file, picture.width, picture.height, max_picture_side_px));
+    }
+    check_animation(file, suffix_of(path), picture);
+    const std::size_t bytes = bytes_of_one(picture) * static_cast<std::size_t>(picture.count);
+    if (picture.rgba.size() != bytes) {
+        throw PictureError(fmt::format("{}: {} of {}x{} pixels of RGBA need {} bytes, got {}", file,
+                                       picture.count, picture.width, picture.height, bytes,
+                                       picture.rgba.size()));
+    }
+    check_attributes(file, picture);
+    if (const std::string missing = missing_folder(path); !missing.empty()) {
+        throw PictureError(missing);
+    }
+}
+
+bool is_opaque(std::span<const std::uint8_t> rgba) {
+    for (std::size_t index = 3; index < rgba.size(); index += 4) {
+        if (rgba[index] != 255) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// TIFF's writer drops attributes that it does not know.
+std::string description_of(const std::string& suffix, const Picture& picture) {
+    std::string text = picture.description;
+    if (suffix == ".tif" || suffix == ".tiff") {
+        for (const PictureAttribute& attribute : picture.attributes) {
+            text += fmt::format("{}pxpl5:{}={}", text.empty() ? "" : "\n", attribute.name,
+                                attribute.value);
+        }
+    }
+    return text;
+}
+
+OIIO::ImageSpec spec_of(const std::string& suffix, const Picture& picture, int channels) {
+    // OpenEXR has no 8-bit values; half holds each of the 256 apart.
+    OIIO::ImageSpec spec(picture.width, picture.height, channels,
+                         suffix == ".exr" ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::UINT8);
+    spec.attribute("ImageDescription", description_of(suffix, picture));
+    spec.attribute("Software", "pxpl5");
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    spec.attribute("png:compressionLevel", 4);  // Half the time of 6 for 5 % more bytes.
+    // The prefix keeps them apart from names that mean something to a writer, as "compression".
+    for (const PictureAttribute& attribute : picture.attributes) {
+        spec.attribute("pxpl5:" + attribute.name, attribute.value);
+    }
+    // GIF's writer cuts the hundredths of a second that it computes: half a one more is safe.
+    const int hundredths = (picture.delay_ms + 5) / 10;
+    spec.attribute("FramesPerSecond", static_cast<float>(100.0 / (hundredths + 0.5)));
+    return spec;
+}
+
+/// The picture with its marks, or the picture itself.
+class MarkedPictures {
+  public:
+    explicit MarkedPictures(const Picture& picture) : picture_(picture) {
+        if (!picture.marks.empty()) {
+            layer_ = draw_marks(picture.marks, picture.width, picture.height);
+        }
+    }
+
+    /// Holds until the next call.
+    std::span<const std::uint8_t> get(int index) {
+        const std::size_t bytes = bytes_of_one(picture_);
+        const auto rgba = picture_.rgba.subspan(static_cast<std::size_t>(index) * bytes, bytes);
+        if (!layer_) {
+            return rgba;
+        }
+        marked_.assign(rgba.begin(), rgba.end());
+        lay_over(*layer_, marked_);
+        return marked_;
+    }
+
+  private:
+    const Picture& picture_;
+    std::optional<MarkLayer> layer_;
+    std::vector<std::uint8_t> marked_;
+};
+
+using Memory = OIIO::Filesystem::IOVecOutput;
+
+/// Writes to the file `name`, or to `memory` if there is one. Throws PictureError with
+/// OpenImageIO's reason.
+void encode(const std::string& name, Memory* memory, const Picture& picture) {
+    MarkedPictures pictures(picture);
+    const std::string suffix = suffix_of(name);
+    const int channels = suffix == ".gif" || is_opaque(picture.rgba) ? 3 : 4;
+    const OIIO::ImageSpec spec = spec_of(suffix, picture, channels);
+    OIIO::attribute("threads", 1);
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name, memory);
+    if (!output) {
+        throw PictureError(OIIO::geterror());
+    }
+    for (int index = 0; index < picture.count; ++index) {
+        const auto mode =
+            index == 0 ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendSubimage;
+        const bool written = output->open(name, spec, mode) &&
+                             output->write_image(OIIO::TypeDesc::UINT8, pictures.get(index).data(),
+                                                 4, OIIO::AutoStride, OIIO::AutoStride);
+        // A PNG that the disk has no room for is told of by has_error() alone.
+        if (!written || output->has_error()) {
+            throw PictureError(output->geterror());
+        }
+    }
+    if (!output->close() || output->has_error()) {
+        throw PictureError(output->geterror());
+    }
+}
+
+/// The first line of what OpenImageIO says: a full disk makes it say the same for each block.
+std::string first_line(const std::string& text) {
+    return text.substr(0, text.find('\n'));
+}
+
+/// encode() to the file. Says what the system says where the disk has no room for the picture,
+/// since the writers' own words for it differ and do not name it.
+void encode_to(const PartFile& part, const Picture& picture) {
+    try {
+        encode(part.path().string(), nullptr, picture);
+    } catch (const PictureError& error) {
+        const std::size_t raw_bytes =
+            bytes_of_one(picture) * static_cast<std::size_t>(picture.count) + head_bytes;
+        const std::string lack = part.lack_of_room(raw_bytes);
+        throw PictureError(lack.empty() ? first_line(error.what()) : lack);
+    }
+}
+
+/// Why the picture cannot be written; empty once it is.
+std::string written(const fs::path& path, const Picture& picture) {
+    try {
+        PartFile part(path);
+        if (suffix_of(path) == ".gif") {
+            // Its writer does not tell of a full disk; TIFF's, on the other hand, spoils what it
+            // writes to memory.
+            std::vector<unsigned char> bytes;
+            Memory memory(bytes);
+            encode(part.path().string(), &memory, picture);
+            part.write_raw(std::span<const unsigned char>(bytes));
+        } else if (!part.has_failed()) {
+            encode_to(part, picture);
+        }
+        return part.keep();
+    } catch (const PictureError& error) {
+        return error.what();
+    } catch (const MarkError& error) {
+        return error.what();
+    }
+}
+
+}  // namespace
+
+void write_picture(const std::string& path, const Picture& picture) {
+    check(path, picture);
+    if (const std::string failure = written(path, picture); !failure.empty()) {
+        throw PictureError(fmt::format("{}: cannot be written: {}", path, failure));
+    }
+}
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,53 @@
+// Pictures out: writes frames to an image file. All of OpenImageIO is behind this.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host/scene/marks.hpp"
+
+namespace pxpl5::host::io {
+
+inline constexpr int max_picture_side_px = 16384;
+inline constexpr int max_pictures = 10'000;  ///< Of an animation.
+inline constexpr int min_delay_ms = 20;      ///< Browsers show what is shorter at 100 ms.
+inline constexpr int max_delay_ms = 60'000;
+inline constexpr std::size_t max_attributes = 1'000;
+inline constexpr std::size_t max_attribute_name = 73;  ///< Bytes; PNG has 79, of which we use 6.
+
+/// Thrown for a picture that cannot be written. `what` names the file and the reason.
+struct PictureError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// A word and its value in the file's metadata.
+struct PictureAttribute {
+    std::string name;   ///< Printable ASCII, 1..max_attribute_name, each once.
+    std::string value;  ///< UTF-8.
+};
+
+/// A picture to write, or several of one size: display-coded (sRGB) values, alpha not multiplied
+/// in.
+struct Picture {
+    int width = 0, height = 0;                      ///< Pixels; 1..max_picture_side_px.
+    std::span<const std::uint8_t> rgba;             ///< count * width * height * 4, top row first.
+    std::string description;                        ///< Goes into the file's metadata.
+    std::vector<PictureAttribute> attributes = {};  ///< Likewise, as "pxpl5:NAME".
+    std::vector<PictureMark> marks = {};            ///< Drawn over each picture, in order.
+    int count = 1;      ///< 1..max_pictures; more than one: an animation, which only GIF holds.
+    int delay_ms = 40;  ///< Between an animation's pictures; GIF has steps of 10 ms.
+};
+
+/// Writes `picture` to `path` as PNG, TIFF, OpenEXR or GIF, by its suffix. The file appears whole
+/// or not at all: it is written beside its place and renamed. Alpha is kept only if some pixel is
+/// not opaque, and never in GIF, whose pixels have 256 colours in each picture, dithered.
+///
+/// Attributes are texts of their own in PNG and OpenEXR. TIFF has no room for names that it does
+/// not know: there they are lines of the description. GIF holds none.
+/// Throws   PictureError.
+void write_picture(const std::string& path, const Picture& picture);
+
+}  // namespace pxpl5::host::io

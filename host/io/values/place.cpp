@@ -1,0 +1,136 @@
+#include "host/io/values/place.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <numbers>
+
+namespace pxpl5::host::io {
+
+namespace {
+
+constexpr double max_orthogonal_cosine = 1e-4;  // 0.006 degrees: headers round their numbers.
+constexpr double min_determinant = 1e-9;        // Of a box of the same spacings.
+
+// From below the wavelength of light to more than a patient. Within these no area, volume or
+// distance of a surface overflows, and the ring takes what is derived from them.
+constexpr double min_spacing_mm = 1e-6, max_spacing_mm = 1e6;
+constexpr double max_corner_mm = 1e6;    // As ringbus takes places of a scene.
+constexpr double max_slice_place = 1e6;  // As ringbus takes slice_places.
+
+void check_spacings(const std::string& file, const glm::dmat3& linear) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const double spacing = glm::length(linear[axis]);
+        if (!(spacing >= min_spacing_mm && spacing <= max_spacing_mm)) {
+            throw ImportError(fmt::format("{}: spacing along {} is {} mm, must be {} to {} mm",
+                                          file, "xyz"[axis], spacing, min_spacing_mm,
+                                          max_spacing_mm));
+        }
+    }
+}
+
+/// The volume's eight corners and its slices lie where the ring and the graphics can take them.
+void check_corners(const std::string& file, const Volume& volume) {
+    const double last_place =
+        volume.slice_places.empty() ? volume.nz - 1 : volume.slice_places.back();
+    if (!(last_place <= max_slice_place)) {
+        throw ImportError(fmt::format("{}: its last slice lies {} steps from the first, at most {}",
+                                      file, last_place, max_slice_place));
+    }
+    const glm::dvec3 last(volume.nx - 1, volume.ny - 1, last_place);
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 at(corner & 1U ? last.x : 0, corner & 2U ? last.y : 0,
+                            corner & 4U ? last.z : 0);
+        const glm::dvec3 place_mm(volume.voxel_to_patient * glm::dvec4(at, 1));
+        for (int row = 0; row < 3; ++row) {
+            if (!(std::abs(place_mm[row]) <= max_corner_mm)) {
+                throw ImportError(
+                    fmt::format("{}: {} of voxel {},{},{} is {} mm, must be within +-{} mm", file,
+                                "xyz"[row], at.x, at.y, at.z, place_mm[row], max_corner_mm));
+            }
+        }
+    }
+}
+
+}  // namespace
+
+void take_spacing(const std::string& file, const ImportRequest& request,
+                  const std::array<bool, 3>& stated, Volume& volume) {
+    std::string missing;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (stated[axis]) {
+            continue;
+        }
+        missing += "xyz"[axis];
+        if (request.spacing_mm) {
+            const int column = static_cast<int>(axis);
+            const glm::dvec3 direction =
+                glm::normalize(glm::dvec3(volume.voxel_to_patient[column]));
+            volume.voxel_to_patient[column] =
+                glm::dvec4(direction * (*request.spacing_mm)[column], 0);
+        }
+    }
+    if (request.spacing_mm && missing.empty()) {
+        const auto& m = volume.voxel_to_patient;
+        throw ImportError(fmt::format(
+            "{}: states its spacing ({} x {} x {} mm), so none can be given (spacing={},{},{})",
+            file, glm::length(glm::dvec3(m[0])), glm::length(glm::dvec3(m[1])),
+            glm::length(glm::dvec3(m[2])), request.spacing_mm->x, request.spacing_mm->y,
+            request.spacing_mm->z));
+    }
+    if (missing.empty()) {
+        return;
+    }
+    volume.findings.insert(
+        volume.findings.begin(),
+        {FindingKind::assumption,
+         request.spacing_mm
+             ? fmt::format("the file does not state its spacing along {}: taken as asked for",
+                           missing)
+             : fmt::format("the file does not state its spacing along {}: 1 mm is assumed, sizes "
+                           "and shapes may be wrong; spacing=x,y,z sets it",
+                           missing)});
+}
+
+void check_place(const std::string& file, Volume& volume) {
+    const glm::dmat3 linear(volume.voxel_to_patient);
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 3; ++row) {
+            if (!std::isfinite(volume.voxel_to_patient[column][row])) {
+                throw ImportError(fmt::format("{}: {} of axis {} is {}, must be finite", file,
+                                              column < 3 ? "spacing or direction" : "the origin",
+                                              "xyz"[column < 3 ? column : row],
+                                              volume.voxel_to_patient[column][row]));
+            }
+        }
+    }
+    check_spacings(file, linear);
+    const double steps = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
+    const double determinant = glm::determinant(linear);
+    if (!(std::abs(determinant) > min_determinant * steps)) {
+        throw ImportError(fmt::format(
+            "{}: its axes span no volume: spacings {} x {} x {} mm, determinant {}", file,
+            glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2]), determinant));
+    }
+    check_corners(file, volume);
+    if (determinant < 0) {
+        volume.findings.push_back({FindingKind::reflection,
+                                   "the voxel axes are left-handed in the patient (reflection)"});
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const int next = (axis + 1) % 3;
+        const double cosine = glm::dot(glm::normalize(linear[axis]), glm::normalize(linear[next]));
+        if (std::abs(cosine) > max_orthogonal_cosine) {
+            volume.findings.push_back(
+                {FindingKind::gantry_tilt,
+                 fmt::format("sheared: the {} and {} axes meet at {:.2f} degrees, as in a tilted "
+                             "gantry",
+                             "xyz"[axis], "xyz"[next],
+                             std::acos(cosine) * 180 / std::numbers::pi)});
+        }
+    }
+}
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,62 @@
+// Gathers a volume's values chunk by chunk, in the narrowest of our four types that holds them.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/io/values/component.hpp"
+#include "host/volume/volume.hpp"
+
+namespace pxpl5::host::io {
+
+/// value = stored * slope + intercept.
+struct Scale {
+    double slope = 1, intercept = 0;
+    bool is_identity() const { return slope == 1 && intercept == 0; }
+    friend bool operator==(const Scale&, const Scale&) = default;
+};
+
+/// uint8, int16, uint16 and float32 are kept while all chunks are of that type and none is scaled.
+/// Else whole numbers become int16 or uint16 if all of them fit, and everything else float32. What
+/// is held already is converted when a chunk asks for it; the result does not depend on the order.
+class ValueSink {
+  public:
+    /// value_count  Of the whole volume: memory is reserved once.
+    explicit ValueSink(std::size_t value_count) : value_count_(value_count) {}
+
+    /// Appends `native`, values of `component` in this machine's byte order.
+    void add(std::span<const std::byte> native, Component component, Scale scale = {});
+
+    /// Values so far.
+    std::size_t count() const { return values_.size() / size_bytes(type_); }
+
+    /// Hands over type, values, minimum and maximum, and says what was converted.
+    /// file     For error texts.
+    /// Throws   ImportError if no value is finite, or one is beyond float32.
+    void finish(const std::string& file, Volume& volume);
+
+  private:
+    template <typename T>
+    void keep(std::span<const T> values);
+    template <typename T>
+    void fit(std::span<const T> values, Scale scale);
+    void convert_held_to(Scalar type);
+    void append(std::span<const double> values);
+    void note_conversion(Volume& volume) const;
+
+    std::size_t value_count_;
+    std::vector<std::byte> values_;
+    Scalar type_ = Scalar::uint8;
+    bool started_ = false, fitting_ = false, is_mixed_ = false, is_scaled_ = false;
+    Component first_ = Component::uint8;
+    double minimum_ = std::numeric_limits<double>::infinity();
+    double maximum_ = -std::numeric_limits<double>::infinity();
+    std::uint64_t not_finite_ = 0, inexact_ = 0;
+};
+
+const char* scalar_name(Scalar type);
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,66 @@
+// What a clinical viewer writes over a picture: where the patient's directions are, how long a
+// millimetre is, and what is shown.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/scene/camera.hpp"
+#include "host/scene/marks.hpp"
+#include "host/scene/scene.hpp"
+
+namespace pxpl5::host {
+
+/// A direction in patient axes (x left, y posterior, z superior) as its letters, the largest
+/// component first: L R, P A, S I. A component counts from sin 22.5 degrees of the whole on, so
+/// that a direction between two axes has two letters, as "RA", and a small turn none too many.
+/// Equal components in the order x, y, z. Empty for the null vector.
+std::string direction_letters(const glm::dvec3& direction);
+
+/// A scale bar: a round length, and how long that is in the picture.
+struct ScaleBar {
+    double length_mm = 0;
+    double length_px = 0;
+};
+
+/// The longest bar of 1, 2 or 5 times a power of ten millimetres that is at most `most_px` long, at
+/// the distance of the subject's centre: the picture is a perspective, what is nearer is larger.
+ScaleBar scale_bar(const Camera& camera, const Subject& subject, Size size, double most_px);
+
+/// One line of the legend: a surface's colour, name and isovalue.
+struct LegendLine {
+    MarkColour colour;
+    std::string text;
+};
+
+/// What the marks say; the flags switch their parts off.
+struct Overlay {
+    Camera camera;
+    Subject subject;
+    Size size;
+    MarkColour background{18, 22, 30, 255};  ///< Of the picture: ink is light over a dark one.
+    std::string title;                       ///< Bottom line, as the volume's name; UTF-8.
+    std::vector<LegendLine> legend;          ///< Above the title; what has no room is counted.
+    bool letters = true;                     ///< Patient directions at the four sides.
+    bool directions = true;  ///< The six directions as a small body at the top right.
+    bool scale = true;       ///< The scale bar.
+};
+
+/// The legend of a scene's visible surfaces: "bone  300".
+std::vector<LegendLine> legend_of(std::span<const Surface> surfaces);
+
+/// The marks, to be drawn in order. Sizes follow the picture's shorter side; below
+/// `smallest_legend_px` there is room for letters and the scale bar alone, below
+/// `smallest_overlay_px` for none.
+std::vector<PictureMark> overlay_marks(const Overlay& overlay);
+
+inline constexpr int smallest_overlay_px = 96, smallest_legend_px = 200;
+
+/// The whole overlay of a scene in which `subject` is shown.
+std::vector<PictureMark> overlay_marks(const Scene& scene, const Subject& subject,
+                                       std::string_view title);
+
+}  // namespace pxpl5::host

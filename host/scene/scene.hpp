@@ -1,0 +1,96 @@
+// What is shown and how: everything that a frame depends on besides the volume.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/base/command_line.hpp"
+#include "host/scene/camera.hpp"
+
+namespace pxpl5::host {
+
+inline constexpr std::size_t max_surfaces = 16;
+inline constexpr std::size_t max_lights = 4;
+inline constexpr int max_picture_px = 4096;
+inline constexpr double max_specular_power = 128;
+inline constexpr std::size_t max_clips = 16;
+inline constexpr int opaque = 16;  ///< Sixteenths.
+
+enum class CaseTable : std::uint8_t { watertight, lorensen1987, asymptotic };
+inline constexpr std::array<std::string_view, 3> case_table_names = {"watertight", "lorensen1987",
+                                                                     "asymptotic"};
+
+/// Which connected components of a surface are drawn.
+struct ComponentFilter {
+    enum class Kind : std::uint8_t { all, largest, at_least_mm2, at_least_ml, at_point };
+    Kind kind = Kind::all;
+    double least = 0;    ///< For the kinds at_least_*; largest is by number of triangles.
+    glm::dvec3 p_mm{0};  ///< For at_point: the component nearest to it; patient, LPS.
+    friend bool operator==(const ComponentFilter&, const ComponentFilter&) = default;
+};
+
+struct Surface {
+    std::string name;
+    std::uint16_t id = 0;        ///< Number on the ring; never used twice in a session.
+    std::uint32_t revision = 0;  ///< Counts the isovalues that it has had.
+    double isovalue = 0;
+    CaseTable table = CaseTable::watertight;
+    Colour colour{236, 226, 200};
+    bool cull_back = false;  ///< Triangles that turn their back are not drawn.
+    bool visible = true;
+    int opacity = opaque;  ///< Sixteenths of the pixels that show it; 1..16.
+    ComponentFilter components;
+    std::string compared_with;  ///< Of a surface that `compare` has made: the one that it is of.
+};
+
+/// Directional light as seen by the viewer.
+struct Light {
+    double azimuth_deg = 0;    ///< To the picture's right; 0 is the viewer's own direction.
+    double elevation_deg = 0;  ///< Upwards.
+    double intensity = 1;
+    friend bool operator==(const Light&, const Light&) = default;
+};
+
+struct Material {
+    double ambient = 0.16, specular = 0.25;  ///< 0..1.
+    std::uint32_t specular_power = 24;       ///< 1..128.
+    friend bool operator==(const Material&, const Material&) = default;
+};
+
+/// One clip plane.
+struct SceneClip {
+    std::string words;  ///< What was asked for: "R 20", "box 0,0,0 63,63,30".
+    glm::dvec4 plane;   ///< Of the patient (mm, LPS); kept where plane . (x, y, z, 1) >= 0.
+    friend bool operator==(const SceneClip&, const SceneClip&) = default;
+};
+
+struct Scene {
+    Camera camera;
+    /// From above left, and a weaker one from the right, so that no side is without shape.
+    std::vector<Light> lights = {{-28, 32, 0.72}, {55, -8, 0.26}};
+    Material material;
+    Colour background{18, 22, 30};
+    Size size{512, 512};
+    std::vector<Surface> surfaces;  ///< In drawing order.
+    std::vector<SceneClip> clips;   ///< What is drawn lies on the kept side of all.
+    bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in gap_colour.
+    Colour gap_colour{226, 84, 62};
+    int samples = 1;      ///< Of each pixel of a picture, one of sample_counts.
+    bool overlay = true;  ///< Pictures in files carry orientation letters and a scale bar.
+};
+
+/// Whether `compare` shows two other surfaces in place of this one.
+inline bool is_compared(std::span<const Surface> surfaces, const Surface& surface) {
+    return std::ranges::any_of(surfaces, [&](const Surface& other) {
+        return !other.compared_with.empty() && other.compared_with == surface.name;
+    });
+}
+
+}  // namespace pxpl5::host

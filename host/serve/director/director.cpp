@@ -1,0 +1,270 @@
+#include "host/serve/director/director.hpp"
+
+#include <fmt/core.h>
+#include <sys/epoll.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "host/base/reply.hpp"
+#include "host/base/version.hpp"
+#include "host/serve/director/state_text.hpp"
+#include "host/serve/director/viewer_message.hpp"
+
+namespace pxpl5::host::serve {
+
+namespace {
+
+constexpr double ms_per_ns = 1e-6;
+
+/// Readable when `fd` is, or after a time.
+class Alarm {
+  public:
+    explicit Alarm(int fd)
+        : timer_(timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)),
+          set_(epoll_create1(EPOLL_CLOEXEC)) {
+        for (const int each : {fd, timer_}) {
+            epoll_event event{};
+            event.events = EPOLLIN;
+            if (epoll_ctl(set_, EPOLL_CTL_ADD, each, &event) != 0) {
+                throw std::system_error(errno, std::generic_category(), "cannot wait for viewers");
+            }
+        }
+    }
+    ~Alarm() {
+        close(set_);
+        close(timer_);
+    }
+    Alarm(const Alarm&) = delete;
+    Alarm& operator=(const Alarm&) = delete;
+
+    int fd() const { return set_; }
+    /// ms  -1: never.
+    void set(double ms) const {
+        itimerspec after{};
+        if (ms >= 0) {
+            const auto ns = static_cast<std::int64_t>(std::max(1.0, ms / ms_per_ns));
+            after.it_value = {ns / 1'000'000'000, ns % 1'000'000'000};
+        }
+        timerfd_settime(timer_, 0, &after, nullptr);  // Also unreadable again.
+    }
+
+  private:
+    int timer_, set_;
+};
+
+}  // namespace
+
+Director::Director(Audience& audience, DirectorParts parts)
+    : audience_(audience), parts_(std::move(parts)) {
+    start();
+}
+Director::~Director() = default;
+
+void Director::start() {
+    session_.reset();
+    machine_.reset();
+    machine_ = parts_.launch();
+    session_ = std::make_unique<Session>(*machine_);
+    session_->progress = [this](const LoadProgress& progress) {
+        const bool reads = progress.phase == LoadProgress::Phase::reading;
+        tell_progress(reads ? "reading" : "handing to the GPs", progress.done, progress.total);
+    };
+}
+
+double Director::since_ms(std::int64_t then_ns) const {
+    return static_cast<double>(parts_.clock_ns() - then_ns) * ms_per_ns;
+}
+
+void Director::run() {
+    const Alarm alarm(audience_.event_fd());
+    for (;;) {
+        while (step()) {
+        }
+        alarm.set(due_ms());
+        guard("waiting", [&] { machine_->wait_readable(alarm.fd()); });
+    }
+}
+
+bool Director::step() {
+    take_events();
+    if (inbox_.has_command()) {
+        // Under a flood of input, too, pictures are seen at their rate.
+        const bool picture_is_due = shown_revision_ != revision_ && since_ms(frame_ns_) >= goal_ms;
+        if (!(picture_is_due && draw_moving())) {
+            do_wish(inbox_.take());
+        }
+        return true;
+    }
+    if (state_is_old_) {
+        tell_state();
+    }
+    if (wants_machine() && since_ms(machine_text_ns_) >= machine_text_ms) {
+        tell_machine();
+        return true;
+    }
+    const bool is_asked = !inbox_.empty();
+    if (is_asked) {
+        do_wish(inbox_.take());
+    }
+    // A picture after each answer: who never ceases to ask keeps it from nobody.
+    return draw_moving() || draw_resting() || is_asked;
+}
+
+double Director::due_ms() const {
+    double due = -1;
+    const auto sooner = [&due](double ms) {
+        due = due < 0 ? std::max(0.0, ms) : std::min(due, std::max(0.0, ms));
+    };
+    if (has_picture() && is_refinable()) {
+        sooner(rest_ms - since_ms(input_ns_));
+    }
+    if (wants_machine()) {
+        sooner(machine_text_ms - since_ms(machine_text_ns_));
+    }
+    return due;
+}
+
+void Director::take_events() {
+    for (const Event& event : audience_.take()) {
+        std::visit([this](const auto& each) { take(each); }, event);
+    }
+}
+
+void Director::take(const Joined& joined) {
+    viewers_[joined.viewer] = {joined.role, false};
+    audience_.send(
+        joined.viewer,
+        json_text({{"hello", Fields{{"version", std::string(version)},
+                                    {"role", std::string(joined.role == Role::driver ? "driver"
+                                                                                     : "watcher")},
+                                    {"viewer", std::int64_t{joined.viewer}},
+                                    {"topology", parts_.topology}}}}));
+    // What is half done is no state: then the one before.
+    audience_.send(joined.viewer, busy_.empty() ? current_state() : last_state_);
+}
+
+void Director::take(const Left& left) {
+    viewers_.erase(left.viewer);
+    inbox_.forget_asks(left.viewer);
+}
+
+/// Whether a viewer of this role may say this.
+bool Director::may(const Said& said, const std::optional<std::string>& ask) const {
+    return said.role == Role::driver || (ask && *ask == "slice");
+}
+
+void Director::take(const Said& said) {
+    Wish wish;
+    wish.viewer = said.viewer;
+    try {
+        const ViewerMessage message = read_viewer_message(said.text);
+        wish.id = message.id;
+        if (message.panel) {
+            viewers_[said.viewer].wants_machine = *message.panel;
+            return;
+        }
+        if (!may(said, message.ask)) {
+            refuse_command("you only watch: the address of this page may not change anything");
+        }
+        if (message.cancels) {
+            cancels_ = true;  // For what is being done; do_command() forgets it.
+            return;
+        }
+        wish.is_ask = message.ask.has_value();
+        wish.text = wish.is_ask ? said.text : *message.line;
+        wish.kind = message.ask.value_or("") + " " + message.axis.value_or("");
+        take_wish(said, std::move(wish));
+    } catch (const RequestError& error) {
+        refuse(wish, error);
+    }
+}
+
+void Director::take_wish(const Said& said, Wish wish) {
+    if (!wish.is_ask) {
+        wish.arguments = parse_line(wish.text);
+        if (wish.arguments.name.empty()) {
+            refuse_command("do: the line is empty");
+        }
+        if (is_quit(wish.arguments)) {
+            refuse_command("the program is ended where it was started, with Ctrl-C");
+        }
+    }
+    const std::optional<std::uint32_t> id = wish.id;
+    const Inbox::Outcome outcome = inbox_.add(std::move(wish));
+    if (outcome.superseded && outcome.superseded->id) {
+        audience_.send(outcome.superseded->viewer,
+                       json_text({{"re", std::int64_t{*outcome.superseded->id}},
+                                  {"ok", false},
+                                  {"superseded", true}}));
+    }
+    if (outcome.added == Inbox::Added::full) {
+        Wish lost;
+        lost.viewer = said.viewer;
+        lost.id = id;
+        refuse(lost, RequestError(ExitCode::failed,
+                                  fmt::format("{} commands, or {} questions of this viewer, wait "
+                                              "already, no more may: this one is not done",
+                                              max_waiting, max_asks_of_a_viewer)));
+    }
+}
+
+void Director::refuse(const Wish& wish, const RequestError& error) {
+    if (wish.id) {
+        audience_.send(wish.viewer,
+                       json_text({{"re", std::int64_t{*wish.id}},
+                                  {"ok", false},
+                                  {"error", std::string(error.what())},
+                                  {"exit_code", static_cast<std::int64_t>(error.code)}}));
+    } else {
+        audience_.send(wish.viewer,
+                       json_text({{"note", Fields{{"level", std::string("error")},
+                                                  {"text", std::string(error.what())}}}}));
+    }
+}
+
+void Director::note(const char* level, const std::string& text) {
+    tell_all(json_text({{"note", Fields{{"level", std::string(level)}, {"text", text}}}}));
+}
+
+void Director::tell_progress(const std::string& what, int done, int total) {
+    // The first at once, the others at a pace that can be read.
+    constexpr double pause_ms = 50;
+    if (busy_.empty() || (tells_progress_ && done != total && since_ms(progress_ns_) < pause_ms)) {
+        return;
+    }
+    tells_progress_ = true;
+    progress_ns_ = parts_.clock_ns();
+    tell_all(json_text(
+        {{"progress",
+          Fields{{"what", what}, {"done", std::int64_t{done}}, {"total", std::int64_t{total}}}}}));
+}
+
+void Director::end_progress() {
+    if (std::exchange(tells_progress_, false)) {
+        tell_all(json_text({{"progress", nullptr}}));
+    }
+}
+
+/// Those who have been greeted.
+void Director::tell_all(const std::string& text) {
+    for (const auto& viewer : viewers_) {
+        audience_.send(viewer.first, text);
+    }
+}
+
+std::string Director::current_state() const {
+    return state_text(*session_, {revision_, busy_, parts_.topology, machine_->is_recording()});
+}
+
+void Director::tell_state() {
+    state_is_old_ = false;
+    last_state_ = current_state();
+    tell_all(last_state_);
+}
+
+}  // namespace pxpl5::host::serve

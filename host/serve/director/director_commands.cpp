@@ -1,0 +1,256 @@
+// Director: commands, questions, and machines that die.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "host/base/reply.hpp"
+#include "host/commands/first_surfaces.hpp"
+#include "host/serve/director/director.hpp"
+#include "host/session/restore.hpp"
+
+namespace pxpl5::host::serve {
+
+namespace {
+
+constexpr std::string_view download_prefix = "download:";
+constexpr std::size_t max_name_bytes = 120;
+/// Commands that may take so long that a person wonders.
+constexpr std::array<std::string_view, 10> long_commands = {
+    "load",   "atlas", "certificate", "compare",  "components",
+    "export", "orbit", "sweep",       "snapshot", "play"};
+/// A surface around others is seen through, so that a first picture shows both.
+constexpr const char* see_through = "0.35";
+
+/// A file's name without a path. Throws RequestError.
+void check_name(const std::string& name) {
+    const bool is_plain = std::ranges::all_of(name, [](unsigned char c) {
+        return std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-' || c == ' ';
+    });
+    if (name.empty() || name.size() > max_name_bytes || name.front() == '.' || !is_plain) {
+        refuse_command(
+            fmt::format("download: '{}' is no name for a file; letters, digits, '.', "
+                        "'_', '-' and blanks make one, up to {}",
+                        name, max_name_bytes));
+    }
+}
+
+/// Whether part of the picture has changed.
+bool same_picture(const Scene& a, const Scene& b) {
+    return same_parameters(a, b) && a.size == b.size;
+}
+
+}  // namespace
+
+void Director::do_wish(const Wish& wish) {
+    const Scene before = session_->scene;
+    try {
+        wish.is_ask ? answer_ask(wish) : do_command(wish);
+    } catch (const RequestError& error) {
+        refuse(wish, error);
+    } catch (const MachineError& death) {
+        if (!death.is_interruption) {
+            refuse(wish, RequestError(ExitCode::failed, death.what()));
+        }
+        start_again(death, before);
+    } catch (const std::exception& error) {  // As of a file system: one viewer's, not everybody's.
+        refuse(wish, RequestError(ExitCode::failed, error.what()));
+    }
+}
+
+/// Runs it, with what names a download put into the folder of downloads.
+Reply Director::run(const Arguments& arguments) {
+    Arguments placed = arguments, noted = arguments;
+    std::string download;
+    for (std::size_t i = 0; i < placed.words.size(); ++i) {
+        if (placed.words[i].starts_with(download_prefix)) {
+            download = placed.words[i].substr(download_prefix.size());
+            check_name(download);
+            placed.words[i] = (parts_.downloads / download).string();
+            noted.words[i] = download;  // A script writes where it is run.
+        }
+    }
+    Reply reply = run_command(*session_, placed, &noted);
+    if (!download.empty()) {
+        reply.fields.push_back({"download", "/download/" + download});
+    }
+    return reply;
+}
+
+void Director::do_command(const Wish& wish) {
+    struct Work {
+        Director& director;
+        ~Work() {
+            director.machine_->watch(-1, {});
+            director.busy_.clear();
+            director.end_progress();
+        }
+    };
+    const Work work{*this};
+    const Scene before = session_->scene;
+    const int loads = session_->history.loads();
+    const std::int64_t start_ns = parts_.clock_ns();
+    cancels_ = false;
+    if (std::ranges::count(long_commands, wish.arguments.name) != 0) {
+        busy_ = wish.text;
+        tell_state();
+        tell_progress(wish.arguments.name, 0, 0);
+        machine_->watch(audience_.event_fd(), [this] {
+            take_events();
+            return cancels_;
+        });
+    }
+    const auto note_change = [&] {
+        state_is_old_ |= kind_of(wish.arguments) != CommandKind::question || !busy_.empty();
+        tell_opened();
+        if (loads != session_->history.loads() || !same_picture(before, session_->scene)) {
+            ++revision_;
+            state_is_old_ = true;
+            input_ns_ = parts_.clock_ns();
+        }
+    };
+    try {
+        const Reply reply = run(wish.arguments);
+        if (wish.arguments.name == "load") {
+            show_first_surfaces();
+        }
+        note_change();
+        if (wish.id) {
+            audience_.send(wish.viewer, json_text({{"re", std::int64_t{*wish.id}},
+                                                   {"ok", true},
+                                                   {"text", reply.text},
+                                                   {"result", reply.fields},
+                                                   {"ms", since_ms(start_ns)},
+                                                   {"revision", std::int64_t{revision_}}}));
+        }
+    } catch (const MachineError&) {
+        throw;  // The machine's successor draws anew.
+    } catch (const std::exception&) {
+        note_change();
+        throw;
+    }
+}
+
+void Director::tell_opened() {
+    const std::optional<std::string>& line = session_->history.load_line();
+    const std::string path = line ? parse_line(*line).words.at(0) : "";
+    if (path != std::exchange(opened_, path)) {
+        audience_.opened(path);
+    }
+}
+
+void Director::answer_ask(const Wish& wish) {
+    if (!parts_.answer) {
+        refuse_command("ask: this program answers no such question");
+    }
+    audience_.send_binary(wish.viewer, parts_.answer(*session_, *wish.id, wish.text));
+}
+
+Reply Director::open(const std::string& line) {
+    state_is_old_ = true;
+    ++revision_;
+    return run(parse_line(line));
+}
+
+void Director::show_first_surfaces() {
+    if (!session_->has_volume() || !session_->scene.surfaces.empty()) {
+        return;
+    }
+    for (const FirstSurface& each : first_surfaces(session_->volume())) {
+        Arguments command{"surface", {each.name}, {}};
+        if (each.isovalue) {
+            command.options["iso"] = fmt::format("{}", *each.isovalue);
+        }
+        if (each.seen_through) {
+            command.options["opacity"] = see_through;
+        }
+        run_command(*session_, command);
+    }
+    // They belong to the load: undo does not go back beyond them.
+    History& history = session_->history;
+    if (const std::optional<std::string> load = history.load_line()) {
+        history.begin_anew(*load);
+        history.mark();
+    }
+}
+
+/// Does what is no command; if the machine dies of it, it is started again.
+void Director::guard(const std::string& what, const std::function<void()>& act) {
+    const Scene before = session_->scene;
+    try {
+        act();
+    } catch (const MachineError& death) {
+        start_again(death, before);
+    } catch (const std::exception& error) {
+        note("error", fmt::format("{}: {}", what, error.what()));
+    }
+}
+
+/// Tells of the death, and throws it if nobody should try again.
+void Director::count_death(const MachineError& death) {
+    if (death.is_interruption) {
+        throw death;
+    }
+    deaths_ns_.push_back(parts_.clock_ns());
+    if (deaths_ns_.size() > max_deaths) {
+        deaths_ns_.pop_front();
+    }
+    if (deaths_ns_.size() == max_deaths && since_ms(deaths_ns_.front()) < death_window_ms) {
+        note("error", fmt::format("The machine has died {} times in a minute, the last time so: "
+                                  "{}. The program ends.",
+                                  max_deaths, death.what()));
+        throw death;
+    }
+    note("error", fmt::format("The machine has died: {}. It is started again.", death.what()));
+}
+
+/// The volume is loaded and the scene put back; the history goes on.
+void Director::start_again(const MachineError& death, const Scene& scene) {
+    // Of the session nothing is left if the launch fails.
+    const History history = session_->history;
+    const Scene kept = scene;
+    busy_ = "starting the machine again";
+    for (std::optional<MachineError> newest = death; newest;) {
+        count_death(*newest);
+        tell_progress(busy_, 0, 0);
+        newest = try_again(history, kept);
+    }
+    busy_.clear();
+    end_progress();
+    state_is_old_ = true;
+    ++revision_;
+    input_ns_ = parts_.clock_ns();
+}
+
+/// Returns what the new machine died of, if it did.
+std::optional<MachineError> Director::try_again(const History& history, const Scene& scene) {
+    try {
+        start();
+    } catch (const MachineError& death) {
+        return death;
+    } catch (const std::exception& error) {
+        return MachineError(static_cast<int>(ExitCode::unavailable), error.what());
+    }
+    try {
+        if (history.load_line()) {
+            const Arguments load = parse_line(*history.load_line());
+            find_command(load.name).run(*session_, load);
+        }
+        restore_all(*session_, scene);
+        note("info", "The machine is there again, with volume and surfaces as they were.");
+    } catch (const MachineError& death) {
+        return death;
+    } catch (const std::exception& error) {
+        note("error", fmt::format("Not all is as it was: {}", error.what()));
+    }
+    session_->history = history;
+    if (history.load_line() && !has_picture()) {
+        session_->history.forget_load();
+    }
+    return std::nullopt;
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,131 @@
+// Director: what is drawn, when, and how large.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "host/commands/picture_text.hpp"
+#include "host/serve/director/director.hpp"
+
+namespace pxpl5::host::serve {
+
+namespace {
+
+constexpr int smallest_moving_px = 64;
+constexpr int refinement = 4;  // Times more samples at each step: 1, 4, 16.
+
+Size scaled(const Size& size, double scale) {
+    const auto side = [scale](int px) {
+        return std::max(std::min(px, smallest_moving_px),
+                        static_cast<int>(std::lround(px * scale)));
+    };
+    return {side(size.width), side(size.height)};
+}
+
+}  // namespace
+
+bool Director::has_picture() const {
+    return session_->has_volume() || session_->archive() != nullptr;
+}
+
+void Director::show(Picture picture, int samples, bool rests, bool last) {
+    Shown frame;
+    frame.digest = rests ? picture_digest(picture) : 0;
+    frame.width = picture.width;
+    frame.height = picture.height;
+    frame.pixels = std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.rgba));
+    frame.revision = revision_;
+    frame.samples = samples;
+    frame.rests = rests;
+    frame.last = last;
+    frame.machine_ms = static_cast<float>(session_->last_frame().elapsed_ms);
+    audience_.show(std::move(frame));
+}
+
+/// Draws what has changed, as large as there is time for. Returns whether there was something.
+bool Director::draw_moving() {
+    if (!has_picture() || shown_revision_ == revision_ || !audience_.wants_frame() ||
+        (!inbox_.has_command() &&
+         since_ms(input_ns_) >= rest_ms)) {  // Then the picture itself is due.
+        return false;
+    }
+    if (state_is_old_) {
+        tell_state();  // What lies over the picture follows the state.
+    }
+    const Size wished = session_->scene.size;
+    const std::int64_t start_ns = parts_.clock_ns();
+    const std::uint32_t revision = revision_;
+    guard("drawing", [&] {
+        struct Restore {
+            Session& session;
+            Size size;
+            ~Restore() { session.scene.size = size; }
+        };
+        const Restore restore{*session_, wished};
+        session_->scene.size = scaled(wished, std::min(pace_.scale(), audience_.advice().scale));
+        show(session_->draw_samples(1).value(), 1, false, false);
+    });
+    pace_.drawn(since_ms(start_ns));
+    frame_ns_ = parts_.clock_ns();
+    shown_revision_ = revision;  // Also if it failed: the next change tries again.
+    shown_samples_ = 0;
+    return true;
+}
+
+/// Draws the picture itself when nothing has come for a while, then with more samples, which is
+/// given up as soon as something comes that changes it.
+bool Director::draw_resting() {
+    if (!has_picture() || since_ms(input_ns_) < rest_ms || !is_refinable()) {
+        return false;
+    }
+    const std::uint32_t revision = revision_;
+    const bool is_first = shown_revision_ != revision || shown_samples_ == 0;
+    const int samples = is_first ? 1 : shown_samples_ * refinement;
+    bool is_drawn = true;
+    guard("drawing", [&] {
+        auto picture = session_->draw_samples(samples, [this] {
+            take_events();
+            return !inbox_.changes_picture();
+        });
+        is_drawn = picture.has_value();
+        if (picture) {
+            show(std::move(*picture), samples, true, samples == most_samples());
+        }
+    });
+    if (is_drawn) {
+        frame_ns_ = parts_.clock_ns();
+        shown_revision_ = revision;
+        shown_samples_ = samples;
+    }
+    return true;
+}
+
+/// With how many samples a pixel the picture ends.
+int Director::most_samples() const {
+    return session_->max_samples();
+}
+
+/// Whether a better picture than the newest can be drawn.
+bool Director::is_refinable() const {
+    return shown_revision_ != revision_ || shown_samples_ < most_samples();
+}
+
+bool Director::wants_machine() const {
+    return parts_.machine_text && std::ranges::any_of(viewers_, [](const auto& viewer) {
+               return viewer.second.wants_machine;
+           });
+}
+
+void Director::tell_machine() {
+    guard("machine", [&] {
+        const std::string text = "{\"machine\":" + parts_.machine_text(*session_) + "}";
+        for (const auto& [id, viewer] : viewers_) {
+            if (viewer.wants_machine) {
+                audience_.send(id, text);
+            }
+        }
+    });
+    machine_text_ns_ = parts_.clock_ns();
+}
+
+}  // namespace pxpl5::host::serve

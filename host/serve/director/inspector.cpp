@@ -1,0 +1,193 @@
+#include "host/serve/director/inspector.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.hpp"
+#include "host/commands/slice_picture.hpp"
+#include "host/inspect/why/live_frame.hpp"
+
+namespace pxpl5::host::serve {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint32_t answer_magic = 0x4e413550;  // "P5AN"
+constexpr std::size_t alignment = 8;
+/// Pieces of contours in an answer, of all surfaces: 8 MiB. A page draws no more in a frame's time.
+constexpr std::size_t max_pieces = 524'288;
+constexpr std::array<std::string_view, 4> type_names = {"uint8", "int16", "uint16", "float32"};
+
+[[noreturn]] void refuse(const std::string& text) {
+    throw RequestError(ExitCode::usage, text);
+}
+
+template <class Bytes>
+void pad(Bytes& bytes) {
+    bytes.resize((bytes.size() + alignment - 1) / alignment * alignment);
+}
+
+/// Appends the object representation of `values`. Ours are little-endian machines (ringbus).
+template <class T>
+void append(std::vector<std::byte>& bytes, const T* values, std::size_t count) {
+    const auto* first = reinterpret_cast<const std::byte*>(values);
+    bytes.insert(bytes.end(), first, first + count * sizeof(T));
+}
+
+/// What a value is, for an error: itself if it is short.
+std::string shown(const Json& value) {
+    constexpr std::size_t longest = 40;
+    const std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+    return text.size() <= longest ? text : text.substr(0, longest) + "...";
+}
+
+Json parse(std::string_view message) {
+    Json ask = Json::parse(message, nullptr, false);
+    if (!ask.is_object()) {
+        refuse("ask: the message is no JSON object");
+    }
+    return ask;
+}
+
+std::string text_of(const Json& ask, const char* key, const char* may_be) {
+    const auto found = ask.find(key);
+    if (found == ask.end() || !found->is_string()) {
+        refuse(fmt::format("ask: '{}' is {}; it must be {}", key,
+                           found == ask.end() ? "missing" : shown(*found), may_be));
+    }
+    return found->get<std::string>();
+}
+
+/// A whole number in [low, high].
+std::int64_t whole_of(const Json& ask, const char* key, std::int64_t low, std::int64_t high) {
+    const auto found = ask.find(key);
+    // What is beyond a signed number's range is none of ours.
+    const bool is_whole = found != ask.end() && found->is_number_integer() &&
+                          !(found->is_number_unsigned() && found->get<std::uint64_t>() > INT64_MAX);
+    const std::int64_t value = is_whole ? found->get<std::int64_t>() : 0;
+    if (!is_whole || value < low || value > high) {
+        refuse(fmt::format("ask: '{}' is {}; it must be a whole number from {} to {}", key,
+                           found == ask.end() ? "missing" : shown(*found), low, high));
+    }
+    return value;
+}
+
+std::string hex(Colour c) {
+    return fmt::format("#{:02x}{:02x}{:02x}", c.r, c.g, c.b);
+}
+
+Json places_of(const SliceSide& side) {
+    return side.places_mm.empty() ? Json(nullptr) : Json(side.places_mm);
+}
+
+Json json_of(const SliceFrame& frame, Scalar type) {
+    const SliceSide &across = frame.across, &down = frame.down;
+    return {{"width", across.count},
+            {"height", down.count},
+            {"type", type_names[static_cast<std::size_t>(type)]},
+            {"spacing_mm", {across.spacing_mm, down.spacing_mm}},
+            {"places_mm", {places_of(across), places_of(down)}},
+            {"skew_deg", frame.skew_deg},
+            {"letters",
+             {{"left", across.begin},
+              {"right", across.end},
+              {"top", down.begin},
+              {"bottom", down.end}}},
+            {"axes", {across.axis, down.axis, frame.through}},
+            {"flips", {across.is_flipped, down.is_flipped}}};
+}
+
+Answer answer_slice(Session& session, const Json& ask) {
+    const Volume& volume = session.volume();
+    const std::string name = text_of(ask, "axis", "\"x\", \"y\" or \"z\"");
+    const std::size_t axis = std::string_view("xyz").find(name);
+    if (name.size() != 1 || axis == std::string_view::npos) {
+        refuse(fmt::format("ask: 'axis' is {}; it must be \"x\", \"y\" or \"z\"", shown(name)));
+    }
+    const std::array counts = {volume.nx, volume.ny, volume.nz};
+    const auto index = whole_of(ask, "index", 0, counts[axis] - 1);
+    const Slice slice = slice_of(volume, static_cast<int>(axis), static_cast<int>(index));
+    Answer answer{"", slice.values};
+    pad(answer.bytes);
+    Json json = json_of(slice.frame, slice.type);
+    json["contours"] = Json::array();
+    std::size_t first = 0;
+    for (const SurfaceContour& contour : contours_of(session.scene, slice)) {
+        const std::size_t count = contour.pieces.size();
+        const bool fits = first + count <= max_pieces;
+        json["contours"].push_back({{"surface", contour.surface->name},
+                                    {"color", hex(contour.surface->colour)},
+                                    {"first", first},
+                                    {"count", fits ? count : 0},
+                                    {"left_out", fits ? 0 : count}});
+        if (fits) {
+            append(answer.bytes, contour.pieces.data(), count);
+            first += count;
+        }
+    }
+    answer.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return answer;
+}
+
+Answer answer_scrub(Session& session, const Json& ask) {
+    const Size& size = session.scene.size;
+    const int x = static_cast<int>(whole_of(ask, "x", 0, size.width - 1));
+    const int y = static_cast<int>(whole_of(ask, "y", 0, size.height - 1));
+    inspect::ScrubWish wish;
+    wish.at = whole_of(ask, "at", -1, INT64_MAX);
+    if (ask.contains("field")) {
+        wish.field = text_of(ask, "field", "a field of pixel memory, as \"z\"");
+    }
+    const inspect::ScrubView view = inspect::LiveFrame::of(session).scrub(x, y, wish);
+    Json json = {{"at", view.at},           {"count", view.count},
+                 {"region", view.region},   {"renderer", view.renderer},
+                 {"x0", view.x0_px},        {"y0", view.y0_px},
+                 {"enabled", view.enabled}, {"field", view.field},
+                 {"lines", Json::array()}};
+    for (const inspect::ScrubLine& line : view.lines) {
+        json["lines"].push_back({{"at", line.at},
+                                 {"address", line.address},
+                                 {"text", line.text},
+                                 {"meaning", line.meaning},
+                                 {"effect", line.effect}});
+    }
+    Answer answer{json.dump(), {}};
+    append(answer.bytes, view.rgba.data(), view.rgba.size());
+    return answer;
+}
+
+struct Question {
+    std::string_view name;
+    Answer (*answer)(Session&, const Json&);
+};
+
+constexpr std::array questions = {Question{"slice", answer_slice}, Question{"scrub", answer_scrub}};
+
+}  // namespace
+
+Answer answer(Session& session, std::string_view message) {
+    const Json ask = parse(message);
+    const std::string name = text_of(ask, "ask", "\"slice\" or \"scrub\"");
+    for (const Question& question : questions) {
+        if (question.name == name) {
+            return question.answer(session, ask);
+        }
+    }
+    refuse(fmt::format("ask: 'ask' is {}; it must be \"slice\" or \"scrub\"", shown(name)));
+}
+
+std::string answer_message(std::uint32_t id, const Answer& answer) {
+    const std::array header = {answer_magic, id, static_cast<std::uint32_t>(answer.json.size()),
+                               std::uint32_t{0}};
+    std::string message(reinterpret_cast<const char*>(header.data()), sizeof header);
+    message += answer.json;
+    pad(message);
+    message.append(reinterpret_cast<const char*>(answer.bytes.data()), answer.bytes.size());
+    return message;
+}
+
+}  // namespace pxpl5::host::serve

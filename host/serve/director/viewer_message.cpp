@@ -1,0 +1,91 @@
+#include "host/serve/director/viewer_message.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "host/base/command_line.hpp"
+
+namespace pxpl5::host::serve {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t quoted_bytes = 80;  ///< Of a message that an error quotes.
+constexpr int max_depth = 16;             ///< Of lists and objects in each other.
+
+/// The value of that key if it is there and of the right type. Throws RequestError if it is not.
+template <typename T>
+std::optional<T> value(const Json& message, const char* key, Json::value_t type) {
+    const auto found = message.find(key);
+    if (found == message.end()) {
+        return std::nullopt;
+    }
+    if (found->type() != type) {
+        const std::string given = found->is_structured()
+                                      ? fmt::format("an {}", found->type_name())
+                                      : found->dump(-1, ' ', false, Json::error_handler_t::replace)
+                                            .substr(0, quoted_bytes);
+        refuse_command(
+            fmt::format("message: \"{}\" is {}, which is of the wrong type", key, given));
+    }
+    return found->get<T>();
+}
+
+/// Throws RequestError if lists or objects are too deep in each other for code that recurses.
+Json parse(std::string_view text) {
+    int depth = 0;
+    const auto note_depth = [&depth](int outer, Json::parse_event_t event, const Json&) {
+        const bool begins =
+            event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
+        depth = std::max(depth, begins ? outer + 1 : outer);
+        return depth <= max_depth;
+    };
+    Json message = Json::parse(text, note_depth, false);
+    if (depth > max_depth) {
+        refuse_command(
+            fmt::format("message: '{}' has lists or objects in each other {} deep; {} may be",
+                        text.substr(0, quoted_bytes), depth, max_depth));
+    }
+    return message;
+}
+
+}  // namespace
+
+ViewerMessage read_viewer_message(std::string_view text) {
+    const Json message = parse(text);
+    if (!message.is_object()) {
+        refuse_command(
+            fmt::format("message: '{}' is no JSON object", text.substr(0, quoted_bytes)));
+    }
+    ViewerMessage read;
+    if (const auto id = value<std::uint64_t>(message, "id", Json::value_t::number_unsigned)) {
+        if (*id > std::numeric_limits<std::uint32_t>::max()) {
+            refuse_command(fmt::format("message: id {} is above {}", *id,
+                                       std::numeric_limits<std::uint32_t>::max()));
+        }
+        read.id = static_cast<std::uint32_t>(*id);
+    }
+    read.line = value<std::string>(message, "do", Json::value_t::string);
+    read.ask = value<std::string>(message, "ask", Json::value_t::string);
+    if (read.ask) {
+        read.axis = value<std::string>(message, "axis", Json::value_t::string);
+    }
+    read.panel = value<bool>(message, "panel", Json::value_t::boolean);
+    read.cancels = value<bool>(message, "cancel", Json::value_t::boolean).value_or(false);
+    const int meanings = int{read.line.has_value()} + int{read.ask.has_value()} +
+                         int{read.panel.has_value()} + int{read.cancels};
+    if (meanings != 1) {
+        refuse_command(fmt::format("message: '{}' has {} of do, ask, panel and cancel, not one",
+                                   text.substr(0, quoted_bytes), meanings));
+    }
+    if (read.ask && !read.id) {
+        refuse_command(fmt::format("message: ask \"{}\" has no id to answer to", *read.ask));
+    }
+    return read;
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,103 @@
+#include "host/serve/server/encode.hpp"
+
+#include <fmt/format.h>
+#include <png.h>
+#include <turbojpeg.h>
+
+#include <bit>
+#include <cassert>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+namespace pxpl5::host::serve {
+namespace {
+
+// Fields and pixels are handed over as they lie in memory.
+static_assert(std::endian::native == std::endian::little);
+
+constexpr std::uint32_t frame_magic = 0x46523550;  // "P5RF"
+constexpr std::size_t png_head_bytes = 4096;       // Signature, chunk heads and the end.
+
+template <typename T>
+void append(std::string& bytes, T value) {
+    const auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
+    bytes.append(raw.data(), raw.size());
+}
+
+void check_size(int width, int height, std::span<const std::uint32_t> rgba) {
+    assert(width > 0 && height > 0);
+    assert(rgba.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    (void)width, (void)height, (void)rgba;
+}
+
+/// Red, green and blue: the constant alpha would cost a quarter of the time to compress.
+std::vector<unsigned char> without_alpha(std::span<const std::uint32_t> rgba) {
+    std::vector<unsigned char> rgb(rgba.size() * 3);
+    unsigned char* out = rgb.data();
+    for (const std::uint32_t pixel : rgba) {
+        out[0] = static_cast<unsigned char>(pixel);
+        out[1] = static_cast<unsigned char>(pixel >> 8U);
+        out[2] = static_cast<unsigned char>(pixel >> 16U);
+        out += 3;
+    }
+    return rgb;
+}
+
+}  // namespace
+
+std::string frame_header(const FrameHeader& header) {
+    std::string bytes;
+    bytes.reserve(frame_header_bytes);
+    append(bytes, frame_magic);
+    append(bytes, header.number);
+    append(bytes, header.revision);
+    append(bytes, static_cast<std::uint16_t>(header.width));
+    append(bytes, static_cast<std::uint16_t>(header.height));
+    append(bytes, header.kind);
+    append(bytes, static_cast<std::uint8_t>(header.quality));
+    append(bytes, static_cast<std::uint8_t>(header.samples));
+    append(bytes, static_cast<std::uint8_t>((header.rests ? 1 : 0) | (header.last ? 2 : 0)));
+    append(bytes, header.machine_ms);
+    append(bytes, header.digest);
+    assert(bytes.size() == frame_header_bytes);
+    return bytes;
+}
+
+std::string png_of(int width, int height, std::span<const std::uint32_t> rgba) {
+    check_size(width, height, rgba);
+    const std::vector<unsigned char> rgb = without_alpha(rgba);
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = static_cast<png_uint_32>(width);
+    image.height = static_cast<png_uint_32>(height);
+    image.format = PNG_FORMAT_RGB;
+    image.flags = PNG_IMAGE_FLAG_FAST;  // A quarter larger, in a sixth of the time.
+    std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(image) + png_head_bytes, '\0');
+    png_alloc_size_t size = bytes.size();
+    if (png_image_write_to_memory(&image, bytes.data(), &size, 0, rgb.data(), 0, nullptr) == 0) {
+        throw std::runtime_error(fmt::format("cannot encode a PNG: {}", image.message));
+    }
+    bytes.resize(size);
+    return bytes;
+}
+
+std::string jpeg_of(int width, int height, std::span<const std::uint32_t> rgba, int quality) {
+    check_size(width, height, rgba);
+    const std::unique_ptr<void, int (*)(void*)> encoder(tjInitCompress(), tjDestroy);
+    if (!encoder) {
+        throw std::runtime_error("cannot encode a JPEG: no memory");
+    }
+    std::string bytes(tjBufSize(width, height, TJSAMP_420), '\0');
+    auto* data = reinterpret_cast<unsigned char*>(bytes.data());
+    unsigned long size = bytes.size();
+    if (tjCompress2(encoder.get(), reinterpret_cast<const unsigned char*>(rgba.data()), width, 0,
+                    height, TJPF_RGBX, &data, &size, TJSAMP_420, quality, TJFLAG_NOREALLOC) != 0) {
+        throw std::runtime_error(
+            fmt::format("cannot encode a JPEG: {}", tjGetErrorStr2(encoder.get())));
+    }
+    bytes.resize(size);
+    return bytes;
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,116 @@
+#include "host/serve/server/server.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <thread>
+
+#include "host/serve/server/server_loop.hpp"
+
+namespace pxpl5::host::serve {
+namespace {
+
+/// A name for the address that a browser can open.
+std::string host_in_url(const std::string& bind) {
+    if (bind == "0.0.0.0" || bind == "::") {
+        std::array<char, 256> name{};
+        return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
+    }
+    return bind.find(':') == std::string::npos ? bind : "[" + bind + "]";
+}
+
+/// Signals are for the main thread, which waits for them; threads inherit what is blocked.
+class SignalsBlocked {
+  public:
+    SignalsBlocked() {
+        sigset_t all;
+        sigfillset(&all);
+        pthread_sigmask(SIG_BLOCK, &all, &before_);
+    }
+    ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+    SignalsBlocked(const SignalsBlocked&) = delete;
+    SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+  private:
+    sigset_t before_{};
+};
+
+}  // namespace
+
+class Server::Core {
+  public:
+    explicit Core(const ServerOptions& options) : loop(options, mail) {
+        mail.wake_server = [this] { loop.wake(); };
+        address = fmt::format("{}://{}:{}/?token=", loop.rules().encrypted ? "https" : "http",
+                              host_in_url(options.bind), loop.port());
+        const SignalsBlocked blocked;
+        thread = std::thread([this] { loop.run(); });
+    }
+    ~Core() {
+        loop.stop();
+        thread.join();
+    }
+    Core(const Core&) = delete;
+    Core& operator=(const Core&) = delete;
+
+    Mail mail;
+    Loop loop;
+    std::string address;
+    std::thread thread;
+};
+
+Server::Server(const ServerOptions& options) : core_(std::make_unique<Core>(options)) {}
+Server::~Server() = default;
+
+std::string Server::url() const {
+    return core_->address + core_->loop.rules().driver_token;
+}
+std::string Server::watch_url() const {
+    return core_->address + core_->loop.rules().watcher_token;
+}
+int Server::port() const {
+    return core_->loop.port();
+}
+
+int Server::event_fd() const {
+    return core_->mail.event_fd();
+}
+std::vector<Event> Server::take() {
+    return core_->mail.take();
+}
+
+void Server::send(std::uint32_t viewer, std::string text) {
+    if (viewer == 0) {  // 0 would be all.
+        return;
+    }
+    core_->mail.send({viewer, false, std::make_shared<const std::string>(std::move(text))});
+}
+
+void Server::broadcast(std::string text) {
+    core_->mail.send({0, false, std::make_shared<const std::string>(std::move(text))});
+}
+
+void Server::send_binary(std::uint32_t viewer, std::string bytes) {
+    if (viewer == 0) {
+        return;
+    }
+    core_->mail.send({viewer, true, std::make_shared<const std::string>(std::move(bytes))});
+}
+
+void Server::opened(std::string path) {
+    core_->mail.opened(std::move(path));
+}
+void Server::show(Shown frame) {
+    core_->mail.show(std::move(frame));
+}
+bool Server::wants_frame() const {
+    return core_->mail.wants_frame();
+}
+LinkAdvice Server::advice() const {
+    return core_->mail.advice();
+}
+
+}  // namespace pxpl5::host::serve

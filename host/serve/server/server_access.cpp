@@ -1,0 +1,183 @@
+#include "host/serve/server/server_access.hpp"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include "host/base/error.hpp"
+
+namespace pxpl5::host::serve {
+namespace {
+
+std::string lower(std::string_view text) {
+    std::string result(text);
+    for (char& c : result) {
+        c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    }
+    return result;
+}
+
+/// The name of "name", "name:port" or "[address]:port".
+std::string name_of(std::string_view host) {
+    if (host.starts_with('[')) {
+        const std::size_t end = host.find(']');
+        return end == std::string_view::npos ? "" : lower(host.substr(1, end - 1));
+    }
+    return lower(host.substr(0, host.rfind(':')));
+}
+
+/// Takes as long for a nearly right guess as for a wrong one.
+bool same_secret(std::string_view a, std::string_view b) {
+    if (a.size() != b.size()) {
+        return false;
+    }
+    unsigned difference = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
+    }
+    return difference == 0;
+}
+
+std::optional<Role> role_of(const AccessRules& rules, std::string_view token) {
+    if (same_secret(token, rules.driver_token)) {
+        return Role::driver;
+    }
+    if (same_secret(token, rules.watcher_token)) {
+        return Role::watcher;
+    }
+    return std::nullopt;
+}
+
+/// The value of cookie `name` in a Cookie header: "a=1; b=2".
+std::string_view cookie_value(std::string_view cookies, std::string_view name) {
+    while (!cookies.empty()) {
+        const std::size_t end = std::min(cookies.find(';'), cookies.size());
+        std::string_view pair = cookies.substr(0, end);
+        cookies.remove_prefix(std::min(end + 1, cookies.size()));
+        pair.remove_prefix(std::min(pair.find_first_not_of(' '), pair.size()));
+        if (pair.size() > name.size() && pair.starts_with(name) && pair[name.size()] == '=') {
+            return pair.substr(name.size() + 1);
+        }
+    }
+    return {};
+}
+
+/// Checks where the request comes from; the reason, if that is not from here.
+std::string foreign(const AccessRules& rules, const Request& request) {
+    if (std::ranges::find(rules.names, name_of(request.host)) == rules.names.end()) {
+        return fmt::format("This server is not called '{}'; it is {}.", request.host,
+                           fmt::join(rules.names, ", "));
+    }
+    const std::string here = (rules.encrypted ? "https://" : "http://") + lower(request.host);
+    if (!request.origin.empty() && lower(request.origin) != here) {
+        return fmt::format("A page from {} may not use this server; only one from {} may.",
+                           request.origin, here);
+    }
+    return "";
+}
+
+std::string host_name() {
+    std::array<char, 256> name{};
+    return gethostname(name.data(), name.size() - 1) == 0 ? lower(name.data()) : "";
+}
+
+void add_interfaces(std::vector<std::string>& names) {
+    ifaddrs* raw = nullptr;
+    if (getifaddrs(&raw) != 0) {
+        return;
+    }
+    const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> list(raw, freeifaddrs);
+    for (const ifaddrs* at = raw; at != nullptr; at = at->ifa_next) {
+        if (at->ifa_addr == nullptr) {
+            continue;
+        }
+        const int family = at->ifa_addr->sa_family;
+        if (family != AF_INET && family != AF_INET6) {
+            continue;
+        }
+        const void* address =
+            family == AF_INET ? static_cast<const void*>(
+                                    &reinterpret_cast<const sockaddr_in*>(at->ifa_addr)->sin_addr)
+                              : &reinterpret_cast<const sockaddr_in6*>(at->ifa_addr)->sin6_addr;
+        std::array<char, INET6_ADDRSTRLEN> text{};
+        if (inet_ntop(family, address, text.data(), text.size()) != nullptr) {
+            names.emplace_back(text.data());
+        }
+    }
+}
+
+}  // namespace
+
+Verdict judge(const AccessRules& rules, const Request& request) {
+    if (request.host.empty()) {
+        return {400, "The request has no Host header.", {}, {}};
+    }
+    if (std::string reason = foreign(rules, request); !reason.empty()) {
+        return {403, std::move(reason), {}, {}};
+    }
+    const auto in_query = request.query.find("token");
+    if (in_query != request.query.end()) {
+        const auto role = role_of(rules, in_query->second);
+        if (!role) {
+            return {403, "This token is not the one that pxpl5 serve has printed.", {}, {}};
+        }
+        std::string cookie =
+            fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}", rules.cookie_name,
+                        in_query->second, rules.encrypted ? "; Secure" : "");
+        return {200, "", *role, std::move(cookie)};
+    }
+    const auto role = role_of(rules, cookie_value(request.cookie, rules.cookie_name));
+    if (!role) {
+        return {403, "Open the address that pxpl5 serve has printed: it carries a token.", {}, {}};
+    }
+    return {200, "", *role, ""};
+}
+
+std::string random_token() {
+    std::array<unsigned char, 16> bytes{};
+    if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+        throw RequestError(ExitCode::unavailable,
+                           fmt::format("cannot make a token: {}", std::strerror(errno)));
+    }
+    return fmt::format("{:02x}", fmt::join(bytes, ""));
+}
+
+bool is_loopback(const std::string& address) {
+    in_addr v4{};
+    if (inet_pton(AF_INET, address.c_str(), &v4) == 1) {
+        return (ntohl(v4.s_addr) >> 24U) == 127;
+    }
+    in6_addr v6{};
+    return inet_pton(AF_INET6, address.c_str(), &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
+}
+
+std::vector<std::string> reachable_names(const std::string& bind) {
+    std::vector<std::string> names{"localhost", "127.0.0.1", "::1"};
+    if (is_loopback(bind)) {
+        names.push_back(bind);
+    } else {
+        names.push_back(host_name());
+        if (bind == "0.0.0.0" || bind == "::") {
+            add_interfaces(names);
+        } else {
+            names.push_back(bind);
+        }
+    }
+    std::ranges::sort(names);
+    const auto doubled = std::ranges::unique(names);
+    names.erase(doubled.begin(), doubled.end());
+    std::erase(names, "");
+    return names;
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,48 @@
+// Who may connect: tokens, cookie, Host and Origin of a request.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/serve/server/server.hpp"
+
+namespace pxpl5::host::serve {
+
+/// A request as far as access and routes look at it.
+struct Request {
+    std::string method, path;
+    std::map<std::string, std::string, std::less<>> query;
+    std::string host, origin, cookie;  ///< Header lines; empty if there is none.
+};
+
+/// What this server accepts.
+struct AccessRules {
+    std::string driver_token, watcher_token;
+    std::string cookie_name;         ///< Other ports of this computer have cookies of their own.
+    std::vector<std::string> names;  ///< That a Host header may give, without port, lower case.
+    bool encrypted = false;
+};
+
+struct Verdict {
+    int status = 200;    ///< 200, 400 or 403.
+    std::string reason;  ///< A sentence, unless 200.
+    Role role = Role::watcher;
+    std::string cookie;  ///< Set-Cookie's value, if the request brought its token in the query.
+};
+
+/// Judges one request, whatever it asks for.
+Verdict judge(const AccessRules& rules, const Request& request);
+
+/// 128 random bits as 32 hexadecimal digits. Throws RequestError (unavailable) if there are none.
+std::string random_token();
+
+/// Whether only this computer can reach the address.
+bool is_loopback(const std::string& address);
+
+/// The names by which a server bound to `bind` is reached: of the loopback, for tunnels end there,
+/// the address itself, this computer's name, and for 0.0.0.0 or :: all its addresses.
+std::vector<std::string> reachable_names(const std::string& bind);
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,180 @@
+// Requests that are not WebSockets: files, downloads, uploads.
+#include <fmt/format.h>
+#include <libwebsockets.h>
+
+#include <array>
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "host/serve/server/server_loop.hpp"
+#include "host/serve/server/server_request.hpp"
+
+namespace pxpl5::host::serve {
+namespace {
+
+constexpr const char* plain_text = "text/plain; charset=utf-8";
+constexpr const char* json_type = "application/json";
+constexpr int too_large = 413;
+
+std::string json_text(const nlohmann::json& json) {
+    // Names of files need not be UTF-8.
+    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+int answer_upload(lws* connection, const UploadError& error) {
+    return answer(connection, error.status, json_type, json_text({{"error", error.text}}));
+}
+
+/// For a request whose body is not read: what is left of it must not be taken for a request.
+int refuse(lws* connection, int status, const std::string& text) {
+    (void)answer(connection, status, plain_text, text + "\n");
+    return -1;
+}
+
+std::string parameter(const Request& request, std::string_view name) {
+    const auto found = request.query.find(name);
+    return found == request.query.end() ? "" : found->second;
+}
+
+template <typename T>
+std::optional<T> number(const std::string& text) {
+    T value{};
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    return error == std::errc{} && stop == end ? std::optional(value) : std::nullopt;
+}
+
+/// In a header's quotes only what needs no escape.
+std::string quoted_name(std::string name) {
+    for (char& c : name) {
+        if (c == '"' || c == '\\' || static_cast<signed char>(c) < ' ') {
+            c = '_';
+        }
+    }
+    return name;
+}
+
+}  // namespace
+
+int Loop::on_http_event(lws* connection, int reason, std::string_view data) {
+    switch (reason) {
+        case LWS_CALLBACK_HTTP:
+            return on_request(connection);
+        case LWS_CALLBACK_HTTP_FILE_COMPLETION:
+            return lws_http_transaction_completed(connection) != 0 ? -1 : 0;
+        case LWS_CALLBACK_HTTP_BODY: {
+            const auto found = uploading_.find(connection);
+            if (found == uploading_.end() || found->second.error) {
+                return 0;
+            }
+            try {
+                found->second.file->append(data);
+            } catch (const UploadError& error) {
+                found->second = {nullptr, error};
+            }
+            return 0;
+        }
+        case LWS_CALLBACK_HTTP_BODY_COMPLETION:
+            return end_upload(connection);
+        default:
+            return 0;
+    }
+}
+
+int Loop::on_request(lws* connection) {
+    const Request request = read_request(connection);
+    const Verdict verdict = judge(rules_, request);
+    if (verdict.status != 200) {
+        return refuse(connection, verdict.status, verdict.reason);
+    }
+    const Route route = routes_.find(request.path);
+    const bool sends = request.method == "POST" || request.method == "PUT";
+    const bool takes = route.kind == RouteKind::upload || route.kind == RouteKind::upload_done;
+    if (route.kind == RouteKind::none) {
+        return refuse(connection, 404, fmt::format("There is no {} here.", request.path));
+    }
+    if (takes ? !sends : request.method != "GET" && request.method != "HEAD") {
+        return refuse(connection, 405,
+                      fmt::format("{} does not take {}.", request.path, request.method));
+    }
+    if (takes && verdict.role != Role::driver) {
+        return refuse(connection, 403, "Who only watches may not upload files.");
+    }
+    switch (route.kind) {
+        case RouteKind::upload:
+            return begin_upload(connection, request);
+        case RouteKind::upload_done:
+            return end_batch(connection, request);
+        case RouteKind::file:
+            return send_file(connection, route.file, verdict.cookie);
+        default:
+            return refuse(connection, 426, "This path is for a WebSocket.");
+    }
+}
+
+int Loop::send_file(lws* connection, const ServedFile& file, const std::string& cookie) {
+    std::string headers;
+    if (!cookie.empty()) {
+        headers += fmt::format("set-cookie: {}\r\n", cookie);
+    }
+    if (!file.attachment.empty()) {
+        headers += fmt::format("content-disposition: attachment; filename=\"{}\"\r\n",
+                               quoted_name(file.attachment));
+    }
+    const int sent = lws_serve_http_file(connection, file.path.c_str(), file.type.c_str(),
+                                         headers.data(), static_cast<int>(headers.size()));
+    return sent < 0 || (sent > 0 && lws_http_transaction_completed(connection) != 0) ? -1 : 0;
+}
+
+int Loop::begin_upload(lws* connection, const Request& request) {
+    const auto length = number<std::uint64_t>(header_of(connection, WSI_TOKEN_HTTP_CONTENT_LENGTH));
+    if (!length) {
+        return refuse(connection, 411, "An upload must say its Content-Length.");
+    }
+    Upload upload;
+    try {
+        upload.file =
+            uploads_.begin(parameter(request, "name"), parameter(request, "batch"), *length);
+    } catch (const UploadError& error) {
+        if (error.status == too_large) {
+            (void)answer_upload(connection, error);
+            return -1;  // Not worth waiting for; anything smaller is read, so that browsers listen.
+        }
+        upload.error = error;
+    }
+    uploading_[connection] = std::move(upload);
+    return *length == 0 ? end_upload(connection) : 0;
+}
+
+int Loop::end_upload(lws* connection) {
+    auto node = uploading_.extract(connection);
+    if (node.empty()) {
+        return 0;
+    }
+    Upload upload = std::move(node.mapped());
+    try {
+        if (!upload.error) {
+            upload.file->finish();
+        }
+    } catch (const UploadError& error) {
+        upload.error = error;
+    }
+    if (upload.error) {
+        return answer_upload(connection, *upload.error);
+    }
+    return answer(connection, 200, json_type, "{}");
+}
+
+int Loop::end_batch(lws* connection, const Request& request) {
+    try {
+        const UploadedBatch batch = uploads_.done(parameter(request, "batch"));
+        return answer(
+            connection, 200, json_type,
+            json_text(
+                {{"path", batch.path.string()}, {"name", batch.name}, {"files", batch.files}}));
+    } catch (const UploadError& error) {
+        return answer_upload(connection, error);
+    }
+}
+
+}  // namespace pxpl5::host::serve

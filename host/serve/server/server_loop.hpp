@@ -1,0 +1,96 @@
+// The server's thread: connections, requests and WebSockets, over libwebsockets.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "host/serve/server/routes.hpp"
+#include "host/serve/server/server_access.hpp"
+#include "host/serve/server/server_mail.hpp"
+#include "host/serve/server/server_uploads.hpp"
+#include "host/serve/server/server_viewer.hpp"
+
+struct lws;
+struct lws_context;
+
+namespace pxpl5::host::serve {
+
+/// Everything but wake() and stop() belongs to the thread that runs it.
+class Loop {
+  public:
+    /// Binds. Throws as Server does.
+    Loop(const ServerOptions& options, Mail& mail);
+    ~Loop();
+    Loop(const Loop&) = delete;
+    Loop& operator=(const Loop&) = delete;
+
+    int port() const { return port_; }
+    const AccessRules& rules() const { return rules_; }
+
+    void run();   ///< Until stop().
+    void wake();  ///< From any thread: there is mail.
+    void stop();  ///< From any thread.
+
+    /// What libwebsockets calls. Returns other than 0 to close the connection.
+    int on_event(lws* connection, int reason, void* data, std::size_t size);
+
+  private:
+    /// A WebSocket. A viewer who is turned away has not joined.
+    struct Socket {
+        Viewer viewer;
+        bool joined = false;
+        double pinged_ms = 0;  ///< 0: no ping is under way.
+        bool ping_due = false;
+        bool is_leaving = false;  ///< Its reason is said at the next chance.
+    };
+    /// A body that is being received; discarded once something is wrong.
+    struct Upload {
+        std::unique_ptr<UploadingFile> file;
+        std::optional<UploadError> error;
+    };
+
+    // server_loop.cpp
+    void listen(const ServerOptions& options);
+    void deliver();
+    void advise();
+
+    // server_http.cpp
+    int on_http_event(lws* connection, int reason, std::string_view data);
+    int on_request(lws* connection);
+    int send_file(lws* connection, const ServedFile& file, const std::string& cookie);
+    int begin_upload(lws* connection, const Request& request);
+    int end_upload(lws* connection);
+    int end_batch(lws* connection, const Request& request);
+
+    // server_socket.cpp
+    int on_socket_event(lws* connection, int reason, std::string_view data);
+    int on_handshake(lws* connection);
+    void on_joined(lws* connection);
+    void on_text(lws* connection, Socket& socket, std::string_view part);
+    /// Closes a viewer whose closing is set.
+    void close_soon(lws* connection);
+    int on_writable(lws* connection, Socket& socket);
+    int on_timer(lws* connection, Socket& socket);
+    int send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame);
+    const std::string& encoded(const NewestFrame& frame, int quality);
+    void forget(lws* connection);
+
+    Mail& mail_;
+    Routes routes_;
+    Uploads uploads_;
+    AccessRules rules_;
+    lws_context* context_ = nullptr;
+    int port_ = 0;
+    std::atomic<bool> stopping_ = false;
+    std::map<lws*, Role> handshakes_;
+    std::map<lws*, Socket> sockets_;
+    std::map<lws*, Upload> uploading_;
+    std::uint32_t viewers_ = 0;  ///< Ever joined.
+    std::uint64_t encoded_sequence_ = 0;
+    std::map<int, std::string> encoded_;  ///< Of that frame, by quality; 0 is the PNG.
+    std::size_t resting_pixels_ = 0;
+};
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,22 @@
+// Requests and answers in libwebsockets' words.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "host/serve/server/server_access.hpp"
+
+struct lws;
+
+namespace pxpl5::host::serve {
+
+/// token  One of libwebsockets' WSI_TOKEN_. Empty if there is no such header, or it is too long.
+std::string header_of(lws* connection, int token);
+
+/// Path and query come decoded.
+Request read_request(lws* connection);
+
+/// Answers the request with a short text. Returns other than 0 to close the connection.
+int answer(lws* connection, int status, const char* type, std::string_view text);
+
+}  // namespace pxpl5::host::serve

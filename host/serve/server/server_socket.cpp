@@ -1,0 +1,249 @@
+// WebSockets: one for each viewer.
+#include <fmt/format.h>
+#include <libwebsockets.h>
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include "host/serve/server/encode.hpp"
+#include "host/serve/server/server_loop.hpp"
+#include "host/serve/server/server_request.hpp"
+
+namespace pxpl5::host::serve {
+namespace {
+
+constexpr int ping_seconds = 5;
+constexpr double dead_after_ms = 60'000;  // Without an answer to a ping.
+// What still comes from a viewer who is sent away is thrown away until it has been silent for so
+// long: if it came after the socket is closed, its reset would overtake the reason.
+constexpr lws_usec_t farewell = LWS_USEC_PER_SEC / 5;
+constexpr int close_timeout_seconds = 5;  // For who is never silent, or does not read the reason.
+
+double now_ms() {
+    return std::chrono::duration<double, std::milli>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
+
+/// The bytes with libwebsockets' room before them. Returns -1 if the connection is lost.
+int write_message(lws* connection, std::string_view first, std::string_view second,
+                  lws_write_protocol kind) {
+    std::vector<unsigned char> buffer(LWS_PRE + first.size() + second.size());
+    const auto at = std::copy(first.begin(), first.end(), buffer.begin() + LWS_PRE);
+    std::copy(second.begin(), second.end(), at);
+    const std::size_t size = first.size() + second.size();
+    return lws_write(connection, buffer.data() + LWS_PRE, size, kind) < static_cast<int>(size) ? -1
+                                                                                               : 0;
+}
+
+/// Closes with a reason.
+int say_why(lws* connection, const Viewer& viewer) {
+    constexpr std::size_t max_reason_bytes = 123;  // RFC 6455, 5.5.
+    std::string text = viewer.closing.text.substr(0, max_reason_bytes);
+    lws_close_reason(connection, static_cast<lws_close_status>(viewer.closing.code),
+                     reinterpret_cast<unsigned char*>(text.data()), text.size());
+    return -1;
+}
+
+}  // namespace
+
+void Loop::close_soon(lws* connection) {
+    lws_set_timer_usecs(connection, farewell);
+    lws_set_timeout(connection, PENDING_TIMEOUT_CLOSE_SEND, close_timeout_seconds);
+}
+
+int Loop::on_socket_event(lws* connection, int reason, std::string_view data) {
+    if (reason == LWS_CALLBACK_HTTP_CONFIRM_UPGRADE) {
+        // `data` may be freed already when the upgrade is not one to a WebSocket (CVE-2025-11677).
+        return header_of(connection, WSI_TOKEN_UPGRADE) == "websocket" ? 0 : -1;
+    }
+    if (reason == LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION) {
+        return on_handshake(connection);
+    }
+    if (reason == LWS_CALLBACK_ESTABLISHED) {
+        on_joined(connection);
+        return 0;
+    }
+    const auto found = sockets_.find(connection);
+    if (found == sockets_.end()) {
+        return 0;
+    }
+    Socket& socket = found->second;
+    switch (reason) {
+        case LWS_CALLBACK_RECEIVE:
+            on_text(connection, socket, data);
+            return 0;
+        case LWS_CALLBACK_RECEIVE_PONG:
+            if (socket.pinged_ms > 0) {
+                socket.viewer.link.pinged(now_ms() - socket.pinged_ms);
+            }
+            socket.pinged_ms = 0;
+            return 0;
+        case LWS_CALLBACK_SERVER_WRITEABLE:
+            return on_writable(connection, socket);
+        case LWS_CALLBACK_TIMER:
+            return on_timer(connection, socket);
+        case LWS_CALLBACK_CLOSED:
+            forget(connection);
+            return 0;
+        default:
+            return 0;
+    }
+}
+
+int Loop::on_handshake(lws* connection) {
+    const Request request = read_request(connection);
+    Verdict verdict = judge(rules_, request);
+    if (verdict.status == 200 && routes_.find(request.path).kind != RouteKind::socket) {
+        verdict = {404, fmt::format("There is no WebSocket at {}.", request.path), {}, {}};
+    }
+    if (verdict.status != 200) {
+        (void)answer(connection, verdict.status, "text/plain; charset=utf-8", verdict.reason);
+        return -1;
+    }
+    handshakes_[connection] = verdict.role;
+    return 0;
+}
+
+void Loop::on_joined(lws* connection) {
+    const auto role = handshakes_.extract(connection);
+    const auto joined =
+        std::ranges::count_if(sockets_, [](const auto& entry) { return entry.second.joined; });
+    const bool is_full = static_cast<std::size_t>(joined) >= max_viewers;
+    const std::uint32_t number = is_full ? 0 : ++viewers_;
+    Socket socket{Viewer(number, role.empty() ? Role::watcher : role.mapped()), !is_full, 0};
+    if (is_full) {
+        socket.viewer.closing = {1013,
+                                 fmt::format("{} viewers are connected already.", max_viewers)};
+        close_soon(connection);
+    } else {
+        mail_.push(Joined{number, socket.viewer.role});
+        lws_set_timer_usecs(connection, 1);  // The first ping, while nothing else is on its way.
+    }
+    sockets_.emplace(connection, std::move(socket));
+    advise();
+}
+
+void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
+    Viewer& viewer = socket.viewer;
+    if (viewer.closing.code != 0) {
+        lws_set_timer_usecs(connection, farewell);
+        return;
+    }
+    if (lws_frame_is_binary(connection) != 0) {
+        viewer.closing = {1003, "Only texts are understood."};
+        return close_soon(connection);
+    }
+    const bool is_final =
+        lws_is_final_fragment(connection) != 0 && lws_remaining_packet_payload(connection) == 0;
+    std::optional<std::string> text = viewer.hear(part, is_final, now_ms());
+    if (viewer.closing.code != 0) {
+        return close_soon(connection);
+    }
+    if (!text) {
+        return;
+    }
+    if (const auto number = shown_number(*text)) {
+        viewer.link.shown(*number, now_ms());
+        if (viewer.takes(*mail_.newest())) {
+            lws_callback_on_writable(connection);
+        }
+        advise();
+    } else if (!mail_.push(Said{viewer.number, viewer.role, std::move(*text)})) {
+        viewer.closing = {1013, "The session has not caught up with what was said."};
+        close_soon(connection);
+    }
+}
+
+int Loop::on_writable(lws* connection, Socket& socket) {
+    Viewer& viewer = socket.viewer;
+    if (viewer.closing.code != 0) {
+        return socket.is_leaving ? say_why(connection, viewer) : 0;
+    }
+    // One message a call: then the others have their turn.
+    const auto newest = mail_.newest();
+    int result = 0;
+    if (socket.ping_due) {
+        socket.ping_due = false;
+        socket.pinged_ms = now_ms();
+        // Without a payload libwebsockets 4.1 sends none.
+        result = write_message(connection, "p", "", LWS_WRITE_PING);
+    } else if (const auto message = viewer.next_message()) {
+        result = write_message(connection, *message->bytes, "",
+                               message->binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT);
+    } else if (viewer.takes(*newest)) {
+        result = send_frame(connection, viewer, *newest);
+    }
+    advise();
+    if (viewer.has_messages() || viewer.takes(*newest)) {
+        lws_callback_on_writable(connection);
+    }
+    return result;
+}
+
+int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) {
+    const Shown& shown = frame.shown;
+    const int quality = shown.rests ? 0 : viewer.link.quality(shown.pixels->size());
+    const std::string& picture = encoded(frame, quality);
+    if (!shown.rests) {
+        viewer.link.encoded(quality, shown.pixels->size(), picture.size());
+    }
+    FrameHeader header;
+    header.number = viewer.count_frame(frame);
+    header.revision = shown.revision;
+    header.width = shown.width;
+    header.height = shown.height;
+    header.kind = shown.rests ? PictureKind::png : PictureKind::jpeg;
+    header.quality = quality;
+    header.samples = shown.samples;
+    header.rests = shown.rests;
+    header.last = shown.last;
+    header.machine_ms = shown.machine_ms;
+    header.digest = shown.digest;
+    viewer.link.sent(header.number, frame_header_bytes + picture.size(), now_ms());
+    return write_message(connection, frame_header(header), picture, LWS_WRITE_BINARY);
+}
+
+const std::string& Loop::encoded(const NewestFrame& frame, int quality) {
+    if (encoded_sequence_ != frame.sequence) {
+        encoded_.clear();
+    }
+    encoded_sequence_ = frame.sequence;
+    std::string& picture = encoded_[quality];
+    const Shown& shown = frame.shown;
+    if (picture.empty()) {
+        picture = quality == 0 ? png_of(shown.width, shown.height, *shown.pixels)
+                               : jpeg_of(shown.width, shown.height, *shown.pixels, quality);
+    }
+    return picture;
+}
+
+int Loop::on_timer(lws* connection, Socket& socket) {
+    socket.is_leaving = socket.viewer.closing.code != 0;
+    if (socket.is_leaving) {
+        lws_callback_on_writable(connection);
+        return 0;
+    }
+    const double now = now_ms();
+    if (socket.pinged_ms > 0 && now - socket.pinged_ms > dead_after_ms) {
+        return -1;
+    }
+    socket.ping_due = socket.pinged_ms == 0;
+    lws_set_timer_usecs(connection, ping_seconds * LWS_USEC_PER_SEC);
+    lws_callback_on_writable(connection);
+    return 0;
+}
+
+void Loop::forget(lws* connection) {
+    uploading_.erase(connection);
+    handshakes_.erase(connection);
+    const auto socket = sockets_.extract(connection);
+    if (socket.empty() || !socket.mapped().joined) {
+        return;
+    }
+    mail_.push(Left{socket.mapped().viewer.number});
+    advise();
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,98 @@
+#include "host/serve/server/server_viewer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace pxpl5::host::serve {
+
+std::optional<std::string> Viewer::hear(std::string_view part, bool is_final, double now_ms) {
+    if (heard_.size() + part.size() > max_text_bytes) {
+        closing = {1009, fmt::format("A message may have {} bytes at most.", max_text_bytes)};
+        heard_.clear();
+        return std::nullopt;
+    }
+    heard_ += part;
+    if (!is_final) {
+        return std::nullopt;
+    }
+    // A bucket that fills steadily and from which each message takes one.
+    may_say_ = std::min(messages_at_once,
+                        may_say_ + (now_ms - last_heard_ms_) / 1000 * messages_per_second);
+    last_heard_ms_ = now_ms;
+    if (may_say_ < 1) {
+        closing = {1008, fmt::format("More than {} messages a second came, {} at once.",
+                                     messages_per_second, messages_at_once)};
+        return std::nullopt;
+    }
+    may_say_ -= 1;
+    return std::exchange(heard_, {});
+}
+
+void Viewer::line_up(Outgoing message) {
+    if (closing.code != 0) {
+        return;
+    }
+    const std::size_t bytes = message.bytes->size();
+    if (!messages_.empty() && waiting_bytes_ + bytes > max_waiting_bytes) {
+        closing = {1013, fmt::format("{} bytes wait for this viewer, who reads too slowly.",
+                                     waiting_bytes_ + bytes)};
+        messages_.clear();
+        waiting_bytes_ = 0;
+        return;
+    }
+    waiting_bytes_ += bytes;
+    messages_.push_back(std::move(message));
+}
+
+std::optional<Outgoing> Viewer::next_message() {
+    if (messages_.empty()) {
+        return std::nullopt;
+    }
+    Outgoing message = std::move(messages_.front());
+    messages_.pop_front();
+    is_greeted_ = true;
+    waiting_bytes_ -= message.bytes->size();
+    return message;
+}
+
+bool Viewer::takes(const NewestFrame& frame) const {
+    return has_room() && frame.sequence > newest_sent_;
+}
+
+bool Viewer::wants_newer(const NewestFrame& frame) const {
+    return has_room() && frame.sequence <= newest_sent_;
+}
+
+bool Viewer::has_room() const {
+    return is_greeted_ && closing.code == 0 && link.unacknowledged() < max_unacknowledged_frames;
+}
+
+std::uint32_t Viewer::count_frame(const NewestFrame& frame) {
+    newest_sent_ = frame.sequence;
+    return ++frames_;
+}
+
+std::optional<std::uint32_t> shown_number(const std::string& text) {
+    // Most texts are commands, which the session reads; only what may be this is read here, too.
+    constexpr std::size_t longest = 64;
+    if (text.size() > longest || text.find("\"shown\"") == std::string::npos) {
+        return std::nullopt;
+    }
+    const auto json = nlohmann::json::parse(text, nullptr, false);
+    if (!json.is_object() || json.size() != 1) {
+        return std::nullopt;
+    }
+    const auto number = json.find("shown");
+    if (number == json.end() || !number->is_number_unsigned()) {
+        return std::nullopt;
+    }
+    const auto value = number->get<std::uint64_t>();
+    if (value > UINT32_MAX) {
+        return std::nullopt;
+    }
+    return static_cast<std::uint32_t>(value);
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,70 @@
+// One viewer: what waits to be sent to it, how much it may say, which frames it has.
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "host/serve/server/link_rate.hpp"
+#include "host/serve/server/server_mail.hpp"
+
+namespace pxpl5::host::serve {
+
+inline constexpr std::size_t max_viewers = 8;
+inline constexpr std::size_t max_text_bytes = 64U << 10U;  // Of a message to the server.
+inline constexpr double messages_per_second = 400;         // Of a viewer, on average.
+inline constexpr double messages_at_once = 800;
+inline constexpr std::size_t max_waiting_bytes = 8U << 20U;  // For a viewer.
+inline constexpr std::size_t max_unacknowledged_frames = 2;  // One on its way, one displayed.
+
+/// A WebSocket's close code with its sentence of at most 123 bytes. Source: RFC 6455, 7.4.
+struct CloseReason {
+    int code = 0;  ///< 0: stay open.
+    std::string text;
+};
+
+/// Times are milliseconds of one clock.
+class Viewer {
+  public:
+    Viewer(std::uint32_t its_number, Role its_role) : number(its_number), role(its_role) {}
+
+    const std::uint32_t number;
+    const Role role;
+    LinkRate link;
+    CloseReason closing;  ///< Once set, it is closed at the next chance.
+
+    /// Adds a part of a message. Returns the whole once `is_final`, nothing before and nothing
+    /// (closing is set then) if it is too long or too many have come.
+    std::optional<std::string> hear(std::string_view part, bool is_final, double now_ms);
+
+    /// Lines up a message; sets closing if too many bytes wait. A message is never too long alone.
+    void line_up(Outgoing message);
+    std::optional<Outgoing> next_message();
+    bool has_messages() const { return !messages_.empty(); }
+
+    /// Whether the frame is news to it, and it has room for one. The first message is a text, in
+    /// which the session greets the viewer.
+    bool takes(const NewestFrame& frame) const;
+    /// Whether it would take a frame newer than this one.
+    bool wants_newer(const NewestFrame& frame) const;
+    /// Notes that the frame goes out now; returns its number for this viewer.
+    std::uint32_t count_frame(const NewestFrame& frame);
+
+  private:
+    bool has_room() const;
+
+    std::string heard_;
+    double may_say_ = messages_at_once;
+    double last_heard_ms_ = 0;
+    std::deque<Outgoing> messages_;
+    std::size_t waiting_bytes_ = 0;
+    bool is_greeted_ = false;
+    std::uint64_t newest_sent_ = 0;
+    std::uint32_t frames_ = 0;
+};
+
+/// The number in `{"shown":123}`, if the text is that message.
+std::optional<std::uint32_t> shown_number(const std::string& text);
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,157 @@
+#include "host/session/activity_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr std::size_t machine_channels = 8;  ///< Of the ring of 1993; a topology may have more.
+constexpr double cycles_per_ms = 40'000;     ///< Of the pixel processors: 40 MHz.
+constexpr double bytes_per_mb = 1e6;
+
+struct Sum {
+    std::uint64_t messages = 0, bytes = 0;
+    void add(const bus::SentCount& sent) {
+        messages += sent.messages;
+        bytes += sent.bytes;
+    }
+};
+
+std::int64_t whole(std::uint64_t value) {
+    return static_cast<std::int64_t>(value);
+}
+
+double share(double part, double whole) {
+    return whole > 0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0;
+}
+
+std::vector<Sum> by_channel(const ActivityReport& report) {
+    std::vector<Sum> channels(machine_channels);
+    for (const NodeReport& node : report.nodes) {
+        for (const bus::SentCount& sent : node.sent) {
+            channels.resize(std::max(channels.size(), sent.channel + std::size_t{1}));
+            channels[sent.channel].add(sent);
+        }
+    }
+    return channels;
+}
+
+std::string node_text(const NodeReport& report) {
+    std::string text = fmt::format("{:<15}", report.node.name);
+    if (!report.answered) {
+        return text + " has not answered yet: it is at work";
+    }
+    Sum sent;
+    for (const bus::SentCount& each : report.sent) {
+        sent.add(each);
+    }
+    const double seconds = report.wall_ms / 1e3;
+    const auto rate = [&](double count) { return seconds > 0 ? count / seconds : 0.0; };
+    text += fmt::format(
+        " {:5.1f} {:5.1f} {:9.1f} {:9.3f} {:7}", 100 * share(report.busy_ms, report.wall_ms),
+        100 * share(report.cpu_ms, report.wall_ms), rate(static_cast<double>(sent.messages)),
+        rate(static_cast<double>(sent.bytes)) / bytes_per_mb, report.frames);
+    for (const NodeReport::Stage& stage : report.stages) {
+        text += fmt::format("  {} {:.1f}", stage.name, stage.ms);
+    }
+    return text;
+}
+
+Fields sent_fields(const bus::SentCount& sent, const std::string& to) {
+    return {{"to", to},
+            {"kind", bus::kind_name(sent.kind)},
+            {"channel", std::int64_t{sent.channel}},
+            {"messages", whole(sent.messages)},
+            {"bytes", whole(sent.bytes)}};
+}
+
+Fields node_fields(const NodeReport& report, const std::map<bus::NodeId, std::string>& names) {
+    std::vector<Fields> stages, sent;
+    for (const NodeReport::Stage& stage : report.stages) {
+        stages.push_back({{"name", stage.name}, {"ms", stage.ms}, {"count", stage.count}});
+    }
+    for (const bus::SentCount& each : report.sent) {
+        const auto name = names.find(each.to);
+        sent.push_back(sent_fields(each, name == names.end() ? "io" : name->second));
+    }
+    return {{"name", report.node.name},
+            {"role", std::string(bus::schema::EnumNameRole(report.node.role))},
+            {"answered", report.answered},
+            {"wall_ms", report.wall_ms},
+            {"busy", share(report.busy_ms, report.wall_ms)},
+            {"cpu", share(report.cpu_ms, report.wall_ms)},
+            {"stages", stages},
+            {"memory_bytes", whole(report.memory_bytes)},
+            {"queue", std::int64_t{report.queue}},
+            {"held_up", std::int64_t{report.held_up}},
+            {"frames", report.frames},
+            {"received_messages", whole(report.received_messages)},
+            {"received_bytes", whole(report.received_bytes)},
+            {"sent", sent}};
+}
+
+/// The last frame, and who has drawn what of it. There is none before the first.
+Fields frame_fields(const FrameReport& frame) {
+    std::vector<double> cycles(frame.region_cycles.begin(), frame.region_cycles.end());
+    std::vector<double> renderers(frame.region_renderers.begin(), frame.region_renderers.end());
+    Fields fields{{"elapsed_ms", frame.elapsed_ms}, {"instructions", frame.instructions}};
+    if (!renderers.empty()) {  // Renderers only: what GPs and ring took is not modelled here.
+        std::map<double, double> sums;
+        for (std::size_t region = 0; region < cycles.size(); ++region) {
+            sums[renderers.at(region)] += cycles[region];
+        }
+        double longest = 0;
+        for (const auto& [renderer, sum] : sums) {
+            longest = std::max(longest, sum);
+        }
+        fields.push_back({"renderer_ms_1993", longest / cycles_per_ms});
+    }
+    fields.push_back({"regions", Fields{{"columns", std::int64_t{frame.region_columns}},
+                                        {"rows", std::int64_t{frame.region_rows}},
+                                        {"renderer", renderers},
+                                        {"cycles", cycles}}});
+    return fields;
+}
+
+}  // namespace
+
+std::string activity_text(const ActivityReport& report) {
+    std::string text = fmt::format(
+        "{:.0f} ms, {} frames\n{:<15} {:>5} {:>5} {:>9} {:>9} {:>7}  stages, ms", report.wall_ms,
+        report.frames, "node", "busy%", "cpu%", "sent/s", "MB/s", "frames");
+    for (const NodeReport& node : report.nodes) {
+        text += "\n" + node_text(node);
+    }
+    text += "\nchannels, messages:";
+    for (const Sum& channel : by_channel(report)) {
+        text += fmt::format(" {}", channel.messages);
+    }
+    return text;
+}
+
+Fields activity_fields(const ActivityReport& report, const FrameReport& frame) {
+    std::map<bus::NodeId, std::string> names;
+    for (const NodeReport& node : report.nodes) {
+        names.emplace(node.node.id, node.node.name);
+    }
+    std::vector<Fields> nodes, channels;
+    for (const NodeReport& node : report.nodes) {
+        nodes.push_back(node_fields(node, names));
+    }
+    for (const Sum& channel : by_channel(report)) {
+        channels.push_back(
+            {{"messages", whole(channel.messages)}, {"bytes", whole(channel.bytes)}});
+    }
+    return {{"wall_ms", report.wall_ms},
+            {"frames", report.frames},
+            {"frame", frame_fields(frame)},
+            {"nodes", nodes},
+            {"channels", channels}};
+}
+
+}  // namespace pxpl5::host

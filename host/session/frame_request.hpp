@@ -1,0 +1,52 @@
+// Turns a scene into the message that asks the machine for a frame.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "host/scene/sample_offsets.hpp"
+#include "host/scene/scene.hpp"
+#include "ringbus/message.hpp"
+
+namespace pxpl5::host {
+
+/// What is drawn, and where it is.
+struct Stage {
+    std::span<const Surface> surfaces;  ///< In drawing order.
+    Subject subject;
+    glm::dmat4 voxel_to_patient{1.0};  ///< Grid to patient millimetres.
+    bool has_gaps = false;             ///< Some slabs lie across missing slices.
+};
+
+/// One entry of a frame's list of surfaces; a pixel's surface field is its index + 1.
+struct DrawnSurface {
+    const Surface* surface = nullptr;
+    bus::schema::SlabChoice slabs = bus::schema::SlabChoice::all;
+    Colour colour;
+};
+
+/// What a frame lists: visible surfaces in drawing order, those across gaps apart if they are
+/// tinted.
+std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage);
+
+/// The matrices of the stage's picture.
+CameraMatrices matrices_of(const Scene& scene, const Stage& stage);
+
+/// Whether FrameDone carries depths besides pixels.
+enum class ReadBack : std::uint8_t { pixels, pixels_and_depths };
+
+/// A DrawFrame message.
+///
+/// scene          Its own surfaces are not looked at: the stage's are.
+/// frame          Number of the frame.
+/// region_costs   Cycles of each region in an earlier frame of this size; may be empty. The same
+/// for
+///                all passes of a picture, so that each region stays at its Renderer.
+/// read_back      Of a pass: what its picture's last carries.
+/// counts         Whether GPs and Renderers send FrameCounts.
+bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t frame,
+                           std::span<const std::uint64_t> region_costs,
+                           ReadBack read_back = ReadBack::pixels, Pass pass = {},
+                           bool counts = false);
+
+}  // namespace pxpl5::host

@@ -1,0 +1,153 @@
+#include "host/volume/volume_messages.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include "host/base/error.hpp"
+
+namespace pxpl5::host {
+
+namespace schema = bus::schema;
+
+namespace {
+
+/// Few and large messages: waking a node costs more than a megabyte of copying.
+constexpr std::size_t batch_bytes = std::size_t{4} << 20;
+/// What the host takes into its memory.
+constexpr std::size_t max_volume_bytes = std::size_t{8} << 30;
+
+static_assert(static_cast<int>(Scalar::float32) == static_cast<int>(schema::ScalarType::float32));
+static_assert(static_cast<int>(FindingKind::processed) ==
+              static_cast<int>(schema::FindingKind::processed));
+static_assert(static_cast<int>(Scalar::uint16) == static_cast<int>(schema::ScalarType::uint16));
+
+}  // namespace
+
+std::size_t slice_bytes(const Volume& volume) {
+    return static_cast<std::size_t>(volume.nx) * static_cast<std::size_t>(volume.ny) *
+           size_bytes(volume.type);
+}
+
+bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
+    schema::VolumeHeaderT header;
+    header.volume = id;
+    header.name = volume.name;
+    header.nx = static_cast<std::uint32_t>(volume.nx);
+    header.ny = static_cast<std::uint32_t>(volume.ny);
+    header.nz = static_cast<std::uint32_t>(volume.nz);
+    header.type = static_cast<schema::ScalarType>(volume.type);
+    std::array<double, 16> affine{};
+    std::memcpy(affine.data(), &volume.voxel_to_patient, sizeof affine);
+    header.voxel_to_patient = std::make_unique<schema::Matrix>(flatbuffers::make_span(affine));
+    header.minimum = volume.minimum;
+    header.maximum = volume.maximum;
+    header.slice_places = volume.slice_places;
+    header.gap_slabs.assign(volume.gap_slabs.begin(), volume.gap_slabs.end());
+    header.modality = volume.modality;
+    header.slabs_per_set = static_cast<std::uint16_t>(volume.slabs_per_set);
+    for (const Finding& finding : volume.findings) {
+        auto wire = std::make_unique<schema::FindingT>();
+        wire->kind = static_cast<schema::FindingKind>(finding.kind);
+        wire->text = finding.text;
+        header.findings.push_back(std::move(wire));
+    }
+    header.source = volume.source;
+    header.digest = volume.digest;
+    return bus::pack(header);
+}
+
+int slices_per_batch(const Volume& volume) {
+    return static_cast<int>(std::max<std::size_t>(1, batch_bytes / slice_bytes(volume)));
+}
+
+bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, int count) {
+    const std::size_t size = slice_bytes(volume);
+    flatbuffers::FlatBufferBuilder builder(static_cast<std::size_t>(count) * size + 256);
+    const auto values =
+        builder.CreateVector(reinterpret_cast<const std::uint8_t*>(volume.values.data()) +
+                                 static_cast<std::size_t>(first) * size,
+                             static_cast<std::size_t>(count) * size);
+    return bus::finish(builder, schema::CreateSlices(builder, id, static_cast<std::uint32_t>(first),
+                                                     static_cast<std::uint32_t>(count), values));
+}
+
+/// What is not needed to hold the voxels.
+void VolumeReceiver::take_report(const schema::VolumeHeader& header) {
+    if (header.slice_places() != nullptr) {
+        volume_.slice_places.assign(header.slice_places()->begin(), header.slice_places()->end());
+    }
+    if (header.gap_slabs() != nullptr) {
+        volume_.gap_slabs.assign(header.gap_slabs()->begin(), header.gap_slabs()->end());
+    }
+    if (header.modality() != nullptr) {
+        volume_.modality = header.modality()->str();
+    }
+    volume_.slabs_per_set = header.slabs_per_set();
+    if (header.findings() != nullptr) {
+        for (const auto* finding : *header.findings()) {
+            volume_.findings.push_back(
+                {static_cast<FindingKind>(finding->kind()), finding->text()->str()});
+        }
+    }
+}
+
+void VolumeReceiver::begin(const schema::VolumeHeader& header) {
+    volume_ = Volume{};
+    digest_ = {};
+    volume_.name = header.name()->str();
+    volume_.nx = static_cast<int>(header.nx());
+    volume_.ny = static_cast<int>(header.ny());
+    volume_.nz = static_cast<int>(header.nz());
+    volume_.type = static_cast<Scalar>(header.type());
+    std::memcpy(&volume_.voxel_to_patient, header.voxel_to_patient()->m()->Data(),
+                sizeof volume_.voxel_to_patient);
+    volume_.minimum = header.minimum();
+    volume_.maximum = header.maximum();
+    take_report(header);
+    const std::size_t total = slice_bytes(volume_) * header.nz();
+    if (total > max_volume_bytes) {
+        throw RequestError(
+            ExitCode::bad_data,
+            fmt::format("{}: {} x {} x {} voxels need {} bytes, the limit is {}", volume_.name,
+                        volume_.nx, volume_.ny, volume_.nz, total, max_volume_bytes));
+    }
+    volume_.values.reserve(total);  // Pages are taken as slices come.
+}
+
+void VolumeReceiver::add(const schema::Slices& slices) {
+    const std::size_t size = slice_bytes(volume_), bytes = slices.values()->size();
+    const auto filled = static_cast<std::size_t>(slices_there());
+    if (slices.first_slice() != filled || bytes != slices.slice_count() * size ||
+        filled + slices.slice_count() > static_cast<std::size_t>(volume_.nz)) {
+        throw RequestError(ExitCode::bad_data,
+                           fmt::format("{}: slices {}..{} with {} bytes came where slice {} of {} "
+                                       "with {} bytes each was due",
+                                       volume_.name, slices.first_slice(),
+                                       slices.first_slice() + slices.slice_count(), bytes, filled,
+                                       volume_.nz, size));
+    }
+    const auto values = std::as_bytes(std::span(slices.values()->data(), bytes));
+    volume_.values.insert(volume_.values.end(), values.begin(), values.end());
+    digest_.add(values);
+}
+
+int VolumeReceiver::slices_there() const {
+    return volume_.values.empty() ? 0
+                                  : static_cast<int>(volume_.values.size() / slice_bytes(volume_));
+}
+
+Volume VolumeReceiver::finish() {
+    if (slices_there() != volume_.nz) {
+        throw RequestError(
+            ExitCode::bad_data,
+            fmt::format("{}: {} of {} slices arrived", volume_.name, slices_there(), volume_.nz));
+    }
+    volume_.digest = digest_.value();
+    return std::move(volume_);
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,62 @@
+// What a volume shows when it has just been opened.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "host/commands/first_surfaces.hpp"
+
+using namespace pxpl5::host;
+
+namespace {
+
+/// A volume whose voxels have one of two values, half of them each.
+Volume halves(const char* modality, std::int16_t low, std::int16_t high) {
+    Volume volume;
+    volume.name = "scan";
+    volume.modality = modality;
+    volume.nx = volume.ny = volume.nz = 4;
+    volume.type = Scalar::int16;
+    volume.minimum = low;
+    volume.maximum = high;
+    std::vector<std::int16_t> values(64, low);
+    std::fill(values.begin() + 32, values.end(), high);
+    volume.values.resize(values.size() * sizeof(std::int16_t));
+    std::memcpy(volume.values.data(), values.data(), volume.values.size());
+    return volume;
+}
+
+/// A single surface that parts the two values.
+void check_parted(const Volume& volume) {
+    const auto surfaces = first_surfaces(volume);
+    REQUIRE(surfaces.size() == 1);
+    CHECK(surfaces[0].name == "surface");
+    CHECK_FALSE(surfaces[0].seen_through);
+    REQUIRE(surfaces[0].isovalue.has_value());
+    CHECK(*surfaces[0].isovalue > volume.minimum);
+    CHECK(*surfaces[0].isovalue < volume.maximum);
+}
+
+}  // namespace
+
+TEST_CASE("a CT first shows bone, and skin that is seen through") {
+    const std::vector<FirstSurface> expected = {{"bone", {}, false}, {"skin", {}, true}};
+    CHECK(first_surfaces(halves("CT", -1000, 1200)) == expected);
+}
+
+TEST_CASE("a scan without both tissues first shows what parts its values in two") {
+    check_parted(halves("CT", 0, 4095));      // Not in Hounsfield units.
+    check_parted(halves("CT", -1000, 100));   // No bone.
+    check_parted(halves("MR", -1000, 1200));  // No CT.
+    check_parted(halves("", -1000, 1200));
+}
+
+TEST_CASE("a built-in volume first shows what is suggested for it") {
+    Volume volume = halves("", 0, 1);
+    volume.name = "phantom:pelvis";
+    const std::vector<FirstSurface> pelvis = {{"bone", {}, false}, {"skin", {}, true}};
+    CHECK(first_surfaces(volume) == pelvis);
+    volume.name = "phantom:sphere";
+    const std::vector<FirstSurface> sphere = {{"surface", {}, false}};
+    CHECK(first_surfaces(volume) == sphere);
+}
