@@ -5,11 +5,14 @@ import shutil
 import tempfile
 import unittest
 
+import check_english
+import check_folders
 import check_format
 import check_includes
 import check_layout
 import check_lengths
 import check_links
+import check_unused
 import check_words
 
 CLEAN = {
@@ -139,6 +142,36 @@ class Planted(unittest.TestCase):
             errors = check_layout.check(self.root)
             self.assertEqual(len(errors), 1, errors)
             self.plant(gone, CLEAN[gone])
+
+    def test_english(self):
+        for name, text, words in (
+                ("isa/a.cpp", "int a;  ///< Of the tree.\n", "its subject"),
+                ("isa/a.cpp", "/// As the paper has it.\n", "its subject"),
+                ("isa/a.cpp", "// Nobody waits longer.\n", "name the person"),
+                ("isa/a.cpp", "// who is ready goes on\n", "name the person"),
+                ("README.md", "`info` tells what is odd.\n", "print, report"),
+                ("README.md", "It is drawn anew.\n", "again"),
+                ("isa/a.def", "// the colour\n", "American"),
+                ("README.md", "x " * 51 + "\n", "102 columns")):
+            self.finds(check_english, name, text, words)
+        self.plant("isa/README.md", "| a table | " + "x " * 60 + "|\nThose who ask get it.\n")
+        self.assertEqual(check_english.check(self.root), [])
+
+    def test_folders(self):
+        for number in range(30):
+            self.plant(f"isa/many/part{number}.cpp", "")
+        self.finds(check_folders, "isa/many/one_more.hpp", "", "isa/many: 31 source files")
+
+    def test_unused(self):
+        for name in [name for name in CLEAN if name.endswith((".hpp", ".cpp"))]:
+            (self.root / name).unlink()
+        self.plant("isa/used.hpp", "int used(int x);\nstd::vector<int> listed();\n")
+        self.plant("isa/used.cpp", '#include "isa/used.hpp"\nint used(int x) { return x; }\n'
+                   "std::vector<int> listed() { return {}; }\nint y = used(3);\n"
+                   "auto z = 3 > y ? listed()\n               : std::vector<int>();\n")
+        self.finds(check_unused, "isa/b.hpp", "", "isa/b.hpp: no file includes it")
+        self.finds(check_unused, "isa/used.hpp", "int used(int x);\nstd::vector<int> listed();\n"
+                   "double idle(double x);\n", "idle() is never called")
 
     def test_words(self):
         for name, text, words in (

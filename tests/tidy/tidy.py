@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Runs one checker over the repository: tidy.py includes|lengths|layout|words|links|format ROOT."""
+"""Runs one checker over the repository: tidy.py CHECK ROOT; CHECKS has
+the names."""
 import importlib
 import pathlib
 import sys
 
-CHECKS = ("includes", "lengths", "layout", "words", "links", "format")
+CHECKS = ("includes", "lengths", "layout", "folders", "words", "english", "links", "unused",
+          "format")
 
 
 def main(arguments) -> int:

@@ -1,0 +1,51 @@
+"""Plain English in comments and documents; CONTRIBUTING.md says how texts are written."""
+import pathlib
+import re
+from typing import List
+
+import tree
+
+MAX_COLUMNS = 100
+# Lines that may be longer: tables, drawings, and links that do not break.
+LONG = re.compile(r"^\s*\||https?:|^(?: {4}|\t)|\]\(")
+COMMENT = re.compile(r"^\s*(?:///?<?|\*|/\*\*|#|;)\s|///<|\s//\s")
+RULES = {
+    r"///<?\s+(Of|As)\s": "begin a doc comment with its subject",
+    r"(?i)\b(nobody|somebody|noone)\b": "name the person or the program",
+    r"(?<!\w )(?<!\w, )\b[Ww]ho (has|is|wants|reads|asks|does|needs|looks)\b":
+        "name the person or the program",
+    r"\b[Tt]ells? (how|what|who|which|whether|why|that)\b": "use print, report or show",
+    r"\banew\b": "write 'again'",
+}
+BRITISH = re.compile(
+    r"\b(\w*[Cc]olou?r(?<=our)\w*|[Cc]entr(?:e|es|ed)|\w*[Mm]etres?|[Gg]rey\w*|\w*[Nn]ormalis\w+"
+    r"|[Oo]ptimis\w+|[Rr]ecognis\w+|[Ll]abell\w+|[Cc]ancell(?:ed|ing)|[Bb]ehaviour\w*"
+    r"|[Nn]eighbour\w*|[Ll]icence[sd]?|[Ii]nitialis\w+|[Ss]ynchronis\w+|[Mm]inimis\w+"
+    r"|[Mm]aximis\w+|[Vv]isualis\w+|[Ss]ummaris\w+)\b")
+
+
+def errors_of(path: pathlib.PurePath, text: str) -> List[str]:
+    errors = []
+    is_document = path.suffix == ".md"
+    for number, line in enumerate(text.splitlines(), 1):
+        place = f"{path}:{number}"
+        if is_document and len(line) > MAX_COLUMNS and not LONG.search(line):
+            errors.append(f"{place}: {len(line)} columns, at most {MAX_COLUMNS}")
+        if not is_document and not COMMENT.search(line):
+            continue
+        for pattern, advice in RULES.items():
+            for match in re.finditer(pattern, line):
+                errors.append(f"{place}: '{match[0].strip()}': {advice}")
+        match = BRITISH.search(line)
+        if match:
+            errors.append(f"{place}: '{match[0]}': American spelling")
+    return errors
+
+
+def check(root: pathlib.Path) -> List[str]:
+    errors = []
+    for path in tree.files_of(root):
+        text = path.suffix in tree.CPP | {".md", ".js", ".def", ".fbs", ".pxasm"}
+        if text and path.name != "CHANGELOG.md" and path.parts[:2] != ("tests", "tidy"):
+            errors += errors_of(path, tree.read(root, path))
+    return errors
