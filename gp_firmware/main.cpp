@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "gp_firmware/node.hpp"
-#include "gp_firmware/node_trace.hpp"
+#include "gp_firmware/node/copied_slices.hpp"
+#include "gp_firmware/node/node.hpp"
 #include "ringbus/process.hpp"
 
 namespace {

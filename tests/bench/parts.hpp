@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gp_firmware/node.hpp"
+#include "gp_firmware/node/node.hpp"
 #include "host/frame_buffer/node.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/scene/scene.hpp"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "gp_firmware/node.hpp"
+#include "gp_firmware/node/node.hpp"
 #include "host/base/error.hpp"
 #include "host/frame_buffer/node.hpp"
 #include "host/machine/port.hpp"

@@ -16,6 +16,15 @@ MAY_INCLUDE = {
 # The rooms of a folder, from the bottom up, and which of its other rooms each may include. "." is
 # the folder's own files. A room of a room has its own row: "host/inspect": {"record": ...}.
 ROOMS = {
+    "gp_firmware": {
+        "hal": set(),
+        "volume": {"hal"},
+        "surface": {"volume", "hal"},
+        "geometry": {"surface"},
+        "render": {"geometry", "surface"},
+        "node": {"render", "geometry", "surface", "volume", "hal"},
+        ".": {"node"},
+    },
     "host": {
         "base": set(),
         "volume": {"base"},
@@ -71,7 +80,9 @@ INSPECT = ("host", "inspect")
 
 
 def _is_node_or_main(path: pathlib.PurePath) -> bool:
-    return path.name == "main.cpp" or bool(re.match(r"node(_\w+)?\.[ch]pp$", path.name))
+    in_node = path.parts[0] in FIRMWARE and path.parts[1:2] == ("node",)
+    return in_node or path.name == "main.cpp" or \
+        bool(re.match(r"node(_\w+)?\.[ch]pp$", path.name))
 
 
 def may_use_messages(path: pathlib.PurePath) -> bool:
@@ -86,11 +97,9 @@ def may_use_messages(path: pathlib.PurePath) -> bool:
 def _layer_error(path: pathlib.PurePath, included: str) -> str:
     """main -> node -> stages -> hal, within a firmware."""
     parts = path.parts
-    if parts[0] not in FIRMWARE or len(parts) < 3:
+    if parts[0] not in FIRMWARE or len(parts) < 3 or parts[1] == "node":
         return ""
-    if included.startswith("ringbus/"):
-        return f"a stage may not include {included}"
-    if included.startswith(parts[0] + "/node"):
+    if included.startswith("ringbus/") or included.startswith(parts[0] + "/node"):
         return f"a stage may not include {included}"
     if parts[1] == "hal" and included.startswith(parts[0] + "/"):
         if not included.startswith(parts[0] + "/hal/"):

@@ -27,8 +27,8 @@ CLEAN = {
     "ringbus/README.md": "ringbus\n",
     "ringbus/zmq_link.cpp": "#include <zmq.hpp>\n",
     "gp_firmware/README.md": "gp\n",
-    "gp_firmware/node.cpp": '#include "gp_firmware/volume/slice.hpp"\n'
-                            '#include "ringbus/message.hpp"\n',
+    "gp_firmware/node/node.cpp": '#include "gp_firmware/volume/slice.hpp"\n'
+                                 '#include "ringbus/message.hpp"\n',
     "gp_firmware/volume/slice.hpp": '#include "gp_firmware/hal/memory.hpp"\n'
                                     '#include "isa/program.hpp"\n',
     "gp_firmware/hal/memory.hpp": "#pragma once\n",
@@ -98,7 +98,7 @@ class Planted(unittest.TestCase):
                 ("host/phantom/a.cpp", '"ringbus/message.hpp"', "only ringbus, nodes"),
                 ("gp_firmware/volume/a.cpp", '"message_generated.h"', "only ringbus, nodes"),
                 ("gp_firmware/volume/a.cpp", '"ringbus/link.hpp"', "a stage may not include"),
-                ("gp_firmware/volume/a.cpp", '"gp_firmware/node.hpp"', "a stage may not include"),
+                ("gp_firmware/volume/a.cpp", '"gp_firmware/node/node.hpp"', "a stage may not"),
                 ("host/base/a.cpp", '"host/session/session.hpp"',
                  "host/base may not include host/session"),
                 ("host/io/values/a.cpp", '"host/io/import.hpp"',
@@ -110,6 +110,32 @@ class Planted(unittest.TestCase):
                 ("host/attic/a.cpp", '"host/base/text.hpp"', "is not in ROOMS"),
                 ("gp_firmware/hal/a.cpp", '"gp_firmware/volume/slice.hpp"', "hal may not")):
             self.finds(check_includes, name, f"#include {included}\n", words)
+
+    def test_rooms(self):
+        self.plant("gp_firmware/node/job.hpp", '#include "ringbus/message.hpp"\n'
+                   '#include "gp_firmware/render/a.hpp"\n#include "gp_firmware/hal/memory.hpp"\n')
+        self.plant("gp_firmware/render/a.hpp", '#include "gp_firmware/geometry/a.hpp"\n')
+        self.plant("gp_firmware/geometry/a.hpp", '#include "gp_firmware/surface/a.hpp"\n')
+        self.plant("gp_firmware/surface/a.hpp", '#include "gp_firmware/volume/slice.hpp"\n')
+        for room, above in (("hal", "volume"), ("volume", "surface"), ("surface", "geometry"),
+                            ("geometry", "render"), ("render", "node")):
+            self.finds(check_includes, f"gp_firmware/{room}/b.cpp",
+                       f'#include "gp_firmware/{above}/a.hpp"\n', "may not include")
+        self.finds(check_includes, "gp_firmware/node/b.cpp", '#include "gp_firmware/main.hpp"\n',
+                   "gp_firmware/node may not include gp_firmware/.")
+        self.finds(check_includes, "gp_firmware/shed/a.cpp", '#include "isa/program.hpp"\n',
+                   "gp_firmware/shed is not in ROOMS")
+        self.finds(check_includes, "host/a.cpp", '#include "gp_firmware/node/job.hpp"\n',
+                   "host may not include gp_firmware")
+
+    def test_every_room_is_a_folder_and_their_order_has_no_cycle(self):
+        root = pathlib.Path(__file__).parents[2]
+        for folder, rooms in check_includes.ROOMS.items():
+            below = set()
+            for room, includes in rooms.items():
+                self.assertTrue((root / folder / room).is_dir(), f"{folder}/{room}")
+                self.assertLessEqual(includes, below, f"{folder}/{room} is above what it includes")
+                below.add(room)
 
     def test_lengths(self):
         self.finds(check_lengths, "isa/a.cpp", "int x;\n" * 401, "401 lines")

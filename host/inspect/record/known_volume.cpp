@@ -6,7 +6,7 @@
 #include <cassert>
 #include <utility>
 
-#include "gp_firmware/node_messages.hpp"
+#include "gp_firmware/node/messages.hpp"
 #include "host/base/digest.hpp"
 #include "host/phantom/phantom.hpp"
 

@@ -6,7 +6,7 @@
 #include <cassert>
 #include <limits>
 
-#include "gp_firmware/node_messages.hpp"
+#include "gp_firmware/node/messages.hpp"
 #include "gp_firmware/render/draw_slab.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
 #include "gp_firmware/volume/slice_store.hpp"

@@ -31,8 +31,8 @@
 #include <vector>
 
 #include "gp_firmware/hal/local_memory.hpp"
-#include "gp_firmware/node_messages.hpp"
-#include "gp_firmware/node_programs.hpp"
+#include "gp_firmware/node/messages.hpp"
+#include "gp_firmware/node/programs_messages.hpp"
 #include "gp_firmware/render/frame_drawing.hpp"
 #include "gp_firmware/surface/case_tables.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "gp_firmware/node.hpp"
-#include "gp_firmware/node_messages.hpp"
+#include "gp_firmware/node/messages.hpp"
+#include "gp_firmware/node/node.hpp"
 #include "gp_firmware/render/assignment.hpp"
 #include "isa/sample_sums.hpp"
 

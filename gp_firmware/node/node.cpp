@@ -1,4 +1,4 @@
-#include "gp_firmware/node.hpp"
+#include "gp_firmware/node/node.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "gp_firmware/node_messages.hpp"
+#include "gp_firmware/node/messages.hpp"
 
 namespace pxpl5::gp {
 

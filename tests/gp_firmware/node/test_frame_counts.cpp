@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "isa/triangle_shape.hpp"
-#include "tests/gp_firmware/node_support.hpp"
+#include "tests/gp_firmware/node/support.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::test;

@@ -1,7 +1,7 @@
 // The GP as a node: volumes, surfaces, meshes, and what it refuses.
 #include <doctest/doctest.h>
 
-#include "tests/gp_firmware/node_support.hpp"
+#include "tests/gp_firmware/node/support.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::test;

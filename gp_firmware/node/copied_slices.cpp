@@ -1,4 +1,4 @@
-#include "gp_firmware/node_trace.hpp"
+#include "gp_firmware/node/copied_slices.hpp"
 
 #include <algorithm>
 

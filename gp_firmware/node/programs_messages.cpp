@@ -1,4 +1,4 @@
-#include "gp_firmware/node_programs.hpp"
+#include "gp_firmware/node/programs_messages.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cassert>
 #include <utility>
 
-#include "gp_firmware/node_messages.hpp"
+#include "gp_firmware/node/messages.hpp"
 
 namespace pxpl5::gp {
 

@@ -1,4 +1,4 @@
-#include "gp_firmware/node_messages.hpp"
+#include "gp_firmware/node/messages.hpp"
 
 #include <fmt/format.h>
 

@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "gp_firmware/node.hpp"
-#include "gp_firmware/node_messages.hpp"
+#include "gp_firmware/node/messages.hpp"
+#include "gp_firmware/node/node.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
 
 namespace pxpl5::gp {

@@ -1,4 +1,4 @@
-#include "gp_firmware/node_trace.hpp"
+#include "gp_firmware/node/copied_slices.hpp"
 
 #include <doctest/doctest.h>
 
@@ -84,7 +84,7 @@ std::vector<int> holders_of(int nz, int gps, int slabs_per_set) {
 
 }  // namespace
 
-TEST_SUITE("gp_firmware/node_trace") {
+TEST_SUITE("gp_firmware/node/copied_slices") {
     TEST_CASE("of the GPs that are sent a slice, the trace of one holds it") {
         for (const int nz : {2, 3, 4, 5, 56}) {
             for (const int gps : {1, 2, 3, 4, 36, 64}) {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "gp_firmware/node.hpp"
+#include "gp_firmware/node/node.hpp"
 #include "gp_firmware/volume/share.hpp"
 #include "ringbus/ranges.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "gp_firmware/node_programs.hpp"
+#include "gp_firmware/node/programs_messages.hpp"
 #include "tests/gp_firmware/render/support.hpp"
 
 using namespace pxpl5;

@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "isa/triangle_shape.hpp"
-#include "tests/gp_firmware/node_support.hpp"
+#include "tests/gp_firmware/node/support.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::test;
