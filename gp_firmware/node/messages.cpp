@@ -39,30 +39,6 @@ glm::dmat4 matrix_of(const schema::Matrix& wire) {
     return m;
 }
 
-schema::MeshVertex to_wire(const Vertex& v) {
-    return {v.p_voxel.x,
-            v.p_voxel.y,
-            v.p_voxel.z,
-            static_cast<float>(v.normal[0]) / normal_one,
-            static_cast<float>(v.normal[1]) / normal_one,
-            static_cast<float>(v.normal[2]) / normal_one};
-}
-
-// What a table, a vector and a segment add to the words, with room for alignment.
-constexpr std::size_t message_overhead_bytes = 256, slab_overhead_bytes = 96;
-
-/// What a surface's MeshPart takes, at most.
-std::size_t size_bytes(const HeldSurface& held, bool origins) {
-    std::size_t bytes = message_overhead_bytes;
-    for (const SlabMesh& mesh : held.slabs) {
-        bytes += slab_overhead_bytes +
-                 mesh.vertices.size() * (sizeof(schema::MeshVertex) + sizeof(std::uint64_t)) +
-                 mesh.indices.size() * sizeof(std::uint32_t) +
-                 (origins ? mesh.indices.size() / 3 * sizeof(schema::Origin) : 0);
-    }
-    return bytes;
-}
-
 }  // namespace
 
 static_assert(sizeof(Origin) == sizeof(schema::Origin) && alignof(Origin) == 2);
@@ -92,21 +68,6 @@ void rethrow_as_fault() {
 std::uint64_t to_us(std::chrono::steady_clock::duration elapsed) {
     return static_cast<std::uint64_t>(
         std::chrono::duration_cast<std::chrono::microseconds>(elapsed).count());
-}
-
-std::vector<bus::NodeId> nodes_of(const schema::Topology& topology, schema::Role role) {
-    std::vector<std::pair<std::uint16_t, bus::NodeId>> found;
-    for (const auto* node : *topology.nodes()) {
-        if (node->role() == role) {
-            found.emplace_back(node->index(), node->id());
-        }
-    }
-    std::ranges::sort(found);
-    std::vector<bus::NodeId> ids;
-    for (const auto& [index, id] : found) {
-        ids.push_back(id);
-    }
-    return ids;
 }
 
 VolumeShape shape_of(const schema::VolumeHeader& header) {
@@ -218,38 +179,6 @@ bus::Payload frame_counts_message(std::uint32_t frame, const FrameDrawing& drawi
         counts.words += region.word_count();
     }
     return bus::pack(counts);
-}
-
-MeshPartBuilder::MeshPartBuilder(std::uint16_t surface, const HeldSurface& held, bool origins)
-    : builder_(size_bytes(held, origins)),
-      surface_(surface),
-      revision_(held.revision),
-      origins_(origins) {
-    const std::size_t bytes = size_bytes(held, origins);
-    if (bytes > bus::max_body_bytes) {
-        throw bus::NodeFault(
-            schema::FaultCode::out_of_memory,
-            fmt::format("surface {}: one GP's part of the mesh has {} bytes, a message holds {}; "
-                        "more GPs share it",
-                        surface, bytes, bus::max_body_bytes));
-    }
-}
-
-void MeshPartBuilder::add(const SlabMesh& mesh, std::span<const Origin> origins) {
-    schema::MeshVertex* vertices = nullptr;
-    const auto vertices_at =
-        builder_.CreateUninitializedVectorOfStructs(mesh.vertices.size(), &vertices);
-    std::ranges::transform(mesh.vertices, vertices, [](const Vertex& v) { return to_wire(v); });
-    const auto keys = builder_.CreateVector(mesh.keys);
-    const auto indices = builder_.CreateVector(mesh.indices);
-    slabs_.push_back(schema::CreateSlabMesh(builder_, static_cast<std::uint32_t>(mesh.slab),
-                                            vertices_at, keys, indices,
-                                            origins_ ? origins_to_wire(builder_, origins) : 0));
-}
-
-bus::Payload MeshPartBuilder::finish() {
-    const auto slabs = builder_.CreateVector(slabs_);
-    return bus::finish(builder_, schema::CreateMeshPart(builder_, surface_, revision_, slabs));
 }
 
 bus::Payload isovalues_measured_message(const std::vector<int>& slabs,

@@ -19,9 +19,6 @@ namespace pxpl5::gp {
 /// As messages state it.
 std::uint64_t to_us(std::chrono::steady_clock::duration elapsed);
 
-/// Ids of all nodes of one role, by index.
-std::vector<bus::NodeId> nodes_of(const bus::schema::Topology& topology, bus::schema::Role role);
-
 VolumeShape shape_of(const bus::schema::VolumeHeader& header);
 
 /// Everything but the assignment.
@@ -46,24 +43,6 @@ bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& hel
 
 /// Of a frame that is drawn.
 bus::Payload frame_counts_message(std::uint32_t frame, const FrameDrawing& drawing);
-
-/// A MeshPart, put together slab by slab.
-class MeshPartBuilder {
-  public:
-    /// origins  Whether add() will be given any.
-    /// Throws   bus::NodeFault if the surface is larger than a message may be.
-    MeshPartBuilder(std::uint16_t surface, const HeldSurface& held, bool origins);
-    /// origins  Of each triangle, if they are asked for.
-    void add(const SlabMesh& mesh, std::span<const Origin> origins);
-    bus::Payload finish();
-
-  private:
-    flatbuffers::FlatBufferBuilder builder_;
-    std::vector<flatbuffers::Offset<bus::schema::SlabMesh>> slabs_;
-    std::uint16_t surface_;
-    std::uint32_t revision_;
-    bool origins_;
-};
 
 /// slabs   Ascending.
 /// counts  Of each slab, of each isovalue.

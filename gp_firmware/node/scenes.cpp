@@ -1,10 +1,11 @@
-// A GP's part of scenes: it holds what it is given, as slabs of surfaces that are complete.
+#include "gp_firmware/node/scenes.hpp"
+
 #include <fmt/format.h>
 
 #include <utility>
 
 #include "gp_firmware/node/messages.hpp"
-#include "gp_firmware/node/node.hpp"
+#include "gp_firmware/node/stages.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
 
 namespace pxpl5::gp {
@@ -19,37 +20,36 @@ constexpr std::uint32_t scene_revision = 1;
 
 }  // namespace
 
-void GpNode::begin_scene(const schema::SceneBegin& begin, bus::Outbox& out) {
-    drop_all(out);
-    volume_ = begin.scene();
-    volume_since_ = Clock::now();
-    scene_ = true;
+void begin_scene(const schema::SceneBegin& begin, Board& board) {
+    board.volume = begin.scene();
+    board.volume_since = Clock::now();
+    board.is_scene = true;
     for (const std::uint16_t surface : *begin.surfaces()) {
-        surfaces_[surface].revision = scene_revision;
+        board.surfaces[surface].revision = scene_revision;
     }
 }
 
-void GpNode::note_part(const bus::Message& message) {
+void note_part(const bus::Message& message, const Board& board, JobQueue& queue) {
     const auto& part = *message.as<schema::ScenePart>();
-    if (volume_ != part.scene()) {
+    if (board.volume != part.scene()) {
         throw NodeFault(FaultCode::bad_input,
                         fmt::format("a part of scene {} came, {}", part.scene(),
-                                    volume_ ? fmt::format("{} was announced", *volume_)
-                                            : "none was announced"));
+                                    board.volume ? fmt::format("{} was announced", *board.volume)
+                                                 : "none was announced"));
     }
-    if (scene_) {  // Without it, the reason has been told already.
-        jobs_.push_back(TakePart{message});
+    if (board.is_scene) {  // Otherwise an earlier part did not fit, and a fault has been sent.
+        queue.add(ScenePartJob{message});
     }
 }
 
-bool GpNode::step(TakePart& job, bus::Outbox& out) {
+bool step(ScenePartJob& job, Board& board, bus::Outbox& out) {
     const bus::StageClock::In loading(out.clock(), stage::load);
     const auto& part = *job.message.as<schema::ScenePart>();
-    if (!scene_) {
+    if (!board.is_scene) {
         return true;
     }
-    const auto surface = surfaces_.find(part.surface());
-    if (surface == surfaces_.end()) {
+    const auto surface = board.surfaces.find(part.surface());
+    if (surface == board.surfaces.end()) {
         throw NodeFault(
             FaultCode::bad_input,
             fmt::format("slab {} belongs to surface {}, which scene {} did not announce",
@@ -63,30 +63,25 @@ bool GpNode::step(TakePart& job, bus::Outbox& out) {
     }
     SlabMesh mesh = slab_mesh_of(part);
     try {
-        memory_->charge(size_bytes(mesh), fmt::format("slab {} of the scene", part.slab()),
-                        "more GPs share a scene");
+        board.memory.charge(size_bytes(mesh), fmt::format("slab {} of the scene", part.slab()),
+                            "more GPs share a scene");
     } catch (...) {
-        scene_ = false;  // What is held of it is no picture.
-        rethrow_as_fault();
+        board.is_scene = false;  // An incomplete scene is not drawn.
+        throw;
     }
     slabs.push_back(std::move(mesh));
     return true;
 }
 
-bool GpNode::step(EndScene&, bus::Outbox& out) {
-    if (!scene_) {
+bool step(SceneEndJob&, Board& board, bus::Outbox& out) {
+    if (!board.is_scene) {
         return true;
     }
-    schema::VolumeReadyT ready;
-    ready.volume = *volume_;
-    for (auto& [number, surface] : surfaces_) {
+    schema::VolumeReadyT ready = volume_ready(board);
+    for (auto& [number, surface] : board.surfaces) {
         surface.complete = true;
         ready.slabs += static_cast<std::uint32_t>(surface.slabs.size());
     }
-    ready.memory_bytes = memory_->used_bytes();
-    ready.elapsed_us = static_cast<std::uint64_t>(
-        std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - volume_since_)
-            .count());
     out.send(bus::host_id, bus::pack(ready));
     return true;
 }

@@ -1,0 +1,74 @@
+#include "gp_firmware/node/job_queue.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace pxpl5::gp {
+
+void JobQueue::add_extraction(ExtractJob extraction) {
+    // The newest revision replaces older ones, begun or not. Jobs before the surface's removal
+    // belong to an earlier surface of the same number.
+    for (auto job = jobs_.end(); job != jobs_.begin();) {
+        --job;
+        if (const auto* removal = std::get_if<RemoveJob>(&*job);
+            removal != nullptr && removal->surface == extraction.surface) {
+            break;
+        }
+        if (const auto* older = std::get_if<ExtractJob>(&*job);
+            older != nullptr && older->surface == extraction.surface) {
+            job = jobs_.erase(job);
+        }
+    }
+    const auto shows_it = [&](const Job& job) {
+        const auto* draw = std::get_if<DrawJob>(&job);
+        return draw != nullptr &&
+               std::ranges::any_of(draw->request.surfaces, [&](const SurfaceWanted& wanted) {
+                   return wanted.surface == extraction.surface &&
+                          wanted.revision >= extraction.revision;
+               });
+    };
+    jobs_.insert(std::ranges::find_if(jobs_, shows_it), std::move(extraction));
+}
+
+void JobQueue::add_removal(std::uint16_t surface) {
+    announce(surface, std::numeric_limits<std::uint32_t>::max());
+    add(RemoveJob{surface});
+}
+
+bool JobQueue::awaits_surface(const Job& job) const {
+    const auto* draw = std::get_if<DrawJob>(&job);
+    return draw != nullptr && std::ranges::any_of(draw->request.surfaces, [&](const auto& wanted) {
+               const auto newest = announced_.find(wanted.surface);
+               return newest != announced_.end() && newest->second < wanted.revision;
+           });
+}
+
+Job* JobQueue::front() {
+    if (!jobs_.empty()) {
+        return awaits_surface(jobs_.front()) ? nullptr : &jobs_.front();
+    }
+    return measurement_ ? &*measurement_ : nullptr;
+}
+
+void JobQueue::pop() {
+    if (jobs_.empty()) {
+        measurement_.reset();
+    } else {
+        jobs_.pop_front();
+    }
+}
+
+std::vector<DrawJob> JobQueue::clear() {
+    std::vector<DrawJob> frames;
+    for (Job& job : jobs_) {
+        if (auto* draw = std::get_if<DrawJob>(&job)) {
+            frames.push_back(std::move(*draw));
+        }
+    }
+    jobs_.clear();
+    measurement_.reset();
+    announced_.clear();
+    return frames;
+}
+
+}  // namespace pxpl5::gp

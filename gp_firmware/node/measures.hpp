@@ -1,0 +1,15 @@
+// The measuring service: triangles, area and volume at many isovalues.
+#pragma once
+
+#include "gp_firmware/node/job_queue.hpp"
+#include "ringbus/node.hpp"
+
+namespace pxpl5::gp {
+
+/// Replaces an unfinished measurement. Throws bus::NodeFault if no volume is stored.
+void note_measure(const bus::Message& message, const Board& board, JobQueue& queue);
+
+/// Does a piece of the job. Returns true when the job is done.
+bool step(MeasureJob& job, Board& board, bus::Outbox& out);
+
+}  // namespace pxpl5::gp

@@ -1,0 +1,63 @@
+#include "gp_firmware/node/meshes.hpp"
+
+#include <fmt/format.h>
+
+#include <cassert>
+
+#include "gp_firmware/node/messages.hpp"
+#include "gp_firmware/surface/marching_cubes.hpp"
+
+namespace pxpl5::gp {
+
+namespace {
+
+namespace schema = bus::schema;
+using bus::NodeFault;
+using schema::FaultCode;
+
+/// Throws NodeFault if no complete mesh of the surface is stored.
+const HeldSurface& surface_to_fetch(std::uint16_t surface, const Board& board) {
+    if (board.is_scene) {
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("surface {} is to be fetched, but belongs to a scene: it is "
+                                    "no mesh",
+                                    surface));
+    }
+    const auto held = board.surfaces.find(surface);
+    if (held == board.surfaces.end() || !held->second.complete) {
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("surface {} is to be fetched, but is not held{}", surface,
+                                    held == board.surfaces.end() ? "" : " whole"));
+    }
+    return held->second;
+}
+
+/// Returns the origins of a slab's triangles. If they are not kept, extracts the slab again.
+std::span<const Origin> origins_of(const HeldSurface& surface, const SlabMesh& mesh, Board& board) {
+    if (!board.machine.keeps_origins) {
+        extract_slab(*board.store, mesh.slab, surface.isovalue, case_table(surface.rule),
+                     board.scratch, true);
+        assert(board.scratch.indices == mesh.indices);
+        return board.scratch.origins;
+    }
+    return mesh.origins;
+}
+
+}  // namespace
+
+bool step(FetchJob& job, Board& board, bus::Outbox& out) {
+    const HeldSurface& surface = surface_to_fetch(job.surface, board);
+    if (!job.part) {
+        job.part = std::make_unique<MeshPartBuilder>(job.surface, surface, job.origins);
+    } else if (job.next_slab < surface.slabs.size()) {
+        const SlabMesh& mesh = surface.slabs[job.next_slab++];
+        job.part->add(mesh,
+                      job.origins ? origins_of(surface, mesh, board) : std::span<const Origin>());
+    } else {
+        out.send(job.to, job.part->finish());
+        return true;
+    }
+    return false;
+}
+
+}  // namespace pxpl5::gp

@@ -1,0 +1,68 @@
+#include "gp_firmware/node/volumes.hpp"
+
+#include <fmt/format.h>
+
+#include "gp_firmware/node/messages.hpp"
+#include "gp_firmware/node/stages.hpp"
+
+namespace pxpl5::gp {
+
+namespace {
+
+namespace schema = bus::schema;
+using bus::NodeFault;
+using schema::FaultCode;
+
+}  // namespace
+
+void begin_volume(const schema::VolumeHeader& header, Board& board) {
+    board.volume = header.volume();
+    board.volume_since = Clock::now();
+    try {
+        board.store =
+            std::make_unique<SliceStore>(shape_of(header), board.machine.share, board.memory);
+    } catch (const std::exception&) {
+        rethrow_as_fault();
+    }
+}
+
+void note_slices(const bus::Message& message, const Board& board, JobQueue& queue) {
+    const auto& slices = *message.as<schema::Slices>();
+    if (board.volume != slices.volume()) {
+        throw NodeFault(
+            FaultCode::bad_input,
+            fmt::format("slices of volume {} came, {}", slices.volume(),
+                        board.volume ? fmt::format("volume {} was announced", *board.volume)
+                                     : "none was announced"));
+    }
+    if (board.store) {
+        queue.add(SlicesJob{message});
+    }
+}
+
+bool step(SlicesJob& job, Board& board, bus::Outbox& out) {
+    const bus::StageClock::In loading(out.clock(), stage::load);
+    const auto& slices = *job.message.as<schema::Slices>();
+    const std::size_t size = slices.values()->size() / slices.slice_count();
+    const std::span<const std::uint8_t> values(slices.values()->data() + job.done * size, size);
+    board.store->add_slice(static_cast<int>(slices.first_slice() + job.done),
+                           std::as_bytes(values));
+    return ++job.done == slices.slice_count();
+}
+
+bool step(VolumeEndJob&, Board& board, bus::Outbox& out) {
+    if (!board.store->complete()) {
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("volume {} ended, but slices are missing", *board.volume));
+    }
+    schema::VolumeReadyT ready = volume_ready(board);
+    ready.slabs = static_cast<std::uint32_t>(board.store->slabs().size());
+    const StoreCounts counts = board.store->counts();
+    ready.slices = counts.slices;
+    ready.rows_in_runs = counts.rows_in_runs;
+    ready.runs = counts.runs;
+    out.send(bus::host_id, bus::pack(ready));
+    return true;
+}
+
+}  // namespace pxpl5::gp
