@@ -23,8 +23,9 @@ OutOfLocalMemory::OutOfLocalMemory(const std::string& what_for, std::size_t need
 
 void LocalMemory::charge(std::size_t bytes, const std::string& what_for,
                          const std::string& advice) {
-    if (bytes > available_bytes())
+    if (bytes > available_bytes()) {
         throw OutOfLocalMemory(what_for, bytes, available_bytes(), advice);
+    }
     used_bytes_ += bytes;
 }
 

@@ -21,9 +21,10 @@ CaseSlots case_slots(const CaseTable& table, bool flip) {
         for (std::size_t i = 0; i < corners.size(); ++i) {
             const std::size_t turned = flip && i % 3 != 0 ? 3 - i % 3 : i % 3;
             const std::size_t corner = corners[i - i % 3 + turned];
-            for (const std::size_t parity : {0U, 1U})
+            for (const std::size_t parity : {0U, 1U}) {
                 slots.corners[parity][inside][i] =
                     static_cast<std::uint8_t>(slot_of_edge(corner, parity));
+            }
         }
     }
     return slots;

@@ -49,9 +49,13 @@ void trace_face(unsigned inside, int face, bool joined, Successors& next) {
     const auto at = [&](int i) { return corner[static_cast<std::size_t>(i & 3)]; };
     const bool cut = !joined;  // The side of the corners that are cut off.
     for (int i = 0; i < 4; ++i) {
-        if (is_inside(inside, at(i)) == cut || is_inside(inside, at(i + 1)) != cut) continue;
+        if (is_inside(inside, at(i)) == cut || is_inside(inside, at(i + 1)) != cut) {
+            continue;
+        }
         int j = i + 1;
-        while (is_inside(inside, at(j + 1)) == cut) ++j;
+        while (is_inside(inside, at(j + 1)) == cut) {
+            ++j;
+        }
         const int first = edge_between(at(i), at(i + 1)), last = edge_between(at(j), at(j + 1));
         next[static_cast<std::size_t>(cut ? first : last)] = cut ? last : first;
     }
@@ -60,8 +64,9 @@ void trace_face(unsigned inside, int face, bool joined, Successors& next) {
 std::vector<Loop> trace_loops(unsigned inside, unsigned joined) {
     Successors next;
     next.fill(-1);
-    for (int face = 0; face < cell_face_count; ++face)
+    for (int face = 0; face < cell_face_count; ++face) {
         trace_face(inside, face, is_ambiguous(inside, face) && (joined >> face & 1) != 0, next);
+    }
     std::vector<Loop> loops;
     for (std::size_t start = 0; start < next.size(); ++start) {
         Loop loop;
@@ -69,7 +74,9 @@ std::vector<Loop> trace_loops(unsigned inside, unsigned joined) {
             loop.push_back(static_cast<std::uint8_t>(edge));
             edge = static_cast<std::size_t>(std::exchange(next[edge], -1));
         }
-        if (!loop.empty()) loops.push_back(std::move(loop));
+        if (!loop.empty()) {
+            loops.push_back(std::move(loop));
+        }
     }
     return loops;
 }
@@ -97,8 +104,11 @@ void add_entry(unsigned inside, unsigned joined, CaseTable& table) {
 /// Spreads the low bits of `packed` over the set bits of `mask`.
 unsigned spread(unsigned packed, unsigned mask) {
     unsigned bits = 0;
-    for (; mask != 0; mask &= mask - 1, packed >>= 1)
-        if ((packed & 1) != 0) bits |= mask & (~mask + 1);
+    for (; mask != 0; mask &= mask - 1, packed >>= 1) {
+        if ((packed & 1) != 0) {
+            bits |= mask & (~mask + 1);
+        }
+    }
     return bits;
 }
 
@@ -115,16 +125,20 @@ CaseTable generate(CaseRule rule, std::string_view name) {
     table.decides_faces = rule == CaseRule::asymptotic;
     for (unsigned inside = 0; inside < 256; ++inside) {
         unsigned ambiguous = 0;
-        for (int face = 0; face < cell_face_count; ++face)
-            if (is_ambiguous(inside, face)) ambiguous |= 1U << face;
+        for (int face = 0; face < cell_face_count; ++face) {
+            if (is_ambiguous(inside, face)) {
+                ambiguous |= 1U << face;
+            }
+        }
         table.ambiguous[inside] = static_cast<std::uint8_t>(ambiguous);
         table.first_entry[inside] = static_cast<std::uint16_t>(table.entries.size());
         if (!table.decides_faces) {
             add_entry(inside, fixed_decision(rule, inside, ambiguous), table);
             continue;
         }
-        for (unsigned packed = 0; packed < 1U << std::popcount(ambiguous); ++packed)
+        for (unsigned packed = 0; packed < 1U << std::popcount(ambiguous); ++packed) {
             add_entry(inside, spread(packed, ambiguous), table);
+        }
     }
     table.slots = {case_slots(table, false), case_slots(table, true)};
     return table;
@@ -156,8 +170,11 @@ const CaseEntry& CaseTable::entry(std::uint8_t inside, std::uint8_t joined) cons
     unsigned packed = 0;
     if (decides_faces) {
         unsigned bit = 1;
-        for (unsigned mask = ambiguous[inside]; mask != 0; mask &= mask - 1, bit <<= 1)
-            if ((joined & mask & (~mask + 1)) != 0) packed |= bit;
+        for (unsigned mask = ambiguous[inside]; mask != 0; mask &= mask - 1, bit <<= 1) {
+            if ((joined & mask & (~mask + 1)) != 0) {
+                packed |= bit;
+            }
+        }
     }
     return entries[first_entry[inside] + packed];
 }

@@ -61,8 +61,12 @@ std::size_t find_in_vectors(const CellMasks& masks, std::size_t cell_count, Cros
     for (std::size_t x = 0; x < cell_count; x += 64) {
         const CellWord word(masks, x / 64);
         std::uint64_t crossed = word.crossed();
-        if (cell_count - x < 64) crossed &= (std::uint64_t{1} << (cell_count - x)) - 1;
-        if (crossed == 0) continue;
+        if (cell_count - x < 64) {
+            crossed &= (std::uint64_t{1} << (cell_count - x)) - 1;
+        }
+        if (crossed == 0) {
+            continue;
+        }
         inside_corners(word, inside.data());
         for (; crossed != 0; crossed &= crossed - 1) {
             const auto bit = static_cast<std::size_t>(std::countr_zero(crossed));
@@ -85,7 +89,9 @@ HWY_INLINE void list_corners(const std::uint32_t* vertices, const CaseSlots::Cor
         hn::StoreU(hn::TableLookupLanes(hn::LoadU(d, vertices), hn::IndicesFromVec(d, order)), d,
                    out);
     } else {
-        for (std::size_t i = 0; i < count; ++i) out[i] = vertices[slots[i]];
+        for (std::size_t i = 0; i < count; ++i) {
+            out[i] = vertices[slots[i]];
+        }
     }
 }
 
@@ -99,7 +105,9 @@ HWY_INLINE void note_origins(Origin origin, std::size_t count, Origin* out) {
         hn::StoreU(hn::Set(d, std::bit_cast<std::uint64_t>(origin)) + numbers, d,
                    reinterpret_cast<std::uint64_t*>(out));
     } else {
-        for (; origin.triangle < count; ++origin.triangle) out[origin.triangle] = origin;
+        for (; origin.triangle < count; ++origin.triangle) {
+            out[origin.triangle] = origin;
+        }
     }
 }
 
@@ -110,7 +118,9 @@ CellsDone triangles_in_vectors(std::span<const CrossedCell> cells, const std::ui
     for (; done < cells.size(); ++done) {
         const std::size_t x = cells[done] >> 8, inside = cells[done] & 255;
         const std::size_t count = slots.corner_count[inside];
-        if (count == unlisted) break;
+        if (count == unlisted) {
+            break;
+        }
         list_corners(vertices + slots_per_voxel * x, corners[inside], count,
                      room.indices + written);
         if (room.origins != nullptr) {

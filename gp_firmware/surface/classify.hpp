@@ -17,7 +17,9 @@ enum class RowSide : std::uint8_t { outside, inside, mixed };
 
 /// Which side a row or slice is on, by its range alone; mixed if the range does not tell.
 inline RowSide side_of(const Range& range, double isovalue) {
-    if (static_cast<double>(range.minimum) >= isovalue) return RowSide::inside;
+    if (static_cast<double>(range.minimum) >= isovalue) {
+        return RowSide::inside;
+    }
     return static_cast<double>(range.maximum) >= isovalue ? RowSide::mixed : RowSide::outside;
 }
 

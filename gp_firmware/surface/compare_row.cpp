@@ -16,10 +16,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <class D, class V>
 auto at_least(D, V values, V limit) {
     // Integers have no Ge here; the greater of two is the first where that is not less.
-    if constexpr (hwy::IsFloat<hn::TFromD<D>>())
+    if constexpr (hwy::IsFloat<hn::TFromD<D>>()) {
         return hn::Ge(values, limit);
-    else
+    } else {
         return hn::Eq(hn::Max(values, limit), values);
+    }
 }
 
 /// Bits of 64 voxels.
@@ -42,14 +43,20 @@ std::uint64_t compare_64(const T* values, T threshold) {
 template <class T>
 void compare_row_in_vectors(const T* row, std::size_t count, T threshold, std::uint64_t* mask) {
     std::size_t x = 0;
-    for (; x + 64 <= count; x += 64) mask[x / 64] = compare_64(row + x, threshold);
-    if (x == count) return;
+    for (; x + 64 <= count; x += 64) {
+        mask[x / 64] = compare_64(row + x, threshold);
+    }
+    if (x == count) {
+        return;
+    }
     if (count >= 64) {  // The row's last 64 voxels overlap the word before.
         mask[x / 64] = compare_64(row + count - 64, threshold) >> (64 - (count - x));
         return;
     }
     std::uint64_t bits = 0;
-    for (; x < count; ++x) bits |= std::uint64_t{row[x] >= threshold} << x;
+    for (; x < count; ++x) {
+        bits |= std::uint64_t{row[x] >= threshold} << x;
+    }
     mask[0] = bits;
 }
 

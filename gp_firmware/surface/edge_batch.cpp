@@ -202,7 +202,9 @@ void make_vertices_in_vectors(const EdgeBatch& batch, const SlabFrame& frame, bo
         Float t;
         const Vector3 p = edges.positions(t);
         Word xy = hn::Zero(Words()), z = xy;
-        if (normals) edges.normals(t, xy, z);
+        if (normals) {
+            edges.normals(t, xy, z);
+        }
         store(p, xy, z, std::min(lanes, batch.count - first), out + first);
     }
 }

@@ -21,10 +21,15 @@ class NormalFrame {
     explicit NormalFrame(const glm::dmat4& voxel_to_patient) {
         const glm::dmat3 m = -glm::transpose(glm::inverse(glm::dmat3(voxel_to_patient)));
         double greatest = 0;
-        for (int c = 0; c < 3; ++c)
-            for (int r = 0; r < 3; ++r) greatest = std::max(greatest, std::abs(m[c][r]));
+        for (int c = 0; c < 3; ++c) {
+            for (int r = 0; r < 3; ++r) {
+                greatest = std::max(greatest, std::abs(m[c][r]));
+            }
+        }
         // Only directions matter: entries of at most 1 keep squares in range.
-        for (int c = 0; c < 3; ++c) columns_[static_cast<std::size_t>(c)] = m[c] / greatest;
+        for (int c = 0; c < 3; ++c) {
+            columns_[static_cast<std::size_t>(c)] = m[c] / greatest;
+        }
     }
 
     /// The direction that a gradient, rising into the inside, leaves the inside in.

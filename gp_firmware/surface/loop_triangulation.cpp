@@ -19,10 +19,14 @@ std::array<int, 3> doubled_midpoint(int edge) {
 }
 
 int diagonal_cost(int edge_a, int edge_b) {
-    if (share_a_face(edge_a, edge_b)) return impossible;
+    if (share_a_face(edge_a, edge_b)) {
+        return impossible;
+    }
     const auto a = doubled_midpoint(edge_a), b = doubled_midpoint(edge_b);
     int square = 0;
-    for (std::size_t i = 0; i < 3; ++i) square += (a[i] - b[i]) * (a[i] - b[i]);
+    for (std::size_t i = 0; i < 3; ++i) {
+        square += (a[i] - b[i]) * (a[i] - b[i]);
+    }
     return square;
 }
 
@@ -30,14 +34,19 @@ int diagonal_cost(int edge_a, int edge_b) {
 class CheapestTriangulation {
   public:
     explicit CheapestTriangulation(std::span<const std::uint8_t> loop) : loop_(loop) {
-        for (std::size_t length = 2; length < loop.size(); ++length)
-            for (std::size_t i = 0; i + length < loop.size(); ++i) solve(i, i + length);
+        for (std::size_t length = 2; length < loop.size(); ++length) {
+            for (std::size_t i = 0; i + length < loop.size(); ++i) {
+                solve(i, i + length);
+            }
+        }
     }
 
     bool possible() const { return cost_[0][loop_.size() - 1] < impossible; }
 
     void append(std::size_t i, std::size_t j, std::vector<std::uint8_t>& corners) const {
-        if (j - i < 2) return;
+        if (j - i < 2) {
+            return;
+        }
         const std::size_t apex = apex_[i][j];
         append(i, apex, corners);
         corners.insert(corners.end(), {loop_[i], loop_[apex], loop_[j]});
@@ -53,7 +62,9 @@ class CheapestTriangulation {
         cost_[i][j] = impossible;
         for (std::size_t k = i + 1; k < j; ++k) {
             const int cost = cost_[i][k] + cost_[k][j] + side_cost(i, k) + side_cost(k, j);
-            if (cost >= cost_[i][j]) continue;
+            if (cost >= cost_[i][j]) {
+                continue;
+            }
             cost_[i][j] = cost;
             apex_[i][j] = k;
         }
@@ -78,14 +89,17 @@ std::vector<std::uint8_t> triangulate_loop(std::span<const std::uint8_t> loop) {
     assert(loop.size() <= cell_edge_count);
     const CheapestTriangulation solution(loop);
     std::vector<std::uint8_t> corners;
-    if (solution.possible()) solution.append(0, loop.size() - 1, corners);
+    if (solution.possible()) {
+        solution.append(0, loop.size() - 1, corners);
+    }
     return corners;
 }
 
 std::vector<std::uint8_t> fan_about_centre(std::span<const std::uint8_t> loop) {
     std::vector<std::uint8_t> corners;
-    for (std::size_t i = 0; i < loop.size(); ++i)
+    for (std::size_t i = 0; i < loop.size(); ++i) {
         corners.insert(corners.end(), {loop[i], loop[(i + 1) % loop.size()], centre_corner});
+    }
     return corners;
 }
 

@@ -9,7 +9,9 @@ namespace pxpl5::gp {
 
 template <class T>
 [[gnu::noinline]] void grow(std::vector<T>& elements, std::size_t count) {
-    if (count > elements.capacity()) elements.reserve(std::max(count, 2 * elements.capacity()));
+    if (count > elements.capacity()) {
+        elements.reserve(std::max(count, 2 * elements.capacity()));
+    }
     elements.resize(std::min(std::max(count, elements.size() / 4 * 5), elements.capacity()));
 }
 
@@ -17,8 +19,9 @@ template <class T>
 /// keep what an earlier surface left there, and few more are cleared than are in use.
 template <class T>
 void make_room(std::vector<T>& elements, std::size_t count) {
-    if (elements.size() < count) [[unlikely]]
+    if (elements.size() < count) [[unlikely]] {
         grow(elements, count);
+    }
 }
 
 }  // namespace pxpl5::gp

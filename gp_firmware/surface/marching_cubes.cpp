@@ -29,9 +29,10 @@ bool is_empty(const SliceStore& store, int slab, double isovalue) {
 SlabExtraction begin_walk(const SliceStore& store, int slab, double isovalue,
                           const CaseTable& table, SlabMesh& out, Wanted wanted,
                           isa::VectorTarget target) {
-    if (!std::isfinite(isovalue))
+    if (!std::isfinite(isovalue)) {
         throw std::invalid_argument("an isovalue is a finite number, not " +
                                     std::to_string(isovalue));
+    }
     assert(store.complete());
     assert(std::binary_search(store.slabs().begin(), store.slabs().end(), slab));
     out.slab = slab;

@@ -120,7 +120,9 @@ TriangleSums sum_in_vectors(const Vertex* vertices, const std::uint32_t* indices
     for (std::size_t first = 0; first < triangle_count; first += lanes) {
         const std::size_t count = std::min(lanes, triangle_count - first);
         const std::uint32_t* these = indices + 3 * first;
-        if (count < lanes) these = std::copy_n(these, 3 * count, last.begin()) - 3 * count;
+        if (count < lanes) {
+            these = std::copy_n(these, 3 * count, last.begin()) - 3 * count;
+        }
         terms_of(vertices, these, cofactors, terms);
         for (std::size_t i = 0; i < count; ++i) {
             sums.doubled_area += terms.doubled_areas[i];

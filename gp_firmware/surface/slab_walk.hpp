@@ -55,8 +55,11 @@ class SlabWalk {
             take_source(store, s);
         }
         // One word more: the right neighbour of a row's last word.
-        for (auto& masks : masks_)
-            for (auto& mask : masks) mask.assign(words_ + 1, 0);
+        for (auto& masks : masks_) {
+            for (auto& mask : masks) {
+                mask.assign(words_ + 1, 0);
+            }
+        }
         vertices_.resize(slots_per_voxel * at(shape_.nx));
         cells_.resize(at(shape_.nx));
     }
@@ -65,11 +68,15 @@ class SlabWalk {
     bool advance(std::size_t triangles) {
         const std::size_t enough = index_count_ / 3 + triangles;
         for (; next_row_ < shape_.ny; ++next_row_) {
-            if (index_count_ / 3 >= enough) return true;
+            if (index_count_ / 3 >= enough) {
+                return true;
+            }
             const int y = next_row_;
             classify(y);
             make_row_vertices(y);
-            if (y == 0) continue;
+            if (y == 0) {
+                continue;
+            }
             if (row_is_crossed()) {
                 make_cells(y - 1);
             } else {
@@ -112,9 +119,10 @@ class SlabWalk {
 
     void classify(int y) {
         const std::size_t row = at(y & 1);
-        for (const std::size_t s : {0U, 1U})
+        for (const std::size_t s : {0U, 1U}) {
             sides_[row][s] = classify_row(shape_, *slices_[s], y, frame_.isovalue,
                                           std::span(masks_[row][s]).first(words_));
+        }
     }
 
     /// Whether the surface can cross a cell between the last two rows, by their ranges.
@@ -129,29 +137,40 @@ class SlabWalk {
         const std::size_t row = at(y & 1);
         const auto& mask = masks_[row];
         for (const std::size_t s : {0U, 1U}) {
-            if (sides_[row][s] != RowSide::mixed) continue;
+            if (sides_[row][s] != RowSide::mixed) {
+                continue;
+            }
             const std::size_t before = vertex_count_;
             const auto& m = mask[s];
             make_edges({y, x_slot(row, s), along_slice(s)}, [&](std::size_t w) {
                 const std::uint64_t right = m[w] >> 1 | m[w + 1] << 63;
                 return (m[w] ^ right) & cells_in_word(w);
             });
-            if (s == 1) upper_count_ += vertex_count_ - before;
+            if (s == 1) {
+                upper_count_ += vertex_count_ - before;
+            }
         }
-        if (sides_[row][0] == RowSide::mixed || sides_[row][0] != sides_[row][1])
+        if (sides_[row][0] == RowSide::mixed || sides_[row][0] != sides_[row][1]) {
             make_edges({y, z_slot(row), along_z | upper_end_above},
                        [&](std::size_t w) { return mask[0][w] ^ mask[1][w]; });
-        if (y > 0) make_vertices_between_rows(y);
+        }
+        if (y > 0) {
+            make_vertices_between_rows(y);
+        }
     }
 
     void make_vertices_between_rows(int y) {
         for (const std::size_t s : {0U, 1U}) {
             const RowSide side = sides_[0][s];
-            if (side != RowSide::mixed && side == sides_[1][s]) continue;
+            if (side != RowSide::mixed && side == sides_[1][s]) {
+                continue;
+            }
             const std::size_t before = vertex_count_;
             make_edges({y - 1, y_slot(s), along_y | along_slice(s)},
                        [&](std::size_t w) { return masks_[0][s][w] ^ masks_[1][s][w]; });
-            if (s == 1) upper_count_ += vertex_count_ - before;
+            if (s == 1) {
+                upper_count_ += vertex_count_ - before;
+            }
         }
     }
 
@@ -194,7 +213,9 @@ class SlabWalk {
         const std::size_t vertices_before = vertex_count_;
         for (std::size_t w = 0; w < words_; ++w) {
             std::uint64_t bits = crossed(w);
-            if (bits == 0) continue;
+            if (bits == 0) {
+                continue;
+            }
             make_room_in_batch();
             std::size_t i = batch_.count;
             auto vertex = static_cast<std::uint32_t>(vertex_count_);
@@ -219,7 +240,9 @@ class SlabWalk {
 
     /// For a word's edges.
     void make_room_in_batch() {
-        if (batch_.count + 64 > EdgeBatch::capacity) flush();
+        if (batch_.count + 64 > EdgeBatch::capacity) {
+            flush();
+        }
         make_room(out_.vertices, vertex_count_ + 64);
         make_room(out_.keys, vertex_count_ + 64);
     }
@@ -263,10 +286,14 @@ class SlabWalk {
                                {masks_[low][0].data(), masks_[high][0].data(),
                                 masks_[low][1].data(), masks_[high][1].data()},
                                at(shape_.nx) - 1, cells_.data());
-        if (count == 0) return;
+        if (count == 0) {
+            return;
+        }
         out_.counts.cells_active += static_cast<std::uint32_t>(count);
         make_room(out_.indices, index_count_ + 3 * max_triangles_per_cell * count);
-        if (origins_) make_room(out_.origins, index_count_ / 3 + max_triangles_per_cell * count);
+        if (origins_) {
+            make_room(out_.origins, index_count_ / 3 + max_triangles_per_cell * count);
+        }
         for (std::size_t done = 0; done < count; ++done) {
             const CellsDone listed = make_triangles(
                 target_, std::span(cells_).subspan(done, count - done), vertices_.data(), slots_, y,
@@ -275,8 +302,9 @@ class SlabWalk {
             index_count_ += listed.corners;
             out_.counts.cells_ambiguous += static_cast<std::uint32_t>(listed.ambiguous_cells);
             done += listed.cells;
-            if (done < count)
+            if (done < count) {
                 make_cell(static_cast<std::uint8_t>(cells_[done]), cells_[done] >> 8, y);
+            }
         }
     }
 
@@ -286,11 +314,15 @@ class SlabWalk {
         std::uint8_t joined = 0;
         if (ambiguous != 0) {
             ++out_.counts.cells_ambiguous;
-            if (table_.decides_faces) joined = decide_faces(inside, ambiguous, x, y);
+            if (table_.decides_faces) {
+                joined = decide_faces(inside, ambiguous, x, y);
+            }
         }
         const CaseEntry& entry = table_.entry(inside, joined);
         std::uint32_t centre = 0;
-        if (entry.ring_size != 0) centre = make_centre(entry, x, y);
+        if (entry.ring_size != 0) {
+            centre = make_centre(entry, x, y);
+        }
         const std::uint8_t* corners = table_.corners.data() + entry.first_corner;
         std::uint32_t* indices = out_.indices.data() + index_count_;
         const auto vertex = [&](std::size_t i) {
@@ -303,10 +335,11 @@ class SlabWalk {
             indices[i + 1] = vertex(i + 1 + flip);
             indices[i + 2] = vertex(i + 2 - flip);
         }
-        if (origins_)
+        if (origins_) {
             note_origins({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), inside,
                           joined, 0, 0},
                          entry.triangle_count);
+        }
         index_count_ += count;
     }
 
@@ -318,7 +351,9 @@ class SlabWalk {
     /// Of a cell's triangles, which begin at index_count_.
     void note_origins(Origin origin, std::uint8_t triangle_count) {
         Origin* to = out_.origins.data() + index_count_ / 3;
-        for (; origin.triangle < triangle_count; ++origin.triangle) to[origin.triangle] = origin;
+        for (; origin.triangle < triangle_count; ++origin.triangle) {
+            to[origin.triangle] = origin;
+        }
     }
 
     /// On which ambiguous faces the inside corners are joined: where the bilinear interpolation
@@ -336,7 +371,9 @@ class SlabWalk {
             const double even = above(corner[0]) * above(corner[2]);
             const double odd = above(corner[1]) * above(corner[3]);
             const bool even_inside = (inside >> corner[0] & 1) != 0;
-            if (even_inside ? even > odd : odd > even) joined |= ambiguous & (~ambiguous + 1);
+            if (even_inside ? even > odd : odd > even) {
+                joined |= ambiguous & (~ambiguous + 1);
+            }
         }
         return static_cast<std::uint8_t>(joined);
     }

@@ -60,7 +60,9 @@ void gradients_of_slice(const VolumeShape& shape, const SliceNeighbours& slices,
 
 double gradient_scale(const VolumeShape& shape) {
     const double reach = 2 * (shape.maximum - shape.minimum);
-    if (shape.type != Scalar::float32 && reach <= largest_gradient) return 1;
+    if (shape.type != Scalar::float32 && reach <= largest_gradient) {
+        return 1;
+    }
     return reach > 0 && std::isfinite(reach) ? largest_gradient / reach : 1;
 }
 
@@ -71,7 +73,9 @@ std::vector<Gradient> estimate_gradients(const VolumeShape& shape, const SliceNe
     const double scale = gradient_scale(shape);
     with_scalar(shape.type, [&]<class T>(T) {
         if constexpr (std::is_integral_v<T>) {
-            if (scale == 1) return gradients_of_slice<T>(shape, slices, Exact{}, gradients.data());
+            if (scale == 1) {
+                return gradients_of_slice<T>(shape, slices, Exact{}, gradients.data());
+            }
         }
         gradients_of_slice<T>(shape, slices, Scaled{scale}, gradients.data());
     });

@@ -38,8 +38,12 @@ template <class T>
 void append_runs(std::span<const T> row, std::size_t limit, std::vector<Run>& runs) {
     const std::size_t before = runs.size();
     for (std::size_t x = 0; x < row.size(); ++x) {
-        if (x + 1 < row.size() && row[x] == row[x + 1]) continue;
-        if (runs.size() == before + limit) return runs.resize(before);
+        if (x + 1 < row.size() && row[x] == row[x + 1]) {
+            continue;
+        }
+        if (runs.size() == before + limit) {
+            return runs.resize(before);
+        }
         runs.push_back({static_cast<float>(row[x]), static_cast<std::uint32_t>(x + 1)});
     }
 }
@@ -94,7 +98,9 @@ void mask_from_runs(std::span<const Run> runs, double isovalue, std::span<std::u
     std::fill(mask.begin(), mask.end(), std::uint64_t{0});
     std::size_t first = 0;
     for (const Run& run : runs) {
-        if (static_cast<double>(run.value) >= isovalue) set_bits(mask, first, run.end);
+        if (static_cast<double>(run.value) >= isovalue) {
+            set_bits(mask, first, run.end);
+        }
         first = run.end;
     }
 }

@@ -17,8 +17,11 @@ bool owns(const VolumeShape& shape, Share share, int slab) {
 template <class Predicate>
 std::vector<int> numbers_below(int end, Predicate predicate) {
     std::vector<int> numbers;
-    for (int i = 0; i < end; ++i)
-        if (predicate(i)) numbers.push_back(i);
+    for (int i = 0; i < end; ++i) {
+        if (predicate(i)) {
+            numbers.push_back(i);
+        }
+    }
     return numbers;
 }
 
@@ -31,7 +34,9 @@ bool fits(VolumeShape shape, int gp_count, std::size_t memory_bytes, std::size_t
         const std::size_t slabs = slabs_owned(shape, share).size();
         const std::size_t surfaces =
             surface_bytes * slabs / static_cast<std::size_t>(shape.slab_count());
-        if (peak_bytes(shape, share) + surfaces > memory_bytes) return false;
+        if (peak_bytes(shape, share) + surfaces > memory_bytes) {
+            return false;
+        }
     }
     return true;
 }
@@ -68,12 +73,16 @@ std::vector<int> slices_needed(const VolumeShape& shape, Share share) {
 }
 
 std::vector<int> slices_kept(const VolumeShape& shape, Share share) {
-    if (!shape.holds_gradients()) return slices_needed(shape, share);
+    if (!shape.holds_gradients()) {
+        return slices_needed(shape, share);
+    }
     return numbers_below(shape.nz, [&](int z) { return is_own(shape, share, z); });
 }
 
 int discarded_after(const VolumeShape& shape, Share share, int z) {
-    if (is_own(shape, share, z) || !shape.holds_gradients()) return shape.nz;
+    if (is_own(shape, share, z) || !shape.holds_gradients()) {
+        return shape.nz;
+    }
     return owns(shape, share, z + 1) ? std::min(z + 2, shape.nz - 1) : z;
 }
 
@@ -87,16 +96,22 @@ std::size_t peak_bytes(const VolumeShape& shape, Share share) {
     for (const int z : needed) {
         used += values + (is_own(shape, share, z) ? extra : 0);
         peak = std::max(peak, used);
-        for (const int old : needed)
-            if (old <= z && discarded_after(shape, share, old) == z) used -= values;
+        for (const int old : needed) {
+            if (old <= z && discarded_after(shape, share, old) == z) {
+                used -= values;
+            }
+        }
     }
     return peak;
 }
 
 int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,
                            std::size_t surface_bytes) {
-    for (int count = 1; count <= max_gp_count; ++count)
-        if (fits(shape, count, memory_bytes, surface_bytes)) return count;
+    for (int count = 1; count <= max_gp_count; ++count) {
+        if (fits(shape, count, memory_bytes, surface_bytes)) {
+            return count;
+        }
+    }
     return 0;
 }
 
@@ -104,7 +119,9 @@ std::string gp_count_advice(const VolumeShape& shape, std::size_t memory_bytes,
                             std::size_t surface_bytes) {
     const int count = gp_count_that_would_do(shape, memory_bytes, surface_bytes);
     const std::string each = " with " + std::to_string(memory_bytes) + " bytes each would ";
-    if (count == 0) return "even " + std::to_string(max_gp_count) + " GPs" + each + "not do";
+    if (count == 0) {
+        return "even " + std::to_string(max_gp_count) + " GPs" + each + "not do";
+    }
     return std::to_string(count) + (count == 1 ? " GP" : " GPs") + each + "do";
 }
 

@@ -1,7 +1,6 @@
 // What a Graphics Processor knows of the volume: its shape, and slices with gradients.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -32,9 +31,6 @@ struct VolumeShape {
     }
     /// From slice `slab` to the next, in the grid.
     double height(int slab) const { return place(slab + 1) - place(slab); }
-    bool is_gap(int slab) const {
-        return std::binary_search(gap_slabs.begin(), gap_slabs.end(), slab);
-    }
     /// Whether gradients are held beside the voxels, as in the paper; else each is estimated when a
     /// vertex needs it. Larger sets are for volumes that would not fit beside their gradients.
     bool holds_gradients() const { return slabs_per_set == 1; }

@@ -10,7 +10,9 @@ namespace pxpl5::gp {
 namespace {
 
 void check_shape(const VolumeShape& shape) {
-    if (std::min({shape.nx, shape.ny, shape.nz}) >= 2) return;
+    if (std::min({shape.nx, shape.ny, shape.nz}) >= 2) {
+        return;
+    }
     throw std::invalid_argument("a volume needs 2 voxels along each axis, has " +
                                 std::to_string(shape.nx) + "x" + std::to_string(shape.ny) + "x" +
                                 std::to_string(shape.nz));
@@ -18,7 +20,9 @@ void check_shape(const VolumeShape& shape) {
 
 void check_share(Share share) {
     const bool count_ok = share.gp_count >= 1 && share.gp_count <= max_gp_count;
-    if (count_ok && share.gp_index >= 0 && share.gp_index < share.gp_count) return;
+    if (count_ok && share.gp_index >= 0 && share.gp_index < share.gp_count) {
+        return;
+    }
     throw std::invalid_argument("GP " + std::to_string(share.gp_index) + " of " +
                                 std::to_string(share.gp_count) + ": there are 1 to " +
                                 std::to_string(max_gp_count) + " GPs, counted from 0");
@@ -33,11 +37,12 @@ SliceStore::SliceStore(const VolumeShape& shape, Share share, LocalMemory& memor
     slabs_ = slabs_owned(shape, share);
     needed_ = slices_needed(shape, share);
     const std::size_t peak = peak_bytes(shape, share);
-    if (peak > memory.available_bytes())
+    if (peak > memory.available_bytes()) {
         throw OutOfLocalMemory("the slices of GP " + std::to_string(share.gp_index) + " of " +
                                    std::to_string(share.gp_count),
                                peak, memory.available_bytes(),
                                gp_count_advice(shape, memory.size_bytes()));
+    }
 }
 
 SliceStore::~SliceStore() {
@@ -52,15 +57,19 @@ void SliceStore::charge(std::size_t bytes, int z) {
 }
 
 void SliceStore::add_slice(int z, std::span<const std::byte> values) {
-    if (complete()) throw std::invalid_argument("slice " + std::to_string(z) + " is one too many");
-    if (z != needed_[next_])
+    if (complete()) {
+        throw std::invalid_argument("slice " + std::to_string(z) + " is one too many");
+    }
+    if (z != needed_[next_]) {
         throw std::invalid_argument("slice " + std::to_string(z) + " came, slice " +
                                     std::to_string(needed_[next_]) + " is next");
+    }
     const std::size_t expected = shape_.slice_voxels() * size_bytes(shape_.type);
-    if (values.size() != expected)
+    if (values.size() != expected) {
         throw std::invalid_argument("slice " + std::to_string(z) + " needs " +
                                     std::to_string(expected) + " bytes, has " +
                                     std::to_string(values.size()));
+    }
     charge(values.size(), z);
     HeldSlice& slice = slices_[z];
     slice.values.assign(values.begin(), values.end());
@@ -70,15 +79,21 @@ void SliceStore::add_slice(int z, std::span<const std::byte> values) {
     }
     ++next_;
     if (shape_.holds_gradients()) {
-        if (z > 0) add_gradients(z - 1);
-        if (z == shape_.nz - 1) add_gradients(z);
+        if (z > 0) {
+            add_gradients(z - 1);
+        }
+        if (z == shape_.nz - 1) {
+            add_gradients(z);
+        }
     }
     discard_done(z);
 }
 
 /// Estimates the gradients of slice z, if it is kept: its neighbours are there.
 void SliceStore::add_gradients(int z) {
-    if (!is_own(shape_, share_, z)) return;
+    if (!is_own(shape_, share_, z)) {
+        return;
+    }
     charge(shape_.slice_voxels() * sizeof(Gradient), z);
     slices_.at(z).gradients = estimate_gradients(shape_, neighbours(z));
 }
@@ -101,7 +116,9 @@ void SliceStore::discard_done(int z) {
 
 std::vector<int> SliceStore::held() const {
     std::vector<int> numbers;
-    for (const auto& held : slices_) numbers.push_back(held.first);
+    for (const auto& held : slices_) {
+        numbers.push_back(held.first);
+    }
     return numbers;
 }
 
@@ -110,8 +127,9 @@ StoreCounts SliceStore::counts() const {
     counts.slices = static_cast<std::uint32_t>(next_);
     for (const auto& [z, slice] : slices_) {
         counts.runs += slice.rows.runs.size();
-        for (std::size_t y = 0; y + 1 < slice.rows.run_first.size(); ++y)
+        for (std::size_t y = 0; y + 1 < slice.rows.run_first.size(); ++y) {
             counts.rows_in_runs += slice.rows.run_first[y] < slice.rows.run_first[y + 1] ? 1 : 0;
+        }
     }
     return counts;
 }

@@ -32,7 +32,9 @@ struct ScaledDifference {
     std::int16_t operator()(T after, T before, int factor) const {
         const double difference =
             (static_cast<double>(after) - static_cast<double>(before)) * factor * scale;
-        if (std::isnan(difference)) return 0;
+        if (std::isnan(difference)) {
+            return 0;
+        }
         const double limit = largest_gradient;
         return static_cast<std::int16_t>(std::floor(std::clamp(difference, -limit, limit) + 0.5));
     }
@@ -54,7 +56,9 @@ class VoxelGradients {
 
     Gradient at(std::size_t x, std::size_t y) const {
         if constexpr (std::is_integral_v<T>) {
-            if (scale_ == 1) return differences(x, y, ExactDifference{});
+            if (scale_ == 1) {
+                return differences(x, y, ExactDifference{});
+            }
         }
         return differences(x, y, ScaledDifference{scale_});
     }
