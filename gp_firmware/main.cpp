@@ -10,8 +10,8 @@
 
 namespace {
 
-/// Meshes grow and are made anew with every isovalue: given back to the system in between, their
-/// pages cost up to a tenth of an extraction. Messages over tcp lie there, too.
+/// Keeps freed memory in the process. Every isovalue makes new meshes; returning their pages to the
+/// system costs up to a tenth of an extraction. Messages over tcp use this memory, too.
 void keep_freed_memory() {
 #ifdef __GLIBC__
     constexpr int kept_bytes = 1 << 30;

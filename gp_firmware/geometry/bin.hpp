@@ -1,4 +1,4 @@
-// Bin: which pixels, and so which 128x128 regions, a triangle can touch.
+// Bin: the pixels, and so the 128x128 regions, that a triangle can touch.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ static_assert(1 << region_bits == isa::region::size_px);
 struct RegionGrid {
     int width_px = 0, height_px = 0;
     int columns = 0, rows = 0;
-    int first_region = 0;  ///< Views are counted one after the other.
+    int first_region = 0;  ///< Number of regions in earlier views.
 
     int count() const { return columns * rows; }
 };
@@ -29,11 +29,11 @@ struct PixelBox {
     bool empty() const { return x1 < x0 || y1 < y0; }
 };
 
-/// The pixels of the picture whose centres lie in the bounding box of a, b and c.
+/// Returns the pixels of the picture whose centers lie in the bounding box of a, b and c.
 inline PixelBox pixel_box(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
                           const RegionGrid& grid) {
-    // Pixel p's centre lies at 16 p + 8: the first centre at or after v is (v + 7) / 16, rounded
-    // down, the last one at or before v is (v - 8) / 16, rounded down.
+    // The center of pixel p lies at 16 p + 8. The first center at or after v is (v + 7) / 16,
+    // rounded down. The last one at or before v is (v - 8) / 16, rounded down.
     constexpr int half = subpixels / 2;
     constexpr int shift = isa::region::subpixel_bits;
     return {std::max((std::min({a.x, b.x, c.x}) + half - 1) >> shift, 0),

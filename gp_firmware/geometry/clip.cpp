@@ -21,10 +21,10 @@ struct Corner {
     glm::dvec3 p_voxel;
     glm::dvec3 normal;  ///< Eye axes, normal_unit.
     std::uint32_t outside = 0;
-    const ScreenVertex* own = nullptr;  ///< The mesh's vertex, if it is one.
+    const ScreenVertex* own = nullptr;  ///< The vertex of the mesh; null for a new corner.
 };
 
-/// At most max_polygon_corners, kept on the stack.
+/// A polygon of at most max_polygon_corners, on the stack.
 struct Polygon {
     std::array<Corner, max_polygon_corners> corners;
     std::size_t count = 0;
@@ -35,7 +35,8 @@ struct Polygon {
     }
 };
 
-/// Signed distance from the plane of Outside bit `bit`, in the plane's own measure; >= 0 inside.
+/// Returns the signed distance from the plane of Outside bit `bit`, in the plane's own measure. It
+/// is >= 0 inside.
 double distance(const Corner& corner, std::uint32_t bit, const Projection& projection) {
     const glm::dvec4& p = corner.p_grid;
     switch (bit) {
@@ -63,8 +64,8 @@ double distance(const Corner& corner, std::uint32_t bit, const Projection& proje
     return ((plane.x * v.x + plane.y * v.y) + plane.z * v.z) + plane.w;
 }
 
-/// The point where the edge crosses the plane, from the inside corner to the outside one whichever
-/// way the triangle goes round: the neighbour across the edge computes the same.
+/// Returns the point where the edge crosses the plane. The computation runs from the inside corner
+/// to the outside corner in both triangles of the edge, so that both get the same point.
 Corner crossing(const Corner& inside, const Corner& outside, std::uint32_t bit,
                 std::uint32_t planes_ahead, const Projection& projection) {
     const double d_in = distance(inside, bit, projection);
@@ -119,7 +120,7 @@ Corner corner_of(const Vertex& vertex, const ScreenVertex& screen, const Project
 }
 
 std::int32_t to_grid(double value, double low, double high) {
-    // Also holds what is not a number.
+    // Maps NaN to `low`.
     return static_cast<std::int32_t>(std::floor(value > low ? std::min(value, high) : low));
 }
 
@@ -146,8 +147,8 @@ void clip_triangle(const std::array<const Vertex*, 3>& corners,
     for (std::size_t k = 0; k < 3; ++k) {
         current.add(corner_of(*corners[k], *screen[k], projection));
     }
-    // The eye's plane goes first: a corner behind it has no other bits yet. New corners may lie
-    // outside any plane that is still ahead, so all are looked at.
+    // The eye's plane comes first, because a corner behind it has no other bits yet. New corners
+    // may lie outside of any plane that follows, so they are tested against all of them.
     const auto user_count = static_cast<std::uint32_t>(projection.clip_planes.size());
     std::uint32_t ahead = outside_left | outside_right | outside_top | outside_bottom |
                           outside_near | outside_far | (((1U << user_count) - 1) * outside_user);

@@ -1,4 +1,4 @@
-// Clip: triangles that cross the near or far plane, a user's clip plane or the guard band.
+// Clip: cuts triangles at the near and far planes, the user's clip planes and the guard band.
 #pragma once
 
 #include <array>
@@ -10,17 +10,17 @@
 
 namespace pxpl5::gp {
 
-/// The planes of the view volume and of the user each add one corner at most.
+/// Each plane of the view volume and of the user adds at most one corner.
 inline constexpr std::size_t max_polygon_corners = 3 + 7 + max_clip_planes;
 
 /// Clips one triangle.
 ///
-/// corners   Its vertices in voxel space, in the order of the mesh.
+/// corners   The triangle's vertices in voxel space, in the order of the mesh.
 /// screen    The same vertices after transform().
 /// polygon   Receives the convex polygon that remains, in the triangle's winding, all corners with
-///           outside == 0; empty if nothing remains. Corners that were inside are `screen`'s own;
-///           a new corner depends on its edge alone, not on the edge's direction, so triangles that
-///           share an edge still share it.
+///           outside == 0; empty if nothing remains. Inside corners are copied from `screen`. A new
+///           corner depends only on its edge, not on the edge's direction, so triangles that share
+///           an edge still share it.
 /// Source    Sutherland & Hodgman 1974.
 void clip_triangle(const std::array<const Vertex*, 3>& corners,
                    const std::array<const ScreenVertex*, 3>& screen, const Projection& projection,

@@ -17,7 +17,8 @@ namespace region = isa::region;
 
 constexpr double rigid_tolerance = 1e-3;
 
-/// Clip space to grid: the viewport, y turned down, depth within its margins.
+/// Returns the matrix from clip space to the grid, with y pointing down and depth within its
+/// margins.
 glm::dmat4 viewport(const Camera& camera) {
     const double half_width = 0.5 * subpixels * camera.width_px;
     const double half_height = 0.5 * subpixels * camera.height_px;
@@ -33,7 +34,7 @@ glm::dmat4 viewport(const Camera& camera) {
 void check_finite(const glm::dmat4& m, const char* name) {
     for (int column = 0; column < 4; ++column) {
         for (int row = 0; row < 4; ++row) {
-            // What overflows a float is of no use to transform() either.
+            // transform() computes in floats, so a value beyond their range is refused.
             if (!std::isfinite(static_cast<float>(m[column][row]))) {
                 throw std::invalid_argument(fmt::format("{}[{}][{}] is {}, not a finite float",
                                                         name, column, row, m[column][row]));
@@ -64,7 +65,7 @@ void check(const Camera& camera) {
     }
 }
 
-/// Patient to eye axes: a rotation, perhaps with a reflection.
+/// Returns the matrix from patient to eye axes: a rotation, perhaps with a reflection.
 glm::dmat3 rotation(const Camera& camera) {
     const glm::dmat3 to_patient(camera.voxel_to_patient);
     if (glm::determinant(to_patient) == 0) {

@@ -1,8 +1,8 @@
-// The inner loop of transform(): as many vertices at a time as a vector has lanes.
+// The inner loop of transform(). It handles one vertex per vector lane.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "gp_firmware/geometry/transform_vertices.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// highway.h must follow foreach_target.h, which compiles this file once per target.
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -21,18 +21,18 @@ namespace region = isa::region;
 
 inline constexpr int guard = guard_px * subpixels;
 
-/// What is not a number becomes `low`.
+/// Clamps v. Maps NaN to `low`.
 HWY_INLINE F clamp(F v, F low, F high) {
     v = hn::IfThenElse(hn::Gt(v, low), v, low);
     return hn::IfThenElse(hn::Lt(v, high), v, high);
 }
 
-/// Some vertices, word by word: position, nx and ny, nz.
+/// The words of some vertices: position, nx and ny, nz.
 struct VertexWords {
     I x, y, z, normal_xy, normal_z;
 };
 
-/// Copies that leave each vertex's last word out are faster than gathering the other four.
+/// Loads vertices. Copying all words but the last is faster than gathering four words.
 HWY_INLINE VertexWords words_of(const Vertex* vertices) {
     constexpr std::size_t copied_bytes = 16;
     static_assert(offsetof(Vertex, p_voxel) == 0 && offsetof(Vertex, normal) == 12 &&
@@ -54,7 +54,7 @@ struct Positions {
     F x, y, z;
 };
 
-/// One coordinate on the grid, and a bit where it lies beyond its limits.
+/// One coordinate on the grid, and its Outside bit if it exceeds its limits.
 struct Coordinate {
     I value, outside;
 };
@@ -64,7 +64,7 @@ struct Limits {
     std::uint32_t below, above;  ///< Outside bits.
 };
 
-/// Homogeneous: a row of the matrix.
+/// Returns one homogeneous coordinate: a row of the matrix times the position.
 HWY_INLINE F row_of(const Projection& m, std::size_t row, const Positions& p) {
     return hn::Add(hn::Add(hn::Add(hn::Mul(splat(m.voxel_to_grid[0][row]), p.x),
                                    hn::Mul(splat(m.voxel_to_grid[1][row]), p.y)),
@@ -72,7 +72,7 @@ HWY_INLINE F row_of(const Projection& m, std::size_t row, const Positions& p) {
                    splat(m.voxel_to_grid[3][row]));
 }
 
-/// Rounded by `bias`, which makes it positive first, as conversion to integers cuts.
+/// Clamps and rounds a coordinate. `bias` makes it positive, because conversion truncates.
 HWY_INLINE Coordinate coordinate(F p, const Limits& limits, float bias) {
     const F low = splat(static_cast<float>(limits.low));
     const F high = splat(static_cast<float>(limits.high));
@@ -83,7 +83,7 @@ HWY_INLINE Coordinate coordinate(F p, const Limits& limits, float bias) {
             hn::Or(inside(hn::Ge(p, low), limits.below), inside(hn::Le(p, high), limits.above))};
 }
 
-/// All three components as GridVertex has them. `words` are the vertices' last two.
+/// Rotates normals and packs them like GridVertex::normal. The arguments are a vertex's last words.
 HWY_INLINE I turned(const Projection& m, I words_xy, I words_z) {
     constexpr int unit = region::normal_unit, above = 2 * unit, bits = 10;
     const F nx = hn::ConvertTo(DF(), hn::ShiftRight<16>(hn::ShiftLeft<16>(words_xy)));
@@ -102,7 +102,7 @@ HWY_INLINE I turned(const Projection& m, I words_xy, I words_z) {
                   hn::Or(hn::ShiftLeft<bits>(component(1)), hn::ShiftLeft<2 * bits>(component(2))));
 }
 
-/// Bits of the user's planes.
+/// Returns the Outside bits of the user's planes.
 HWY_INLINE I cut_off(const Projection& m, const Positions& p) {
     I outside = hn::Zero(DI());
     std::uint32_t bit = outside_user;
@@ -118,7 +118,7 @@ HWY_INLINE I cut_off(const Projection& m, const Positions& p) {
     return outside;
 }
 
-/// Transforms `lanes` vertices. Returns their Outside bits, which it stores, too.
+/// Transforms `lanes` vertices. Stores and returns their Outside bits.
 HWY_INLINE I transform_some(const Vertex* vertices, const Projection& m, GridVertex* out,
                             std::uint32_t* outside) {
     constexpr Limits across{-guard, guard, outside_left, outside_right};

@@ -1,4 +1,4 @@
-// A Graphics Processor's local memory: a budget in bytes that what it holds is charged to.
+// The local memory of a Graphics Processor: a budget in bytes.
 #pragma once
 
 #include <cstddef>
@@ -7,10 +7,10 @@
 
 namespace pxpl5::gp {
 
-/// Something does not fit into a GP's local memory. what() also says how many GPs would do.
+/// Thrown if data does not fit into a GP's local memory. what() includes the advice.
 class OutOfLocalMemory : public std::runtime_error {
   public:
-    /// advice  A sentence on what would help; may be empty.
+    /// advice  A sentence about a remedy; may be empty.
     OutOfLocalMemory(const std::string& what_for, std::size_t needed_bytes,
                      std::size_t available_bytes, const std::string& advice);
 
@@ -18,16 +18,16 @@ class OutOfLocalMemory : public std::runtime_error {
     std::size_t available_bytes;
 };
 
-/// The budget. Holds numbers only; whoever charges owns the bytes.
+/// The budget. It counts bytes; the callers own them.
 class LocalMemory {
   public:
     explicit LocalMemory(std::size_t size_bytes) : size_bytes_(size_bytes) {}
 
     /// Takes `bytes` from the budget for `what_for`, a noun ("slice 12").
-    /// Throws OutOfLocalMemory if they are not there; the budget is then unchanged.
+    /// Throws OutOfLocalMemory if fewer bytes are free; the budget is then unchanged.
     void charge(std::size_t bytes, const std::string& what_for, const std::string& advice = {});
 
-    /// Gives back bytes that were charged before.
+    /// Returns charged bytes to the budget.
     void release(std::size_t bytes);
 
     std::size_t size_bytes() const { return size_bytes_; }

@@ -32,7 +32,7 @@ std::vector<std::uint16_t> assign_regions(std::size_t region_count, std::size_t 
     std::vector<std::uint16_t> assignment(region_count);
     std::vector<std::uint64_t> load(renderer_count, 0), regions(renderer_count, 0);
     for (const std::size_t region : dearest_first) {
-        // Regions that cost nothing are spread too: their cost may not stay nothing.
+        // Regions of cost 0 are spread too, because their cost may rise.
         std::size_t best = 0;
         for (std::size_t r = 1; r < renderer_count; ++r) {
             if (regions[best] == most ||

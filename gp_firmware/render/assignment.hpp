@@ -1,4 +1,4 @@
-// Assignment: which Renderer draws which region. Done by the Master GP, for all.
+// Assignment of regions to Renderers. Only the Master GP (GP 0) computes it.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,14 @@ namespace pxpl5::gp {
 
 inline constexpr std::size_t max_assigned = std::numeric_limits<std::size_t>::max();
 
-/// Gives each region to a Renderer.
+/// Assigns each region to a Renderer.
 ///
-/// costs  Of the previous frame, by region, in any unit; empty, or of another length, means not
-///        known: the regions then go round-robin.
-/// most   Regions that a Renderer takes; renderer_count * most are enough for all.
-/// Returns  The index of the Renderer for each region. With costs: the dearest region first, each
-///          to the Renderer with the least to do that takes more; ties go to the lower index.
+/// costs  Costs of the regions in the previous frame, in any unit. If the list is empty or has
+///        another length, the costs are unknown, and the assignment is round-robin.
+/// most   Maximum of regions per Renderer; renderer_count * most suffices for all regions.
+/// Returns  The index of the Renderer of each region. With costs, the most expensive region comes
+///          first, and each region goes to the Renderer with the least load that has room. Ties go
+///          to the lower index.
 /// Source  Graham 1969, longest processing time first.
 std::vector<std::uint16_t> assign_regions(std::size_t region_count, std::size_t renderer_count,
                                           std::span<const std::uint64_t> costs,

@@ -15,11 +15,11 @@ namespace {
 
 namespace region = isa::region;
 
-/// Corners of a box stay within the guard band when its axis stays so far within.
+/// Distance from the guard band's border at which the corners of a line's box stay inside the band.
 constexpr double guard = guard_px * subpixels - line_width_subpixels;
 constexpr double z_first = region::z_margin, z_last = region::z_far - region::z_margin;
 
-/// An end of a line, and its distances from all planes that clip it: inside where >= 0.
+/// An end of a line and its distances from all clipping planes. A distance >= 0 is inside.
 struct End {
     glm::dvec4 p_grid;  ///< Homogeneous.
     std::array<double, 7 + max_clip_planes> distances{};
@@ -53,7 +53,7 @@ Point point_at(const End& from, const End& to, double t) {
             std::clamp(p.z / p.w, z_first, z_last)};
 }
 
-/// What is left of the line between the planes. Source: Liang & Barsky 1984.
+/// Returns the part of the line inside all planes. Source: Liang & Barsky 1984.
 std::optional<std::array<Point, 2>> visible_part(const Line& line, const Projection& projection) {
     const End from = end_of(line.from_voxel, projection), to = end_of(line.to_voxel, projection);
     double first = 0, last = 1;
@@ -126,7 +126,7 @@ DrawCounts draw_lines(const SlabMesh& mesh, const Projection& projection, const 
         const auto& [from, to] = *part;
         constexpr double half = line_width_subpixels / 2.0;
         const double length = std::hypot(to.x - from.x, to.y - from.y);
-        // A line towards the eye is a dot.
+        // A line toward the eye is a dot.
         const double ax = length > 0 ? (to.x - from.x) / length * half : half;
         const double ay = length > 0 ? (to.y - from.y) / length * half : 0;
         const ScreenVertex a = corner(from, -ax - ay, -ay + ax),

@@ -1,15 +1,15 @@
-// Draw scene: the way of a slab's spheres and lines to instruction words in regions.
+// Draw scene: turns a slab's spheres and lines into instruction words of regions.
 #pragma once
 
 #include "gp_firmware/render/draw_slab.hpp"
 
 namespace pxpl5::gp {
 
-inline constexpr int line_width_subpixels = 24;  ///< 1.5 pixels, whatever the distance.
+inline constexpr int line_width_subpixels = 24;  ///< 1.5 pixels at any distance.
 
 /// Draws the slab's spheres, each by its own program. The caller has called begin_slab().
 ///
-/// Returns  How many there are, and how many were emitted, over all regions.
+/// Returns  The number of spheres, and the number emitted over all regions.
 DrawCounts draw_spheres(const SlabMesh& mesh, const Projection& projection, const RegionGrid& grid,
                         const SurfaceStyle& style, RegionPrograms& programs);
 

@@ -16,7 +16,7 @@ namespace pxpl5::gp {
 
 namespace {
 
-/// What stays the same for all triangles of a slab.
+/// Values that all triangles of a slab share.
 struct Target {
     const RegionGrid& grid;
     RegionPrograms& programs;
@@ -24,7 +24,7 @@ struct Target {
     bool cull_back;
 };
 
-bool covers_a_centre(const std::array<Edge, 3>& edges, const PixelBox& box) {
+bool covers_a_center(const std::array<Edge, 3>& edges, const PixelBox& box) {
     for (int y = box.y0; y <= box.y1; ++y) {
         for (int x = box.x0; x <= box.x1; ++x) {
             std::int64_t signs = 0;
@@ -39,7 +39,8 @@ bool covers_a_centre(const std::array<Edge, 3>& edges, const PixelBox& box) {
     return false;
 }
 
-/// The edges as the region whose first pixel is (x0, y0) takes them; nothing if it is not touched.
+/// Returns the edges for the region whose first pixel is (x0, y0); nothing if the triangle does not
+/// touch the region.
 std::optional<std::array<RegionEdge, 3>> region_edges(const std::array<Edge, 3>& edges, int x0,
                                                       int y0) {
     std::array<RegionEdge, 3> here;
@@ -53,8 +54,8 @@ std::optional<std::array<RegionEdge, 3>> region_edges(const std::array<Edge, 3>&
     return here;
 }
 
-/// Calls put(region, edges there, x0, y0) for every region that the triangle touches. Returns how
-/// many there are.
+/// Calls put(region, edges for it, x0, y0) for every region that the triangle touches. Returns the
+/// number of regions.
 template <typename Put>
 std::uint32_t for_regions(const std::array<Edge, 3>& edges, const PixelBox& box,
                           const RegionGrid& grid, const Put& put) {
@@ -72,7 +73,7 @@ std::uint32_t for_regions(const std::array<Edge, 3>& edges, const PixelBox& box,
     return count;
 }
 
-/// Culls, sets up and emits one triangle with no corner outside. Returns in how many regions.
+/// Culls, sets up and emits one triangle that has no corner outside. Returns the number of regions.
 std::uint32_t draw_triangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
                             const Target& target) {
     const PixelBox box = pixel_box(a, b, c, target.grid);
@@ -80,7 +81,7 @@ std::uint32_t draw_triangle(const ScreenVertex& a, const ScreenVertex& b, const 
         return 0;
     }
     const std::int64_t det = determinant(a, b, c);
-    // Counter-clockwise to the eye is negative, as y runs down.
+    // Triangles counter-clockwise to the eye have a negative determinant, because y points down.
     if (det == 0 || (det > 0 && target.cull_back)) {
         return 0;
     }
@@ -88,7 +89,7 @@ std::uint32_t draw_triangle(const ScreenVertex& a, const ScreenVertex& b, const 
     const ScreenVertex& v2 = det > 0 ? c : b;
     const std::array<Edge, 3> edges = edges_of(a, v1, v2);
     if ((box.x1 - box.x0 + 1) * (box.y1 - box.y0 + 1) <= searched_px &&
-        !covers_a_centre(edges, box)) {
+        !covers_a_center(edges, box)) {
         return 0;
     }
     const AttributePlanes planes = planes_of(a, v1, v2, det > 0 ? det : -det);
@@ -100,7 +101,7 @@ std::uint32_t draw_triangle(const ScreenVertex& a, const ScreenVertex& b, const 
         });
 }
 
-/// A slab on its way, and what its triangles need that are not drawn in vectors.
+/// One slab during drawing. Vector code selects triangles; the functions here draw each of them.
 class SlabDrawing {
   public:
     SlabDrawing(const SlabMesh& mesh, const Projection& projection, const RegionGrid& grid,
@@ -197,7 +198,7 @@ std::uint32_t SlabDrawing::add_to_many(const NamedTriangle& named) {
                        });
 }
 
-/// Clips the triangle, if it is to be clipped, and draws what there is of it.
+/// Clips the triangle if a corner is outside, and draws the remaining pieces.
 std::uint32_t SlabDrawing::draw_by_itself(std::size_t triangle) {
     const std::uint32_t* index = &mesh_.indices[3 * triangle];
     std::array<ScreenVertex, 3> screen;

@@ -1,4 +1,4 @@
-// Draw slab: the whole way from one slab's triangles to instruction words in regions.
+// Draw slab: turns one slab's triangles into instruction words of regions.
 #pragma once
 
 #include <cstddef>
@@ -17,28 +17,28 @@ inline constexpr std::size_t max_surfaces = 255;  ///< Of one frame: the pixel h
 
 /// How a surface is drawn.
 struct SurfaceStyle {
-    std::uint16_t index = 0;  ///< In the frame's list; the pixel's surface field is index + 1.
-    bool cull_back = false;   ///< Leaves out triangles that turn their back to the eye.
-    /// Of the slab that is drawn: bit t % 8 of byte t / 8 hides triangle t; empty hides none.
+    std::uint16_t index = 0;  ///< Index in the frame's list. A pixel stores index + 1.
+    bool cull_back = false;   ///< Omits triangles that face away from the eye.
+    /// Mask of the slab: bit t % 8 of byte t / 8 hides triangle t; an empty mask hides none.
     std::span<const std::uint8_t> hidden{};
 };
 
-/// Whether a mask as SurfaceStyle::hidden hides the slab's triangle.
+/// Returns whether a SurfaceStyle::hidden mask hides a triangle of the slab.
 inline bool is_hidden(std::span<const std::uint8_t> hidden, std::size_t triangle) {
     return !hidden.empty() && (hidden[triangle / 8] >> triangle % 8 & 1) != 0;
 }
 
 /// Buffers kept from slab to slab, so that drawing allocates nothing.
 struct DrawScratch {
-    std::vector<std::uint32_t> outside;  ///< Bits of the slab's vertices.
+    std::vector<std::uint32_t> outside;  ///< Outside bits of the slab's vertices.
     std::vector<ScreenVertex> polygon;
 };
 
 struct DrawCounts {
-    std::uint32_t triangles_in = 0;   ///< Before culling.
-    std::uint32_t triangles_out = 0;  ///< Emitted, over all regions.
-    std::uint32_t drawn = 0;          ///< Of triangles_in, those in any region.
-    std::uint64_t transform_ns = 0;   ///< Wall time that transform() took of the whole.
+    std::uint32_t triangles_in = 0;   ///< Triangles before culling.
+    std::uint32_t triangles_out = 0;  ///< Triangles emitted, summed over all regions.
+    std::uint32_t drawn = 0;          ///< Triangles of triangles_in that are in any region.
+    std::uint64_t transform_ns = 0;   ///< Wall time of transform().
 };
 
 /// Draws one slab into one view's regions. The caller has called begin_slab().
@@ -46,7 +46,7 @@ DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const R
                      const SurfaceStyle& style, DrawScratch& scratch, RegionPrograms& programs,
                      isa::VectorTarget vectors = isa::process_target());
 
-/// Draws one triangle of the screen with no corner outside. Returns in how many regions.
+/// Draws one triangle of the screen that has no corner outside. Returns the number of its regions.
 std::uint32_t draw_screen_triangle(const ScreenVertex& a, const ScreenVertex& b,
                                    const ScreenVertex& c, const RegionGrid& grid,
                                    const SurfaceStyle& style, RegionPrograms& programs);

@@ -48,7 +48,7 @@ void FrameDrawing::begin(const FrameRequest& request) {
     wanted_.clear();
     eyes_.clear();
     if (request.surfaces.empty()) {
-        return;  // Nothing to project: there may not even be a volume.
+        return;  // Without surfaces there may be no volume, and so no valid projection.
     }
     int view = 0;
     for (const Camera& camera : request.views) {

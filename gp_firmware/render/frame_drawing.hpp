@@ -1,4 +1,4 @@
-// Frame drawing: one frame's way through the surfaces that a GP holds, in small pieces.
+// Frame drawing: draws the surfaces of a GP into the region programs of one frame, in pieces.
 #pragma once
 
 #include <cstddef>
@@ -17,14 +17,14 @@
 
 namespace pxpl5::gp {
 
-/// One surface, as far as this GP's slabs go.
+/// The slabs of one surface that this GP stores.
 struct HeldSurface {
     std::uint32_t revision = 0;
-    double isovalue = 0;  ///< Of this revision, as is the rule.
+    double isovalue = 0;  ///< Isovalue of this revision.
     CaseRule rule = CaseRule::watertight;
     bool complete = false;        ///< All slabs have been extracted.
     std::vector<SlabMesh> slabs;  ///< Ascending.
-    /// Of each slab, as SurfaceStyle::hidden; empty if the surface has no mask.
+    /// One SurfaceStyle::hidden mask per slab; empty if the surface has no mask.
     std::vector<std::vector<std::uint8_t>> hidden;
 };
 
@@ -33,7 +33,7 @@ using Surfaces = std::map<std::uint16_t, HeldSurface>;
 /// Which of a surface's slabs a frame draws: all, or those in gaps between slices, or the others.
 enum class SlabChoice : std::uint8_t { all, outside_gaps, in_gaps };
 
-/// A surface that a frame shows; it may do so several times, with other slabs.
+/// A surface that a frame shows. A frame may list a surface several times with different slabs.
 struct SurfaceWanted {
     std::uint16_t surface = 0;
     std::uint32_t revision = 0;
@@ -41,33 +41,34 @@ struct SurfaceWanted {
     SlabChoice slabs = SlabChoice::all;
 };
 
-/// What one frame asks of every GP.
+/// The request for one frame, the same for every GP.
 struct FrameRequest {
     std::uint32_t frame = 0;
     std::vector<Camera> views;
-    std::vector<SurfaceWanted> surfaces;    ///< In the order in which they are drawn.
+    std::vector<SurfaceWanted> surfaces;    ///< In drawing order.
     std::vector<std::uint16_t> assignment;  ///< Renderer of each region.
-    std::vector<int> gap_slabs;             ///< Of the volume, ascending.
-    bool origins = false;                   ///< Programs tell where each primitive comes from.
-    bool counts = false;                    ///< The host wants what was drawn, counted.
+    std::vector<int> gap_slabs;             ///< Slabs across missing slices, ascending.
+    bool origins = false;                   ///< Programs include the origin of each primitive.
+    bool counts = false;                    ///< The host wants FrameCounts.
 };
 
-/// A slab that went through a frame.
+/// Counts of one slab in a frame.
 struct DrawnSlab {
     std::uint32_t surface = 0;  ///< Index in the frame's list.
     std::uint32_t slab = 0;
-    std::uint32_t primitives = 0;  ///< Over all views; before culling. Masked triangles count.
-    std::uint32_t culled = 0;      ///< Of these, in no region.
+    std::uint32_t primitives =
+        0;                     ///< Primitives of all views before culling, masked ones included.
+    std::uint32_t culled = 0;  ///< Primitives in no region.
 };
 
-/// Whether a slab is among those that `choice` names.
-/// gap_slabs  Ascending.
+/// Returns whether `choice` includes a slab.
+/// gap_slabs  An ascending list.
 bool draws_slab(SlabChoice choice, int slab, std::span<const int> gap_slabs);
 
-/// Regions of the picture, over all views.
+/// Returns the number of regions of all views.
 std::size_t region_count(const FrameRequest& request);
 
-/// Empty if `surfaces` hold all that `request` shows, else what is missing.
+/// Returns an empty text if `surfaces` has all surfaces of `request`, else names the missing one.
 std::string missing_surface(const FrameRequest& request, const Surfaces& surfaces);
 
 /// Draws one frame at a time; keeps its buffers from frame to frame.
@@ -78,16 +79,19 @@ class FrameDrawing {
     /// empty.
     void begin(const FrameRequest& request);
 
-    /// Draws slabs until `triangle_count` triangles have gone through, or all have.
-    /// surfaces  missing_surface() is empty for them, and they stay the same until the frame is
-    /// done. Returns   true while there is more to draw.
+    /// Draws slabs until it has handled `triangle_count` triangles, or all.
+    ///
+    /// surfaces  Surfaces for which missing_surface() is empty. They must not change until the
+    /// frame
+    ///           is done.
+    /// Returns   true while more is left to draw.
     bool draw(const Surfaces& surfaces, std::size_t triangle_count);
 
-    /// Of the views of the frame. There is none without surfaces.
+    /// Returns the grid of the frame's views. Requires a frame with surfaces.
     const RegionGrid& grid() const { return eyes_.at(0).grid; }
     const RegionPrograms& programs() const { return programs_; }
     const DrawCounts& counts() const { return counts_; }
-    /// Those so far that hold anything, in the order of drawing: ascending by (surface, slab).
+    /// Returns the drawn slabs that have primitives, ascending by (surface, slab).
     std::span<const DrawnSlab> drawn() const { return drawn_; }
 
   private:
@@ -96,7 +100,7 @@ class FrameDrawing {
         RegionGrid grid;
     };
 
-    /// Returns how many of the slab's primitives are in any region.
+    /// Returns the number of the slab's primitives that are in any region.
     std::uint32_t draw_for(const Eye& eye, const SlabMesh& mesh, const SurfaceStyle& style);
 
     std::vector<Eye> eyes_;

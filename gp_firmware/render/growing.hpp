@@ -1,4 +1,4 @@
-// Growing: a vector whose new elements are not cleared first, and whose room stays.
+// Growing: a list that does not clear new elements and that keeps its capacity.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +11,13 @@
 
 namespace pxpl5::gp {
 
-/// Plain values that are written once, in order, frame after frame.
+/// A list of plain values for data that each frame writes once and in order.
 template <typename T>
 class Growing {
     static_assert(std::is_trivially_copyable_v<T>);
 
   public:
-    /// Room for `count` more; the caller writes all of them.
+    /// Appends `count` elements and returns the first. The caller writes all of them.
     T* append(std::size_t count) {
         if (capacity_ - size_ < count) [[unlikely]] {
             grow(count);
@@ -26,7 +26,7 @@ class Growing {
         size_ += count;
         return values;
     }
-    /// Empty; the room is kept.
+    /// Removes all elements. The capacity stays.
     void clear() { size_ = 0; }
     std::size_t size() const { return size_; }
     bool empty() const { return size_ == 0; }

@@ -4,11 +4,11 @@ namespace pxpl5::gp::setup {
 
 namespace {
 
-/// Rounded quotient, for what a double cannot hold to the last unit.
+/// Returns the rounded quotient of integers that exceed the precision of a double.
 std::uint64_t exact_slope(std::int64_t numerator, unsigned scale_bits, std::int64_t det) {
     const std::int64_t twice = numerator * (std::int64_t{2} << scale_bits) + det;
     const std::int64_t cut = twice / (2 * det);
-    // The determinant is positive: round down, not towards 0.
+    // The determinant is positive. Rounds down, not toward 0.
     return static_cast<std::uint64_t>(cut - (twice % (2 * det) < 0 ? 1 : 0));
 }
 

@@ -1,6 +1,7 @@
 // Plane set-up: a triangle's edges and attribute planes, as exact integers.
 //
-// One triangle at a time: the definition. set_up_triangles does the same for many at a time.
+// The functions here handle one triangle and are the definition. set_up_triangles gives the same
+// results for many triangles at a time.
 #pragma once
 
 #include <array>
@@ -14,15 +15,15 @@
 
 namespace pxpl5::gp {
 
-/// E(px, py) = a * px + b * py + c over the picture's pixels. Inside, by the top-left rule, is
-/// exactly where E >= 0 for all three edges.
+/// E(px, py) = a * px + b * py + c over the picture's pixels. By the top-left rule, a pixel is
+/// inside exactly if E >= 0 for all three edges.
 struct Edge {
     std::int64_t a = 0, b = 0, c = 0;
 };
 
 namespace setup {
 
-inline constexpr int half = subpixels / 2;  ///< A pixel's centre lies this far from its corner.
+inline constexpr int half = subpixels / 2;  ///< Distance of a pixel's center from its corner.
 inline constexpr int shift = isa::region::subpixel_bits;
 inline constexpr std::array<unsigned, 4> fraction = {
     isa::region::z_fraction_bits, isa::region::normal_fraction_bits,
@@ -39,23 +40,23 @@ inline Values values_of(const ScreenVertex& v) {
     return {v.z, v.nx, v.ny, v.nz};
 }
 
-/// Edge p-q: positive to the right of p -> q as seen on the screen.
+/// Returns edge p-q. It is positive to the right of p -> q as seen on the screen.
 inline Edge edge(const ScreenVertex& p, const ScreenVertex& q) {
     const std::int64_t a = p.y - q.y, b = q.x - p.x;
-    // Centres on a left or top edge are inside, those on any other edge outside.
+    // Centers on a left or top edge are inside; centers on any other edge are outside.
     const bool top_left = a > 0 || (a == 0 && b > 0);
     const std::int64_t c16 = a * (half - p.x) + b * (half - p.y) - (top_left ? 0 : 1);
     return {a, b, c16 >> shift};
 }
 
-/// The same slopes in integers throughout. Slow; for slivers so steep that a double's 53 bits would
-/// not do.
+/// Computes the slopes in integers only. It is slow, and serves slivers whose slopes exceed the 53
+/// bits of a double.
 Slopes exact_slopes(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
                     std::int64_t det);
 
 /// Steeper slopes than this need exact_slopes().
 inline constexpr double max_rounded_slope = 0x1p40;
-/// Added to a double below 2^51, this leaves its nearest integer in the low bits.
+/// Adding this to a double below 2^51 leaves the nearest integer in the low bits.
 inline constexpr double to_nearest = 0x1.8p52;
 
 inline Slopes slopes_of(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
@@ -81,15 +82,15 @@ inline Slopes slopes_of(const ScreenVertex& v0, const ScreenVertex& v1, const Sc
 
 }  // namespace setup
 
-/// Twice the triangle's signed area in 1/256 px^2; positive if its corners run clockwise on the
-/// screen (y down).
+/// Returns twice the triangle's signed area in 1/256 px^2. It is positive if the corners run
+/// clockwise on the screen (y down).
 inline std::int64_t determinant(const ScreenVertex& v0, const ScreenVertex& v1,
                                 const ScreenVertex& v2) {
     const std::int64_t x1 = v1.x - v0.x, y1 = v1.y - v0.y, x2 = v2.x - v0.x, y2 = v2.y - v0.y;
     return x1 * y2 - x2 * y1;
 }
 
-/// Edges v0-v1, v1-v2, v2-v0 of a triangle of positive determinant.
+/// Returns edges v0-v1, v1-v2, v2-v0 of a triangle of positive determinant.
 inline std::array<Edge, 3> edges_of(const ScreenVertex& v0, const ScreenVertex& v1,
                                     const ScreenVertex& v2) {
     return {setup::edge(v0, v1), setup::edge(v1, v2), setup::edge(v2, v0)};
@@ -97,28 +98,28 @@ inline std::array<Edge, 3> edges_of(const ScreenVertex& v0, const ScreenVertex& 
 
 /// The planes of z, nx, ny and nz over the picture's pixels: value = floor(Q / 2^fraction),
 /// Q = a * px + b * py + c. Slopes are rounded to nearest, c is exact from the rounded slopes at
-/// v0. Only the low 32 bits of each are kept: rows of the instruction set read no more.
+/// v0. Only the low 32 bits of each are stored, because the instructions read no more.
 struct AttributePlanes {
     std::array<std::uint32_t, 4> a{}, b{}, c{};
 };
 
-/// `det` is the triangle's determinant, not 0.
+/// det  The triangle's determinant, > 0.
 inline AttributePlanes planes_of(const ScreenVertex& v0, const ScreenVertex& v1,
                                  const ScreenVertex& v2, std::int64_t det) {
     assert(det > 0);
     const setup::Slopes slopes = setup::slopes_of(v0, v1, v2, det);
     const setup::Values at0 = setup::values_of(v0);
-    // From v0 to the centre of pixel (0, 0).
-    const auto to_centre_x = static_cast<std::uint64_t>(std::int64_t{setup::half - v0.x});
-    const auto to_centre_y = static_cast<std::uint64_t>(std::int64_t{setup::half - v0.y});
+    // From v0 to the center of pixel (0, 0).
+    const auto to_center_x = static_cast<std::uint64_t>(std::int64_t{setup::half - v0.x});
+    const auto to_center_y = static_cast<std::uint64_t>(std::int64_t{setup::half - v0.y});
     AttributePlanes planes;
     for (std::size_t k = 0; k < 4; ++k) {
         const std::uint64_t a = slopes.a[k], b = slopes.b[k];
-        // Modulo 2^51 and more; bits 4..35 are wanted. Half a unit more, as rows cut.
+        // Exact modulo 2^51; bits 4..35 are needed. Adds 0.5, because instructions truncate.
         const std::uint64_t value =
             (static_cast<std::uint64_t>(std::int64_t{at0[k]}) << setup::fraction[k]) +
             (std::uint64_t{1} << (setup::fraction[k] - 1));
-        const std::uint64_t c = value + ((a * to_centre_x + b * to_centre_y) >> setup::shift);
+        const std::uint64_t c = value + ((a * to_center_x + b * to_center_y) >> setup::shift);
         planes.a[k] = static_cast<std::uint32_t>(a);
         planes.b[k] = static_cast<std::uint32_t>(b);
         planes.c[k] = static_cast<std::uint32_t>(c);

@@ -1,7 +1,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "gp_firmware/render/select_triangles.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// highway.h must follow foreach_target.h, which compiles this file once per target.
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ struct Points {
     I x, y;
 };
 
-/// The vertices' grid positions: x and y are gathered as one.
+/// Gathers the vertices' grid positions, x and y as one 64-bit number.
 HWY_INLINE Points points_at(const GridVertex* vertices, I index) {
     using Pairs = hn::RepartitionToWide<DI>;
     static_assert(offsetof(GridVertex, y) == 4 && sizeof(GridVertex) == 2 * sizeof(std::int64_t));
@@ -50,18 +50,18 @@ HWY_INLINE Range range(I a, I b, I c) {
     return {hn::Min(a, hn::Min(b, c)), hn::Max(a, hn::Max(b, c))};
 }
 
-/// As pixel_box(): the picture's pixels whose centres lie in the range.
+/// Returns the picture's pixels whose centers lie in the range, like pixel_box().
 HWY_INLINE Range pixels_in(const Range& r, int size_px) {
     return {hn::Max(hn::ShiftRight<grid_bits>(hn::Add(r.low, splat(half - 1))), hn::Zero(DI())),
             hn::Min(hn::ShiftRight<grid_bits>(hn::Sub(r.high, splat(half))), splat(size_px - 1))};
 }
 
-/// 16 times an edge's value at a centre, with its sign, and the slopes from pixel to pixel.
+/// 16 times an edge's value at a pixel center, with its sign, and the slopes per pixel.
 struct EdgeHere {
     I value, a, b;
 };
 
-/// The edge from p to q at the centre of (x_px, y_px), which lies in the triangle's box.
+/// Returns the edge from p to q at the center of the first pixel of the triangle's box.
 HWY_INLINE EdgeHere edge_at(const Points& p, const Points& q, const Range& x_px,
                             const Range& y_px) {
     const I zero = hn::Zero(DI());
@@ -74,7 +74,7 @@ HWY_INLINE EdgeHere edge_at(const Points& p, const Points& q, const Range& x_px,
     return {value, hn::ShiftLeft<grid_bits>(a), hn::ShiftLeft<grid_bits>(b)};
 }
 
-/// The edge dx and dy pixels further.
+/// Returns the edge's value dx and dy pixels further.
 HWY_INLINE I moved(const EdgeHere& e, I dx, I dy) {
     return hn::Add(e.value, hn::Add(hn::Mul(e.a, dx), hn::Mul(e.b, dy)));
 }
@@ -83,9 +83,9 @@ HWY_INLINE M none_negative(I a, I b, I c) {
     return at_most(hn::Zero(DI()), hn::Or(a, hn::Or(b, c)));
 }
 
-/// Whether a box of 1 to searched_px pixels holds a covered centre. `width` by `height`: all of its
-/// pixels are looked at, row by row.
-HWY_INLINE M covers_a_centre(const EdgeHere (&e)[3], I width, I height) {
+/// Returns whether the triangle covers a pixel center of its box of `width` x `height` pixels, 1 to
+/// searched_px in all.
+HWY_INLINE M covers_a_center(const EdgeHere (&e)[3], I width, I height) {
     static_assert(searched_px == 4);
     const I one = splat(1), two = splat(2), three = splat(3);
     const M wide_2 = hn::Gt(width, one), wide_3 = hn::Gt(width, two);
@@ -106,24 +106,25 @@ HWY_INLINE M covers_a_centre(const EdgeHere (&e)[3], I width, I height) {
                          hn::And(hn::Gt(area, three), covered(x3, y3))));
 }
 
-/// Whether an edge leaves any pixel of the region, in which (x_px.low, y_px.low) lies, inside.
+/// Returns whether any pixel of the region of (x_px.low, y_px.low) is inside the edge.
 HWY_INLINE M enters(const EdgeHere& e, const Range& x_px, const Range& y_px) {
     constexpr int last = isa::region::size_px - 1;
     const I x_in = hn::And(x_px.low, splat(last)), y_in = hn::And(y_px.low, splat(last));
     const I zero = hn::Zero(DI());
-    // Its highest value is at a corner of the region.
+    // The edge has its highest value at a corner of the region.
     const I dx = hn::IfThenElse(hn::Gt(e.a, zero), hn::Sub(splat(last), x_in), hn::Neg(x_in));
     const I dy = hn::IfThenElse(hn::Gt(e.b, zero), hn::Sub(splat(last), y_in), hn::Neg(y_in));
     return at_most(zero, moved(e, dx, dy));
 }
 
-/// Three numbers or points of each triangle.
+/// The values or points of the three corners of each triangle.
 template <class T>
 struct Three {
     T a, b, c;
 };
 
-/// Triangles that planes leave: those that one plane cuts off as a whole are gone.
+/// Triangles inside all planes, and triangles that cross planes. Triangles that are wholly outside
+/// of one plane are in neither.
 struct Clipping {
     M inside, crossing;
 };
@@ -187,7 +188,7 @@ HWY_INLINE std::uint64_t select_some(const ScreenSlab& slab, const RegionGrid& g
     const I height = hn::Add(hn::Sub(y_px.high, y_px.low), splat(1));
     const M large = hn::Gt(hn::Mul(width, height), splat(searched_px));
     const M seen = hn::And(hn::And(hn::And(in_picture, fits), turned),
-                           hn::Or(large, covers_a_centre(edges, width, height)));
+                           hn::Or(large, covers_a_center(edges, width, height)));
 
     const I column = hn::ShiftRight<region_bits>(x_px.low);
     const I row = hn::ShiftRight<region_bits>(y_px.low);

@@ -1,7 +1,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "gp_firmware/render/set_up_triangles.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// highway.h must follow foreach_target.h, which compiles this file once per target.
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -65,19 +65,21 @@ HWY_INLINE Doubles difference(const Doubles& a, const Doubles& b) {
     return {hn::Sub(a.lower, b.lower), hn::Sub(a.upper, b.upper)};
 }
 
-/// Numbers modulo 2^36: the 32 bits that words take, and 4 more below, as grid steps have them.
+/// Numbers modulo 2^36: the 32 bits of an instruction word and 4 lower bits for grid steps.
 struct Slope {
     U low;   ///< Bits 0..31.
     U high;  ///< Bits 4..35.
 };
 
-/// As setup::Slopes have it, of one plane: `numerator` times `scale`, a power of 2 over det.
+/// Returns the slope of one plane, like setup::Slopes: `numerator` times `scale`, a power of 2 over
+/// det.
 ///
-/// Unlike larger triangles', these slopes never need setup::exact_slopes(): the numerator and the
-/// power of 2 make an N below 2^51, and N / det is computed to better than 2^-52 of itself, which
-/// is less than 1 / (2 det): what it is at least away from where rounding turns, unless it lies
-/// right there. It only can if det has more factors 2 than the power, 2^12 or more, has; and then
-/// it is below 2^40, where the definition rounds doubles, too.
+/// Unlike slopes of larger triangles, these slopes never need setup::exact_slopes(). The numerator
+/// and the power of 2 make an N below 2^51. N / det has an error below 2^-52 of its value, which is
+/// less than 1 / (2 det). An exact quotient that is not halfway between two integers is at least
+/// 1 / (2 det) away from halfway, so it rounds correctly. A quotient can only be halfway if det has
+/// more factors 2 than the power, which has 2^12 or more. Then the quotient is below 2^40, where
+/// the definition rounds doubles, too.
 HWY_INLINE Slope slope(const Doubles& numerator, const Doubles& scale) {
     const Doubles exact = product(numerator, scale);
     const D round = hn::Set(DD(), setup::to_nearest);
@@ -87,19 +89,19 @@ HWY_INLINE Slope slope(const Doubles& numerator, const Doubles& scale) {
     return {low, hn::Or(hn::ShiftRight<4>(low), hn::ShiftLeft<28>(above))};
 }
 
-/// What an instruction of the triangle's shape is: its word and three coefficients.
+/// One instruction of the triangle's shape: its word and three coefficients.
 struct Instruction {
     U word, a, b, c;
 };
 
-/// All that edges and planes share.
+/// Values that edges and planes share.
 struct Setup {
     I dx1, dy1, dx2, dy2;  ///< From v0 to v1 and v2.
-    I to_x, to_y;          ///< From v0 to the centre of the region's first pixel.
+    I to_x, to_y;          ///< From v0 to the center of the region's first pixel.
 };
 
-/// As region_edge(): from p, along (dx, dy). `to_x` and `to_y` lead from p to the centre of the
-/// region's first pixel.
+/// Returns the edge from p along (dx, dy), like region_edge(). `to_x` and `to_y` lead from p to the
+/// center of the region's first pixel.
 HWY_INLINE Instruction edge(I dx, I dy, I to_x, I to_y) {
     constexpr int last = isa::region::size_px - 1;
     const I zero = hn::Zero(DI());
@@ -120,7 +122,7 @@ HWY_INLINE Instruction edge(I dx, I dy, I to_x, I to_y) {
             bits_of(c)};
 }
 
-/// As planes_of(), in the region. `at0` is the plane's value at v0.
+/// Returns a plane in the region, like planes_of(). `at0` is the plane's value at v0.
 template <int fraction>
 HWY_INLINE Instruction plane(std::uint32_t instruction, const Slope& a, const Slope& b, I at0,
                              const Setup& s) {
@@ -161,7 +163,7 @@ HWY_INLINE void put_planes(const Corners& v0, const Corners& v1, const Corners& 
         return Doubles{hn::Mul(inverse.lower, scale), hn::Mul(inverse.upper, scale)};
     };
 
-    // Depths do not fit 32 bits once they are multiplied; doubles hold them exactly.
+    // Products of depths exceed 32 bits; doubles represent them exactly.
     const Doubles z1 = to_doubles(hn::Sub(v1.z, v0.z)), z2 = to_doubles(hn::Sub(v2.z, v0.z));
     const Doubles z_scale = scaled(isa::region::z_fraction_bits);
     const Slope za =
@@ -229,7 +231,7 @@ void set_up_all(std::span<const NamedTriangle> triangles, std::span<const GridVe
         const std::size_t count = std::min(triangles.size() - first, Batch::size);
         const std::size_t filled = (count + lanes - 1) / lanes * lanes;
         for (std::size_t i = 0; i < filled; ++i) {
-            // What is missing in the last vector is the last triangle again.
+            // The last triangle pads the last vector.
             const NamedTriangle& t = triangles[first + std::min(i, count - 1)];
             batch.corners[0][i] = corners[t.v0];
             batch.corners[1][i] = corners[t.v1];

@@ -16,15 +16,16 @@ struct RegionPlace {
     int x0_px = 0, y0_px = 0;
 };
 
-/// Larger triangles do not fit the vectors' 32-bit arithmetic: draw_triangle() draws them.
-inline constexpr int max_extent = 1 << 14;  ///< 1/16 px, in x and in y.
+/// Maximal extent in x and in y, in 1/16 px. Larger triangles exceed the vectors' 32-bit
+/// arithmetic; draw_triangle() draws them.
+inline constexpr int max_extent = 1 << 14;
 
-/// Writes each triangle's isa::triangle::word_count words: the same bits as plane_setup.hpp and
-/// triangle_program.hpp give, on every target.
+/// Writes each triangle's isa::triangle::word_count words, with the same bits as plane_setup.hpp
+/// and triangle_program.hpp on every target.
 ///
-/// triangles  Of positive determinant, of extents below max_extent; the pixels in their bounding
-///            box are partly in the region, and none of their edges excludes the region.
-/// corners    By number, what the triangles name.
+/// triangles  Triangles of positive determinant and extents below max_extent. Their bounding boxes
+///            overlap the region, and none of their edges excludes it.
+/// corners    The corners that the triangles refer to by number.
 void set_up_triangles(std::span<const NamedTriangle> triangles, std::span<const GridVertex> corners,
                       RegionPlace place, std::uint32_t* words,
                       isa::VectorTarget target = isa::process_target());

@@ -21,12 +21,12 @@ constexpr std::uint32_t at_form = region::scratch, at_product = at_form + form_b
 constexpr std::uint32_t depth_factor_bits = 25, normal_factor_bits = 17;
 static_assert(at_product + 2 * depth_factor_bits <= isa::door::begin);
 
-/// Coefficients of the form stay below 2^coefficient_bits, so that it stays below 2^63.
+/// Coefficients of the form stay below 2^coefficient_bits, so that the form stays below 2^63.
 constexpr int coefficient_bits = 46;
-/// More would let S leave the form's field.
+/// A larger value would let S leave the form's field.
 constexpr int max_exponent = 60;
 
-// Fraction bits: of planes as TREE takes them, and of a normal's factor.
+// Fraction bits of the planes of TREE and of a normal's factor.
 constexpr std::uint32_t depth_fraction = 8, normal_fraction = 14, factor_fraction = 6;
 
 class Writer {
@@ -46,7 +46,7 @@ class Writer {
     std::size_t count_ = 0;
 };
 
-/// The form over the region's own pixels, scaled to integers: A B C D E F.
+/// Returns the form over the region's own pixels, scaled to integers: A B C D E F.
 struct RegionForm {
     std::array<std::int64_t, 6> coefficients{};
     int exponent = 0;
@@ -65,7 +65,7 @@ RegionForm region_form(const std::array<double, 6>& f, double u, double v) {
     }
     RegionForm form;
     form.exponent = std::min(coefficient_bits - (std::ilogb(largest) + 1), max_exponent);
-    // A hair less than 2^e, so that the form's peak does not reach it.
+    // Slightly less than 2^e, so that the form's peak stays below 2^e.
     const double scale = std::ldexp(1 - 0x1p-20, form.exponent);
     for (std::size_t k = 0; k < here.size(); ++k) {
         form.coefficients[k] = std::llround(here[k] * scale);
@@ -73,7 +73,7 @@ RegionForm region_form(const std::array<double, 6>& f, double u, double v) {
     return form;
 }
 
-/// Leaves the region's part of the box enabled. Values are -127..127.
+/// Enables the pixels of the box in the region. Values are -127..127.
 void put_box(Writer& out, const PixelBox& box, int x0, int y0) {
     constexpr int last = region::size_px - 1;
     constexpr std::uint32_t sign_bits = 8;
@@ -103,7 +103,7 @@ void put_form(Writer& out, const RegionForm& form) {
     out.put(Op::enab_and_not_mem, {at_form + form_bits - 1, 0, 0});
 }
 
-/// A product of S and what is still missing from its plane.
+/// A product of S and its plane.
 struct Term {
     ScreenPlane plane;
     double root = 0;
@@ -119,7 +119,7 @@ void put_term(Writer& out, const Term& term, double u, double v, std::uint32_t a
     const auto scaled = [&term](double value) {
         return std::llround(std::ldexp(value, static_cast<int>(term.plane_fraction)));
     };
-    // Rows cut: the result by half a unit on average, S by half of its last bit.
+    // Instructions truncate: the result by 0.5 on average, S by half of its last bit.
     const double rounding = 0.5 - std::ldexp(term.root, -j - 1);
     out.put(scaled(term.plane.a));
     out.put(scaled(term.plane.b));

@@ -11,19 +11,19 @@ namespace {
 
 namespace region = isa::region;
 
-/// Smaller ones are not drawn: hardly a pixel's centre lies in them.
+/// Smaller spheres are not drawn, because they cover hardly any pixel center.
 constexpr double min_radius_px = 1.0 / 64;
-/// Slopes and offsets beyond this are of no picture.
+/// No picture has slopes and offsets beyond this.
 constexpr double max_coefficient = 0x1p32;
 
-/// Around the sphere's centre, s = (u, v, t) is the place on the screen less the centre's, t in
-/// depth units. A point q (from the centre) is q = W H s, with W = centre_w / (1 - h s).
+/// Around the sphere's center, s = (u, v, t) is the place on the screen minus the center's, t in
+/// depth units. A point q (from the center) is q = W H s, with W = center_w / (1 - h s).
 struct Frame {
     glm::dmat3 H;
     glm::dvec3 h;
-    glm::dvec3 at;      ///< The centre on the screen: px, px, depth.
-    double w = 0;       ///< Of the centre.
-    double w_near = 0;  ///< Of the sphere's point nearest to the eye's plane.
+    glm::dvec3 at;      ///< The center on the screen: px, px, depth.
+    double w = 0;       ///< W of the center.
+    double w_near = 0;  ///< W of the sphere's point nearest to the eye's plane.
 };
 
 std::optional<Frame> frame_of(const glm::dvec3& centre, double radius, const glm::dmat4& to_grid) {
@@ -48,13 +48,13 @@ std::optional<Frame> frame_of(const glm::dvec3& centre, double radius, const glm
     return frame;
 }
 
-/// The sphere as a quadric s'Ks + 2 h's = 1 of the screen; |q| = radius makes it.
+/// The sphere as a quadric s'Ks + 2 h's = 1 of the screen, which follows from |q| = radius.
 glm::dmat3 quadric_of(const Frame& frame, double radius) {
     const double scale = (frame.w / radius) * (frame.w / radius);
     return glm::transpose(frame.H) * frame.H * scale - glm::outerProduct(frame.h, frame.h);
 }
 
-/// Whether all of the quadric's depths can be stored.
+/// Returns whether all depths of the quadric can be stored.
 bool in_depth_range(const glm::dmat3& K, const Frame& frame) {
     const glm::dmat3 inverse = glm::inverse(K);
     const glm::dvec3 middle = -(inverse * frame.h);
@@ -70,7 +70,7 @@ std::array<double, 6> discriminant(const glm::dmat3& K, const glm::dvec3& h) {
             ku * ku - a * K[0][0], 2 * (ku * kv - a * K[0][1]), kv * kv - a * K[1][1]};
 }
 
-/// Where the form is largest, and how far its outline lies from there along u and v.
+/// The place where the form is largest, and the distance of the outline along u and v.
 struct Ellipse {
     double u = 0, v = 0, reach_u = 0, reach_v = 0, peak = 0;
 };
@@ -86,7 +86,7 @@ Ellipse ellipse_of(const std::array<double, 6>& f) {
     return e;
 }
 
-/// Pixels whose centres lie between low and high, held to first..last.
+/// Returns the pixels whose centers lie between low and high, clamped to first..last.
 int first_pixel(double low) {
     return static_cast<int>(std::ceil(std::clamp(low - 0.5, -1.0, double{max_picture_px})));
 }
@@ -115,7 +115,7 @@ void set_planes(const glm::dmat3& K, const Frame& frame, double radius, double p
     const ScreenPlane t{-K[0][2] / a, -K[1][2] / a, -frame.h.z / a};
     out.depth_plane = {t.a, t.b, t.c + frame.at.z};
     out.depth_root = std::sqrt(peak) / a;
-    // |H s| is radius / W: the unit belongs to the nearest point.
+    // |H s| is radius / W, so the nearest point defines the unit.
     const glm::dmat3 n = to_eye * frame.H * (region::normal_unit * frame.w_near / radius);
     for (int k = 0; k < 3; ++k) {
         const auto at = static_cast<std::size_t>(k);

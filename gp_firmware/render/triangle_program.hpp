@@ -11,7 +11,7 @@
 
 namespace pxpl5::gp {
 
-/// An edge as a region's TREEgeZERO takes it.
+/// An edge in the form of a region's TREEgeZERO.
 struct RegionEdge {
     std::uint32_t word = 0;  ///< The instruction; no value over the region overflows its width.
     std::uint32_t a = 0, b = 0, c = 0;
@@ -19,8 +19,8 @@ struct RegionEdge {
 
 /// Moves `edge` to the region whose first pixel is (x0, y0).
 ///
-/// Returns  Nothing if no pixel of the region is inside. An edge that holds all over the region,
-///          but with values of more than 32 bits, becomes 0 >= 0.
+/// Returns  Nothing if no pixel of the region is inside. If all pixels are inside, but values have
+///          more than 32 bits, the edge becomes 0 >= 0.
 inline std::optional<RegionEdge> region_edge(const Edge& edge, int x0, int y0) {
     constexpr std::int64_t last = isa::region::size_px - 1;
     constexpr std::uint32_t narrow = isa::triangle::edge_word(16),
@@ -37,7 +37,7 @@ inline std::optional<RegionEdge> region_edge(const Edge& edge, int x0, int y0) {
     }
     const auto a = static_cast<std::uint32_t>(edge.a), b = static_cast<std::uint32_t>(edge.b);
     const auto c_low = static_cast<std::uint32_t>(c);
-    // As many bits as the value farthest from 0 has, and its sign.
+    // The width needs the bits of the value farthest from 0, and a sign.
     const std::int64_t farthest = std::max(high, ~low);
     if (farthest < 1 << 15) {
         return RegionEdge{narrow, a, b, c_low};

@@ -13,15 +13,15 @@ namespace {
 /// Values at the corners of a unit square, counter-clockwise from the lowest voxel.
 using Square = std::array<double, 4>;
 
-/// Where the surface crosses the side from corner k to the next, from 0 at corner k to 1: as the
-/// mesh has it, whose edges begin at the lower voxel.
+/// Returns the crossing on the side from corner k to the next one, from 0 at corner k to 1. It is
+/// the crossing in the mesh, whose edges begin at the lower voxel.
 double crossing_of_side(const Square& values, std::size_t k, double isovalue) {
     const std::size_t next = (k + 1) % 4;
     return k < 2 ? crossing(values[k], values[next], isovalue)
                  : 1 - crossing(values[next], values[k], isovalue);
 }
 
-/// Area of the polygon through the inside corners and the crossings, in their order.
+/// Returns the area of the polygon through the inside corners and the crossings.
 double polygon_area(const Square& values, double isovalue) {
     constexpr std::array<glm::dvec2, 4> corners = {glm::dvec2{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     std::array<glm::dvec2, 8> points;
@@ -45,7 +45,8 @@ double polygon_area(const Square& values, double isovalue) {
     return doubled / 2;
 }
 
-/// Whether an ambiguous face's inside corners are joined: as SlabWalk::decide_faces().
+/// Returns whether the inside corners of an ambiguous face are joined, as in
+/// SlabWalk::decide_faces().
 bool is_joined(const Square& values, double isovalue) {
     const double even = (values[0] - isovalue) * (values[2] - isovalue);
     const double odd = (values[1] - isovalue) * (values[3] - isovalue);
@@ -58,7 +59,7 @@ double inside_area(const Square& values, double isovalue, bool decides_faces) {
         (decides_faces && is_joined(values, isovalue))) {
         return polygon_area(values, isovalue);
     }
-    double area = 0;  // Two corners across: a triangle at each.
+    double area = 0;  // Opposite corners have one triangle each.
     for (std::size_t k = 0; k < 4; ++k) {
         if (inside(k)) {
             area += crossing_of_side(values, k, isovalue) *

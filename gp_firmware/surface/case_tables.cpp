@@ -36,18 +36,18 @@ bool is_ambiguous(unsigned inside, int face) {
            is_inside(inside, a) != is_inside(inside, b);
 }
 
-/// next[e] = f: the surface's boundary runs on some face from its crossing of edge e to that of
-/// edge f; -1 where an edge is not crossed.
+/// next[e] = f: on some face, the surface's boundary runs from the crossing of edge e to the
+/// crossing of edge f. -1 if edge e is not crossed.
 using Successors = std::array<int, cell_edge_count>;
 
-/// Walking around a face counter-clockwise, a stretch of inside corners is entered on one edge and
-/// left on another; the surface's boundary runs from the one to the other, so that the loops go
-/// counter-clockwise seen from outside. Where inside corners are joined, stretches of outside
-/// corners are cut off instead: there the boundary starts where the stretch ends.
+/// A counter-clockwise walk around a face enters a stretch of inside corners on one edge and leaves
+/// it on another. The surface's boundary runs from the first edge to the second, so that the loops
+/// are counter-clockwise seen from outside. If inside corners are joined, the boundary cuts off
+/// stretches of outside corners instead, and starts where the stretch ends.
 void trace_face(unsigned inside, int face, bool joined, Successors& next) {
     const auto corner = face_corners(face);
     const auto at = [&](int i) { return corner[static_cast<std::size_t>(i & 3)]; };
-    const bool cut = !joined;  // The side of the corners that are cut off.
+    const bool cut = !joined;  // Side of the corners that the boundary cuts off.
     for (int i = 0; i < 4; ++i) {
         if (is_inside(inside, at(i)) == cut || is_inside(inside, at(i + 1)) != cut) {
             continue;
@@ -88,7 +88,7 @@ void add_entry(unsigned inside, unsigned joined, CaseTable& table) {
     for (const Loop& loop : trace_loops(inside, joined)) {
         std::vector<std::uint8_t> corners = triangulate_loop(loop);
         if (corners.empty()) {
-            assert(entry.ring_size == 0);  // A cell has one centre vertex.
+            assert(entry.ring_size == 0);  // A cell has one center vertex.
             corners = fan_about_centre(loop);
             table.rings.insert(table.rings.end(), loop.begin(), loop.end());
             entry.ring_size = static_cast<std::uint8_t>(loop.size());
@@ -112,10 +112,10 @@ unsigned spread(unsigned packed, unsigned mask) {
     return bits;
 }
 
-/// Which ambiguous faces join their inside corners, for rules that do not look at the values.
+/// Returns the ambiguous faces that join their inside corners, for rules that ignore the values.
 unsigned fixed_decision(CaseRule rule, unsigned inside, unsigned ambiguous) {
-    // The 1987 table holds the cases of up to 4 inside corners, which are kept apart; the others
-    // are their complements, so there the outside corners are kept apart.
+    // The table of 1987 lists the cases with up to 4 inside corners, and separates these corners.
+    // The other cases are complements, so there the outside corners are separate.
     return rule == CaseRule::lorensen1987 && std::popcount(inside) > 4 ? ambiguous : 0;
 }
 

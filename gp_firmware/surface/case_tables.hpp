@@ -1,4 +1,4 @@
-// The cases of marching cubes: which triangles a cell holds, by the sides of its eight corners.
+// The case tables of marching cubes: the triangles of a cell for each set of inside corners.
 #pragma once
 
 #include <array>
@@ -33,18 +33,19 @@ struct CaseEntry {
     std::uint8_t ring_size = 0;  ///< Edges around the centre vertex; 0 if there is none.
 };
 
-/// All cases of one rule. A case is (inside corners, which ambiguous faces join them).
+/// All cases of one rule. A case is a set of inside corners and a set of ambiguous faces that join
+/// them.
 struct CaseTable {
     std::string_view name;
     bool decides_faces = false;                    ///< Whether entries depend on face decisions.
     std::array<std::uint8_t, 256> ambiguous{};     ///< Bit f: face f is ambiguous.
-    std::array<std::uint16_t, 256> first_entry{};  ///< Of a corner set.
+    std::array<std::uint16_t, 256> first_entry{};  ///< Indexed by the set of inside corners.
     std::vector<CaseEntry> entries;
     std::vector<std::uint8_t> corners;  ///< Edge 0..11 or centre_corner; counter-clockwise seen
                                         ///< from outside in a right-handed frame.
     std::vector<std::uint8_t> rings;    ///< Edges whose mean is the centre vertex.
     int centre_count = 0;               ///< Entries that need a centre vertex.
-    std::array<CaseSlots, 2> slots;     ///< [1]: triangles turned over.
+    std::array<CaseSlots, 2> slots;     ///< [1] has all triangles turned over.
 
     /// inside  Bit c: corner c is inside.
     /// joined  Bit f: on ambiguous face f the inside corners are joined. Other bits are ignored.
@@ -57,13 +58,13 @@ struct CaseTable {
     }
 };
 
-/// The two corners of an edge, the one at the lower voxel first.
+/// Returns the two corners of an edge, the lower voxel first.
 std::array<int, 2> edge_corners(int edge);
 
-/// The corners of a face in cyclic order, counter-clockwise seen from outside of the cell.
+/// Returns the corners of a face in cyclic order, counter-clockwise seen from outside of the cell.
 std::array<int, 4> face_corners(int face);
 
-/// The table, generated at first use.
+/// Returns the table, which is generated at first use.
 /// Source  Lorensen & Cline 1987 for the idea and the complement rule of `lorensen1987`; the face
 ///         test is the asymptotic decider of Nielson & Hamann 1991; the generator is ours.
 const CaseTable& case_table(CaseRule rule);

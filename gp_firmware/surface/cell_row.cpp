@@ -16,7 +16,7 @@ namespace pxpl5::gp::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Bits of 64 cells: those of the four voxels at their lower x, and at their upper x.
+/// Bits of 64 cells: of the four voxels at their lower x, and of those at their upper x.
 struct CellWord {
     std::array<std::uint64_t, 4> low, high;
 
@@ -83,7 +83,7 @@ HWY_INLINE void list_corners(const std::uint32_t* vertices, const CaseSlots::Cor
                              std::size_t count, std::uint32_t* out) {
     constexpr Vertices d;
     if constexpr (hn::MaxLanes(d) == max_listed_corners) {
-        // One permutation for all; what it writes beyond `count` the next cell writes over.
+        // One permutation writes all corners. The next cell overwrites those beyond `count`.
         const auto order =
             hn::PromoteTo(d, hn::LoadU(hn::Rebind<std::uint8_t, Vertices>(), slots.data()));
         hn::StoreU(hn::TableLookupLanes(hn::LoadU(d, vertices), hn::IndicesFromVec(d, order)), d,
@@ -95,7 +95,7 @@ HWY_INLINE void list_corners(const std::uint32_t* vertices, const CaseSlots::Cor
     }
 }
 
-/// Of the triangles of a cell, whose first has `origin`.
+/// Writes the origins of a cell's triangles. The first one is `origin`.
 HWY_INLINE void note_origins(Origin origin, std::size_t count, Origin* out) {
     constexpr hn::CappedTag<std::uint64_t, max_listed_triangles> d;
     if constexpr (hn::MaxLanes(d) == max_listed_triangles) {

@@ -13,7 +13,7 @@ namespace pxpl5::gp {
 
 namespace {
 
-/// The least T at or above isovalue: value >= isovalue and value >= threshold mean the same.
+/// Returns the least T at or above isovalue, so that value >= isovalue equals value >= threshold.
 template <class T>
 T threshold_of(double isovalue) {
     if constexpr (std::is_integral_v<T>) {
@@ -27,7 +27,7 @@ T threshold_of(double isovalue) {
     }
 }
 
-/// Sets the bits of x < nx.
+/// Sets all bits x < nx.
 void fill_mask(int nx, std::span<std::uint64_t> mask) {
     std::fill(mask.begin(), mask.end(), ~std::uint64_t{0});
     const int spare = static_cast<int>(mask.size()) * 64 - nx;

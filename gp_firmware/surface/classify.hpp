@@ -1,4 +1,4 @@
-// One bit per voxel: inside of the surface or not.
+// Masks with one bit per voxel: 1 inside the surface, 0 outside.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ constexpr std::size_t mask_words(int nx) {
 
 enum class RowSide : std::uint8_t { outside, inside, mixed };
 
-/// Which side a row or slice is on, by its range alone; mixed if the range does not tell.
+/// Returns the side of a row or slice from its range; mixed if the range does not decide.
 inline RowSide side_of(const Range& range, double isovalue) {
     if (static_cast<double>(range.minimum) >= isovalue) {
         return RowSide::inside;
@@ -30,7 +30,7 @@ inline RowSide side_of(const Range& range, double isovalue) {
 void mask_from_voxels(Scalar type, const std::byte* row, int nx, double isovalue,
                       std::span<std::uint64_t> mask);
 
-/// The mask of row y by the cheapest means: its range, its runs, its voxels.
+/// Computes the mask of row y from its range, its runs or its voxels, whichever is cheapest.
 RowSide classify_row(const VolumeShape& shape, const HeldSlice& slice, int y, double isovalue,
                      std::span<std::uint64_t> mask);
 

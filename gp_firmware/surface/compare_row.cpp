@@ -15,7 +15,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 template <class D, class V>
 auto at_least(D, V values, V limit) {
-    // Integers have no Ge here; the greater of two is the first where that is not less.
+    // Highway has no Ge for these integers. Max(a, b) == a means a >= b.
     if constexpr (hwy::IsFloat<hn::TFromD<D>>()) {
         return hn::Ge(values, limit);
     } else {

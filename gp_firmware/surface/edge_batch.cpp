@@ -16,8 +16,8 @@ namespace pxpl5::gp::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// All operations here round as scalars do and none is fused, so that each lane has the bits that
-// edge_vertex.hpp gives, in the order of operands of that file.
+// All operations round like scalar ones, none is fused, and operands have the order of
+// edge_vertex.hpp. So each lane has the bits that the functions of edge_vertex.hpp compute.
 using Floats = hn::ScalableTag<float>;
 using Halves = hn::Half<Floats>;
 using Doubles = hn::Repartition<double, Floats>;  ///< As many lanes as Halves.
@@ -31,11 +31,11 @@ struct Vector3 {
     Float x, y, z;
 };
 
-/// Where edges are crossed.
+/// The crossings of edges.
 struct Crossings {
     Float t;
-    Float p_xy;  ///< Position along the edge, for those along x or y.
-    Float p_z;   ///< Likewise, for those along z.
+    Float p_xy;  ///< Position on edges along x or y.
+    Float p_z;   ///< Position on edges along z.
 };
 
 struct HalfCrossings {
@@ -96,7 +96,7 @@ HWY_INLINE Word pack_component(Float component, Float factor) {
     return hn::And(hn::BitCast(Words(), hn::ConvertTo(Ints(), rounded)), hn::Set(Words(), 0xffff));
 }
 
-/// One vector's edges, from batch[first].
+/// The edges of one vector, from batch[first] on.
 class Lanes {
   public:
     HWY_INLINE Lanes(const EdgeBatch& batch, std::size_t first, const SlabFrame& frame)
@@ -164,7 +164,7 @@ class Lanes {
     HWY_INLINE Vector3 along_edges() const {
         const Floats f;
         const auto is_y = is(along_y), is_z = is(along_z);
-        // Of a crossed edge's ends one is inside: the greater, or the one that is a number.
+        // One end of a crossed edge is inside: the greater one, or the one that is a number.
         const auto is_inside =
             hn::And(hn::Eq(value_0_, value_0_), hn::Not(hn::Lt(value_0_, value_1_)));
         const auto rise = hn::IfThenElse(is_inside, hn::Set(f, -1.0F), hn::Set(f, 1.0F));
@@ -179,7 +179,7 @@ class Lanes {
     Float value_0_, value_1_;
 };
 
-/// 16 bytes of a Vertex from x, y, z and `xy`, the rest from `z`.
+/// Stores vertices: 16 bytes from x, y, z and `xy`, the rest from `z`.
 HWY_INLINE void store(const Vector3& p, Word xy, Word z, std::size_t count, Vertex* out) {
     constexpr std::size_t head_bytes = offsetof(Vertex, normal) + 2 * sizeof(std::int16_t);
     static_assert(head_bytes == 4 * sizeof(float) && sizeof(Vertex) == 5 * sizeof(float));

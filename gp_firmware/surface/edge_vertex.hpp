@@ -13,11 +13,11 @@
 
 namespace pxpl5::gp {
 
-/// Takes gradients per voxel step to normals in the patient.
+/// Converts gradients per voxel step to normals in patient axes.
 class NormalFrame {
   public:
     NormalFrame() = default;
-    /// voxel_to_patient  Its 3x3 part must be invertible.
+    /// voxel_to_patient  A matrix with an invertible 3x3 part.
     explicit NormalFrame(const glm::dmat4& voxel_to_patient) {
         const glm::dmat3 m = -glm::transpose(glm::inverse(glm::dmat3(voxel_to_patient)));
         double greatest = 0;
@@ -32,7 +32,7 @@ class NormalFrame {
         }
     }
 
-    /// The direction that a gradient, rising into the inside, leaves the inside in.
+    /// Returns the outward direction of a gradient. A gradient points inward.
     glm::vec3 outward(glm::vec3 gradient) const {
         return columns_[0] * gradient.x + columns_[1] * gradient.y + columns_[2] * gradient.z;
     }
@@ -43,7 +43,7 @@ class NormalFrame {
     std::array<glm::vec3, 3> columns_{};
 };
 
-/// Unit vector along n in steps of 1 / normal_one.
+/// Returns the unit vector along n in steps of 1 / normal_one.
 inline std::array<std::int16_t, 3> pack_normal(glm::vec3 n, float length_squared) {
     const float factor = normal_one / std::sqrt(length_squared);
     const auto pack = [factor](float component) {
@@ -58,26 +58,26 @@ inline std::array<std::int16_t, 3> pack_normal(glm::vec3 n, float length_squared
 struct EdgeEnds {
     double value_0, value_1;
     Gradient gradient_0, gradient_1;
-    float z_factor_0, z_factor_1;  ///< As of z_factor().
+    float z_factor_0, z_factor_1;  ///< z_factor() of the ends' slices.
 };
 
-/// What takes a difference along z in slice z to one over two steps of the grid: 1 where the slices
-/// above and below are a step away.
+/// Returns the factor from a difference along z in slice z to a difference over two steps of the
+/// grid. It is 1 if the slices above and below are one step away.
 inline float z_factor(const VolumeShape& shape, int z) {
     const int below = std::max(z - 1, 0), above = std::min(z + 1, shape.nz - 1);
-    // At the volume's ends the difference over one gap counts twice already.
+    // At the volume's ends the one-sided difference is already doubled.
     return static_cast<float>((above - below) / (shape.place(above) - shape.place(below)));
 }
 
-/// Where the surface crosses the edge, from 0 at the lower voxel to 1.
-/// Where a value is not finite and gives no number, the middle.
+/// Returns the place where the surface crosses the edge, from 0 at the lower voxel to 1. Returns
+/// the middle if infinite values give no number.
 inline double crossing(double value_0, double value_1, double isovalue) {
     const double t = (isovalue - value_0) / (value_1 - value_0);
     return t >= 0 && t <= 1 ? t : 0.5;
 }
 
-/// Where gradients cancel out, the normal is that of a gradient along the edge, which depends on
-/// the edge alone.
+/// If the gradients cancel out, the normal is that of a gradient along the edge, which depends only
+/// on the edge.
 inline std::array<std::int16_t, 3> edge_normal(const EdgeEnds& ends, float t, int axis,
                                                double isovalue, const NormalFrame& frame) {
     glm::vec3 gradient;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int impossible = 1 << 20;  ///< More than the cost of any triangulation.
 
-/// Twice the midpoint of an edge, to stay in integers.
+/// Returns twice the midpoint of an edge, which is an integer.
 std::array<int, 3> doubled_midpoint(int edge) {
     const auto [a, b] = edge_corners(edge);
     return {(a & 1) + (b & 1), (a >> 1 & 1) + (b >> 1 & 1), (a >> 2 & 1) + (b >> 2 & 1)};
@@ -30,7 +30,7 @@ int diagonal_cost(int edge_a, int edge_b) {
     return square;
 }
 
-/// Least costs of the polygons loop[i .. j], by growing length.
+/// Computes the least costs of the polygons loop[i .. j], in the order of their lengths.
 class CheapestTriangulation {
   public:
     explicit CheapestTriangulation(std::span<const std::uint8_t> loop) : loop_(loop) {
@@ -78,7 +78,7 @@ class CheapestTriangulation {
 }  // namespace
 
 bool share_a_face(int edge_a, int edge_b) {
-    // A face holds the corners of one value of one coordinate.
+    // The corners of a face agree in one coordinate.
     const auto [a, b] = edge_corners(edge_a);
     const auto [c, d] = edge_corners(edge_b);
     return (a & b & c & d) != 0 || ((a | b | c | d) & 7) != 7;

@@ -1,4 +1,4 @@
-// Room in a mesh that is being made.
+// Lists of a mesh that grow during extraction.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@ template <class T>
     elements.resize(std::min(std::max(count, elements.size() / 4 * 5), elements.capacity()));
 }
 
-/// Makes room for `count` elements, by doubling; never shrinks. The elements beyond those in use
-/// keep what an earlier surface left there, and few more are cleared than are in use.
+/// Makes room for `count` elements by doubling; never shrinks. Elements beyond those in use keep
+/// the values of an earlier surface, so that few elements are cleared.
 template <class T>
 void make_room(std::vector<T>& elements, std::size_t count) {
     if (elements.size() < count) [[unlikely]] {

@@ -19,7 +19,7 @@ namespace {
 /// More than any slab has.
 constexpr std::size_t all_triangles = std::numeric_limits<std::uint32_t>::max();
 
-/// Whether no cell of the slab can be crossed, by the ranges of its slices.
+/// Returns whether the ranges of the slices show that the surface crosses no cell of the slab.
 bool is_empty(const SliceStore& store, int slab, double isovalue) {
     const RowSide lower = side_of(store.slice(slab).rows.slice, isovalue);
     const RowSide upper = side_of(store.slice(slab + 1).rows.slice, isovalue);

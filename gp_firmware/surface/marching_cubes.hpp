@@ -15,32 +15,33 @@ namespace pxpl5::gp {
 ///
 /// A voxel is inside if value >= isovalue; NaN is outside. The same slab of the same volume
 /// gives the same bits on every GP.
-/// store     Complete; owns the slab (both are asserted).
-/// isovalue  In the volume's unit.
-/// out       Overwritten; its capacity is reused.
-/// origins   Whether out.origins is filled, too; else it is left empty.
-/// target    Resolved. It decides how fast, not what.
+/// store     A complete store that owns the slab (both are asserted).
+/// isovalue  Threshold in the volume's unit.
+/// out       Receives the mesh; its capacity is reused.
+/// origins   Fills out.origins; otherwise the list is empty.
+/// target    A resolved target. It changes the speed, not the result.
 /// Throws    std::invalid_argument if isovalue is not finite.
 /// Source    Lorensen & Cline 1987; Yoo & Chen, section V. Masks of 64 voxels are ours.
 void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
                   SlabMesh& out, bool origins = false,
                   isa::VectorTarget target = isa::process_target());
 
-/// Goes on until about so many triangles more are there. Returns false when the slab is done; it is
-/// not called again then.
+/// Extracts about `triangles` more. Returns false when the slab is done; then it must not be called
+/// again.
 using SlabExtraction = std::function<bool(std::size_t triangles)>;
 
-/// extract_slab() in pieces. store, table and out outlive it, and out is its own until it is done.
+/// Begins extract_slab() in pieces. store, table and out outlive the extraction. Other code must
+/// not use out until the slab is done.
 SlabExtraction begin_slab(const SliceStore& store, int slab, double isovalue,
                           const CaseTable& table, SlabMesh& out, bool origins = false);
 
-/// What extract_slab() would count, to the last bit, without normals and keys.
-/// scratch  Overwritten; only its capacity is worth keeping.
+/// Returns the counts of extract_slab(), equal to the last bit, without making normals and keys.
+/// scratch  Overwritten; the caller keeps it for its capacity.
 SlabCounts measure_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
                         SlabMesh& scratch);
 
-/// Local memory that a slab's mesh takes. Origins do not count: recording must not decide what
-/// fits, and the board had none.
+/// Returns the local memory of a slab's mesh. Origins do not count, because recording must not
+/// change what fits, and the board had no origins.
 std::size_t size_bytes(const SlabMesh& mesh);
 
 }  // namespace pxpl5::gp

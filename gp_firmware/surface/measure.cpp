@@ -33,7 +33,7 @@ struct DoubleVectors {
     Double x, y, z;
 };
 
-/// The first four floats of the vertices of every fourth triangle.
+/// Loads the first four floats of the vertices of every fourth triangle.
 template <class D>
 HWY_INLINE hn::Vec<D> load_blocks(D d, const Vertex* vertices, const std::uint32_t* index) {
     if constexpr (hn::MaxLanes(D()) == block_floats) {
@@ -46,7 +46,7 @@ HWY_INLINE hn::Vec<D> load_blocks(D d, const Vertex* vertices, const std::uint32
     }
 }
 
-/// Where the first corners of a vector's triangles are, that of the first at `index`.
+/// Loads the positions of the first corners of a vector's triangles. The first corner is *index.
 HWY_INLINE FloatVectors corners(const Vertex* vertices, const std::uint32_t* index) {
     const Floats f;
     const Doubles d;  // Pairs of floats.
@@ -83,7 +83,7 @@ HWY_INLINE DoubleVectors cross(const DoubleVectors& p, const DoubleVectors& q) {
     return {p.y * q.z - q.y * p.z, p.z * q.x - q.z * p.x, p.x * q.y - q.x * p.y};
 }
 
-/// Of a vector's triangles, one by one.
+/// The terms of a vector's triangles, one by one.
 struct Terms {
     alignas(64) std::array<double, max_lanes> doubled_areas, fluxes_by_six;
 };
@@ -116,7 +116,7 @@ TriangleSums sum_in_vectors(const Vertex* vertices, const std::uint32_t* indices
     const std::size_t lanes = hn::Lanes(Floats());
     TriangleSums sums;
     Terms terms;
-    std::array<std::uint32_t, 3 * max_lanes> last{};  // Filled up with triangles without area.
+    std::array<std::uint32_t, 3 * max_lanes> last{};  // Padded with triangles without area.
     for (std::size_t first = 0; first < triangle_count; first += lanes) {
         const std::size_t count = std::min(lanes, triangle_count - first);
         const std::uint32_t* these = indices + 3 * first;
@@ -141,12 +141,12 @@ namespace pxpl5::gp {
 void measure(const VolumeShape& shape, double inside_of_last_face, SlabMesh& mesh,
              isa::VectorTarget target) {
     const glm::dmat3 m(shape.voxel_to_patient);
-    // (M a) x (M b) = C (a x b) with the cofactors C, also where M mirrors.
+    // (M a) x (M b) = C (a x b) with the cofactors C, even if M mirrors.
     const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]),
                                glm::cross(m[0], m[1]));
     const TriangleSums sums = PXPL5_PER_TARGET(sum_in_vectors)[target](
         mesh.vertices.data(), mesh.indices.data(), mesh.indices.size() / 3, cofactors);
-    // Triangles are wound for the patient: where M mirrors, they face inwards among the voxels.
+    // Triangles are wound for patient space. If M mirrors, they face inward in voxel space.
     const double scale = glm::determinant(m);
     mesh.counts.area_mm2 = sums.doubled_area / 2;
     mesh.counts.volume_mm3 =

@@ -7,19 +7,19 @@
 
 namespace pxpl5::gp {
 
-/// What measure() sums, triangle by triangle.
+/// The sums over triangles that measure() needs.
 struct TriangleSums {
     double doubled_area = 0, flux_by_six = 0;
 };
 
 /// Sets mesh.counts.area_mm2 and .volume_mm3, summed in the order of the triangles.
 ///
-/// The volume is that of the inside between the two slices, closed by the volume's own faces where
-/// the surface leaves it: by Gauss's theorem the flux of (x, 0, 0) through the triangles, and
-/// through the one face of the volume where that flux is not zero.
+/// The volume is that of the inside between the two slices; the faces of the scan close it where
+/// the surface leaves the scan. By Gauss's theorem, it is the flux of (x, 0, 0) through the
+/// triangles and through the one face of the scan where that flux is not zero.
 ///
-/// inside_of_last_face   As of border.hpp.
-/// Vectors take several triangles at a time, by the operations that each would take alone.
+/// Vector code handles several triangles at a time, with the operations of a single triangle.
+/// inside_of_last_face  The result of the function of that name in border.hpp.
 void measure(const VolumeShape& shape, double inside_of_last_face, SlabMesh& mesh,
              isa::VectorTarget target);
 

@@ -1,5 +1,4 @@
-// What a slab holds of one surface: triangles, as marching cubes leaves them or a scene brings
-// them.
+// The mesh of one surface in one slab: triangles from marching cubes, or primitives of a scene.
 #pragma once
 
 #include <array>
@@ -25,27 +24,27 @@ struct SlabCounts {
     std::uint32_t cells_active = 0;
     std::uint32_t cells_ambiguous = 0;
     std::uint32_t rows_skipped = 0;
-    // What extraction looks at here, many at a time: less than the board, which had no ranges of
-    // rows and slices (host/timing/README.md has its rule).
+    // Extraction visits fewer cells and edges than the board did, because the board had no ranges
+    // of rows and slices (host/timing/README.md has the board's rule).
     std::uint32_t cells_visited = 0;
-    std::uint32_t edges_visited = 0, edges_crossed = 0;  ///< Those of the upper slice, too.
+    std::uint32_t edges_visited = 0, edges_crossed = 0;  ///< Including the upper slice.
     double area_mm2 = 0;
-    double volume_mm3 = 0;  ///< Of the inside, closed by the volume's faces where it leaves it.
+    double volume_mm3 = 0;  ///< Volume inside; the scan's faces close it at the border.
 };
 
-/// Where a triangle comes from: kept while recording, for whoever asks a picture where a pixel's
-/// triangle comes from. The cell's k is the slab. In a message it is a schema::Origin.
+/// The provenance of a triangle. The GP keeps it while the run is recorded, so that inspection can
+/// trace a pixel to its cell. The cell's k is the slab. Messages carry it as schema::Origin.
 struct Origin {
     std::uint16_t i = 0, j = 0;  ///< Cell.
     std::uint8_t inside = 0;     ///< Case: bit c is set if corner c of the cell is inside.
     std::uint8_t joined = 0;     ///< Bit f: on ambiguous face f the inside corners are joined.
     std::uint8_t triangle = 0;   ///< In the case, from 0.
-    std::uint8_t piece = 0;      ///< Of the triangle after clipping, from 0; in a mesh always 0.
+    std::uint8_t piece = 0;      ///< Piece of the triangle after clipping; 0 in a mesh.
     friend bool operator==(const Origin&, const Origin&) = default;
 };
 static_assert(sizeof(Origin) == 8);
 
-/// Of a scene: primitives that marching cubes never makes. Voxel units.
+// Primitives of a scene, in voxel units. Marching cubes does not make them.
 struct Sphere {
     glm::vec3 p_voxel;
     float radius = 0;  ///< > 0.
@@ -60,9 +59,9 @@ struct SlabMesh {
     std::vector<Vertex> vertices;
     std::vector<std::uint64_t> keys;  ///< Per vertex: 4 * voxel index + axis; axis 3 = cell centre.
     std::vector<std::uint32_t> indices;  ///< 3 per triangle, counter-clockwise seen from outside.
-    std::vector<Origin> origins;         ///< Of each triangle; empty if nobody asked for them.
-    std::vector<Sphere> spheres;         ///< Only of scenes, as are the lines.
-    std::vector<Line> lines;
+    std::vector<Origin> origins;         ///< One per triangle; empty if not requested.
+    std::vector<Sphere> spheres;         ///< Only in scenes.
+    std::vector<Line> lines;             ///< Only in scenes.
     SlabCounts counts;
 };
 

@@ -13,7 +13,7 @@ namespace {
 using Exact = ExactDifference;
 using Scaled = ScaledDifference;
 
-/// Rows of voxels: the one of the gradients, and its four neighbours.
+/// Rows of voxels: the row of the gradients and its four neighbors.
 template <class T>
 struct Rows {
     const T *here, *y_before, *y_after, *z_before, *z_after;

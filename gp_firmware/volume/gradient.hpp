@@ -13,11 +13,12 @@ namespace pxpl5::gp {
 
 /// Central differences at a voxel along x, y, z: (value after - value before) * gradient_scale().
 /// At the volume's border, twice the one-sided difference. 0 where a value is not finite.
-/// Voxel spacing is not in it: that enters when a normal is made.
+/// Gradients ignore the voxel spacing; NormalFrame applies it.
 using Gradient = std::array<std::int16_t, 3>;
 
-/// Factor from differences of values to stored gradients: 1 for integers where twice the volume's
-/// range, which a border's difference can reach, fits into 16 bits; else what makes it fit.
+/// Returns the factor from differences of values to stored gradients. It is 1 for integers if twice
+/// the volume's range fits into 16 bits, because a difference at the border can be so large.
+/// Otherwise it scales twice the range to 16 bits.
 double gradient_scale(const VolumeShape& shape);
 
 /// A slice and its neighbours in z; below or above is the slice itself at the volume's ends.
@@ -26,7 +27,7 @@ struct SliceNeighbours {
     bool at_end = false;                            ///< Whether below or above is `here`.
 };
 
-/// The gradients of slice `here`, nx * ny.
+/// Returns the nx * ny gradients of slice `here`.
 /// Source  Yoo & Chen, section IV, "Gradient estimation". One-sided differences are ours: the
 ///         paper does not say.
 std::vector<Gradient> estimate_gradients(const VolumeShape& shape, const SliceNeighbours& slices);

@@ -33,7 +33,7 @@ Range range_of(std::span<const T> row) {
     return {static_cast<float>(low), static_cast<float>(high)};
 }
 
-/// Appends the runs of `row`, unless there are more than `limit`: then nothing.
+/// Appends the runs of `row`. Appends nothing if the row has more than `limit` runs.
 template <class T>
 void append_runs(std::span<const T> row, std::size_t limit, std::vector<Run>& runs) {
     const std::size_t before = runs.size();

@@ -10,8 +10,8 @@
 
 namespace pxpl5::gp {
 
-/// Least and greatest value of a row or slice. A NaN voxel, which is outside of every surface,
-/// counts as minus infinity. Every scalar type fits into a float exactly.
+/// Least and greatest value of a row or slice. A NaN voxel counts as minus infinity, because it is
+/// outside of every surface. Every scalar type fits into a float exactly.
 struct Range {
     float minimum = 0, maximum = 0;
 };
@@ -22,9 +22,9 @@ struct Run {
     std::uint32_t end = 0;
 };
 
-/// What is known of a slice's rows without its voxels.
+/// Ranges and runs of a slice's rows, for classification without voxels.
 ///
-/// Runs are kept for rows where they pay (at most nx / min_run_length of them).
+/// A row keeps its runs if it has at most nx / min_run_length of them.
 /// Source  Yoo & Chen, section V: run-length encoding "provides both a mechanism for memory
 ///         optimization and a means of traversing intervals between isosurface boundaries".
 ///         Ranges, which serve across rows and slices too, are ours.
@@ -41,13 +41,13 @@ struct RowIndex {
     std::size_t size_bytes() const;
 };
 
-inline constexpr int min_run_length = 8;  ///< Mean run length from which runs are kept.
+inline constexpr int min_run_length = 8;  ///< Least mean run length of a row that keeps its runs.
 
-/// The index of one slice.
+/// Returns the index of one slice.
 /// values  nx * ny voxels, x fastest, of shape.type.
 RowIndex index_rows(const VolumeShape& shape, std::span<const std::byte> values);
 
-/// The most that an index of one slice can take.
+/// Returns the size of the largest possible index of one slice.
 std::size_t max_index_bytes(const VolumeShape& shape);
 
 /// Sets bit x of `mask` where the row's value is at or above `isovalue`; other bits are 0.

@@ -1,4 +1,4 @@
-// What a Graphics Processor knows of the volume: its shape, and slices with gradients.
+// The shape, scalar type and place of a volume.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ constexpr std::size_t size_bytes(Scalar type) {
 struct VolumeShape {
     int nx = 0, ny = 0, nz = 0;  ///< Voxels; each >= 2.
     Scalar type = Scalar::int16;
-    glm::dmat4 voxel_to_patient{1.0};    ///< Grid position to millimetres (LPS).
+    glm::dmat4 voxel_to_patient{1.0};    ///< Grid position to millimeters (LPS).
     double minimum = 0, maximum = 0;     ///< Over all voxels.
     int slabs_per_set = 1;               ///< Neighbouring slabs that belong to one GP.
     std::vector<double> slice_places{};  ///< nz, ascending; empty if slice z lies at z.
@@ -29,10 +29,11 @@ struct VolumeShape {
     double place(int z) const {
         return slice_places.empty() ? z : slice_places[static_cast<std::size_t>(z)];
     }
-    /// From slice `slab` to the next, in the grid.
+    /// Returns the distance from slice `slab` to the next one in the grid.
     double height(int slab) const { return place(slab + 1) - place(slab); }
-    /// Whether gradients are held beside the voxels, as in the paper; else each is estimated when a
-    /// vertex needs it. Larger sets are for volumes that would not fit beside their gradients.
+    /// Returns whether the GPs store gradients beside the voxels, as in the paper. Otherwise a
+    /// gradient is estimated when a vertex needs it. Large volumes use larger sets, because they
+    /// would not fit beside their gradients.
     bool holds_gradients() const { return slabs_per_set == 1; }
     std::size_t slice_voxels() const {
         return static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny);

@@ -50,7 +50,7 @@ SliceStore::~SliceStore() {
 }
 
 void SliceStore::charge(std::size_t bytes, int z) {
-    const bool fits = bytes <= memory_.available_bytes();  // Advice costs time.
+    const bool fits = bytes <= memory_.available_bytes();  // Advice takes time to compute.
     memory_.charge(bytes, "slice " + std::to_string(z),
                    fits ? std::string() : gp_count_advice(shape_, memory_.size_bytes()));
     charged_bytes_ += bytes;
@@ -89,7 +89,7 @@ void SliceStore::add_slice(int z, std::span<const std::byte> values) {
     discard_done(z);
 }
 
-/// Estimates the gradients of slice z, if it is kept: its neighbours are there.
+/// Estimates the gradients of slice z if it is kept. Its neighbors have arrived.
 void SliceStore::add_gradients(int z) {
     if (!is_own(shape_, share_, z)) {
         return;
@@ -104,7 +104,7 @@ SliceNeighbours SliceStore::neighbours(int z) const {
             below == z || above == z};
 }
 
-/// Lets go of the slices that nothing needs after the arrival of slice z.
+/// Discards the slices that are not needed after the arrival of slice z.
 void SliceStore::discard_done(int z) {
     const std::size_t freed = std::erase_if(slices_, [&](const auto& held) {
         return discarded_after(shape_, share_, held.first) == z;

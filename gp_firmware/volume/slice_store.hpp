@@ -1,4 +1,4 @@
-// One GP's share of the volume: the slices of its slabs, with gradients.
+// The slices of one GP's slabs, with gradients.
 #pragma once
 
 #include <cstddef>
@@ -17,48 +17,48 @@ namespace pxpl5::gp {
 
 struct HeldSlice {
     std::vector<std::byte> values;    ///< nx * ny of the volume's type, x fastest.
-    std::vector<Gradient> gradients;  ///< nx * ny; empty if they are not held, and until both
-                                      ///< neighbours in z were there.
-    RowIndex rows;                    ///< Only for slices of slabs that are owned.
+    std::vector<Gradient> gradients;  ///< nx * ny; empty if gradients are not stored, and until
+                                      ///< both neighbors in z have arrived.
+    RowIndex rows;                    ///< Empty unless an owned slab touches the slice.
 };
 
 struct StoreCounts {
-    std::uint32_t slices = 0;        ///< That came, with those that are gone.
-    std::uint32_t rows_in_runs = 0;  ///< Of slices that are held: rows whose runs are kept.
-    std::uint64_t runs = 0;          ///< Of these rows.
+    std::uint32_t slices = 0;        ///< Slices received, including discarded ones.
+    std::uint32_t rows_in_runs = 0;  ///< Rows of stored slices that keep their runs.
+    std::uint64_t runs = 0;          ///< Runs of these rows.
 };
 
-/// Holds what a GP needs of a volume, and no more: a slice that no slab of the GP touches goes
-/// as soon as no gradient needs it; one that several slabs touch is held once. Where gradients are
-/// not held, the neighbours that they are estimated from stay.
+/// Stores the slices that a GP needs. It discards a slice that no slab of the GP touches as soon as
+/// no gradient needs it, and stores a slice once even if several slabs touch it. If gradients are
+/// not stored, it keeps the neighbor slices that they are estimated from.
 ///
 /// Source  Yoo & Chen, section IV: four slices per set, "two of the four data slices may be
 ///         discarded" after gradient estimation.
 class SliceStore {
   public:
-    /// memory  The GP's budget; outlives the store, which gives back all when it ends.
-    /// Throws  OutOfLocalMemory if the share cannot fit, before any slice arrives;
+    /// memory  The GP's budget. It outlives the store; the store's destructor returns all bytes.
+    /// Throws  OutOfLocalMemory if the slices cannot fit, before any slice arrives;
     ///         std::invalid_argument if shape or share is out of range.
     SliceStore(const VolumeShape& shape, Share share, LocalMemory& memory);
     ~SliceStore();
     SliceStore(const SliceStore&) = delete;
     SliceStore& operator=(const SliceStore&) = delete;
 
-    /// Takes slice z. Slices come in the order of slices_needed().
+    /// Adds slice z. Slices arrive in the order of slices_needed().
     /// values  nx * ny voxels of shape.type, x fastest; copied.
-    /// Throws  std::invalid_argument for another slice than the next one, or another size;
+    /// Throws  std::invalid_argument if it is not the next slice, or has another size;
     ///         OutOfLocalMemory.
     void add_slice(int z, std::span<const std::byte> values);
 
-    /// Whether all slices have come: only then may slabs be extracted.
+    /// Returns whether all slices have arrived. Only then may slabs be extracted.
     bool complete() const { return next_ == needed_.size(); }
 
     const VolumeShape& shape() const { return shape_; }
     const std::vector<int>& slabs() const { return slabs_; }  ///< Owned, ascending.
-    std::vector<int> held() const;                            ///< Slices held now, ascending.
-    const HeldSlice& slice(int z) const;                      ///< Asserts that z is held.
-    /// Slice z with those that its gradients come from. All are held: z is of an owned slab, and
-    /// it is still coming or gradients are not held.
+    std::vector<int> held() const;                            ///< Slices stored now, ascending.
+    const HeldSlice& slice(int z) const;                      ///< Asserts that z is stored.
+    /// Returns slice z and the slices that its gradients come from. An owned slab touches z, and
+    /// either slices are still arriving or gradients are not stored, so all of them are stored.
     SliceNeighbours neighbours(int z) const;
     std::size_t memory_bytes() const { return charged_bytes_; }
     StoreCounts counts() const;

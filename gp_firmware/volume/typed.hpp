@@ -25,7 +25,8 @@ void with_scalar(Scalar type, Work&& work) {
     }
 }
 
-/// Bytes as values of T. They are aligned for T, as all that an allocator returns.
+/// Returns the bytes as values of T. The bytes are aligned for T, because an allocator returned
+/// them.
 template <class T>
 const T* typed(std::span<const std::byte> values) {
     assert(reinterpret_cast<std::uintptr_t>(values.data()) % alignof(T) == 0);

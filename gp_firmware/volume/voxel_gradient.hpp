@@ -1,4 +1,4 @@
-// Gradients of single voxels, where those of all are not held.
+// Gradients of single voxels, for volumes whose gradients are not stored.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace pxpl5::gp {
 
 inline constexpr int largest_gradient = std::numeric_limits<std::int16_t>::max();
 
-/// Stores differences unscaled; the clamp acts only if the volume's range was announced wrong.
+/// Stores differences unscaled. The clamp only acts if the announced range is wrong.
 struct ExactDifference {
     template <class T>
     std::int16_t operator()(T after, T before, int factor) const {
@@ -40,7 +40,7 @@ struct ScaledDifference {
     }
 };
 
-/// One slice's gradients, estimated one by one: the bits of estimate_gradients().
+/// Estimates single gradients of one slice, with the same bits as estimate_gradients().
 template <class T>
 class VoxelGradients {
   public:
