@@ -45,13 +45,14 @@ Machine machine_of(const bus::Message& message) {
     const bus::NodeId self = message.header().destination();
     const auto here = std::ranges::find(machine.gps, self);
     if (here == machine.gps.end()) {
-        throw NodeFault(
-            FaultCode::bad_input,
-            fmt::format("node {} is none of the topology's {} GPs", self, machine.gps.size()));
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("node {} is not one of the {} GPs in the topology", self,
+                                    machine.gps.size()));
     }
     if (machine.gps.size() > static_cast<std::size_t>(max_gp_count)) {
-        throw NodeFault(FaultCode::bad_input, fmt::format("{} GPs in the topology, {} at most",
-                                                          machine.gps.size(), max_gp_count));
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("the topology has {} GPs, but at most {} are possible",
+                                    machine.gps.size(), max_gp_count));
     }
     machine.share = {static_cast<int>(here - machine.gps.begin()),
                      static_cast<int>(machine.gps.size())};

@@ -37,7 +37,7 @@ bool CopiedSlices::operator()(const bus::Message& message) {
     } else if (const auto* slices = message.as<schema::Slices>()) {
         const int first = static_cast<int>(slices->first_slice());
         const int end = std::min(first + static_cast<int>(slices->slice_count()), shape_.nz);
-        bool has_own = first >= end || share_.gp_count == 0;  // Not as agreed: a trace shows it.
+        bool has_own = first >= end || share_.gp_count == 0;  // Records unexpected messages.
         for (int z = first; z < end && !has_own; ++z) {
             has_own =
                 owner_of(shape_, share_.gp_count, slab_that_records(shape_, z)) == share_.gp_index;

@@ -1,4 +1,4 @@
-// Which slices a GP's trace need not hold, because the trace of another GP holds them.
+// Copied slices: the slices that a GP's trace omits because the trace of another GP has them.
 #pragma once
 
 #include "gp_firmware/volume/share.hpp"
@@ -6,14 +6,14 @@
 
 namespace pxpl5::gp {
 
-/// Follows what a GP receives. A slice goes to up to four GPs; the traces of all GPs together hold
-/// it once: that of the owner of slab z holds slice z, the last slice excepted, which is with the
-/// slice before it. A flight recorder whose set-up has no room for the GP's own slices would keep
-/// some of them for a while: memory for nothing, and they are left out, too.
+/// Follows the messages that a GP receives. A slice is sent to up to four GPs, but the traces of
+/// all GPs together contain it once: the owner of slab z records slice z. The owner of the last
+/// slab also records the last slice. A flight recorder whose set-up has no room for all of the GP's
+/// own slices omits them, too, because some of them alone are useless.
 class CopiedSlices {
   public:
-    /// Takes every message that the GP receives, in order, and tells of each whether it has only
-    /// slices that other traces hold.
+    /// Takes every message that the GP receives, in order. Returns whether the trace omits it,
+    /// because other traces have all of its slices.
     bool operator()(const bus::Message& message);
 
   private:
@@ -21,7 +21,7 @@ class CopiedSlices {
 
     Share share_;
     bool flight_ = false, too_large_ = false;
-    VolumeShape shape_;  ///< Of the volume that is coming: slices and sets only.
+    VolumeShape shape_;  ///< Shape of the announced volume; only dimensions, type and set size.
 };
 
 }  // namespace pxpl5::gp

@@ -30,9 +30,10 @@ void note_measure(const bus::Message& message, const Board& board, JobQueue& que
     const auto& measure = *message.as<schema::MeasureIsovalues>();
     queue.drop_measurement();
     if (!board.store) {
-        throw NodeFault(FaultCode::bad_input,
-                        fmt::format("{} isovalues are to be measured, but no volume is held",
-                                    measure.isovalues()->size()));
+        throw NodeFault(
+            FaultCode::bad_input,
+            fmt::format("a measurement of {} isovalues was requested, but no volume is stored",
+                        measure.isovalues()->size()));
     }
     queue.set_measurement({{measure.isovalues()->begin(), measure.isovalues()->end()},
                            static_cast<CaseRule>(measure.table()),
@@ -43,8 +44,8 @@ bool step(MeasureJob& job, Board& board, bus::Outbox& out) {
     const bus::StageClock::In measuring(out.clock(), stage::measure);
     if (!board.store->complete()) {
         throw NodeFault(FaultCode::bad_input,
-                        fmt::format("{} isovalues are to be measured before all slices of volume "
-                                    "{} came",
+                        fmt::format("a measurement of {} isovalues was requested before all slices "
+                                    "of volume {} arrived",
                                     job.isovalues.size(), *board.volume));
     }
     const std::size_t all = board.store->slabs().size() * job.isovalues.size();

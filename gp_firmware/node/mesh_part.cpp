@@ -22,10 +22,10 @@ schema::MeshVertex to_wire(const Vertex& v) {
             static_cast<float>(v.normal[2]) / normal_one};
 }
 
-// What a table, a vector and a segment add to the words, with room for alignment.
+// Bytes that a table and a slab add to the data, with room for alignment.
 constexpr std::size_t message_overhead_bytes = 256, slab_overhead_bytes = 96;
 
-/// What a surface's MeshPart takes, at most.
+/// Returns the maximal size of a surface's MeshPart.
 std::size_t size_bytes(const HeldSurface& held, bool origins) {
     std::size_t bytes = message_overhead_bytes;
     for (const SlabMesh& mesh : held.slabs) {
@@ -48,9 +48,10 @@ MeshPartBuilder::MeshPartBuilder(std::uint16_t surface, const HeldSurface& held,
     if (bytes > bus::max_body_bytes) {
         throw bus::NodeFault(
             schema::FaultCode::out_of_memory,
-            fmt::format("surface {}: one GP's part of the mesh has {} bytes, a message holds {}; "
-                        "more GPs share it",
-                        surface, bytes, bus::max_body_bytes));
+            fmt::format(
+                "surface {}: one GP's part of the mesh has {} bytes, but a message has at most "
+                "{}; use more GPs",
+                surface, bytes, bus::max_body_bytes));
     }
 }
 

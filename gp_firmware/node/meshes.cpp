@@ -19,15 +19,15 @@ using schema::FaultCode;
 const HeldSurface& surface_to_fetch(std::uint16_t surface, const Board& board) {
     if (board.is_scene) {
         throw NodeFault(FaultCode::bad_input,
-                        fmt::format("surface {} is to be fetched, but belongs to a scene: it is "
-                                    "no mesh",
+                        fmt::format("the mesh of surface {} was requested, but a scene has no "
+                                    "meshes",
                                     surface));
     }
     const auto held = board.surfaces.find(surface);
     if (held == board.surfaces.end() || !held->second.complete) {
         throw NodeFault(FaultCode::bad_input,
-                        fmt::format("surface {} is to be fetched, but is not held{}", surface,
-                                    held == board.surfaces.end() ? "" : " whole"));
+                        fmt::format("the mesh of surface {} was requested, but is not {}stored",
+                                    surface, held == board.surfaces.end() ? "" : "completely "));
     }
     return held->second;
 }

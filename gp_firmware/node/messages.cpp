@@ -46,10 +46,10 @@ static_assert(sizeof(Origin) == sizeof(schema::Origin) && alignof(Origin) == 2);
 flatbuffers::Offset<flatbuffers::Vector<const schema::Origin*>> origins_to_wire(
     flatbuffers::FlatBufferBuilder& builder, std::span<const Origin> origins) {
     static_assert(FLATBUFFERS_LITTLEENDIAN);
-    // Fields lie as in the message: they are copied as they are.
+    // The fields have the layout of the message.
     schema::Origin* out = nullptr;
     const auto at = builder.CreateUninitializedVectorOfStructs(origins.size(), &out);
-    if (!origins.empty()) {  // Of a slab without triangles there is no pointer.
+    if (!origins.empty()) {  // The list of a slab without triangles has no pointer.
         std::memcpy(static_cast<void*>(out), origins.data(), origins.size_bytes());
     }
     return at;
@@ -125,7 +125,7 @@ bus::Payload begin_frame_message(const schema::DrawFrame& draw,
                                  const std::vector<std::uint16_t>& assignment) {
     schema::BeginFrameT begin;
     begin.draw.reset(draw.UnPack());
-    begin.draw->region_costs.clear();  // The assignment is what they were for.
+    begin.draw->region_costs.clear();  // Only the assignment needs the costs.
     begin.assignment = assignment;
     return bus::pack(begin);
 }

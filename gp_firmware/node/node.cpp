@@ -31,7 +31,7 @@ void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
     }
     if (queue_.is_full()) {
         throw NodeFault(FaultCode::bad_input,
-                        fmt::format("{} is refused: {} jobs wait, {} are the most",
+                        fmt::format("{} is refused: {} jobs wait already, and the limit is {}",
                                     bus::kind_name(message.kind()), max_jobs, max_jobs));
     }
     dispatch(message, out);
@@ -82,7 +82,7 @@ void GpNode::dispatch(const bus::Message& message, bus::Outbox& out) {
             return note_frame(*message.as<schema::BeginFrame>(), *board_, queue_);
         default:
             throw NodeFault(FaultCode::bad_message,
-                            "a GP has no use for " + bus::kind_name(message.kind()));
+                            "a GP does not accept " + bus::kind_name(message.kind()));
     }
 }
 

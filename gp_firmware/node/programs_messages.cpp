@@ -14,10 +14,10 @@ namespace {
 
 namespace schema = bus::schema;
 
-// What a table, a vector and a segment add to the words, with room for alignment.
+// Bytes that a table and a region add to the words, with room for alignment.
 constexpr std::size_t message_overhead_bytes = 256, region_overhead_bytes = 64;
 
-/// What a Renderer's message takes, at most.
+/// Returns the maximal size of a Renderer's message.
 std::size_t size_bytes(std::span<const RegionProgram> regions,
                        const std::vector<std::size_t>& mine) {
     std::size_t bytes = message_overhead_bytes;
@@ -29,7 +29,7 @@ std::size_t size_bytes(std::span<const RegionProgram> regions,
     return bytes;
 }
 
-/// A region's program as part of a message. `words` receives where its words belong.
+/// Writes a region's program into a message. `words` receives the place for its words.
 flatbuffers::Offset<schema::RegionProgram> to_wire(flatbuffers::FlatBufferBuilder& builder,
                                                    std::size_t region, const RegionProgram& program,
                                                    std::uint32_t*& words) {
@@ -78,7 +78,7 @@ void ProgramsMessages::begin(const FrameRequest& request, std::uint16_t gp_index
             regions_of_[request.assignment[region]].push_back(region);
         }
     }
-    // Before anything is sent: what cannot be sent as a whole is not begun.
+    // Checks all sizes before the first message is sent.
     for (const std::vector<std::size_t>& mine : regions_of_) {
         const std::size_t bytes = size_bytes(regions, mine);
         if (bytes > bus::max_body_bytes) {
@@ -92,7 +92,7 @@ void ProgramsMessages::begin(const FrameRequest& request, std::uint16_t gp_index
     empty_ = empty_programs_message(frame_, gp_index, drawing.counts());
 }
 
-/// The message of next_renderer_, complete but for its words.
+/// Makes the message of next_renderer_, without its words.
 void ProgramsMessages::make(const FrameDrawing& drawing, bus::Outbox& out) {
     const std::vector<std::size_t>& mine = regions_of_[next_renderer_];
     made_ = true;
@@ -103,7 +103,7 @@ void ProgramsMessages::make(const FrameDrawing& drawing, bus::Outbox& out) {
         return;
     }
     const auto regions = drawing.programs().regions();
-    // Large enough: it never moves its words.
+    // The builder has its final size, so that words never move.
     flatbuffers::FlatBufferBuilder builder(size_bytes(regions, mine), out.body_allocator());
     std::vector<flatbuffers::Offset<schema::RegionProgram>> programs;
     programs.reserve(mine.size());

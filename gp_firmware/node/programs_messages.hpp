@@ -1,4 +1,4 @@
-// Node programs: one GP's RegionPrograms of a frame, set up where they will be sent from.
+// Programs messages: one GP's RegionPrograms of a frame. Triangles are set up inside the messages.
 #pragma once
 
 #include <cstddef>
@@ -11,34 +11,34 @@
 
 namespace pxpl5::gp {
 
-/// A RegionPrograms that says that there is nothing.
+/// Returns a RegionPrograms without regions.
 bus::Payload empty_programs_message(std::uint32_t frame, std::uint16_t gp_index,
                                     const DrawCounts& counts);
 
-/// The way of a frame that is drawn to the Renderers, in small pieces: one message for each, in
-/// their order, with those of its regions that have words. A message is made when all of its sizes
-/// are known, and its words are written into it.
+/// Sends a drawn frame to the Renderers in small pieces: one message per Renderer, in their order,
+/// with its regions that have words. A message is allocated when all of its sizes are known; then
+/// its words are written into it.
 class ProgramsMessages {
   public:
     /// Throws bus::NodeFault if a Renderer's part is larger than a message may be.
     void begin(const FrameRequest& request, std::uint16_t gp_index, std::size_t renderer_count,
                const FrameDrawing& drawing);
 
-    /// Writes regions until `triangle_count` triangles have been written, and sends what is done.
+    /// Writes regions until `triangle_count` triangles are written, and sends finished messages.
     ///
-    /// drawing  As begin() knows it.
-    /// Returns  true while there is more.
+    /// drawing  The drawing that begin() received.
+    /// Returns  true while more is left.
     bool send(const FrameDrawing& drawing, std::size_t triangle_count,
               std::span<const bus::NodeId> renderers, bus::Outbox& out);
 
-    /// Renderers that have got theirs.
+    /// Returns the number of messages sent.
     std::size_t sent_count() const { return next_renderer_; }
 
-    /// Forgets a message that is half done.
+    /// Drops an unfinished message.
     void drop() { payload_ = {}; }
 
   private:
-    /// Of a region within the message that is being written.
+    /// The place of a region's words in the message that is being written.
     struct Room {
         std::size_t region = 0;
         std::uint32_t* words = nullptr;
@@ -48,11 +48,11 @@ class ProgramsMessages {
 
     std::uint32_t frame_ = 0;
     std::uint16_t gp_index_ = 0;
-    std::vector<std::vector<std::size_t>> regions_of_;  ///< Of each Renderer: those with words.
+    std::vector<std::vector<std::size_t>> regions_of_;  ///< Regions with words, per Renderer.
     bus::Payload empty_;
     std::size_t next_renderer_ = 0;
-    bus::Payload payload_;     ///< Of next_renderer_, if begun.
-    std::vector<Room> rooms_;  ///< In payload_; from next_room_ on still to be written.
+    bus::Payload payload_;     ///< The message of next_renderer_, if made_.
+    std::vector<Room> rooms_;  ///< Regions of payload_; those from next_room_ on are not written.
     std::size_t next_room_ = 0;
     bool made_ = false;
 };

@@ -32,10 +32,11 @@ void begin_scene(const schema::SceneBegin& begin, Board& board) {
 void note_part(const bus::Message& message, const Board& board, JobQueue& queue) {
     const auto& part = *message.as<schema::ScenePart>();
     if (board.volume != part.scene()) {
-        throw NodeFault(FaultCode::bad_input,
-                        fmt::format("a part of scene {} came, {}", part.scene(),
-                                    board.volume ? fmt::format("{} was announced", *board.volume)
-                                                 : "none was announced"));
+        throw NodeFault(
+            FaultCode::bad_input,
+            fmt::format("a part of scene {} arrived, but {}", part.scene(),
+                        board.volume ? fmt::format("scene {} is the announced one", *board.volume)
+                                     : "no scene was announced"));
     }
     if (board.is_scene) {  // Otherwise an earlier part did not fit, and a fault has been sent.
         queue.add(ScenePartJob{message});
@@ -58,13 +59,13 @@ bool step(ScenePartJob& job, Board& board, bus::Outbox& out) {
     std::vector<SlabMesh>& slabs = surface->second.slabs;
     if (!slabs.empty() && slabs.back().slab >= static_cast<int>(part.slab())) {
         throw NodeFault(FaultCode::bad_input,
-                        fmt::format("slab {} of surface {} came after slab {}", part.slab(),
+                        fmt::format("slab {} of surface {} arrived after slab {}", part.slab(),
                                     part.surface(), slabs.back().slab));
     }
     SlabMesh mesh = slab_mesh_of(part);
     try {
         board.memory.charge(size_bytes(mesh), fmt::format("slab {} of the scene", part.slab()),
-                            "more GPs share a scene");
+                            "use more GPs to share the scene");
     } catch (...) {
         board.is_scene = false;  // An incomplete scene is not drawn.
         throw;

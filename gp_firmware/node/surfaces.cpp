@@ -116,7 +116,7 @@ void take_mask(const schema::MaskSurface& mask, Board& board) {
         if (bytes != (triangles + 7) / 8) {
             throw NodeFault(
                 FaultCode::bad_input,
-                fmt::format("the mask of surface {}, slab {}, has {} bytes; its {} "
+                fmt::format("the mask of surface {}, slab {}, has {} bytes, but its {} "
                             "triangles need {}",
                             mask.surface(), slab->slab(), bytes, triangles, (triangles + 7) / 8));
         }
@@ -133,7 +133,7 @@ void note_surface(const schema::SetSurface& set, const Board& board, JobQueue& q
     if (!board.store) {
         throw NodeFault(
             FaultCode::bad_input,
-            fmt::format("surface {} was asked for, but no volume is held", set.surface()));
+            fmt::format("surface {} was requested, but no volume is stored", set.surface()));
     }
     queue.add_extraction({set.surface(), set.revision(), set.isovalue(),
                           static_cast<CaseRule>(set.table()), Clock::now(), 0, nullptr});
@@ -142,9 +142,10 @@ void note_surface(const schema::SetSurface& set, const Board& board, JobQueue& q
 bool step(ExtractJob& job, Board& board, bus::Outbox& out) {
     const bus::StageClock::In extracting(out.clock(), stage::extract);
     if (!board.store->complete()) {
-        throw NodeFault(FaultCode::bad_input,
-                        fmt::format("surface {} was asked for before all slices of volume {} came",
-                                    job.surface, *board.volume));
+        throw NodeFault(
+            FaultCode::bad_input,
+            fmt::format("surface {} was requested before all slices of volume {} arrived",
+                        job.surface, *board.volume));
     }
     HeldSurface& surface = board.surfaces[job.surface];
     if (job.next_slab == 0) {

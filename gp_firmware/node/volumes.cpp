@@ -31,9 +31,9 @@ void note_slices(const bus::Message& message, const Board& board, JobQueue& queu
     if (board.volume != slices.volume()) {
         throw NodeFault(
             FaultCode::bad_input,
-            fmt::format("slices of volume {} came, {}", slices.volume(),
-                        board.volume ? fmt::format("volume {} was announced", *board.volume)
-                                     : "none was announced"));
+            fmt::format("slices of volume {} arrived, but {}", slices.volume(),
+                        board.volume ? fmt::format("volume {} is the announced one", *board.volume)
+                                     : "no volume was announced"));
     }
     if (board.store) {
         queue.add(SlicesJob{message});

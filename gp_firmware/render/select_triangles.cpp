@@ -144,7 +144,40 @@ HWY_INLINE M first_lanes(std::size_t count) {
     return hn::Lt(hn::Iota(DI(), 0), splat(static_cast<int>(count)));
 }
 
-/// Selects `lanes` triangles; bit i of what it returns is triangle i's.
+/// The orders of corners in which determinants are positive.
+struct Winding {
+    M positive;  ///< The corners already have that order.
+    M shown;     ///< The triangle has an area and is not culled.
+
+    /// Returns the value for the corner order that has a positive determinant.
+    HWY_INLINE I pick(I if_positive, I if_not) const {
+        return hn::IfThenElse(positive, if_positive, if_not);
+    }
+};
+
+HWY_INLINE Winding winding_of(const Three<Points>& p, bool cull_back) {
+    const I det = hn::Sub(hn::Mul(hn::Sub(p.b.x, p.a.x), hn::Sub(p.c.y, p.a.y)),
+                          hn::Mul(hn::Sub(p.c.x, p.a.x), hn::Sub(p.b.y, p.a.y)));
+    const I zero = hn::Zero(DI());
+    // Triangles counter-clockwise to the eye have a negative determinant, because y points down.
+    return {hn::Gt(det, zero), cull_back ? hn::Lt(det, zero) : hn::Not(hn::Eq(det, zero))};
+}
+
+/// The region of the first pixel of a box.
+struct FirstRegion {
+    I number;
+    M is_only;  ///< The whole box lies in the region.
+};
+
+HWY_INLINE FirstRegion first_region(const RegionGrid& grid, const Range& x_px, const Range& y_px) {
+    const I column = hn::ShiftRight<region_bits>(x_px.low);
+    const I row = hn::ShiftRight<region_bits>(y_px.low);
+    return {hn::Add(hn::Add(column, splat(grid.first_region)), hn::Mul(row, splat(grid.columns))),
+            hn::And(hn::Eq(column, hn::ShiftRight<region_bits>(x_px.high)),
+                    hn::Eq(row, hn::ShiftRight<region_bits>(y_px.high)))};
+}
+
+/// Selects `lanes` triangles. Bit i of the result belongs to triangle i.
 HWY_INLINE std::uint64_t select_some(const ScreenSlab& slab, const RegionGrid& grid,
                                      const std::uint32_t* indices, M given, std::size_t at,
                                      Selection& out) {
@@ -171,46 +204,33 @@ HWY_INLINE std::uint64_t select_some(const ScreenSlab& slab, const RegionGrid& g
         hn::And(hn::Lt(hn::Sub(xs.high, xs.low), limit), hn::Lt(hn::Sub(ys.high, ys.low), limit));
     by_itself = hn::Or(by_itself, hn::AndNot(fits, in_picture));
 
-    // From here on what does not fit may overflow; it is not looked at.
-    const I det = hn::Sub(hn::Mul(hn::Sub(p.b.x, p.a.x), hn::Sub(p.c.y, p.a.y)),
-                          hn::Mul(hn::Sub(p.c.x, p.a.x), hn::Sub(p.b.y, p.a.y)));
-    const I zero = hn::Zero(DI());
-    // Counter-clockwise to the eye is negative, as y runs down.
-    const M positive = hn::Gt(det, zero);
-    const M turned = slab.cull_back ? hn::Lt(det, zero) : hn::Not(hn::Eq(det, zero));
-    const auto pick = [&](I if_positive, I if_not)
-                          HWY_ATTR { return hn::IfThenElse(positive, if_positive, if_not); };
-    const Points v1{pick(p.b.x, p.c.x), pick(p.b.y, p.c.y)};
-    const Points v2{pick(p.c.x, p.b.x), pick(p.c.y, p.b.y)};
+    // From here on, triangles that do not fit may overflow. Their results are not used.
+    const Winding winding = winding_of(p, slab.cull_back);
+    const Points v1{winding.pick(p.b.x, p.c.x), winding.pick(p.b.y, p.c.y)};
+    const Points v2{winding.pick(p.c.x, p.b.x), winding.pick(p.c.y, p.b.y)};
     const EdgeHere edges[3] = {edge_at(p.a, v1, x_px, y_px), edge_at(v1, v2, x_px, y_px),
                                edge_at(v2, p.a, x_px, y_px)};
     const I width = hn::Add(hn::Sub(x_px.high, x_px.low), splat(1));
     const I height = hn::Add(hn::Sub(y_px.high, y_px.low), splat(1));
     const M large = hn::Gt(hn::Mul(width, height), splat(searched_px));
-    const M seen = hn::And(hn::And(hn::And(in_picture, fits), turned),
+    const M seen = hn::And(hn::And(hn::And(in_picture, fits), winding.shown),
                            hn::Or(large, covers_a_center(edges, width, height)));
-
-    const I column = hn::ShiftRight<region_bits>(x_px.low);
-    const I row = hn::ShiftRight<region_bits>(y_px.low);
-    const M in_one = hn::And(hn::Eq(column, hn::ShiftRight<region_bits>(x_px.high)),
-                             hn::Eq(row, hn::ShiftRight<region_bits>(y_px.high)));
-    const M there = hn::And(enters(edges[0], x_px, y_px),
-                            hn::And(enters(edges[1], x_px, y_px), enters(edges[2], x_px, y_px)));
-    const M chosen = hn::Or(by_itself, hn::And(seen, hn::Or(there, hn::Not(in_one))));
+    const FirstRegion region = first_region(grid, x_px, y_px);
+    const M touched = hn::And(enters(edges[0], x_px, y_px),
+                              hn::And(enters(edges[1], x_px, y_px), enters(edges[2], x_px, y_px)));
 
     const auto special = [](std::uint32_t value)
                              HWY_ATTR { return splat(static_cast<int>(value)); };
-    const I region =
-        hn::Add(hn::Add(column, splat(grid.first_region)), hn::Mul(row, splat(grid.columns)));
-    const I place =
-        hn::IfThenElse(by_itself, special(Selection::by_itself),
-                       hn::IfThenElse(in_one, region, special(Selection::many_regions)));
+    const I place = hn::IfThenElse(
+        by_itself, special(Selection::by_itself),
+        hn::IfThenElse(region.is_only, region.number, special(Selection::many_regions)));
     const I first = splat(static_cast<int>(slab.first_corner));
     hn::StoreU(place, DI(), reinterpret_cast<std::int32_t*>(&out.regions[at]));
-    hn::StoreInterleaved4(hn::Add(index.a, first), hn::Add(pick(index.b, index.c), first),
-                          hn::Add(pick(index.c, index.b), first),
+    hn::StoreInterleaved4(hn::Add(index.a, first), hn::Add(winding.pick(index.b, index.c), first),
+                          hn::Add(winding.pick(index.c, index.b), first),
                           splat(static_cast<int>(slab.surface_word)), DI(),
                           reinterpret_cast<std::int32_t*>(&out.triangles[at]));
+    const M chosen = hn::Or(by_itself, hn::And(seen, hn::Or(touched, hn::Not(region.is_only))));
     std::uint64_t bits = 0;
     hn::StoreMaskBits(DI(), chosen, reinterpret_cast<std::uint8_t*>(&bits));
     return bits;

@@ -58,10 +58,11 @@ void SliceStore::charge(std::size_t bytes, int z) {
 
 void SliceStore::add_slice(int z, std::span<const std::byte> values) {
     if (complete()) {
-        throw std::invalid_argument("slice " + std::to_string(z) + " is one too many");
+        throw std::invalid_argument("slice " + std::to_string(z) +
+                                    " arrived, but the GP has all of its slices");
     }
     if (z != needed_[next_]) {
-        throw std::invalid_argument("slice " + std::to_string(z) + " came, slice " +
+        throw std::invalid_argument("slice " + std::to_string(z) + " arrived, but slice " +
                                     std::to_string(needed_[next_]) + " is next");
     }
     const std::size_t expected = shape_.slice_voxels() * size_bytes(shape_.type);

@@ -141,11 +141,13 @@ TEST_SUITE("gp/node") {
 
     TEST_CASE("slices of another volume, in the wrong order or missing, are faults that name it") {
         Gp gp({1, 1}, 0);
-        CHECK(gp.fault_of(slices(0, 1, 8)).find("volume 8 came, none") != std::string::npos);
+        CHECK(gp.fault_of(slices(0, 1, 8)).find("volume 8 arrived, but no volume") !=
+              std::string::npos);
         gp.receive(header());
-        CHECK(gp.fault_of(slices(0, 1, 8)).find("volume 8 came, volume 1") != std::string::npos);
+        CHECK(gp.fault_of(slices(0, 1, 8)).find("volume 8 arrived, but volume 1") !=
+              std::string::npos);
         gp.receive(slices(3, 1));
-        CHECK(gp.fault_of_work() == "slice 3 came, slice 0 is next");
+        CHECK(gp.fault_of_work() == "slice 3 arrived, but slice 0 is next");
         gp.receive(slices(0, 5));
         schema::VolumeEndT end;
         end.volume = 1;
@@ -162,7 +164,7 @@ TEST_SUITE("gp/node") {
         CHECK(fault.find("GPs with 20000 bytes each would do") != std::string::npos);
         gp.receive(slices(0, n));  // Told once is enough.
         CHECK_FALSE(gp.node.work(gp.box));
-        CHECK(gp.fault_of(set_surface(4, 1, 100)).find("no volume is held") != std::string::npos);
+        CHECK(gp.fault_of(set_surface(4, 1, 100)).find("no volume is stored") != std::string::npos);
     }
 
     TEST_CASE("a surface beyond the memory is refused with the number of GPs that would do") {
@@ -188,7 +190,7 @@ TEST_SUITE("gp/node") {
         Gp master({2, 1}, 0), other({2, 1}, 1);
         CHECK(other.fault_of(bus::pack(draw_frame(1, 1))) ==
               "DrawFrame came to GP 1; GP 0 is the Master");
-        CHECK(master.fault_of(bus::pack(schema::CreditT{})) == "a GP has no use for Credit");
+        CHECK(master.fault_of(bus::pack(schema::CreditT{})) == "a GP does not accept Credit");
         load(master);
         schema::DrawFrameT draw = draw_frame(1, 1);
         draw.views[0]->voxel_to_eye = std::make_unique<schema::Matrix>(to_wire(glm::dmat4(3.0)));
@@ -197,7 +199,7 @@ TEST_SUITE("gp/node") {
         schema::FetchMeshT fetch;
         fetch.surface = 8;
         master.receive(bus::pack(fetch));
-        CHECK(master.fault_of_work() == "surface 8 is to be fetched, but is not held");
+        CHECK(master.fault_of_work() == "the mesh of surface 8 was requested, but is not stored");
 
         schema::BeginFrameT begin;
         begin.draw = std::make_unique<schema::DrawFrameT>(draw_frame(1, 1));
@@ -208,6 +210,6 @@ TEST_SUITE("gp/node") {
         CHECK_THROWS_WITH_AS(unborn.receive(message(header(), 0, 1), box),
                              "VolumeHeader came before Topology", bus::NodeFault);
         CHECK_THROWS_WITH_AS(unborn.receive(message(topology({}), 0, 77), box),
-                             "node 77 is none of the topology's 1 GPs", bus::NodeFault);
+                             "node 77 is not one of the 1 GPs in the topology", bus::NodeFault);
     }
 }

@@ -134,7 +134,8 @@ TEST_SUITE("gp/node_surfaces") {
         gp.node.work(gp.box);
         gp.receive(fetch(false));
         gp.receive(set_surface(4, 2, 100));
-        CHECK(gp.fault_of_work() == "surface 4 is to be fetched, but is not held whole");
+        CHECK(gp.fault_of_work() ==
+              "the mesh of surface 4 was requested, but is not completely stored");
     }
 
     TEST_CASE("a mask hides its triangles, and those alone") {
@@ -253,11 +254,11 @@ TEST_SUITE("gp/node_surfaces") {
     TEST_CASE("isovalues cannot be measured without a volume, or without all of it") {
         Gp gp({1, 1}, 0);
         CHECK(gp.fault_of(measure({1, 2})) ==
-              "2 isovalues are to be measured, but no volume is held");
+              "a measurement of 2 isovalues was requested, but no volume is stored");
         gp.receive(header());
         gp.receive(measure({1}));
         CHECK(gp.fault_of_work() ==
-              "1 isovalues are to be measured before all slices of volume 1 came");
+              "a measurement of 1 isovalues was requested before all slices of volume 1 arrived");
         CHECK_FALSE(gp.node.work(gp.box));
     }
 
@@ -313,8 +314,9 @@ TEST_SUITE("gp/node_surfaces") {
         CHECK(gp.box.of<schema::IsovaluesMeasured>().empty());
         CHECK(gp.box.of<schema::RegionPrograms>().size() == 1);  // Empty: Renderers wait for it.
         CHECK(gp.fault_of(set_surface(4, 2, 100)) ==
-              "surface 4 was asked for, but no volume is held");
-        CHECK(gp.fault_of(slices(0, 1)) == "slices of volume 1 came, none was announced");
+              "surface 4 was requested, but no volume is stored");
+        CHECK(gp.fault_of(slices(0, 1)) ==
+              "slices of volume 1 arrived, but no volume was announced");
         load(gp, 2);
         CHECK(gp.box.of<schema::VolumeReady>().back()->memory_bytes() == loaded_bytes);
     }

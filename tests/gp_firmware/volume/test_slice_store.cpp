@@ -114,15 +114,16 @@ TEST_SUITE("gp/slice_store") {
         const auto volume = noise({4, 4, 3}, Scalar::uint8);
         LocalMemory memory(plenty_bytes);
         SliceStore store(volume.shape, {0, 1}, memory);
-        CHECK_THROWS_WITH_AS(store.add_slice(1, volume.slice(1)), "slice 1 came, slice 0 is next",
-                             std::invalid_argument);
+        CHECK_THROWS_WITH_AS(store.add_slice(1, volume.slice(1)),
+                             "slice 1 arrived, but slice 0 is next", std::invalid_argument);
         CHECK_THROWS_WITH_AS(store.add_slice(0, volume.slice(0).first(15)),
                              "slice 0 needs 16 bytes, has 15", std::invalid_argument);
         for (const int z : {0, 1, 2}) {
             CHECK_FALSE(store.complete());
             store.add_slice(z, volume.slice(z));
         }
-        CHECK_THROWS_WITH_AS(store.add_slice(2, volume.slice(2)), "slice 2 is one too many",
+        CHECK_THROWS_WITH_AS(store.add_slice(2, volume.slice(2)),
+                             "slice 2 arrived, but the GP has all of its slices",
                              std::invalid_argument);
         CHECK(store.complete());
     }
