@@ -187,10 +187,10 @@ TEST_SUITE("gp/node_surfaces") {
         wrong.slabs[3]->slab = 6;  // The other GP's: of whatever size.
         CHECK(wrong.slabs[4]->slab == 9);
         gp.receive(bus::pack(wrong));
-        CHECK(gp.fault_of_work() == fmt::format("the mask of surface 4, slab 9, has {} bytes; its "
-                                                "{} triangles need {}",
-                                                (triangles + 7) / 8 + 1, triangles,
-                                                (triangles + 7) / 8));
+        CHECK(gp.fault_of_work() ==
+              fmt::format("the mask of surface 4, slab 9, has {} bytes, but its "
+                          "{} triangles need {}",
+                          (triangles + 7) / 8 + 1, triangles, (triangles + 7) / 8));
         schema::BeginFrameT begin;
         begin.draw = std::make_unique<schema::DrawFrameT>(draw_frame(1, 1));
         begin.assignment = {0, 0, 0, 0, 0, 0};
