@@ -13,7 +13,7 @@
 
 namespace pxpl5::gp {
 
-inline constexpr std::size_t max_surfaces = 255;  ///< Of one frame: the pixel has 8 bits for them.
+inline constexpr std::size_t max_surfaces = 255;  ///< Limit of a frame, because a pixel has 8 bits.
 
 /// How a surface is drawn.
 struct SurfaceStyle {

@@ -26,9 +26,9 @@ struct Frame {
     double w_near = 0;  ///< W of the sphere's point nearest to the eye's plane.
 };
 
-std::optional<Frame> frame_of(const glm::dvec3& centre, double radius, const glm::dmat4& to_grid) {
+std::optional<Frame> frame_of(const glm::dvec3& center, double radius, const glm::dmat4& to_grid) {
     const glm::dmat4 rows = glm::transpose(to_grid);
-    const glm::dvec4 m = to_grid * glm::dvec4(centre, 1.0);
+    const glm::dvec4 m = to_grid * glm::dvec4(center, 1.0);
     const glm::dvec3 row_w(rows[3]);
     Frame frame;
     frame.w = m.w;

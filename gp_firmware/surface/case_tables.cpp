@@ -89,10 +89,10 @@ void add_entry(unsigned inside, unsigned joined, CaseTable& table) {
         std::vector<std::uint8_t> corners = triangulate_loop(loop);
         if (corners.empty()) {
             assert(entry.ring_size == 0);  // A cell has one center vertex.
-            corners = fan_about_centre(loop);
+            corners = fan_about_center(loop);
             table.rings.insert(table.rings.end(), loop.begin(), loop.end());
             entry.ring_size = static_cast<std::uint8_t>(loop.size());
-            ++table.centre_count;
+            ++table.center_count;
         }
         table.corners.insert(table.corners.end(), corners.begin(), corners.end());
         entry.triangle_count = static_cast<std::uint8_t>(entry.triangle_count + corners.size() / 3);

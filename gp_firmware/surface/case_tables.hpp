@@ -16,11 +16,11 @@ namespace pxpl5::gp {
 // Faces 0..5: x low, x high, y low, y high, z low, z high.
 inline constexpr int cell_edge_count = 12;
 inline constexpr int cell_face_count = 6;
-inline constexpr std::uint8_t centre_corner = 12;  ///< Triangle corner: the cell's own vertex.
+inline constexpr std::uint8_t center_corner = 12;  ///< Triangle corner: the cell's own vertex.
 
 enum class CaseRule : std::uint8_t {
     watertight,    ///< Inside corners apart on every ambiguous face: closed; VTK's counts.
-    lorensen1987,  ///< Decided within each cell, so neighbours may disagree: holes.
+    lorensen1987,  ///< Decided within each cell, so neighbors may disagree: holes.
     asymptotic,    ///< Ambiguous faces are decided from their four values: closed, and true to the
                    ///< bilinear field on every face.
 };
@@ -30,7 +30,7 @@ struct CaseEntry {
     std::uint16_t first_corner = 0;  ///< Into CaseTable::corners; 3 per triangle.
     std::uint16_t first_ring = 0;    ///< Into CaseTable::rings.
     std::uint8_t triangle_count = 0;
-    std::uint8_t ring_size = 0;  ///< Edges around the centre vertex; 0 if there is none.
+    std::uint8_t ring_size = 0;  ///< Edges around the center vertex; 0 if there is none.
 };
 
 /// All cases of one rule. A case is a set of inside corners and a set of ambiguous faces that join
@@ -41,10 +41,10 @@ struct CaseTable {
     std::array<std::uint8_t, 256> ambiguous{};     ///< Bit f: face f is ambiguous.
     std::array<std::uint16_t, 256> first_entry{};  ///< Indexed by the set of inside corners.
     std::vector<CaseEntry> entries;
-    std::vector<std::uint8_t> corners;  ///< Edge 0..11 or centre_corner; counter-clockwise seen
+    std::vector<std::uint8_t> corners;  ///< Edge 0..11 or center_corner; counter-clockwise seen
                                         ///< from outside in a right-handed frame.
-    std::vector<std::uint8_t> rings;    ///< Edges whose mean is the centre vertex.
-    int centre_count = 0;               ///< Entries that need a centre vertex.
+    std::vector<std::uint8_t> rings;    ///< Edges whose mean is the center vertex.
+    int center_count = 0;               ///< Entries that need a center vertex.
     std::array<CaseSlots, 2> slots;     ///< [1] has all triangles turned over.
 
     /// inside  Bit c: corner c is inside.

@@ -20,7 +20,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // edge_vertex.hpp. So each lane has the bits that the functions of edge_vertex.hpp compute.
 using Floats = hn::ScalableTag<float>;
 using Halves = hn::Half<Floats>;
-using Doubles = hn::Repartition<double, Floats>;  ///< As many lanes as Halves.
+using Doubles = hn::Repartition<double, Floats>;  ///< Has as many lanes as Halves.
 using Words = hn::Repartition<std::uint32_t, Floats>;
 using Ints = hn::Repartition<std::int32_t, Floats>;
 using Float = hn::Vec<Floats>;

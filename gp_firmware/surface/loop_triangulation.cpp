@@ -95,10 +95,10 @@ std::vector<std::uint8_t> triangulate_loop(std::span<const std::uint8_t> loop) {
     return corners;
 }
 
-std::vector<std::uint8_t> fan_about_centre(std::span<const std::uint8_t> loop) {
+std::vector<std::uint8_t> fan_about_center(std::span<const std::uint8_t> loop) {
     std::vector<std::uint8_t> corners;
     for (std::size_t i = 0; i < loop.size(); ++i) {
-        corners.insert(corners.end(), {loop[i], loop[(i + 1) % loop.size()], centre_corner});
+        corners.insert(corners.end(), {loop[i], loop[(i + 1) % loop.size()], center_corner});
     }
     return corners;
 }

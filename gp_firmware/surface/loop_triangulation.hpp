@@ -17,7 +17,7 @@ namespace pxpl5::gp {
 std::vector<std::uint8_t> triangulate_loop(std::span<const std::uint8_t> loop);
 
 /// Returns triangles from each side of the loop to the cell's center vertex.
-std::vector<std::uint8_t> fan_about_centre(std::span<const std::uint8_t> loop);
+std::vector<std::uint8_t> fan_about_center(std::span<const std::uint8_t> loop);
 
 /// Returns whether both edges bound one face of the cell.
 bool share_a_face(int edge_a, int edge_b);

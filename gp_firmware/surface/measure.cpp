@@ -20,7 +20,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Floats = hn::ScalableTag<float>;
 using Halves = hn::Half<Floats>;
-using Doubles = hn::Repartition<double, Floats>;  ///< As many lanes as Halves.
+using Doubles = hn::Repartition<double, Floats>;  ///< Has as many lanes as Halves.
 using Float = hn::Vec<Floats>;
 using Double = hn::Vec<Doubles>;
 constexpr std::size_t max_lanes = hn::MaxLanes(Floats());

@@ -57,7 +57,7 @@ struct Line {
 struct SlabMesh {
     int slab = 0;
     std::vector<Vertex> vertices;
-    std::vector<std::uint64_t> keys;  ///< Per vertex: 4 * voxel index + axis; axis 3 = cell centre.
+    std::vector<std::uint64_t> keys;  ///< Per vertex: 4 * voxel index + axis; axis 3 = cell center.
     std::vector<std::uint32_t> indices;  ///< 3 per triangle, counter-clockwise seen from outside.
     std::vector<Origin> origins;         ///< One per triangle; empty if not requested.
     std::vector<Sphere> spheres;         ///< Only in scenes.

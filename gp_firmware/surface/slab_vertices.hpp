@@ -122,7 +122,7 @@ class SlabVertices {
             needed_[at(s)] = reinterpret_cast<const std::byte*>(slice.gradients.data());
             needed_bytes_ = normals_ ? sizeof(Gradient) : 0;
         } else {
-            const SliceNeighbours slices = store.neighbours(slab_ + s);
+            const SliceNeighbors slices = store.neighbors(slab_ + s);
             estimates_[at(s)] = VoxelGradients<T>(shape_, slices);
             // The walk reads the two slices of the slab anyway, so only the third is fetched early.
             needed_[at(s)] = (s == 0 ? slices.below : slices.above).data();

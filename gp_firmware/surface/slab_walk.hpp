@@ -119,7 +119,7 @@ class SlabWalk {
         const std::uint8_t* corners = table_.corners.data() + entry.first_corner;
         std::uint32_t* indices = out_.indices.data() + index_count_;
         const auto vertex = [&](std::size_t i) {
-            return corners[i] == centre_corner ? center : vertices_.vertex_on(corners[i], x, y);
+            return corners[i] == center_corner ? center : vertices_.vertex_on(corners[i], x, y);
         };
         const std::size_t count = std::size_t{entry.triangle_count} * 3;
         const std::size_t flip = &slots_ == &table_.slots[1] ? 1 : 0;

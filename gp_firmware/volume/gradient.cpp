@@ -38,7 +38,7 @@ void gradients_of_row(const Rows<T>& rows, int nx, Store store, Gradient* out) {
 }
 
 template <class T, class Store>
-void gradients_of_slice(const VolumeShape& shape, const SliceNeighbours& slices, Store store,
+void gradients_of_slice(const VolumeShape& shape, const SliceNeighbors& slices, Store store,
                         Gradient* out) {
     const T *below = typed<T>(slices.below), *here = typed<T>(slices.here),
             *above = typed<T>(slices.above);
@@ -66,7 +66,7 @@ double gradient_scale(const VolumeShape& shape) {
     return reach > 0 && std::isfinite(reach) ? largest_gradient / reach : 1;
 }
 
-std::vector<Gradient> estimate_gradients(const VolumeShape& shape, const SliceNeighbours& slices) {
+std::vector<Gradient> estimate_gradients(const VolumeShape& shape, const SliceNeighbors& slices) {
     assert(shape.nx >= 2);
     assert(shape.ny >= 2);
     std::vector<Gradient> gradients(shape.slice_voxels());

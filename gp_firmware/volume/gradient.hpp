@@ -21,8 +21,8 @@ using Gradient = std::array<std::int16_t, 3>;
 /// Otherwise it scales twice the range to 16 bits.
 double gradient_scale(const VolumeShape& shape);
 
-/// A slice and its neighbours in z; below or above is the slice itself at the volume's ends.
-struct SliceNeighbours {
+/// A slice and its neighbors in z; below or above is the slice itself at the volume's ends.
+struct SliceNeighbors {
     std::span<const std::byte> below, here, above;  ///< Each nx * ny of shape.type, aligned.
     bool at_end = false;                            ///< Whether below or above is `here`.
 };
@@ -30,6 +30,6 @@ struct SliceNeighbours {
 /// Returns the nx * ny gradients of slice `here`.
 /// Source  Yoo & Chen, section IV, "Gradient estimation". One-sided differences are ours: the
 ///         paper does not say.
-std::vector<Gradient> estimate_gradients(const VolumeShape& shape, const SliceNeighbours& slices);
+std::vector<Gradient> estimate_gradients(const VolumeShape& shape, const SliceNeighbors& slices);
 
 }  // namespace pxpl5::gp

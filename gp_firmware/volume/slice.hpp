@@ -21,7 +21,7 @@ struct VolumeShape {
     Scalar type = Scalar::int16;
     glm::dmat4 voxel_to_patient{1.0};    ///< Grid position to millimeters (LPS).
     double minimum = 0, maximum = 0;     ///< Over all voxels.
-    int slabs_per_set = 1;               ///< Neighbouring slabs that belong to one GP.
+    int slabs_per_set = 1;               ///< Neighboring slabs that belong to one GP.
     std::vector<double> slice_places{};  ///< nz, ascending; empty if slice z lies at z.
     std::vector<int> gap_slabs{};        ///< Across missing slices, ascending.
 

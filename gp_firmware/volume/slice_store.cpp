@@ -96,10 +96,10 @@ void SliceStore::add_gradients(int z) {
         return;
     }
     charge(shape_.slice_voxels() * sizeof(Gradient), z);
-    slices_.at(z).gradients = estimate_gradients(shape_, neighbours(z));
+    slices_.at(z).gradients = estimate_gradients(shape_, neighbors(z));
 }
 
-SliceNeighbours SliceStore::neighbours(int z) const {
+SliceNeighbors SliceStore::neighbors(int z) const {
     const int below = std::max(z - 1, 0), above = std::min(z + 1, shape_.nz - 1);
     return {slices_.at(below).values, slices_.at(z).values, slices_.at(above).values,
             below == z || above == z};

@@ -59,7 +59,7 @@ class SliceStore {
     const HeldSlice& slice(int z) const;                      ///< Asserts that z is stored.
     /// Returns slice z and the slices that its gradients come from. An owned slab touches z, and
     /// either slices are still arriving or gradients are not stored, so all of them are stored.
-    SliceNeighbours neighbours(int z) const;
+    SliceNeighbors neighbors(int z) const;
     std::size_t memory_bytes() const { return charged_bytes_; }
     StoreCounts counts() const;
 

@@ -45,7 +45,7 @@ template <class T>
 class VoxelGradients {
   public:
     VoxelGradients() = default;
-    VoxelGradients(const VolumeShape& shape, const SliceNeighbours& slices)
+    VoxelGradients(const VolumeShape& shape, const SliceNeighbors& slices)
         : below_(typed<T>(slices.below)),
           here_(typed<T>(slices.here)),
           above_(typed<T>(slices.above)),

@@ -79,8 +79,8 @@ void gradients(benchmark::State& state) {
     const Loaded loaded(state);
     const gp::VolumeShape& shape = loaded.volume.shape;
     const int z = shape.nz / 2;
-    const gp::SliceNeighbours slices{loaded.volume.slice(z - 1), loaded.volume.slice(z),
-                                     loaded.volume.slice(z + 1)};
+    const gp::SliceNeighbors slices{loaded.volume.slice(z - 1), loaded.volume.slice(z),
+                                    loaded.volume.slice(z + 1)};
     for (auto _ : state) {
         benchmark::DoNotOptimize(gp::estimate_gradients(shape, slices));
     }

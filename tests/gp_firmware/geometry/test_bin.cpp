@@ -22,7 +22,7 @@ TEST_SUITE("gp/bin") {
         CHECK(grid.rows == 1);
         CHECK(region_grid(300, 129, 2).first_region == 12);
     }
-    TEST_CASE("a box holds the pixels whose centres it holds, borders included") {
+    TEST_CASE("a box holds the pixels whose centers it holds, borders included") {
         const RegionGrid grid = region_grid(512, 512, 0);
         const PixelBox box = pixel_box(at(8, 24), at(40, 24), at(20, 25), grid);
         CHECK(box.x0 == 0);
@@ -35,7 +35,7 @@ TEST_SUITE("gp/bin") {
         CHECK(inner.y0 == 1);
         CHECK(inner.y1 == 2);
     }
-    TEST_CASE("a triangle between centres has an empty box") {
+    TEST_CASE("a triangle between centers has an empty box") {
         const RegionGrid grid = region_grid(512, 512, 0);
         CHECK(pixel_box(at(9, 0), at(23, 900), at(20, 25), grid).empty());
         CHECK(pixel_box(at(0, 9), at(900, 23), at(20, 20), grid).empty());

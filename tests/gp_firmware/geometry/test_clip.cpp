@@ -161,7 +161,7 @@ TEST_SUITE("gp/clip") {
             const auto polygon = clipped(t, c);
             const auto screen = transformed(t, prepare(c));
             for (const ScreenVertex& own : screen) {
-                // Its neighbours that are not clipped have the same, to the last bit of depth.
+                // Its neighbors that are not clipped have the same, to the last bit of depth.
                 CHECK((polygon.empty() || own.outside != 0 || has_own(polygon, own)));
             }
             longest = std::max(longest, polygon.size());

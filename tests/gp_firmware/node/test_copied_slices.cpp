@@ -132,7 +132,7 @@ TEST_SUITE("gp_firmware/node/copied_slices") {
         }
     }
 
-    TEST_CASE("slices that are not of the volume are held: somebody will want to see them") {
+    TEST_CASE("slices that are not of the volume are recorded") {
         gp::CopiedSlices copied = told(4, 1, 8);
         CHECK(!copied(received(slices(8, 1), 2)));
         CHECK(!copied(received(slices(4000, 5), 2)));

@@ -59,7 +59,7 @@ TEST_SUITE("gp/node") {
         CHECK(built[1]->revision() == 3);
     }
 
-    TEST_CASE("a surface that is extracted anew is the same as one extracted at once") {
+    TEST_CASE("a surface that is extracted again equals one extracted at once") {
         Gp twice({1, 1}, 0), once({1, 1}, 0);
         load(twice);
         load(once);

@@ -98,12 +98,12 @@ std::vector<gp::Vertex> triangle_again(const Scene& s, const gp::Origin& o, int 
     for (std::size_t n = 0; n < 3; ++n) {
         const std::uint8_t edge = table.corners_of(entry)[std::size_t{o.triangle} * 3 + n];
         glm::dvec3 sum(0);
-        if (edge == gp::centre_corner) {
+        if (edge == gp::center_corner) {
             for (const std::uint8_t ring : table.ring_of(entry)) {
                 sum += glm::dvec3(on_edge(ring)) / static_cast<double>(entry.ring_size);
             }
         }
-        const glm::vec3 p = edge == gp::centre_corner ? glm::vec3(sum) : on_edge(edge);
+        const glm::vec3 p = edge == gp::center_corner ? glm::vec3(sum) : on_edge(edge);
         corners.push_back({p, {0, 0, 32767}, 0});
     }
     return corners;

@@ -33,7 +33,7 @@ bus::Payload measure(const std::vector<double>& isovalues) {
     return bus::pack(m);
 }
 
-/// Of surface 4: every slab's mask as `hide` wishes for (slab, triangle).
+/// Returns a mask of surface 4 that hides (slab, triangle) if `hide` returns true.
 template <class Hide>
 schema::MaskSurfaceT mask(const schema::MeshPart& part, std::uint32_t revision, Hide hide) {
     schema::MaskSurfaceT m;

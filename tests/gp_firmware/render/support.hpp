@@ -73,9 +73,9 @@ inline int side(const ScreenVertex& p, const ScreenVertex& q, std::int64_t x, st
     return cross > 0 ? 1 : cross < 0 ? -1 : 0;
 }
 
-/// Whether the centre of pixel (px, py) belongs to a positively oriented triangle. The top-left
-/// rule in its geometric form: a centre on an edge belongs to where it comes to lie when all
-/// centres move right by a hair, and down by a hair's hair.
+/// Whether the center of pixel (px, py) belongs to a positively oriented triangle. The top-left
+/// rule in its geometric form: a center on an edge belongs to where it comes to lie when all
+/// centers move right by a hair, and down by a hair's hair.
 inline bool covers(const Triangle& t, int px, int py) {
     const std::int64_t x = 16 * std::int64_t{px} + 8, y = 16 * std::int64_t{py} + 8;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -77,7 +77,7 @@ TEST_SUITE("gp/coverage") {
     TEST_CASE("triangles as large as the guard band cover exactly what the top-left rule says") {
         check_random(300, 16 * gp::guard_px, 1, 3);
     }
-    TEST_CASE("vertices and edges exactly on pixel centres follow the top-left rule") {
+    TEST_CASE("vertices and edges exactly on pixel centers follow the top-left rule") {
         check_random(400, 100, 16, 4);
         check_random(400, 60, 8, 5);
         check_random(200, 16 * gp::guard_px, 16, 6);

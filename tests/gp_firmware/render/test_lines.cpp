@@ -31,7 +31,7 @@ std::vector<int> drawn(const gp::Line& l, gp::Camera camera = pixel_camera(256, 
     return coverage(programs, grid);
 }
 
-/// Pixels whose centres lie in the box around the line are covered once, others not at all; those
+/// Pixels whose centers lie in the box around the line are covered once, others not at all; those
 /// within a subpixel of the box's border may be either.
 void check_box(const gp::Line& l) {
     const std::vector<int> counts = drawn(l);

@@ -210,7 +210,7 @@ TEST_SUITE("gp/many triangles") {
     TEST_CASE("every covered pixel shape of up to four pixels is found") {
         Random random(14);
         // Of any height and width, so that any of the pixels is often the only one; every other
-        // one on a lattice of half pixels, where centres lie on edges.
+        // one on a lattice of half pixels, where centers lie on edges.
         std::vector<Triangle> triangles;
         for (int i = 0; i < 30000; ++i) {
             const int width = random.integer(1, 5), height = random.integer(1, 5);

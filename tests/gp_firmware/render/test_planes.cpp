@@ -84,7 +84,7 @@ int check_values(const Triangle& t, std::span<const std::array<int, 2>> pixels) 
 }
 
 /// Whether `slope` is the low half of numerator / det * 2^bits, rounded to nearest. Within 2^-11 of
-/// half-way, where a double may not know better, the other neighbour is right too.
+/// half-way, where a double may not know better, the other neighbor is right too.
 bool is_rounded(std::uint32_t slope, Wide numerator, Wide det, unsigned bits) {
     const Wide twice = (numerator << (bits + 1)) + det;
     Wide floor = twice / (2 * det), rest = twice % (2 * det);
@@ -151,7 +151,7 @@ TEST_SUITE("gp/planes") {
         Random random(3);
         int seen = 0;
         for (int i = 0; i < 20000; ++i) {
-            // A centre, and two far corners such that the triangle about it is as thin as it can
+            // A center, and two far corners such that the triangle about it is as thin as it can
             // be.
             const int px = random.integer(0, 511), py = random.integer(0, 511);
             const int length = 1 << random.integer(0, 17);
@@ -187,7 +187,7 @@ TEST_SUITE("gp/planes") {
                 s0 = std::exchange(s1, s0 - q * s1);
                 t0 = std::exchange(t1, t0 - q * t1);
             }
-            // A corner on a pixel's centre: that pixel may be covered.
+            // A corner on a pixel's center: that pixel may be covered.
             Triangle t = {vertex_at(8, 8, random), vertex_at(8 + x1, 8 + y1, random),
                           vertex_at(8 - static_cast<int>(t0), 8 + static_cast<int>(s0), random)};
             const auto positive = oriented(t);

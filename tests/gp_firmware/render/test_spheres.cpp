@@ -1,5 +1,5 @@
 // Spheres' programs, run by the reference and by the fast executor, against a ray through every
-// pixel's centre in exact mathematics.
+// pixel's center in exact mathematics.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace region = isa::region;
 namespace {
 
 constexpr int size_px = 256;
-/// Pixel centres nearer to an outline than this are not judged.
+/// Pixel centers nearer to an outline than this are not judged.
 constexpr double outline_px = 0x1p-13;
 
 void run(std::span<const std::uint32_t> words, isa::Executor& pixels) {
@@ -42,7 +42,7 @@ void run(std::span<const std::uint32_t> words, isa::Executor& pixels) {
     }
 }
 
-/// As the prologue does: no surface, z all ones.
+/// Clears pixels like the prologue: no surface, all bits of z set.
 void clear(isa::Executor& pixels) {
     const std::array<std::uint32_t, 3> words = {
         isa::encode({isa::Op::set_enabs, {}}),
@@ -75,12 +75,12 @@ gp::Camera orthographic_camera() {
     return camera;
 }
 
-/// What a ray through a pixel's centre meets first.
+/// What a ray through a pixel's center meets first.
 struct Hit {
     double clearance_px = 0;  ///< From the outline; inside is positive.
     double z = 0;             ///< Depth in units of the field.
     glm::dvec3 normal{0};     ///< Eye axes, unit.
-    double w = 0;             ///< Of the place: what depth is divided by.
+    double w = 0;             ///< The divisor of the depth.
 };
 
 class Rays {
@@ -92,7 +92,7 @@ class Rays {
         const double x = 2 * (px + 0.5) / size_px - 1, y = 1 - 2 * (py + 0.5) / size_px;
         const glm::dvec3 origin = unprojected(x, y, -1), ahead = unprojected(x, y, 1);
         const glm::dvec3 d = glm::normalize(ahead - origin);
-        const glm::dvec3 c = centre(sphere);
+        const glm::dvec3 c = center(sphere);
         const double along = glm::dot(c - origin, d);
         const glm::dvec3 nearest = origin + d * along;
         const auto radius = static_cast<double>(sphere.radius);
@@ -109,12 +109,12 @@ class Rays {
         }
         return hit;
     }
-    glm::dvec3 centre(const gp::Sphere& sphere) const {
+    glm::dvec3 center(const gp::Sphere& sphere) const {
         return glm::dvec3(camera_.voxel_to_eye * glm::dvec4(glm::dvec3(sphere.p_voxel), 1.0));
     }
     /// Half of what the sphere reaches in depth, and the least w on it.
     std::pair<double, double> reach_and_w(const gp::Sphere& sphere) const {
-        const glm::dvec3 c = centre(sphere);
+        const glm::dvec3 c = center(sphere);
         const glm::dvec3 step(0, 0, static_cast<double>(sphere.radius));
         const auto project = [&](const glm::dvec3& p) {
             return camera_.projection * glm::dvec4(p, 1.0);
@@ -312,7 +312,7 @@ TEST_SUITE("gp/spheres") {
                 continue;
             }
             ++seen;
-            // A sliver may reach into the box's last row without holding a centre of it.
+            // A sliver may reach into the box's last row without holding a center of it.
             const auto wider = [](int by) { return by == 0 || by == 1; };
             CHECK(wider(exact.x0 - screen->box.x0));
             CHECK(wider(exact.y0 - screen->box.y0));

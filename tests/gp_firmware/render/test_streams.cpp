@@ -30,7 +30,7 @@ void run(std::span<const std::uint32_t> words, isa::Executor& pixels) {
     }
 }
 
-/// The plane through the corners' values at the centre of a pixel, to 64 bits.
+/// The plane through the corners' values at the center of a pixel, to 64 bits.
 long double interpolated(const Triangle& t, int px, int py,
                          const std::array<std::int32_t, 3>& value) {
     const std::int64_t x = 16 * std::int64_t{px} + 8, y = 16 * std::int64_t{py} + 8;
@@ -50,7 +50,7 @@ struct Winner {
     long double z = 0, nx = 0, ny = 0, nz = 0;
 };
 
-/// Whose centre is nearest at this pixel.
+/// Whose center is nearest at this pixel.
 Winner nearest(std::span<const Triangle> triangles, int px, int py) {
     Winner winner;
     for (std::size_t i = 0; i < triangles.size(); ++i) {

@@ -78,7 +78,7 @@ Segments rim(const Case& c) {
 }
 
 /// The rim on one face, with edges named by where they are in the face, so that it compares with
-/// the neighbour's; the neighbour's runs the other way.
+/// the neighbor's; the neighbor's runs the other way.
 std::set<std::pair<Point, Point>> rim_on_face(const Case& c, int face) {
     std::set<std::pair<Point, Point>> segments;
     for (const auto& [from, to] : rim(c)) {
@@ -202,7 +202,7 @@ TEST_SUITE("gp/case_tables") {
             });
     }
 
-    TEST_CASE("no diagonal lies in a face, where it could meet the neighbour's") {
+    TEST_CASE("no diagonal lies in a face, where it could meet the neighbor's") {
         for (const CaseRule rule : {CaseRule::asymptotic, CaseRule::watertight})
             for_each_case(rule, [](const Case& c) {
                 const Segments all = directed_edges(c);
@@ -212,27 +212,27 @@ TEST_SUITE("gp/case_tables") {
             });
     }
 
-    TEST_CASE("a centre vertex stands only where no triangulation does without") {
-        int centres = 0;
+    TEST_CASE("a center vertex stands only where no triangulation does without") {
+        int centers = 0;
         for_each_case(CaseRule::asymptotic, [&](const Case& c) {
             const auto ring = c.table.ring_of(c.entry());
-            centres += ring.empty() ? 0 : 1;
+            centers += ring.empty() ? 0 : 1;
             if (!ring.empty()) CHECK_FALSE(can_be_triangulated({ring.begin(), ring.end()}));
             const auto corners = c.table.corners_of(c.entry());
-            const auto uses = std::count(corners.begin(), corners.end(), centre_corner);
+            const auto uses = std::count(corners.begin(), corners.end(), center_corner);
             CHECK(uses == static_cast<std::ptrdiff_t>(ring.size()));
         });
-        CHECK(centres == case_table(CaseRule::asymptotic).centre_count);
-        CHECK(case_table(CaseRule::lorensen1987).centre_count == 0);
-        CHECK(case_table(CaseRule::watertight).centre_count == 0);
+        CHECK(centers == case_table(CaseRule::asymptotic).center_count);
+        CHECK(case_table(CaseRule::lorensen1987).center_count == 0);
+        CHECK(case_table(CaseRule::watertight).center_count == 0);
     }
 
-    TEST_CASE("neighbours agree on every face, whatever their other corners and decisions") {
+    TEST_CASE("neighbors agree on every face, whatever their other corners and decisions") {
         CHECK(disagreements(CaseRule::asymptotic).empty());
         CHECK(disagreements(CaseRule::watertight).empty());
     }
 
-    TEST_CASE("neighbours by the 1987 table disagree, on ambiguous faces only") {
+    TEST_CASE("neighbors by the 1987 table disagree, on ambiguous faces only") {
         // Opposite corners of the face inside, on any of three axes; decisions play no part.
         std::set<std::array<unsigned, 2>> differing;
         for (const auto& [axis, corners, joined] : disagreements(CaseRule::lorensen1987))

@@ -58,7 +58,7 @@ TEST_SUITE("gp/certificate") {
         CHECK(open.border_edges > 100);
     }
 
-    TEST_CASE("every case of two neighbours is met: all corners of 3x2x2 voxels, all values") {
+    TEST_CASE("every case of two neighbors is met: all corners of 3x2x2 voxels, all values") {
         // All 4096 sides of 12 voxels, with values that make every face decision occur.
         const unsigned seed = seed_or(99);
         CAPTURE(seed);

@@ -51,15 +51,15 @@ glm::dmat3 tilted() {
     return glm::dmat3{c, s, 0, -s, c, 0, 0.3, 0.5, 1.9};
 }
 
-/// The greatest angle in degrees between the normals and the directions away from `centre_mm`.
+/// The greatest angle in degrees between the normals and the directions away from `center_mm`.
 double worst_normal_deg(const std::vector<SlabMesh>& meshes, const VolumeShape& shape,
-                        glm::dvec3 centre_mm) {
+                        glm::dvec3 center_mm) {
     double worst = 0;
     for (const SlabMesh& mesh : meshes)
         for (const Vertex& vertex : mesh.vertices) {
             const glm::dvec3 p(shape.voxel_to_patient * glm::dvec4(vertex.p_voxel, 1));
             const glm::dvec3 n(vertex.normal[0], vertex.normal[1], vertex.normal[2]);
-            const double cosine = glm::dot(glm::normalize(p - centre_mm), n) / 32767;
+            const double cosine = glm::dot(glm::normalize(p - center_mm), n) / 32767;
             worst = std::max(worst, std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / pi);
             CHECK(glm::length(n) == doctest::Approx(32767).epsilon(1e-4));
         }
@@ -72,10 +72,10 @@ TEST_SUITE("gp/shapes") {
     TEST_CASE("a sphere has its area, volume and normals, on stretched, mirrored, tilted grids") {
         const Size size{60, 52, 30};
         const double radius_mm = 20;
-        const glm::dvec3 centre_mm(12, -30, 55);
+        const glm::dvec3 center_mm(12, -30, 55);
         for (const glm::dmat3& steps : {anisotropic(), mirrored(), tilted()}) {
-            const auto volume = place(size, grid(size, steps, centre_mm), [&](glm::dvec3 p) {
-                return 100 - glm::distance(p, centre_mm);
+            const auto volume = place(size, grid(size, steps, center_mm), [&](glm::dvec3 p) {
+                return 100 - glm::distance(p, center_mm);
             });
             const auto meshes = extract_all(volume, 100 - radius_mm);
             const Certificate certificate = certify(meshes, volume.shape);
@@ -86,7 +86,7 @@ TEST_SUITE("gp/shapes") {
                   doctest::Approx(4 * pi * radius_mm * radius_mm).epsilon(0.01));
             CHECK(certificate.volume_mm3 ==
                   doctest::Approx(4 * pi / 3 * std::pow(radius_mm, 3)).epsilon(0.01));
-            CHECK(worst_normal_deg(meshes, volume.shape, centre_mm) < 1);
+            CHECK(worst_normal_deg(meshes, volume.shape, center_mm) < 1);
         }
     }
 
@@ -147,9 +147,9 @@ TEST_SUITE("gp/shapes") {
         const double radius = 12;
         std::vector<double> places;
         for (int z = 0; z < size.nz; ++z) places.push_back(z + 0.45 * std::sin(1.7 * z));
-        const glm::dvec3 centre(size.nx - 1, 19.5, 15);
+        const glm::dvec3 center(size.nx - 1, 19.5, 15);
         Volume volume = make_volume(size, Scalar::float32, [&](int x, int y, int z) {
-            return 100 - glm::distance({x, y, places[static_cast<std::size_t>(z)]}, centre);
+            return 100 - glm::distance({x, y, places[static_cast<std::size_t>(z)]}, center);
         });
         volume.shape.slice_places = places;
         double enclosed = 0;
@@ -191,11 +191,11 @@ TEST_SUITE("gp/shapes") {
     }
 
     TEST_CASE("a ball cut by the volume's faces has the volume of what lies within") {
-        // Centred on a face, an edge or a corner of the volume: a half, a quarter, an eighth.
+        // Centerd on a face, an edge or a corner of the volume: a half, a quarter, an eighth.
         const Size size{30, 26, 22};
         const glm::dvec3 last(size.nx - 1, size.ny - 1, size.nz - 1);
         const double radius = 9, whole = 4 * pi / 3 * radius * radius * radius;
-        for (const glm::dvec3 place_of_centre : {glm::dvec3(0, 0.5, 0.5),
+        for (const glm::dvec3 place_of_center : {glm::dvec3(0, 0.5, 0.5),
                                                  {1, 0.5, 0.5},
                                                  {0.5, 0, 0.5},
                                                  {0.5, 1, 0.5},
@@ -207,18 +207,18 @@ TEST_SUITE("gp/shapes") {
                                                  {0, 0, 0},
                                                  {1, 0, 1}}) {
             double part = 1;
-            for (int axis = 0; axis < 3; ++axis) part *= place_of_centre[axis] == 0.5 ? 1 : 0.5;
+            for (int axis = 0; axis < 3; ++axis) part *= place_of_center[axis] == 0.5 ? 1 : 0.5;
             for (const glm::dmat3& steps : {glm::dmat3(1.0), mirrored()}) {
-                const glm::dvec3 centre = place_of_centre * last;
+                const glm::dvec3 center = place_of_center * last;
                 const auto volume = make_volume(size, Scalar::float32, [&](int x, int y, int z) {
-                    return 100 - glm::distance(glm::dvec3(x, y, z), centre);
+                    return 100 - glm::distance(glm::dvec3(x, y, z), center);
                 });
                 Volume placed = volume;
                 placed.shape.voxel_to_patient = glm::dmat4(steps);
                 double enclosed = 0;
                 for (const SlabMesh& mesh : extract_all(placed, 100 - radius))
                     enclosed += mesh.counts.volume_mm3;
-                INFO(place_of_centre.x, " ", place_of_centre.y, " ", place_of_centre.z);
+                INFO(place_of_center.x, " ", place_of_center.y, " ", place_of_center.z);
                 CHECK(enclosed == doctest::Approx(part * whole * std::abs(glm::determinant(steps)))
                                       .epsilon(0.02));
             }

@@ -119,7 +119,7 @@ TEST_SUITE("gp/vtk_counts") {
             MESSAGE(k.file, " at ", k.isovalue, ": ", certificate.triangles, " triangles, VTK ",
                     k.vtk_triangles, " (", 100 * difference / double(k.vtk_triangles), " %), ",
                     ambiguous, " ambiguous cells");
-            // A cell with f ambiguous faces has 2 f triangles more or less, 2 more by a centre
+            // A cell with f ambiguous faces has 2 f triangles more or less, 2 more by a center
             // vertex; nearly all ambiguous cells have one ambiguous face.
             CHECK(std::abs(difference) <= 2 * double(ambiguous));
             CHECK(std::abs(difference) <= 0.02 * double(k.vtk_triangles));

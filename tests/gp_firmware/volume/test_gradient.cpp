@@ -77,7 +77,7 @@ TEST_SUITE("gp/gradient") {
                 for (int z = 0; z < volume.shape.nz; ++z) {
                     const auto& whole = gp.store.slice(z).gradients;
                     with_scalar(type, [&]<class T>(T) {
-                        const VoxelGradients<T> single(volume.shape, gp.store.neighbours(z));
+                        const VoxelGradients<T> single(volume.shape, gp.store.neighbors(z));
                         for (std::size_t i = 0; i < whole.size(); ++i)
                             CHECK(single.at(i % 7, i / 7) == whole[i]);
                     });

@@ -38,7 +38,7 @@ TEST_SUITE("gp/slice_store") {
         CHECK(slices_needed(two, {0, 3}) == std::vector<int>{0, 1});
     }
 
-    TEST_CASE("sets of several slabs go round-robin, and share their neighbours' slices") {
+    TEST_CASE("sets of several slabs go round-robin, and share their neighbors' slices") {
         const VolumeShape shape{4, 4, 12, Scalar::uint8, glm::dmat4(1.0), 0, 1, 3};
         CHECK(slabs_owned(shape, {0, 2}) == std::vector<int>{0, 1, 2, 6, 7, 8});
         CHECK(slabs_owned(shape, {1, 2}) == std::vector<int>{3, 4, 5, 9, 10});

@@ -150,7 +150,7 @@ inline std::vector<TrueTriangle> true_triangles(const host::Volume& volume, doub
                     for (std::size_t n = 0; n < 3; ++n) {
                         const std::uint8_t edge = corners[3 * static_cast<std::size_t>(t) + n];
                         glm::dvec3 p(0);
-                        if (edge == gp::centre_corner) {
+                        if (edge == gp::center_corner) {
                             for (const std::uint8_t ring : table.ring_of(entry)) {
                                 p += on_edge(ring) / static_cast<double>(entry.ring_size);
                             }
