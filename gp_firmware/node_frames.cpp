@@ -7,7 +7,7 @@
 #include "gp_firmware/node.hpp"
 #include "gp_firmware/node_messages.hpp"
 #include "gp_firmware/render/assignment.hpp"
-#include "isa/sample_sums.hpp"
+#include "isa/contract/sample_sums.hpp"
 
 namespace pxpl5::gp {
 

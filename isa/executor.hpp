@@ -12,15 +12,13 @@
 #include <utility>
 
 #include "isa/instruction.hpp"
-#include "isa/region_layout.hpp"
+#include "isa/region.hpp"
 
 namespace pxpl5::isa {
 
 inline constexpr std::uint32_t memory_bits = 208;     ///< Per pixel, on chip.
 inline constexpr std::uint32_t backing_blocks = 128;  ///< Per pixel, 32 bits each.
 inline constexpr std::uint32_t backing_block_bits = 32;
-inline constexpr std::size_t region_pixels =
-    static_cast<std::size_t>(region::size_px) * static_cast<std::size_t>(region::size_px);
 
 /// Coefficient words of one instruction: 0, 1 (K), 3 (A B C) or 6 (A B C D E F).
 using Coefficients = std::span<const std::int32_t>;

@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "isa/sample_sums.hpp"
+#include "isa/contract/sample_sums.hpp"
 #include "ringbus/ranges.hpp"
 
 namespace pxpl5::renderer {

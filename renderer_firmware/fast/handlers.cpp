@@ -5,7 +5,7 @@
 // Behind foreach_target.h, which compiles what follows once per target.
 #include <hwy/highway.h>
 
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 #include "renderer_firmware/fast/handlers.hpp"
 
 HWY_BEFORE_NAMESPACE();

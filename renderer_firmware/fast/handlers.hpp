@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include "isa/contract/vector_target.hpp"
 #include "isa/executor.hpp"
-#include "isa/vector_target.hpp"
 #include "renderer_firmware/hal/board.hpp"
 
 namespace pxpl5::renderer::fast {
@@ -25,7 +25,7 @@ using Handler = void (*)(hal::Board& board, BlockRange range, isa::Operands oper
 /// By row; null for the rows that the controller runs.
 using HandlerTable = std::array<Handler, isa::op_count>;
 
-/// What a run of triangle programs (isa/triangle_shape.hpp) took.
+/// What a run of triangle programs (isa/contract/triangle_shape.hpp) took.
 using TriangleRun = isa::Taken (*)(hal::Board& board, const std::uint32_t* words,
                                    std::size_t word_count);
 

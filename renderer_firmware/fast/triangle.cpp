@@ -1,5 +1,5 @@
-// Triangles, fast: the ten instructions of isa/triangle_shape.hpp as one fused pass over the
-// vectors of pixels in the triangle's bounding box.
+// Triangles, fast: the ten instructions of isa/contract/triangle_shape.hpp as one fused pass over
+// the vectors of pixels in the triangle's bounding box.
 //
 // Triangles are taken a batch at a time, each step for the whole batch: the boxes; which vectors of
 // pixels each triangle covers; then depth test and stores for these, in the triangles' order. So

@@ -1,5 +1,6 @@
-// Reads triangle programs (isa/triangle_shape.hpp), a vector of them at a time: recognition and
-// bounding boxes. Included by triangle.cpp behind hwy/foreach_target.h, hence the guard that flips.
+// Reads triangle programs (isa/contract/triangle_shape.hpp), a vector of them at a time:
+// recognition and bounding boxes. Included by triangle.cpp behind hwy/foreach_target.h, hence the
+// guard that flips.
 #if defined(PXPL5_FAST_TRIANGLE_WORDS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PXPL5_FAST_TRIANGLE_WORDS_INL
 #undef PXPL5_FAST_TRIANGLE_WORDS_INL
@@ -9,7 +10,7 @@
 
 #include <cmath>
 
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "renderer_firmware/fast/vector-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -41,7 +41,8 @@ class Igc {
     isa::Controller controller_;
 };
 
-/// True if `words` is nothing but triangle programs (isa/triangle_shape.hpp): these need no check.
+/// True if `words` is nothing but triangle programs (isa/contract/triangle_shape.hpp): these need
+/// no check.
 bool only_triangles(std::span<const std::uint32_t> words);
 
 }  // namespace pxpl5::renderer

@@ -10,9 +10,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "isa/contract/sample_sums.hpp"
+#include "isa/contract/screen_door.hpp"
 #include "isa/program.hpp"
-#include "isa/sample_sums.hpp"
-#include "isa/screen_door.hpp"
 #include "renderer_firmware/programs/texts.hpp"
 
 namespace pxpl5::renderer {

@@ -16,8 +16,8 @@
 #include <string>
 
 #include "isa/assemble.hpp"
-#include "isa/region_layout.hpp"
-#include "isa/screen_door.hpp"
+#include "isa/contract/region_layout.hpp"
+#include "isa/contract/screen_door.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "isa/conformance_run.hpp"
+#include "isa/conformance/conformance_run.hpp"
 #include "isa/reference/reference.hpp"
 
 namespace pxpl5::test {

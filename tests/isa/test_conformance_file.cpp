@@ -1,7 +1,7 @@
 // The text form of conformance cases: what it says, and what it refuses.
 #include <doctest/doctest.h>
 
-#include "isa/conformance_run.hpp"
+#include "isa/conformance/conformance_run.hpp"
 #include "isa/reference/reference.hpp"
 #include "tests/isa/random_program.hpp"
 

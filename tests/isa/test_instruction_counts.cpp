@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "isa/assemble.hpp"
+#include "isa/contract/region_layout.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "isa/reference/reference.hpp"
-#include "isa/region_layout.hpp"
 #include "isa/sequencer.hpp"
-#include "isa/triangle_shape.hpp"
 
 using namespace pxpl5::isa;
 

@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
 #include "isa/assemble.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "isa/reference/reference.hpp"
-#include "isa/triangle_shape.hpp"
 #include "renderer_firmware/igc/igc.hpp"
 #include "tests/isa/random_program.hpp"
 #include "tests/renderer_firmware/targets.hpp"

@@ -8,8 +8,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "isa/contract/region_layout.hpp"
 #include "isa/reference/reference.hpp"
-#include "isa/region_layout.hpp"
 #include "isa/sequencer.hpp"
 #include "renderer_firmware/igc/region_program.hpp"
 #include "tests/isa/lockstep.hpp"

@@ -3,8 +3,8 @@
 #include <array>
 #include <string>
 
+#include "isa/contract/sample_sums.hpp"
 #include "isa/reference/reference.hpp"
-#include "isa/sample_sums.hpp"
 #include "tests/mean_pixel.hpp"
 #include "tests/renderer_firmware/node_bench.hpp"
 #include "tests/renderer_firmware/targets.hpp"

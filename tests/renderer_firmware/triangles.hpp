@@ -1,11 +1,11 @@
-// Triangle programs (isa/triangle_shape.hpp) for tests: random ones, of every kind.
+// Triangle programs (isa/contract/triangle_shape.hpp) for tests: random ones, of every kind.
 #pragma once
 
 #include <cstdint>
 #include <cstdlib>
 #include <vector>
 
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "tests/isa/random_program.hpp"
 
 namespace pxpl5::test {

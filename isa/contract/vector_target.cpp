@@ -1,4 +1,4 @@
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 
 #include <fmt/core.h>
 

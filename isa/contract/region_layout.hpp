@@ -7,6 +7,8 @@
 
 #include <cstdint>
 
+#include "isa/region.hpp"
+
 namespace pxpl5::isa::region {
 
 struct Field {
@@ -29,7 +31,6 @@ inline constexpr std::int32_t normal_unit = 510;  ///< Length of a unit normal i
 inline constexpr std::uint32_t z_far = (1U << 24) - 1;
 inline constexpr std::uint32_t z_margin = 1U
                                           << 10;  ///< Drawn z stay in z_margin .. z_far - z_margin.
-inline constexpr int size_px = 128;               ///< A region is 128 x 128 pixels.
 inline constexpr int subpixel_bits = 4;           ///< Vertices are snapped to 1/16 pixel.
 
 }  // namespace pxpl5::isa::region

@@ -19,8 +19,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "isa/contract/region_layout.hpp"
 #include "isa/instruction.hpp"
-#include "isa/region_layout.hpp"
 
 namespace pxpl5::isa::triangle {
 

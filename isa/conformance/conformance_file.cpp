@@ -1,4 +1,4 @@
-#include "isa/conformance_file.hpp"
+#include "isa/conformance/conformance_file.hpp"
 
 #include <fmt/format.h>
 

@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "isa/program.hpp"
-#include "isa/region_layout.hpp"
+#include "isa/region.hpp"
 
 namespace pxpl5::isa {
 

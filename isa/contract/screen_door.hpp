@@ -6,7 +6,7 @@
 // colour alone, which is written again.
 #pragma once
 
-#include "isa/region_layout.hpp"
+#include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::isa::door {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bitset>
 
-#include "isa/conformance_run.hpp"
+#include "isa/conformance/conformance_run.hpp"
 #include "isa/sequencer.hpp"
 
 namespace pxpl5::isa {

@@ -1,4 +1,4 @@
-#include "isa/conformance_run.hpp"
+#include "isa/conformance/conformance_run.hpp"
 
 #include <fmt/format.h>
 

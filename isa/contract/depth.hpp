@@ -6,7 +6,7 @@
 // of z_far, which is the background's.
 #pragma once
 
-#include "isa/region_layout.hpp"
+#include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::isa {
 

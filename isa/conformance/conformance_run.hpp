@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "isa/conformance_file.hpp"
+#include "isa/conformance/conformance_file.hpp"
 #include "isa/executor.hpp"
 
 namespace pxpl5::isa {
