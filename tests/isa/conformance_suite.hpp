@@ -1,4 +1,4 @@
-// The conformance cases of tests/isa/conformance, and how an executor is put through them.
+// Reads the conformance cases and runs the reference executor through them.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace pxpl5::test {
 
 /// A case and the file it was read from.
 struct ConformanceFile {
-    std::string name;  ///< Below tests/isa/conformance.
+    std::string name;  ///< "by_hand/NAME.pxt" or "generated/NAME.pxt".
     isa::ConformanceCase test;
 
     bool names(isa::Op op) const {
@@ -30,24 +30,30 @@ struct ConformanceFile {
     }
 };
 
-/// All cases, by name. Throws std::runtime_error that names the file that is no case.
+/// Appends the cases of `folder`. Throws std::runtime_error that names a file that is not a case.
+inline void add_cases(const std::filesystem::path& folder, std::vector<ConformanceFile>& files) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        if (entry.path().extension() != ".pxt") {
+            continue;
+        }
+        std::ostringstream text;
+        text << std::ifstream(entry.path(), std::ios::binary).rdbuf();
+        const std::string name = (folder.filename() / entry.path().filename()).string();
+        try {
+            files.push_back({name, isa::parse_conformance(text.str())});
+        } catch (const isa::ConformanceError& error) {
+            throw std::runtime_error(name + ": " + error.what());
+        }
+    }
+}
+
+/// All cases, sorted by name: those of the tree, and those that the build generates.
+/// Throws std::runtime_error that names a file that is not a case.
 inline const std::vector<ConformanceFile>& conformance_suite() {
     static const std::vector<ConformanceFile> suite = [] {
-        const std::filesystem::path folder = PXPL5_SOURCE_DIR "/tests/isa/conformance";
         std::vector<ConformanceFile> files;
-        for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-            if (entry.path().extension() != ".pxt") {
-                continue;
-            }
-            std::ostringstream text;
-            text << std::ifstream(entry.path(), std::ios::binary).rdbuf();
-            const std::string name = entry.path().lexically_relative(folder).string();
-            try {
-                files.push_back({name, isa::parse_conformance(text.str())});
-            } catch (const isa::ConformanceError& error) {
-                throw std::runtime_error(name + ": " + error.what());
-            }
-        }
+        add_cases(PXPL5_SOURCE_DIR "/tests/isa/conformance/by_hand", files);
+        add_cases(PXPL5_GENERATED_CASES, files);
         std::ranges::sort(files, {}, &ConformanceFile::name);
         return files;
     }();
