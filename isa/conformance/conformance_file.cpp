@@ -13,9 +13,10 @@ namespace {
 
 constexpr std::uint64_t max_coefficient = INT32_MAX;
 constexpr std::uint64_t min_coefficient = static_cast<std::uint64_t>(std::int64_t{INT32_MIN});
-constexpr std::array<int, 6> degrees = {1, 1, 0, 2, 2, 2};  ///< Of the terms of a Quadratic.
+constexpr std::array<int, 6> degrees = {1, 1, 0,
+                                        2, 2, 2};  ///< Degrees of the terms of a Quadratic.
 
-/// A word of the text and where it stands, from 1.
+/// A word of the text and its position, from 1.
 struct Token {
     std::string_view text;
     std::size_t line = 0, column = 0;
@@ -69,13 +70,13 @@ class Reader {
             fail_expecting("a number");
         }
         if (error == std::errc::result_out_of_range || value > limit) {
-            token_.fail(from, fmt::format("number is above {}", limit));
+            token_.fail(from, fmt::format("the number is above {}", limit));
         }
         at_ += static_cast<std::size_t>(end - begin);
         return value;
     }
 
-    /// Sums and differences of products of numbers, x and y, of degree 2 at most.
+    /// Reads sums and differences of products of numbers, x and y, of degree 2 at most.
     Quadratic quadratic() {
         Quadratic sum;
         bool minus = accept("-");
@@ -111,7 +112,7 @@ class Reader {
         return value;
     }
 
-    /// Both factors have one term.
+    /// Multiplies two factors that have one term each.
     Quadratic multiplied(const Quadratic& p, const Quadratic& q, std::size_t from) const {
         const auto term = [](const Quadratic& value) {
             const auto found = std::ranges::find_if(value.k, [](auto k) { return k != 0; });
@@ -120,7 +121,7 @@ class Reader {
         };
         const std::size_t i = term(p), j = term(q);
         if (degrees[i] + degrees[j] > 2) {
-            token_.fail(from, "a product of more than two of x and y");
+            token_.fail(from, "the degree of the product in x and y is above 2");
         }
         Quadratic value;
         // x x is term 3, x y term 4, y y term 5; term 2 is the constant.
@@ -133,7 +134,7 @@ class Reader {
     std::size_t at_ = 0;
 };
 
-/// a..b, one number, or * for all, of 0..127.
+/// Reads a..b, one number, or * for 0..127.
 std::pair<int, int> range(Reader& reader) {
     constexpr std::uint64_t last = region::size_px - 1;
     if (reader.accept("*")) {
@@ -151,7 +152,7 @@ PixelRectangle rectangle(const Token& token) {
     const auto [y0, y1] = range(reader);
     reader.expect_end();
     if (x0 > x1 || y0 > y1) {
-        token.fail(0, fmt::format("'{}' holds no pixel", token.text));
+        token.fail(0, fmt::format("'{}' contains no pixel", token.text));
     }
     return {x0, y0, x1, y1};
 }
@@ -169,7 +170,7 @@ PixelSelector selector(const Token& token) {
     reader.expect(">=0");
     reader.expect_end();
     if (!value.fits_coefficient_words()) {
-        token.fail(0, "a coefficient is no signed 32-bit number");
+        token.fail(0, "a coefficient does not fit a signed 32-bit number");
     }
     return {{}, value};
 }
@@ -182,7 +183,7 @@ StateColumn column(const Token& token, bool is_given) {
     }
     if (token.text == "readout") {
         if (is_given) {
-            token.fail(0, "a readout is expected, never given");
+            token.fail(0, "readout is a column of 'expect', not of 'given'");
         }
         return {Kind::readout, 0, 32};
     }
@@ -200,8 +201,8 @@ StateColumn column(const Token& token, bool is_given) {
     const auto n = static_cast<std::uint32_t>(reader.number(64));
     reader.expect_end();
     if (n == 0 || a + n > memory_bits) {
-        token.fail(0,
-                   fmt::format("'{}' is not 1..64 of a pixel's {} bits", token.text, memory_bits));
+        token.fail(0, fmt::format("field '{}' must have 1..64 bits within the {} bits of a pixel",
+                                  token.text, memory_bits));
     }
     return {Kind::field, a, n};
 }
@@ -241,8 +242,8 @@ class Parser {
         } else if (!tokens.empty()) {
             inside(tokens);
         }
-        // The assembler gets all lines, those of the program alone with text: so its errors name
-        // the file's lines.
+        // The assembler receives empty lines for all other sections, so that its errors name the
+        // lines of the file.
         assembly_ += section_ == "run" && !opens ? text : "";
         assembly_ += '\n';
     }
@@ -258,7 +259,7 @@ class Parser {
             table(tokens);
         } else if (section_ == "run") {
             if (run_.line != 0) {
-                first.fail(0, fmt::format("'run' stands already in line {}", run_.line));
+                first.fail(0, fmt::format("the case already has 'run' in line {}", run_.line));
             }
             run_ = first;
             expect_count(tokens, 1);
@@ -267,7 +268,7 @@ class Parser {
         }
     }
 
-    /// Sections of one line.
+    /// Reads sections of one line.
     void fact(const Tokens& tokens) {
         const Token& first = tokens.front();
         const auto number = [&](std::size_t i, std::uint64_t limit) {
@@ -345,7 +346,7 @@ class Parser {
         const Quadratic value = reader.quadratic();
         reader.expect_end();
         if (section_ == "given" && !value.is_constant() && !value.fits_coefficient_words()) {
-            token.fail(0, "a coefficient is no signed 32-bit number");
+            token.fail(0, "a coefficient does not fit a signed 32-bit number");
         }
         return value;
     }

@@ -1,15 +1,15 @@
-// A conformance case: pixels before, a program, pixels after; and its text form.
+// A conformance case and its text form: pixels before a run, a program, pixels after the run.
 //
 //   title  An 8-bit sum carries out of its top bit
 //   given      m0:8   m8:8    enable
 //     all      0      x+2*y   0           ; every pixel; later rows override earlier ones
 //     3,5      0xff   1       1           ; one pixel
-//     0..7,9   12     -       1           ; a rectangle; - says nothing
-//     x-64>=0  -      -7      -           ; where this holds
+//     0..7,9   12     -       1           ; a rectangle; - sets nothing
+//     x-64>=0  -      -7      -           ; where this is true
 //   run
 //     MEMpluseqMEM m0:8 m8
 //   expect     m0:8   carry
-//     3,5      0      1                   ; all else is as it was given
+//     3,5      0      1                   ; everything else is unchanged
 //
 // tests/isa/conformance/README.md describes the whole format.
 #pragma once
@@ -28,16 +28,16 @@
 
 namespace pxpl5::isa {
 
-/// Thrown for text that is not a conformance case; `what` names line, column, what was found and
-/// what was expected.
+/// Thrown for text that is not a conformance case. The text names the line, the column, the part
+/// that was found and the part that was expected.
 struct ConformanceError : std::runtime_error {
     ConformanceError(const std::string& what, std::size_t line_number, std::size_t column_number)
         : std::runtime_error(what), line(line_number), column(column_number) {}
-    std::size_t line, column;  ///< From 1.
+    std::size_t line, column;  ///< Both from 1.
 };
 
-/// A quadratic in a pixel's place, k[0] x + k[1] y + k[2] + k[3] x^2 + k[4] x y + k[5] y^2, modulo
-/// 2^64; the order is that of the tree's coefficients.
+/// k[0] x + k[1] y + k[2] + k[3] x^2 + k[4] x y + k[5] y^2 of a pixel's x and y, modulo 2^64. The
+/// tree's coefficients have the same order.
 struct Quadratic {
     std::array<std::uint64_t, 6> k{};
 
@@ -50,7 +50,7 @@ struct Quadratic {
     bool fits_coefficient_words() const;
 };
 
-/// Pixels x0..x1, y0..y1, all included.
+/// Pixels x0..x1, y0..y1, ends included.
 struct PixelRectangle {
     int x0 = 0, y0 = 0;
     int x1 = region::size_px - 1, y1 = region::size_px - 1;
@@ -58,7 +58,7 @@ struct PixelRectangle {
     friend bool operator==(const PixelRectangle&, const PixelRectangle&) = default;
 };
 
-/// Which pixels a row speaks of: those of a rectangle where the quadratic, if any, is >= 0, signed.
+/// The pixels of a row: those of a rectangle where the quadratic, if any, is >= 0, signed.
 struct PixelSelector {
     PixelRectangle rectangle;
     std::optional<Quadratic> at_least_zero;
@@ -68,20 +68,20 @@ struct PixelSelector {
     }
 };
 
-/// What a column of a table speaks of.
+/// The part of a pixel's state that a column lists.
 struct StateColumn {
     enum class Kind : std::uint8_t { field, enable, carry, block, readout };
     Kind kind = Kind::field;
     std::uint32_t a = 0;  ///< First bit of a field; number of a backing-store block.
-    std::uint32_t n = 1;  ///< Width in bits: 1..64 of a field, 1 of enable and carry, else 32.
+    std::uint32_t n = 1;  ///< Width in bits: field 1..64, enable and carry 1, else 32.
     friend bool operator==(const StateColumn&, const StateColumn&) = default;
 };
 
-/// The state of some pixels: rows in order, later ones override earlier ones.
+/// The state of some pixels. Later rows override earlier rows.
 struct StateTable {
     struct Row {
         PixelSelector where;
-        std::vector<std::optional<Quadratic>> values;  ///< One per column; low n bits count.
+        std::vector<std::optional<Quadratic>> values;  ///< One per column; the low n bits are used.
     };
     std::vector<StateColumn> columns;
     std::vector<Row> rows;
@@ -89,15 +89,15 @@ struct StateTable {
 
 struct ConformanceCase {
     std::string title;
-    std::vector<PixelRectangle> watch;  ///< The pixels that are compared; empty: all.
-    std::vector<StateTable> given;      ///< On pixels that are cleared and disabled.
-    Program program;                    ///< Passed check(); without open parameters.
-    std::vector<StateTable> expect;     ///< Changes of what was given.
+    std::vector<PixelRectangle> watch;  ///< The pixels to compare; empty: all.
+    std::vector<StateTable> given;      ///< The state before; other pixels are clear and disabled.
+    Program program;                    ///< Passed check(); has no parameters.
+    std::vector<StateTable> expect;     ///< The changes to the given state.
 
-    std::vector<std::uint32_t> signals;                 ///< Numbers of all SIGNALs, in order.
-    bool flag = true;                                   ///< The controller's, at the end.
-    std::optional<std::uint64_t> instructions, cycles;  ///< Of the run, if stated.
-    std::string stops;  ///< Part of the RunError's text; empty if the program runs to its end.
+    std::vector<std::uint32_t> signals;                 ///< The numbers of all SIGNALs, in order.
+    bool flag = true;                                   ///< The controller's flag at the end.
+    std::optional<std::uint64_t> instructions, cycles;  ///< Counts of the run, if given.
+    std::string stops;  ///< Part of the RunError's text; empty if the run reaches its end.
 };
 
 /// Reads a case. Throws ConformanceError.

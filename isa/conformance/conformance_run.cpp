@@ -13,7 +13,7 @@ namespace {
 
 using Kind = StateColumn::Kind;
 
-/// Memory of one pixel, 64 bits a word.
+/// Memory of one pixel, 64 bits per word.
 struct Memory {
     std::array<std::uint64_t, memory_bits / 64 + 1> words{};
 
@@ -39,11 +39,11 @@ struct Memory {
     }
 };
 
-/// What one pixel holds.
+/// The state of one pixel.
 struct Pixel {
     Memory memory;
     bool enable = false, carry = false;
-    std::map<std::uint32_t, std::uint32_t> blocks;  ///< Those that a case speaks of.
+    std::map<std::uint32_t, std::uint32_t> blocks;  ///< The blocks that the case names.
     std::uint32_t readout = 0;
 };
 
@@ -79,7 +79,7 @@ void apply(const std::vector<StateTable>& tables, int x, int y, Pixel& pixel) {
     }
 }
 
-/// Blocks of the backing store that the case or its program speaks of.
+/// Returns the backing-store blocks that the case or its program names.
 std::vector<std::uint32_t> blocks_of(const ConformanceCase& test) {
     std::vector<std::uint32_t> blocks;
     for (const std::vector<StateTable>* tables : {&test.given, &test.expect}) {
@@ -144,7 +144,7 @@ class Comparison {
     }
 
   private:
-    /// Why the run stopped; empty if it ran to its end.
+    /// Runs the program. Returns the error that stopped the run, or an empty text.
     std::string run() {
         controller_.on_signal = [this](std::uint32_t number) { signals_.push_back(number); };
         controller_.step_limit = 1'000'000;
@@ -162,7 +162,7 @@ class Comparison {
     std::string controller(const std::string& stopped) const {
         if (stopped.empty() != test_.stops.empty() ||
             stopped.find(test_.stops) == std::string::npos) {
-            return fmt::format("the run ends '{}', expected '{}'", stopped, test_.stops);
+            return fmt::format("the run stopped with '{}', expected '{}'", stopped, test_.stops);
         }
         if (signals_ != test_.signals) {
             return fmt::format("signals are [{}], expected [{}]", listed(signals_),
@@ -228,7 +228,7 @@ class Comparison {
         return {};
     }
 
-    /// Fields that the case speaks of come first, so that its own names appear in a difference.
+    /// Compares the fields of the case first, so that a difference uses their names.
     std::string memory(int x, int y, const Pixel& want) const {
         constexpr std::uint32_t part = 52;
         for (std::uint32_t a = 0; a < memory_bits; a += part) {
@@ -242,7 +242,7 @@ class Comparison {
         return {};
     }
 
-    /// The difference at `bit`, told of the field that the case names there, or of the bit.
+    /// Returns the difference at `bit` as a difference of the case's field there, or of the bit.
     std::string named_field(int x, int y, const Pixel& want, std::uint32_t bit) const {
         StateColumn field{Kind::field, bit, 1};
         for (const std::vector<StateTable>* tables : {&test_.given, &test_.expect}) {

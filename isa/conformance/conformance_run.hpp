@@ -1,4 +1,4 @@
-// Brings an executor into a conformance case's state, runs the case and compares.
+// Runs an executor through a conformance case.
 #pragma once
 
 #include <string>
@@ -8,20 +8,20 @@
 
 namespace pxpl5::isa {
 
-/// The pixels that the case compares: its watched ones, or all.
+/// Returns the pixels that the case compares: the watched pixels, or all.
 std::vector<PixelRectangle> compared_pixels(const ConformanceCase& test);
 
-/// Brings the pixels of `executor`, which is as new, into the state of `given`. It is done by
-/// programs, so that every executor can be brought there; they use SETENABS, CLRENABS, MEMintoENAB,
-/// the TREE and QUAD rows that test and store, CONSTintoMEM, CLEARMEM, MEMpluseqMEM and BSWRITE.
-/// Throws std::invalid_argument if enables differ from pixel to pixel and the fields given leave no
-/// bit of memory free.
+/// Puts the pixels of a new `executor` into the state of `given`. Works on every executor, because
+/// it runs a program: SETENABS, CLRENABS, MEMintoENAB, the TREE and QUAD rows that test and store,
+/// CONSTintoMEM, CLEARMEM, MEMpluseqMEM, BSWRITE and BSWAIT.
+/// Throws std::invalid_argument if the enable bits of the pixels differ and the given fields leave
+/// no bit of memory free.
 void set_up(const std::vector<StateTable>& given, Executor& executor);
 
-/// Sets `executor`, which is as new, up, runs the program and compares the pixels of `area` that
-/// the case watches, then what the controller tells. Returns the first difference as a sentence
-/// that names what, where and both values; empty if there is none.
-/// before_run  Called between set-up and run, for tests that plant a fault.
+/// Puts a new `executor` into the given state and runs the program. Then compares the watched
+/// pixels in `area` and the results of the controller. Returns the first difference as a sentence
+/// that names the item, the place and both values, or an empty text. before_run  Called between
+/// set-up and run, for tests that plant a fault.
 std::string first_difference(const ConformanceCase& test, Executor& executor,
                              const PixelRectangle& area = {},
                              const std::function<void()>& before_run = {});

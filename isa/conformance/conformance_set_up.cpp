@@ -1,4 +1,4 @@
-// How an executor is brought into a given state, by a program.
+// Puts an executor into a given state by running a program.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 
 using Kind = StateColumn::Kind;
 
-/// Writes a program that sets the pixels up. Memory is scratch until the fields are set.
+/// Writes the program. Memory is scratch until the fields are set.
 class SetUp {
   public:
     std::vector<std::uint32_t> words(const std::vector<StateTable>& given) {
@@ -20,7 +20,7 @@ class SetUp {
             each_value(given, kind, [&](const StateColumn& column, const Quadratic& value) {
                 store(0, backing_block_bits, value);
                 if (kind == Kind::carry) {
-                    put({Op::mem_plus_mem, {0, 0, 1}});  // A bit plus itself carries the bit.
+                    put({Op::mem_plus_mem, {0, 0, 1}});  // The carry of bit + bit is the bit.
                 } else {
                     put({Op::bs_write, {0, column.a, 0}});
                     put({Op::bs_wait, {}});
@@ -44,7 +44,7 @@ class SetUp {
         }
     }
 
-    /// Enables the pixels that a row speaks of.
+    /// Enables the pixels of a row.
     void select(const PixelSelector& where) {
         const PixelRectangle& r = where.rectangle;
         const auto minus = [](int v) { return static_cast<std::uint64_t>(-std::int64_t{v}); };
@@ -100,8 +100,8 @@ class SetUp {
                  });
     }
 
-    /// Comes last. Enables that differ are gathered in a free bit, which reads 0 before and after:
-    /// the pixels that MEMintoENAB enables are the ones whose bit CLEARMEM clears.
+    /// Runs last. If the enable bits differ, collects them in a free bit, which is 0 before and
+    /// after: CLEARMEM clears the bit of exactly those pixels that MEMintoENAB enables.
     void enables(const std::vector<StateTable>& given) {
         bool differ = false, last = false;
         each_row(given, Kind::enable,
@@ -134,9 +134,9 @@ class SetUp {
                 return bit;
             }
         }
-        throw std::invalid_argument(
-            fmt::format("the fields given leave none of {} bits of memory free to set enables up",
-                        memory_bits));
+        throw std::invalid_argument(fmt::format(
+            "the given fields use all {} bits of memory; the set-up of enable needs one free bit",
+            memory_bits));
     }
 
     std::vector<std::uint32_t> words_;

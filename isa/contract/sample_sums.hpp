@@ -1,8 +1,8 @@
-// Where the backing store keeps the sums of a picture that is drawn several times.
+// The sums of an antialiased picture in the backing store.
 //
-// A picture may be the mean of 4 or 16 frames, its passes. Each region has a slot at the Renderer
-// that draws it, of as many blocks as three sums of 8-bit colours take: of 4 passes 30 bits, of 16
-// passes 36.
+// An antialiased picture is the mean of 4 or 16 frames, the passes. The Renderer that draws a
+// region stores three sums of 8-bit colors per pixel, in a slot of one or two blocks: the sums of 4
+// passes need 30 bits, and those of 16 passes need 36 bits.
 #pragma once
 
 #include <cstddef>
@@ -13,15 +13,15 @@
 
 namespace pxpl5::isa {
 
-/// Frames that a picture may be the mean of, besides 1.
+/// Numbers of passes per antialiased picture.
 inline constexpr std::uint32_t few_samples = 4, many_samples = 16;
 
-/// Of one region; 0 of a picture of one frame, which is not summed.
+/// Returns the blocks per region; 0 for a picture of one frame.
 constexpr std::uint32_t sum_blocks(std::uint32_t samples) {
     return samples <= 1 ? 0 : samples <= few_samples ? 1 : 2;
 }
 
-/// Regions of a picture that one Renderer has room for.
+/// Returns the number of regions for which one Renderer has blocks.
 constexpr std::size_t max_summed_regions(std::uint32_t samples) {
     return samples <= 1 ? std::numeric_limits<std::size_t>::max()
                         : backing_blocks / sum_blocks(samples);

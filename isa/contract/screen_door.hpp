@@ -1,20 +1,22 @@
-// The screen door: where a pixel's memory keeps what a transparent surface needs while it is drawn.
+// Stipple (screen-door) transparency: the fields of a pixel while a transparent surface is drawn.
 //
-// A transparent surface shows in some of each 4 x 4 pixels. In the others its door is shut: their
-// depth is put aside and is as near as can be, so that nothing passes the depth test, until the
-// door is opened again. rgb is free for that: until the end of the region it holds the background's
-// colour alone, which is written again.
+// A transparent surface appears in some pixels of each 4 x 4 group. In the other pixels the door is
+// shut: the program saves their depth and stores the nearest depth, so that no triangle passes the
+// depth test. Opening the door restores the depth. The saved depth uses rgb, which holds only the
+// color of the background until the end of the region; that color is written again.
 #pragma once
 
 #include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::isa::door {
 
-inline constexpr std::uint32_t levels = 16;  ///< Of opacity; a surface with all of them is opaque.
+inline constexpr std::uint32_t levels =
+    16;  ///< Levels of opacity; a surface with all levels is opaque.
 inline constexpr region::Field kept_z = region::rgb;
-inline constexpr region::Field rank{202, 4};          ///< Of the pixel in its 4 x 4.
-inline constexpr std::uint32_t shut = 206;            ///< 1 where the door is shut.
-inline constexpr std::uint32_t begin = rank.address;  ///< Programs of primitives stay below.
+inline constexpr region::Field rank{202, 4};  ///< Rank of the pixel in its 4 x 4 group.
+inline constexpr std::uint32_t shut = 206;    ///< 1 where the door is shut.
+inline constexpr std::uint32_t begin =
+    rank.address;  ///< Programs of primitives use only bits below.
 static_assert(kept_z.width == region::z.width);
 
 }  // namespace pxpl5::isa::door

@@ -1,10 +1,10 @@
-// The one shape of a triangle's program: which instructions, in which order, at which word.
+// The instructions of a triangle program, in order, with their word offsets.
 //
-// The Graphics Processors emit every triangle as these instructions; a Renderer that sees them in a
-// row may run them as one step. Instruction by instruction, in words:
+// The Graphics Processors emit every triangle as this sequence. A Renderer that recognizes the
+// sequence may run it as one step. Word offsets and instructions:
 //
 //    0  SETENABS
-//    1  TREEgeZERO :n      A B C     first edge; n is 16, 24 or 32, for each edge by itself
+//    1  TREEgeZERO :n      A B C     first edge; n is 16, 24 or 32, independently per edge
 //    5  TREEgeZERO :n      A B C     second edge
 //    9  TREEgeZERO :n      A B C     third edge
 //   13  TREEltMEM   z      A B C     depth test ...
@@ -24,7 +24,7 @@
 
 namespace pxpl5::isa::triangle {
 
-// Places of the instruction words. Coefficients A, B, C follow at +1, +2, +3.
+// Offsets of the instruction words. Coefficients A, B, C are at +1, +2, +3.
 inline constexpr std::size_t at_enable = 0;
 inline constexpr std::array<std::size_t, 3> at_edge = {1, 5, 9};
 inline constexpr std::size_t at_z_test = 13;
@@ -34,10 +34,10 @@ inline constexpr std::size_t at_surface = 33;
 inline constexpr std::size_t word_count = 34;
 inline constexpr std::size_t instruction_count = 10;
 
-/// Widths in bits that an edge's TREEgeZERO may have.
+/// Permitted widths of an edge's TREEgeZERO, in bits.
 inline constexpr std::array<std::uint32_t, 3> edge_widths = {16, 24, 32};
 
-/// TREEintoMEM of a whole field, or its fellows, dropping `fraction` bits.
+/// Returns the word of a TREE instruction on a whole field that drops `fraction` bits.
 constexpr std::uint32_t field_word(Op op, region::Field field, std::uint32_t fraction) {
     return encode({op, {field.address, fraction, field.width}});
 }
@@ -56,13 +56,13 @@ inline constexpr std::array<std::uint32_t, 3> normal_words = {
     field_word(Op::tree_into_mem, region::normal_y, region::normal_fraction_bits),
     field_word(Op::tree_into_mem, region::normal_z, region::normal_fraction_bits),
 };
-/// Stores `number` (1 + surface index) as the pixel's surface.
+/// Returns the word that stores `number` (1 + surface index) as the pixel's surface.
 constexpr std::uint32_t surface_word(std::uint32_t number) {
     return encode({Op::imm_into_mem, {region::surface.address, number, region::surface.width}});
 }
 
-/// True if `words`, of which at least word_count can be read, begins with a triangle: all
-/// instruction words are those above, and the z test and the z store have the same plane.
+/// True if `words` begins with a triangle program: all instruction words are those above, and the
+/// z test and the z store have the same plane. At least word_count words must be readable.
 constexpr bool matches(const std::uint32_t* words) {
     bool same = words[at_enable] == enable_word && words[at_z_test] == z_test_word &&
                 words[at_z_store] == z_store_word;
@@ -73,7 +73,7 @@ constexpr bool matches(const std::uint32_t* words) {
                (edge == edge_word(edge_widths[0]) || edge == edge_word(edge_widths[1]) ||
                 edge == edge_word(edge_widths[2]));
     }
-    // Bits 15..8 of an IMMintoMEM word are its number.
+    // Bits 15..8 of an IMMintoMEM word are the number.
     return same && (words[at_surface] & ~0x0000FF00U) == surface_word(0);
 }
 

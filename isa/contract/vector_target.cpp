@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> names = {"best", "sse4", "avx2", "avx512"};
 
-/// Whether this computer has all that Highway's code for the target may use.
+/// True if this computer has all instructions that Highway's code for the target may use.
 bool has(VectorTarget target) {
 #ifdef __x86_64__
     switch (target) {
@@ -45,7 +45,8 @@ bool has(VectorTarget target) {
         available += ", " + std::string(target_name(target));
     }
     throw std::invalid_argument(fmt::format(
-        "vector target \"{}\" is not available here; PXPL5_TARGET may be {}", name, available));
+        "vector target \"{}\" is not available on this computer; PXPL5_TARGET may be {}", name,
+        available));
 }
 
 }  // namespace
@@ -86,7 +87,7 @@ VectorTarget resolve(VectorTarget target) {
     if (target != VectorTarget::best) {
         return target;
     }
-    // Other processors than x86 have one code and no name for it: it stands in all three places.
+    // Processors other than x86 have one unnamed target, which is stored for all three names.
     const std::vector<VectorTarget> there = available_targets();
     return there.empty() ? VectorTarget::sse4 : there.back();
 }

@@ -1,8 +1,8 @@
-// Which of this computer's vector instructions stand in for the machine's processors.
+// Selects the vector instruction set (vector target) of the fast code.
 //
-// Code for all of them is compiled with Highway (foreach_target.h) and chosen at run time; all
-// give the same bits. Highway's own choice is not used: its library measures a clock whenever a
-// process starts, 4 ms, which a machine of 54 processes pays 54 times.
+// Highway (foreach_target.h) compiles the fast code for all targets. The process selects one at
+// run time. All targets compute the same bits. The selection of Highway's library is not used: the
+// library measures a clock at process start, which takes 4 ms, 54 times for the 1993 machine.
 #pragma once
 
 #include <array>
@@ -13,32 +13,32 @@
 
 namespace pxpl5::isa {
 
-/// Vector instruction sets. `best` is the widest that this computer has.
+/// Vector instruction sets. `best` means the widest one of this computer.
 enum class VectorTarget : std::uint8_t { best, sse4, avx2, avx512 };
 
-/// "sse4", as PXPL5_TARGET names it.
+/// Returns the name in PXPL5_TARGET, for example "sse4".
 std::string_view target_name(VectorTarget target);
 
-/// Those of sse4, avx2, avx512 that this computer has, the narrowest first.
+/// Returns the targets of this computer among sse4, avx2, avx512, narrowest first.
 std::vector<VectorTarget> available_targets();
 
-/// The target named by the environment variable PXPL5_TARGET; best if it is unset or empty.
-/// Throws std::invalid_argument if its value names no target that this computer has.
+/// Returns the target that the environment variable PXPL5_TARGET names, or best if it is unset or
+/// empty. Throws std::invalid_argument if this computer does not have that target.
 VectorTarget target_from_environment();
 
-/// `target`, but the widest there is for best.
-/// Throws std::invalid_argument if this computer lacks it.
+/// Returns `target`, or the widest available target for best.
+/// Throws std::invalid_argument if this computer does not have the target.
 VectorTarget resolve(VectorTarget target);
 
-/// resolve(target_from_environment()), looked up once.
+/// Returns resolve(target_from_environment()), computed once.
 VectorTarget process_target();
 
-/// The same thing compiled for sse4, avx2 and avx512; see PXPL5_PER_TARGET.
+/// Pointers to the same code compiled for sse4, avx2 and avx512; see PXPL5_PER_TARGET.
 template <typename Code>
 struct PerTarget {
     std::array<Code, 3> code;
 
-    /// `target` is resolved.
+    /// `target` must be a result of resolve().
     Code operator[](VectorTarget target) const {
         return code[static_cast<std::size_t>(target) - 1];
     }
@@ -46,8 +46,8 @@ struct PerTarget {
 
 }  // namespace pxpl5::isa
 
-/// Behind HWY_ONCE, where foreach_target.h has compiled a function of this name in each target's
-/// namespace: pointers to all of them. Other processors than x86 have one target.
+/// Pointers to the functions of this name that foreach_target.h compiled in each target's
+/// namespace. Use it behind HWY_ONCE. Processors other than x86 have one target.
 #ifdef __x86_64__
 #define PXPL5_PER_TARGET(function)                         \
     (::pxpl5::isa::PerTarget<decltype(&N_SSE4::function)>{ \
@@ -59,5 +59,5 @@ struct PerTarget {
          &HWY_STATIC_DISPATCH(function)}})
 #endif
 
-/// The function of this name for the process's target, to be called.
+/// The function of this name for the target of the process.
 #define PXPL5_DISPATCH(function) (PXPL5_PER_TARGET(function)[::pxpl5::isa::process_target()])

@@ -98,7 +98,7 @@ TEST_CASE("what a transfer uses is left alone until BSWAIT") {
     refused("BSREAD m0 bs1\nBSWRITE m64 bs1\nBSWAIT", 1, {"block 1"});
     refused("BSREAD m0 bs1\nNOP", 0, {"block 1", "at the program's end"});
     refused("BSREAD m0 bs1\nEOR", 1, {"EOR", "block 1"});
-    refused("LOOP #2\nBSREAD m0 bs1\nENDLOOP\nBSWAIT", 2, {"ENDLOOP", "BSWAIT is missing"});
+    refused("LOOP #2\nBSREAD m0 bs1\nENDLOOP\nBSWAIT", 2, {"ENDLOOP", "insert BSWAIT"});
     CHECK(isa::check(isa::assemble("BSREAD m0 bs1\nCLEARMEM m32:64\nBSWAIT\nCLEARMEM m0:32").words)
               .ok());
 }

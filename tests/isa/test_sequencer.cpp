@@ -58,7 +58,7 @@ TEST_CASE("a run that would never end stops at the limit and says so") {
     Machine m;
     m.controller.step_limit = 1000;
     CHECK_THROWS_WITH_AS(m.run("LOOP #255\nLOOP #255\nNOP\nENDLOOP\nENDLOOP"),
-                         "word 2: stopped after 1001 instructions; the limit is 1000",
+                         "word 2: the run executed 1001 instructions; the limit is 1000",
                          isa::RunError);
 }
 
