@@ -1,4 +1,4 @@
-// pxpl5-renderer: one Renderer of the machine, as a process.
+// pxpl5-renderer: the process of one Renderer.
 #include <memory>
 
 #include "renderer_firmware/node.hpp"

@@ -15,7 +15,7 @@ namespace {
 namespace schema = bus::schema;
 using schema::FaultCode;
 
-/// Sorts the segments of one GP for one region to the plan's.
+/// Adds the segments of one GP for one region to the segments of the plan.
 void take_region(FramePlan& plan, std::uint32_t surfaces, std::uint32_t gp,
                  const schema::RegionProgram& program) {
     const auto region =
@@ -29,7 +29,7 @@ void take_region(FramePlan& plan, std::uint32_t surfaces, std::uint32_t gp,
     }
     const Words words(program.words()->data(), program.words()->size());
     for (const schema::Segment* s : *program.segments()) {
-        // Message has checked that segments end within the words.
+        // Message has checked that segments are within the words.
         assert(std::size_t{s->first_word()} + s->word_count() <= words.size());
         if (s->surface() >= surfaces) {
             plan.faults.push_back(
@@ -44,10 +44,10 @@ void take_region(FramePlan& plan, std::uint32_t surfaces, std::uint32_t gp,
     }
 }
 
-/// A surface that comes several times in the list, with other slabs, has one pattern.
+/// A surface that appears several times in the list, with different slabs, has one pattern.
 std::vector<Screen> screens_of(const schema::DrawFrame& draw) {
     std::vector<Screen> screens;
-    std::map<std::uint16_t, std::uint32_t> patterns;  // By the surface's id.
+    std::map<std::uint16_t, std::uint32_t> patterns;  // Pattern by surface id.
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
         Screen& screen = screens.emplace_back();
         screen.opacity = surface->opacity();

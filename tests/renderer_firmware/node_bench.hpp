@@ -86,7 +86,7 @@ inline bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>&
     body.draw->ambient = 1;
     body.draw->specular_power = 1;
     body.draw->background = std::make_unique<schema::Rgb>(10, 20, 30);
-    // No lights and full ambient light: a pixel shows its surface's colour.
+    // No lights and full ambient light: a pixel shows its surface's color.
     constexpr auto all = schema::SlabChoice::all;
     body.draw->surfaces = {{0, 1, schema::Rgb(200, 100, 50), false, all, bus::max_opacity},
                            {1, 1, schema::Rgb(1, 2, 3), false, all, wishes.opacity}};
@@ -98,7 +98,7 @@ inline bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>&
 }
 
 inline constexpr std::uint32_t background = 10 | 20 << 8 | 30 << 16;
-inline constexpr std::uint32_t colours[] = {200 | 100 << 8 | 50 << 16, 1 | 2 << 8 | 3 << 16};
+inline constexpr std::uint32_t colors[] = {200 | 100 << 8 | 50 << 16, 1 | 2 << 8 | 3 << 16};
 
 /// A sheet over the whole region, of surface `surface`.
 inline WordList sheet(std::uint32_t surface, std::uint32_t depth) {
@@ -200,9 +200,9 @@ struct Bench {
 };
 
 inline bool is_all(const schema::RegionPixels& pixels, std::size_t tile_number,
-                   std::uint32_t colour) {
+                   std::uint32_t color) {
     const auto* words = pixels.pixels()->data() + tile_number * tile;
-    return std::all_of(words, words + tile, [=](std::uint32_t w) { return w == colour; });
+    return std::all_of(words, words + tile, [=](std::uint32_t w) { return w == color; });
 }
 
 }  // namespace pxpl5::test

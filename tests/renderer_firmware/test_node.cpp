@@ -22,7 +22,7 @@ TEST_CASE("a frame leaves as one message, with this Renderer's regions in ascend
     CHECK(frames[0]->tiles()->Get(0)->region() == 0);
     CHECK(frames[0]->tiles()->Get(1)->region() == 2);
     CHECK(is_all(*frames[0], 0, background));
-    CHECK(is_all(*frames[0], 1, colours[0]));
+    CHECK(is_all(*frames[0], 1, colors[0]));
     // The sheet adds the ten instructions of a triangle and the shading of its pixels.
     CHECK(frames[0]->tiles()->Get(1)->instructions() >=
           frames[0]->tiles()->Get(0)->instructions() + 10);
@@ -37,7 +37,7 @@ TEST_CASE("depths leave only if they are asked for, beside the pixels of their t
         bench.work();
         REQUIRE(bench.frames().size() == 1);
         const schema::RegionPixels& sent = *bench.frames()[0];
-        CHECK(is_all(sent, 1, colours[1]));
+        CHECK(is_all(sent, 1, colors[1]));
         REQUIRE((sent.depths() != nullptr) == wanted);
         if (wanted) {
             REQUIRE(sent.depths()->size() == 2 * tile);
@@ -59,9 +59,9 @@ TEST_CASE("a transparent surface leaves pixels to what is behind it, whichever i
     bench.work();
     REQUIRE(bench.frames().size() == 1);
     const auto* words = bench.frames()[0]->pixels()->data();
-    CHECK(std::count(words, words + tile, colours[1]) == tile / 4);
-    CHECK(std::count(words, words + tile, colours[0]) == tile * 3 / 4);
-    CHECK(std::count(words + tile, words + 2 * tile, colours[1]) == tile / 4);
+    CHECK(std::count(words, words + tile, colors[1]) == tile / 4);
+    CHECK(std::count(words, words + tile, colors[0]) == tile * 3 / 4);
+    CHECK(std::count(words + tile, words + 2 * tile, colors[1]) == tile / 4);
     CHECK(std::count(words + tile, words + 2 * tile, background) == tile * 3 / 4);
 }
 
@@ -74,7 +74,7 @@ TEST_CASE("a stream that reads out does not put the tiles out of step") {
     bench.work();
     REQUIRE(bench.frames().size() == 1);
     REQUIRE(bench.frames()[0]->pixels()->size() == 2 * tile);
-    CHECK(is_all(*bench.frames()[0], 0, colours[0]));
+    CHECK(is_all(*bench.frames()[0], 0, colors[0]));
     CHECK(is_all(*bench.frames()[0], 1, background));
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("the order in which GPs' messages arrive changes nothing, and slabs de
         bench.work();
         REQUIRE(bench.frames().size() == 1);
         REQUIRE(bench.faults().empty());
-        CHECK(is_all(*bench.frames()[0], 0, colours[0]));
+        CHECK(is_all(*bench.frames()[0], 0, colors[0]));
     } while (std::next_permutation(std::begin(order), std::end(order)));
 }
 
@@ -134,9 +134,9 @@ TEST_CASE("messages of two frames may interleave; frames leave in ascending orde
     REQUIRE(frames.size() == 2);
     CHECK(bench.faults().empty());
     CHECK(frames[0]->frame() == 8);
-    CHECK(is_all(*frames[0], 0, colours[1]));
+    CHECK(is_all(*frames[0], 0, colors[1]));
     CHECK(frames[1]->frame() == 9);
-    CHECK(is_all(*frames[1], 0, colours[0]));
+    CHECK(is_all(*frames[1], 0, colors[0]));
 }
 
 TEST_CASE("a bad stream is a fault that names its place; the region is drawn without it") {
@@ -148,7 +148,7 @@ TEST_CASE("a bad stream is a fault that names its place; the region is drawn wit
     bench.from_gp(1, programs(4, 1, {{0, {{1, 3, sheet(1, 4000)}}}}));
     bench.work();
     REQUIRE(bench.frames().size() == 1);
-    CHECK(is_all(*bench.frames()[0], 0, colours[1]));
+    CHECK(is_all(*bench.frames()[0], 0, colors[1]));
     REQUIRE(bench.faults().size() == 1);
     const std::string fault = bench.faults()[0];
     for (const char* part :
@@ -165,7 +165,7 @@ TEST_CASE("segments that do not belong are faults, and the frame is finished") {
     bench.from_gp(1, programs(4, 1, {{0, {{9, 0, sheet(1, 10)}, {0, 1, sheet(1, 10)}}}}));
     bench.work();
     REQUIRE(bench.frames().size() == 1);
-    CHECK(is_all(*bench.frames()[0], 0, colours[0]));
+    CHECK(is_all(*bench.frames()[0], 0, colors[0]));
     const std::vector<std::string> faults = bench.faults();
     REQUIRE(faults.size() == 4);
     const auto any = [&](const char* text) {
@@ -249,5 +249,5 @@ TEST_CASE("a frame that cannot be sent is a fault, and the next one is drawn") {
     bench.work();
     REQUIRE(bench.frames().size() == 1);
     CHECK(bench.frames()[0]->frame() == 2);
-    CHECK(is_all(*bench.frames()[0], 0, colours[1]));
+    CHECK(is_all(*bench.frames()[0], 0, colors[1]));
 }

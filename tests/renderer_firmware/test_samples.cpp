@@ -14,7 +14,7 @@ using namespace pxpl5::test;
 
 namespace {
 
-/// Shadings of one picture's passes, colours and light different in each, so that every sum is.
+/// Shadings of one picture's passes, colors and light different in each, so that every sum is.
 renderer::Shading shading_of(std::uint32_t sample, std::uint32_t samples) {
     const auto part = [&](std::uint32_t step) {
         return static_cast<std::uint8_t>(sample == 0 ? 255 : step * sample % 256);

@@ -57,7 +57,7 @@ struct Scene {
 
     explicit Scene(std::uint64_t seed) {
         test::RandomPrograms random(seed);
-        shading.ambient = 1;  // And no lamps: a pixel has its surface's colour.
+        shading.ambient = 1;  // And no lamps: a pixel has its surface's color.
         shading.background = {9, 18, 27};
         for (std::uint32_t s = 0; s < 8; ++s) {
             const auto part = [&] { return static_cast<std::uint8_t>(random.below(256)); };
@@ -83,10 +83,10 @@ struct Scene {
         Slab& made = slabs.emplace_back(Slab{surface, slab, {}});
         WordList& out = words.emplace_back();
         for (int n = 0; n < 12; ++n) {
-            const test::Corner centre{static_cast<std::int32_t>(random.below(2048)),
+            const test::Corner center{static_cast<std::int32_t>(random.below(2048)),
                                       static_cast<std::int32_t>(random.below(2048))};
             test::TrianglePlanes t =
-                test::random_triangle(random, centre, reaches[random.below(4)]);
+                test::random_triangle(random, center, reaches[random.below(4)]);
             t.surface = surface + 1;
             append(t, out);
             made.triangles.push_back(t);
@@ -142,7 +142,7 @@ Drawn draw(isa::Executor& executor, const renderer::RegionPrograms& programs,
     return drawn;
 }
 
-std::uint32_t colour_of(const renderer::Shading& shading, std::uint32_t field) {
+std::uint32_t color_of(const renderer::Shading& shading, std::uint32_t field) {
     const renderer::Rgb c = field == 0 ? shading.background : shading.surfaces[field - 1];
     return c.r | c.g << 8U | c.b << 16U;
 }
@@ -187,7 +187,7 @@ TEST_CASE("transparent surfaces show in their pixels of the pattern, as the dept
                 const std::uint32_t expected = expected_at(scene, i % side, i / side);
                 const auto at = static_cast<std::size_t>(i);
                 wrong += drawn.depths[at] == expected ? 0 : 1;
-                wrong += drawn.pixels[at] == colour_of(scene.shading, expected & 0xFF) ? 0 : 1;
+                wrong += drawn.pixels[at] == color_of(scene.shading, expected & 0xFF) ? 0 : 1;
                 covered += (expected & 0xFF) != 0 ? 1 : 0;
             }
             CHECK(wrong == 0);

@@ -50,8 +50,8 @@ TEST_CASE("random triangles, run fused, leave memory, carries and enables of the
         test::append_random_triangles(random, 1 + random.below(20), words);
         // Triangles that are sure to meet the window, on top of one another.
         for (int i = 0; i < 12; ++i) {
-            const test::Corner centre{(window.x0 + 8) * 16, (window.y0 + 6) * 16};
-            append(test::random_triangle(random, centre, 8 << random.below(6)), words);
+            const test::Corner center{(window.x0 + 8) * 16, (window.y0 + 6) * 16};
+            append(test::random_triangle(random, center, 8 << random.below(6)), words);
         }
         test::on_every_target([&](Fast& fast) { compare_runs(words, window, fast); });
     }

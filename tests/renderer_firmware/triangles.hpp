@@ -79,14 +79,14 @@ inline void append(const TrianglePlanes& t, std::vector<std::uint32_t>& words) {
 
 /// A triangle around (x, y) (1/16 pixel) with corners within `reach`; about 16 depths, so that
 /// ties are common.
-inline TrianglePlanes random_triangle(RandomPrograms& random, Corner centre, std::int32_t reach) {
+inline TrianglePlanes random_triangle(RandomPrograms& random, Corner center, std::int32_t reach) {
     const auto corner = [&] {
         const auto offset = [&] {
             return static_cast<std::int32_t>(
                        random.below(static_cast<std::uint32_t>(2 * reach + 1))) -
                    reach;
         };
-        return Corner{centre.x + offset(), centre.y + offset()};
+        return Corner{center.x + offset(), center.y + offset()};
     };
     TrianglePlanes t;
     put_edges(corner(), corner(), corner(), t);
