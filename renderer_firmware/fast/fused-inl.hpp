@@ -242,15 +242,7 @@ HWY_INLINE void run_row(Row<isa::Op::neg_mem>, Pixels& p, std::int32_t) {
     FieldA<o>::store(p, constant<o.n>(0) - FieldA<o>::load(p));
 }
 
-/// m[a : a+2n) = the product.
-template <Operands o>
-HWY_INLINE void store_product(Pixels& p, Wide value) {
-    if constexpr (o.n <= 16) {
-        FixedField<o.a, 2 * o.n>::store(p, {value.lo});
-    } else {
-        FixedField<o.a, 2 * o.n>::store(p, value);
-    }
-}
+/// m[a : a+2n) = m[a] * m[b].
 template <Operands o>
 HWY_INLINE void run_row(Row<isa::Op::mul_mem>, Pixels& p, std::int32_t) {
     const V q = FieldA<o>::load(p).lo, r = FieldB<o>::load(p).lo;
