@@ -6,7 +6,7 @@
 
 #include "gp_firmware/node.hpp"
 #include "gp_firmware/node_trace.hpp"
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 
 namespace {
 

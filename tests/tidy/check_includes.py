@@ -63,7 +63,8 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 ZMQ = re.compile(r"^zmq(\.hpp|\.h|_addon\.hpp)$")
 SOCKETS = re.compile(r"^(libwebsockets\.h|libwebsockets/.*)$")
 CODECS = re.compile(r"^(itk|OpenImageIO/|assimp/|cairo|ft2build|meshoptimizer|gdcm|nifti|vnl/)")
-MESSAGES = re.compile(r"^(.*_generated\.h|flatbuffers/.*|ringbus/(message|node|process)\.hpp)$")
+MESSAGES = re.compile(
+    r"^(.*_generated\.h|flatbuffers/.*|ringbus/(message|node|process/process)\.hpp)$")
 
 
 # Inspection executes the firmware again, so it alone of the host may include it.

@@ -33,7 +33,7 @@ CLEAN = {
                                     '#include "isa/program.hpp"\n',
     "gp_firmware/hal/memory.hpp": "#pragma once\n",
     "renderer_firmware/README.md": "renderer\n",
-    "renderer_firmware/main.cpp": '#include "ringbus/process.hpp"\n',
+    "renderer_firmware/main.cpp": '#include "ringbus/process/process.hpp"\n',
     "host/README.md": "host\n",
     "host/main.cpp": '#include "host/phantom/field.hpp"\n',
     "host/base/README.md": "base\n",
