@@ -16,6 +16,15 @@ MAY_INCLUDE = {
 # The rooms of a folder, from the bottom up, and which of its other rooms each may include. "." is
 # the folder's own files. A room of a room has its own row: "host/inspect": {"record": ...}.
 ROOMS = {
+    "isa": {".": set(), "reference": {"."}, "conformance": {"."}, "contract": {"."}},
+    "ringbus": {".": set(), "trace": {"."}, "process": {".", "trace"}},
+    "renderer_firmware": {
+        "hal": set(),
+        "programs": set(),
+        "fast": {"hal", "programs"},
+        "igc": {"programs"},
+        ".": {"fast", "igc"},
+    },
     "host": {
         "base": set(),
         "volume": {"base"},

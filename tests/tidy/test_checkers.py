@@ -107,6 +107,17 @@ class Planted(unittest.TestCase):
                  "host/inspect/record may not include host/inspect/why"),
                 ("host/phantom/a.cpp", '"host/io/import.hpp"',
                  "host/phantom may not include host/io"),
+                ("isa/a.cpp", '"isa/reference/bits.hpp"', "isa/. may not include isa/reference"),
+                ("isa/contract/a.hpp", '"isa/reference/bits.hpp"',
+                 "isa/contract may not include isa/reference"),
+                ("ringbus/a.cpp", '"ringbus/trace/recorder.hpp"',
+                 "ringbus/. may not include ringbus/trace"),
+                ("ringbus/trace/a.cpp", '"ringbus/process/process.hpp"',
+                 "ringbus/trace may not include ringbus/process"),
+                ("renderer_firmware/fast/a.cpp", '"renderer_firmware/igc/igc.hpp"',
+                 "renderer_firmware/fast may not include renderer_firmware/igc"),
+                ("renderer_firmware/igc/a.cpp", '"renderer_firmware/hal/port.hpp"',
+                 "renderer_firmware/igc may not include renderer_firmware/hal"),
                 ("host/attic/a.cpp", '"host/base/text.hpp"', "is not in ROOMS"),
                 ("gp_firmware/hal/a.cpp", '"gp_firmware/volume/slice.hpp"', "hal may not")):
             self.finds(check_includes, name, f"#include {included}\n", words)
