@@ -126,8 +126,9 @@ void RendererNode::Drawing::note(FaultCode code, std::uint32_t gp, const std::st
         fault.source = from->second.source();
         fault.sequence = from->second.header().sequence();
     }
-    fault.reason = fmt::format("frame {}, {}{}", plan.frame, reason,
-                               fault_count == max_faults ? "; further faults are not told" : "");
+    fault.reason =
+        fmt::format("frame {}, {}{}", plan.frame, reason,
+                    fault_count == max_faults ? "; further faults are not reported" : "");
     faults.push_back(std::move(fault));
 }
 
@@ -144,7 +145,7 @@ void RendererNode::receive(const bus::Message& message, bus::Outbox&) {
             return on_programs(message);
         default:
             refuse(FaultCode::bad_message,
-                   fmt::format("a Renderer does not take {}", bus::kind_name(message.kind())));
+                   fmt::format("a Renderer does not accept {}", bus::kind_name(message.kind())));
     }
 }
 
@@ -172,10 +173,11 @@ void RendererNode::on_topology(const bus::Message& message) {
         }
     }
     if (!found_self || !found_frame_buffer || gp_ids_.empty()) {
-        refuse(FaultCode::bad_input,
-               fmt::format("topology: node {} is {}a Renderer, {} GPs, {} frame buffer 0", self_,
-                           found_self ? "" : "not ", gp_ids_.size(),
-                           found_frame_buffer ? "one" : "no"));
+        refuse(
+            FaultCode::bad_input,
+            fmt::format("topology: node {} is {}a Renderer; there are {} GPs and {} frame buffer 0",
+                        self_, found_self ? "" : "not ", gp_ids_.size(),
+                        found_frame_buffer ? "one" : "no"));
     }
 }
 
@@ -183,11 +185,11 @@ void RendererNode::on_topology(const bus::Message& message) {
 FrameMessages& RendererNode::inputs_of(std::uint32_t frame) {
     if (newest_drawn_ && frame <= *newest_drawn_) {
         refuse(FaultCode::bad_message,
-               fmt::format("frame {}: it is over, frame {} was drawn", frame, *newest_drawn_));
+               fmt::format("frame {}: frame {} is already drawn", frame, *newest_drawn_));
     }
     if (!waiting_.contains(frame) && waiting_.size() == max_waiting_frames) {
         refuse(FaultCode::bad_message,
-               fmt::format("frame {}: {} frames from {} on wait already, the limit is {}", frame,
+               fmt::format("frame {}: {} frames from {} on are waiting; the limit is {}", frame,
                            waiting_.size(), waiting_.begin()->first, max_waiting_frames));
     }
     return waiting_[frame];
@@ -200,21 +202,21 @@ void RendererNode::on_begin(const bus::Message& message) {
         bus::region_count(draw.width(), draw.height(), draw.views()->size());
     if (begin.assignment()->size() != regions) {
         refuse(FaultCode::bad_message,
-               fmt::format("frame {}: the assignment is for {} regions, the frame has {}",
+               fmt::format("frame {}: the assignment has {} regions, but the frame has {}",
                            draw.frame(), begin.assignment()->size(), regions));
     }
     const auto ours = static_cast<std::size_t>(std::ranges::count(*begin.assignment(), index_));
     if (ours > isa::max_summed_regions(draw.samples())) {
-        refuse(
-            FaultCode::bad_message,
-            fmt::format("frame {}: {} regions are assigned to Renderer {}, which sums {} samples "
-                        "of {} at most",
-                        draw.frame(), ours, index_, draw.samples(),
-                        isa::max_summed_regions(draw.samples())));
+        refuse(FaultCode::bad_message,
+               fmt::format(
+                   "frame {}: Renderer {} has {} regions, but can sum {} samples of at most {}",
+                   draw.frame(), index_, ours, draw.samples(),
+                   isa::max_summed_regions(draw.samples())));
     }
     FrameMessages& inputs = inputs_of(draw.frame());
     if (inputs.begin) {
-        refuse(FaultCode::bad_message, fmt::format("frame {} begins twice", draw.frame()));
+        refuse(FaultCode::bad_message,
+               fmt::format("frame {}: BeginFrame arrived twice", draw.frame()));
     }
     inputs.begin = message;
 }
@@ -228,7 +230,7 @@ void RendererNode::on_programs(const bus::Message& message) {
                            message.source(), programs.gp(), gp_ids_.size()));
     }
     if (!inputs_of(programs.frame()).programs.emplace(programs.gp(), message).second) {
-        refuse(FaultCode::bad_message, fmt::format("frame {}: the programs of GP {} came twice",
+        refuse(FaultCode::bad_message, fmt::format("frame {}: the programs of GP {} arrived twice",
                                                    programs.frame(), programs.gp()));
     }
 }
@@ -269,9 +271,9 @@ void RendererNode::start_next(bus::Outbox& out) {
     // Senders keep their order, so the missing messages of older frames are lost.
     for (auto old = waiting_.begin(); old != newer; ++old) {
         drawing->note(FaultCode::lost_message, no_gp,
-                      fmt::format("before it: frame {} is given up, {} and {} of {} GPs' programs "
-                                  "came",
-                                  old->first, old->second.begin ? "its beginning" : "no beginning",
+                      fmt::format("before it: frame {} is dropped: {}BeginFrame and the programs "
+                                  "of {} of {} GPs arrived",
+                                  old->first, old->second.begin ? "" : "no ",
                                   old->second.programs.size(), gp_ids_.size()));
     }
     waiting_.erase(waiting_.begin(), newer);

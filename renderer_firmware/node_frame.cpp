@@ -137,16 +137,17 @@ std::string missing_sums(const std::optional<HeldSums>& held, const FramePlan& p
     const std::string pass =
         fmt::format("sample {} of {}", plan.pass.sample + 1, plan.pass.samples);
     if (!held) {
-        return fmt::format("{}: no sums are held", pass);
+        return fmt::format("{}: no sums are stored", pass);
     }
     if (held->frame + 1 != plan.frame || held->pass.sample + 1 != plan.pass.sample ||
         held->pass.samples != plan.pass.samples) {
-        return fmt::format("{}: the sums held are those of sample {} of {} of frame {}", pass,
+        return fmt::format("{}: the stored sums are those of sample {} of {} of frame {}", pass,
                            held->pass.sample + 1, held->pass.samples, held->frame);
     }
     if (!std::ranges::equal(held->regions, plan.regions, {}, {}, &FramePlan::Region::number)) {
-        return fmt::format("{}: sums of {} regions are held, others than the {} of this frame",
-                           pass, held->regions.size(), plan.regions.size());
+        return fmt::format(
+            "{}: the stored sums are those of {} other regions, not of the {} of this frame", pass,
+            held->regions.size(), plan.regions.size());
     }
     return {};
 }

@@ -69,7 +69,7 @@ class Planner {
             const Segment& s = segments[i];
             if (i > 0 && place(segments[i - 1]) == place(s)) {
                 plan_.faults.push_back(
-                    fault(s, fmt::format("GP {} has drawn this surface and slab already",
+                    fault(s, fmt::format("GP {} has already drawn this surface and slab",
                                          segments[i - 1].gp)));
             } else if (const std::optional<isa::ProgramError> error = Igc::check(s.words)) {
                 plan_.faults.push_back(

@@ -14,7 +14,7 @@
 
 namespace pxpl5::test {
 
-/// A case and the file it was read from.
+/// A case and its file.
 struct ConformanceFile {
     std::string name;  ///< "by_hand/NAME.pxt" or "generated/NAME.pxt".
     isa::ConformanceCase test;
@@ -60,8 +60,8 @@ inline const std::vector<ConformanceFile>& conformance_suite() {
     return suite;
 }
 
-/// The first difference on the reference. It emulates what is watched, a rectangle at a time,
-/// unless the program asks for the OR of all enables: then it needs the whole region.
+/// Returns the first difference on the reference. Emulates the watched pixels, one rectangle at a
+/// time. A program with ANYENAB needs the whole region.
 inline std::string difference_on_reference(const ConformanceFile& file) {
     std::vector<isa::PixelRectangle> windows = isa::compared_pixels(file.test);
     if (file.names(isa::Op::any_enab)) {

@@ -1,4 +1,4 @@
-// The assembler: what it accepts, and what it says about the rest.
+// Tests the assembler and its error messages.
 #include <doctest/doctest.h>
 
 #include "isa/assemble.hpp"

@@ -1,4 +1,4 @@
-// The example programs of ASSEMBLER.md and ISA.md: assembled, run, compared with mathematics.
+// Runs the programs of ASSEMBLER.md and ISA.md and compares the pictures with mathematics.
 #include <doctest/doctest.h>
 
 #include <fstream>
@@ -15,7 +15,7 @@ using namespace pxpl5;
 
 namespace {
 
-/// The code blocks of a page that are marked as pxasm.
+/// Returns the code blocks of a page that are marked as pxasm.
 std::vector<std::string> programs_of(const std::string& page) {
     std::ifstream file(PXPL5_SOURCE_DIR "/isa/" + page, std::ios::binary);
     std::ostringstream all;
@@ -31,7 +31,7 @@ std::vector<std::string> programs_of(const std::string& page) {
     return blocks;
 }
 
-/// "disc" of "; disc.pxasm: a red disc".
+/// Returns "disc" for "; disc.pxasm: a red disc".
 std::string name_of(const std::string& program) {
     const std::size_t end = program.find(".pxasm:");
     REQUIRE(program.starts_with("; "));
@@ -51,7 +51,7 @@ int squared_distance(int x, int y, int center) {
     return (x - center) * (x - center) + (y - center) * (y - center);
 }
 
-/// 0xBBGGRR at a pixel.
+/// Returns 0xBBGGRR of a pixel.
 using Picture = std::function<int(int x, int y)>;
 
 const std::map<std::string, Picture> pictures = {

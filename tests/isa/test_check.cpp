@@ -1,4 +1,4 @@
-// What check() refuses, and what it says.
+// Tests the rules of check() and their messages.
 #include <doctest/doctest.h>
 
 #include "isa/assemble.hpp"
@@ -17,7 +17,7 @@ Words word(Op op, isa::Operands o) {
     return {isa::encode({op, o})};
 }
 
-/// True if `words` are refused at `at` and the reason holds all of `parts`.
+/// Fails unless check() refuses `words` at `at` with a reason that contains all of `parts`.
 void refused(const Words& words, std::size_t at, std::initializer_list<std::string_view> parts) {
     const isa::CheckResult result = isa::check(words);
     REQUIRE_FALSE(result.ok());

@@ -1,4 +1,4 @@
-// The text form of conformance cases: what it says, and what it refuses.
+// Tests the text form of conformance cases and its error messages.
 #include <doctest/doctest.h>
 
 #include "isa/conformance/conformance_run.hpp"

@@ -1,4 +1,4 @@
-// The controller: calls, loops, skips, signals and limits.
+// Tests the controller: calls, loops, skips, signals and limits.
 #include <doctest/doctest.h>
 
 #include "isa/assemble.hpp"
@@ -78,7 +78,7 @@ TEST_CASE("calls and loops that go too deep end the run") {
 
 namespace {
 
-/// Runs the first two instructions offered as one.
+/// Runs the first two instructions as one step.
 class Ahead final : public isa::Executor {
   public:
     std::size_t executed = 0, ahead = 0;

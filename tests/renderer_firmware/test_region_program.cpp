@@ -1,4 +1,4 @@
-// The region programs on the reference executor, against Phong shading in double precision.
+// Compares the region programs on the reference executor with Phong shading in doubles.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
@@ -28,7 +28,7 @@ constexpr isa::reference::Window window{
     .x0 = 32, .y0 = 48, .width = window_side, .height = window_side};
 constexpr int pixel_count = window_side * window_side;
 
-/// What triangles left at a pixel; components in field units.
+/// The fields of a pixel after the triangles; components in field units.
 struct Covered {
     int surface = 0;
     std::array<int, 3> normal{};
@@ -87,7 +87,7 @@ V3 unit(V3 v) {
     return {v.x / length, v.y / length, v.z / length};
 }
 
-/// Phong shading by its formula.
+/// Returns the color by the Phong formula.
 std::array<double, 3> phong(const Shading& s, const Covered& c) {
     const Rgb color = s.surfaces[static_cast<std::size_t>(c.surface - 1)];
     const double flip = c.normal[2] < 0 ? -1 : 1;
@@ -156,7 +156,7 @@ Shading random_shading(Random& random, int lights) {
     return s;
 }
 
-/// Largest distance of any channel from Phong's formula; background pixels must be exact.
+/// Returns the largest difference of any channel from the formula; background pixels must be exact.
 double worst_error(const Shading& shading, const std::vector<Covered>& pixels) {
     const std::vector<Color> found = shade(shading, pixels);
     double worst = 0;
@@ -319,7 +319,7 @@ TEST_CASE("the fast executor shades bit for bit as the reference does") {
             fast.reset();
             test::Lockstep both(trusted, fast);
             execute(both, renderer::prologue(shading));
-            // Half a disc of surface 1, with normals that vary over it.
+            // Half a disc of surface 1, with varying normals.
             const std::int32_t disc[] = {100, 110, -4000, -1, 0, -1};
             both.execute({isa::Op::quad_ge_zero, {0, 0, 32}}, disc);
             both.execute({isa::Op::imm_into_mem, {isa::region::surface.address, 1, 8}}, {});
