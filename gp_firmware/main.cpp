@@ -6,7 +6,7 @@
 
 #include "gp_firmware/node/copied_slices.hpp"
 #include "gp_firmware/node/node.hpp"
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 
 namespace {
 

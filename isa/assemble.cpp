@@ -3,122 +3,42 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
+#include <iterator>
+#include <ranges>
 #include <unordered_map>
 #include <utility>
 
-#include "isa/executor.hpp"
+#include "isa/assembly_line.hpp"
+#include "isa/nearest.hpp"
 
 namespace pxpl5::isa {
 namespace {
 
-/// An expression's value lies in this range, so that sums and products of two fit 64 bits.
+/// Limits the value of an expression, so that the sum of two values fits 64 bits.
 constexpr std::int64_t max_number = std::int64_t{1} << 31;
 
-bool begins_name(char c) {
-    return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
+/// Text with a NUL byte is most likely a binary file of words.
+void refuse_binary(std::string_view text) {
+    const std::size_t nul = text.find('\0');
+    if (nul == std::string_view::npos) {
+        return;
+    }
+    const auto line = static_cast<std::size_t>(1 + std::ranges::count(text.substr(0, nul), '\n'));
+    const std::size_t column = nul - (text.substr(0, nul).rfind('\n') + 1) + 1;
+    throw AssemblyError(fmt::format("line {}, column {}: found a NUL byte, expected assembly text. "
+                                    "If the input holds binary instruction words, `pxpl5 dis` "
+                                    "prints them as assembly",
+                                    line, column),
+                        line, column);
 }
-bool in_name(char c) {
-    return begins_name(c) || std::isdigit(static_cast<unsigned char>(c)) != 0;
+
+/// ". Did you mean 'NOP'?" if a known name is close to `word`, else empty.
+template <typename Names>
+std::string suggestion(std::string_view word, const Names& names) {
+    const std::vector<std::string_view> known(names.begin(), names.end());
+    const std::string_view near = nearest(word, known);
+    return near.empty() ? "" : fmt::format(". Did you mean '{}'?", near);
 }
-
-/// One line of text and a place in it. Reads what it is asked for, or fails with line and column.
-class Line {
-  public:
-    Line(std::string_view text, std::size_t number) : text_(text), number_(number) {}
-
-    [[noreturn]] void fail(std::size_t column, const std::string& what) const {
-        throw AssemblyError(fmt::format("line {}, column {}: {}", number_, column + 1, what),
-                            number_, column + 1);
-    }
-
-    /// Found and expected, at the next thing on the line.
-    [[noreturn]] void fail_expecting(std::string_view expected) {
-        skip_blanks();
-        fail(at_, fmt::format("found {}, expected {}", found(), expected));
-    }
-
-    void skip_blanks() {
-        while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t')) {
-            ++at_;
-        }
-    }
-
-    bool at_end() {
-        skip_blanks();
-        return at_ == text_.size();
-    }
-
-    char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
-
-    std::size_t column() const { return at_; }
-
-    bool accept(std::string_view token) {
-        if (text_.substr(at_, token.size()) != token) {
-            return false;
-        }
-        at_ += token.size();
-        return true;
-    }
-
-    void expect(std::string_view token) {
-        if (!accept(token)) {
-            fail_expecting(fmt::format("'{}'", token));
-        }
-    }
-
-    std::string_view name(std::string_view expected) {
-        skip_blanks();
-        if (!begins_name(peek())) {
-            fail_expecting(expected);
-        }
-        const std::size_t from = at_;
-        while (in_name(peek())) {
-            ++at_;
-        }
-        return text_.substr(from, at_ - from);
-    }
-
-    std::int64_t number() {
-        const std::size_t from = at_;
-        const bool hexadecimal = accept("0x");
-        const std::int64_t base = hexadecimal ? 16 : 10;
-        std::int64_t value = 0;
-        std::size_t digits = 0;
-        for (; digit(base) >= 0; ++at_, ++digits) {
-            value = value * base + digit(base);
-            if (value > std::int64_t{UINT32_MAX}) {
-                fail(from, fmt::format("number is above {}", UINT32_MAX));
-            }
-        }
-        if (digits == 0 || in_name(peek())) {
-            at_ = from;
-            fail_expecting("a number");
-        }
-        return value;
-    }
-
-  private:
-    std::string found() const {
-        if (at_ >= text_.size()) {
-            return "the end of the line";
-        }
-        const std::size_t end = std::min(text_.find_first_of(" \t", at_), text_.size());
-        return fmt::format("'{}'", text_.substr(at_, end - at_));
-    }
-
-    int digit(std::int64_t base) const {
-        const char c = peek();
-        const bool is_decimal = c >= '0' && c <= '9';
-        const char lower = static_cast<char>(c | 0x20);
-        const bool is_letter = base == 16 && lower >= 'a' && lower <= 'f';
-        return is_decimal ? c - '0' : is_letter ? lower - 'a' + 10 : -1;
-    }
-
-    std::string_view text_;
-    std::size_t number_;
-    std::size_t at_ = 0;
-};
 
 std::unordered_map<std::string_view, std::size_t> rows_by_name() {
     std::unordered_map<std::string_view, std::size_t> rows;
@@ -132,14 +52,16 @@ class Assembler {
   public:
     Program assemble(std::string_view text) {
         if (text.size() > max_assembly_bytes) {
-            throw AssemblyError(fmt::format("line 1, column 1: {} bytes of text; the limit is {}",
+            throw AssemblyError(fmt::format("line 1, column 1: the text has {} bytes; the limit is "
+                                            "{} bytes",
                                             text.size(), max_assembly_bytes),
                                 1, 1);
         }
+        refuse_binary(text);
         std::size_t number = 1;
         for (std::size_t from = 0; from <= text.size(); ++number) {
             const std::size_t end = std::min(text.find('\n', from), text.size());
-            line(Line(without_comment(text.substr(from, end - from)), number));
+            line(AssemblyLine(without_comment(text.substr(from, end - from)), number));
             from = end + 1;
         }
         resolve();
@@ -147,11 +69,11 @@ class Assembler {
     }
 
   private:
-    /// A use of a label as coefficient, before all labels are known.
+    /// A label as coefficient. resolve() replaces it when all labels are known.
     struct LabelUse {
         std::string name;
         std::size_t word;
-        Line line;
+        AssemblyLine line;
         std::size_t column;
     };
 
@@ -160,7 +82,7 @@ class Assembler {
         return text.ends_with('\r') ? text.substr(0, text.size() - 1) : text;
     }
 
-    void line(Line line) {
+    void line(AssemblyLine line) {
         while (!line.at_end()) {
             if (line.accept(".def")) {
                 return define(line);
@@ -173,31 +95,34 @@ class Assembler {
             }
             const auto row = rows_.find(name);
             if (row == rows_.end()) {
-                line.fail(column, fmt::format("found '{}', expected an instruction", name));
+                line.fail(
+                    column,
+                    fmt::format("found '{}', expected an instruction{}", name,
+                                suggestion(name, std::views::transform(op_table, &OpInfo::name))));
             }
             return instruction(line, row->second, column);
         }
     }
 
-    void define(Line& line) {
+    void define(AssemblyLine& line) {
         line.skip_blanks();
         const std::size_t column = line.column();
         const std::string name(line.name("a name"));
         const std::int64_t value = expression(line);
         if (!names_.emplace(name, value).second) {
-            line.fail(column, fmt::format("'{}' is defined already, as {}", name, names_[name]));
+            line.fail(column, fmt::format("'{}' is already defined as {}", name, names_[name]));
         }
         expect_end(line);
     }
 
-    void label(Line& line, std::size_t column, std::string_view name) {
+    void label(AssemblyLine& line, std::size_t column, std::string_view name) {
         if (!program_.labels.emplace(name, program_.words.size()).second) {
-            line.fail(column, fmt::format("label '{}' stands already at word {}", name,
+            line.fail(column, fmt::format("label '{}' is already defined at word {}", name,
                                           program_.labels.find(name)->second));
         }
     }
 
-    void expect_end(Line& line) {
+    void expect_end(AssemblyLine& line) {
         if (!line.at_end()) {
             line.fail_expecting("the end of the line");
         }
@@ -205,7 +130,7 @@ class Assembler {
 
     // Expressions: sums and differences of products of numbers and names.
 
-    std::int64_t expression(Line& line) {
+    std::int64_t expression(AssemblyLine& line) {
         line.skip_blanks();
         const std::size_t column = line.column();
         const bool negative = line.accept("-");
@@ -218,12 +143,13 @@ class Assembler {
         return value;
     }
 
-    std::int64_t term(Line& line) {
+    std::int64_t term(AssemblyLine& line) {
         line.skip_blanks();
         const std::size_t column = line.column();
         std::int64_t value = factor(line);
         while (line.accept("*")) {
-            // Both factors are at most 2^32, so that their product may overflow before the test.
+            // Both factors are at most 2^32, so their product may overflow: test before
+            // multiplying.
             const std::int64_t other = factor(line);
             const bool fits = other == 0 || std::abs(value) <= 2 * max_number / std::abs(other);
             value = in_range(line, column, fits ? value * other : 4 * max_number);
@@ -231,34 +157,36 @@ class Assembler {
         return value;
     }
 
-    static std::int64_t in_range(const Line& line, std::size_t column, std::int64_t value) {
+    static std::int64_t in_range(const AssemblyLine& line, std::size_t column, std::int64_t value) {
         if (value < -max_number || value > 2 * max_number - 1) {
-            line.fail(column, fmt::format("the value lies outside {}..{}", -max_number,
-                                          2 * max_number - 1));
+            line.fail(column,
+                      fmt::format("the value is outside {}..{}", -max_number, 2 * max_number - 1));
         }
         return value;
     }
 
-    std::int64_t factor(Line& line) {
+    std::int64_t factor(AssemblyLine& line) {
         line.skip_blanks();
-        if (!begins_name(line.peek())) {
+        if (!line.at_name()) {
             return line.number();
         }
         const std::size_t column = line.column();
         const std::string_view name = line.name("a name");
         const auto found = names_.find(name);
         if (found == names_.end()) {
-            line.fail(column, fmt::format("found '{}', expected a number or a name of .def", name));
+            line.fail(column, fmt::format("found '{}', expected a number or a name of .def{}", name,
+                                          suggestion(name, std::views::keys(names_))));
         }
         return found->second;
     }
 
     // Instructions.
 
-    void instruction(Line& line, std::size_t index, std::size_t column) {
+    void instruction(AssemblyLine& line, std::size_t index, std::size_t column) {
         const OpInfo& row = op_table[index];
         Instruction in{static_cast<Op>(index), {}};
         const std::size_t word = program_.words.size();
+        line.set_instruction(row);
         operands(line, row, in.operands, word);
         check_operands(line, row, in.operands, column);
         program_.words.push_back(encode(in));
@@ -268,8 +196,8 @@ class Assembler {
         expect_end(line);
     }
 
-    /// Follows the row's text: what stands in braces is read, the rest must be there.
-    void operands(Line& line, const OpInfo& row, Operands& o, std::size_t word) {
+    /// Follows the row's text: reads an operand for each {x}, and requires all other characters.
+    void operands(AssemblyLine& line, const OpInfo& row, Operands& o, std::size_t word) {
         for (std::size_t i = row.name.size(); i < row.text.size(); ++i) {
             const char c = row.text[i];
             if (c == ' ') {
@@ -288,8 +216,8 @@ class Assembler {
         }
     }
 
-    /// An address is m8 or m[expression]; other operands are expressions as they stand.
-    std::uint32_t operand(Line& line, const OpInfo& row, char which, bool is_address) {
+    /// An address is m8 or m[expression]; any other operand is an expression.
+    std::uint32_t operand(AssemblyLine& line, const OpInfo& row, char which, bool is_address) {
         const std::size_t column = line.column();
         const bool bracket = is_address && line.accept("[");
         const std::int64_t value = is_address && !bracket ? line.number() : expression(line);
@@ -304,9 +232,9 @@ class Assembler {
         return static_cast<std::uint32_t>(value);
     }
 
-    void check_operands(Line& line, const OpInfo& row, const Operands& o, std::size_t column) {
-        // The rules of check(), which finds all but what needs the whole program in one
-        // instruction.
+    void check_operands(AssemblyLine& line, const OpInfo& row, const Operands& o,
+                        std::size_t column) {
+        // check() applies all rules that concern one instruction alone.
         std::vector<std::uint32_t> words(1 + static_cast<std::size_t>(row.words), 0);
         words[0] = encode({static_cast<Op>(&row - op_table.data()), o});
         if ((row.effects & (flow | backing)) == 0 || row.b_role == Role::block) {
@@ -317,13 +245,13 @@ class Assembler {
         }
     }
 
-    std::uint32_t parameter(Line& line, std::size_t word, bool is_operand) {
+    std::uint32_t parameter(AssemblyLine& line, std::size_t word, bool is_operand) {
         const std::string name(line.name("a parameter's name"));
         program_.patches.push_back({name, word, is_operand});
         return 0;
     }
 
-    void coefficient(Line& line, const OpInfo& row, int i) {
+    void coefficient(AssemblyLine& line, const OpInfo& row, int i) {
         if (line.at_end()) {
             line.fail_expecting(
                 fmt::format("coefficient {} of {} of {}", i + 1, row.words, row.name));
@@ -342,12 +270,13 @@ class Assembler {
         }
     }
 
-    /// The name at this place if it is to be a label: K of CALL or SKIPIFNONE, and no name of .def.
-    std::string_view label_here(Line& line, const OpInfo& row) {
-        if ((row.effects & flow) == 0 || !begins_name(line.peek())) {
+    /// Reads a label: a name as K of CALL or SKIPIFNONE that .def has not defined. Returns an empty
+    /// text, and reads nothing, if there is no label.
+    std::string_view label_here(AssemblyLine& line, const OpInfo& row) {
+        if ((row.effects & flow) == 0 || !line.at_name()) {
             return {};
         }
-        Line ahead = line;
+        AssemblyLine ahead = line;
         const std::string_view name = ahead.name("a label");
         if (names_.contains(name)) {
             return {};
@@ -362,7 +291,8 @@ class Assembler {
             if (label == program_.labels.end()) {
                 use.line.fail(
                     use.column,
-                    fmt::format("found '{}', expected a label or a name of .def", use.name));
+                    fmt::format("found '{}', expected a label or a name of .def{}", use.name,
+                                suggestion(use.name, std::views::keys(program_.labels))));
             }
             program_.words[use.word] = static_cast<std::uint32_t>(label->second);
         }
@@ -375,6 +305,14 @@ class Assembler {
 };
 
 }  // namespace
+
+std::string syntax_of(const OpInfo& row) {
+    std::string text;
+    std::ranges::copy_if(row.text, std::back_inserter(text),
+                         [](char c) { return c != '{' && c != '}'; });
+    constexpr std::string_view coefficients[] = {"", " K", {}, " A B C", {}, {}, " A B C D E F"};
+    return text.append(coefficients[row.words]);
+}
 
 Program assemble(std::string_view text) {
     return Assembler().assemble(text);

@@ -9,7 +9,7 @@
 namespace pxpl5::isa {
 namespace {
 
-/// The row's text with its operands filled in: "{a}" becomes the number.
+/// Returns the row's text with the operands: "{a}" becomes the number.
 std::string filled_text(const OpInfo& row, const Operands& o) {
     std::string out;
     for (std::size_t i = 0; i < row.text.size(); ++i) {
@@ -25,7 +25,7 @@ std::string filled_text(const OpInfo& row, const Operands& o) {
 }
 
 Coefficients signed_words(std::span<const std::uint32_t> words) {
-    // int32_t is the signed type of uint32_t, so that reading one as the other is defined.
+    // int32_t is the signed type of uint32_t, so reading one as the other is defined.
     return {reinterpret_cast<const std::int32_t*>(words.data()), words.size()};
 }
 
@@ -55,7 +55,7 @@ std::string disassemble(std::span<const std::uint32_t> words, ListingOptions opt
             out += disassemble(*in, signed_words(words.subspan(at + 1, length - 1)));
         } else {
             fmt::format_to(put, "; 0x{:08x} {}", word,
-                           in ? "lacks coefficient words" : "is no instruction");
+                           in ? "has too few coefficient words" : "is not an instruction");
         }
         out += '\n';
         at += whole ? length : 1;

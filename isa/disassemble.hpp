@@ -1,4 +1,4 @@
-// Words to assembly text that assemble() turns into the same words.
+// Turns words into assembly text. assemble() turns the text into the same words.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,16 @@
 
 namespace pxpl5::isa {
 
-/// One instruction, e.g. "TREEgeZERO :16  3 -5 120".
+/// Returns the text of one instruction, for example "TREEgeZERO :16  3 -5 120".
 std::string disassemble(Instruction in, Coefficients coefficients);
 
 struct ListingOptions {
     bool numbered =
-        false;  ///< Word offset, raw word and cycles before each line; not for assemble().
+        false;  ///< Precede each line by word offset, raw word and cycles. assemble() refuses this.
 };
 
-/// One line per instruction. A word that does not decode, or whose coefficients are missing, prints
-/// as a comment line with its value.
+/// Returns one line per instruction. A word that does not decode, or whose coefficients are
+/// missing, becomes a comment line with its value.
 std::string disassemble(std::span<const std::uint32_t> words, ListingOptions options = {});
 
 }  // namespace pxpl5::isa

@@ -1,4 +1,4 @@
-// What an instruction is: the table of instructions.def, its encoder and its decoder.
+// The instruction table of instructions.def, with its encoder and its decoder.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ enum class Op : std::uint8_t {
 
 enum class Source : std::uint8_t { published, derived, designed };
 
-/// What an instruction may change; see the head of instructions.def.
+/// The state that an instruction may change; see the head of instructions.def.
 enum Effects : std::uint16_t {
     none = 0,
     mem = 1,
@@ -31,13 +31,13 @@ enum Effects : std::uint16_t {
     all = 128,
 };
 
-/// Place of an operand in the instruction word; mask 0 if the instruction lacks it.
+/// Position of an operand in the instruction word; mask 0 if the row has no such operand.
 struct OperandField {
     std::uint32_t mask = 0;
     int shift = 0;
 };
 
-/// A bit picture, taken apart. Throws (does not compile) if the picture is malformed.
+/// A parsed bit picture. A malformed picture does not compile.
 struct Pattern {
     std::uint32_t fixed_mask = 0;
     std::uint32_t fixed_bits = 0;
@@ -79,7 +79,7 @@ struct Instruction {
     friend bool operator==(const Instruction&, const Instruction&) = default;
 };
 
-/// What operand b is.
+/// The role of operand b.
 enum class Role : std::uint8_t { absent, address, fraction, block, number };
 
 constexpr Role role_of_b(std::string_view text) {
@@ -93,11 +93,11 @@ constexpr Role role_of_b(std::string_view text) {
                           : Role::absent;
 }
 
-/// Everything known about one instruction, except what it does to pixels.
+/// All facts about one instruction, except its effect on pixels.
 struct OpInfo {
     std::string_view id, name, text, picture;
     Pattern pattern;
-    int words;            ///< Coefficient words that follow.
+    int words;            ///< Number of coefficient words.
     std::uint32_t n_max;  ///< Widest field; 0 if there is no n.
     Effects effects;
     Source source;
@@ -107,7 +107,7 @@ struct OpInfo {
     std::uint32_t (*cycles)(Operands);  ///< Modelled cycles at 40 MHz.
     Role b_role = role_of_b(text);
 
-    /// True if the controller alone runs this row (see sequencer.hpp): no pixel takes part.
+    /// True if the controller alone runs this row, without the pixels; see sequencer.hpp.
     constexpr bool is_control() const {
         return (effects & (mem | carry | enable | backing)) == 0 && pattern.a.mask == 0;
     }
@@ -149,13 +149,13 @@ constexpr const OpInfo& info(Op op) {
     return op_table[static_cast<std::size_t>(op)];
 }
 
-/// The sections of instructions.def, in its order.
+/// The sections of instructions.def, in the order of the file.
 enum class InstructionClass : std::uint8_t { enable, tree, memory, arithmetic, backing, control };
 inline constexpr std::array<std::string_view, 6> class_names = {"enable",     "tree",    "memory",
                                                                 "arithmetic", "backing", "control"};
 inline constexpr std::size_t class_count = class_names.size();
 
-/// The top four bits of an instruction word number its class.
+/// Returns the class, which is the number in the top four bits of the instruction word.
 constexpr InstructionClass class_of(Op op) {
     constexpr unsigned class_shift = 28;
     return static_cast<InstructionClass>(info(op).pattern.fixed_bits >> class_shift);
@@ -164,7 +164,7 @@ constexpr std::string_view name_of(InstructionClass which) {
     return class_names[static_cast<std::size_t>(which)];
 }
 
-/// True if every row has a class, and the rows of a class stand together.
+/// True if every row has a class, and the rows of each class are adjacent.
 constexpr bool classes_in_order() {
     std::size_t newest = 0;
     for (std::size_t i = 0; i < op_count; ++i) {
@@ -192,7 +192,7 @@ constexpr bool patterns_disjoint() {
 }
 static_assert(patterns_disjoint(), "two rows of instructions.def overlap");
 
-/// True if the text of every row names each of its operand fields, and no other.
+/// True if the text of every row names exactly the operand fields of its picture.
 constexpr bool texts_name_their_fields() {
     for (const OpInfo& row : op_table) {
         const OperandField fields[] = {row.pattern.a, row.pattern.b, row.pattern.n};
@@ -208,13 +208,14 @@ constexpr bool texts_name_their_fields() {
     }
     return true;
 }
-static_assert(texts_name_their_fields(), "a row prints a field it lacks, or hides one it has");
+static_assert(texts_name_their_fields(),
+              "the text of a row does not name exactly its operand fields");
 
 inline constexpr std::uint8_t no_row = 0xff;
 inline constexpr unsigned op_byte_shift = 24;
 
-/// Row per operation byte (the top byte of a word); no_row where there is none. Does not compile if
-/// a row's picture leaves its top byte open.
+/// Returns the row of each operation byte (the top byte of a word), or no_row. A picture with an
+/// operand in its top byte does not compile.
 constexpr std::array<std::uint8_t, 256> make_row_of_op_byte() {
     std::array<std::uint8_t, 256> rows{};
     rows.fill(no_row);
@@ -229,7 +230,7 @@ constexpr std::array<std::uint8_t, 256> make_row_of_op_byte() {
 inline constexpr std::array<std::uint8_t, 256> row_of_op_byte = make_row_of_op_byte();
 static_assert(op_count < no_row);
 
-/// The instruction word. An operand that does not fit its field is a bug of the caller.
+/// Returns the instruction word. Every operand must fit its field.
 constexpr std::uint32_t encode(Instruction in) {
     const Pattern& p = info(in.op).pattern;
     const auto put = [](OperandField field, std::uint32_t value) {
@@ -240,8 +241,8 @@ constexpr std::uint32_t encode(Instruction in) {
            put(p.n, in.operands.n);
 }
 
-/// The instruction that `word` encodes; nothing if no row matches. Operand ranges are not checked
-/// here: see check() in program.hpp.
+/// Returns the instruction of `word`, or nullopt if no row matches. Does not check the operands:
+/// see check() in program.hpp.
 constexpr std::optional<Instruction> decode(std::uint32_t word) {
     const auto get = [word](OperandField field) {
         return (word & field.mask) >> static_cast<unsigned>(field.shift);

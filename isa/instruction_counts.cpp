@@ -34,7 +34,7 @@ bool runs_straight(std::span<const std::uint32_t> words) {
     for (std::size_t at = 0; at < words.size();) {
         const Op op = decode(words[at])->op;
         at += instruction_words(words[at]);
-        // Of the rows that may change the flow BSWAIT never does, and EOR does not at the end.
+        // BSWAIT never changes the flow, and EOR at the end does not change it either.
         const bool goes_on = op == Op::bs_wait || (op == Op::eor && at == words.size());
         if ((info(op).effects & flow) != 0 && !goes_on) {
             return false;

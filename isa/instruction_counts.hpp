@@ -1,4 +1,4 @@
-// Instruction counts: what a program, or a run of one, is made of, by class.
+// Counts the instructions of a program, or of a run, by class.
 #pragma once
 
 #include <array>
@@ -20,11 +20,11 @@ struct ClassCounts {
     friend bool operator==(const ClassCounts&, const ClassCounts&) = default;
 };
 
-/// By class; and of these the cycles in which the array only waits.
+/// Counts by class. The last two members are the part in which the array only waits.
 struct InstructionCounts {
     std::array<ClassCounts, class_count> classes{};  ///< In the order of InstructionClass.
-    std::uint64_t port_cycles = 0;                   ///< Of PIXELSTOFB.
-    std::uint64_t backing_cycles = 0;                ///< Of BSWAIT.
+    std::uint64_t port_cycles = 0;                   ///< Cycles of PIXELSTOFB.
+    std::uint64_t backing_cycles = 0;                ///< Cycles of BSWAIT.
 
     void add(Instruction in);
     InstructionCounts& operator+=(const InstructionCounts& more);
@@ -32,10 +32,11 @@ struct InstructionCounts {
     friend bool operator==(const InstructionCounts&, const InstructionCounts&) = default;
 };
 
-/// Whether every instruction of a checked program runs exactly once, whatever the pixels hold.
+/// True if every instruction of a checked program runs exactly once, for all contents of the
+/// pixels.
 bool runs_straight(std::span<const std::uint32_t> words);
 
-/// Each instruction of a checked program once: what a run of it executes if it runs straight.
+/// Counts each instruction of a checked program once. This equals a run if runs_straight().
 InstructionCounts count_text(std::span<const std::uint32_t> words);
 
 }  // namespace pxpl5::isa

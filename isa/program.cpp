@@ -11,20 +11,20 @@ namespace {
 
 using Words = std::span<const std::uint32_t>;
 
-/// A backing-store transfer that no BSWAIT has closed yet.
+/// A backing-store transfer before its BSWAIT.
 struct Transfer {
     std::uint32_t field, block;
     std::size_t word;
 };
 
-/// A CALL or SKIPIFNONE, kept until all instruction boundaries are known.
+/// A CALL or SKIPIFNONE. Checked at the end, when all instruction boundaries are known.
 struct Jump {
     std::size_t word, target;
-    std::size_t loop;  ///< Identity of the innermost LOOP around it; 0 outside loops.
+    std::size_t loop;  ///< Identity of the innermost enclosing LOOP; 0 outside loops.
     bool is_call;
 };
 
-/// What an instruction of the program looked like to its jumps.
+/// An instruction as a possible target of jumps.
 struct Landing {
     std::size_t word, loop;
 };
@@ -39,7 +39,7 @@ class Checker {
 
     CheckResult check() {
         if (words_.size() > max_program_words) {
-            fail(0, fmt::format("a program has {} words; the limit is {}", words_.size(),
+            fail(0, fmt::format("the program has {} words; the limit is {}", words_.size(),
                                 max_program_words));
         }
         while (ok() && at_ < words_.size()) {
@@ -65,8 +65,8 @@ class Checker {
         const std::optional<Instruction> in = decode(word);
         if (!in) {
             return fail(
-                at_, fmt::format("word 0x{:08x} is no instruction: operation byte 0x{:02x}{}", word,
-                                 word >> op_byte_shift,
+                at_, fmt::format("word 0x{:08x} is not an instruction: operation byte 0x{:02x}{}",
+                                 word, word >> op_byte_shift,
                                  row_of_op_byte[word >> op_byte_shift] == no_row
                                      ? " has no row"
                                      : " with bits set that must be 0"));
@@ -74,8 +74,9 @@ class Checker {
         const OpInfo& row = info(in->op);
         const auto coefficients = static_cast<std::size_t>(row.words);
         if (words_.size() - at_ - 1 < coefficients) {
-            return fail(at_, fmt::format("{} needs {} coefficient words; {} are left", row.name,
-                                         coefficients, words_.size() - at_ - 1));
+            return fail(at_,
+                        fmt::format("{} needs {} coefficient words; the program has {} more words",
+                                    row.name, coefficients, words_.size() - at_ - 1));
         }
         operands(row, in->operands);
         if (!open_.empty() || (row.effects & (flow | backing)) != 0) {
@@ -114,8 +115,8 @@ class Checker {
         }
     }
 
-    /// Keeps the rule of BSREAD and BSWRITE: what a transfer uses is left alone until BSWAIT, and
-    /// nothing is under transfer where control may leave the straight line.
+    /// Checks the rules of BSREAD and BSWRITE: no instruction uses the field or block of a transfer
+    /// before BSWAIT, and no transfer is open at a jump or at the edge of a loop.
     void transfers(Op op, const OpInfo& row, const Operands& o) {
         if (op == Op::bs_wait) {
             open_.clear();
@@ -124,19 +125,19 @@ class Checker {
         for (const Transfer& t : open_) {
             if ((row.effects & flow) != 0) {
                 return fail(at_, fmt::format("{} while block {} is under transfer since word {}; "
-                                             "BSWAIT is missing",
+                                             "insert BSWAIT before it",
                                              row.name, t.block, t.word));
             }
             if (overlap(o.a, row.at_a(o), t.field, backing_block_bits) ||
                 overlap(o.b, row.at_b(o), t.field, backing_block_bits)) {
                 return fail(at_,
-                            fmt::format("{} touches m[{} : {}), under transfer since word {}; "
-                                        "BSWAIT is missing",
+                            fmt::format("{} uses m[{} : {}), under transfer since word {}; "
+                                        "insert BSWAIT before it",
                                         row.name, t.field, t.field + backing_block_bits, t.word));
             }
             if (row.b_role == Role::block && o.b == t.block) {
-                return fail(at_, fmt::format("{} touches block {}, under transfer since word {}; "
-                                             "BSWAIT is missing",
+                return fail(at_, fmt::format("{} uses block {}, under transfer since word {}; "
+                                             "insert BSWAIT before it",
                                              row.name, t.block, t.word));
             }
         }
@@ -191,7 +192,7 @@ class Checker {
         }
     }
 
-    /// Every instruction's offset and innermost loop, and the end of the program.
+    /// Returns all instructions and the end of the program.
     std::vector<Landing> landings() const {
         std::vector<Landing> landings;
         std::vector<std::size_t> loops{0};

@@ -1,4 +1,4 @@
-// A program: instruction words, what a valid one obeys, and one with open parameters.
+// Programs: instruction words, the rules of valid programs, and programs with parameters.
 #pragma once
 
 #include <cstddef>
@@ -20,52 +20,52 @@ inline constexpr std::uint32_t max_fraction_bits = 63;
 inline constexpr std::size_t max_loop_depth = 8;
 inline constexpr std::size_t max_call_depth = 8;
 
-/// What is wrong with a program: the first offending instruction's word offset, and one sentence
-/// that names the field and both values.
+/// The first error of a program: the word offset of the wrong instruction, and one sentence that
+/// names the field and both values.
 struct ProgramError {
     std::size_t word = 0;
     std::string text;
 };
 
-/// Facts of a valid program, each instruction of the text counted once.
+/// Facts about a valid program. Each instruction of the text counts once.
 struct ProgramFacts {
     std::size_t instructions = 0;
     std::uint64_t cycles = 0;  ///< Modelled cycles at 40 MHz, if every instruction runs once.
-    bool has_flow = false;     ///< Holds a CALL, LOOP or SKIPIFNONE: counts of a run may differ.
+    bool has_flow = false;     ///< Contains CALL, LOOP or SKIPIFNONE: a run may have other counts.
 };
 
 struct CheckResult {
-    ProgramFacts facts;  ///< Meaningful without error.
+    ProgramFacts facts;  ///< Valid if there is no error.
     std::optional<ProgramError> error;
     bool ok() const { return !error.has_value(); }
 };
 
 /// Checks a received stream. In a valid program
-/// - every word decodes and has its coefficient words; n is 1..n_max; fields end within the 208
+/// - every word decodes and has its coefficient words; n is 1..n_max; fields are within the 208
 ///   bits; fractions are at most 63, blocks at most 127;
 /// - CALL and SKIPIFNONE reach an instruction of the program, or its end: CALL outside loops,
-///   SKIPIFNONE ahead and in the same loop; RET stands outside loops;
+///   SKIPIFNONE ahead and in the same loop; RET is outside loops;
 /// - loops balance and nest 8 deep at most;
-/// - a field or block under transfer is left alone until BSWAIT, and no transfer is open where
-///   control may leave the straight line, nor at the end.
+/// - no instruction uses a field or block under transfer before BSWAIT; no transfer is open at a
+///   jump, at the edge of a loop, or at the end.
 CheckResult check(std::span<const std::uint32_t> words);
 
-/// Words of the instruction at `words[0]`: 1 + its coefficients; 0 if it does not decode.
+/// Returns the length of the instruction that begins with `word`, or 0 if no row matches.
 inline std::size_t instruction_words(std::uint32_t word) {
     const std::uint8_t row = row_of_op_byte[word >> op_byte_shift];
     return row == no_row ? 0 : 1 + static_cast<std::size_t>(op_table[row].words);
 }
 
-/// Thrown by Program::bind; names the parameter.
+/// Thrown by Program::bind. The text names the parameter.
 struct ParameterError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
 using Parameters = std::map<std::string, std::int64_t, std::less<>>;
 
-/// Assembled words, some of which wait for a parameter's value.
+/// Assembled words. Program::bind() fills in the values of the parameters.
 struct Program {
-    /// Where the value of `$name` goes: a whole coefficient word, or the #-operand of an
+    /// A use of the parameter `$name`: a whole coefficient word, or the #-operand of an
     /// instruction.
     struct Patch {
         std::string name;
@@ -76,11 +76,11 @@ struct Program {
 
     std::vector<std::uint32_t> words;
     std::vector<Patch> patches;
-    std::map<std::string, std::size_t, std::less<>> labels;  ///< Word offset per label.
+    std::map<std::string, std::size_t, std::less<>> labels;  ///< Word offset of each label.
 
-    /// The words with every parameter filled in.
-    /// Throws ParameterError if a parameter lacks a value, a value has no parameter, or a value
-    /// does not fit (coefficients: -2^31..2^32-1; #-operands: 0..255).
+    /// Returns the words with the values of all parameters.
+    /// Throws ParameterError if a parameter has no value, a value has no parameter, or a value is
+    /// out of range (coefficients: -2^31..2^32-1; #-operands: 0..255).
     std::vector<std::uint32_t> bind(const Parameters& values) const;
 };
 

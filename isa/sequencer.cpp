@@ -8,9 +8,9 @@
 namespace pxpl5::isa {
 namespace {
 
-/// Coefficients as signed words. At most 6 follow an instruction.
+/// Returns the coefficients as signed words; at most 6.
 Coefficients signed_words(std::span<const std::uint32_t> words) {
-    // int32_t is the signed type of uint32_t, so that reading one as the other is defined.
+    // int32_t is the signed type of uint32_t, so reading one as the other is defined.
     return {reinterpret_cast<const std::int32_t*>(words.data()), words.size()};
 }
 
@@ -20,7 +20,7 @@ void Sequencer::count(std::uint64_t instructions, std::uint64_t cycles) {
     state_.counts.instructions += instructions;
     state_.counts.cycles += cycles;
     if (state_.counts.instructions > controller_.step_limit) {
-        throw RunError(fmt::format("word {}: stopped after {} instructions; the limit is {}",
+        throw RunError(fmt::format("word {}: the run executed {} instructions; the limit is {}",
                                    state_.at, state_.counts.instructions, controller_.step_limit));
     }
 }
@@ -60,7 +60,7 @@ void Sequencer::control(Instruction in, std::span<const std::uint32_t> coefficie
             controller_.flag = executor_.any_enabled();
             break;
         case Op::bs_wait:
-            break;  // Transfers take effect at issue; check() keeps programs off them.
+            break;  // Transfers take effect at issue; check() refuses programs that could notice.
         case Op::nop:
             break;
         case Op::eor:
@@ -85,7 +85,7 @@ void Sequencer::control(Instruction in, std::span<const std::uint32_t> coefficie
             signal(in.operands.b);
             break;
         default:
-            assert(false && "a control row that the sequencer does not know");
+            assert(false && "the sequencer does not implement this control row");
     }
 }
 

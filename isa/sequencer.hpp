@@ -1,5 +1,5 @@
-// The controller: walks a checked program, runs the control rows itself, hands the rest to an
-// Executor.
+// The controller: runs a checked program. The sequencer runs the control rows, and an Executor
+// runs all other rows.
 #pragma once
 
 #include <cstddef>
@@ -15,18 +15,18 @@
 
 namespace pxpl5::isa {
 
-/// Instructions that one run may execute; a program that would never end stops here.
+/// Limits the instructions of one run, so that every run ends.
 inline constexpr std::uint64_t default_step_limit = std::uint64_t{1} << 32;
 
-/// Thrown when a run cannot go on: step limit reached, CALL or LOOP too deep, RET without CALL.
-/// `what` names the word offset and the limit.
+/// Thrown when a run cannot continue: step limit reached, CALL or LOOP too deep, RET without CALL.
+/// The text names the word offset and the limit.
 struct RunError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// What outlives one stream in the controller.
+/// The state of the controller that lasts from stream to stream.
 struct Controller {
-    bool flag = true;  ///< Of the last ANYENAB. Before the first one, nothing is skipped.
+    bool flag = true;  ///< Result of the last ANYENAB. Initially 1: no skip.
     std::uint64_t step_limit = default_step_limit;
     std::function<void(std::uint32_t)> on_signal;  ///< Called with the number of each SIGNAL.
 };
@@ -36,10 +36,10 @@ struct RunCounts {
     std::uint64_t cycles = 0;  ///< Modelled, 40 MHz.
 };
 
-/// One run of one program, to be stepped or run to its end.
+/// Runs one program once, step by step or to its end.
 class Sequencer {
   public:
-    /// `words` has passed check() and, like the others, outlives the sequencer.
+    /// `words` must have passed check(). All arguments must outlive the sequencer.
     Sequencer(std::span<const std::uint32_t> words, Executor& executor, Controller& controller)
         : words_(words), executor_(executor), controller_(controller) {}
 
@@ -48,10 +48,10 @@ class Sequencer {
     const RunCounts& counts() const { return state_.counts; }
 
     struct OpenLoop {
-        std::size_t body;    ///< Word offset behind the LOOP.
-        std::uint32_t left;  ///< Rounds left, this one included.
+        std::size_t body;    ///< Word offset after the LOOP.
+        std::uint32_t left;  ///< Remaining rounds, including the current one.
     };
-    /// Where a run stands. The executor's pixels and the controller's flag are kept by others.
+    /// The progress of a run, without the executor's pixels and the controller's flag.
     struct State {
         std::size_t at = 0;
         std::vector<std::size_t> returns;
@@ -59,13 +59,13 @@ class Sequencer {
         RunCounts counts;
     };
     const State& state() const { return state_; }
-    /// Goes on from a state of a run of the same words.
+    /// Continues from a saved state of a run of the same words.
     void restore(State state) { state_ = std::move(state); }
 
-    /// Runs one instruction. Throws RunError. Must not be done().
+    /// Runs one instruction; the run must not be done(). Throws RunError.
     void step();
 
-    /// Runs to the end, letting the executor run ahead. Throws RunError.
+    /// Runs to the end, and lets the executor run ahead. Throws RunError.
     const RunCounts& run();
 
   private:
@@ -84,7 +84,7 @@ class Sequencer {
     State state_;
 };
 
-/// Runs checked `words` on `executor` to their end. Throws RunError.
+/// Runs checked `words` on `executor` to the end. Throws RunError.
 RunCounts run(std::span<const std::uint32_t> words, Executor& executor, Controller& controller);
 
 }  // namespace pxpl5::isa

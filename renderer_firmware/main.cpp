@@ -1,8 +1,8 @@
-// pxpl5-renderer: one Renderer of the machine, as a process.
+// pxpl5-renderer: the process of one Renderer.
 #include <memory>
 
 #include "renderer_firmware/node.hpp"
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 
 int main(int argc, char** argv) {
     using namespace pxpl5;

@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "isa/sample_sums.hpp"
+#include "isa/contract/sample_sums.hpp"
 #include "ringbus/ranges.hpp"
 
 namespace pxpl5::renderer {
@@ -18,17 +18,17 @@ namespace schema = bus::schema;
 using bus::NodeFault;
 using schema::FaultCode;
 
-/// Two frames are in flight on the machine; as many again may have lost a message.
+/// Two frames are in flight on the machine. Two more may have lost a message.
 constexpr std::size_t max_waiting_frames = 4;
 
-/// Faults of one frame that are told; a flood of them would say no more.
+/// Limits the reported faults of one frame. More faults would add no information.
 constexpr std::size_t max_faults = 16;
 
 [[noreturn]] void refuse(FaultCode code, const std::string& reason) {
     throw NodeFault(code, reason);
 }
 
-/// A word for every pixel of some regions, in the body of a message that is not finished yet.
+/// One word per pixel of some regions, in the body of an unfinished message.
 struct RegionWords {
     flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> offset;
     std::span<std::uint32_t> words;
@@ -40,23 +40,23 @@ struct RegionWords {
         offset = body.CreateUninitializedVector<std::uint32_t>(count, &first);
         words = {first, count};
     }
-    /// Of the region that comes at `place`.
+    /// Returns the words of the region at `place`.
     std::span<std::uint32_t> region(std::size_t place) const {
         return words.subspan(place * isa::region_pixels, isa::region_pixels);
     }
 };
 
-/// Bytes of a body around its pixels and its tiles.
+/// Bytes of a body besides its pixels and tiles.
 constexpr std::size_t body_margin_bytes = 1024;
 
-/// Bytes of the body that takes `regions` regions to the frame buffer.
+/// Returns the size of the body that sends `regions` regions to the frame buffer.
 std::size_t body_bytes(std::size_t regions, bool has_pixels, bool wants_depths) {
     const std::size_t words = isa::region_pixels * ((has_pixels ? 1 : 0) + (wants_depths ? 1 : 0));
     return regions * (words * sizeof(std::uint32_t) + sizeof(schema::RegionTile)) +
            body_margin_bytes;
 }
 
-/// As the message has it.
+/// Returns the words in the order of the message.
 schema::PartCounts to_wire(std::uint32_t region, const PartCounts& part) {
     std::array<schema::ClassCounts, isa::class_count> classes;
     std::ranges::transform(part.executed.classes, classes.begin(), [](const isa::ClassCounts& c) {
@@ -85,8 +85,8 @@ std::uint64_t held_bytes(const FrameMessages& messages) {
 
 }  // namespace
 
-/// A frame of which everything is here. Its regions are read out straight into the message that
-/// takes them to the frame buffer.
+/// A frame whose messages have all arrived. The readout of its regions goes directly into the
+/// message to the frame buffer.
 struct RendererNode::Drawing {
     Drawing(FrameMessages messages, std::uint32_t renderer, flatbuffers::Allocator* memory)
         : inputs(std::move(messages)),
@@ -101,21 +101,21 @@ struct RendererNode::Drawing {
     bool has_pixels() const { return plan.pass.is_last(); }
     bool wants_depths() const { return !plan.programs.depths.empty(); }
 
-    FrameMessages inputs;  ///< Keeps the messages that the plan points into.
+    FrameMessages inputs;  ///< Owns the messages that the plan points into.
     FramePlan plan;
-    RegionFrame programs;  ///< The Renderer's own.
+    RegionFrame programs;  ///< The Renderer's own programs.
     std::size_t next_region = 0;
     flatbuffers::FlatBufferBuilder body;
     RegionWords pixels, depths;
-    std::vector<schema::RegionTile> tiles;   ///< Of the regions drawn so far.
-    std::vector<schema::PartCounts> counts;  ///< Of these, if the host wants them.
-    std::vector<schema::FaultT> faults;      ///< Not yet told.
+    std::vector<schema::RegionTile> tiles;   ///< Tiles of the drawn regions.
+    std::vector<schema::PartCounts> counts;  ///< Counts of the drawn regions, if requested.
+    std::vector<schema::FaultT> faults;      ///< Faults to report.
     std::size_t fault_count = 0;
 
     void note(FaultCode code, std::uint32_t gp, const std::string& reason);
 };
 
-/// Notes a fault for the host: something in what `gp` has sent.
+/// Records a fault in the messages of `gp` for the host.
 void RendererNode::Drawing::note(FaultCode code, std::uint32_t gp, const std::string& reason) {
     if (++fault_count > max_faults) {
         return;
@@ -126,8 +126,9 @@ void RendererNode::Drawing::note(FaultCode code, std::uint32_t gp, const std::st
         fault.source = from->second.source();
         fault.sequence = from->second.header().sequence();
     }
-    fault.reason = fmt::format("frame {}, {}{}", plan.frame, reason,
-                               fault_count == max_faults ? "; further faults are not told" : "");
+    fault.reason =
+        fmt::format("frame {}, {}{}", plan.frame, reason,
+                    fault_count == max_faults ? "; further faults are not reported" : "");
     faults.push_back(std::move(fault));
 }
 
@@ -144,7 +145,7 @@ void RendererNode::receive(const bus::Message& message, bus::Outbox&) {
             return on_programs(message);
         default:
             refuse(FaultCode::bad_message,
-                   fmt::format("a Renderer does not take {}", bus::kind_name(message.kind())));
+                   fmt::format("a Renderer does not accept {}", bus::kind_name(message.kind())));
     }
 }
 
@@ -172,22 +173,23 @@ void RendererNode::on_topology(const bus::Message& message) {
         }
     }
     if (!found_self || !found_frame_buffer || gp_ids_.empty()) {
-        refuse(FaultCode::bad_input,
-               fmt::format("topology: node {} is {}a Renderer, {} GPs, {} frame buffer 0", self_,
-                           found_self ? "" : "not ", gp_ids_.size(),
-                           found_frame_buffer ? "one" : "no"));
+        refuse(
+            FaultCode::bad_input,
+            fmt::format("topology: node {} is {}a Renderer; there are {} GPs and {} frame buffer 0",
+                        self_, found_self ? "" : "not ", gp_ids_.size(),
+                        found_frame_buffer ? "one" : "no"));
     }
 }
 
-/// The inputs of `frame`, opened if need be. Throws NodeFault if the frame is over.
+/// Returns the inputs of `frame`. Adds them if necessary. Throws NodeFault if the frame is over.
 FrameMessages& RendererNode::inputs_of(std::uint32_t frame) {
     if (newest_drawn_ && frame <= *newest_drawn_) {
         refuse(FaultCode::bad_message,
-               fmt::format("frame {}: it is over, frame {} was drawn", frame, *newest_drawn_));
+               fmt::format("frame {}: frame {} is already drawn", frame, *newest_drawn_));
     }
     if (!waiting_.contains(frame) && waiting_.size() == max_waiting_frames) {
         refuse(FaultCode::bad_message,
-               fmt::format("frame {}: {} frames from {} on wait already, the limit is {}", frame,
+               fmt::format("frame {}: {} frames from {} on are waiting; the limit is {}", frame,
                            waiting_.size(), waiting_.begin()->first, max_waiting_frames));
     }
     return waiting_[frame];
@@ -200,21 +202,21 @@ void RendererNode::on_begin(const bus::Message& message) {
         bus::region_count(draw.width(), draw.height(), draw.views()->size());
     if (begin.assignment()->size() != regions) {
         refuse(FaultCode::bad_message,
-               fmt::format("frame {}: the assignment is for {} regions, the frame has {}",
+               fmt::format("frame {}: the assignment has {} regions, but the frame has {}",
                            draw.frame(), begin.assignment()->size(), regions));
     }
     const auto ours = static_cast<std::size_t>(std::ranges::count(*begin.assignment(), index_));
     if (ours > isa::max_summed_regions(draw.samples())) {
-        refuse(
-            FaultCode::bad_message,
-            fmt::format("frame {}: {} regions are assigned to Renderer {}, which sums {} samples "
-                        "of {} at most",
-                        draw.frame(), ours, index_, draw.samples(),
-                        isa::max_summed_regions(draw.samples())));
+        refuse(FaultCode::bad_message,
+               fmt::format(
+                   "frame {}: Renderer {} has {} regions, but can sum {} samples of at most {}",
+                   draw.frame(), index_, ours, draw.samples(),
+                   isa::max_summed_regions(draw.samples())));
     }
     FrameMessages& inputs = inputs_of(draw.frame());
     if (inputs.begin) {
-        refuse(FaultCode::bad_message, fmt::format("frame {} begins twice", draw.frame()));
+        refuse(FaultCode::bad_message,
+               fmt::format("frame {}: BeginFrame arrived twice", draw.frame()));
     }
     inputs.begin = message;
 }
@@ -228,7 +230,7 @@ void RendererNode::on_programs(const bus::Message& message) {
                            message.source(), programs.gp(), gp_ids_.size()));
     }
     if (!inputs_of(programs.frame()).programs.emplace(programs.gp(), message).second) {
-        refuse(FaultCode::bad_message, fmt::format("frame {}: the programs of GP {} came twice",
+        refuse(FaultCode::bad_message, fmt::format("frame {}: the programs of GP {} arrived twice",
                                                    programs.frame(), programs.gp()));
     }
 }
@@ -253,7 +255,7 @@ bool RendererNode::work(bus::Outbox& out) {
     return true;
 }
 
-/// Begins to draw the oldest frame of which everything is here.
+/// Begins to draw the oldest frame whose messages have all arrived.
 void RendererNode::start_next(bus::Outbox& out) {
     const bus::StageClock::In planning(out.clock(), stage::plan);
     const auto complete = std::find_if(waiting_.begin(), waiting_.end(), [&](const auto& entry) {
@@ -266,12 +268,12 @@ void RendererNode::start_next(bus::Outbox& out) {
     FrameMessages inputs = std::move(complete->second);
     const auto newer = waiting_.erase(complete);
     auto drawing = std::make_unique<Drawing>(std::move(inputs), index_, out.body_allocator());
-    // Senders keep their order, so what an older frame still lacks is lost for good.
+    // Senders keep their order, so the missing messages of older frames are lost.
     for (auto old = waiting_.begin(); old != newer; ++old) {
         drawing->note(FaultCode::lost_message, no_gp,
-                      fmt::format("before it: frame {} is given up, {} and {} of {} GPs' programs "
-                                  "came",
-                                  old->first, old->second.begin ? "its beginning" : "no beginning",
+                      fmt::format("before it: frame {} is dropped: {}BeginFrame and the programs "
+                                  "of {} of {} GPs arrived",
+                                  old->first, old->second.begin ? "" : "no ",
                                   old->second.programs.size(), gp_ids_.size()));
     }
     waiting_.erase(waiting_.begin(), newer);
@@ -284,8 +286,8 @@ void RendererNode::start_next(bus::Outbox& out) {
     }
 }
 
-/// Makes the backing store ready for the frame. False, and a fault, if the frame is a pass that
-/// would add to sums that are not there: its picture would be wrong, so there is none.
+/// Prepares the backing store for the frame. If the frame is a pass and the sums of the earlier
+/// passes are missing, records a fault and returns false: the picture would be wrong.
 bool RendererNode::goes_on_from_sums(bus::Outbox& out) {
     const FramePlan& plan = drawing_->plan;
     const std::string missing = missing_sums(sums_, plan);
@@ -308,7 +310,7 @@ void RendererNode::draw_next_region(bus::StageClock* clock) {
     FramePlan::Region& region = drawing_->plan.regions[place];
     const std::span<std::uint32_t> pixels =
         drawing_->has_pixels() ? drawing_->pixels.region(place) : std::span<std::uint32_t>();
-    // What a segment reads out, which none of ours does, goes nowhere.
+    // Discards the readout of segments. Our GPs' segments read nothing out.
     const auto route = [&](RegionPlan::Kind kind) {
         drawing.enter(kind < RegionPlan::Kind::depths ? stage::primitives : stage::end_of_region);
         executor_.read_out_into(kind == RegionPlan::Kind::end_of_region ? pixels
@@ -316,7 +318,7 @@ void RendererNode::draw_next_region(bus::StageClock* clock) {
                                                                    : std::span<std::uint32_t>());
     };
     RegionFrame& programs = drawing_->programs;
-    std::vector<std::uint32_t> end;  // Of this region, if it has a slot.
+    std::vector<std::uint32_t> end;  // The program of this region, if it has a slot.
     if (const std::uint32_t samples = drawing_->plan.pass.samples; samples > 1) {
         end = at_slot(drawing_->plan.programs.end_of_region, samples, place);
         programs.end_of_region = end;
@@ -360,7 +362,7 @@ void RendererNode::send_counts(bus::Outbox& out) {
 
 void RendererNode::send_pixels(bus::Outbox& out) {
     ++frames_;
-    // A send that throws must not leave it behind: its body can be finished but once.
+    // If the send throws, the drawing must be gone: its body can be finished only once.
     const std::unique_ptr<Drawing> drawn = std::move(drawing_);
     flatbuffers::FlatBufferBuilder& body = drawn->body;
     const auto tiles = body.CreateVectorOfStructs(drawn->tiles);

@@ -1,7 +1,7 @@
-// One Renderer: takes opcode streams for its regions, executes them, sends the finished regions.
+// One Renderer: receives opcode streams for its regions, executes them, sends the regions.
 //
 //   BeginFrame     --->+----------+---> RegionPixels   (to the frame buffer)
-//   RegionPrograms --->| Renderer |---> FrameCounts    (to the host, if it asked for them)
+//   RegionPrograms --->| Renderer |---> FrameCounts    (to the host, on request)
 //   Topology       --->+----------+---> Fault          (to the host)
 #pragma once
 
@@ -17,20 +17,20 @@
 
 namespace pxpl5::renderer {
 
-/// What a Renderer tells apart of its work, besides the stages of every node.
+/// Stages of a Renderer, besides the stages of every node.
 namespace stage {
 using namespace bus::stage;
-inline constexpr std::string_view plan = "plan";  ///< Of a frame or region; checks the programs.
-inline constexpr std::string_view primitives = "primitives";        ///< All that GPs have sent.
+inline constexpr std::string_view plan = "plan";              ///< Planning; checks the programs.
+inline constexpr std::string_view primitives = "primitives";  ///< All segments of the GPs.
 inline constexpr std::string_view end_of_region = "end_of_region";  ///< Shading, readout.
 }  // namespace stage
 
-/// Role renderer. A frame is drawn, one region per call of work(), once its BeginFrame and the
-/// RegionPrograms of every GP are here; frames are drawn in ascending order.
+/// The role renderer. Draws a frame when its BeginFrame and the RegionPrograms of all GPs have
+/// arrived, one region per call of work(). Draws frames in ascending order.
 class RendererNode final : public bus::Node {
   public:
-    /// Executes on the vector target that PXPL5_TARGET names, else the best.
-    /// Throws std::invalid_argument if this machine lacks it.
+    /// Executes on the vector target that PXPL5_TARGET names, or on the best one.
+    /// Throws std::invalid_argument if this computer does not have the target.
     RendererNode();
     ~RendererNode() override;
 
@@ -53,14 +53,14 @@ class RendererNode final : public bus::Node {
     void tell_faults(bus::Outbox& out);
 
     bus::NodeId self_ = 0, frame_buffer_ = 0;
-    std::uint32_t index_ = 0;                         ///< Of this Renderer.
-    std::map<std::uint32_t, bus::NodeId> gp_ids_;     ///< By index.
-    std::map<std::uint32_t, FrameMessages> waiting_;  ///< By frame, those not yet drawn.
-    std::optional<std::uint32_t> newest_drawn_;       ///< Frames up to it are over.
-    std::uint64_t frames_ = 0;                        ///< Sent.
+    std::uint32_t index_ = 0;                         ///< Index of this Renderer.
+    std::map<std::uint32_t, bus::NodeId> gp_ids_;     ///< GP by index.
+    std::map<std::uint32_t, FrameMessages> waiting_;  ///< Frames that are not yet drawn.
+    std::optional<std::uint32_t> newest_drawn_;       ///< Older frames are finished.
+    std::uint64_t frames_ = 0;                        ///< Number of sent frames.
     fast::Fast executor_;
-    std::optional<HeldSums> sums_;      ///< What its backing store holds.
-    std::unique_ptr<Drawing> drawing_;  ///< The frame being drawn.
+    std::optional<HeldSums> sums_;      ///< Contents of the backing store.
+    std::unique_ptr<Drawing> drawing_;  ///< The current frame.
 };
 
 }  // namespace pxpl5::renderer

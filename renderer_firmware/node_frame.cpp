@@ -15,7 +15,7 @@ namespace {
 namespace schema = bus::schema;
 using schema::FaultCode;
 
-/// Sorts the segments of one GP for one region to the plan's.
+/// Adds the segments of one GP for one region to the segments of the plan.
 void take_region(FramePlan& plan, std::uint32_t surfaces, std::uint32_t gp,
                  const schema::RegionProgram& program) {
     const auto region =
@@ -29,7 +29,7 @@ void take_region(FramePlan& plan, std::uint32_t surfaces, std::uint32_t gp,
     }
     const Words words(program.words()->data(), program.words()->size());
     for (const schema::Segment* s : *program.segments()) {
-        // Message has checked that segments end within the words.
+        // Message has checked that segments are within the words.
         assert(std::size_t{s->first_word()} + s->word_count() <= words.size());
         if (s->surface() >= surfaces) {
             plan.faults.push_back(
@@ -44,10 +44,10 @@ void take_region(FramePlan& plan, std::uint32_t surfaces, std::uint32_t gp,
     }
 }
 
-/// A surface that comes several times in the list, with other slabs, has one pattern.
+/// A surface that appears several times in the list, with different slabs, has one pattern.
 std::vector<Screen> screens_of(const schema::DrawFrame& draw) {
     std::vector<Screen> screens;
-    std::map<std::uint16_t, std::uint32_t> patterns;  // By the surface's id.
+    std::map<std::uint16_t, std::uint32_t> patterns;  // Pattern by surface id.
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
         Screen& screen = screens.emplace_back();
         screen.opacity = surface->opacity();
@@ -137,16 +137,17 @@ std::string missing_sums(const std::optional<HeldSums>& held, const FramePlan& p
     const std::string pass =
         fmt::format("sample {} of {}", plan.pass.sample + 1, plan.pass.samples);
     if (!held) {
-        return fmt::format("{}: no sums are held", pass);
+        return fmt::format("{}: no sums are stored", pass);
     }
     if (held->frame + 1 != plan.frame || held->pass.sample + 1 != plan.pass.sample ||
         held->pass.samples != plan.pass.samples) {
-        return fmt::format("{}: the sums held are those of sample {} of {} of frame {}", pass,
+        return fmt::format("{}: the stored sums are those of sample {} of {} of frame {}", pass,
                            held->pass.sample + 1, held->pass.samples, held->frame);
     }
     if (!std::ranges::equal(held->regions, plan.regions, {}, {}, &FramePlan::Region::number)) {
-        return fmt::format("{}: sums of {} regions are held, others than the {} of this frame",
-                           pass, held->regions.size(), plan.regions.size());
+        return fmt::format(
+            "{}: the stored sums are those of {} other regions, not of the {} of this frame", pass,
+            held->regions.size(), plan.regions.size());
     }
     return {};
 }

@@ -1,4 +1,4 @@
-// One Renderer's part of a frame, put together from the messages that it received.
+// One Renderer's part of a frame, assembled from the received messages.
 #pragma once
 
 #include <cstddef>
@@ -14,63 +14,64 @@
 
 namespace pxpl5::renderer {
 
-/// No GP has this index.
+/// The index of no GP.
 inline constexpr std::uint32_t no_gp = 0xFFFF'FFFF;
 
-/// What has come for one frame.
+/// The messages that have arrived for one frame.
 struct FrameMessages {
     std::optional<bus::Message> begin;               ///< BeginFrame.
     std::map<std::uint32_t, bus::Message> programs;  ///< RegionPrograms by GP.
 };
 
-/// Something in what a GP has sent for a frame.
+/// An error in the messages of a GP for a frame.
 struct FrameFault {
     bus::schema::FaultCode code{};
     std::uint32_t gp = no_gp;
     std::string reason;
 };
 
-/// What one Renderer does for a frame. Segments point into the messages, which outlive the plan.
+/// One Renderer's work for a frame. Segments point into the messages, which must outlive the plan.
 struct FramePlan {
     struct Region {
         std::uint32_t number = 0;
-        std::vector<Segment> segments;  ///< Of all GPs, as they came.
+        std::vector<Segment> segments;  ///< Segments of all GPs, in order of arrival.
     };
     std::uint32_t frame = 0;
-    bool counts = false;  ///< The host wants each part's.
+    bool counts = false;  ///< The host has requested counts of each part.
     Pass pass;
     RegionPrograms programs;
-    std::vector<Region> regions;  ///< This Renderer's own, ascending.
+    std::vector<Region> regions;  ///< The regions of this Renderer, ascending.
     std::vector<FrameFault> faults;
 };
 
-/// How the frame is lit.
+/// Returns the lighting of the frame.
 Shading shading_of(const bus::schema::DrawFrame& draw);
 
-/// "GP 3, region 5, surface 0, slab 17", for texts.
+/// Returns a place for messages, such as "GP 3, region 5, surface 0, slab 17".
 std::string place_of(std::uint32_t gp, std::uint32_t region, std::uint32_t surface,
                      std::uint32_t slab);
 
-/// A plan's programs as a region runs them; they point into `programs`. A pass's end of a region is
-/// that of slot 0.
-/// Throws std::logic_error if one of them is none (a bug of ours).
+/// Returns the programs of a plan in the form for draw_region(). They point into `programs`. The
+/// end-of-region program of a pass is the one of slot 0.
+/// Throws std::logic_error if a program is invalid (a bug of ours).
 RegionFrame region_frame(const RegionPrograms& programs);
 
-/// messages  Hold `begin`; programs of other regions than the Renderer's are a fault.
+/// messages  Contain `begin`. Programs for regions of other Renderers are a fault.
 /// renderer  Index of the Renderer.
 FramePlan plan_frame(const FrameMessages& messages, std::uint32_t renderer);
 
-/// Of the passes of a picture that were drawn: what the backing store holds.
+/// The sums in the backing store, after some passes of a picture.
 struct HeldSums {
-    std::uint32_t frame = 0;  ///< Of the newest.
+    std::uint32_t frame = 0;  ///< Frame of the newest pass.
     Pass pass;
-    std::vector<std::uint32_t> regions;  ///< By slot.
+    std::vector<std::uint32_t> regions;  ///< Regions by slot.
 };
 
-/// What the backing store holds behind the frame; nothing but behind a pass.
+/// Returns the contents of the backing store after the frame; nullopt after a frame that is not a
+/// pass.
 std::optional<HeldSums> sums_behind(const FramePlan& plan);
 
-/// Why a pass cannot add to what is held; empty if it can, or is a picture's first.
+/// Returns why a pass cannot add to the stored sums. Empty if the pass can, or is the first one.
 std::string missing_sums(const std::optional<HeldSums>& held, const FramePlan& plan);
 
 }  // namespace pxpl5::renderer

@@ -7,7 +7,7 @@
 #include <glm/matrix.hpp>
 #include <stdexcept>
 
-#include "isa/depth.hpp"
+#include "isa/contract/depth.hpp"
 
 namespace pxpl5::gp {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "gp_firmware/surface/mesh.hpp"
-#include "isa/region_layout.hpp"
-#include "isa/vector_target.hpp"
+#include "isa/contract/region_layout.hpp"
+#include "isa/contract/vector_target.hpp"
 
 namespace pxpl5::gp {
 

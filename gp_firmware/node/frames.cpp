@@ -8,7 +8,7 @@
 #include "gp_firmware/node/messages.hpp"
 #include "gp_firmware/node/stages.hpp"
 #include "gp_firmware/render/assignment.hpp"
-#include "isa/sample_sums.hpp"
+#include "isa/contract/sample_sums.hpp"
 
 namespace pxpl5::gp {
 

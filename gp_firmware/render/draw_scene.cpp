@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "gp_firmware/render/sphere_program.hpp"
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 
 namespace pxpl5::gp {
 

@@ -10,7 +10,7 @@
 #include "gp_firmware/render/plane_setup.hpp"
 #include "gp_firmware/render/select_triangles.hpp"
 #include "gp_firmware/render/triangle_program.hpp"
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 
 namespace pxpl5::gp {
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "gp_firmware/render/set_up_triangles.hpp"
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 
 namespace pxpl5::gp {
 

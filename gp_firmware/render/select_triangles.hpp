@@ -8,7 +8,7 @@
 
 #include "gp_firmware/geometry/bin.hpp"
 #include "gp_firmware/render/region_programs.hpp"
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 
 namespace pxpl5::gp {
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "gp_firmware/geometry/transform.hpp"
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 
 namespace pxpl5::gp {
 

@@ -4,9 +4,9 @@
 #include <cassert>
 #include <cmath>
 
+#include "isa/contract/region_layout.hpp"
+#include "isa/contract/screen_door.hpp"
 #include "isa/instruction.hpp"
-#include "isa/region_layout.hpp"
-#include "isa/screen_door.hpp"
 
 namespace pxpl5::gp {
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "gp_firmware/render/plane_setup.hpp"
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 
 namespace pxpl5::gp {
 
@@ -52,7 +52,7 @@ inline std::optional<RegionEdge> region_edge(const Edge& edge, int x0, int y0) {
     return RegionEdge{narrow, 0, 0, 0};
 }
 
-/// Writes the isa::triangle::word_count words of the shape in isa/triangle_shape.hpp.
+/// Writes the isa::triangle::word_count words of the shape in isa/contract/triangle_shape.hpp.
 ///
 /// surface_word  isa::triangle::surface_word() of the surface.
 inline void write_triangle(const std::array<RegionEdge, 3>& edges, const AttributePlanes& planes,

@@ -8,7 +8,7 @@
 
 #include "gp_firmware/surface/case_slots.hpp"
 #include "gp_firmware/surface/mesh.hpp"
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 
 namespace pxpl5::gp {
 

@@ -7,7 +7,7 @@
 #include "gp_firmware/surface/case_tables.hpp"
 #include "gp_firmware/surface/mesh.hpp"
 #include "gp_firmware/volume/slice_store.hpp"
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 
 namespace pxpl5::gp {
 

@@ -11,7 +11,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pxpl5::gp::HWY_NAMESPACE {

@@ -3,7 +3,7 @@
 
 #include "gp_firmware/surface/mesh.hpp"
 #include "gp_firmware/volume/slice.hpp"
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 
 namespace pxpl5::gp {
 

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cstddef>
 
-#include "isa/region_layout.hpp"
+#include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::host {
 

@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "host/frame_buffer/node.hpp"
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 
 int main(int argc, char** argv) {
     using namespace pxpl5;

@@ -6,7 +6,7 @@
 #include <cassert>
 #include <utility>
 
-#include "isa/region_layout.hpp"
+#include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::host {
 

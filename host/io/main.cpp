@@ -7,7 +7,7 @@
 
 #include "host/io/limits.hpp"
 #include "host/io/node.hpp"
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 
 int main(int argc, char** argv) {
     using namespace pxpl5;

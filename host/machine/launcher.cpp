@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 
 namespace pxpl5::host {
 

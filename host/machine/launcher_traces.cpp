@@ -8,7 +8,7 @@
 #include "host/base/error.hpp"
 #include "host/machine/launcher.hpp"
 #include "isa/table_hash.hpp"
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 
 namespace pxpl5::host {
 

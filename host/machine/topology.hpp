@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 
 namespace pxpl5::host {
 

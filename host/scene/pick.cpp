@@ -13,7 +13,7 @@
 
 #include "host/base/error.hpp"
 #include "host/scene/slice_places.hpp"
-#include "isa/depth.hpp"
+#include "isa/contract/depth.hpp"
 
 namespace pxpl5::host {
 

@@ -5,7 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "host/scene/clip.hpp"
-#include "isa/region_layout.hpp"
+#include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::host {
 

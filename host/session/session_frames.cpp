@@ -10,7 +10,7 @@
 #include "host/base/stopwatch.hpp"
 #include "host/session/scene_transfer.hpp"
 #include "host/session/session.hpp"
-#include "isa/sample_sums.hpp"
+#include "isa/contract/sample_sums.hpp"
 #include "ringbus/ranges.hpp"
 
 namespace pxpl5::host {

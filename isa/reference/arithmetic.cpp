@@ -75,7 +75,7 @@ void mul_const(PixelArray& pixels, Operands o, Coefficients k) {
 
 namespace {
 
-/// The bits of `value` one place up, `low` in the place set free. The top bit is lost.
+/// Shifts `value` up by one bit. `low` becomes the lowest bit; the top bit is lost.
 Bits shifted_up(Bits value, bool low) {
     for (std::uint32_t i = value.count - 1; i > 0; --i) {
         value[i] = value[i - 1];
@@ -84,7 +84,7 @@ Bits shifted_up(Bits value, bool low) {
     return value;
 }
 
-/// Restoring division. A divisor of 0 always fits, so that the quotient is all ones.
+/// Restoring division. A divisor of 0 always fits, so the quotient is all ones.
 Bits quotient(const Bits& dividend, const Bits& divisor) {
     Bits result(dividend.count);
     Bits remainder(dividend.count + 1);
@@ -98,7 +98,7 @@ Bits quotient(const Bits& dividend, const Bits& divisor) {
     return result;
 }
 
-/// Square root, restoring, two bits of the number per bit of the root; needs n + 2 bits.
+/// Restoring square root: two bits of the number per bit of the root. Needs n + 2 bits.
 Bits square_root(const Bits& number) {
     const std::uint32_t pairs = (number.count + 1) / 2;
     const Bits padded = resized(number, 2 * pairs, false);

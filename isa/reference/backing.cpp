@@ -1,5 +1,5 @@
-// Rows of the group `backing`. Transfers take effect at once: check() keeps programs from touching
-// what is under transfer before BSWAIT, so that no program can tell.
+// Rows of the group `backing`. Transfers take effect at once. No program can notice this, because
+// check() refuses every use of a field or block under transfer before BSWAIT.
 #include "isa/reference/bits.hpp"
 #include "isa/reference/reference.hpp"
 

@@ -1,4 +1,4 @@
-// Numbers as the pixel processors see them: rows of single bits, least significant first.
+// Numbers as sequences of single bits, least significant first, as in the pixel processors.
 #pragma once
 
 #include <array>
@@ -10,9 +10,9 @@
 
 namespace pxpl5::isa::reference {
 
-inline constexpr std::uint32_t max_bits = 65;  ///< The widest field and one bit more.
+inline constexpr std::uint32_t max_bits = 65;  ///< The widest field plus one bit.
 
-/// Up to 65 bits, least significant first. Bits behind `count` are 0.
+/// Up to 65 bits, least significant first. Bits from `count` on are 0.
 struct Bits {
     std::array<bool, max_bits> bit{};
     std::uint32_t count = 0;
@@ -23,7 +23,7 @@ struct Bits {
     bool sign() const { return bit[count - 1]; }
 };
 
-/// Field m[a : a+n) of a pixel.
+/// Returns field m[a : a+n) of a pixel.
 inline Bits read(const Pixel& pixel, std::uint32_t a, std::uint32_t n) {
     Bits value(n);
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -39,7 +39,7 @@ inline void write(Pixel& pixel, std::uint32_t a, const Bits& value) {
     }
 }
 
-/// The low n bits of a signed number; bits behind the 64th repeat its sign.
+/// Returns the low n bits of a signed number. Bits beyond the 64th repeat the sign.
 inline Bits low_bits(std::int64_t number, std::uint32_t n) {
     Bits value(n);
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -48,7 +48,7 @@ inline Bits low_bits(std::int64_t number, std::uint32_t n) {
     return value;
 }
 
-/// `value` with its bits inverted.
+/// Returns `value` with all bits inverted.
 inline Bits inverted(Bits value) {
     for (std::uint32_t i = 0; i < value.count; ++i) {
         value[i] = !value[i];
@@ -56,7 +56,7 @@ inline Bits inverted(Bits value) {
     return value;
 }
 
-/// `value` in n bits: cut, or filled up with `fill`.
+/// Returns `value` in n bits: truncated, or extended with `fill`.
 inline Bits resized(const Bits& value, std::uint32_t n, bool fill) {
     Bits wide(n);
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -67,10 +67,10 @@ inline Bits resized(const Bits& value, std::uint32_t n, bool fill) {
 
 struct Sum {
     Bits bits;
-    bool carry;  ///< Out of the last bit.
+    bool carry;  ///< Carry out of the last bit.
 };
 
-/// p + q + carry, through one full adder, bit after bit.
+/// Returns p + q + carry, computed bit by bit with one full adder.
 inline Sum add(const Bits& p, const Bits& q, bool carry) {
     assert(p.count == q.count);
     Bits sum(p.count);
@@ -81,13 +81,13 @@ inline Sum add(const Bits& p, const Bits& q, bool carry) {
     return {sum, carry};
 }
 
-/// p - q; `carry` is the borrow.
+/// Returns p - q; `carry` is the borrow.
 inline Sum subtract(const Bits& p, const Bits& q) {
     const Sum sum = add(p, inverted(q), true);
     return {sum.bits, !sum.carry};
 }
 
-/// -p, two's complement.
+/// Returns -p in two's complement.
 inline Bits negated(const Bits& p) {
     return add(inverted(p), Bits(p.count), true).bits;
 }
@@ -100,14 +100,14 @@ inline bool less(const Bits& p, const Bits& q) {
     return subtract(p, q).carry;
 }
 
-/// p < q, both two's complement: as less(), with the sign bits swapped over.
+/// Returns p < q in two's complement: less() with the sign bits exchanged.
 inline bool less_signed(Bits p, Bits q) {
     p[p.count - 1] = !p[p.count - 1];
     q[q.count - 1] = !q[q.count - 1];
     return less(p, q);
 }
 
-/// Product of two n-bit numbers in 2n bits, by shift and add; signed if told.
+/// Returns the 2n-bit product of two n-bit numbers, by shift and add.
 inline Bits product(const Bits& p, const Bits& q, bool is_signed) {
     const std::uint32_t n = p.count;
     Bits sum(2 * n);
@@ -125,7 +125,7 @@ inline Bits product(const Bits& p, const Bits& q, bool is_signed) {
     return sum;
 }
 
-/// All pixels of the scope.
+/// Calls the function for all pixels of the scope.
 template <typename Action>
 void each(PixelArray& pixels, Action action) {
     const Window& scope = pixels.scope;

@@ -1,4 +1,4 @@
-// Rows of the group `control` in which pixels take part. The sequencer runs the others.
+// Rows of the group `control` that act on pixels. The sequencer runs the other rows.
 #include "isa/reference/bits.hpp"
 #include "isa/reference/reference.hpp"
 

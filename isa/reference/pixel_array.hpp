@@ -1,4 +1,4 @@
-// The state of the pixels, as plainly as it can be held: one struct per pixel, one bool per bit.
+// The state of the pixels in the simplest form: one struct per pixel, one bool per bit.
 #pragma once
 
 #include <array>
@@ -23,11 +23,11 @@ struct Window {
 };
 
 struct Pixel {
-    int x = 0, y = 0;  ///< Place in the region, 0..127.
+    int x = 0, y = 0;  ///< Position in the region, 0..127.
     bool enable = false;
     bool carry = false;
     std::array<bool, memory_bits> m{};
-    std::vector<std::uint32_t> blocks;  ///< Backing store; empty until a block is written.
+    std::vector<std::uint32_t> blocks;  ///< Backing store; empty until the first write.
 };
 
 /// The pixels of a window, row by row.
@@ -42,7 +42,7 @@ struct PixelArray {
         }
     }
 
-    /// The pixel at (x, y), which is in the window.
+    /// Returns the pixel (x, y), which must be in the window.
     Pixel& at(int x, int y) {
         assert(window.contains(x, y));
         return pixels[static_cast<std::size_t>((y - window.y0) * window.width + x - window.x0)];
@@ -50,9 +50,10 @@ struct PixelArray {
     const Pixel& at(int x, int y) const { return const_cast<PixelArray*>(this)->at(x, y); }
 
     Window window;
-    Window scope;  ///< Part of the window, may be empty: the pixels that instructions act on.
+    Window scope;  ///< The pixels that instructions act on; a part of the window, or empty.
     std::vector<Pixel> pixels;
-    std::function<void(std::span<const std::uint32_t>)> readout;  ///< Where PIXELSTOFB sends.
+    std::function<void(std::span<const std::uint32_t>)>
+        readout;  ///< Receives the pixels of PIXELSTOFB.
 };
 
 }  // namespace pxpl5::isa::reference

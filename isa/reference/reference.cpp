@@ -9,8 +9,8 @@ namespace {
 
 using Handler = void (*)(PixelArray&, Operands, Coefficients);
 
-/// The handler of row `index`; none for control rows, which the sequencer runs. The discarded
-/// branch keeps those rows from needing one.
+/// Returns the handler of row `index`, or none for control rows, which the sequencer runs. The
+/// discarded branch makes a handler of a control row unnecessary.
 template <std::size_t index>
 constexpr Handler handler_if_pixels([[maybe_unused]] auto name_handler) {
     if constexpr (op_table[index].is_control()) {

@@ -1,4 +1,4 @@
-// The reference executor: the definition of every row, pixel by pixel and bit by bit. Slow and
+// The reference executor: defines every row, pixel by pixel and bit by bit. The code is slow and
 // obvious.
 #pragma once
 
@@ -9,16 +9,16 @@
 
 namespace pxpl5::isa::reference {
 
-/// Handlers, one per row that pixels take part in; in enable.cpp, tree.cpp, memory.cpp,
-/// arithmetic.cpp, backing.cpp and control.cpp. A row without one does not link.
+/// One handler per row that acts on pixels; in enable.cpp, tree.cpp, memory.cpp, arithmetic.cpp,
+/// backing.cpp and control.cpp. A row without a handler does not link.
 #define PXPL5_OP(id, ...) void id(PixelArray& pixels, Operands operands, Coefficients coefficients);
 #include "isa/instructions.def"
 #undef PXPL5_OP
 
 class Reference final : public Executor {
   public:
-    /// Emulates the pixels of `window` only; the others read as 0 and never enabled. A whole region
-    /// costs about 1 ms per instruction, a 16 x 8 window some microseconds.
+    /// Emulates only the pixels of `window`; the others read as 0 and disabled. One instruction
+    /// takes about 1 ms on a whole region, and some microseconds on a window of 16 x 8.
     explicit Reference(Window window = {});
 
     void execute(Instruction in, Coefficients coefficients) override;
@@ -30,16 +30,16 @@ class Reference final : public Executor {
 
     const Window& window() const { return pixels_.window; }
 
-    /// From now on instructions act on the pixels of `scope` alone, a part of the window; the
-    /// others keep what they have, and PIXELSTOFB sends 0 for them.
+    /// From now on instructions act only on the pixels of `scope`, a part of the window. The other
+    /// pixels do not change, and PIXELSTOFB sends 0 for them.
     void set_scope(const Window& scope);
 
     using State = std::vector<Pixel>;
     State save() const { return pixels_.pixels; }
-    /// `state` was saved by an executor of the same window.
+    /// Restores a state that an executor of the same window saved.
     void restore(const State& state);
 
-    /// Sets field m[a : a+n) of pixel (x, y) in the window: for tests and tools that start from a
+    /// Sets field m[a : a+n) of pixel (x, y) in the window, for tests and tools that start from a
     /// given state.
     void set_field(int x, int y, std::uint32_t a, std::uint32_t n, std::uint64_t value);
 

@@ -5,7 +5,7 @@
 namespace pxpl5::isa::reference {
 namespace {
 
-/// Q at the pixel. |Q| is below 2^47, so that 64 bits hold it and all on the way to it.
+/// Returns Q at the pixel. |Q| is below 2^47, so 64 bits suffice for Q and all partial sums.
 std::int64_t evaluate(const Pixel& p, Coefficients k) {
     const std::int64_t x = p.x, y = p.y;
     std::int64_t q = k[0] * x + k[1] * y + k[2];
@@ -15,7 +15,7 @@ std::int64_t evaluate(const Pixel& p, Coefficients k) {
     return q;
 }
 
-/// The low n bits of T = floor(Q / 2^b).
+/// Returns the low n bits of T = floor(Q / 2^b).
 Bits tree(const Pixel& p, Operands o, Coefficients k) {
     return low_bits(evaluate(p, k) >> o.b, o.n);
 }
@@ -40,7 +40,7 @@ void into_mem(PixelArray& pixels, Operands o, Coefficients k) {
     each_enabled(pixels, [&](Pixel& p) { write(p, o.a, tree(p, o, k)); });
 }
 
-/// 0 if T is negative, all ones if any bit above the n-th is set, else T.
+/// Returns 0 if T is negative, all ones if T needs more than n bits, else T.
 Bits clamped(std::int64_t t, std::uint32_t n) {
     const Bits zero(n);
     const bool too_large = (t >> n) != 0;

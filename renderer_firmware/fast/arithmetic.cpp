@@ -1,8 +1,8 @@
-// Group arithmetic, fast: adding, multiplying, dividing and square roots of fields.
+// Group arithmetic, fast: addition, multiplication, division and square roots of fields.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer_firmware/fast/arithmetic.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// Behind foreach_target.h, which compiles the rest once per target.
 #include "renderer_firmware/fast/values-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -10,7 +10,7 @@ namespace pxpl5::renderer::fast::HWY_NAMESPACE {
 
 // ---- addition
 
-/// m[a] = sum(m[a], m[b], the low n bits set), and the carry bits.
+/// m[a] = sum(m[a], m[b], the low n bits set). Also sets the carry bits.
 template <typename Add>
 HWY_INLINE void add_fields(Board& board, BlockRange range, Operands o, const Add& sum) {
     by_width(o.n, [&](auto as) PXPL5_BODY {
@@ -55,7 +55,7 @@ void mem_plus_const(Board& board, BlockRange range, Operands o, Coefficients k) 
     });
 }
 
-/// Negates m[a] where `always`, else where its sign bit is set.
+/// Negates m[a] if `always`, else where the sign bit of m[a] is set.
 HWY_INLINE void negate(Board& board, BlockRange range, Operands o, bool always) {
     by_width(o.n, [&](auto as) PXPL5_BODY {
         using N = typename decltype(as)::Number;
@@ -65,7 +65,7 @@ HWY_INLINE void negate(Board& board, BlockRange range, Operands o, bool always) 
                       [&](std::size_t b, std::size_t at, std::uint32_t bits) PXPL5_BODY {
                           Block& block = board.pixels.blocks[b];
                           const N value = memory.load(block, at);
-                          // With sign 0 nothing is kept: value & 0 is never unequal to 0.
+                          // With sign 0 no pixel is kept: value & 0 is never unequal to 0.
                           const M keep = always ? mask_of(0) : hn::Not(is_set(value, sign));
                           memory.store(block, at, choose(keep, value, zero - value), mask_of(bits));
                       });
@@ -80,7 +80,7 @@ void abs_mem(Board& board, BlockRange range, Operands o, Coefficients) {
 
 // ---- multiplication
 
-/// m[a : a+2n) = left(block, at) * right(block, at), n-bit numbers.
+/// m[a : a+2n) = left(block, at) * right(block, at); both factors have n bits.
 template <typename Left, typename Right>
 HWY_INLINE void multiply(Board& board, BlockRange range, Operands o, bool is_signed,
                          const Left& left, const Right& right) {

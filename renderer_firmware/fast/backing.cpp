@@ -1,10 +1,10 @@
-// Group backing, fast: transfers between pixel memory and backing store, done at once.
+// Group backing, fast: transfers between pixel memory and backing store. They take effect at once.
 //
-// check() lets no program look at a field or block under transfer, so that nobody can tell.
+// Programs cannot notice this, because check() refuses uses of fields and blocks under transfer.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer_firmware/fast/backing.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// Behind foreach_target.h, which compiles the rest once per target.
 #include "renderer_firmware/fast/vector-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,8 +1,8 @@
-// Group control, fast: the one row in which pixels take part.
+// Group control, fast: the one row that acts on pixels.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer_firmware/fast/control.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// Behind foreach_target.h, which compiles the rest once per target.
 #include "renderer_firmware/fast/vector-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

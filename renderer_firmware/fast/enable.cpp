@@ -1,14 +1,14 @@
-// Group enable, fast: which pixels take part.
+// Group enable, fast: the enable bits.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer_firmware/fast/enable.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// Behind foreach_target.h, which compiles the rest once per target.
 #include "renderer_firmware/fast/vector-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pxpl5::renderer::fast::HWY_NAMESPACE {
 
-/// Bit m[a] of the vector at `at` in `block`, one bit per lane.
+/// Returns bit m[a] of the vector at `at` in `block`, one bit per lane.
 HWY_INLINE std::uint32_t memory_bits(const Block& block, std::size_t at, std::uint32_t a) {
     return bits_of(equal(Field<Narrow>(a, 1).load(block, at), number<Narrow>(1)));
 }

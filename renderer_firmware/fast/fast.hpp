@@ -16,21 +16,21 @@ namespace pxpl5::renderer::fast {
 class Fast final : public isa::Executor {
   public:
     /// Pixels start cleared and disabled.
-    /// Throws std::invalid_argument if this machine lacks `target`.
+    /// Throws std::invalid_argument if this computer does not have `target`.
     explicit Fast(Target target = isa::process_target()) : Fast(backend(target)) {}
 
-    /// With the handlers of `code`: for tests that plant a wrong one.
+    /// Uses the handlers of `code`, for tests that plant a wrong handler.
     explicit Fast(const Backend& code);
 
-    /// Back to the state of a new executor. What a region leaves must not reach the next one, or
-    /// the picture would depend on which Renderer draws which region.
+    /// Restores the state of a new executor. Without a reset, the picture would depend on which
+    /// Renderer draws which region.
     void reset();
 
-    /// The same, but for the backing store, which keeps a picture's sums from pass to pass.
+    /// Like reset(), but keeps the backing store, which holds the sums of earlier passes.
     void reset_pixels();
 
-    /// All that instructions act on, 460 KB and 64 KB a backing-store block in use. What the port
-    /// held, and where, is no part of it: PIXELSTOFB writes all of it before anybody reads.
+    /// All state that instructions use: 460 KB, and 64 KB per used backing-store block. Excludes
+    /// the port, because PIXELSTOFB overwrites all of the port before any read.
     struct State {
         std::unique_ptr<const hal::PixelArray> pixels;
         std::vector<std::pair<std::uint32_t, hal::BackingStore::Words>> blocks;
@@ -39,17 +39,17 @@ class Fast final : public isa::Executor {
     State save() const;
     void restore(const State& state);
 
-    /// From now on PIXELSTOFB writes its words to `rows`, row by row (index y * 128 + x), before
-    /// the readout sink gets to see them there. `rows` holds a region's words and outlives its use;
-    /// an empty one means memory of the executor's own.
+    /// From now on PIXELSTOFB writes its words to `rows`, row by row (index y * 128 + x), and then
+    /// calls the readout sink. `rows` has room for a region and must outlive its use. If `rows` is
+    /// empty, PIXELSTOFB writes to memory of the executor.
     void read_out_into(std::span<std::uint32_t> rows) { board_->port.aim(rows); }
 
-    /// For tools that look at all pixels at once.
+    /// The pixels, for tools that read all pixels at once.
     const hal::PixelArray& pixels() const { return board_->pixels; }
 
     void execute(isa::Instruction in, isa::Coefficients coefficients) override;
 
-    /// Runs triangles fused, and other straight-line stretches block group by block group.
+    /// Runs fused triangles, and other straight-line stretches one block group after another.
     isa::Taken execute_ahead(std::span<const std::uint32_t> words) override;
 
     bool any_enabled() const override { return board_->pixels.any_enabled(); }
@@ -61,7 +61,7 @@ class Fast final : public isa::Executor {
   private:
     const Backend& code_;
     std::unique_ptr<hal::Board> board_;
-    Stretch stretch_;  ///< The one being run.
+    Stretch stretch_;  ///< The current stretch.
 };
 static_assert(isa::Restorable<Fast>);
 

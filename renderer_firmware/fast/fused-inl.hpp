@@ -1,7 +1,7 @@
-// Instructions whose operands are known at compile time, on pixels held in registers. Fields lie
-// where the compiler can see it, so that what a handler does with masks, shifts and memory is here
-// one or two instructions of the processor, or none.
-// Included behind hwy/foreach_target.h, hence the guard that flips.
+// Instructions with operands that are known at compile time, on pixels in registers. The compiler
+// knows the position of each field, so a handler's masks, shifts and memory accesses become one or
+// two processor instructions, or none.
+// Included behind hwy/foreach_target.h, which requires the toggling include guard.
 #if defined(PXPL5_FAST_FUSED_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PXPL5_FAST_FUSED_INL
 #undef PXPL5_FAST_FUSED_INL
@@ -16,11 +16,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace pxpl5::renderer::fast::HWY_NAMESPACE {
 
-/// A vector of pixels, in registers. Until commit(), what was written is right in enabled pixels
-/// only: nobody sees the others before the enables change.
+/// A vector of pixels, in registers. Before commit(), written columns are valid only in enabled
+/// pixels. No code reads the others before the enables change.
 struct Pixels {
     V columns[hal::column_count];
-    V kept[hal::column_count];  ///< As they were at the last commit().
+    V kept[hal::column_count];  ///< Values at the last commit().
     M enable, carry;
 
     template <std::size_t k>
@@ -46,10 +46,10 @@ HWY_INLINE V shifted_left(V v) {
     }
 }
 
-/// The bits of `yes` where `mask` is set, else those of `no`.
+/// Returns the bits of `yes` where `mask` is set, else the bits of `no`.
 HWY_INLINE V select_bits(V mask, V yes, V no) {
     if constexpr (lanes == 16) {
-        return hn::IfVecThenElse(mask, yes, no);  // On narrower targets it goes by bytes.
+        return hn::IfVecThenElse(mask, yes, no);  // Narrower targets select bytes.
     } else {
         return hn::Or(hn::And(mask, yes), hn::AndNot(mask, no));
     }
@@ -70,12 +70,12 @@ class FixedField {
         }
     }
 
-    /// The field, below bits of any value; n is at most 32.
+    /// Returns the field with undefined bits above it; n is at most 32.
     static HWY_INLINE V load_low(const Pixels& p) {
         return end <= 32 ? shifted_right<shift>(p.columns[first]) : part<0>(p);
     }
 
-    /// Stores the bits of `column` that lie where the field lies in its one column.
+    /// Stores the bits of `column` at the position of the field, which lies in one column.
     static HWY_INLINE void put_moved(Pixels& p, V column) {
         static_assert(end <= 32);
         put<0>(p, column);
@@ -99,7 +99,7 @@ class FixedField {
   private:
     static constexpr std::uint32_t first = a / 32, shift = a % 32, end = shift + n;
 
-    /// Bits 32 k .. of the field.
+    /// Returns the bits of the field from bit 32 k on.
     template <std::uint32_t k>
     static HWY_INLINE V part(const Pixels& p) {
         constexpr std::uint32_t left = n - 32 * k, count = left < 32 ? left : 32;
@@ -110,7 +110,7 @@ class FixedField {
         return shift + count == 32 || count == 32 ? v : hn::And(v, splat(ones(count)));
     }
 
-    /// Puts the bits of `value` that belong to the field in column first + k.
+    /// Stores the bits of `value` that belong to the field in column first + k.
     template <std::uint32_t k>
     static HWY_INLINE void put(Pixels& p, V value) {
         constexpr std::uint32_t low = k == 0 ? shift : 0, high = end < 32 * (k + 1) ? end % 32 : 32;
@@ -129,7 +129,7 @@ using FieldA = FixedField<o.a, o.n>;
 template <isa::Operands o>
 using FieldB = FixedField<o.b, o.n>;
 
-/// The low n bits of K as a number of the field's width.
+/// Returns the low n bits of K as a number of the field's width.
 template <std::uint32_t n>
 HWY_INLINE auto constant(std::int32_t k) {
     using Number = typename FixedField<0, n>::Number;
@@ -143,12 +143,12 @@ HWY_INLINE void set_carry(Pixels& p, M carry) {
     p.carry = hn::Or(hn::AndNot(p.enable, p.carry), hn::And(p.enable, carry));
 }
 
-// ---- the rows that region programs use; K is 0 for those that have none
+// ---- the rows that region programs use; K is 0 for rows without K
 
 template <isa::Op op>
 using Row = std::integral_constant<isa::Op, op>;
 
-/// Where bit m[a] is 1.
+/// Returns the mask of the pixels where bit m[a] is 1.
 template <std::uint32_t a>
 HWY_INLINE M memory_bit(const Pixels& p) {
     return hn::TestBit(p.columns[a / 32], splat(1U << a % 32));
@@ -180,7 +180,7 @@ template <Operands o>
 HWY_INLINE void run_row(Row<isa::Op::mem_into_mem>, Pixels& p, std::int32_t) {
     constexpr std::uint32_t from = o.b % 32, to = o.a % 32;
     if constexpr (from + o.n <= 32 && to + o.n <= 32) {
-        // What lies beside the field moves along, and put_moved() leaves it out.
+        // The bits beside the field move too. put_moved() ignores them.
         const V column = p.columns[o.b / 32];
         FieldA<o>::put_moved(p, from < to ? shifted_left<(to - from) % 32>(column)
                                           : shifted_right<(from - to) % 32>(column));
@@ -205,7 +205,7 @@ HWY_INLINE void run_row(Row<isa::Op::mem_ge_const>, Pixels& p, std::int32_t k) {
     keep(p, IsAtLeast()(FieldA<o>::load(p), constant<o.n>(k)));
 }
 
-/// m[a] = sum(m[a], m[b]), and the carry.
+/// m[a] = sum(m[a], m[b]). Also sets the carry.
 template <Operands o, typename Add>
 HWY_INLINE void add_fields(Pixels& p, const Add& add) {
     const auto sum = add(FieldA<o>::load(p), FieldB<o>::load(p), constant<o.n>(-1));
@@ -216,7 +216,7 @@ template <Operands o>
 HWY_INLINE void run_row(Row<isa::Op::mem_plus_mem>, Pixels& p, std::int32_t) {
     add_fields<o>(p, Plus());
 }
-/// HeldPlus on fewer than 32 bits.
+/// HeldPlus for fewer than 32 bits.
 struct HeldPlusInLane {
     HWY_INLINE Sum<Narrow> operator()(Narrow p, Narrow q, Narrow low) const {
         const V sum = hn::Add(p.lo, q.lo);
@@ -227,7 +227,7 @@ template <Operands o>
 HWY_INLINE void run_row(Row<isa::Op::mem_satplus_mem>, Pixels& p, std::int32_t) {
     static_assert(o.n < 32);
     if constexpr (o.a % 32 + o.n == 32) {
-        // At the top of its column a field is added to where it lies, and runs over as lanes do.
+        // A field at the top of its column is added in place; its carry leaves the lane.
         V& column = p.columns[o.a / 32];
         const V sum = hn::Add(column, shifted_left<o.a % 32>(FieldB<o>::load_low(p)));
         const M carry = hn::Lt(sum, column);
@@ -242,15 +242,7 @@ HWY_INLINE void run_row(Row<isa::Op::neg_mem>, Pixels& p, std::int32_t) {
     FieldA<o>::store(p, constant<o.n>(0) - FieldA<o>::load(p));
 }
 
-/// m[a : a+2n) = the product.
-template <Operands o>
-HWY_INLINE void store_product(Pixels& p, Wide value) {
-    if constexpr (o.n <= 16) {
-        FixedField<o.a, 2 * o.n>::store(p, {value.lo});
-    } else {
-        FixedField<o.a, 2 * o.n>::store(p, value);
-    }
-}
+/// m[a : a+2n) = m[a] * m[b].
 template <Operands o>
 HWY_INLINE void run_row(Row<isa::Op::mul_mem>, Pixels& p, std::int32_t) {
     const V q = FieldA<o>::load(p).lo, r = FieldB<o>::load(p).lo;

@@ -1,13 +1,12 @@
-// Region programs, fused: stretches of their texts as one pass over tiles, in registers.
+// Region programs, fused: runs stretches of their texts as one pass over tiles, in registers.
 //
-// Nothing here says what a text does. Its words are taken from programs/ when this is compiled, and
-// its instructions run one by one, each by the code that fused-inl.hpp has for its row; where their
-// operands lie and what the next instruction overwrites is for the compiler to see. run_power() is
-// the one exception.
+// This file does not restate the texts. The compiler reads their words from programs/, and each
+// instruction uses the code of its row in fused-inl.hpp. The compiler sees the positions of all
+// operands, and which writes the next instruction overwrites. The only exception is run_power().
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer_firmware/fast/fused.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// Behind foreach_target.h, which compiles the rest once per target.
 #include "renderer_firmware/fast/fused-inl.hpp"
 #include "renderer_firmware/fast/text_facts.hpp"
 #include "renderer_firmware/programs/texts.hpp"
@@ -22,7 +21,7 @@ using EveryColumn = std::make_index_sequence<hal::column_count>;
 
 // ---- on one vector
 
-/// Ends the stretch of writes that lies ahead of instruction i.
+/// Commits the stretch of writes ahead of instruction i.
 template <const auto& text, std::size_t i, std::size_t... k>
 HWY_INLINE void commit(Pixels& p, std::index_sequence<k...>) {
     const auto commit_pending = [&]<std::size_t column>() PXPL5_BODY {
@@ -33,7 +32,7 @@ HWY_INLINE void commit(Pixels& p, std::index_sequence<k...>) {
     (commit_pending.template operator()<k>(), ...);
 }
 
-/// Runs instruction i of `text`, the words of which lie at `words`.
+/// Runs instruction i of `text`; the words of `text` are at `words`.
 template <const auto& text, std::size_t i>
 HWY_INLINE void run_instruction(Pixels& p, const std::int32_t* words) {
     using F = Facts<text>;
@@ -60,7 +59,7 @@ HWY_INLINE void run_text(Pixels& p, const std::int32_t* words, std::index_sequen
     commit<text, sizeof...(i)>(p, EveryColumn());
 }
 
-/// The vector of pixels at `index`, whose word 0 lies at `first`.
+/// Loads the vector of pixels at `index`; its word 0 is at `first`.
 HWY_INLINE Pixels load(const PixelArray& pixels, const std::uint32_t* first, std::size_t index) {
     Pixels p;
     for (std::size_t k = 0; k < hal::column_count; ++k) {
@@ -71,7 +70,7 @@ HWY_INLINE Pixels load(const PixelArray& pixels, const std::uint32_t* first, std
     return p;
 }
 
-/// Stores what `text` has changed.
+/// Stores the columns that `text` changed.
 template <const auto& text, std::size_t... k>
 HWY_INLINE void store(PixelArray& pixels, const Pixels& p, std::uint32_t* first, std::size_t index,
                       std::index_sequence<k...>) {
@@ -91,7 +90,7 @@ HWY_INLINE void store(PixelArray& pixels, const Pixels& p, std::uint32_t* first,
 
 // ---- on tiles
 
-/// Calls body(word 0, index) for every vector of `tiles`.
+/// Calls body(word 0, index) for each vector of `tiles`.
 template <typename Body>
 HWY_INLINE void for_each_vector(Tiles tiles, const Body& body) {
     for (const Tile& tile : tiles) {
@@ -104,7 +103,7 @@ HWY_INLINE void for_each_vector(Tiles tiles, const Body& body) {
 template <const auto& text>
 void run(Board& board, Tiles tiles, Words stream) {
     using F = Facts<text>;
-    // A copy, which no store to pixels can change.
+    // A copy, so that stores to pixels cannot change the words.
     std::int32_t words[F::word_count];
     std::memcpy(words, stream.data(), sizeof words);
     for_each_vector(tiles, [&](std::uint32_t* first, std::size_t index) PXPL5_BODY {
@@ -114,7 +113,7 @@ void run(Board& board, Tiles tiles, Words stream) {
     });
 }
 
-/// The words of `text` if `stream` begins with it, else 0.
+/// Returns the number of words of `text` if `stream` begins with `text`, else 0.
 template <const auto& text>
 std::size_t match(Words stream) {
     using F = Facts<text>;
@@ -129,10 +128,10 @@ std::size_t match(Words stream) {
     return F::word_count;
 }
 
-// ---- powers: any number of squares and products with the base, one behind the other
+// ---- powers: any sequence of squares and products with the base
 //
-// Both leave the upper half of a product of 16 bits in both halves of U. So with the factors in
-// both halves of a lane, a step is one multiplication of halves.
+// Each step leaves the upper half of a 16-bit product in both halves of U. With the factors in both
+// halves of a lane, a step is one multiplication of halves.
 
 using Halves = hn::RepartitionToNarrow<D>;
 
@@ -148,7 +147,7 @@ static_assert(texts::square.words == power_step(place_u) &&
                   place_base % 32 == 0,
               "the texts are what run_power() does");
 
-/// Steps that run as one; more are run by another call.
+/// Steps of one call; further steps need another call.
 inline constexpr std::size_t max_power_steps = 32;
 
 std::size_t match_power(Words stream) {
@@ -164,7 +163,7 @@ std::size_t match_power(Words stream) {
     return taken;
 }
 
-/// The lower half of each lane, in both of its halves.
+/// Returns the lower half of each lane in both halves of the lane.
 HWY_INLINE hn::Vec<Halves> in_both_halves(V v) {
     return hn::BitCast(Halves(), hn::Or(hn::ShiftLeft<16>(v), hn::And(v, splat(0xFFFF))));
 }
@@ -190,7 +189,7 @@ void run_power(Board& board, Tiles tiles, Words stream) {
     });
 }
 
-// ---- what runs as one; of those that a stream begins with, the longest
+// ---- the stretches that run as one; the longest match runs
 
 constexpr auto light = joined(texts::ambient, texts::normal);
 constexpr auto dot = joined(texts::dot_first_x, texts::dot_next_y, texts::dot_next_z);
@@ -200,7 +199,7 @@ constexpr auto scaled_base = joined(scaled_highlight, texts::keep_base);
 constexpr auto dot_diffuse = joined(dot, scaled_diffuse);
 constexpr auto dot_highlight = joined(dot, scaled_highlight);
 constexpr auto dot_base = joined(dot, scaled_base);
-constexpr auto coloured_finish = joined(texts::colour_first, texts::finish);
+constexpr auto colored_finish = joined(texts::color_first, texts::finish);
 constexpr auto summed_4 = joined(texts::sum_spread_4, texts::sum_add_4);
 constexpr auto summed_16 = joined(texts::sum_spread_16, texts::sum_add_16);
 
@@ -231,9 +230,9 @@ std::span<const Fused> fused_programs() {
         fused<scaled_highlight>,
         {match_power, run_power},
         fused<texts::gloss>,
-        fused<coloured_finish>,
-        fused<texts::colour_first>,
-        fused<texts::colour_next>,
+        fused<colored_finish>,
+        fused<texts::color_first>,
+        fused<texts::color_next>,
         fused<texts::enable_covered>,
         fused<texts::finish>,
         fused<summed_4>,

@@ -1,28 +1,28 @@
-// The handler table of every vector target, and the choice among them.
+// Selects among the handler tables of the vector targets.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer_firmware/fast/handlers.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// Behind foreach_target.h, which compiles the rest once per target.
 #include <hwy/highway.h>
 
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 #include "renderer_firmware/fast/handlers.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pxpl5::renderer::fast::HWY_NAMESPACE {
 
-// In enable.cpp, tree.cpp, memory.cpp, arithmetic.cpp, backing.cpp and control.cpp. A row without
-// a handler does not link, unless the controller runs it.
+// Defined in enable.cpp, tree.cpp, memory.cpp, arithmetic.cpp, backing.cpp and control.cpp. A row
+// without a handler does not link, unless the controller runs the row.
 #define PXPL5_OP(id, ...)                                                \
     void id(hal::Board& board, BlockRange range, isa::Operands operands, \
             isa::Coefficients coefficients);
 #include "isa/instructions.def"
 #undef PXPL5_OP
 
-// In triangle.cpp.
+// Defined in triangle.cpp.
 isa::Taken run_triangles(hal::Board& board, const std::uint32_t* words, std::size_t word_count);
 
-// In fused.cpp.
+// Defined in fused.cpp.
 std::span<const Fused> fused_programs();
 
 HandlerTable make_handlers() {

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include "isa/contract/vector_target.hpp"
 #include "isa/executor.hpp"
-#include "isa/vector_target.hpp"
 #include "renderer_firmware/hal/board.hpp"
 
 namespace pxpl5::renderer::fast {
@@ -22,40 +22,40 @@ struct BlockRange {
 using Handler = void (*)(hal::Board& board, BlockRange range, isa::Operands operands,
                          isa::Coefficients coefficients);
 
-/// By row; null for the rows that the controller runs.
+/// Handlers by row; null for control rows.
 using HandlerTable = std::array<Handler, isa::op_count>;
 
-/// What a run of triangle programs (isa/triangle_shape.hpp) took.
+/// The extent of a run of triangle programs (isa/contract/triangle_shape.hpp).
 using TriangleRun = isa::Taken (*)(hal::Board& board, const std::uint32_t* words,
                                    std::size_t word_count);
 
 /// A tile of pixels.
 struct Tile {
-    std::uint32_t* first;  ///< Word 0 of its first pixel; word k lies k * block_pixels behind.
-    std::size_t index;     ///< Where its first pixel is stored (pixel_index()).
+    std::uint32_t* first;  ///< Word 0 of the first pixel; word k is k * block_pixels behind.
+    std::size_t index;     ///< Storage index of the first pixel (pixel_index()).
 };
-/// Tiles of the same block side by side.
+/// Adjacent tiles of one block.
 using Tiles = std::span<const Tile>;
 
-/// A stretch of the region programs' texts that runs as one.
+/// A stretch of the region programs' texts that runs as one step.
 struct Fused {
-    /// The words of it that `words` begins with; 0 if it begins with something else.
+    /// Returns the number of words if `words` begins with the stretch, else 0.
     std::size_t (*match)(std::span<const std::uint32_t> words);
-    /// Runs it, as it lies at `words`, on some tiles.
+    /// Runs the stretch at `words` on some tiles.
     void (*run)(hal::Board& board, Tiles tiles, std::span<const std::uint32_t> words);
 };
 
-/// The same machine code interface for every vector target.
+/// The code of one vector target.
 struct Backend {
     HandlerTable handlers;
-    TriangleRun triangles;  ///< Runs the triangles at the head of `words`, fused.
+    TriangleRun triangles;  ///< Runs the triangles at the beginning of `words`, fused.
     std::span<const Fused> fused;
 };
 
 using Target = isa::VectorTarget;
 
-/// The code for `target`.
-/// Throws std::invalid_argument if this machine lacks it.
+/// Returns the code of `target`.
+/// Throws std::invalid_argument if this computer does not have `target`.
 const Backend& backend(Target target);
 
 }  // namespace pxpl5::renderer::fast

@@ -1,8 +1,8 @@
-// Group memory, fast: moving, combining and comparing fields.
+// Group memory, fast: moves, combinations and comparisons of fields.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer_firmware/fast/memory.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// Behind foreach_target.h, which compiles the rest once per target.
 #include "renderer_firmware/fast/values-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -36,8 +36,8 @@ HWY_INLINE void store_value(Board& board, BlockRange range, Operands o, std::uin
     });
 }
 
-/// Keeps the pixels where test(m[a], m[b]) holds, n bits each. `flip` inverts the top bits first,
-/// which turns an unsigned comparison into a signed one.
+/// Keeps the pixels where test(m[a], m[b]) is true, n bits each. `flip` inverts the top bits first,
+/// which makes an unsigned comparison signed.
 template <typename Test>
 HWY_INLINE void test_fields(Board& board, BlockRange range, Operands o, std::uint64_t flip,
                             const Test& test) {
@@ -52,7 +52,7 @@ HWY_INLINE void test_fields(Board& board, BlockRange range, Operands o, std::uin
     });
 }
 
-/// Keeps the pixels where test(m[a], K) holds, on n bits.
+/// Keeps the pixels where test(m[a], K) is true, on n bits.
 template <typename Test>
 HWY_INLINE void test_constant(Board& board, BlockRange range, Operands o, Coefficients k,
                               std::uint64_t flip, const Test& test) {

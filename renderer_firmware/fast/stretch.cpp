@@ -4,16 +4,17 @@ namespace pxpl5::renderer::fast {
 
 namespace {
 
-/// Blocks that run a stretch together: 14 KB of pixel memory, under half of a first-level cache.
+/// Blocks that run a stretch together: 14 KB of pixel memory, less than half of a first-level
+/// cache.
 constexpr std::size_t group_blocks = 4;
 static_assert(hal::block_count % group_blocks == 0);
 
 constexpr std::size_t tiles_per_block = hal::block_pixels / hal::tile_pixels;
 
-/// Steps of one stretch; more than one stretch does no harm.
+/// Limits the steps of one stretch. A longer sequence becomes several stretches.
 constexpr std::size_t max_steps = 1024;
 
-/// True if one of the tile's words at `word` has one of `bits`.
+/// True if a word `word` of the tile has one of `bits` set.
 bool any_has(const std::uint32_t* word, std::uint32_t bits) {
     std::uint32_t any = 0;
     for (std::size_t i = 0; i < hal::tile_pixels; ++i) {
@@ -45,7 +46,7 @@ isa::Taken Stretch::gather(std::span<const std::uint32_t> words) {
     return taken;
 }
 
-/// Adds what `words` begin with, as much of it fused as possible, and counts it.
+/// Adds the beginning of `words`, with as many fused instructions as possible, and counts it.
 void Stretch::add_step(std::span<const std::uint32_t> words, isa::Taken& taken) {
     const isa::Instruction first = *isa::decode(words[0]);
     const auto coefficients = static_cast<std::size_t>(isa::info(first.op).words);
@@ -87,7 +88,7 @@ void Stretch::note_wake(isa::Instruction in) {
     }
 }
 
-/// Lists the tiles of a group on which the stretch has an effect. Returns how many.
+/// Lists the tiles of a group that the stretch affects. Returns their number.
 std::size_t Stretch::find_awake(hal::PixelArray& pixels, std::size_t first_block,
                                 Tile* tiles) const {
     std::size_t count = 0;
@@ -122,7 +123,7 @@ void Stretch::run(hal::Board& board) const {
                 continue;
             }
             step.fused->run(board, {tiles, awake}, step.words);
-            // Handlers go by what is occupied, fused programs do not.
+            // Handlers skip blocks without enabled pixels; fused programs do not.
             if (i + 1 == steps_.size() || steps_[i + 1].fused == nullptr) {
                 for (std::size_t b = block; b < block + group_blocks; ++b) {
                     board.pixels.note_occupied(b);

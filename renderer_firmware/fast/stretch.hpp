@@ -1,5 +1,5 @@
-// A straight-line stretch of a program, made ready to run on one group of blocks after another, so
-// that a group's memory stays in the first-level cache.
+// A straight-line stretch of a program. It runs on one group of blocks after another, so that the
+// memory of a group stays in the first-level cache.
 #pragma once
 
 #include <array>
@@ -13,19 +13,19 @@ namespace pxpl5::renderer::fast {
 
 class Stretch {
   public:
-    /// `code` outlives the stretch.
+    /// `code` must outlive the stretch.
     explicit Stretch(const Backend& code);
 
-    /// Takes the stretch at the head of `words`, which outlive its use: up to a row that the
-    /// controller runs or that leaves through the port, and up to what may be a triangle.
+    /// Takes the stretch at the beginning of `words`, which must outlive its use. The stretch ends
+    /// at a control row, at a row that uses the port, and at a possible triangle.
     isa::Taken gather(std::span<const std::uint32_t> words);
 
     void run(hal::Board& board) const;
 
   private:
-    /// Some words that run as one, or one instruction.
+    /// One instruction, or some words that run as one step.
     struct Step {
-        const Fused* fused;  ///< Null: `handler` runs it.
+        const Fused* fused;  ///< Null: `handler` runs the instruction.
         std::span<const std::uint32_t> words;
         Handler handler;
         isa::Operands operands;
@@ -39,10 +39,10 @@ class Stretch {
     const Backend& code_;
     std::vector<Step> steps_;
 
-    // A tile with no pixel enabled stays as it is until some pixel is: by an instruction that
-    // enables all, or by a bit of memory.
+    // A tile without enabled pixels does not change until an instruction enables a pixel: all
+    // pixels, or those with a bit of memory set.
     bool wakes_all_ = false;
-    std::array<std::uint32_t, hal::column_count> wake_bits_{};  ///< By column.
+    std::array<std::uint32_t, hal::column_count> wake_bits_{};  ///< Indexed by column.
 };
 
 }  // namespace pxpl5::renderer::fast

@@ -1,4 +1,4 @@
-// What is known of a region program's text while the executor is compiled.
+// Facts about the text of a region program, computed when the executor is compiled.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace pxpl5::renderer::fast {
 
-/// Texts one behind the other, as one text.
+/// Joins texts into one text.
 template <std::size_t... words, std::size_t... open>
 constexpr auto joined(const programs::Text<words, open>&... parts) {
     programs::Text<(words + ...), (open + ...)> all{};
@@ -30,7 +30,7 @@ template <const auto& text>
 struct Facts {
     static constexpr std::size_t word_count = text.words.size();
 
-    /// True if `word` is a coefficient that the text leaves open.
+    /// True if the text leaves the coefficient `word` open.
     static constexpr bool is_open(std::size_t word) {
         for (const programs::Open& coefficient : text.open) {
             if (coefficient.word == word) {
@@ -49,7 +49,7 @@ struct Facts {
     }
     static constexpr std::size_t instruction_count = count_instructions();
 
-    /// Where instruction i lies.
+    /// Returns the word offset of instruction i.
     static constexpr std::size_t word_of(std::size_t i) {
         std::size_t word = 0;
         while (i-- != 0) {
@@ -72,7 +72,7 @@ struct Facts {
         return false;
     }
 
-    /// True if instruction i writes to column k, bits 32 k .. 32 k + 31 of memory.
+    /// True if instruction i writes column k, bits 32 k .. 32 k + 31 of memory.
     static constexpr bool writes(std::size_t i, std::size_t k) {
         const isa::Operands o = instruction(i).operands;
         const std::size_t end = o.a + isa::info(instruction(i).op).at_a(o);
@@ -87,10 +87,10 @@ struct Facts {
         return false;
     }
 
-    /// True if instruction i acts on disabled pixels, or changes who is enabled.
+    /// True if instruction i acts on disabled pixels, or changes the enables.
     static constexpr bool is_border(std::size_t i) { return has(i, isa::enable | isa::all); }
 
-    /// True if column k was written between the last border ahead of instruction i and i.
+    /// True if column k is written between the last border before instruction i and i.
     static constexpr bool is_pending(std::size_t i, std::size_t k) {
         while (i-- != 0 && !is_border(i)) {
             if (writes(i, k)) {
@@ -100,7 +100,7 @@ struct Facts {
         return false;
     }
 
-    /// True if the carry of instruction i is overwritten before anybody can see it.
+    /// True if the carry of instruction i is overwritten before any use.
     static constexpr bool is_carry_unseen(std::size_t i) {
         while (++i < instruction_count && !is_border(i)) {
             if (has(i, isa::carry)) {

@@ -1,11 +1,11 @@
-// Group tree, fast: linear and quadratic expressions of a pixel's place.
+// Group tree, fast: linear and quadratic expressions in x and y.
 //
-// 32-bit lanes hold Q modulo 2^32, which is enough where the bits asked for lie below bit 32; else
-// two halves hold Q exactly. A sign test of a linear form looks at the block's corners first.
+// 32-bit lanes hold Q modulo 2^32, which suffices if all required bits are below bit 32. Otherwise
+// two halves hold Q exactly. A sign test of a linear form first tests the corners of the block.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer_firmware/fast/tree.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// Behind foreach_target.h, which compiles the rest once per target.
 #include "renderer_firmware/fast/vector-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -42,7 +42,7 @@ class Linear {
         return number<N>(static_cast<std::uint64_t>(at_place(p))) + offset_;
     }
 
-    /// 1 or 0 if bit `bit` of the form is that in the whole block, else -1.
+    /// Returns 1 or 0 if bit `bit` of the form has this value in the whole block, else -1.
     HWY_INLINE int bit_in_block(std::size_t block, std::uint32_t bit) const {
         const std::int64_t q = at_place(block_corner(block));
         const std::int64_t across = a_ * static_cast<std::int64_t>(hal::block_width - 1);
@@ -78,7 +78,7 @@ class Quadratic {
     std::int64_t a_, b_, c_, d_, e_, f_;
 };
 
-/// floor(q / 2^f) in the low bits that q determines.
+/// Returns floor(q / 2^f) in the low bits that q determines.
 HWY_INLINE Narrow shifted(Narrow q, std::uint32_t f) {
     return {hn::ShiftRightSame(q.lo, static_cast<int>(f))};
 }
@@ -94,7 +94,7 @@ HWY_INLINE Wide shifted(Wide q, std::uint32_t f) {
             hi};
 }
 
-/// Calls body(form, As<N>) with the form of type Form<N> whose numbers hold bits f .. f+n-1.
+/// Calls body(form, As<N>) with the form of type Form<N> whose numbers contain bits f .. f+n-1.
 template <template <typename> class Form, typename Body>
 HWY_INLINE void with_form(std::uint32_t bits, Coefficients k, const Body& body) {
     if (bits <= 32) {
@@ -129,7 +129,7 @@ HWY_INLINE void sign_test(Board& board, BlockRange range, Operands o, Coefficien
     });
 }
 
-/// Keeps the pixels where the low n bits of T are less than m[a] (`below`), or are not.
+/// Keeps the pixels where the low n bits of T are less than m[a] (`below`), or not less.
 template <template <typename> class Form>
 HWY_INLINE void memory_test(Board& board, BlockRange range, Operands o, Coefficients k,
                             bool below) {
@@ -172,7 +172,7 @@ HWY_INLINE void store_clamped(Board& board, BlockRange range, Operands o, Coeffi
     });
 }
 
-/// m[a] += T or m[a] -= T, with carry or borrow.
+/// m[a] += T or m[a] -= T. Also sets the carry to the carry or the borrow.
 template <template <typename> class Form>
 HWY_INLINE void add_form(Board& board, BlockRange range, Operands o, Coefficients k,
                          bool subtract) {

@@ -1,16 +1,17 @@
-// Triangles, fast: the ten instructions of isa/triangle_shape.hpp as one fused pass over the
-// vectors of pixels in the triangle's bounding box.
+// Triangles, fast: the ten instructions of isa/contract/triangle_shape.hpp as one fused pass over
+// the vectors of pixels in the triangle's bounding box.
 //
-// Triangles are taken a batch at a time, each step for the whole batch: the boxes; which vectors of
-// pixels each triangle covers; then depth test and stores for these, in the triangles' order. So
-// the processor foresees the ends of its loops, which it could not with a few pixels a triangle.
+// The code processes triangles in batches, each step for the whole batch: the boxes; the vectors
+// that each triangle covers; depth test and stores for these vectors, in the order of the
+// triangles. So the processor predicts the ends of its loops, which it could not do with a few
+// pixels per triangle.
 //
-// Nobody can see the enables of a triangle that another one follows, whose SETENABS overwrites
-// them. So they are noted while a triangle is drawn, and written for the last one of a run only.
+// The SETENABS of the next triangle overwrites the enables of a triangle before any use. So the
+// code records the enables of each triangle, and stores only those of the last triangle of a run.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer_firmware/fast/triangle.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, which compiles what follows once per target.
+// Behind foreach_target.h, which compiles the rest once per target.
 #include "renderer_firmware/fast/triangle_words-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -26,7 +27,7 @@ static_assert(layout::normal_x.address == 32 && layout::normal_y.address == 42 &
               "column 1 is the normal, and its planes fit 32-bit lanes");
 
 inline constexpr std::uint32_t normal_mask = (1U << 10) - 1;
-inline constexpr std::uint32_t beside_normal = 3U << 30;  ///< Bits 62 and 63 belong to nobody.
+inline constexpr std::uint32_t beside_normal = 3U << 30;  ///< Bits 62 and 63: not in any field.
 
 /// A x + B y + C, modulo 2^32.
 HWY_INLINE V plane_on(const std::uint32_t* plane, V x, V y) {
@@ -34,30 +35,30 @@ HWY_INLINE V plane_on(const std::uint32_t* plane, V x, V y) {
                    splat(plane[2]));
 }
 
-/// A vector of pixels, some of which lie inside a triangle of the batch.
+/// A vector of pixels, some of which are inside a triangle of the batch.
 struct Covered {
-    std::uint8_t x, y;  ///< Of its first pixel.
+    std::uint8_t x, y;  ///< Position of the first pixel.
     std::uint16_t triangle;
-    std::uint32_t bits;  ///< Inside all edges; once drawn, those that are in front as well.
+    std::uint32_t bits;  ///< Before drawing: inside all edges. Afterwards: also in front.
 };
 
-/// What the newest triangles cover.
+/// The vectors that the newest triangles cover.
 struct Cover {
-    /// A triangle may cover all the region.
+    /// A triangle may cover the whole region.
     static constexpr std::size_t whole = isa::region_pixels / lanes;
     static constexpr std::size_t spare = 512;
 
     std::size_t count = 0, drawn = 0;
     Covered at[spare + whole + 1];
 
-    /// Notes a vector if bits are set, without a branch that could go either way.
+    /// Records a vector if bits are set, without an unpredictable branch.
     HWY_INLINE void add(const Covered& c) {
         at[count] = c;
         count += c.bits != 0 ? 1 : 0;
     }
 };
 
-/// Notes what a triangle covers.
+/// Records the vectors that a triangle covers.
 HWY_INLINE void find_covered(const Triangle& t, std::size_t number, const Box& box, Cover& cover) {
     constexpr int step_x = static_cast<int>(hal::tile_side), step_y = static_cast<int>(lane_rows);
     const int x0 = box.x0 & ~(step_x - 1), y0 = box.y0 & ~(step_y - 1);
@@ -86,7 +87,7 @@ HWY_INLINE void find_covered(const Triangle& t, std::size_t number, const Box& b
     }
 }
 
-/// Draws where `c` covers: depth test, depth, normal and surface.
+/// Draws the pixels of `c`: depth test, depth, normal and surface.
 HWY_INLINE void draw_covered(PixelArray& pixels, const Triangle& t, Covered& c) {
     const std::size_t index = hal::pixel_index({c.x, c.y});
     auto& columns = pixels.blocks[index / hal::block_pixels].columns;
@@ -95,7 +96,8 @@ HWY_INLINE void draw_covered(PixelArray& pixels, const Triangle& t, Covered& c) 
 
     const V q = plane_on(t.z(), px, py);
     const V stored = hn::Load(D(), depth);
-#ifdef PXPL5_PLANTED_BUG  // Wrong on purpose, for tests/host/inspect: a lone pixel is not tested.
+#ifdef PXPL5_PLANTED_BUG  // A planted bug for tests/host/inspect: a lone pixel skips the depth
+                          // test.
     if ((c.bits & (c.bits - 1)) != 0)
 #endif
         c.bits &= bits_of(hn::Lt(hn::ShiftRight<8>(q), hn::ShiftRight<8>(stored)));
@@ -117,7 +119,7 @@ HWY_INLINE void draw_covered(PixelArray& pixels, const Triangle& t, Covered& c) 
     hn::Store(hn::IfThenElse(mask, word, old), D(), normal);
 }
 
-/// Draws what `cover` holds that is not drawn yet, all of it of `batch`.
+/// Draws the part of `cover` that is not yet drawn; all of it belongs to `batch`.
 HWY_INLINE void draw(PixelArray& pixels, const Batch& batch, Cover& cover) {
     for (; cover.drawn < cover.count; ++cover.drawn) {
         Covered& c = cover.at[cover.drawn];
@@ -125,8 +127,8 @@ HWY_INLINE void draw(PixelArray& pixels, const Batch& batch, Cover& cover) {
     }
 }
 
-/// Draws the triangles of `batch`, up to one whose instructions must run one by one. `cover` then
-/// holds all that the last one drawn covers. Returns how many were drawn.
+/// Draws the triangles of `batch`, up to one that must run instruction by instruction. Returns the
+/// number of drawn triangles; `cover` holds the vectors of the last of them.
 HWY_INLINE std::size_t draw_batch(PixelArray& pixels, const Batch& batch, Cover& cover) {
     Boxes boxes;
     find_boxes(batch, boxes);
@@ -146,7 +148,7 @@ HWY_INLINE std::size_t draw_batch(PixelArray& pixels, const Batch& batch, Cover&
     return done;
 }
 
-/// Sets the enables of all pixels to what the triangle of this number left.
+/// Sets the enables of all pixels to the result of the triangle with this number.
 HWY_INLINE void write_enables(PixelArray& pixels, const Cover& cover, std::size_t triangle) {
     pixels.enable.fill(0);
     pixels.occupied = {};
@@ -160,7 +162,7 @@ HWY_INLINE void write_enables(PixelArray& pixels, const Cover& cover, std::size_
     }
 }
 
-/// Cycles of a triangle, but for the widths of its edges' sign tests.
+/// Cycles of a triangle without the widths of its edges' sign tests.
 constexpr std::uint64_t fixed_cycles() {
     const auto cycles = [](std::uint32_t word) {
         const isa::Instruction in = *isa::decode(word);
@@ -184,7 +186,7 @@ isa::Taken run_triangles(Board& board, const std::uint32_t* words, std::size_t w
     constexpr std::uint64_t cycles = fixed_cycles();
     isa::Taken taken;
     Cover cover;
-    std::size_t newest = 0;  // Its number in its batch.
+    std::size_t newest = 0;  // Number within its batch.
     while (taken.words + shape::word_count <= word_count) {
         const std::size_t left = (word_count - taken.words) / shape::word_count;
         const std::size_t most = HWY_MIN(left, batch_size);

@@ -1,5 +1,6 @@
-// Reads triangle programs (isa/triangle_shape.hpp), a vector of them at a time: recognition and
-// bounding boxes. Included by triangle.cpp behind hwy/foreach_target.h, hence the guard that flips.
+// Reads triangle programs (isa/contract/triangle_shape.hpp) in vectors: recognition and bounding
+// boxes. Included by triangle.cpp behind hwy/foreach_target.h, which requires the toggling include
+// guard.
 #if defined(PXPL5_FAST_TRIANGLE_WORDS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PXPL5_FAST_TRIANGLE_WORDS_INL
 #undef PXPL5_FAST_TRIANGLE_WORDS_INL
@@ -9,7 +10,7 @@
 
 #include <cmath>
 
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "renderer_firmware/fast/vector-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -21,10 +22,10 @@ inline constexpr std::uint32_t surface_bits = 0xFF;
 inline constexpr std::uint32_t width_bits = 0xFF;
 inline constexpr int last_px = isa::region::size_px - 1;
 
-/// Triangles that are read together.
+/// Number of triangles that are read together.
 inline constexpr std::size_t batch_size = lanes;
 
-/// A triangle's 34 words and its three edges by name. Coefficients are used where they lie.
+/// The 34 words of a triangle, with names for its three edges. The words are not copied.
 struct Triangle {
     const std::uint32_t* words;
 
@@ -35,7 +36,7 @@ struct Triangle {
     std::uint32_t surface() const { return words[shape::at_surface] >> 8 & surface_bits; }
 };
 
-/// Up to batch_size triangles, one behind the other.
+/// Up to batch_size consecutive triangles.
 struct Batch {
     const std::uint32_t* words;
     std::size_t count;
@@ -45,7 +46,7 @@ struct Batch {
 
 // ---- recognition: isa::triangle::matches(), by vectors
 
-/// What the words of a triangle must be where `mask` is set. Edge widths are checked apart.
+/// The required words of a triangle where `mask` is set. Edge widths are checked separately.
 struct Shape {
     alignas(64) std::uint32_t mask[shape::word_count] = {};
     alignas(64) std::uint32_t bits[shape::word_count] = {};
@@ -67,11 +68,11 @@ struct Shape {
 };
 inline constexpr Shape triangle_shape;
 
-/// What keeps `words` from being a triangle: 0 in all lanes if they are one, but for the widths of
-/// its edges.
+/// Compares `words` with a triangle. Returns 0 in all lanes if they are equal; ignores the widths
+/// of the edges.
 HWY_INLINE V mismatch(const std::uint32_t* words) {
     const D d;
-    // The z test and the z store have one plane.
+    // The z test and the z store must have the same plane.
     const V planes = hn::Xor(hn::LoadU(d, words + shape::at_z_test + 1),
                              hn::LoadU(d, words + shape::at_z_store + 1));
     V wrong = hn::IfThenElseZero(hn::FirstN(d, 3), planes);
@@ -82,12 +83,12 @@ HWY_INLINE V mismatch(const std::uint32_t* words) {
     for (std::size_t i = 0; i + lanes <= shape::word_count; i += lanes) {
         compare(i);
     }
-    compare(shape::word_count - lanes);  // The rest, some of it a second time.
+    compare(shape::word_count - lanes);  // The remaining words; some are compared twice.
     return wrong;
 }
 static_assert(shape::at_z_store + 1 + lanes <= shape::word_count);
 
-/// The triangles at the head of `words`, of which `most` can be read; edge widths unchecked.
+/// Returns the triangles at the beginning of `words`, at most `most`; does not check edge widths.
 HWY_INLINE Batch read_batch(const std::uint32_t* words, std::size_t most) {
     const Batch batch{words, most};
     V wrong = hn::Zero(D());
@@ -106,33 +107,33 @@ HWY_INLINE Batch read_batch(const std::uint32_t* words, std::size_t most) {
 
 // ---- bounding boxes
 
-/// Pixels that may lie inside; empty if x0 > x1 or y0 > y1.
+/// Pixels that may be inside; empty if x0 > x1 or y0 > y1.
 struct Box {
     int x0 = 0, x1 = last_px, y0 = 0, y1 = last_px;
 };
 
-/// Those of a batch, a triangle in each lane.
+/// The boxes of a batch, one triangle per lane.
 struct Boxes {
     HWY_ALIGN std::int32_t x0[lanes], x1[lanes], y0[lanes], y1[lanes];
-    std::uint32_t known;  ///< Bit of each triangle whose box is here; of others nothing is.
+    std::uint32_t known;  ///< One bit per triangle: set if its box is valid.
 
     Box operator[](std::size_t i) const { return {x0[i], x1[i], y0[i], y1[i]}; }
 };
 
-// Three half planes bound a triangle exactly if the weights of the meetings of their lines have one
-// sign; its corners are then the meetings (x, y) / weight. For lines p and q:
+// Three half planes bound a triangle exactly if the weights of the intersections of their lines
+// have the same sign. The corners are then the intersections (x, y) / weight. For lines p and q:
 //     weight = pa qb - qa pb    x = pb qc - qb pc    y = pc qa - qc pa
 
 using DF = hn::RebindToFloat<D>;
 using VI = hn::Vec<DI>;
 using VF = hn::Vec<DF>;
 
-/// Of every triangle of a batch the same edge: A x + B y + C, and the width of its sign test.
+/// One edge of every triangle of a batch: A x + B y + C, and the width of its sign test.
 struct Edges {
     VI a, b, c, width;
 };
 
-/// Edge k of the triangles of `batch`; lanes behind the last one hold the last one's.
+/// Returns edge k of the triangles of `batch`; unused lanes repeat the last triangle.
 HWY_INLINE Edges gather_edges(const Batch& batch, std::size_t k) {
     const DI i;
     const VI last = hn::Set(i, static_cast<std::int32_t>(batch.count - 1));
@@ -145,23 +146,23 @@ HWY_INLINE Edges gather_edges(const Batch& batch, std::size_t k) {
             hn::And(hn::GatherIndex(i, words, at), hn::Set(i, width_bits))};
 }
 
-/// Coefficients below this are exact as floats, and sums of magnitudes do not overflow.
+/// Coefficients below this limit are exact as floats, and sums of magnitudes do not overflow.
 inline constexpr std::int32_t max_small = 1 << 20;
 
-/// Where all coefficients are small, the width is one of the shape's, and the edge's values keep
-/// within its bits all over the region: bit n-1 is the sign then.
+/// True where all coefficients are small, the width is one of the shape's, and the edge's values
+/// fit the width in the whole region. Then bit n-1 is the sign.
 HWY_INLINE hn::Mask<DI> is_small_and_fits(const Edges& e) {
     const DI i;
     const VI zero = hn::Zero(i);
-    // By bits, because the magnitude of the least number is still negative.
+    // Bitwise, because the magnitude of the least number is still negative.
     const VI upper =
         hn::And(hn::Or(hn::Or(hn::Abs(e.a), hn::Abs(e.b)), hn::Abs(e.c)), hn::Set(i, -max_small));
-    // An edge's values lie between those at the region's corners.
+    // An edge's values are between the values at the corners of the region.
     const VI along_x = hn::Mul(e.a, hn::Set(i, last_px)),
              along_y = hn::Mul(e.b, hn::Set(i, last_px));
     const VI high = hn::Add(e.c, hn::Add(hn::Max(along_x, zero), hn::Max(along_y, zero)));
     const VI low = hn::Add(e.c, hn::Add(hn::Min(along_x, zero), hn::Min(along_y, zero)));
-    // 2^(n-1), but 2^31 - 1 for 32, and 0 for a width that the shape does not have.
+    // 2^(n-1), but 2^31 - 1 for 32, and 0 for a width outside the shape.
     const auto limit = [&](std::size_t k, std::int32_t value) PXPL5_BODY {
         const VI width = hn::Set(i, static_cast<std::int32_t>(shape::edge_widths[k]));
         return hn::IfThenElseZero(hn::Eq(e.width, width), hn::Set(i, value));
@@ -171,7 +172,7 @@ HWY_INLINE hn::Mask<DI> is_small_and_fits(const Edges& e) {
     return hn::And(hn::Eq(upper, zero), hn::Lt(hn::Max(high, hn::Not(low)), limits));
 }
 
-/// p * q - r * s, and the larger magnitude of the two products.
+/// Returns p * q - r * s, and the larger magnitude of the two products.
 struct Cross {
     VF value, most;
 };
@@ -180,7 +181,7 @@ HWY_INLINE Cross cross(VF p, VF q, VF r, VF s) {
     return {hn::Sub(pq, rs), hn::Max(hn::Abs(pq), hn::Abs(rs))};
 }
 
-/// The meeting of two edges, and how far off its place may be; the sign of its weight.
+/// The intersection of two edges, the error bound of its position, and the sign of its weight.
 struct Meetings {
     VF x, y, margin, weight;
 };
@@ -192,8 +193,8 @@ HWY_INLINE Meetings meet(const Edges& p, const Edges& q) {
     const Cross x_weighted = cross(pb, qc, qb, pc), y_weighted = cross(pc, qa, qc, pa);
     const VF inverse = hn::Div(hn::Set(f, 1.0F), weight.value);
     constexpr float low = -2, high = last_px + 2;
-    // A crossed product is off by at most 2^-22 of its larger part, an inverse and its product
-    // by 2^-23 of themselves. A place in -2..129 is then off by less than this, twice over:
+    // The error of a crossed product is at most 2^-22 of its larger part; that of an inverse and
+    // its product is 2^-23 of the value. For a position in -2..129 the error is below this, twice:
     const VF most =
         hn::Add(hn::Max(x_weighted.most, y_weighted.most), hn::Mul(weight.most, hn::Set(f, high)));
     const VF scale = hn::Mul(hn::Abs(inverse), hn::Set(f, 1.0F / (1 << 20)));
@@ -205,7 +206,7 @@ HWY_INLINE Meetings meet(const Edges& p, const Edges& q) {
             margin, weight.value};
 }
 
-/// Stores the pixels between the least and the greatest of three places.
+/// Stores the pixels between the least and the greatest of three positions.
 HWY_INLINE void store_ends(const VF (&places)[3], const VF (&margins)[3], hn::Mask<DF> bounded,
                            std::int32_t* first, std::int32_t* last) {
     const DF f;
@@ -222,8 +223,8 @@ HWY_INLINE void store_ends(const VF (&places)[3], const VF (&margins)[3], hn::Ma
     hn::Store(hn::ConvertTo(i, most), i, last);
 }
 
-/// The boxes of those of the batch whose coefficients are small, and for which floats can tell the
-/// corners within a pixel. A box is the whole region if the edges bound no triangle.
+/// Returns the boxes of the triangles with small coefficients whose corners floats locate within a
+/// pixel. The box is the whole region if the edges do not bound a triangle.
 HWY_INLINE void find_boxes(const Batch& batch, Boxes& boxes) {
     const DF f;
     const Edges e[3] = {gather_edges(batch, 0), gather_edges(batch, 1), gather_edges(batch, 2)};
@@ -245,7 +246,7 @@ HWY_INLINE void find_boxes(const Batch& batch, Boxes& boxes) {
     boxes.known = bits_of(hn::And(hn::RebindMask(D(), fits), hn::RebindMask(D(), told)));
 }
 
-/// Where the lines of two edges meet, as a weighted point.
+/// The intersection of the lines of two edges, as a weighted point.
 struct Meeting {
     double weight, x, y;
 };
@@ -254,7 +255,7 @@ HWY_INLINE Meeting meet(const std::int32_t* p, const std::int32_t* q) {
     return {pa * qb - qa * pb, pb * qc - qb * pc, pc * qa - qc * pa};
 }
 
-/// Edges with larger A or B than this give no bounding box: the products would be inexact.
+/// Edges with a larger A or B give no bounding box: the products would be inexact.
 inline constexpr std::int64_t max_box_slope = std::int64_t{1} << 21;
 
 inline Box box_in_doubles(const std::int32_t (*edges)[3]) {
@@ -280,9 +281,9 @@ inline Box box_in_doubles(const std::int32_t (*edges)[3]) {
     return {first(x0), last(x1), first(y0), last(y1)};
 }
 
-/// Fills in the bounding box, for any coefficients. False if one of the edges has another width
-/// than those of the shape, or could leave its n bits somewhere in the region: then bit n-1 is not
-/// the sign, and the instructions run one by one.
+/// Computes the bounding box for any coefficients. Returns false if the width of an edge is not one
+/// of the shape's, or an edge could exceed its n bits in the region. Bit n-1 is then not the sign,
+/// and the instructions must run one by one.
 HWY_NOINLINE inline bool find_large_box(const Triangle& t, Box& box) {
     std::int32_t edges[3][3];
     std::int64_t slope = 0;

@@ -1,6 +1,6 @@
-// What instructions compute, on vectors of numbers: the one meaning of sums, products, quotients,
-// roots and comparisons, for handlers and fused programs alike.
-// Included behind hwy/foreach_target.h, hence the guard that flips.
+// Arithmetic on vectors of numbers: the only definition of sums, products, quotients, roots and
+// comparisons, for handlers and fused programs.
+// Included behind hwy/foreach_target.h, which requires the toggling include guard.
 #if defined(PXPL5_FAST_VALUES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PXPL5_FAST_VALUES_INL
 #undef PXPL5_FAST_VALUES_INL
@@ -36,7 +36,7 @@ struct IsEqual {
 
 // ---- addition
 
-/// A sum or difference of n bits and its carry, borrow or "was held" bit.
+/// A sum or difference of n bits, and its carry, borrow or saturation bit.
 template <typename N>
 struct Sum {
     N value;
@@ -73,13 +73,13 @@ struct HeldMinus {
 
 // ---- multiplication
 
-/// The n-bit number `value` with its sign in all bits above.
+/// Returns the n-bit number `value`, sign-extended to the lane.
 HWY_INLINE V sign_extended(V value, std::uint32_t n) {
     const V sign = splat(top_bit(n));
     return hn::Sub(hn::Xor(value, sign), sign);
 }
 
-/// Product of unsigned 32-bit lanes.
+/// Returns the product of unsigned 32-bit lanes.
 HWY_INLINE Wide product(V p, V q) {
     const hn::RepartitionToWide<D> d64;
     const auto even = hn::BitCast(D(), hn::MulEven(p, q));
@@ -91,7 +91,7 @@ HWY_INLINE Wide product(V p, V q) {
     return {lo, hi};
 }
 
-/// Product of the signed lower halves of lanes; the upper halves of `q` are 0.
+/// Returns the product of the signed lower halves of lanes; the upper halves of `q` are 0.
 HWY_INLINE V half_product(V p, V q) {
     const hn::RepartitionToNarrow<DI> half;
     auto unused = hn::Zero(DI());
@@ -100,7 +100,7 @@ HWY_INLINE V half_product(V p, V q) {
                                            hn::Zero(DI()), unused));
 }
 
-/// Product of signed 32-bit lanes.
+/// Returns the product of signed 32-bit lanes.
 HWY_INLINE Wide signed_product(V p, V q) {
     const Wide w = product(p, q);
     const V sign_p = hn::BitCast(D(), hn::ShiftRight<31>(hn::BitCast(DI(), p)));
@@ -110,11 +110,11 @@ HWY_INLINE Wide signed_product(V p, V q) {
 
 // ---- division and square root, through correctly rounded floating point
 //
-// floor() of the rounded result is exact: a quotient p/q that is no integer lies at least 1/q
-// below the next integer k, that is, by at least 1/(kq) of it; kq < p + q. With p < 2^23 that is
-// more than half a step of a float, with p < 2^32 far more than one of a double. sqrt(k^2 - 1)
-// lies 1/(2k) below k: with k <= 2^11.5 more than half a step of a float, with k <= 2^16 of a
-// double.
+// floor() of the rounded result is exact. A quotient p/q that is not an integer is at least 1/q
+// below the next integer k; relative to k that is 1/(kq), and kq < p + q. With p < 2^23 this is
+// more than half a step of a float; with p < 2^32 it is far more than one step of a double.
+// sqrt(k^2 - 1) is 1/(2k) below k: with k <= 2^11.5 more than half a step of a float, with k <=
+// 2^16 of a double.
 
 inline constexpr std::uint32_t max_float_bits = 23;
 
@@ -122,7 +122,7 @@ using DF = hn::RebindToFloat<D>;
 using D64 = hn::RepartitionToWide<D>;
 using DD = hn::RebindToFloat<D64>;
 
-/// floor(f(p, q)) on 32-bit lanes below 2^23.
+/// Returns floor(f(p, q)) on 32-bit lanes below 2^23.
 template <typename F>
 HWY_INLINE V floor_in_floats(V p, V q, const F& f) {
     const auto p_float = hn::ConvertTo(DF(), hn::BitCast(DI(), p));
@@ -130,10 +130,10 @@ HWY_INLINE V floor_in_floats(V p, V q, const F& f) {
     return hn::BitCast(D(), hn::ConvertTo(DI(), f(p_float, q_float)));
 }
 
-/// floor(f(p, q)) on 64-bit lanes below 2^32.
+/// Returns floor(f(p, q)) on 64-bit lanes below 2^32.
 template <typename F>
 HWY_INLINE hn::Vec<D64> floor_in_doubles(hn::Vec<D64> p, hn::Vec<D64> q, const F& f) {
-    // 2^52 + p has the bits of p as its mantissa, and back.
+    // 2^52 + p has the bits of p as its mantissa. Also used in reverse.
     const auto two_52 = hn::Set(DD(), 4503599627370496.0);
     const auto bits = hn::BitCast(D64(), two_52);
     const auto p_double = hn::Sub(hn::BitCast(DD(), hn::Or(p, bits)), two_52);
@@ -155,7 +155,7 @@ HWY_INLINE V floor_exact(V p, V q, std::uint32_t n, const F& f) {
     return hn::BitCast(D(), hn::Or(even, hn::ShiftLeft<32>(odd)));
 }
 
-/// floor(p / q) on n bits; all ones where q is 0.
+/// Returns floor(p / q) on n bits; all ones where q is 0.
 HWY_INLINE Narrow quotient(Narrow p, Narrow q, std::uint32_t n) {
     const M is_zero = equal(q, number<Narrow>(0));
     const V safe = hn::IfThenElse(is_zero, splat(1), q.lo);
@@ -164,7 +164,7 @@ HWY_INLINE Narrow quotient(Narrow p, Narrow q, std::uint32_t n) {
     return choose(is_zero, number<Narrow>(ones(n)), {result});
 }
 
-/// floor(sqrt(p)) on n bits.
+/// Returns floor(sqrt(p)) on n bits.
 HWY_INLINE Narrow root(Narrow p, std::uint32_t n) {
     return {floor_exact(p.lo, p.lo, n, [](auto v, auto) PXPL5_BODY { return hn::Sqrt(v); })};
 }

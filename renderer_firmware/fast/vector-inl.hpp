@@ -1,5 +1,5 @@
 // Vectors of pixels, compiled once per vector target: enables as masks, fields as numbers.
-// Included by every handler file behind hwy/foreach_target.h, hence the guard that flips.
+// Included by every handler file behind hwy/foreach_target.h, hence the toggling include guard.
 #if defined(PXPL5_FAST_VECTOR_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PXPL5_FAST_VECTOR_INL
 #undef PXPL5_FAST_VECTOR_INL
@@ -15,8 +15,8 @@
 
 #include "renderer_firmware/fast/handlers.hpp"
 
-// Between the parameters and the body of a lambda that a loop calls for every vector: a call that
-// is not inlined costs more than the work.
+// Use this between the parameters and the body of a lambda that a loop calls for every vector. A
+// call that is not inlined costs more than the work.
 #undef PXPL5_BODY
 #define PXPL5_BODY HWY_ATTR __attribute__((always_inline))
 
@@ -27,7 +27,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using hal::Block, hal::Board, hal::PixelArray;
 using isa::Coefficients, isa::Operands;
 
-// A vector is part of a tile: 4 x 4, 4 x 2 or 4 x 1 pixels.
+// A vector is a part of a tile: 4 x 4, 4 x 2 or 4 x 1 pixels.
 inline constexpr std::size_t lanes =
     HWY_LANES(std::uint32_t) < hal::tile_pixels ? HWY_LANES(std::uint32_t) : hal::tile_pixels;
 inline constexpr std::size_t lane_rows = lanes / hal::tile_side;
@@ -41,7 +41,7 @@ HWY_INLINE V splat(std::uint64_t value) {
     return hn::Set(D(), static_cast<std::uint32_t>(value));
 }
 
-/// Lane i holds its column, 0..3, and its row, in the vector.
+/// Lane i has the column, 0..3, and the row of its pixel in the vector.
 HWY_INLINE V lane_x() {
     return hn::And(hn::Iota(D(), 0), splat(3));
 }
@@ -49,7 +49,7 @@ HWY_INLINE V lane_y() {
     return hn::ShiftRight<2>(hn::Iota(D(), 0));
 }
 
-/// Place of the vector that starts `at` pixels into `block`.
+/// Returns the position of the vector that starts `at` pixels into `block`.
 struct Corner {
     std::int64_t x, y;
 };
@@ -83,7 +83,7 @@ HWY_INLINE std::uint32_t bits_of(M mask) {
     return bits & all_lanes;
 }
 
-/// The bits of the vector that starts at stored pixel `index`.
+/// Returns the bits of the vector that starts at stored pixel `index`.
 HWY_INLINE std::uint32_t load_bits(const hal::PixelBits& bits, std::size_t index) {
     if constexpr (lanes == 16) {
         std::uint16_t value = 0;
@@ -123,7 +123,7 @@ HWY_INLINE N number(std::uint64_t value) {
     }
 }
 
-/// Bits of a mask as a vector of ones (1) and zeros.
+/// Returns the bits of a mask as a vector of ones (1) and zeros.
 HWY_INLINE V one_where(M mask) {
     return hn::IfThenElseZero(mask, splat(1));
 }
@@ -184,7 +184,7 @@ HWY_INLINE Wide choose(M mask, Wide yes, Wide no) {
     return {hn::IfThenElse(mask, yes.lo, no.lo), hn::IfThenElse(mask, yes.hi, no.hi)};
 }
 
-/// The low n bits set, n 1..64.
+/// Returns a number with the low n bits set, n 1..64.
 constexpr std::uint64_t ones(std::uint32_t n) {
     return ~std::uint64_t{0} >> (64 - n);
 }
@@ -258,13 +258,14 @@ class Field {
     std::size_t first_;
     int shift_;
     std::uint64_t mask_;
-    std::uint32_t end_;  ///< Bits from the start of the first column to the end of the field.
+    std::uint32_t
+        end_;  ///< Distance in bits from the start of the first column to the end of the field.
 };
 
 // ---- loops over pixels
 
-/// Calls body(block number, at) -> M for every vector with an enabled pixel; body says which of
-/// them stay enabled.
+/// Calls body(block number, at) -> M for every vector with an enabled pixel. The pixels of the
+/// returned mask stay enabled.
 template <typename Body>
 HWY_INLINE void keep_where(Board& board, BlockRange range, const Body& body) {
     PixelArray& pixels = board.pixels;

@@ -1,4 +1,4 @@
-// Off-chip memory: 128 blocks of 32 bits for every pixel. A block takes room once it is written.
+// Off-chip memory: 128 blocks of 32 bits for every pixel. Memory is allocated at the first write.
 #pragma once
 
 #include <array>
@@ -16,13 +16,13 @@ class BackingStore {
         std::array<std::uint32_t, isa::region_pixels> at{};
     };
 
-    /// Block `number`, 0..127; null if it was never written and so holds 0.
+    /// Returns block `number`, 0..127, or null if it was never written and therefore is 0.
     const Words* find(std::uint32_t number) const { return blocks_[number].get(); }
 
-    /// Block `number`, 0..127, given room if it has none.
+    /// Returns block `number`, 0..127. Allocates the block if necessary.
     Words& open(std::uint32_t number);
 
-    /// All blocks hold 0 and take no room.
+    /// Sets all blocks to 0 and frees their memory.
     void clear() { blocks_ = {}; }
 
   private:

@@ -1,4 +1,4 @@
-// Everything that instructions act on.
+// All state that instructions act on.
 #pragma once
 
 #include "renderer_firmware/hal/backing_store.hpp"

@@ -1,8 +1,8 @@
 // The 128 x 128 pixels of a Renderer: 208 bits of memory, an enable bit and a carry bit each.
 //
-// Memory is kept as bit columns: word k of a pixel holds its bits 32k .. 32k+31. Pixels are stored
-// block by block (16 x 8 pixels), all columns of a block together, and inside a block tile by tile
-// (4 x 4 pixels), row by row:
+// Memory is stored as bit columns: word k of a pixel contains bits 32k .. 32k+31. Pixels are stored
+// by block (16 x 8 pixels), with all columns of a block together. A block is stored by tile (4 x 4
+// pixels), row by row:
 //
 //     region: 8 x 16 blocks      block: 4 x 2 tiles       tile: 16 pixels, 64 bytes a column
 //     +---+---+-- ...  --+       +---+---+---+---+        +--+--+--+--+
@@ -20,7 +20,7 @@
 
 namespace pxpl5::renderer::hal {
 
-inline constexpr std::size_t column_count = 7;  ///< 32-bit words that 208 bits need.
+inline constexpr std::size_t column_count = 7;  ///< Number of 32-bit words per pixel.
 inline constexpr std::size_t tile_side = 4;
 inline constexpr std::size_t tile_pixels = tile_side * tile_side;
 inline constexpr std::size_t block_width = 16;
@@ -30,13 +30,13 @@ inline constexpr std::size_t blocks_across = 8;
 inline constexpr std::size_t block_count = isa::region_pixels / block_pixels;
 static_assert(column_count * 32 >= isa::memory_bits);
 
-/// A pixel's place in the region, 0..127 each.
+/// The position of a pixel in the region, 0..127 each.
 struct Place {
     std::size_t x, y;
     friend bool operator==(const Place&, const Place&) = default;
 };
 
-/// Where pixel `p` is stored: block * block_pixels + place in the block.
+/// Returns the storage index of pixel `p`: block * block_pixels + index in the block.
 constexpr std::size_t pixel_index(Place p) {
     const std::size_t block = p.y / block_height * blocks_across + p.x / block_width;
     const std::size_t tile = (p.y / tile_side % 2) * 4 + p.x / tile_side % 4;
@@ -44,7 +44,7 @@ constexpr std::size_t pixel_index(Place p) {
            p.x % tile_side;
 }
 
-/// The inverse of pixel_index().
+/// Returns the pixel of a storage index.
 constexpr Place place_of(std::size_t index) {
     const std::size_t block = index / block_pixels, tile = index / tile_pixels % 8;
     const std::size_t in_tile = index % tile_pixels;
@@ -52,7 +52,7 @@ constexpr Place place_of(std::size_t index) {
             block / blocks_across * block_height + tile / 4 * tile_side + in_tile / tile_side};
 }
 
-/// Memory of 16 x 8 pixels.
+/// The memory of 16 x 8 pixels.
 struct alignas(64) Block {
     std::array<std::array<std::uint32_t, block_pixels>, column_count> columns;
 };
@@ -64,7 +64,7 @@ struct PixelArray {
     std::array<Block, block_count> blocks{};
     alignas(64) PixelBits enable{};
     alignas(64) PixelBits carry{};
-    /// Bit b % 64 of word b / 64 is set exactly if a pixel of block b is enabled.
+    /// Bit b % 64 of word b / 64 is set exactly if block b has an enabled pixel.
     std::array<std::uint64_t, block_count / 64> occupied{};
 
     bool is_occupied(std::size_t block) const {
@@ -74,23 +74,23 @@ struct PixelArray {
         const std::uint64_t bit = std::uint64_t{1} << block % 64;
         occupied[block / 64] = any ? occupied[block / 64] | bit : occupied[block / 64] & ~bit;
     }
-    /// Sets a block's bit in `occupied` to what its enables say.
+    /// Computes the bit of a block in `occupied` from its enables.
     void note_occupied(std::size_t block) {
         std::uint64_t bits[block_pixels / 64];
         std::memcpy(bits, &enable[block * block_pixels / 8], sizeof bits);
         set_occupied(block, (bits[0] | bits[1]) != 0);
     }
-    /// All bits 0.
+    /// Sets all bits to 0.
     void clear();
     bool any_enabled() const { return (occupied[0] | occupied[1]) != 0; }
 };
 
-/// Bit `index` of `bits`.
+/// Returns bit `index` of `bits`.
 inline bool bit_of(const PixelBits& bits, std::size_t index) {
     return (bits[index / 8] >> index % 8 & 1) != 0;
 }
 
-/// Field m[a : a+n) of the pixel stored at `index`, zero-extended; n is 1..64, a + n <= 208.
+/// Returns field m[a : a+n) of the pixel at `index`, zero-extended; n is 1..64, a + n <= 208.
 std::uint64_t field(const PixelArray& pixels, std::size_t index, std::uint32_t a, std::uint32_t n);
 
 }  // namespace pxpl5::renderer::hal

@@ -14,7 +14,7 @@ void Port::put(std::size_t block, std::span<const std::uint32_t, block_pixels> w
     const Place corner = place_of(block * block_pixels);
     std::uint32_t* row = &rows_[corner.y * isa::region::size_px + corner.x];
     for (std::size_t y = 0; y < block_height; ++y) {
-        // Four pixels of a tile's row lie side by side in both orders.
+        // In both orders, four pixels of a tile's row are adjacent.
         for (std::size_t x = 0; x < block_width; x += tile_side) {
             std::memcpy(row + x, &words[pixel_index({x, y})], tile_side * sizeof words[0]);
         }

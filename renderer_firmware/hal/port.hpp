@@ -1,4 +1,4 @@
-// The way out to the frame buffer: a word per pixel, turned from storage order into rows.
+// The output to the frame buffer: converts one word per pixel from storage order to rows.
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@ namespace pxpl5::renderer::hal {
 
 class Port {
   public:
-    /// Words go to `rows` from now on, which has room for a region and outlives its use; if it is
-    /// empty, to memory of the port's own.
+    /// From now on words go to `rows`, which has room for a region and must outlive its use. If
+    /// `rows` is empty, words go to memory of the port.
     void aim(std::span<std::uint32_t> rows);
 
-    /// Puts the words of one block, in the order of pixel_index(), in their rows.
+    /// Writes the words of one block, in the order of pixel_index(), to their rows.
     void put(std::size_t block, std::span<const std::uint32_t, block_pixels> words);
 
-    /// What was put last, row by row: index y * 128 + x.
+    /// Returns the newest words, row by row: index y * 128 + x.
     std::span<const std::uint32_t> rows() const { return rows_; }
 
   private:

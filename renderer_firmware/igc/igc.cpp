@@ -1,6 +1,6 @@
 #include "renderer_firmware/igc/igc.hpp"
 
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 
 namespace pxpl5::renderer {
 

@@ -1,4 +1,4 @@
-// The image generation controller: checks a stream, runs it on an executor, counts.
+// The image generation controller: checks a stream, runs it on an executor, counts instructions.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,25 @@
 namespace pxpl5::renderer {
 
 struct Outcome {
-    isa::RunCounts counts;                   ///< Of what ran; zero if the check failed.
-    std::optional<isa::ProgramError> error;  ///< Why nothing, or not everything, ran.
+    isa::RunCounts counts;  ///< Counts of the executed part; 0 if the check failed.
+    std::optional<isa::ProgramError> error;  ///< Why the program did not run, or not to its end.
 };
 
 class Igc {
   public:
-    /// `executor` outlives the controller.
+    /// `executor` must outlive the controller.
     explicit Igc(isa::Executor& executor) : executor_(executor) {}
 
-    /// What is wrong with `words`, if anything. Nothing but triangles needs no walk through them.
+    /// Returns the error of `words`, if any. Skips the check if `words` are only triangles.
     static std::optional<isa::ProgramError> check(std::span<const std::uint32_t> words);
 
-    /// Runs `words`, which have passed check(), to their end.
+    /// Runs `words`, which must have passed check(), to their end.
     Outcome run_checked(std::span<const std::uint32_t> words);
 
-    /// As run_checked(), and adds what was executed to `executed`: for one who counts, slower.
+    /// Like run_checked(), and adds the executed instructions to `executed`. Slower.
     Outcome run_counted(std::span<const std::uint32_t> words, isa::InstructionCounts& executed);
 
-    /// Checks `words` and, if they are a program, runs them to their end. Nothing runs otherwise.
+    /// Checks `words` and runs them to their end. Runs nothing if the check fails.
     Outcome run(std::span<const std::uint32_t> words);
 
   private:
@@ -41,7 +41,8 @@ class Igc {
     isa::Controller controller_;
 };
 
-/// True if `words` is nothing but triangle programs (isa/triangle_shape.hpp): these need no check.
+/// True if `words` consist of triangle programs only (isa/contract/triangle_shape.hpp). These need
+/// no check.
 bool only_triangles(std::span<const std::uint32_t> words);
 
 }  // namespace pxpl5::renderer

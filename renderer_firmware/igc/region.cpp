@@ -23,7 +23,7 @@ SegmentFault fault(const Segment& s, std::string reason) {
     return {s.surface, s.slab, s.gp, std::move(reason)};
 }
 
-/// Whether a program that has passed its check moves anything to or from the backing store.
+/// True if a checked program uses the backing store.
 bool uses_backing_store(Words words) {
     if (only_triangles(words)) {
         return false;
@@ -36,7 +36,7 @@ bool uses_backing_store(Words words) {
     return false;
 }
 
-/// Each primitive begins with SETENABS, and has but one.
+/// Counts the primitives: each of them has exactly one SETENABS.
 std::uint32_t count_primitives(Words words) {
     std::uint32_t count = 0;
     for (std::size_t at = 0; at < words.size(); at += isa::instruction_words(words[at])) {
@@ -45,7 +45,7 @@ std::uint32_t count_primitives(Words words) {
     return count;
 }
 
-/// What is known of a part before it runs.
+/// The facts about a part before it runs.
 PartCounts counts_of(const RegionPlan::Part& part) {
     PartCounts counts;
     counts.kind = part.kind;
@@ -58,7 +58,7 @@ PartCounts counts_of(const RegionPlan::Part& part) {
     return counts;
 }
 
-/// Puts parts into a plan, and doors around the segments of transparent surfaces.
+/// Adds parts to a plan, and doors around the segments of transparent surfaces.
 class Planner {
   public:
     explicit Planner(const RegionFrame& frame) : frame_(frame) {}
@@ -69,7 +69,7 @@ class Planner {
             const Segment& s = segments[i];
             if (i > 0 && place(segments[i - 1]) == place(s)) {
                 plan_.faults.push_back(
-                    fault(s, fmt::format("GP {} has drawn this surface and slab already",
+                    fault(s, fmt::format("GP {} has already drawn this surface and slab",
                                          segments[i - 1].gp)));
             } else if (const std::optional<isa::ProgramError> error = Igc::check(s.words)) {
                 plan_.faults.push_back(
@@ -92,7 +92,7 @@ class Planner {
   private:
     using Kind = RegionPlan::Kind;
 
-    /// One of the Renderer's own programs.
+    /// Adds one of the Renderer's own programs.
     void add(Kind kind, Words words, std::uint32_t surface = 0) {
         RegionPlan::Part part;
         part.kind = kind;
@@ -123,7 +123,7 @@ class Planner {
     }
 
     const RegionFrame& frame_;
-    const Door* door_ = nullptr;  ///< Shut, if there is one.
+    const Door* door_ = nullptr;  ///< The shut door, if any.
     RegionPlan plan_;
 };
 

@@ -1,5 +1,5 @@
-// One region of one frame: prologue, the segments of all Graphics Processors in order, the depths
-// if they are wanted, end of region. A transparent surface's segments run behind its door.
+// Draws one region of one frame: prologue, segments of all Graphics Processors in order, depths on
+// request, end-of-region program. Door programs enclose the segments of a transparent surface.
 #pragma once
 
 #include <compare>
@@ -16,43 +16,43 @@ namespace pxpl5::renderer {
 
 using Words = std::span<const std::uint32_t>;
 
-/// What one Graphics Processor drew of one surface and slab in a region.
+/// The program of one Graphics Processor for one surface and slab in a region.
 struct Segment {
     std::uint32_t surface = 0;  ///< Index into the frame's list of surfaces.
     std::uint32_t slab = 0;
     std::uint32_t gp = 0;
     Words words;
-    std::uint32_t first_word = 0;  ///< Where `words` begin in the GP's stream for the region.
+    std::uint32_t first_word = 0;  ///< Offset of `words` in the GP's stream for the region.
 };
 
-/// A segment that was left out, and why.
+/// A skipped segment and the reason.
 struct SegmentFault {
     std::uint32_t surface = 0, slab = 0, gp = 0;
     std::string reason;
 };
 
-/// What runs before and behind a transparent surface's segments.
+/// The programs before and after the segments of a transparent surface.
 struct Door {
     std::uint32_t surface = 0;
     Words shut, open;
 };
 
-/// The Renderer's own programs of the regions of a frame. They have passed check_own().
+/// The Renderer's own programs for the regions of a frame. They have passed check_own().
 struct RegionFrame {
     Words prologue, end_of_region;
-    std::vector<Door> doors{};  ///< Of the transparent surfaces.
-    Words depths{};             ///< Empty unless depths are wanted.
-    bool holds_sums = false;    ///< The backing store does: no segment may touch it.
+    std::vector<Door> doors{};  ///< Doors of the transparent surfaces.
+    Words depths{};             ///< Empty unless depths are requested.
+    bool holds_sums = false;    ///< The backing store holds sums. Segments must not use it.
 };
 
-/// Throws std::logic_error if one of the programs is none (a bug of ours). Once a frame: a check
-/// takes longer than all else of planning an empty region.
+/// Throws std::logic_error if a program is invalid (a bug of ours). Call it once per frame: the
+/// check takes longer than all other planning of an empty region.
 void check_own(const RegionFrame& frame);
 
-/// What a region runs, in order: prologue, by surface its segments, behind its door if it has one,
-/// depths, end-of-region program.
+/// The parts of a region in order: prologue, the segments by surface and between the programs of
+/// the door, depths, end-of-region program.
 struct RegionPlan {
-    /// In the order in which they run; of one surface the three in the middle.
+    /// In order of execution. The three in the middle repeat for each surface.
     enum class Kind : std::uint8_t {
         prologue,
         shut_door,
@@ -63,22 +63,22 @@ struct RegionPlan {
     };
     struct Part {
         Kind kind = Kind::segment;
-        Segment segment;  ///< Of a door words and surface count; of the others the words.
+        Segment segment;  ///< Doors use words and surface; segments use all; other kinds use words.
     };
-    std::vector<Part> parts;           ///< All of them valid programs.
-    std::vector<SegmentFault> faults;  ///< Segments that are left out.
+    std::vector<Part> parts;           ///< All of them are valid programs.
+    std::vector<SegmentFault> faults;  ///< Skipped segments.
 };
 
-/// Segments may come in any order: they run by surface, then slab, so that ties of depth do not
-/// depend on arrival. Of two segments of one surface and slab the one of the lower GP is run. A
-/// segment that is no program is left out.
+/// Orders segments by surface, then by slab, so that ties of depth do not depend on arrival. Of two
+/// segments for one surface and slab, the segment of the lower GP runs. Invalid programs are
+/// skipped.
 RegionPlan plan_region(const RegionFrame& frame, std::vector<Segment> segments);
 
-/// What one part of a region executed.
+/// The executed instructions of one part of a region.
 struct PartCounts {
     RegionPlan::Kind kind = RegionPlan::Kind::segment;
-    std::uint32_t surface = 0;  ///< Of a segment and of doors.
-    std::uint32_t slab = 0;     ///< Of a segment, as are the next two.
+    std::uint32_t surface = 0;  ///< For segments and doors.
+    std::uint32_t slab = 0;     ///< For segments, like the next two.
     std::uint32_t primitives = 0, words = 0;
     isa::InstructionCounts executed;
 };
@@ -86,18 +86,18 @@ struct PartCounts {
 struct RegionResult {
     isa::RunCounts counts;
     std::vector<SegmentFault> faults;
-    std::vector<PartCounts> parts;  ///< In order; empty unless they are counted.
+    std::vector<PartCounts> parts;  ///< In order; empty unless parts are counted.
 };
 
 enum class Counting : std::uint8_t { whole_region, each_part };
 
-/// Called before a part runs: what is read out then is that part's.
+/// Called before each part. The next readout belongs to this part.
 using PartWatcher = std::function<void(RegionPlan::Kind)>;
 
-/// Draws a region as planned on `executor`, with a fresh controller. A segment that cannot run to
-/// its end is left where it stopped; the rest of the region is drawn. The pixels leave through the
-/// executor's readout, after the depths if these are wanted.
-/// counting  Counting each part costs time where a part's flow depends on pixels.
+/// Draws a planned region on `executor` with a new controller. If a segment stops with an error,
+/// its effects so far remain, and the rest of the region is drawn. The executor's readout receives
+/// the depths, if requested, and then the pixels.
+/// counting  Counting each part takes extra time if the flow of a part depends on pixels.
 RegionResult draw_region(isa::Executor& executor, const RegionFrame& frame,
                          std::vector<Segment> segments, const PartWatcher& before_part = {},
                          Counting counting = Counting::whole_region);

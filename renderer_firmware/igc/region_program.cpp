@@ -10,27 +10,27 @@
 #include <stdexcept>
 #include <string>
 
+#include "isa/contract/sample_sums.hpp"
+#include "isa/contract/screen_door.hpp"
 #include "isa/program.hpp"
-#include "isa/sample_sums.hpp"
-#include "isa/screen_door.hpp"
 #include "renderer_firmware/programs/texts.hpp"
 
 namespace pxpl5::renderer {
 namespace {
 
-constexpr double light_one = 16384;      ///< 1.0 of `light`.
-constexpr double light_half_step = 16;   ///< finish.pxasm drops 5 bits of it.
-constexpr double diffuse_one = 8192;     ///< 1.0 of a lamp in its dot product.
-constexpr double dot_one = 32768;        ///< Unit length in a highlight's dot product.
-constexpr double cosine_one = 65536;     ///< 1.0 of `cosine`.
-constexpr double gloss_weight_one = 16;  ///< Weight per step of colour; see gloss.pxasm.
-constexpr double dimmest_step = 0.125;   ///< A highlight below this part of a step is dropped.
+constexpr double light_one = 16384;      ///< 1.0 in `light`.
+constexpr double light_half_step = 16;   ///< finish.pxasm drops 5 bits of `light`.
+constexpr double diffuse_one = 8192;     ///< 1.0 of a light in its dot product.
+constexpr double dot_one = 32768;        ///< Unit length in the dot product of a highlight.
+constexpr double cosine_one = 65536;     ///< 1.0 in `cosine`.
+constexpr double gloss_weight_one = 16;  ///< Weight per step of color; see gloss.pxasm.
+constexpr double dimmest_step = 0.125;   ///< Highlights below this fraction of a step are dropped.
 
-/// What truncation takes from a cosine near 1, on average and over the whole power: half a bit each
-/// for the cosine and the products, one for the inverse.
+/// The average loss by truncation of a cosine near 1, over the whole power: half a bit each for the
+/// cosine and the products, one bit for the inverse.
 constexpr double mean_loss = 2 / cosine_one;
 
-/// The words of a text, with the values of its open coefficients. Throws as isa::Program::bind().
+/// Returns the words of a text with its coefficients. Throws like isa::Program::bind().
 template <std::size_t words, std::size_t open>
 std::vector<std::uint32_t> bound(const programs::Text<words, open>& text,
                                  const isa::Parameters& values = {}) {
@@ -46,7 +46,7 @@ struct Vector {
     double x, y, z;
 };
 
-std::optional<Vector> normalised(Vector v) {
+std::optional<Vector> normalized(Vector v) {
     const double length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
     if (!(length > 1e-6) || !std::isfinite(length)) {
         return std::nullopt;
@@ -58,12 +58,12 @@ std::int64_t packed(Rgb c) {
     return c.r | c.g << 8 | c.b << 16;
 }
 
-/// 11 bits apart; see colour_first.pxasm.
+/// 11 bits apart; see color_first.pxasm.
 std::int64_t spread(Rgb c) {
     return c.r | c.g << 11 | c.b << 22;
 }
 
-/// Writes the end-of-region program of one shading, text after text.
+/// Writes the end-of-region program of one shading, text by text.
 class Writer {
   public:
     explicit Writer(const Shading& shading) : shading_(shading) {}
@@ -73,7 +73,7 @@ class Writer {
         add(programs::skip_empty, {{"readout", 0}});
         const std::size_t skip = words_.size() - 1;
         light();
-        colours();
+        colors();
         add(programs::finish);
         words_[skip] = static_cast<std::uint32_t>(words_.size());
         if (shading_.pass.samples > 1) {
@@ -134,19 +134,19 @@ class Writer {
 
     void lamp(const Light& lamp) {
         const Light::Direction& d = lamp.direction;
-        const Vector l = *normalised({d.x, d.y, d.z});
+        const Vector l = *normalized({d.x, d.y, d.z});
         if (dot(l, diffuse_one * lamp.intensity)) {
             add(programs::scale);
             add(programs::diffuse);
         }
-        // A lamp straight behind has no half vector, and lights nothing that is seen.
-        const std::optional<Vector> half = normalised({l.x, l.y, l.z + 1});
+        // A light exactly behind has no half vector, and lights no visible pixel.
+        const std::optional<Vector> half = normalized({l.x, l.y, l.z + 1});
         if (half && shading_.specular > 0) {
             highlight(*half, double{lamp.intensity} * shading_.specular);
         }
     }
 
-    /// T = normal . (scale * v), in 32 bits; false if that is 0 for every normal.
+    /// Writes T = normal . (scale * v), in 32 bits. Returns false if T is 0 for every normal.
     bool dot(Vector v, double scale) {
         const std::int64_t x = std::lround(v.x * scale), y = std::lround(v.y * scale),
                            z = std::lround(v.z * scale);
@@ -163,8 +163,8 @@ class Writer {
         return x != 0 || y != 0 || z != 0;
     }
 
-    /// The half vector is shortened by the power-th root of 2: no product runs over, the power is
-    /// below one half, as gloss.pxasm needs it, and the weight makes up for it.
+    /// Divides the half vector by the power-th root of 2. Then no product overflows, and the power
+    /// is below one half, which gloss.pxasm requires. The weight compensates.
     void highlight(Vector half, double weight) {
         const double power = shading_.specular_power;
         const double shortened = std::pow(0.5, 1 / power) * (1 - 1 / cosine_one);
@@ -179,8 +179,8 @@ class Writer {
         add(programs::gloss, {{"weight", std::lround(weight_word)}});
     }
 
-    /// Raises the cosine to `power`, from the power's top bit down: square, and multiply where a
-    /// bit is set.
+    /// Raises the cosine to `power`, from the top bit of the power down: squares, and multiplies
+    /// where a bit is set.
     void raise(std::uint32_t power) {
         if (!std::has_single_bit(power)) {
             add(programs::keep_base);
@@ -194,12 +194,12 @@ class Writer {
         }
     }
 
-    void colours() {
+    void colors() {
         const std::vector<Rgb>& surfaces = shading_.surfaces;
-        add(programs::colour_first, {{"colour", spread(surfaces.empty() ? Rgb{} : surfaces[0])}});
+        add(programs::color_first, {{"color", spread(surfaces.empty() ? Rgb{} : surfaces[0])}});
         for (std::size_t i = 1; i < surfaces.size(); ++i) {
-            add(programs::colour_next, {{"surface_number", static_cast<std::int64_t>(i + 1)},
-                                        {"colour", spread(surfaces[i])}});
+            add(programs::color_next, {{"surface_number", static_cast<std::int64_t>(i + 1)},
+                                       {"color", spread(surfaces[i])}});
         }
         if (surfaces.size() > 1) {
             add(programs::enable_covered);
@@ -244,7 +244,7 @@ void verify(const Shading& s) {
         const Light::Direction& d = light.direction;
         require(light.intensity >= 0,
                 fmt::format("a light of intensity {}; must not be negative", light.intensity));
-        require(normalised({d.x, d.y, d.z}).has_value(),
+        require(normalized({d.x, d.y, d.z}).has_value(),
                 fmt::format("a light's direction ({}, {}, {}) has no length", d.x, d.y, d.z));
         sum += light.intensity;
     }
@@ -252,19 +252,19 @@ void verify(const Shading& s) {
             fmt::format("ambient and intensities sum up to {}; at most {}", sum, max_light_sum));
 }
 
-/// u or v of a screen's rank: a form of the pixel's place.
+/// u or v of a screen's rank: a linear form in x and y.
 struct PlaceForm {
     std::int64_t x, y, one;
 };
 
-/// Bayer's pattern; rows; columns, moved so that rows and columns together do not hide all that
-/// Bayer's leaves. Then they come again, moved by a pixel. What any two of these leave at 8/16 is
-/// the lattice of every other pixel of every other row: of all patterns of 4 x 4 pixels that leave
-/// a chessboard half, rows and columns alone make no stripes of it.
+/// The patterns are: Bayer's; rows; columns, moved so that rows and columns together leave some of
+/// the pixels that Bayer's pattern leaves. Further patterns are these, moved by a pixel. Any two of
+/// the three at 8/16 leave every other pixel of every other row. Among all patterns of 4 x 4 pixels
+/// that leave half of a checkerboard, only rows and columns leave it without stripes.
 ///
-/// Each pass moves all patterns together, as if the picture lay elsewhere: the first 4 over 2 x 2
-/// pixels, 16 over all 4 x 4, so that the mean of the passes has no pattern, and of two surfaces
-/// each pixel sees what else 4 x 4 pixels see together.
+/// Each pass moves all patterns together, as if the picture were elsewhere: 4 passes over 2 x 2
+/// pixels, 16 passes over 4 x 4. So the mean of the passes shows no pattern, and each pixel shows
+/// through two surfaces what otherwise 4 x 4 pixels show together.
 std::vector<std::uint32_t> shut(const Screen& screen, std::uint32_t sample) {
     const std::int64_t dx = (sample & 1) + (sample >> 2 & 1) * 2;
     const std::int64_t dy = (sample >> 1 & 1) + (sample >> 3 & 1) * 2;

@@ -1,10 +1,10 @@
-// Assembles the region programs' texts while pxpl5 is built, as constants for texts.hpp.
+// Assembles the region programs' texts to constants for texts.hpp. Part of the build.
 //
 //     pxpl5_assemble_texts OUTPUT registers.pxasm NAME.pxasm...
 //
-// A text NAME_n.pxasm is one for each of the registers X, Y and Z, which it calls N: NAME_x, NAME_y
-// and NAME_z. A text NAME_s.pxasm is one for each number of passes: NAME_4 and NAME_16.
-// Exits with 1, and says why, if a text is no program.
+// A text NAME_n.pxasm gives NAME_x, NAME_y and NAME_z, one for each of the registers X, Y and Z,
+// which the text calls N. A text NAME_s.pxasm gives NAME_4 and NAME_16, one for each number of
+// passes. If a text is not a program, prints the error and exits with 1.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -16,8 +16,8 @@
 #include <string>
 
 #include "isa/assemble.hpp"
-#include "isa/region_layout.hpp"
-#include "isa/screen_door.hpp"
+#include "isa/contract/region_layout.hpp"
+#include "isa/contract/screen_door.hpp"
 
 namespace {
 
@@ -31,7 +31,7 @@ std::string read(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The fields of region_layout.hpp and screen_door.hpp as names.
+/// Returns definitions of the fields of region_layout.hpp and screen_door.hpp.
 std::string layout_names() {
     namespace region = isa::region;
     namespace door = isa::door;
@@ -51,7 +51,7 @@ std::string layout_names() {
     return names;
 }
 
-/// A program as the constant `name`.
+/// Returns a program as the constant `name`.
 std::string constant(const std::string& name, const isa::Program& program) {
     std::string words, open;
     for (const std::uint32_t word : program.words) {
@@ -67,10 +67,10 @@ std::string constant(const std::string& name, const isa::Program& program) {
                        program.words.size(), program.patches.size(), name, words, open);
 }
 
-/// Where the sums of S = 2^shift passes lie, three of 8 + shift bits, and half of S in each.
-/// bits   From one sum to the next: 10, so that three fill a word; 16, so that none lies across
-///        two.
-/// words  Bits of all the words that hold sums.
+/// Returns definitions of the sums of S = 2^shift passes: three of 8 + shift bits, and half of S in
+/// each.
+/// bits   Distance of the sums: 10, so that three fill a word; 16, so that none crosses a word.
+/// words  Bits of all words that hold sums.
 std::string sum_names(int shift, int bits, int words) {
     const int half = 1 << (shift - 1);
     return fmt::format(
@@ -80,7 +80,7 @@ std::string sum_names(int shift, int bits, int words) {
         half + (half << bits) + (words == 32 ? half << (2 * bits) : 0), words == 32 ? 0 : half);
 }
 
-/// All constants of the text at `path`.
+/// Returns all constants of the text at `path`.
 std::string constants(const std::filesystem::path& path, const std::string& names) {
     const std::string name = path.stem().string();
     const std::string text = read(path);

@@ -1,4 +1,4 @@
-// A region program's text as it was assembled when this was built.
+// The text of a region program, assembled during the build.
 #pragma once
 
 #include <array>
@@ -8,13 +8,13 @@
 
 namespace pxpl5::renderer::programs {
 
-/// A coefficient word that waits for the value of `$name`.
+/// A coefficient word whose value is the parameter `$name`.
 struct Open {
     std::string_view name;
     std::size_t word = 0;
 };
 
-/// Words, of which those named in `open` are 0 until they are bound.
+/// The words of a text. The words in `open` are 0 until their values are bound.
 template <std::size_t word_count, std::size_t open_count>
 struct Text {
     std::array<std::uint32_t, word_count> words;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 #include "renderer_firmware/igc/igc.hpp"
 #include "renderer_firmware/igc/region_program.hpp"

@@ -1,4 +1,4 @@
-// The conformance cases of tests/isa/conformance, and how an executor is put through them.
+// Reads the conformance cases and runs the reference executor through them.
 #pragma once
 
 #include <algorithm>
@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "isa/conformance_run.hpp"
+#include "isa/conformance/conformance_run.hpp"
 #include "isa/reference/reference.hpp"
 
 namespace pxpl5::test {
 
-/// A case and the file it was read from.
+/// A case and its file.
 struct ConformanceFile {
-    std::string name;  ///< Below tests/isa/conformance.
+    std::string name;  ///< "by_hand/NAME.pxt" or "generated/NAME.pxt".
     isa::ConformanceCase test;
 
     bool names(isa::Op op) const {
@@ -30,32 +30,38 @@ struct ConformanceFile {
     }
 };
 
-/// All cases, by name. Throws std::runtime_error that names the file that is no case.
+/// Appends the cases of `folder`. Throws std::runtime_error that names a file that is not a case.
+inline void add_cases(const std::filesystem::path& folder, std::vector<ConformanceFile>& files) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        if (entry.path().extension() != ".pxt") {
+            continue;
+        }
+        std::ostringstream text;
+        text << std::ifstream(entry.path(), std::ios::binary).rdbuf();
+        const std::string name = (folder.filename() / entry.path().filename()).string();
+        try {
+            files.push_back({name, isa::parse_conformance(text.str())});
+        } catch (const isa::ConformanceError& error) {
+            throw std::runtime_error(name + ": " + error.what());
+        }
+    }
+}
+
+/// All cases, sorted by name: those of the tree, and those that the build generates.
+/// Throws std::runtime_error that names a file that is not a case.
 inline const std::vector<ConformanceFile>& conformance_suite() {
     static const std::vector<ConformanceFile> suite = [] {
-        const std::filesystem::path folder = PXPL5_SOURCE_DIR "/tests/isa/conformance";
         std::vector<ConformanceFile> files;
-        for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-            if (entry.path().extension() != ".pxt") {
-                continue;
-            }
-            std::ostringstream text;
-            text << std::ifstream(entry.path(), std::ios::binary).rdbuf();
-            const std::string name = entry.path().lexically_relative(folder).string();
-            try {
-                files.push_back({name, isa::parse_conformance(text.str())});
-            } catch (const isa::ConformanceError& error) {
-                throw std::runtime_error(name + ": " + error.what());
-            }
-        }
+        add_cases(PXPL5_SOURCE_DIR "/tests/isa/conformance/by_hand", files);
+        add_cases(PXPL5_GENERATED_CASES, files);
         std::ranges::sort(files, {}, &ConformanceFile::name);
         return files;
     }();
     return suite;
 }
 
-/// The first difference on the reference. It emulates what is watched, a rectangle at a time,
-/// unless the program asks for the OR of all enables: then it needs the whole region.
+/// Returns the first difference on the reference. Emulates the watched pixels, one rectangle at a
+/// time. A program with ANYENAB needs the whole region.
 inline std::string difference_on_reference(const ConformanceFile& file) {
     std::vector<isa::PixelRectangle> windows = isa::compared_pixels(file.test);
     if (file.names(isa::Op::any_enab)) {

@@ -58,7 +58,7 @@ void note_case(const ConformanceFile& file, Coverage& coverage) {
             sequencer.step();
         }
     } catch (const isa::RunError&) {
-        // Some cases are to stop.
+        // Some cases must stop with an error.
     }
 }
 
@@ -124,11 +124,13 @@ std::string coverage_markdown(const Coverage& suite, const Coverage& phantoms) {
     std::string out = fmt::format(
         "# What the conformance suite covers\n\n"
         "Made by `PXPL5_UPDATE_GOLDEN=1 ctest --preset release -R isa_coverage`; do not edit.\n\n"
-        "Each cell: what the suite meets, then what frames of the phantoms meet. Letters say which "
-        "pixels were\nenabled when the instruction ran: `n` none, `i` some, all of them inside the "
-        "region, `e` some, at its edge\n(x or y is 0 or 127) too, `a` all; `.` is never met. A row "
-        "without a width stands under 1.\n\n"
-        "Of {} cells the suite meets {}, the phantoms {}.\n\n| instruction |",
+        "Each cell shows the suite, then the frames of the phantoms. A letter is the set of "
+        "enabled "
+        "pixels\nwhen the instruction ran:\n\n"
+        "- `n`: none\n- `i`: some, all of them inside the region\n"
+        "- `e`: some, including pixels at the edge (x or y is 0 or 127)\n- `a`: all\n"
+        "- `.`: not met\n\nRows without a width are in column 1.\n\n"
+        "The suite meets {1} of {0} cells, and the phantoms meet {2}.\n\n| instruction |",
         possible_cells(), suite.cells(), phantoms.cells());
     const auto put = std::back_inserter(out);
     for (const std::string_view width : width_names) {

@@ -1,4 +1,4 @@
-// Two executors side by side: after each instruction the pixels of a window are compared.
+// Runs two executors side by side and compares the pixels of a window after each instruction.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,14 +14,14 @@
 
 namespace pxpl5::test {
 
-/// Thrown at the first difference; `what` names instruction, pixel, field and both values.
+/// Thrown at the first difference. The text names instruction, pixel, field and both values.
 struct Divergence : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// An executor that runs each instruction on `trusted` and on `tested` and throws Divergence where
-/// they differ. Run it with isa::run(). The global OR of the enables is `tested`'s, because
-/// `trusted` may emulate a window only.
+/// An executor that runs each instruction on `trusted` and on `tested` and throws Divergence if
+/// they differ. Run it with isa::run(). It uses the OR of the enables of `tested`, because
+/// `trusted` may emulate only a window.
 class Lockstep final : public isa::Executor {
   public:
     Lockstep(isa::reference::Reference& trusted, isa::Executor& tested)
@@ -49,7 +49,7 @@ class Lockstep final : public isa::Executor {
         return tested_.backing_block(x, y, block);
     }
 
-    /// Compares everything, all blocks too; `context` goes into the message. Throws Divergence.
+    /// Compares all state and all blocks; `context` is part of the message. Throws Divergence.
     void compare_all(const std::string& context) {
         compare(context, {});
         for (std::uint32_t block = 0; block < isa::backing_blocks; ++block) {

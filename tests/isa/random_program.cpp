@@ -38,8 +38,8 @@ std::int32_t RandomPrograms::coefficient() {
     }
 }
 
-/// Coefficients of a plane that is zero somewhere in the region, so that tests split the pixels;
-/// sometimes of any size.
+/// Returns coefficients of a plane that is zero somewhere in the region, so that tests split the
+/// pixels. Sometimes returns coefficients of any size.
 void RandomPrograms::tree_coefficients(int count) {
     if (below(4) == 0) {
         for (int i = 0; i < count; ++i) {
@@ -131,8 +131,7 @@ Op RandomPrograms::row() {
     return static_cast<Op>(below(isa::op_count));
 }
 
-/// Fills 64 bits with what looks like noise from pixel to pixel, so that bits of memory tell
-/// neighbours apart.
+/// Fills 64 bits with values like noise, so that adjacent pixels have different bits.
 void RandomPrograms::noise() {
     const Op op = below(2) == 0 ? Op::quad_into_mem : Op::mem_plus_quad;
     const Instruction in{op, {below(isa::memory_bits - 63), below(12), 64}};
@@ -143,7 +142,7 @@ void RandomPrograms::noise() {
     }
 }
 
-/// Tests only ever clear enables: without this a program would soon run on no pixel.
+/// Tests only clear enables. Without this instruction a program would soon run on no pixel.
 void RandomPrograms::restore_enables() {
     const Op ways[] = {Op::set_enabs, Op::inv_enabs, Op::mem_into_enab, Op::enab_or_mem};
     const Op op = ways[below(std::size(ways))];
@@ -160,7 +159,7 @@ void RandomPrograms::pixel_instruction(const RandomProgramOptions& options) {
     const OpInfo& r = info(op);
     const Operands o = operands(r);
     if (op == Op::pixels_to_fb && below(4) != 0) {
-        return;  // It costs as much as all the others together.
+        return;  // This row costs as much as all others together.
     }
     if (op == Op::bs_wait) {
         return wait();
@@ -203,7 +202,7 @@ void RandomPrograms::emit_flow(Op op) {
     }
 }
 
-/// Closes what is open, ends the program and adds the subroutine that its CALLs go to.
+/// Closes open loops, ends the program, and adds the subroutine of the CALLs.
 void RandomPrograms::finish() {
     if (!open_.empty()) {
         wait();

@@ -1,4 +1,4 @@
-// Valid random programs from a seed: every row reachable, fields that collide, enables that live.
+// Valid random programs from a seed: all rows, overlapping fields, changing enables.
 #pragma once
 
 #include <cstdint>
@@ -12,33 +12,33 @@
 
 namespace pxpl5::test {
 
-/// The seed of PXPL5_SEED, or `fallback`.
+/// Returns the seed of PXPL5_SEED, or `fallback`.
 inline std::uint64_t seed_or(std::uint64_t fallback) {
     const char* text = std::getenv("PXPL5_SEED");
     return text == nullptr ? fallback : std::strtoull(text, nullptr, 0);
 }
 
 struct RandomProgramOptions {
-    std::size_t instructions = 200;  ///< At least; a program may close loops behind them.
+    std::size_t instructions = 200;  ///< Minimum; closing loops adds more.
     bool flow = true;                ///< Emit CALL, RET, LOOP, SKIPIFNONE and EOR.
 };
 
-/// Makes one program per call of program(). The same seed gives the same programs everywhere: only
-/// mt19937_64 is used, no distribution of the standard library.
+/// Makes one program per call of program(). The same seed gives the same programs on all computers,
+/// because the class uses mt19937_64 without a distribution of the standard library.
 class RandomPrograms {
   public:
     explicit RandomPrograms(std::uint64_t seed) : random_(seed) {}
 
-    /// A program that passes check().
+    /// Returns a program that passes check().
     std::vector<std::uint32_t> program(const RandomProgramOptions& options = {});
 
-    /// Operands that check() accepts for `row`, control flow aside.
+    /// Returns operands of `row` that pass check(), apart from control flow.
     isa::Operands operands(const isa::OpInfo& row);
 
-    /// A coefficient: small, sparse, extreme or any.
+    /// Returns a coefficient: small, sparse, extreme or any.
     std::int32_t coefficient();
 
-    /// 0 .. count-1.
+    /// Returns 0 .. count-1.
     std::uint32_t below(std::uint32_t count) {
         return static_cast<std::uint32_t>(random_() % count);
     }
@@ -66,7 +66,7 @@ class RandomPrograms {
     std::vector<std::size_t> loops_;            ///< Instruction counts at their heads.
     std::size_t skip_at_ = 0, skip_until_ = 0;  ///< Coefficient word of an open SKIPIFNONE.
     std::vector<std::size_t> calls_;            ///< Coefficient words of CALLs.
-    std::vector<std::uint32_t> recent_;         ///< Addresses used of late, to collide with.
+    std::vector<std::uint32_t> recent_;         ///< Recent addresses, for overlapping fields.
 };
 
 }  // namespace pxpl5::test

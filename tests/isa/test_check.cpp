@@ -1,4 +1,4 @@
-// What check() refuses, and what it says.
+// Tests the rules of check() and their messages.
 #include <doctest/doctest.h>
 
 #include "isa/assemble.hpp"
@@ -17,7 +17,7 @@ Words word(Op op, isa::Operands o) {
     return {isa::encode({op, o})};
 }
 
-/// True if `words` are refused at `at` and the reason holds all of `parts`.
+/// Fails unless check() refuses `words` at `at` with a reason that contains all of `parts`.
 void refused(const Words& words, std::size_t at, std::initializer_list<std::string_view> parts) {
     const isa::CheckResult result = isa::check(words);
     REQUIRE_FALSE(result.ok());
@@ -98,7 +98,7 @@ TEST_CASE("what a transfer uses is left alone until BSWAIT") {
     refused("BSREAD m0 bs1\nBSWRITE m64 bs1\nBSWAIT", 1, {"block 1"});
     refused("BSREAD m0 bs1\nNOP", 0, {"block 1", "at the program's end"});
     refused("BSREAD m0 bs1\nEOR", 1, {"EOR", "block 1"});
-    refused("LOOP #2\nBSREAD m0 bs1\nENDLOOP\nBSWAIT", 2, {"ENDLOOP", "BSWAIT is missing"});
+    refused("LOOP #2\nBSREAD m0 bs1\nENDLOOP\nBSWAIT", 2, {"ENDLOOP", "insert BSWAIT"});
     CHECK(isa::check(isa::assemble("BSREAD m0 bs1\nCLEARMEM m32:64\nBSWAIT\nCLEARMEM m0:32").words)
               .ok());
 }

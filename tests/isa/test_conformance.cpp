@@ -1,4 +1,4 @@
-// Both executors, put through the conformance cases; and the cases, put to the proof themselves.
+// Runs both executors through the conformance cases, and tests the cases with wrong executors.
 #include <doctest/doctest.h>
 
 #include <map>
@@ -20,7 +20,7 @@ using test::ConformanceFile;
 
 namespace {
 
-/// Runs an executor's instructions one by one, without running ahead; all but one row, once armed.
+/// Runs the instructions of an executor one by one. Skips one row after drop().
 class OneByOne final : public isa::Executor {
   public:
     explicit OneByOne(isa::Executor& inner) : inner_(inner) {
@@ -51,10 +51,10 @@ class OneByOne final : public isa::Executor {
     std::optional<Op> dropped_;
 };
 
-/// A case naming `op` that `difference` finds something in, with what it finds.
+/// Returns the first failure of a case that names `op`, with the name of the case.
 template <typename Difference>
 std::string a_failure(Op op, const Difference& difference) {
-    // The generated ones, which come last by name, look at few pixels.
+    // Generated cases, which are last by name, watch few pixels.
     for (const ConformanceFile& file : std::views::reverse(conformance_suite())) {
         if (file.names(op)) {
             if (const std::string found = difference(file); !found.empty()) {
@@ -65,8 +65,8 @@ std::string a_failure(Op op, const Difference& difference) {
     return {};
 }
 
-/// The case with each instruction of a control row made to do nothing: a NOP, a loop of one round;
-/// a NOP is made to do something.
+/// Returns the case with all instructions of a control row disabled: replaced by NOP, or by a loop
+/// of one round. A NOP is replaced by an instruction with an effect.
 isa::ConformanceCase without_control(isa::ConformanceCase test, Op op) {
     std::vector<std::uint32_t>& words = test.program.words;
     const std::uint32_t nop = isa::encode({Op::nop, {}});
@@ -83,8 +83,8 @@ isa::ConformanceCase without_control(isa::ConformanceCase test, Op op) {
     return test;
 }
 
-/// True if `instead` can stand in for `row`: it takes the same operands and coefficients. The row
-/// that reads out is run for all pixels at once, others are not.
+/// True if `instead` can replace `row`: both take the same operands and coefficients. Excludes the
+/// readout row, which runs for all pixels at once.
 bool can_stand_in(const isa::OpInfo& instead, const isa::OpInfo& row) {
     return instead.words == row.words && instead.n_max >= row.n_max &&
            (instead.n_max == 0) == (row.n_max == 0) && instead.b_role == row.b_role &&
@@ -184,7 +184,7 @@ TEST_CASE("a row of the controller that does nothing fails a conformance case th
     for (std::size_t i = 0; i < isa::op_count; ++i) {
         const Op op = static_cast<Op>(i);
         if (!isa::info(op).is_control() || op == Op::end_loop) {
-            continue;  // No program is valid without its ENDLOOP; LOOP tells of both.
+            continue;  // A program without its ENDLOOP is invalid; LOOP tests both.
         }
         const std::string found = a_failure(op, [&](const ConformanceFile& file) {
             fast.reset();
@@ -226,7 +226,7 @@ TEST_CASE("a quadratic row that leaves its squares out fails a conformance case 
         if (isa::op_table[i].words != 6) {
             continue;
         }
-        // The linear rows stand eight before the quadratic ones.
+        // The linear rows are eight before the quadratic ones.
         const std::size_t linear = i - 8;
         REQUIRE(isa::op_table[linear].effects == isa::op_table[i].effects);
         renderer::fast::Backend wrong = right;

@@ -1,7 +1,7 @@
-// The text form of conformance cases: what it says, and what it refuses.
+// Tests the text form of conformance cases and its error messages.
 #include <doctest/doctest.h>
 
-#include "isa/conformance_run.hpp"
+#include "isa/conformance/conformance_run.hpp"
 #include "isa/reference/reference.hpp"
 #include "tests/isa/random_program.hpp"
 
@@ -81,24 +81,25 @@ TEST_CASE("what is no case is refused with line, column, found and expected") {
     refused("run\nrum", 2, 1, "found 'rum', expected title, watch");
     refused("  NOP\nrun", 1, 3, "expected a section's name");
     refused("given m0:8 m1\nrun", 1, 14, "'m1' ends, expected ':'");
-    refused("given m200:9\nrun", 1, 7, "not 1..64 of a pixel's 208 bits");
-    refused("given m0:0\nrun", 1, 7, "not 1..64");
+    refused("given m200:9\nrun", 1, 7, "must have 1..64 bits within the 208 bits of a pixel");
+    refused("given m0:0\nrun", 1, 7, "must have 1..64 bits");
     refused("given m0:65\nrun", 1, 10, "above 64");
     refused("given bs128\nrun", 1, 9, "above 127");
-    refused("given readout\nrun", 1, 7, "expected, never given");
-    refused("given colour\nrun", 1, 7, "found 'colour', expected m0:8");
+    refused("given readout\nrun", 1, 7, "a column of 'expect', not of 'given'");
+    refused("given color\nrun", 1, 7, "found 'color', expected m0:8");
     refused("given m0:8\n  all\nrun", 2, 6, "the line ends, expected a value");
     refused("given m0:8\n  all 1 2\nrun", 2, 9, "found '2', expected the end of the line");
     refused("given m0:8\n  128,0 1\nrun", 2, 3, "above 127");
-    refused("given m0:8\n  4..3,0 1\nrun", 2, 3, "'4..3,0' holds no pixel");
+    refused("given m0:8\n  4..3,0 1\nrun", 2, 3, "'4..3,0' contains no pixel");
     refused("given m0:8\n  3 1\nrun", 2, 4, "expected ','");
     refused("given m0:8\n  x>=1 1\nrun", 2, 4, "expected '>=0'");
     refused("given m0:8\n  all 1+\nrun", 2, 9, "expected a number");
     refused("given m0:8\n  all z\nrun", 2, 7, "found 'z', expected a number");
-    refused("given m0:8\n  all x*y*x\nrun", 2, 11, "more than two of x and y");
-    refused("given m0:8\n  all 0x80000000*x\nrun", 2, 7, "no signed 32-bit number");
+    refused("given m0:8\n  all x*y*x\nrun", 2, 11,
+            "the degree of the product in x and y is above 2");
+    refused("given m0:8\n  all 0x80000000*x\nrun", 2, 7, "does not fit a signed 32-bit number");
     refused("given m0:8\n  all 0x10000000000000000\nrun", 2, 7, "above 18446744073709551615");
-    refused("run\n NOP\nrun", 3, 1, "'run' stands already in line 1");
+    refused("run\n NOP\nrun", 3, 1, "the case already has 'run' in line 1");
     refused("signals 256\nrun", 1, 9, "above 255");
     refused("flag\nrun", 1, 5, "the line ends, expected a value");
     refused("title t\nrun\n  NOP\n  CLEARMEM m200:9", 4, 3, "field m[a] is bits 200..208");
@@ -155,9 +156,10 @@ TEST_CASE("what the controller tells is compared") {
     CHECK(difference("run\nexpect readout\n all 0") == "nothing was read out, expected a readout");
     CHECK(difference("run\n NOP\ninstructions 2") == "the run took 1 instructions, expected 2");
     CHECK(difference("run\n BSWAIT\ncycles 1") == "the run took 16000 cycles, expected 1");
-    CHECK(difference("run\n RET\n") == "the run ends 'word 0: RET without a CALL', expected ''");
+    CHECK(difference("run\n RET\n") ==
+          "the run stopped with 'word 0: RET without a CALL', expected ''");
     CHECK(difference("run\n RET\nstops RET without").empty());
-    CHECK(difference("run\nstops RET") == "the run ends '', expected 'RET'");
+    CHECK(difference("run\nstops RET") == "the run stopped with '', expected 'RET'");
 }
 
 TEST_CASE("enables that differ need a free bit of memory to be set up") {

@@ -1,4 +1,4 @@
-// What the conformance suite covers, beside what frames of the phantoms do.
+// Compares the coverage of the conformance suite with frames of the phantoms.
 #include <doctest/doctest.h>
 
 #include <cstdlib>

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "isa/assemble.hpp"
+#include "isa/contract/region_layout.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "isa/reference/reference.hpp"
-#include "isa/region_layout.hpp"
 #include "isa/sequencer.hpp"
-#include "isa/triangle_shape.hpp"
 
 using namespace pxpl5::isa;
 
@@ -39,7 +39,7 @@ TEST_CASE("an instruction's class is the section of the table that its row stand
 }
 
 TEST_CASE("a text's counts are those of its rows, each once") {
-    // Rows cost: 1, n + 1, 40, 16000 (a wait), 16384 + n (the port), 4.
+    // Cycles: 1, n + 1, 40, 16000 (a wait), 16384 + n (the port), 4.
     const InstructionCounts counts = count_text(assembled(R"(
         SETENABS
         CLEARMEM m0:20
@@ -72,7 +72,7 @@ TEST_CASE("k triangles count k times what one does") {
     }
     one[triangle::at_surface] = triangle::surface_word(1);
     REQUIRE(triangle::matches(one.data()));
-    // A tree row costs n + 4, and b more where a fraction is dropped.
+    // A tree row takes n + 4 cycles, plus b for dropped fraction bits.
     const std::uint64_t tree_cycles =
         3 * (24 + 4) + 2 * (region::z_fraction_bits + region::z.width + 4) +
         3 * (region::normal_fraction_bits + region::normal_x.width + 4);

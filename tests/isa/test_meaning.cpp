@@ -1,4 +1,4 @@
-// What each row of memory, arithmetic, tree and backing means, against plain 64-bit arithmetic.
+// Compares the rows of memory, arithmetic, tree and backing with plain 64-bit arithmetic.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -24,10 +24,10 @@ s64 sign_extended(u64 value, std::uint32_t n) {
     return static_cast<s64>(value << (64 - n)) >> (64 - n);
 }
 
-/// What an instruction did to one pixel.
+/// The effect of an instruction on one pixel.
 struct Outcome {
     std::optional<u64> value;    ///< New m[a], if the row writes.
-    std::optional<bool> enable;  ///< If the row tests.
+    std::optional<bool> enable;  ///< Set if the row tests.
     std::optional<bool> carry;
 };
 
@@ -52,7 +52,7 @@ u64 isqrt(u64 value) {
     return root;
 }
 
-/// The definition, once more, in 64-bit integers. `p` is m[a] in n bits, `q` is m[b], `k` is K in n
+/// The definition of the rows in 64-bit integers. `p` is m[a] in n bits, `q` is m[b], `k` is K in n
 /// bits.
 Outcome expected(Op op, std::uint32_t n, u64 p, u64 q, u64 k, std::uint32_t b) {
     const u64 m = mask(n);
@@ -237,7 +237,7 @@ void check_tree_row(test::RandomPrograms& random, Op op, std::uint32_t n) {
     std::array<std::int32_t, 6> k{};
     std::ranges::generate(k, [&] { return random.coefficient(); });
     const s64 q = q_at(k, row.words == 6);
-    // Floor division by a power of two is what >> does to signed numbers in C++20.
+    // In C++20, >> of a signed number is floor division by a power of two.
     const u64 t = static_cast<u64>(q >> o.b) & mask(n);
     const u64 p = random.below(4) == 0 ? t : random_value(random, n);
     pixel.set_field(77, 5, o.a, n, p);

@@ -1,4 +1,4 @@
-// What must hold for every row, told by the rows alone.
+// Tests properties of all rows that follow from the table.
 #include <doctest/doctest.h>
 
 #include <bit>
@@ -19,7 +19,7 @@ namespace {
 constexpr isa::reference::Window window{.x0 = 61, .y0 = 20, .width = 8, .height = 6};
 constexpr int samples = 60;
 
-/// Words of a random instruction of `row`, coefficients included.
+/// Returns the words of a random instruction of `row`, with coefficients.
 std::vector<std::uint32_t> instruction(test::RandomPrograms& random, const OpInfo& row) {
     const auto op = static_cast<isa::Op>(&row - isa::op_table.data());
     std::vector<std::uint32_t> words{isa::encode({op, random.operands(row)})};
@@ -33,7 +33,7 @@ isa::Coefficients coefficients(const std::vector<std::uint32_t>& words) {
     return {reinterpret_cast<const std::int32_t*>(words.data() + 1), words.size() - 1};
 }
 
-/// A window full of noise: memory, enables and carries.
+/// A window of noise: memory, enables and carries.
 std::unique_ptr<isa::reference::Reference> noisy(test::RandomPrograms& random) {
     auto pixels = std::make_unique<isa::reference::Reference>(window);
     const auto each_bit = [&](std::uint32_t a, std::uint32_t n) {
@@ -44,7 +44,7 @@ std::unique_ptr<isa::reference::Reference> noisy(test::RandomPrograms& random) {
                               bits);
         }
     };
-    // Carries come from adding noise to noise, enables from a bit of noise.
+    // Adding noise to noise sets the carries; a bit of noise sets the enables.
     pixels->execute({isa::Op::set_enabs, {}}, {});
     each_bit(0, 52), each_bit(52, 52);
     pixels->execute({isa::Op::mem_plus_mem, {0, 52, 52}}, {});
@@ -64,7 +64,7 @@ struct State {
     }
 };
 
-/// What `row` may not change has not changed in this pixel.
+/// Checks that `row` changed only what it may change in this pixel.
 void check_effects(const OpInfo& row, const Operands& o, const State& before, const State& after) {
     const bool acts = before.enable || (row.effects & isa::all) != 0;
     for (std::uint32_t a = 0; a < isa::memory_bits; ++a) {

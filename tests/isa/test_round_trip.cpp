@@ -1,4 +1,4 @@
-// asm(dis(x)) = x, for every word that is an instruction.
+// Tests asm(dis(x)) = x for every word that is an instruction.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t words_at_once = 1 << 14;
 constexpr std::uint32_t operand_values = 256;
 
-/// Takes instructions, and checks that they survive disassembly and assembly, many at a time.
+/// Collects instructions and checks in batches that they survive disassembly and assembly.
 class RoundTrip {
   public:
     RoundTrip() { words_.reserve(words_at_once + 7); }
@@ -52,8 +52,8 @@ class RoundTrip {
     std::size_t instructions_ = 0;
 };
 
-/// Whether check() accepts the word as an instruction, if its coefficients follow and BSWAIT ends
-/// its transfer. What jumps and loops need besides is no matter of the word.
+/// True if check() accepts the word, with coefficients behind it and BSWAIT after a transfer. Rules
+/// about jumps and loops do not matter.
 bool is_encodable(const OpInfo& row, const Operands& o) {
     const bool fields_fit = row.at_a(o) + o.a <= isa::memory_bits || row.at_a(o) == 0;
     const bool b_fits = row.b_role == isa::Role::address
@@ -63,7 +63,7 @@ bool is_encodable(const OpInfo& row, const Operands& o) {
     return fields_fit && b_fits && (row.n_max == 0 || (o.n >= 1 && o.n <= row.n_max));
 }
 
-/// Values that an operand field can hold: 0 alone if there is none.
+/// Returns the values that fit an operand field; only 0 if there is no field.
 std::uint32_t values_of(isa::OperandField field) {
     return field.mask == 0 ? 1 : operand_values;
 }
@@ -92,7 +92,7 @@ TEST_CASE("every encodable word survives disassembly and assembly") {
     for (const OpInfo& row : isa::op_table) {
         const std::size_t before = trip.instructions();
         each_word(row, [&](std::uint32_t word) {
-            // Coefficients differ from word to word, so that none can stand in for another.
+            // Each word has other coefficients, so that exchanged coefficients show.
             const auto k = static_cast<std::int32_t>(word * 2654435761U);
             trip.add(word, row, {k, ~k, k >> 8, -k / 3, 0, k ^ 0x5555});
         });

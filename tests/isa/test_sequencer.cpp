@@ -1,4 +1,4 @@
-// The controller: calls, loops, skips, signals and limits.
+// Tests the controller: calls, loops, skips, signals and limits.
 #include <doctest/doctest.h>
 
 #include "isa/assemble.hpp"
@@ -58,7 +58,7 @@ TEST_CASE("a run that would never end stops at the limit and says so") {
     Machine m;
     m.controller.step_limit = 1000;
     CHECK_THROWS_WITH_AS(m.run("LOOP #255\nLOOP #255\nNOP\nENDLOOP\nENDLOOP"),
-                         "word 2: stopped after 1001 instructions; the limit is 1000",
+                         "word 2: the run executed 1001 instructions; the limit is 1000",
                          isa::RunError);
 }
 
@@ -78,7 +78,7 @@ TEST_CASE("calls and loops that go too deep end the run") {
 
 namespace {
 
-/// Runs the first two instructions offered as one.
+/// Runs the first two instructions as one step.
 class Ahead final : public isa::Executor {
   public:
     std::size_t executed = 0, ahead = 0;

@@ -1,4 +1,4 @@
-// A Renderer's node, driven by hand-made messages.
+// Drives a Renderer's node with hand-made messages.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -34,7 +34,7 @@ struct Outbox final : bus::Outbox {
         sent.push_back({to, std::move(payload)});
     }
     std::vector<Sent> sent;
-    Body refused = Body::NONE;  ///< Sending this throws.
+    Body refused = Body::NONE;  ///< Sending this kind throws.
 };
 
 struct SegmentWords {
@@ -65,9 +65,9 @@ inline bus::Payload programs(std::uint32_t frame, int gp, const std::vector<Regi
     return bus::pack(body);
 }
 
-/// What a frame may be besides opaque and without depths.
+/// Options of a frame.
 struct Wishes {
-    std::uint8_t opacity = bus::max_opacity;  ///< Of the second surface.
+    std::uint8_t opacity = bus::max_opacity;  ///< Opacity of the second surface.
     bool read_depths = false;
     std::uint8_t sample = 0, samples = 1;
 };
@@ -86,7 +86,7 @@ inline bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>&
     body.draw->ambient = 1;
     body.draw->specular_power = 1;
     body.draw->background = std::make_unique<schema::Rgb>(10, 20, 30);
-    // No lights and full ambient light: a pixel shows its surface's colour.
+    // No lights and full ambient light: a pixel shows its surface's color.
     constexpr auto all = schema::SlabChoice::all;
     body.draw->surfaces = {{0, 1, schema::Rgb(200, 100, 50), false, all, bus::max_opacity},
                            {1, 1, schema::Rgb(1, 2, 3), false, all, wishes.opacity}};
@@ -98,9 +98,9 @@ inline bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>&
 }
 
 inline constexpr std::uint32_t background = 10 | 20 << 8 | 30 << 16;
-inline constexpr std::uint32_t colours[] = {200 | 100 << 8 | 50 << 16, 1 | 2 << 8 | 3 << 16};
+inline constexpr std::uint32_t colors[] = {200 | 100 << 8 | 50 << 16, 1 | 2 << 8 | 3 << 16};
 
-/// A sheet over the whole region, of surface `surface`.
+/// A sheet of surface `surface` over the whole region.
 inline WordList sheet(std::uint32_t surface, std::uint32_t depth) {
     test::TrianglePlanes t;
     put_edges({-3000, -3000}, {9000, -3000}, {-3000, 9000}, t);
@@ -144,7 +144,7 @@ struct Bench {
         header.mutate_destination(id);
         header.mutate_sequence(sequence++);
         header.mutate_body_bytes(payload.bytes().size());
-        // A message body starts at a multiple of 8 bytes, a payload need not.
+        // A message body begins at a multiple of 8 bytes, but a payload may begin anywhere.
         const std::size_t size = payload.bytes().size();
         const auto copy = std::make_shared<std::vector<std::uint64_t>>(size / 8 + 1);
         std::memcpy(copy->data(), payload.bytes().data(), size);
@@ -153,7 +153,7 @@ struct Bench {
     }
     void from_gp(int gp, const bus::Payload& payload) { take(first_gp + gp, payload); }
 
-    /// The text of the NodeFault that a message causes.
+    /// Returns the text of the NodeFault that a message causes.
     std::string refused(int source, const bus::Payload& payload) {
         try {
             take(source, payload);
@@ -200,9 +200,9 @@ struct Bench {
 };
 
 inline bool is_all(const schema::RegionPixels& pixels, std::size_t tile_number,
-                   std::uint32_t colour) {
+                   std::uint32_t color) {
     const auto* words = pixels.pixels()->data() + tile_number * tile;
-    return std::all_of(words, words + tile, [=](std::uint32_t w) { return w == colour; });
+    return std::all_of(words, words + tile, [=](std::uint32_t w) { return w == color; });
 }
 
 }  // namespace pxpl5::test

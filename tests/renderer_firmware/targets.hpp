@@ -1,4 +1,4 @@
-// Runs a check on every vector target that this machine has.
+// Runs a check on every vector target of this computer.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -9,7 +9,7 @@
 
 namespace pxpl5::test {
 
-/// Calls check(fast executor) once per target, with a fresh executor.
+/// Calls check(fast executor) once per target, with a new executor.
 template <typename Check>
 void on_every_target(const Check& check) {
     for (const renderer::fast::Target target : isa::available_targets()) {

@@ -1,4 +1,4 @@
-// The fast executor against the reference, instruction by instruction, on random programs.
+// Compares the fast executor with the reference after each instruction of random programs.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint64_t first_seed = 20240501;
 constexpr std::uint64_t step_limit = 20'000;
 
-/// Runs the program of `seed` in lock step. Throws test::Divergence, naming the seed.
+/// Runs the program of `seed` in lock step. Throws test::Divergence that names the seed.
 void run_in_lockstep(std::uint64_t seed, Window window, Fast& fast) {
     const std::vector<std::uint32_t> words = test::RandomPrograms(seed).program();
     Reference reference(window);
@@ -28,14 +28,14 @@ void run_in_lockstep(std::uint64_t seed, Window window, Fast& fast) {
     try {
         isa::run(words, both, controller);
     } catch (const isa::RunError&) {
-        // Random loops may run longer than anybody wants to wait; what ran was compared.
+        // Random loops may take too long; the executed part was compared.
     } catch (const test::Divergence& found) {
         throw test::Divergence(fmt::format("seed {}: {}", seed, found.what()));
     }
     both.compare_all(fmt::format("end of seed {}", seed));
 }
 
-/// A window of 6 x 4 pixels that wanders over the region with the seed.
+/// Returns a window of 6 x 4 pixels whose position depends on the seed.
 Window small_window(std::uint64_t seed) {
     return {static_cast<int>(seed * 37 % 123), static_cast<int>(seed * 53 % 125), 6, 4};
 }
@@ -77,7 +77,7 @@ std::string first_divergence(const renderer::fast::Backend& code, std::uint64_t 
 
 }  // namespace
 
-// 1,000 programs of 200 instructions and more, in quarters: each takes a second or two.
+// 1,000 programs of at least 200 instructions, in quarters of one or two seconds.
 TEST_CASE("random programs agree with the reference on every target: first quarter") {
     check_programs(0, 250);
 }
@@ -114,7 +114,7 @@ TEST_CASE("running ahead leaves what instruction by instruction leaves") {
                 }
             } catch (const isa::RunError&) {
                 CHECK_THROWS_AS(isa::run(words, ahead, running), isa::RunError);
-                return;  // The two stop at different instructions.
+                return;  // The two executors stop at different instructions.
             }
             const isa::RunCounts found = isa::run(words, ahead, running);
             CHECK(found.instructions == steps.counts().instructions);
@@ -131,7 +131,7 @@ TEST_CASE("a wrong handler is caught, and the text names its instruction and the
     struct Planted {
         isa::Op victim, instead;
     };
-    // Each pair differs in a corner only: signedness, carry, rounding or what is compared.
+    // The rows of each pair differ only in signedness, carry, rounding or comparison.
     const Planted bugs[] = {
         {isa::Op::mem_lt_const_s, isa::Op::mem_lt_const},
         {isa::Op::mem_satplus_mem, isa::Op::mem_plus_mem},
@@ -161,7 +161,7 @@ TEST_CASE("a target that this machine lacks is refused by name") {
             CHECK_NOTHROW(renderer::fast::backend(target));
         }
     }
-    // Two targets share no code.
+    // Targets share no code.
     if (targets.size() >= 2) {
         const bool shared = renderer::fast::backend(targets[0]).handlers[0] ==
                             renderer::fast::backend(targets[1]).handlers[0];

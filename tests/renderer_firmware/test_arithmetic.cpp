@@ -1,4 +1,4 @@
-// Division, square root and multiplication at the borders of their floating-point short cuts.
+// Tests division, square root and multiplication at the limits of their floating-point methods.
 #include <cmath>
 
 #include "tests/renderer_firmware/targets.hpp"
@@ -12,12 +12,12 @@ void run(Fast& fast, isa::Op op, isa::Operands operands, std::vector<std::int32_
     fast.execute({op, operands}, k);
 }
 
-/// Puts base + 128 * y + x (32 bits) at m[a] of every pixel.
+/// Stores base + 128 * y + x (32 bits) at m[a] of every pixel.
 void put_ramp(Fast& fast, std::uint32_t a, std::uint32_t base) {
     run(fast, isa::Op::tree_into_mem, {a, 0, 32}, {1, 128, static_cast<std::int32_t>(base)});
 }
 
-/// floor(sqrt(v)) by integers alone.
+/// Returns floor(sqrt(v)) with integers only.
 std::uint64_t integer_root(std::uint64_t v) {
     std::uint64_t root = 0;
     for (std::uint64_t bit = std::uint64_t{1} << 16; bit != 0; bit >>= 1) {
@@ -49,7 +49,7 @@ TEST_CASE("SQRTMEM is exact for every number of 23 bits, and around every square
             });
         }
         CHECK(wrong == 0);
-        // Pixel i holds k * k + offset with k = 49152 + i: 32-bit squares and their neighbours.
+        // Pixel i holds k * k + offset with k = 49152 + i: 32-bit squares and adjacent numbers.
         for (const std::int32_t offset : {-1, 0, 1}) {
             put_ramp(fast, 0, 49152);
             run(fast, isa::Op::mem_into_mem, {64, 0, 32});
@@ -71,14 +71,15 @@ TEST_CASE("DIVMEM is exact next to every multiple, in 23, 24 and 32 bits") {
         std::uint64_t wrong = 0;
         for (const std::uint32_t n : {8U, 22U, 23U, 24U, 31U, 32U}) {
             const std::uint64_t top = (std::uint64_t{1} << n) - 1;
-            // Divisors q over the ramp, numerators the largest multiple of q, and its neighbours.
+            // Divisors q come from the ramp; numerators are the largest multiple of q and adjacent
+            // numbers.
             for (const std::uint32_t base : {1U, 1000U, 1U << 11, 1U << 16, 1U << 20}) {
                 if (base + 16384 > top) {
                     continue;
                 }
                 for (const int offset : {-1, 0, 1}) {
                     put_ramp(fast, 100, base);
-                    // top - top % q, built with the very division under test, checked below.
+                    // top - top % q, computed by the division under test, which is checked below.
                     run(fast, isa::Op::const_into_mem, {0, 0, 64}, {0});
                     run(fast, isa::Op::const_into_mem, {0, 0, n}, {-1});
                     run(fast, isa::Op::div_mem, {0, 100, n});

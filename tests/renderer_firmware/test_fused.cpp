@@ -1,6 +1,5 @@
-// Region programs run fused leave what they leave instruction by instruction, bit for bit: memory,
-// carries and enables of all pixels, on every target, from any state; and what the reference
-// leaves.
+// Compares fused region programs with the same programs run instruction by instruction, and with
+// the reference: memory, carries and enables of all pixels, on every target, from any state.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
@@ -27,7 +26,7 @@ using test::RandomPrograms;
 constexpr isa::reference::Window window{.x0 = 61, .y0 = 30, .width = 6, .height = 4};
 constexpr std::uint64_t first_seed = 20261121;
 
-/// Pixels of which some share is covered and has any other bits.
+/// Pixels with random bits, of which a given share is covered.
 enum class Coverage : std::uint8_t { none, one_pixel, some, all };
 constexpr Coverage coverages[] = {Coverage::none, Coverage::one_pixel, Coverage::some,
                                   Coverage::all};
@@ -54,7 +53,7 @@ std::unique_ptr<PixelArray> random_pixels(RandomPrograms& random, Coverage cover
     return pixels;
 }
 
-/// Enables and carries of any kind.
+/// Random enables and carries.
 const WordList stir = {isa::encode({isa::Op::set_enabs, {}}),
                        isa::encode({isa::Op::mem_plus_mem, {40, 100, 31}}),
                        isa::encode({isa::Op::mem_into_enab, {150, 0, 0}})};
@@ -75,7 +74,7 @@ bool same(const Fast& p, const Fast& q) {
     return std::memcmp(&p.pixels(), &q.pixels(), sizeof p.pixels()) == 0;
 }
 
-/// Pixels of the window that differ in any bit.
+/// Counts the pixels of the window that differ in any bit.
 int differing(const isa::Executor& p, const isa::Executor& q) {
     int count = 0;
     for (int i = 0; i < window.width * window.height; ++i) {
@@ -93,7 +92,7 @@ Fast::State state_of(const PixelArray& pixels) {
     return {std::make_unique<const PixelArray>(pixels), {}};
 }
 
-/// Lamps of every kind: with one, two and three axes, straight behind, without light.
+/// Lights of every kind: with one, two and three axes, exactly behind, without intensity.
 Shading random_shading(RandomPrograms& random) {
     const auto part = [&] { return static_cast<std::uint8_t>(random.below(256)); };
     const auto axis = [&] { return static_cast<float>(random.below(2001)) / 1000 - 1; };
@@ -118,7 +117,7 @@ Shading random_shading(RandomPrograms& random) {
     return s;
 }
 
-/// Every program of a region, and what a pass of several ends with.
+/// Returns every program of a region, and the end-of-region programs of passes.
 std::vector<WordList> all_programs(Shading shading, RandomPrograms& random) {
     const renderer::RegionPrograms made = renderer::region_programs(shading, true);
     const std::uint32_t samples = random.below(2) == 0 ? 4 : 16;
@@ -195,7 +194,7 @@ TEST_CASE("a piece of a region program, from anywhere to anywhere, leaves what i
     const std::unique_ptr<PixelArray> before = random_pixels(random, Coverage::some);
     for (int round = 0; round < 200; ++round) {
         const WordList end = renderer::end_of_region(random_shading(random));
-        std::vector<std::size_t> starts;  // Behind the skip, up to the readout.
+        std::vector<std::size_t> starts;  // After the skip, up to the readout.
         for (std::size_t at = 7; at < end.size(); at += isa::instruction_words(end[at])) {
             starts.push_back(at);
         }
@@ -247,7 +246,7 @@ TEST_CASE("a stream that is nearly a region program is run as it stands") {
 
 TEST_CASE("powers of any length, more than run as one, are exact") {
     RandomPrograms random(test::seed_or(first_seed + 3));
-    // The steps of power 127, again and again.
+    // Repeats the steps of power 127.
     Shading shading;
     shading.lights = {{{0.1F, 0.2F, 0.9F}, 1}};
     shading.specular_power = 127;

@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
 #include "isa/assemble.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "isa/reference/reference.hpp"
-#include "isa/triangle_shape.hpp"
 #include "renderer_firmware/igc/igc.hpp"
 #include "tests/isa/random_program.hpp"
 #include "tests/renderer_firmware/targets.hpp"
@@ -40,7 +40,7 @@ TEST_CASE("a stream of nothing but triangles is known as such, and passes the ch
     for (std::size_t at = 0; at < words.size(); ++at) {
         std::vector<std::uint32_t> broken = words;
         broken[at] ^= 0x80000001U;
-        // A changed coefficient makes another triangle, except in one copy of the z plane.
+        // A changed coefficient gives another triangle, except in one copy of the z plane.
         if (!isa::check(broken).ok()) {
             CHECK_FALSE(renderer::only_triangles(broken));
         }

@@ -1,4 +1,4 @@
-// The Renderer's node: frames, depths, transparent surfaces, and what it refuses.
+// Tests the Renderer's node: frames, depths, transparent surfaces and refused messages.
 #include <algorithm>
 #include <string>
 
@@ -22,8 +22,8 @@ TEST_CASE("a frame leaves as one message, with this Renderer's regions in ascend
     CHECK(frames[0]->tiles()->Get(0)->region() == 0);
     CHECK(frames[0]->tiles()->Get(1)->region() == 2);
     CHECK(is_all(*frames[0], 0, background));
-    CHECK(is_all(*frames[0], 1, colours[0]));
-    // The sheet adds the ten instructions of a triangle and the shading of its pixels.
+    CHECK(is_all(*frames[0], 1, colors[0]));
+    // The sheet takes the ten instructions of a triangle, plus the shading of its pixels.
     CHECK(frames[0]->tiles()->Get(1)->instructions() >=
           frames[0]->tiles()->Get(0)->instructions() + 10);
     CHECK(frames[0]->tiles()->Get(1)->cycles() > frames[0]->tiles()->Get(0)->cycles());
@@ -37,7 +37,7 @@ TEST_CASE("depths leave only if they are asked for, beside the pixels of their t
         bench.work();
         REQUIRE(bench.frames().size() == 1);
         const schema::RegionPixels& sent = *bench.frames()[0];
-        CHECK(is_all(sent, 1, colours[1]));
+        CHECK(is_all(sent, 1, colors[1]));
         REQUIRE((sent.depths() != nullptr) == wanted);
         if (wanted) {
             REQUIRE(sent.depths()->size() == 2 * tile);
@@ -59,9 +59,9 @@ TEST_CASE("a transparent surface leaves pixels to what is behind it, whichever i
     bench.work();
     REQUIRE(bench.frames().size() == 1);
     const auto* words = bench.frames()[0]->pixels()->data();
-    CHECK(std::count(words, words + tile, colours[1]) == tile / 4);
-    CHECK(std::count(words, words + tile, colours[0]) == tile * 3 / 4);
-    CHECK(std::count(words + tile, words + 2 * tile, colours[1]) == tile / 4);
+    CHECK(std::count(words, words + tile, colors[1]) == tile / 4);
+    CHECK(std::count(words, words + tile, colors[0]) == tile * 3 / 4);
+    CHECK(std::count(words + tile, words + 2 * tile, colors[1]) == tile / 4);
     CHECK(std::count(words + tile, words + 2 * tile, background) == tile * 3 / 4);
 }
 
@@ -74,7 +74,7 @@ TEST_CASE("a stream that reads out does not put the tiles out of step") {
     bench.work();
     REQUIRE(bench.frames().size() == 1);
     REQUIRE(bench.frames()[0]->pixels()->size() == 2 * tile);
-    CHECK(is_all(*bench.frames()[0], 0, colours[0]));
+    CHECK(is_all(*bench.frames()[0], 0, colors[0]));
     CHECK(is_all(*bench.frames()[0], 1, background));
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("the order in which GPs' messages arrive changes nothing, and slabs de
         bench.work();
         REQUIRE(bench.frames().size() == 1);
         REQUIRE(bench.faults().empty());
-        CHECK(is_all(*bench.frames()[0], 0, colours[0]));
+        CHECK(is_all(*bench.frames()[0], 0, colors[0]));
     } while (std::next_permutation(std::begin(order), std::end(order)));
 }
 
@@ -134,9 +134,9 @@ TEST_CASE("messages of two frames may interleave; frames leave in ascending orde
     REQUIRE(frames.size() == 2);
     CHECK(bench.faults().empty());
     CHECK(frames[0]->frame() == 8);
-    CHECK(is_all(*frames[0], 0, colours[1]));
+    CHECK(is_all(*frames[0], 0, colors[1]));
     CHECK(frames[1]->frame() == 9);
-    CHECK(is_all(*frames[1], 0, colours[0]));
+    CHECK(is_all(*frames[1], 0, colors[0]));
 }
 
 TEST_CASE("a bad stream is a fault that names its place; the region is drawn without it") {
@@ -148,7 +148,7 @@ TEST_CASE("a bad stream is a fault that names its place; the region is drawn wit
     bench.from_gp(1, programs(4, 1, {{0, {{1, 3, sheet(1, 4000)}}}}));
     bench.work();
     REQUIRE(bench.frames().size() == 1);
-    CHECK(is_all(*bench.frames()[0], 0, colours[1]));
+    CHECK(is_all(*bench.frames()[0], 0, colors[1]));
     REQUIRE(bench.faults().size() == 1);
     const std::string fault = bench.faults()[0];
     for (const char* part :
@@ -165,7 +165,7 @@ TEST_CASE("segments that do not belong are faults, and the frame is finished") {
     bench.from_gp(1, programs(4, 1, {{0, {{9, 0, sheet(1, 10)}, {0, 1, sheet(1, 10)}}}}));
     bench.work();
     REQUIRE(bench.frames().size() == 1);
-    CHECK(is_all(*bench.frames()[0], 0, colours[0]));
+    CHECK(is_all(*bench.frames()[0], 0, colors[0]));
     const std::vector<std::string> faults = bench.faults();
     REQUIRE(faults.size() == 4);
     const auto any = [&](const char* text) {
@@ -175,7 +175,7 @@ TEST_CASE("segments that do not belong are faults, and the frame is finished") {
     CHECK(any("region 1 is not this Renderer's"));
     CHECK(any("region 7 is not this Renderer's"));
     CHECK(any("surface 9, slab 0: the frame has 2 surfaces"));
-    CHECK(any("surface 0, slab 1: GP 0 has drawn this surface and slab already"));
+    CHECK(any("surface 0, slab 1: GP 0 has already drawn this surface and slab"));
 }
 
 TEST_CASE("a flood of bad segments is cut short") {
@@ -189,7 +189,7 @@ TEST_CASE("a flood of bad segments is cut short") {
     bench.work();
     CHECK(bench.frames().size() == 1);
     REQUIRE(bench.faults().size() == 16);
-    CHECK(bench.faults().back().find("further faults are not told") != std::string::npos);
+    CHECK(bench.faults().back().find("further faults are not reported") != std::string::npos);
 }
 
 TEST_CASE("messages that cannot be right are refused by name") {
@@ -198,13 +198,15 @@ TEST_CASE("messages that cannot be right are refused by name") {
     CHECK(bench.refused(first_gp, programs(0, 1, {})).find("as GP 1") != std::string::npos);
     CHECK(bench.refused(first_gp, programs(0, 2, {})).find("as GP 2") != std::string::npos);
     bench.from_gp(0, programs(0, 0, {}));
-    CHECK(bench.refused(first_gp, programs(0, 0, {})).find("came twice") != std::string::npos);
+    CHECK(bench.refused(first_gp, programs(0, 0, {})).find("arrived twice") != std::string::npos);
     bench.from_gp(0, begin(0, {0}));
-    CHECK(bench.refused(first_gp, begin(0, {0})).find("begins twice") != std::string::npos);
+    CHECK(bench.refused(first_gp, begin(0, {0})).find("BeginFrame arrived twice") !=
+          std::string::npos);
     bench.from_gp(1, programs(0, 1, {}));
     bench.work();
     CHECK(bench.frames().size() == 1);
-    CHECK(bench.refused(first_gp, programs(0, 0, {})).find("it is over") != std::string::npos);
+    CHECK(bench.refused(first_gp, programs(0, 0, {})).find("is already drawn") !=
+          std::string::npos);
     for (std::uint32_t frame = 1; frame <= 4; ++frame) {
         bench.from_gp(0, begin(frame, {0}));
     }
@@ -222,7 +224,7 @@ TEST_CASE("a frame that lost a message is given up, by name, when a later one is
     REQUIRE(bench.frames().size() == 1);
     CHECK(bench.frames()[0]->frame() == 2);
     REQUIRE(bench.faults().size() == 1);
-    CHECK(bench.faults()[0].find("frame 1 is given up") != std::string::npos);
+    CHECK(bench.faults()[0].find("frame 1 is dropped") != std::string::npos);
     CHECK(bench.faults()[0].find("1 of 2 GPs") != std::string::npos);
 }
 
@@ -240,7 +242,7 @@ TEST_CASE("a frame that cannot be sent is a fault, and the next one is drawn") {
     bench.from_gp(0, programs(1, 0, {{0, {{0, 3, sheet(0, 5000)}}}}));
     bench.out.refused = Body::RegionPixels;
     CHECK_THROWS_AS(bench.work(), bus::NodeFault);
-    bench.work();  // Nothing of it is left to be sent again.
+    bench.work();  // Nothing remains that could be sent again.
     CHECK(bench.frames().empty());
 
     bench.out.refused = Body::NONE;
@@ -249,5 +251,5 @@ TEST_CASE("a frame that cannot be sent is a fault, and the next one is drawn") {
     bench.work();
     REQUIRE(bench.frames().size() == 1);
     CHECK(bench.frames()[0]->frame() == 2);
-    CHECK(is_all(*bench.frames()[0], 0, colours[1]));
+    CHECK(is_all(*bench.frames()[0], 0, colors[1]));
 }

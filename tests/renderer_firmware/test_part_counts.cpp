@@ -1,4 +1,4 @@
-// What each part of a region executes, held to what can be counted on paper.
+// Compares the counts of each part of a region with counts on paper.
 #include <algorithm>
 
 #include "isa/assemble.hpp"
@@ -43,7 +43,7 @@ isa::RunCounts sum_of(const std::vector<PartCounts>& parts) {
     return sum;
 }
 
-/// The only FrameCounts that a node has sent, and to whom.
+/// Returns the only FrameCounts of a node, and its receiver.
 schema::FrameCountsT counts_of(const test::Bench& bench) {
     schema::FrameCountsT found;
     int count = 0;
@@ -66,7 +66,7 @@ schema::FrameCountsT counts_of(const test::Bench& bench) {
 TEST_CASE("a region of k triangles: prologue, k times one triangle, end of region") {
     const WordList prologue = assembled("SETENABS\nCONSTintoMEM m0:32 0xFFFFFF00");
     const WordList end = assembled("PIXELSTOFB m64:24");
-    // Edges take 24 bits, depths 24 bits and 8 of fraction, normals 10 and 16.
+    // Edges have 24 bits, depths 24 bits and 8 fraction bits, normals 10 and 16.
     constexpr std::uint64_t tree_cycles = 3 * (24 + 4) + 2 * (8 + 24 + 4) + 3 * (16 + 10 + 4);
     test::on_every_target([&](renderer::fast::Fast& fast) {
         for (const std::size_t k : {0U, 1U, 2U, 5U, 100U}) {
@@ -219,7 +219,7 @@ TEST_CASE("a pass tells what it waits for the backing store") {
         bench.work();
         const schema::FrameCountsT told = counts_of(bench);
         REQUIRE(told.parts.size() == 2);
-        // The first pass writes its sums, the second fetches them first; each waits.
+        // The first pass writes its sums. The second pass loads them first. Both wait.
         CHECK(told.parts[1].backing_cycles() == (sample == 0 ? 16000 : 32000));
         CHECK(told.parts[1].port_cycles() == 0);
     }

@@ -1,4 +1,4 @@
-// A region on its own: order of segments, and what a bad one does.
+// Tests one region: the order of segments, and the effect of an invalid segment.
 #include "isa/assemble.hpp"
 #include "isa/reference/reference.hpp"
 #include "renderer_firmware/igc/region.hpp"
@@ -12,7 +12,7 @@ namespace {
 
 using WordList = std::vector<std::uint32_t>;
 
-/// A triangle over the whole region at one depth, whose surface field is `number`.
+/// A triangle over the whole region at one depth, with surface field `number`.
 WordList sheet(std::uint32_t number, std::uint32_t depth) {
     test::TrianglePlanes t;
     put_edges({-3000, -3000}, {9000, -3000}, {-3000, 9000}, t);
@@ -23,7 +23,7 @@ WordList sheet(std::uint32_t number, std::uint32_t depth) {
     return words;
 }
 
-/// Clears to far and background; reads the surface field out.
+/// Clears to far and background, and reads out the surface field.
 const WordList prologue = {isa::encode({isa::Op::set_enabs, {}}),
                            isa::encode({isa::Op::const_into_mem, {0, 0, 32}}), 0xFFFFFF00};
 const WordList end_of_region = {isa::encode({isa::Op::pixels_to_fb, {0, 0, 8}})};
@@ -58,7 +58,7 @@ TEST_CASE("ties of depth go to the lower surface, then the lower slab, in any or
             std::next_permutation(segments.begin(), segments.end(),
                                   [](const Segment& p, const Segment& q) { return p.gp < q.gp; });
         }
-        // Nearer wins over earlier.
+        // A nearer triangle hides an earlier one.
         const WordList near = sheet(9, 4999);
         std::vector<Segment> more = segments;
         more.push_back({5, 0, 0, near});

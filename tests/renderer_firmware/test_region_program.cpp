@@ -1,4 +1,4 @@
-// The region programs on the reference executor, against Phong shading in double precision.
+// Compares the region programs on the reference executor with Phong shading in doubles.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "isa/contract/region_layout.hpp"
 #include "isa/reference/reference.hpp"
-#include "isa/region_layout.hpp"
 #include "isa/sequencer.hpp"
 #include "renderer_firmware/igc/region_program.hpp"
 #include "tests/isa/lockstep.hpp"
@@ -28,13 +28,13 @@ constexpr isa::reference::Window window{
     .x0 = 32, .y0 = 48, .width = window_side, .height = window_side};
 constexpr int pixel_count = window_side * window_side;
 
-/// What triangles left at a pixel; components in field units.
+/// The fields of a pixel after the triangles; components in field units.
 struct Covered {
     int surface = 0;
     std::array<int, 3> normal{};
 };
 
-using Colour = std::array<int, 3>;
+using Color = std::array<int, 3>;
 
 void execute(isa::Executor& pixels, const std::vector<std::uint32_t>& words) {
     const isa::CheckResult result = isa::check(words);
@@ -48,15 +48,15 @@ void store(isa::reference::Reference& pixels, int x, int y, isa::region::Field f
 }
 
 /// Draws `covered` (window_side * window_side pixels, row by row) with the two programs.
-std::vector<Colour> shade(const Shading& shading, const std::vector<Covered>& covered) {
+std::vector<Color> shade(const Shading& shading, const std::vector<Covered>& covered) {
     isa::reference::Reference pixels(window);
-    std::vector<Colour> colours;
+    std::vector<Color> colors;
     pixels.set_readout([&](auto words) {
         for (int i = 0; i < pixel_count; ++i) {
             const int x = window.x0 + i % window_side, y = window.y0 + i / window_side;
             const std::uint32_t word = words[static_cast<std::size_t>(y * 128 + x)];
-            colours.push_back({static_cast<int>(word & 255), static_cast<int>(word >> 8 & 255),
-                               static_cast<int>(word >> 16)});
+            colors.push_back({static_cast<int>(word & 255), static_cast<int>(word >> 8 & 255),
+                              static_cast<int>(word >> 16)});
         }
     });
     const renderer::RegionPrograms programs = renderer::region_programs(shading);
@@ -72,8 +72,8 @@ std::vector<Colour> shade(const Shading& shading, const std::vector<Covered>& co
         }
     }
     execute(pixels, programs.end_of_region);
-    REQUIRE(colours.size() == pixel_count);
-    return colours;
+    REQUIRE(colors.size() == pixel_count);
+    return colors;
 }
 
 struct V3 {
@@ -87,9 +87,9 @@ V3 unit(V3 v) {
     return {v.x / length, v.y / length, v.z / length};
 }
 
-/// Phong shading by its formula.
+/// Returns the color by the Phong formula.
 std::array<double, 3> phong(const Shading& s, const Covered& c) {
-    const Rgb colour = s.surfaces[static_cast<std::size_t>(c.surface - 1)];
+    const Rgb color = s.surfaces[static_cast<std::size_t>(c.surface - 1)];
     const double flip = c.normal[2] < 0 ? -1 : 1;
     const V3 n = unit({flip * c.normal[0], flip * c.normal[1], flip * c.normal[2]});
     double light = s.ambient, gloss = 0;
@@ -103,7 +103,7 @@ std::array<double, 3> phong(const Shading& s, const Covered& c) {
     const auto mixed = [&](std::uint8_t value) {
         return std::min(255.0, value * light + 255 * gloss);
     };
-    return {mixed(colour.r), mixed(colour.g), mixed(colour.b)};
+    return {mixed(color.r), mixed(color.g), mixed(color.b)};
 }
 
 class Random {
@@ -122,7 +122,7 @@ class Random {
             }
         }
     }
-    Rgb colour() {
+    Rgb color() {
         const auto part = [&] { return static_cast<std::uint8_t>(below(256)); };
         return {part(), part(), part()};
     }
@@ -142,7 +142,7 @@ Shading random_shading(Random& random, int lights) {
     s.ambient = static_cast<float>(random.between(0, 0.4));
     s.specular = static_cast<float>(random.between(0, 1));
     s.specular_power = static_cast<std::uint32_t>(1 + random.below(128));
-    s.background = random.colour();
+    s.background = random.color();
     for (int i = 0; i < lights; ++i) {
         V3 d = random.direction();
         d.z = random.below(2) == 0 ? d.z : std::abs(d.z);
@@ -151,19 +151,19 @@ Shading random_shading(Random& random, int lights) {
              static_cast<float>(random.between(0.1, 3.5 / lights))});
     }
     for (int i = random.below(4); i >= 0; --i) {
-        s.surfaces.push_back(random.colour());
+        s.surfaces.push_back(random.color());
     }
     return s;
 }
 
-/// Largest distance of any channel from Phong's formula; background pixels must be exact.
+/// Returns the largest difference of any channel from the formula; background pixels must be exact.
 double worst_error(const Shading& shading, const std::vector<Covered>& pixels) {
-    const std::vector<Colour> found = shade(shading, pixels);
+    const std::vector<Color> found = shade(shading, pixels);
     double worst = 0;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         if (pixels[i].surface == 0) {
             const Rgb b = shading.background;
-            CHECK(found[i] == Colour{b.r, b.g, b.b});
+            CHECK(found[i] == Color{b.r, b.g, b.b});
             continue;
         }
         const std::array<double, 3> wanted = phong(shading, pixels[i]);
@@ -257,17 +257,17 @@ TEST_CASE("a surface looks the same from both of its sides") {
     CHECK(shade(shading, front) == shade(shading, back));
 }
 
-TEST_CASE("colours are held at 255, channel by channel") {
+TEST_CASE("colors are held at 255, channel by channel") {
     Shading shading = white_lamp({0, 0, 1});
     shading.lights[0].intensity = 2;
     shading.specular = 1;
     shading.specular_power = 1;
     const std::vector<Covered> facing(pixel_count, {1, {0, 0, 510}});
-    CHECK(shade(shading, facing)[0] == Colour{255, 255, 255});
+    CHECK(shade(shading, facing)[0] == Color{255, 255, 255});
     shading.specular = 0;
-    CHECK(shade(shading, facing)[0] == Colour{255, 200, 100});
+    CHECK(shade(shading, facing)[0] == Color{255, 200, 100});
     shading.ambient = 1.75F;
-    CHECK(shade(shading, facing)[0] == Colour{255, 255, 188});
+    CHECK(shade(shading, facing)[0] == Color{255, 255, 188});
 }
 
 TEST_CASE("black stays black and white stays white") {
@@ -276,13 +276,13 @@ TEST_CASE("black stays black and white stays white") {
     std::vector<Covered> pixels(pixel_count, {1, {0, 0, 510}});
     pixels[1].surface = 2;
     pixels[2] = {2, {510, 0, 0}};
-    const std::vector<Colour> found = shade(shading, pixels);
-    CHECK(found[0] == Colour{0, 0, 0});
-    CHECK(found[1] == Colour{255, 255, 255});
-    CHECK(found[2] == Colour{0, 0, 0});
+    const std::vector<Color> found = shade(shading, pixels);
+    CHECK(found[0] == Color{0, 0, 0});
+    CHECK(found[1] == Color{255, 255, 255});
+    CHECK(found[2] == Color{0, 0, 0});
 }
 
-TEST_CASE("255 surfaces keep their colours") {
+TEST_CASE("255 surfaces keep their colors") {
     Shading shading = white_lamp({0, 0, 1});
     std::vector<Covered> pixels(pixel_count);
     for (int i = 1; i <= 255; ++i) {
@@ -303,7 +303,7 @@ TEST_CASE("normals of any length are safe, those of length 0 get the ambient lig
     }
     CHECK(worst_error(shading, pixels) <= 2);
     pixels.assign(pixel_count, {1, {0, 0, 0}});
-    CHECK(shade(shading, pixels)[0] == Colour{100, 50, 25});
+    CHECK(shade(shading, pixels)[0] == Color{100, 50, 25});
     pixels.assign(pixel_count, {1, {511, 511, 511}});
     CHECK(worst_error(shading, pixels) <= 2);
 }
@@ -319,7 +319,7 @@ TEST_CASE("the fast executor shades bit for bit as the reference does") {
             fast.reset();
             test::Lockstep both(trusted, fast);
             execute(both, renderer::prologue(shading));
-            // Half a disc of surface 1, with normals that vary over it.
+            // Half a disc of surface 1, with varying normals.
             const std::int32_t disc[] = {100, 110, -4000, -1, 0, -1};
             both.execute({isa::Op::quad_ge_zero, {0, 0, 32}}, disc);
             both.execute({isa::Op::imm_into_mem, {isa::region::surface.address, 1, 8}}, {});

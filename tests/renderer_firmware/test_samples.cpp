@@ -1,10 +1,10 @@
-// Pictures that are the mean of several passes: sums in the backing store, region by region.
+// Tests pictures that are the mean of several passes: sums in the backing store, by region.
 #include <algorithm>
 #include <array>
 #include <string>
 
+#include "isa/contract/sample_sums.hpp"
 #include "isa/reference/reference.hpp"
-#include "isa/sample_sums.hpp"
 #include "tests/mean_pixel.hpp"
 #include "tests/renderer_firmware/node_bench.hpp"
 #include "tests/renderer_firmware/targets.hpp"
@@ -14,7 +14,7 @@ using namespace pxpl5::test;
 
 namespace {
 
-/// Shadings of one picture's passes, colours and light different in each, so that every sum is.
+/// Shadings of the passes of one picture. Colors and light differ, so that every sum differs.
 renderer::Shading shading_of(std::uint32_t sample, std::uint32_t samples) {
     const auto part = [&](std::uint32_t step) {
         return static_cast<std::uint8_t>(sample == 0 ? 255 : step * sample % 256);
@@ -27,13 +27,13 @@ renderer::Shading shading_of(std::uint32_t sample, std::uint32_t samples) {
     return s;
 }
 
-/// A region's segments: of one slot another sheet than of the next, and none.
+/// The segments of a region. Adjacent slots have different sheets, and one slot has none.
 std::vector<renderer::Segment> segments_of(std::size_t slot, const WordList& words) {
     return slot % 3 == 2 ? std::vector<renderer::Segment>{}
                          : std::vector<renderer::Segment>{{0, 0, 0, words, 0}};
 }
 
-/// Half of the region, of the slot's surface.
+/// A sheet of the slot's surface over half of the region.
 WordList half_sheet(std::size_t slot) {
     test::TrianglePlanes t;
     put_edges({0, 0}, {2048, 0}, {0, 2048}, t);
@@ -65,7 +65,7 @@ std::array<std::size_t, 4> slots_of(std::uint32_t samples) {
     return {0, 1, 2, isa::max_summed_regions(samples) - 1};
 }
 
-/// Of every slot, what the passes read out one by one.
+/// The readout of each pass, for every slot.
 std::vector<std::vector<WordList>> singles(std::uint32_t samples) {
     std::vector<std::vector<WordList>> all;
     for (const std::size_t slot : slots_of(samples)) {
@@ -94,7 +94,7 @@ TEST_CASE("the last of several passes reads out the mean of what each alone woul
         test::on_every_target([&](renderer::fast::Fast& fast) {
             std::vector<WordList> pixels(4);
             for (std::uint32_t k = 0; k < samples; ++k) {
-                for (std::size_t i = 0; i < 4; ++i) {  // Regions of one Renderer take turns.
+                for (std::size_t i = 0; i < 4; ++i) {  // The regions of one Renderer alternate.
                     CHECK(pixels[i].empty());
                     fast.reset_pixels();
                     pixels[i] = drawn(fast, shading_of(k, samples), slots_of(samples)[i]);
@@ -135,7 +135,7 @@ TEST_CASE("over 16 passes a transparent surface has its share of every pixel") {
             CAPTURE(opacity);
             for (const std::uint32_t samples : {isa::few_samples, isa::many_samples}) {
                 if (opacity % (16 / samples) != 0) {
-                    continue;  // Four passes know quarters.
+                    continue;  // Four passes give only quarters.
                 }
                 renderer::fast::Fast fast;
                 WordList pixels;
@@ -165,7 +165,7 @@ TEST_CASE("a Renderer sends the mean with the last pass, and no pixels before") 
     Bench bench(1, 2, 1);
     for (std::uint8_t k = 0; k < 4; ++k) {
         bench.take(first_gp, pass(7U + k, k, {1, 0, 1}));
-        // One pass in four shows the sheet in region 2.
+        // One of four passes shows the sheet in region 2.
         bench.from_gp(0, k == 1 ? programs(7U + k, 0, {{2, {{0, 3, sheet(0, 5000)}}}})
                                 : programs(7U + k, 0, {}));
         bench.work();
@@ -191,17 +191,18 @@ TEST_CASE("a pass whose sums are not there is a fault, and the next picture is d
     };
     Bench bench(1, 1, 0);
     draw(bench, pass(1, 0, {0}), 1);
-    draw(bench, pass(3, 1, {0}), 3);  // Frame 2 is not there.
-    CHECK(bench.faults().back() ==
-          "lost_message: frame 3, sample 2 of 4: the sums held are those of sample 1 of 4 of frame "
-          "1");
+    draw(bench, pass(3, 1, {0}), 3);  // Frame 2 is missing.
+    CHECK(
+        bench.faults().back() ==
+        "lost_message: frame 3, sample 2 of 4: the stored sums are those of sample 1 of 4 of frame "
+        "1");
     draw(bench, pass(4, 0, {0}), 4);
     draw(bench, begin(5, {0}), 5);  // A picture between two passes.
     draw(bench, pass(6, 1, {0}), 6);
-    CHECK(bench.faults().back() == "lost_message: frame 6, sample 2 of 4: no sums are held");
+    CHECK(bench.faults().back() == "lost_message: frame 6, sample 2 of 4: no sums are stored");
     draw(bench, pass(7, 0, {0}), 7);
     draw(bench, pass(8, 1, {0, 0}), 8);
-    CHECK(bench.faults().back().find("sums of 1 regions are held, others than the 2") !=
+    CHECK(bench.faults().back().find("those of 1 other regions, not of the 2") !=
           std::string::npos);
     CHECK(bench.faults().size() == 3);
     for (std::uint8_t k = 0; k < 4; ++k) {
@@ -234,7 +235,7 @@ TEST_CASE("a Renderer is not given more regions than it has room to sum") {
     CHECK(bench.refused(first_gp, begin(2, std::vector<std::uint16_t>(64, 0),
                                         {.sample = 0, .samples = 16})) == "taken");
     const schema::BeginFrameT many = [] {
-        // A picture of 128 x 8 regions would be too wide: 2 rows of 33.
+        // A picture of 128 x 8 regions would be too wide; this one has 2 rows of 33.
         schema::BeginFrameT body;
         schema::GetMessage(begin(3, std::vector<std::uint16_t>(33, 0), {.sample = 0, .samples = 16})
                                .bytes()

@@ -1,4 +1,4 @@
-// Transparent surfaces and depths, beside coverage x pattern x depth in plain C++.
+// Compares transparent surfaces and depths with coverage x pattern x depth in plain C++.
 #include <algorithm>
 #include <array>
 
@@ -17,7 +17,7 @@ constexpr int side = 128;
 constexpr std::uint32_t far_z = (1U << 24) - 1;
 using WordList = std::vector<std::uint32_t>;
 
-/// Bayer 1973: the ordered pattern of 4 x 4, by row; and that of lines.
+/// The ordered 4 x 4 pattern of Bayer (1973), by row, and the pattern of lines.
 constexpr std::uint32_t bayer[4][4] = {
     {0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
 constexpr std::uint32_t lines[4][4] = {
@@ -52,12 +52,12 @@ struct Slab {
 /// Surfaces with triangles of all sizes, their opacities, and a background.
 struct Scene {
     renderer::Shading shading;
-    std::vector<Slab> slabs;  ///< As they run.
+    std::vector<Slab> slabs;  ///< In order of execution.
     std::vector<WordList> words;
 
     explicit Scene(std::uint64_t seed) {
         test::RandomPrograms random(seed);
-        shading.ambient = 1;  // And no lamps: a pixel has its surface's colour.
+        shading.ambient = 1;  // Without lights a pixel has its surface's color.
         shading.background = {9, 18, 27};
         for (std::uint32_t s = 0; s < 8; ++s) {
             const auto part = [&] { return static_cast<std::uint8_t>(random.below(256)); };
@@ -83,10 +83,10 @@ struct Scene {
         Slab& made = slabs.emplace_back(Slab{surface, slab, {}});
         WordList& out = words.emplace_back();
         for (int n = 0; n < 12; ++n) {
-            const test::Corner centre{static_cast<std::int32_t>(random.below(2048)),
+            const test::Corner center{static_cast<std::int32_t>(random.below(2048)),
                                       static_cast<std::int32_t>(random.below(2048))};
             test::TrianglePlanes t =
-                test::random_triangle(random, centre, reaches[random.below(4)]);
+                test::random_triangle(random, center, reaches[random.below(4)]);
             t.surface = surface + 1;
             append(t, out);
             made.triangles.push_back(t);
@@ -94,7 +94,7 @@ struct Scene {
     }
 };
 
-/// What a pixel shows: the surface field, and the depth above it.
+/// The surface field of a pixel, and its depth above the field.
 std::uint32_t expected_at(const Scene& scene, int x, int y) {
     const auto form = [x, y](const std::int32_t* k) {
         return std::int64_t{k[0]} * x + std::int64_t{k[1]} * y + k[2];
@@ -142,12 +142,12 @@ Drawn draw(isa::Executor& executor, const renderer::RegionPrograms& programs,
     return drawn;
 }
 
-std::uint32_t colour_of(const renderer::Shading& shading, std::uint32_t field) {
+std::uint32_t color_of(const renderer::Shading& shading, std::uint32_t field) {
     const renderer::Rgb c = field == 0 ? shading.background : shading.surfaces[field - 1];
     return c.r | c.g << 8U | c.b << 16U;
 }
 
-/// Where in 4 x 4 pixels a surface shows, as drawn.
+/// Returns where a surface appears in 4 x 4 pixels, as drawn.
 std::vector<bool> drawn_screen(renderer::Screen screen) {
     WordList words;
     append(sheet(0, 5000), words);
@@ -187,7 +187,7 @@ TEST_CASE("transparent surfaces show in their pixels of the pattern, as the dept
                 const std::uint32_t expected = expected_at(scene, i % side, i / side);
                 const auto at = static_cast<std::size_t>(i);
                 wrong += drawn.depths[at] == expected ? 0 : 1;
-                wrong += drawn.pixels[at] == colour_of(scene.shading, expected & 0xFF) ? 0 : 1;
+                wrong += drawn.pixels[at] == color_of(scene.shading, expected & 0xFF) ? 0 : 1;
                 covered += (expected & 0xFF) != 0 ? 1 : 0;
             }
             CHECK(wrong == 0);

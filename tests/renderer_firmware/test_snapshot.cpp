@@ -1,5 +1,4 @@
-// Saved and restored states: a run that was disturbed and put back cannot be told from one that was
-// not.
+// Tests saved and restored states: a run that was disturbed and restored equals an undisturbed run.
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -18,10 +17,10 @@ using renderer::fast::Fast;
 namespace {
 
 constexpr Window window{.x0 = 93, .y0 = 70, .width = 6, .height = 4};
-constexpr std::uint64_t most_instructions = 1000;  ///< Of one program: its loops may go on.
+constexpr std::uint64_t most_instructions = 1000;  ///< Limit per program: its loops may be long.
 using Words = std::vector<std::uint32_t>;
 
-/// Instructions that leave no pixel as it was: noise in memory, enables, carries and blocks.
+/// Instructions that change every pixel: noise in memory, enables, carries and blocks.
 void disturb(isa::Executor& executor, test::RandomPrograms& random) {
     executor.execute({isa::Op::inv_enabs, {}}, {});
     executor.execute({isa::Op::not_mem, {0, 0, 64}}, {});
@@ -58,15 +57,15 @@ bool same_window(const isa::Executor& p, const isa::Executor& q, bool blocks) {
 }
 
 bool same_everywhere(const Reference&, const Reference&) {
-    return true;  // There is nothing but the window.
+    return true;  // The window is all there is to compare.
 }
 bool same_everywhere(const Fast& p, const Fast& q) {
     return std::memcmp(&p.pixels(), &q.pixels(), sizeof p.pixels()) == 0;
 }
 
-/// Runs `words` twice, in step: on `plain` as they are, and on `tried` with a disturbance after
-/// each instruction, from which a new sequencer and a new controller go on. Adds to `seen` the
-/// rows after which that was done.
+/// Runs `words` twice in step: on `plain`, and on `tried` with a disturbance after each
+/// instruction, after which a new sequencer and a new controller continue. Adds to `seen` the rows
+/// before each disturbance.
 template <isa::Restorable Executor>
 void run_disturbed(const Words& words, Executor& plain, Executor& tried,
                    test::RandomPrograms& random, std::set<isa::Op>& seen) {

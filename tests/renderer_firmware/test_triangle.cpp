@@ -1,4 +1,4 @@
-// Fused triangles against the reference, which runs them instruction by instruction.
+// Compares fused triangles with the reference, which runs them instruction by instruction.
 #include "isa/sequencer.hpp"
 #include "tests/isa/lockstep.hpp"
 #include "tests/renderer_firmware/targets.hpp"
@@ -11,7 +11,7 @@ using renderer::fast::Fast;
 
 namespace {
 
-/// Far z everywhere, some rubbish in all other bits and carries, so that a stray write shows.
+/// Sets z to far, and all other bits and carries to noise, so that a wrong write shows.
 std::vector<std::uint32_t> start() {
     using isa::Op;
     std::vector<std::uint32_t> words = {isa::encode({Op::set_enabs, {}})};
@@ -24,7 +24,7 @@ std::vector<std::uint32_t> start() {
     return words;
 }
 
-/// Runs `words` whole on both and compares all pixels of the window.
+/// Runs `words` on both executors and compares all pixels of the window.
 void compare_runs(const std::vector<std::uint32_t>& words, Window window, Fast& fast) {
     REQUIRE(isa::check(words).ok());
     Reference reference(window);
@@ -48,10 +48,10 @@ TEST_CASE("random triangles, run fused, leave memory, carries and enables of the
                             static_cast<int>(random.below(117)), 16, 12};
         std::vector<std::uint32_t> words = start();
         test::append_random_triangles(random, 1 + random.below(20), words);
-        // Triangles that are sure to meet the window, on top of one another.
+        // Overlapping triangles that certainly reach the window.
         for (int i = 0; i < 12; ++i) {
-            const test::Corner centre{(window.x0 + 8) * 16, (window.y0 + 6) * 16};
-            append(test::random_triangle(random, centre, 8 << random.below(6)), words);
+            const test::Corner center{(window.x0 + 8) * 16, (window.y0 + 6) * 16};
+            append(test::random_triangle(random, center, 8 << random.below(6)), words);
         }
         test::on_every_target([&](Fast& fast) { compare_runs(words, window, fast); });
     }
@@ -87,7 +87,7 @@ TEST_CASE("sign tests of any width, too narrow for their edge too, agree with th
                             static_cast<int>(random.below(125)), 8, 4};
         std::vector<std::uint32_t> words = start();
         for (int i = 0; i < 8; ++i) {
-            // Up to 50 pixels: Q leaves 16 bits in many places, 24 bits with long edges only.
+            // Up to 50 pixels: Q often exceeds 16 bits, and exceeds 24 bits only with long edges.
             const auto at = [&] { return static_cast<std::int32_t>(random.below(2048)); };
             test::TrianglePlanes t =
                 test::random_triangle(random, {at(), at()}, 8 << random.below(12));
@@ -166,15 +166,15 @@ TEST_CASE("a fused run that ends before an odd triangle leaves what its instruct
         CAPTURE(seed);
         test::RandomPrograms random(seed);
         const Window window{56, 58, 8, 8};
-        // From no triangle to some more than three of the largest batch.
+        // From no triangle to a few more than three of the largest batch.
         const std::size_t before = random.below(52);
         std::vector<std::uint32_t> words;
         for (std::size_t i = 0; i < before + 4; ++i) {
             test::TrianglePlanes t = test::random_triangle(random, {960, 992}, 100);
-            // Each before the others, so that the last one leaves enables.
+            // Each one precedes the others, so that the last one leaves enables.
             t.z[0] = t.z[1] = 0;
             t.z[2] = (1000 - static_cast<std::int32_t>(i)) << 12;
-            t.widths[0] = i == before ? 40 : 0;  // No width of the shape.
+            t.widths[0] = i == before ? 40 : 0;  // Not a width of the shape.
             append(t, words);
         }
         const std::size_t fused = before * isa::triangle::word_count;

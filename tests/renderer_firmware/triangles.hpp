@@ -1,17 +1,17 @@
-// Triangle programs (isa/triangle_shape.hpp) for tests: random ones, of every kind.
+// Random triangle programs (isa/contract/triangle_shape.hpp) of every kind, for tests.
 #pragma once
 
 #include <cstdint>
 #include <cstdlib>
 #include <vector>
 
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "tests/isa/random_program.hpp"
 
 namespace pxpl5::test {
 
 struct Corner {
-    std::int32_t x = 0, y = 0;  ///< 1/16 pixel.
+    std::int32_t x = 0, y = 0;  ///< In 1/16 pixel.
 };
 
 /// The planes of one triangle, in the order of its program.
@@ -20,11 +20,11 @@ struct TrianglePlanes {
     std::int32_t z[3]{};
     std::int32_t normals[3][3]{};
     std::uint32_t surface = 1;
-    std::uint32_t widths[3]{};  ///< Of the edges' sign tests; 0: the narrowest that fits.
+    std::uint32_t widths[3]{};  ///< Widths of the edges' sign tests; 0: the narrowest that fits.
 };
 
-/// Half plane left of p -> q (y downwards), Q in 1/16 pixel: floor(C16 / 16), with the top-left
-/// rule's bias.
+/// The half plane left of p -> q (y downward), with Q in 1/16 pixel: floor(C16 / 16), with the bias
+/// of the top-left rule.
 inline void put_edge(Corner p, Corner q, std::int32_t* edge) {
     const std::int64_t a = p.y - q.y, b = q.x - p.x;
     const std::int64_t c = -(a * p.x + b * p.y);
@@ -34,7 +34,7 @@ inline void put_edge(Corner p, Corner q, std::int32_t* edge) {
     edge[2] = static_cast<std::int32_t>((c - (top_left ? 0 : 1)) >> 4);
 }
 
-/// The three edges of a triangle, turned so that its inside is positive.
+/// Returns the three edges of a triangle, oriented so that the inside is positive.
 inline void put_edges(Corner p, Corner q, Corner r, TrianglePlanes& planes) {
     const std::int64_t twice_area =
         std::int64_t{q.x - p.x} * (r.y - p.y) - std::int64_t{r.x - p.x} * (q.y - p.y);
@@ -46,7 +46,7 @@ inline void put_edges(Corner p, Corner q, Corner r, TrianglePlanes& planes) {
     put_edge(r, p, planes.edges[2]);
 }
 
-/// The narrowest width of which Q does not leave the bits in the region.
+/// Returns the narrowest width that holds Q in the whole region.
 inline std::uint32_t edge_width(const std::int32_t* e) {
     const std::int64_t most = (std::llabs(e[0]) + std::llabs(e[1])) * 127 + std::llabs(e[2]);
     for (const std::uint32_t n : isa::triangle::edge_widths) {
@@ -77,16 +77,16 @@ inline void append(const TrianglePlanes& t, std::vector<std::uint32_t>& words) {
     words.push_back(isa::triangle::surface_word(t.surface));
 }
 
-/// A triangle around (x, y) (1/16 pixel) with corners within `reach`; about 16 depths, so that
-/// ties are common.
-inline TrianglePlanes random_triangle(RandomPrograms& random, Corner centre, std::int32_t reach) {
+/// Returns a triangle around (x, y) (1/16 pixel) with corners within `reach`. There are about 16
+/// depths, so that ties are frequent.
+inline TrianglePlanes random_triangle(RandomPrograms& random, Corner center, std::int32_t reach) {
     const auto corner = [&] {
         const auto offset = [&] {
             return static_cast<std::int32_t>(
                        random.below(static_cast<std::uint32_t>(2 * reach + 1))) -
                    reach;
         };
-        return Corner{centre.x + offset(), centre.y + offset()};
+        return Corner{center.x + offset(), center.y + offset()};
     };
     TrianglePlanes t;
     put_edges(corner(), corner(), corner(), t);
@@ -103,7 +103,7 @@ inline TrianglePlanes random_triangle(RandomPrograms& random, Corner centre, std
     return t;
 }
 
-/// Triangles of all sizes, many of them over the region's border.
+/// Returns triangles of all sizes, many of them across the edge of the region.
 inline void append_random_triangles(RandomPrograms& random, std::size_t count,
                                     std::vector<std::uint32_t>& words) {
     constexpr std::int32_t reaches[] = {8, 24, 48, 160, 1000, 4000, 200'000};

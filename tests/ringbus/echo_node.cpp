@@ -1,7 +1,7 @@
 // A node process for the tests of run_process: sends each RemoveSurface back to its sender.
 #include <stdexcept>
 
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 
 #include <doctest/doctest.h>
 #include <sched.h>

@@ -16,6 +16,15 @@ MAY_INCLUDE = {
 # The rooms of a folder, from the bottom up, and which of its other rooms each may include. "." is
 # the folder's own files. A room of a room has its own row: "host/inspect": {"record": ...}.
 ROOMS = {
+    "isa": {".": set(), "reference": {"."}, "conformance": {"."}, "contract": {"."}},
+    "ringbus": {".": set(), "trace": {"."}, "process": {".", "trace"}},
+    "renderer_firmware": {
+        "hal": set(),
+        "programs": set(),
+        "fast": {"hal", "programs"},
+        "igc": {"programs"},
+        ".": {"fast", "igc"},
+    },
     "gp_firmware": {
         "hal": set(),
         "volume": {"hal"},
@@ -72,7 +81,8 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 ZMQ = re.compile(r"^zmq(\.hpp|\.h|_addon\.hpp)$")
 SOCKETS = re.compile(r"^(libwebsockets\.h|libwebsockets/.*)$")
 CODECS = re.compile(r"^(itk|OpenImageIO/|assimp/|cairo|ft2build|meshoptimizer|gdcm|nifti|vnl/)")
-MESSAGES = re.compile(r"^(.*_generated\.h|flatbuffers/.*|ringbus/(message|node|process)\.hpp)$")
+MESSAGES = re.compile(
+    r"^(.*_generated\.h|flatbuffers/.*|ringbus/(message|node|process/process)\.hpp)$")
 
 
 # Inspection executes the firmware again, so it alone of the host may include it.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 
 namespace pxpl5::host::inspect {
 

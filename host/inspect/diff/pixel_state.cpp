@@ -7,8 +7,8 @@
 #include <bit>
 #include <utility>
 
+#include "isa/contract/region_layout.hpp"
 #include "isa/program.hpp"
-#include "isa/region_layout.hpp"
 
 namespace pxpl5::host::inspect {
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "isa/contract/region_layout.hpp"
 #include "isa/executor.hpp"
 
 namespace pxpl5::host::inspect {
@@ -16,10 +17,10 @@ struct RegionPixel {
     friend bool operator==(const RegionPixel&, const RegionPixel&) = default;
 };
 
-/// "z", "rgb", or "m88:16" of a field that has no name (isa/region_layout.hpp).
+/// "z", "rgb", or "m88:16" of a field that has no name (isa/contract/region_layout.hpp).
 std::string field_name(std::uint32_t address, std::uint32_t width);
 
-/// The field that a name of isa/region_layout.hpp means; nothing if it is none.
+/// The field that a name of isa/contract/region_layout.hpp means; nothing if it is none.
 std::optional<isa::region::Field> field_named(std::string_view name);
 
 /// Reads an instruction's effect on a pixel: made before the instruction runs, asked behind it.

@@ -7,7 +7,7 @@
 
 #include "host/inspect/map/map_colours.hpp"
 #include "host/inspect/map/pixel_font.hpp"
-#include "isa/region_layout.hpp"
+#include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::host::inspect {
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "host/inspect/replay/executors.hpp"
+#include "isa/contract/region_layout.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 
 namespace pxpl5::host::inspect {

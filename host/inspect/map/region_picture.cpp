@@ -8,7 +8,7 @@
 
 #include "host/base/error.hpp"
 #include "host/inspect/map/map_colours.hpp"
-#include "isa/region_layout.hpp"
+#include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::host::inspect {
 

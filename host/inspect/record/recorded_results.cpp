@@ -6,7 +6,7 @@
 #include <array>
 
 #include "host/base/digest.hpp"
-#include "isa/region_layout.hpp"
+#include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::host::inspect {
 

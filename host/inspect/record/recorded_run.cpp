@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "host/base/error.hpp"
-#include "isa/region_layout.hpp"
+#include "isa/contract/region_layout.hpp"
 #include "ringbus/trace/trace_info.hpp"
 
 namespace pxpl5::host::inspect {

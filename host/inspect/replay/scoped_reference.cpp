@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdlib>
 
+#include "isa/contract/triangle_shape.hpp"
 #include "isa/program.hpp"
-#include "isa/triangle_shape.hpp"
 
 namespace pxpl5::host::inspect {
 

@@ -12,7 +12,7 @@
 namespace pxpl5::host::inspect {
 
 /// A box that holds every pixel which passes the three sign tests of the triangle program at
-/// `words` (isa/triangle_shape.hpp matches() it). Its width is 0 if there is none.
+/// `words` (isa/contract/triangle_shape.hpp matches() it). Its width is 0 if there is none.
 isa::reference::Window triangle_box(const std::uint32_t* words);
 
 class ScopedReference final : public isa::Executor {

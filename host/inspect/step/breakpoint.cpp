@@ -1,4 +1,5 @@
 #include "host/inspect/step/breakpoint.hpp"
+#include "isa/contract/region_layout.hpp"
 
 #include <fmt/format.h>
 #include <fnmatch.h>

@@ -12,7 +12,7 @@
 #include "host/inspect/replay/executors.hpp"
 #include "host/inspect/tools/exec_fields.hpp"
 #include "host/inspect/tools/program_files.hpp"
-#include "isa/conformance_run.hpp"
+#include "isa/conformance/conformance_run.hpp"
 #include "isa/sequencer.hpp"
 
 namespace pxpl5::host::inspect {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "isa/conformance_file.hpp"
+#include "isa/conformance/conformance_file.hpp"
 #include "isa/executor.hpp"
 
 namespace pxpl5::host::inspect {

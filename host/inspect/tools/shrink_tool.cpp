@@ -13,7 +13,7 @@
 #include "host/inspect/record/find_run.hpp"
 #include "host/inspect/tools/replaying_tools.hpp"
 #include "isa/assemble.hpp"
-#include "isa/region_layout.hpp"
+#include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::host::inspect {
 

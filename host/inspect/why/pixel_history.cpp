@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cassert>
 
+#include "isa/contract/screen_door.hpp"
 #include "isa/disassemble.hpp"
 #include "isa/reference/reference.hpp"
-#include "isa/screen_door.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 
 namespace pxpl5::host::inspect {

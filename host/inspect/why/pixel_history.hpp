@@ -13,7 +13,7 @@
 
 namespace pxpl5::host::inspect {
 
-/// The fields of a pixel that triangles write (isa/region_layout.hpp), and its enable bit.
+/// The fields of a pixel that triangles write (isa/contract/region_layout.hpp), and its enable bit.
 struct PixelState {
     bool enabled = false;
     std::uint32_t surface = 0;  ///< 0 is the background, else 1 + index in the frame's list.

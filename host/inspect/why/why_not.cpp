@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 
 namespace pxpl5::host::inspect {
 

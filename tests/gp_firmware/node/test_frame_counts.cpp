@@ -6,7 +6,7 @@
 #include <set>
 #include <tuple>
 
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "tests/gp_firmware/node/support.hpp"
 
 using namespace pxpl5;

@@ -1,7 +1,7 @@
 // The GP as a node: frames.
 #include <doctest/doctest.h>
 
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "tests/gp_firmware/node/support.hpp"
 
 using namespace pxpl5;

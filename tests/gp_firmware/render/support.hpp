@@ -14,7 +14,7 @@
 #include "gp_firmware/render/draw_slab.hpp"
 #include "gp_firmware/render/plane_setup.hpp"
 #include "gp_firmware/render/triangle_program.hpp"
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 
 namespace pxpl5::test {
 

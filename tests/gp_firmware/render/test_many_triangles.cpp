@@ -7,7 +7,7 @@
 
 #include "gp_firmware/geometry/clip.hpp"
 #include "gp_firmware/render/set_up_triangles.hpp"
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 #include "tests/gp_firmware/render/support.hpp"
 
 using namespace pxpl5;

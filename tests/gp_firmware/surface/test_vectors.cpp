@@ -7,7 +7,7 @@
 
 #include "gp_firmware/surface/edge_vertex.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
-#include "isa/vector_target.hpp"
+#include "isa/contract/vector_target.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
 
 using namespace pxpl5::gp;

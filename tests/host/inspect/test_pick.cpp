@@ -7,7 +7,7 @@
 #include "host/inspect/step/step_view.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/scene/pick.hpp"
-#include "isa/depth.hpp"
+#include "isa/contract/depth.hpp"
 #include "tests/host/inspect/ray_check.hpp"
 
 using namespace pxpl5;

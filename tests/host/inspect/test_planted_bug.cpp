@@ -4,8 +4,8 @@
 
 #include "host/inspect/diff/shrink.hpp"
 #include "host/inspect/replay/replay.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "isa/disassemble.hpp"
-#include "isa/triangle_shape.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
 
 using namespace pxpl5;

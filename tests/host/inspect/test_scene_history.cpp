@@ -8,7 +8,7 @@
 #include "host/base/error.hpp"
 #include "host/inspect/why/pixel_history.hpp"
 #include "host/inspect/why/why.hpp"
-#include "isa/region_layout.hpp"
+#include "isa/contract/region_layout.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "isa/assemble.hpp"
-#include "isa/conformance_run.hpp"
+#include "isa/conformance/conformance_run.hpp"
 #include "isa/disassemble.hpp"
 #include "isa/sequencer.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"

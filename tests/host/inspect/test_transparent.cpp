@@ -9,7 +9,7 @@
 #include "host/inspect/step/step_view.hpp"
 #include "host/inspect/why/why_not.hpp"
 #include "host/phantom/phantom.hpp"
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "tests/host/inspect/recorded_surface.hpp"
 
 using namespace pxpl5;

@@ -5,7 +5,7 @@
 
 #include "host/inspect/diff/executor_diff.hpp"
 #include "host/inspect/replay/scoped_reference.hpp"
-#include "isa/triangle_shape.hpp"
+#include "isa/contract/triangle_shape.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 
 namespace pxpl5::test {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 #include "ringbus/zmq_link.hpp"
 #include "tests/host/machine/idle_node.hpp"
 

@@ -9,7 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/machine/launcher.hpp"
 #include "host/machine/machine.hpp"
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 #include "tests/host/machine/idle_node.hpp"
 #include "tests/host/machine/process_bench.hpp"
 

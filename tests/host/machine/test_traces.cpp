@@ -12,7 +12,7 @@
 #include "host/base/error.hpp"
 #include "host/machine/machine.hpp"
 #include "isa/table_hash.hpp"
-#include "ringbus/process.hpp"
+#include "ringbus/process/process.hpp"
 #include "ringbus/trace/trace_file.hpp"
 #include "tests/host/machine/idle_node.hpp"
 #include "tests/host/machine/process_bench.hpp"

@@ -1,16 +1,17 @@
-"""Writes the generated conformance cases: python3 generate.py [--check].
+"""Writes the generated conformance cases: python3 generate.py FOLDER | --check | --record.
 
-Each row of the instruction set, at each class of width, on no, some and all pixels, inside the
-region and at its edges. Expected values come from model.py. --check compares instead of writing.
+The cases run each row of the instruction set, at each class of width, on no, some and all pixels,
+inside the region and at its edges. model.py computes the expected values. The build writes the
+cases to FOLDER. --check compares their digest with generated.sha256; --record writes that file.
 """
+import hashlib
 import pathlib
 import sys
 
 import model
 from case import CORNERS, INSIDE, Case, Instruction
 
-HERE = pathlib.Path(__file__).resolve().parent
-GENERATED = HERE / "generated"
+RECORDED = pathlib.Path(__file__).resolve().parent / "generated.sha256"
 
 WIDTHS = [(1, 1), (2, 8), (9, 16), (17, 32), (33, 64)]  # Both ends of each class.
 
@@ -278,20 +279,39 @@ def cases():
         yield eor_case(i)
 
 
-def main():
-    written = {f"{name}.pxt": text for name, text in cases()}
-    found = {path.name: path.read_text() for path in GENERATED.glob("*.pxt")}
-    if "--check" in sys.argv[1:]:
-        wrong = sorted(n for n in written.keys() | found.keys() if written.get(n) != found.get(n))
-        for name in wrong:
-            print(f"{GENERATED / name} is not what generate.py writes; run: python3 {__file__}")
-        return 1 if wrong else 0
-    GENERATED.mkdir(exist_ok=True)
+def digest(written):
+    """The number of cases, and the SHA-256 of their names and texts."""
+    text = "".join(f"{name}\n{written[name]}" for name in sorted(written))
+    return f"{len(written)} {hashlib.sha256(text.encode()).hexdigest()}\n"
+
+
+def write(folder, written):
+    """Makes `folder` hold these cases and no others. Unchanged files keep their time stamp."""
+    folder.mkdir(parents=True, exist_ok=True)
+    found = {path.name: path.read_text() for path in folder.glob("*.pxt")}
     for name in found.keys() - written.keys():
-        (GENERATED / name).unlink()
+        (folder / name).unlink()
     for name, text in written.items():
-        (GENERATED / name).write_text(text)
-    print(f"{len(written)} cases")
+        if found.get(name) != text:
+            (folder / name).write_text(text)
+
+
+def main():
+    if len(sys.argv) != 2:
+        print(__doc__, file=sys.stderr)
+        return 64
+    written = {f"{name}.pxt": text for name, text in cases()}
+    now = digest(written)
+    if sys.argv[1] == "--check":
+        recorded = RECORDED.read_text()
+        if now != recorded:
+            print(f"The cases are {now}{RECORDED} records {recorded}If the change is intended, "
+                  f"run: python3 {__file__} --record")
+        return int(now != recorded)
+    if sys.argv[1] == "--record":
+        RECORDED.write_text(now)
+    else:
+        write(pathlib.Path(sys.argv[1]), written)
     return 0
 
 

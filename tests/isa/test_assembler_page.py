@@ -1,0 +1,88 @@
+"""Runs the command lines of isa/ASSEMBLER.md in an empty folder: test_assembler_page.py BIN."""
+import pathlib
+import re
+import shlex
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+BIN = pathlib.Path(sys.argv[1]).resolve()
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "isa" / "ASSEMBLER.md"
+
+
+def blocks(kind):
+    return re.findall(rf"^```{kind}\n(.*?)^```", PAGE.read_text(), re.S | re.M)
+
+
+def pixel(png, x, y):
+    """The red, green and blue of a pixel of an RGB or RGBA file of 8 bits."""
+    data, at, packed = png.read_bytes(), 8, b""
+    width, height, bits, kind = struct.unpack(">IIBB", data[16:26])
+    while at < len(data):
+        length, name = struct.unpack(">I4s", data[at:at + 8])
+        packed += data[at + 8:at + 8 + length] if name == b"IDAT" else b""
+        at += length + 12
+    step = {2: 3, 6: 4}[kind]
+    raw, above = zlib.decompress(packed), bytes(width * step)
+    assert bits == 8 and len(raw) == height * (1 + width * step)
+    for row in range(y + 1):
+        begin = row * (1 + width * step)
+        above = unfiltered(raw[begin], raw[begin + 1:begin + 1 + width * step], above, step)
+    return tuple(above[x * step:x * step + 3])
+
+
+def unfiltered(kind, line, above, step):
+    """One row of a PNG file; `above` is the row before."""
+    out = bytearray()
+    for i, byte in enumerate(line):
+        left = out[i - step] if i >= step else 0
+        corner = above[i - step] if i >= step else 0
+        guess = left + above[i] - corner
+        paeth = min((left, above[i], corner), key=lambda value: abs(guess - value))
+        out.append((byte + (0, left, above[i], (left + above[i]) // 2, paeth)[kind]) & 255)
+    return bytes(out)
+
+
+class Page(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        for text in blocks("pxasm"):
+            name = re.match(r"; (\w+\.pxasm):", text)[1]
+            (self.folder / name).write_text(text)
+
+    def run_line(self, line):
+        words = shlex.split(line)
+        self.assertEqual(words[0], "pxpl5", line)
+        done = subprocess.run([BIN / "pxpl5", *words[1:]], cwd=self.folder, text=True,
+                              capture_output=True, timeout=60)
+        self.assertEqual(done.returncode, 0, f"{line}\n{done.stderr}")
+        return done.stdout
+
+    def test_every_command_succeeds_and_the_pictures_are_as_described(self):
+        lines = [line for block in blocks("sh") for line in block.splitlines()]
+        output = {line: self.run_line(line) for line in lines}
+        self.assertGreaterEqual(len(output), 5)
+        self.assertEqual(pixel(self.folder / "disc.png", 64, 64), (255, 0, 0))
+        self.assertEqual(pixel(self.folder / "disc.png", 3, 4), (0, 0, 255))
+        self.assertEqual(pixel(self.folder / "curtain.png", 95, 10), (0, 0, 0))
+        self.assertEqual(pixel(self.folder / "curtain.png", 96, 10), (255, 255, 0))
+        listing = output["pxpl5 dis disc.bin --numbered"]
+        self.assertIn("QUADgeZERO :16  128 128 -5692 -1 0 -1", listing)
+        # Pixels 60..67 are in bars 3 and 4: 108 and 144.
+        bars = output["pxpl5 exec bars.pxasm --print rgb --window 60..67,63 --hex"]
+        self.assertEqual(re.findall(r"0x(6c6c6c|909090)\b", bars), ["6c6c6c"] * 4 + ["909090"] * 4)
+
+    def test_every_kind_of_command_in_the_table_of_tools_succeeds(self):
+        rows = re.findall(r"^\| `(pxpl5 [^`]*)` \|", PAGE.read_text(), re.M)
+        self.assertEqual(len(rows), 8)
+        for row in rows:
+            self.run_line(re.sub(r"\bA\.", "bars.", row))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
