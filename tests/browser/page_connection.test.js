@@ -2,9 +2,9 @@
 import assert from 'node:assert/strict';
 import test, {mock} from 'node:test';
 
-import {Connection} from '../../host/serve/page/connection.js';
-import {PictureView} from '../../host/serve/page/picture.js';
-import {Store} from '../../host/serve/page/store.js';
+import {Connection} from '../../host/serve/page/link/connection.js';
+import {PictureView} from '../../host/serve/page/picture/picture.js';
+import {Store} from '../../host/serve/page/state/store.js';
 
 /** What the browser's WebSocket does, as far as the page uses it. */
 class HandSocket {

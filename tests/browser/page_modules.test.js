@@ -3,13 +3,13 @@ import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import test from 'node:test';
 
-import {anglesOf, drag, onBall, rotationOf, turn} from '../../host/serve/page/arcball.js';
+import {anglesOf, drag, onBall, rotationOf, turn} from '../../host/serve/page/picture/arcball.js';
 import {isoLine, plain, roundIso, SUBJECT_WORDS, subjectOf, word}
-  from '../../host/serve/page/lines.js';
-import {parseAnswer, parseFrame} from '../../host/serve/page/messages.js';
+  from '../../host/serve/page/link/lines.js';
+import {parseAnswer, parseFrame} from '../../host/serve/page/link/messages.js';
 import {lettersTowards, mmPerPlace, projectToPicture, roundLength}
-  from '../../host/serve/page/projection.js';
-import {Store} from '../../host/serve/page/store.js';
+  from '../../host/serve/page/picture/projection.js';
+import {Store} from '../../host/serve/page/state/store.js';
 
 /** @param {number[]} a @param {number[]} b */
 function near(a, b, tolerance = 1e-9) {

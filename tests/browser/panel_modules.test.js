@@ -2,14 +2,15 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import {factsOf} from '../../host/serve/page/model_view.js';
-import {nearestVoxel, patientText, toPatient, toVoxel} from '../../host/serve/page/patient_grid.js';
-import {belongTo} from '../../host/serve/page/region_map.js';
-import {dotsOf, flowsOf, stretchesOf, sumsOf} from '../../host/serve/page/ring_flow.js';
+import {factsOf} from '../../host/serve/page/machine/model_view.js';
+import {belongTo} from '../../host/serve/page/machine/region_map.js';
+import {dotsOf, flowsOf, stretchesOf, sumsOf} from '../../host/serve/page/machine/ring_flow.js';
+import {nearestVoxel, patientText, toPatient, toVoxel}
+  from '../../host/serve/page/slices/patient_grid.js';
 import {boxAt, firstWindow, isHounsfield, paintGrey, pixelAt, placedIn, sliceAtBox, sliceOf,
-  voxelAt} from '../../host/serve/page/slice_pixels.js';
-import {planesOf} from '../../host/serve/page/slice_planes.js';
-import {changesOf} from '../../host/serve/page/why_cards.js';
+  voxelAt} from '../../host/serve/page/slices/slice_pixels.js';
+import {planesOf} from '../../host/serve/page/slices/slice_planes.js';
+import {changesOf} from '../../host/serve/page/inspect/why_cards.js';
 
 /** @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
 function near(a, b, tolerance = 1e-9) {

@@ -1,5 +1,6 @@
 """Who may include whom."""
 import pathlib
+import posixpath
 import re
 from typing import List
 
@@ -72,11 +73,29 @@ ROOMS = {
         "model": {"record", "listing", "why"},
         "tools": {"record", "replay", "listing", "map", "step", "diff", "why", "model"},
     },
-    "host/serve": {"server": set(), "director": {"server"}, ".": {"server", "director"}},
+    "host/serve": {"server": set(), "director": {"server"}, "page": set(),
+                   ".": {"server", "director"}},
+    "host/serve/page": {
+        "link": set(),
+        "elements": set(),
+        "state": {"link"},
+        "picture": {"link", "elements", "state"},
+        "panel": {"link", "elements", "state", "picture"},
+        "surfaces": {"link", "elements", "state", "picture", "panel"},
+        "slices": {"link", "elements", "panel"},
+        "inspect": {"link", "elements", "panel"},
+        "machine": {"link", "elements", "panel"},
+        "volume": {"link", "elements", "panel"},
+        "shell": {"link", "elements", "picture", "panel", "slices", "inspect", "machine", "volume"},
+        ".": {"link", "elements", "state", "picture", "panel", "surfaces", "volume", "shell"},
+    },
 }
 GENERATED = re.compile(r"^(\w+_generated\.h|schema_hash\.hpp|\w+\.inc)$")  # By the build.
 FIRMWARE = {"gp_firmware", "renderer_firmware"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+# `import ... from 'x'` of an ES module, its last line if it has several, and import('x') of types.
+IMPORT = re.compile(r"""(?:\bfrom\s*|\bimport\s*\(?\s*)(['"])([^'"]+)\1""")
+PAGE = "host/serve/page"
 
 ZMQ = re.compile(r"^zmq(\.hpp|\.h|_addon\.hpp)$")
 SOCKETS = re.compile(r"^(libwebsockets\.h|libwebsockets/.*)$")
@@ -160,9 +179,31 @@ def error_of(path: pathlib.PurePath, quote: str, included: str) -> str:
     return _layer_error(path, included) or _room_error(path, included)
 
 
+def import_error(path: pathlib.PurePath, imported: str) -> str:
+    """The fault of the page's module `path` importing `imported`, or ''."""
+    if not imported.startswith(("./", "../")):
+        return f"'{imported}' is not a relative path; nothing else is served"
+    target = posixpath.normpath((path.parent / imported).as_posix())
+    if not target.startswith(PAGE + "/"):
+        return f"'{imported}' lies outside of {PAGE} and is not served"
+    return _room_error(path, target)
+
+
+def _import_errors(root: pathlib.Path, path: pathlib.Path) -> List[str]:
+    found = []
+    for number, line in enumerate(tree.read(root, path).splitlines(), 1):
+        for match in IMPORT.finditer(line):
+            error = import_error(path, match[2])
+            if error:
+                found.append(f"{path}:{number}: {error}")
+    return found
+
+
 def check(root: pathlib.Path) -> List[str]:
     errors = []
     for path in tree.files_of(root):
+        if path.suffix in {".js", ".ts"} and path.as_posix().startswith(PAGE + "/"):
+            errors += _import_errors(root, path)
         if path.suffix not in tree.CPP | {".def"} or path.parts[0] not in MAY_INCLUDE:
             continue
         for number, line in enumerate(tree.read(root, path).splitlines(), 1):

@@ -43,6 +43,9 @@ CLEAN = {
     "host/inspect/README.md": "inspect\n",
     "host/inspect/record/walk.cpp": '#include "renderer_firmware/igc/region.hpp"\n',
     "host/io/README.md": "io\n",
+    "host/serve/page/link/connection.js": "export {};\n",
+    "host/serve/page/state/store.js":
+        "/** @typedef {import('../link/connection.js').Reply} Reply */\nexport {};\n",
     "host/io/import.cpp": "#include <itkImageIOBase.h>\n",
     "host/phantom/README.md": "phantom\n",
     "host/phantom/field.cpp": "int f();\n",
@@ -147,6 +150,22 @@ class Planted(unittest.TestCase):
                 self.assertTrue((root / folder / room).is_dir(), f"{folder}/{room}")
                 self.assertLessEqual(includes, below, f"{folder}/{room} is above what it includes")
                 below.add(room)
+
+    def test_imports_of_the_page(self):
+        page = "host/serve/page"
+        for name, text, words in (
+                ("link/a.js", "import {Store} from '../state/store.js';\n",
+                 f"{page}/link may not include {page}/state"),
+                ("link/a.js", "import {\n  Store,\n} from '../state/store.js';\n",
+                 f"{page}/link may not include {page}/state"),
+                ("link/a.js", "/** @typedef {import('../main.js').App} App */\n",
+                 f"{page}/link may not include {page}/."),
+                ("slices/a.js", 'import "../machine/ring.js";\n',
+                 f"{page}/slices may not include {page}/machine"),
+                ("attic/a.js", "import '../link/connection.js';\n", "is not in ROOMS"),
+                ("link/a.js", "import {x} from '../../server/x.js';\n", "is not served"),
+                ("link/a.js", "import * as d3 from 'd3';\n", "is not a relative path")):
+            self.finds(check_includes, f"{page}/{name}", text, words)
 
     def test_lengths(self):
         self.finds(check_lengths, "isa/a.cpp", "int x;\n" * 401, "401 lines")

@@ -3,5 +3,5 @@ declare const d3: any;
 
 interface Window {
   /** Counters for tests; see metrics.js. */
-  pxpl5: import('./metrics.js').Metrics;
+  pxpl5: import('./picture/metrics.js').Metrics;
 }

@@ -7,7 +7,7 @@
 namespace pxpl5::host::serve {
 namespace {
 
-/// A page, downloads beside it, and a file that nobody may have.
+/// A page with a folder, downloads beside the page, and a file that must not be served.
 struct Folders {
     ScratchFolder scratch;
     RouteFolders folders{scratch.path / "page", scratch.path / "d3.min.js", scratch.path / "out"};
@@ -16,6 +16,8 @@ struct Folders {
         scratch.write("page/index.html", "page");
         scratch.write("page/main.js", "code");
         scratch.write("page/panels/slice.js", "code");
+        scratch.write("page/panels/notes.md", "notes");
+        scratch.write("code/other.js", "no");
         scratch.write("page/README.md", "notes");
         scratch.write("d3.min.js", "d3");
         scratch.write("out/mesh.ply", "mesh");
@@ -23,6 +25,10 @@ struct Folders {
         scratch.write("secret", "no");
         std::filesystem::create_symlink(scratch.path / "secret", scratch.path / "out/link.ply");
         std::filesystem::create_symlink(scratch.path / "secret", scratch.path / "page/link.js");
+        std::filesystem::create_symlink(scratch.path / "secret",
+                                        scratch.path / "page/panels/link.js");
+        std::filesystem::create_directory_symlink(scratch.path / "code",
+                                                  scratch.path / "page/linked");
     }
 };
 
@@ -56,7 +62,17 @@ TEST_CASE("no path leads to another file") {
                              "/link.js",
                              "main.js",
                              "/panels",
+                             "/panels/",
                              "/panels/../main.js",
+                             "/panels/../../secret",
+                             "/panels/./slice.js",
+                             "/panels//slice.js",
+                             "/panels\\slice.js",
+                             "/panels/slice.js/",
+                             "/panels/notes.md",
+                             "/panels/link.js",
+                             "/linked/other.js",
+                             "/slice.js",
                              "/download/",
                              "/download/..",
                              "/download/../secret",

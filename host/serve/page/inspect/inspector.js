@@ -1,0 +1,122 @@
+// Panel: why a pixel has its colour, from the pixel back to the voxels, and its region's stream.
+import {CellView} from './cell_view.js';
+import {h, s} from '../elements/dom.js';
+import {intro, messageLine, modeButton} from '../panel/panel_parts.js';
+import {StreamView} from './stream_view.js';
+import {cardsOf, changesOf} from './why_cards.js';
+
+const MODE = 'inspect';
+const HINT = 'Click a pixel to learn why it has its colour. Esc ends it.';
+const EMPTY = 'Nothing asked yet: press Inspect, then click a pixel of the picture.';
+
+const testIdOf = (/** @type {Element} */ element) => element.getAttribute('data-testid');
+
+class InspectorPanel {
+  /**
+   * @param {HTMLElement} root
+   * @param {import('../panel/app.js').App} app
+   */
+  constructor(root, app) {
+    this.app = app;
+    this.cell = new CellView();
+    this.message = messageLine('inspector-message');
+    this.stream = new StreamView(question => app.connection.ask(question),
+      sentence => this.message.fail(sentence));
+    this.cards = h('div', {class: 'why-chain', 'data-testid': 'why-cards'});
+    this.stream.element.hidden = true;
+    /** Counts questions: an answer that comes late is not shown. */
+    this.asked = 0;
+    this.revision = 0;
+    /** @type {{x: number, y: number} | null}  That the cards speak of. */
+    this.pixel = null;
+    this.ring = s('g', {class: 'inspected'});
+    this.x = this.field('x');
+    this.y = this.field('y');
+    const button = modeButton(app, {name: MODE, title: 'Inspect', hint: HINT,
+      testid: 'inspect-mode', click: (x, y) => void this.ask(x, y)});
+    const form = h('form', {class: 'tool-row drives', onsubmit: (/** @type {Event} */ event) => {
+      event.preventDefault();
+      void this.ask(this.x.valueAsNumber, this.y.valueAsNumber);
+    }}, button, h('span', {class: 'muted'}, 'or pixel'), this.x, this.y,
+    h('button', {type: 'submit', 'data-testid': 'why-ask'}, 'Why?'));
+    root.append(intro('Why a pixel has its colour, back to eight voxels.'),
+      form, this.message.element, this.cards, this.stream.element);
+    this.message.say(EMPTY);
+    app.picture.overlay.append(this.ring);
+    app.picture.onChange(() => this.mark());
+    app.picture.onShown(header => this.outdated(header.revision));
+    root.addEventListener('panelhide', () => this.stream.stop());
+  }
+
+  /** @param {string} name */
+  field(name) {
+    return h('input', {type: 'number', min: 0, step: 1, required: true, class: 'pixel',
+      'aria-label': `${name} of the pixel`, title: `${name} of the pixel`,
+      'data-testid': `why-${name}`});
+  }
+
+  /**
+   * @param {number} x    Pixel of the picture.
+   * @param {number} y
+   */
+  async ask(x, y) {
+    const number = ++this.asked;
+    this.x.value = String(x);
+    this.y.value = String(y);
+    this.message.say(`Looking into pixel (${x}, ${y}) …`);
+    const reply = await this.app.connection.do(`why ${x} ${y}`, {quiet: true});
+    if (number !== this.asked) {
+      return;
+    }
+    if (!reply.ok) {
+      this.message.fail(reply.error ?? '');
+      return;
+    }
+    this.message.say('');
+    this.revision = reply.revision ?? 0;
+    this.cards.classList.remove('outdated');
+    const unfolded = [...this.cards.querySelectorAll('details[open]')].map(testIdOf);
+    this.cards.replaceChildren(...cardsOf(reply.result, this.cell));
+    for (const details of this.cards.querySelectorAll('details')) {
+      details.open = unfolded.includes(testIdOf(details));
+    }
+    this.stream.element.hidden = false;
+    this.stream.open(x, y, changesOf(reply.result));
+    this.pixel = {x, y};
+    this.mark();
+    const {shown, visits} = reply.result;
+    const p_mm = visits[shown]?.cell?.hit_mm;
+    if (p_mm) {
+      document.dispatchEvent(new CustomEvent('place', {detail: {p_mm, from: MODE}}));
+    }
+  }
+
+  /** Marks the pixel in the picture, as long as it is the picture that was asked about. */
+  mark() {
+    if (this.pixel) {
+      const {x, y} = this.app.picture.placeOfPixel(this.pixel.x, this.pixel.y);
+      this.ring.replaceChildren(s('circle', {class: 'back', cx: x, cy: y, r: 6}),
+        s('circle', {class: 'front', cx: x, cy: y, r: 6}));
+    } else {
+      this.ring.replaceChildren();
+    }
+  }
+
+  /** @param {number} revision  Of the frame on the screen; it may be newer than the answer. */
+  outdated(revision) {
+    if (this.revision !== 0 && revision > this.revision && this.cards.childElementCount > 0) {
+      this.cards.classList.add('outdated');
+      this.pixel = null;
+      this.mark();
+      this.message.say('The picture has changed since: this tells of the one before.');
+    }
+  }
+}
+
+/**
+ * @param {HTMLElement} root
+ * @param {import('../panel/app.js').App} app
+ */
+export function create(root, app) {
+  new InspectorPanel(root, app);
+}

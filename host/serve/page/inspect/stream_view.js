@@ -1,0 +1,267 @@
+// A region's instruction stream: its 128 x 128 pixels as they stand after each instruction, and
+// the disassembly around.
+import {contextOf} from '../elements/canvas.js';
+import {h} from '../elements/dom.js';
+
+/**
+ * @typedef {object} Scrub              The answer to `ask scrub`.
+ * @property {number} at                Instructions done.
+ * @property {number} count             Of all.
+ * @property {number} region
+ * @property {number} renderer
+ * @property {number} x0                Of the region in the picture.
+ * @property {number} y0
+ * @property {{at: number, address: string, text: string, meaning: string, effect: string}[]}
+ *     lines                          `effect`: on the pixel that was asked about; may be ''.
+ * @property {number} enabled           Pixels.
+ */
+
+const EDGE = 128;               // Of a region, pixels.
+const DIMMED = 0.35;            // Of a disabled pixel's colour.
+const STEP_MS = 80;             // Between the pictures while it plays.
+const PLAY_STEPS = 150;         // From start to end while it plays.
+/** What may be shown of the pixels, as `ask scrub` names it. */
+const FIELDS = [['', 'what is computed'], ['rgb', 'colour'], ['normal', 'normal'], ['z', 'depth'],
+  ['surface', 'surface']];
+const PAGE = 256;               // Instructions that page up and page down step.
+
+/**
+ * RGBA with disabled pixels dimmed.
+ * @param {Uint8Array} from     Bit 0 of alpha: the pixel is enabled.
+ * @param {Uint8ClampedArray} to
+ */
+export function paintRegion(from, to) {
+  for (let i = 0; i < to.length; i += 4) {
+    const factor = (from[i + 3] & 1) === 1 ? 1 : DIMMED;
+    to[i] = from[i] * factor;
+    to[i + 1] = from[i + 1] * factor;
+    to[i + 2] = from[i + 2] * factor;
+    to[i + 3] = 255;
+  }
+}
+
+export class StreamView {
+  /**
+   * @param {(question: {ask: string, [key: string]: unknown}) =>
+   *   Promise<import('../link/types.js').Answer>} ask
+   * @param {(sentence: string) => void} fail
+   */
+  constructor(ask, fail) {
+    /** @private */ this.ask_ = ask;
+    /** @private */ this.fail_ = fail;
+    /** @private @type {{x: number, y: number} | null} */ this.pixel_ = null;
+    /** @private @type {Scrub | null} */ this.last_ = null;
+    /** @private @type {number[]} */ this.changes_ = [];
+    /** @private @type {number | null} */ this.wanted_ = null;
+    /** @private */ this.asking_ = false;
+    /** @private */ this.playing_ = false;
+    this.canvas = h('canvas', {class: 'region', width: EDGE, height: EDGE, role: 'img',
+      'data-testid': 'region', 'aria-label': 'The region’s pixels as they stand'});
+    /** @private */ this.mark_ = h('div', {class: 'region-mark', 'aria-hidden': 'true'});
+    this.slider = h('input', {type: 'range', min: 0, max: 0, value: 0, 'data-testid': 'scrub',
+      'aria-label': 'Instructions done', oninput: () => this.user_(Number(this.slider.value))});
+    /** @private */ this.status_ = h('p', {class: 'legend number', 'data-testid': 'scrub-status'});
+    /** @private */ this.lines_ = h('ol', {class: 'disassembly', 'data-testid': 'disassembly'});
+    /** @private */ this.meaning_ = h('p', {class: 'meaning', 'data-testid': 'scrub-meaning'});
+    /** @private */ this.play_ = this.button_('Play', 'scrub-play', 'Runs through the stream',
+      () => this.setPlaying_(!this.playing_));
+    /** @private */ this.field_ = h('select', {'data-testid': 'scrub-field',
+      'aria-label': 'What of the pixels is shown',
+      onchange: () => this.seek_(this.last_?.at ?? -1)},
+    ...FIELDS.map(([value, text]) => h('option', {value}, text)));
+    this.element = this.build_();
+  }
+
+  /**
+   * @private
+   * @param {string} text
+   * @param {string} testid
+   * @param {string} title
+   * @param {() => void} act
+   */
+  button_(text, testid, title, act) {
+    return h('button', {type: 'button', 'data-testid': testid, title, onclick: act}, text);
+  }
+
+  /** @private */
+  build_() {
+    const by = (/** @type {number} */ step) => () => this.user_((this.last_?.at ?? 0) + step);
+    const element = h('section', {class: 'why-card', 'data-testid': 'stream'},
+      h('h3', {}, 'The region’s instructions, one by one'),
+      h('div', {class: 'region-frame'}, this.canvas, this.mark_), this.status_, this.slider,
+      h('div', {class: 'tool-row'},
+        this.button_('«', 'scrub-first', 'To the start', () => this.user_(0)),
+        this.button_('‹', 'scrub-back', 'One back (left arrow)', by(-1)),
+        this.play_,
+        this.button_('›', 'scrub-on', 'One on (right arrow)', by(1)),
+        this.button_('»', 'scrub-last', 'To the end', () => this.user_(this.last_?.count ?? 0)),
+        h('label', {class: 'number-field'}, 'show', this.field_)),
+      h('div', {class: 'tool-row'}, h('span', {class: 'muted'}, 'Marked pixel changed:'),
+        this.button_('‹ before', 'change-back', 'To where this pixel changed before', () =>
+          this.jump_(-1)),
+        this.button_('next ›', 'change-on', 'To where this pixel changes next', () =>
+          this.jump_(1))),
+      this.meaning_, this.lines_,
+      h('p', {class: 'legend'}, 'Dark pixels are disabled: the instruction passes them by.'));
+    element.addEventListener('keydown', event => this.key_(event));
+    return element;
+  }
+
+  /**
+   * Begins with the end of the stream of the region that holds a pixel.
+   * @param {number} x
+   * @param {number} y
+   * @param {number[]} changes    Places at which that pixel is written, ascending.
+   */
+  open(x, y, changes) {
+    this.pixel_ = {x, y};
+    this.changes_ = changes;
+    this.last_ = null;
+    this.setPlaying_(false);
+    this.seek_(-1);
+  }
+
+  /** Stops playing. */
+  stop() {
+    this.setPlaying_(false);
+  }
+
+  /**
+   * @private
+   * @param {number} at   Where the person went by hand.
+   */
+  user_(at) {
+    this.setPlaying_(false);
+    this.seek_(Math.min(Math.max(at, 0), this.last_?.count ?? 0));
+  }
+
+  /**
+   * Goes to a place; newest only.
+   * @private
+   * @param {number} at   -1: the end.
+   */
+  seek_(at) {
+    this.wanted_ = at;
+    if (!this.asking_) {
+      void this.work_();
+    }
+  }
+
+  /** @private */
+  async work_() {
+    this.asking_ = true;
+    while (this.wanted_ !== null && this.pixel_) {
+      const at = this.wanted_, {x, y} = this.pixel_;
+      this.wanted_ = null;
+      try {
+        const field = this.field_.value;
+        const {json, bytes} = await this.ask_({ask: 'scrub', x, y, at, ...(field && {field})});
+        if (this.pixel_.x === x && this.pixel_.y === y) {
+          this.show_(json, new Uint8Array(bytes));
+        }
+      } catch (error) {
+        this.setPlaying_(false);
+        this.fail_(error instanceof Error ? error.message : String(error));
+      }
+    }
+    this.asking_ = false;
+  }
+
+  /**
+   * @private
+   * @param {Scrub} scrub
+   * @param {Uint8Array} pixels
+   */
+  show_(scrub, pixels) {
+    this.last_ = scrub;
+    const picture = new ImageData(EDGE, EDGE);
+    paintRegion(pixels, picture.data);
+    contextOf(this.canvas).putImageData(picture, 0, 0);
+    const {x, y} = this.pixel_ ?? {x: 0, y: 0};
+    this.mark_.style.left = `${(x - scrub.x0 + 0.5) / EDGE * 100}%`;
+    this.mark_.style.top = `${(y - scrub.y0 + 0.5) / EDGE * 100}%`;
+    this.slider.max = String(scrub.count);
+    this.slider.value = String(scrub.at);
+    this.status_.textContent = `${scrub.at.toLocaleString('en')} of ` +
+      `${scrub.count.toLocaleString('en')} instructions done, region ${scrub.region} on ` +
+      `renderer-${scrub.renderer}, ${scrub.enabled.toLocaleString('en')} pixels enabled`;
+    const next = scrub.lines.find(line => line.at === scrub.at);
+    this.meaning_.textContent = next ? `Next, at ${next.address}: ${next.meaning}`
+      : 'All instructions are done.';
+    this.lines_.replaceChildren(...scrub.lines.map(line => h('li', {
+      class: line.at === scrub.at ? 'now' : '', title: line.address,
+      'aria-current': line.at === scrub.at ? 'step' : null,
+      onclick: () => this.user_(line.at),
+    }, h('span', {class: 'muted number'}, String(line.at)), h('code', {}, line.text),
+    line.effect ? h('span', {class: 'effect'}, line.effect) : '')));
+  }
+
+  /**
+   * To the nearest place before or behind at which the pixel was written.
+   * @private
+   * @param {-1 | 1} way
+   */
+  jump_(way) {
+    const at = this.last_?.at ?? 0;
+    const to = way > 0 ? this.changes_.find(each => each > at)
+      : [...this.changes_].reverse().find(each => each < at);
+    if (to !== undefined) {
+      this.user_(to);
+    }
+  }
+
+  /**
+   * @private
+   * @param {boolean} playing
+   */
+  setPlaying_(playing) {
+    if (playing === this.playing_) {
+      return;
+    }
+    this.playing_ = playing;
+    this.play_.textContent = playing ? 'Pause' : 'Play';
+    if (playing) {
+      if (this.last_ && this.last_.at >= this.last_.count) {
+        this.seek_(0);
+      }
+      this.tick_();
+    }
+  }
+
+  /** @private  One step of playing; a slow answer makes it slower, never longer a queue. */
+  tick_() {
+    setTimeout(() => {
+      const last = this.last_;
+      if (!this.playing_ || !last) {
+        return;
+      }
+      if (!this.asking_) {
+        if (last.at >= last.count) {
+          this.setPlaying_(false);
+          return;
+        }
+        this.seek_(Math.min(last.count, last.at + Math.ceil(last.count / PLAY_STEPS)));
+      }
+      this.tick_();
+    }, STEP_MS);
+  }
+
+  /**
+   * @private
+   * @param {KeyboardEvent} event
+   */
+  key_(event) {
+    if (event.target === this.slider && event.key.startsWith('Arrow')) {
+      event.stopPropagation();
+      return;
+    }
+    const steps = new Map([['ArrowLeft', -1], ['ArrowRight', 1], ['PageUp', -PAGE],
+      ['PageDown', PAGE]]);
+    const step = steps.get(event.key);
+    if (step !== undefined) {
+      event.preventDefault();
+      event.stopPropagation();
+      this.user_((this.last_?.at ?? 0) + step);
+    }
+  }
+}

@@ -1,0 +1,198 @@
+// The answer to `why`, as a chain of cards: pixel, instructions, triangle, cell.
+import {CellView} from './cell_view.js';
+import {h} from '../elements/dom.js';
+
+/** @typedef {import('./cell_view.js').Cell} Cell */
+/** @typedef {{surface_field: number, z: number, normal: number[], rgb: number}} PixelState */
+/** @typedef {{at: number, instruction: string, before: PixelState, after: PixelState}} Write */
+
+/**
+ * @typedef {object} Visit              A primitive that covers the pixel.
+ * @property {string} address
+ * @property {number} gp
+ * @property {number} surface
+ * @property {number} slab
+ * @property {boolean} stored
+ * @property {boolean} shut_out
+ * @property {number} [z]
+ * @property {PixelState} before
+ * @property {Write[]} writes
+ * @property {Cell} [cell]
+ */
+
+/**
+ * @typedef {object} Why                The fields of `why`.
+ * @property {string} sentence
+ * @property {number} x
+ * @property {number} y
+ * @property {number} region
+ * @property {number} renderer
+ * @property {{isovalue?: number, colour: number[], table?: string}[]} surfaces
+ * @property {number} primitives_in_region
+ * @property {Visit[]} visits
+ * @property {number} [shown]           Index of the visit that the pixel shows.
+ * @property {Write[]} prologue
+ * @property {Write[]} doors            Of screen doors that are shut at the pixel.
+ * @property {Write[]} end_of_region
+ * @property {number} colour            Red in the low byte.
+ */
+
+const MOST_WRITES = 12;
+const MOST_VISITS = 16;
+
+/**
+ * @param {number} rgb  Red in the low byte.
+ */
+function colourText(rgb) {
+  return '#' + [0, 8, 16].map(shift =>
+    (rgb >> shift & 255).toString(16).padStart(2, '0')).join('');
+}
+
+/** @param {number[]} parts  0..255 */
+function colourOf(parts) {
+  return `rgb(${parts.join(',')})`;
+}
+
+/**
+ * What an instruction changed, in words.
+ * @param {Write} write
+ */
+function changeText({before, after}) {
+  /** @type {[string, string, string][]} */
+  const fields = [['surface', String(before.surface_field), String(after.surface_field)],
+    ['depth', String(before.z), String(after.z)],
+    ['normal', `(${before.normal.join(', ')})`, `(${after.normal.join(', ')})`],
+    ['colour', colourText(before.rgb), colourText(after.rgb)]];
+  return fields.filter(([, a, b]) => a !== b).map(([name, a, b]) => `${name} ${a} → ${b}`)
+    .join(', ') || 'same value';
+}
+
+/**
+ * @param {string} title
+ * @param {string} testid
+ * @param {...import('../elements/dom.js').Child} children
+ */
+function card(title, testid, ...children) {
+  return h('section', {class: 'why-card', 'data-testid': testid}, h('h3', {}, title), ...children);
+}
+
+/**
+ * @param {Write[]} writes
+ */
+function writeList(writes) {
+  return h('ol', {class: 'writes'}, ...writes.slice(0, MOST_WRITES).map(write => h('li', {},
+    h('code', {}, write.instruction), h('span', {class: 'muted'}, changeText(write)))),
+  writes.length > MOST_WRITES ? h('li', {class: 'muted'},
+    `and ${writes.length - MOST_WRITES} more`) : '');
+}
+
+/** @param {Why} why */
+function pixelCard(why) {
+  const swatch = h('span', {class: 'swatch'});
+  swatch.style.background = colourText(why.colour);
+  return card('Pixel', 'why-pixel',
+    h('div', {class: 'row'}, swatch, h('code', {}, colourText(why.colour)),
+      h('span', {class: 'muted'}, `region ${why.region} on renderer-${why.renderer}`)),
+    h('p', {'data-testid': 'why-sentence'}, why.sentence));
+}
+
+/**
+ * Instructions that wrote the pixel; folded, since they push the cell below off the screen.
+ * @param {string} testid
+ * @param {string} title
+ * @param {Write[]} writes
+ */
+function foldedWrites(testid, title, writes) {
+  return h('details', {'data-testid': testid}, h('summary', {}, `${title}: ${writes.length}`),
+    writeList(writes));
+}
+
+/**
+ * @param {Why} why
+ * @param {Visit | undefined} shown
+ */
+function instructionCard(why, shown) {
+  return card('Instructions', 'why-instructions',
+    shown ? foldedWrites('why-stores', 'Stores by the triangle', shown.writes) : h('p', {},
+      'No triangle stored into this pixel: it keeps what the prologue wrote, the background.'),
+    foldedWrites('why-end-stores', 'Stores at the end of the region', why.end_of_region));
+}
+
+/**
+ * @param {Visit} visit
+ * @param {boolean} isShown
+ */
+function visitRow(visit, isShown) {
+  const what = visit.cell ? `triangle ${visit.cell.triangle} of cell ${visit.cell.cell.join(', ')}`
+    : visit.address;
+  const result = isShown ? 'shown' : visit.shut_out ? 'door shut' : visit.stored ? 'covered later'
+    : 'behind';
+  return h('tr', {class: isShown ? 'shown' : ''}, h('td', {}, what),
+    h('td', {class: 'number'}, visit.z ?? '–'), h('td', {}, result));
+}
+
+/** @param {Why} why */
+function coverText({visits, primitives_in_region}) {
+  const all = primitives_in_region.toLocaleString('en');
+  return visits.length === 0 ? `None of the region’s ${all} primitives covers this pixel.`
+    : `Of the region’s ${all} primitives, ${visits.length} cover this pixel; the smallest depth ` +
+      'is in front.';
+}
+
+/**
+ * @param {Why} why
+ * @param {Visit | undefined} shown
+ */
+function triangleCard(why, shown) {
+  const surface = shown && why.surfaces[shown.surface];
+  const iso = surface?.isovalue === undefined ? '' : `, isovalue ${surface.isovalue}`;
+  return card('Triangle', 'why-triangle',
+    shown ? h('p', {}, `Sent by gp-${shown.gp}, slab ${shown.slab}, of surface ${shown.surface}` +
+      `${iso}.`) : '',
+    h('p', {class: 'muted'}, coverText(why)),
+    why.visits.length > 0 ? h('table', {class: 'visits'},
+      h('thead', {}, h('tr', {}, h('th', {}, 'primitive'), h('th', {}, 'depth'), h('th', {}, ''))),
+      h('tbody', {}, ...why.visits.slice(0, MOST_VISITS).map(visit =>
+        visitRow(visit, visit === shown)))) : '');
+}
+
+/**
+ * @param {Cell} cell
+ * @param {{isovalue?: number, colour: number[], table?: string} | undefined} surface
+ * @param {CellView} view
+ */
+function cellCard(cell, surface, view) {
+  const title = `Cell ${cell.cell.join(', ')}`;
+  if (cell.unknown || !cell.values || surface?.isovalue === undefined) {
+    return card(title, 'why-cell', h('p', {class: 'panel-message bad'},
+      cell.unknown ?? 'Its voxels are not known.'));
+  }
+  view.show(cell, surface.isovalue, colourOf(surface.colour));
+  const inside = cell.values.filter(value => value >= Number(surface.isovalue)).length;
+  return card(title, 'why-cell',
+    h('p', {class: 'muted'}, `Case ${cell.case}, table ${surface.table ?? '?'}: ${inside} of 8 ` +
+      `voxels are inside (at least ${surface.isovalue}), filled here. Triangle ${cell.triangle} ` +
+      `of ${cell.triangle_count}. Drag to turn.`),
+    view.element, cell.doubt ? h('p', {class: 'panel-message bad'}, cell.doubt) : '');
+}
+
+/**
+ * @param {Why} why
+ * @param {CellView} view   Shows the cell, if there is one; it is kept, so that it stays turned.
+ * @returns {HTMLElement[]}
+ */
+export function cardsOf(why, view) {
+  const shown = why.shown === undefined ? undefined : why.visits[why.shown];
+  return [pixelCard(why), instructionCard(why, shown), triangleCard(why, shown),
+    ...(shown?.cell ? [cellCard(shown.cell, why.surfaces[shown.surface], view)] : [])];
+}
+
+/**
+ * Places in the region's stream at which the pixel is written.
+ * @param {Why} why
+ * @returns {number[]}  Instructions done before, ascending.
+ */
+export function changesOf({prologue, visits, doors, end_of_region}) {
+  return [prologue, ...visits.map(visit => visit.writes), doors, end_of_region].flat()
+    .map(({at}) => at).sort((a, b) => a - b);
+}

@@ -1,0 +1,191 @@
+// Part of the machine's panel: what the machine of 1993 would have taken for what is shown.
+import {h} from '../elements/dom.js';
+import {messageLine} from '../panel/panel_parts.js';
+
+/**
+ * How busy the units of a kind were: shares of the time, 0..1; index of the busiest one, from 0.
+ * @typedef {{unit: string, mean: number, busiest: number, index: number}} UnitUse
+ */
+/**
+ * limit: the unit that is, or "waiting".
+ * @typedef {{ms: number, limit: string, use: UnitUse[]}} Step
+ */
+
+/**
+ * The result of the command `model`.
+ * @typedef {object} Modelled
+ * @property {string} machine
+ * @property {number} gps
+ * @property {number} renderers
+ * @property {number} frame_buffers
+ * @property {Step} [load]              Of the volume, if there is one.
+ * @property {(Step & {name: string, triangles: number})[]} surfaces
+ * @property {{primitives: number, samples: number, frames_per_s: number, latency_ms: number,
+ *   limit: string, use: UnitUse[]}} frame  latency_ms: from the command until it is shown.
+ */
+
+/** What units are called on the page. */
+const UNITS = new Map([['GP', 'GPs'], ['ring', 'ring channels'], ['Renderer', 'Renderers'],
+  ['frame buffer', 'frame buffer ports']]);
+
+/** @param {string} unit */
+function unitName(unit) {
+  return UNITS.get(unit) ?? unit;
+}
+
+/** @param {number} ms */
+function timeText(ms) {
+  // Rounded first: 999.9 ms is a second.
+  const rounded = Number(ms.toPrecision(3));
+  return rounded < 1000 ? `${rounded} ms` : `${Number((ms / 1000).toPrecision(3))} s`;
+}
+
+/** @param {number} share */
+function percent(share) {
+  return `${Math.round(100 * share)} %`;
+}
+
+/**
+ * @param {number} count
+ * @param {string} what  One of them.
+ */
+function counted(count, what) {
+  return `${count.toLocaleString('en')} ${what}${count === 1 ? '' : 's'}`;
+}
+
+/** @param {{limit: string, use: UnitUse[]}} step */
+function limitText({limit, use}) {
+  const limiting = use.find(({unit}) => unit === limit);
+  if (limiting) {
+    return `Limit: ${unitName(limit)}, ${percent(limiting.busiest)} busy`;
+  }
+  const most = use.reduce((a, b) => b.busiest > a.busiest ? b : a);
+  return `Limit: ${limit}, ${unitName(most.unit)} ${percent(most.busiest)} busy`;
+}
+
+/**
+ * What took how long, and which unit was the limit.
+ * @param {Modelled} modelled
+ * @returns {[string, string][]}
+ */
+export function factsOf({machine, gps, renderers, frame_buffers, load, surfaces, frame}) {
+  /** @type {[string, string][]} */
+  const facts = [['Machine', `${machine}\n${counted(gps, 'GP')}, ` +
+    `${counted(renderers, 'Renderer')}\n${counted(frame_buffers, 'frame buffer')}`]];
+  if (load) {
+    facts.push(['Volume loaded', `in ${timeText(load.ms)}\n${limitText(load)}`]);
+  }
+  for (const surface of surfaces) {
+    facts.push([`Surface ${surface.name}`, `built in ${timeText(surface.ms)}\n` +
+      `${counted(surface.triangles, 'triangle')}\n${limitText(surface)}`]);
+  }
+  const {primitives, samples, frames_per_s, latency_ms} = frame;
+  const rate = Number(frames_per_s.toPrecision(3));
+  facts.push(['Pictures', `${rate} a second\neach ${timeText(latency_ms)} after it was asked ` +
+    `for\n${counted(primitives, 'primitive')}\n${counted(samples, 'sample')} a pixel\n` +
+    limitText(frame)]);
+  return facts;
+}
+
+/**
+ * How busy a kind of unit is while the picture is drawn.
+ * @param {UnitUse} use
+ * @param {boolean} isLimit
+ */
+function useRow({unit, mean, busiest, index}, isLimit) {
+  const name = unitName(unit);
+  const title = name[0].toUpperCase() + name.slice(1);
+  const [average, most] = [percent(mean), percent(busiest)];
+  const text = average === most ? most : `${average}, busiest ${most}`;
+  const bar = h('div', {class: 'stage-bar',
+    title: `${title}: ${average} on average; number ${index}, the busiest: ${most}`});
+  const parts = {'stage-0': mean, 'use-busiest': busiest - mean};
+  for (const [part, share] of Object.entries(parts)) {
+    const piece = h('span', {class: part});
+    piece.style.width = `${100 * Math.max(share, 0)}%`;
+    bar.append(piece);
+  }
+  const label = h('div', {class: 'stage-label', 'data-testid': 'model-use'},
+    h('span', {}, isLimit ? h('b', {}, title) : title,
+      isLimit && h('span', {class: 'muted'}, ' the limit')),
+    h('span', {class: 'number'}, text));
+  return [label, bar];
+}
+
+export class ModelView {
+  /** @param {import('../panel/app.js').App} app */
+  constructor(app) {
+    /** @private */
+    this.app_ = app;
+    /** @private Of the state that is told of; null: none is. @type {number | null} */
+    this.revision_ = null;
+    /** @private */
+    this.go_ = h('button', {type: 'button', 'data-testid': 'model-go',
+      onclick: () => void this.ask_()}, 'Work it out');
+    /** @private */
+    this.message_ = messageLine('model-message');
+    /** @private */
+    this.facts_ = h('dl', {class: 'facts', 'data-testid': 'model-facts'});
+    /** @private */
+    this.use_ = h('div', {class: 'stage-rows'});
+    /** @private */
+    this.legend_ = h('p', {class: 'legend'});
+    /** @private */
+    this.told_ = h('div', {class: 'stack', hidden: true}, this.facts_, this.legend_, this.use_);
+    this.element = h('div', {class: 'stack', 'data-testid': 'model'},
+      h('p', {class: 'legend'}, 'How long the machine of 1993 would have taken for what is ' +
+        'shown: the work is counted, and the counts are replayed on a model of that machine.'),
+      h('div', {class: 'tool-row'}, this.go_, this.message_.element), this.told_);
+    app.store.subscribe(['revision'], ({revision}) => this.compare_(revision));
+    app.connection.on('hello', () => {
+      this.go_.hidden = app.connection.watches;
+      this.message_.say(app.connection.watches ? 'Only who may change the scene can ask.' : '');
+    });
+  }
+
+  /** @private */
+  async ask_() {
+    this.go_.disabled = true;
+    this.message_.say('Counting …');
+    const reply = await this.app_.connection.do('model', {quiet: true});
+    this.go_.disabled = false;
+    if (reply.ok) {
+      this.revision_ = reply.revision ?? null;
+      this.message_.say('');
+      this.show_(reply.result);
+      this.told_.scrollIntoView({block: 'nearest'});
+      this.compare_(this.app_.store.state?.revision ?? null);
+    } else {
+      this.message_.fail(reply.error ?? 'The machine did not answer.');
+    }
+  }
+
+  /**
+   * Says if what is told is of another picture than is shown.
+   * @private
+   * @param {number | null} revision
+   */
+  compare_(revision) {
+    const isOld = this.revision_ !== null && revision !== this.revision_;
+    if (isOld !== this.told_.classList.contains('outdated')) {
+      this.told_.classList.toggle('outdated', isOld);
+      if (!this.go_.disabled) {  // Then it says what is done just now.
+        this.message_.say(isOld ? 'The picture has changed since.' : '');
+      }
+    }
+  }
+
+  /**
+   * @private
+   * @param {Modelled} modelled
+   */
+  show_(modelled) {
+    this.told_.hidden = false;
+    this.facts_.replaceChildren(...factsOf(modelled).flatMap(([what, is]) =>
+      [h('dt', {}, what), h('dd', {}, is)]));
+    const {use, limit} = modelled.frame;
+    this.legend_.textContent = 'How busy the units are while this picture is drawn over and ' +
+      'over. Bright: all of a kind on average; dim: the busiest of them.';
+    this.use_.replaceChildren(...use.flatMap(each => useRow(each, each.unit === limit)));
+  }
+}

@@ -1,0 +1,22 @@
+// The contract for panels and controls, as types.
+//
+// A panel is a module with `create(root, app)`. It fills `root`, a <section>, and keeps the section
+// up to date. The panels on the right are the rows of TABS in shell/tabs.js. The section receives
+// the events `panelshow` and `panelhide`. panels.css has the styles of the panels.
+// A view sends a patient position to the other views as the event `place` on `document`, with
+// {p_mm, from} as `detail`.
+// Each control has a data-testid for the tests. The page's policy (CSP) forbids styles and scripts
+// in markup.
+
+/**
+ * The parts that every panel and control receives.
+ * @typedef {object} App
+ * @property {import('../link/connection.js').Connection} connection
+ * @property {import('../state/store.js').Store} store
+ * @property {import('../picture/picture.js').PictureView} picture
+ * @property {import('../state/modes.js').Modes} modes
+ * @property {import('../elements/toasts.js').Toasts} toasts
+ * @property {import('../state/selection.js').Selection} selection
+ */
+
+export {};

@@ -1,0 +1,119 @@
+// What all panels on the right are made of: a heading line, messages, rows of choices.
+import {h} from '../elements/dom.js';
+
+/**
+ * One line that says what a panel is for.
+ * @param {string} text
+ */
+export function intro(text) {
+  return h('p', {class: 'panel-intro'}, text);
+}
+
+/**
+ * Stands where there is nothing to show yet, or where an error is told. Its height stays.
+ * @param {string} testid
+ */
+export function messageLine(testid) {
+  const line = h('p', {class: 'panel-message', 'data-testid': testid, role: 'status'});
+  return {
+    element: line,
+    /** @param {string} text */
+    say(text) {
+      line.classList.remove('bad');
+      line.textContent = text;
+    },
+    /** @param {string} text */
+    fail(text) {
+      line.classList.add('bad');
+      line.textContent = text;
+    },
+  };
+}
+
+/**
+ * Buttons of which one is chosen.
+ * @template {string} Name
+ * @param {string} label        For screen readers.
+ * @param {{name: Name, title: string, help: string}[]} choices
+ * @param {(name: Name) => void} choose
+ */
+export function choiceRow(label, choices, choose) {
+  const row = h('div', {class: 'choice-row', role: 'radiogroup', 'aria-label': label});
+  const buttons = choices.map(({name, title, help}) => h('button', {
+    type: 'button', role: 'radio', title: help, 'aria-checked': false,
+    'data-testid': `choice-${name}`, onclick: () => set(name),
+  }, title));
+  row.append(...buttons);
+  row.addEventListener('keydown', event => {
+    const step = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
+    const at = buttons.indexOf(/** @type {HTMLButtonElement} */ (event.target));
+    if (step !== 0 && at >= 0) {
+      event.stopPropagation();
+      const to = (at + step + buttons.length) % buttons.length;
+      set(choices[to].name);
+      buttons[to].focus();
+    }
+  });
+  /** @param {Name} name */
+  function set(name) {
+    show(name);
+    choose(name);
+  }
+  /** @param {Name} name */
+  function show(name) {
+    buttons.forEach((button, index) => {
+      const now = choices[index].name === name;
+      button.setAttribute('aria-checked', String(now));
+      button.tabIndex = now ? 0 : -1;
+    });
+  }
+  show(choices[0].name);
+  return {element: row, set, show};
+}
+
+/**
+ * A number that can be typed.
+ * @param {string} label
+ * @param {string} testid
+ * @param {(value: number) => void} change  Called with finite numbers only.
+ */
+export function numberField(label, testid, change) {
+  const input = h('input', {type: 'number', step: 'any', 'data-testid': testid,
+    onchange: () => {
+      if (input.value.trim() !== '' && Number.isFinite(Number(input.value))) {
+        change(Number(input.value));
+      }
+    }});
+  const element = h('label', {class: 'number-field'}, label, input);
+  return {element, input};
+}
+
+/**
+ * A mode of the picture (modes.js) behind a button that stays pressed while it lasts.
+ * @param {import('./app.js').App} app
+ * @param {{name: string, title: string, hint: string, testid: string,
+ *   click: (x: number, y: number) => void, leave?: () => void}} what
+ */
+export function modeButton(app, {name, title, hint, testid, click, leave}) {
+  const button = h('button', {type: 'button', class: 'mode', 'aria-pressed': false,
+    'data-testid': testid, onclick: () => {
+      if (app.modes.current?.name === name) {
+        app.modes.leave(name);
+      } else {
+        app.modes.enter({name, hint, click, leave});
+        // What its clicks show stands in its panel.
+        button.closest('[role=tabpanel]')?.addEventListener('panelhide',
+          () => app.modes.leave(name), {once: true});
+      }
+    }}, title);
+  app.modes.watch(mode => button.setAttribute('aria-pressed', String(mode?.name === name)));
+  return button;
+}
+
+/**
+ * The sentence of whatever was thrown.
+ * @param {unknown} error
+ */
+export function sentenceOf(error) {
+  return error instanceof Error ? error.message : String(error);
+}

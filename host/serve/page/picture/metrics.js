@@ -1,0 +1,70 @@
+// What the page can say about itself, for tests and for the curious: window.pxpl5.
+
+const KEPT = 256;  // Of each list; older values fall out.
+
+/**
+ * @typedef {object} Metrics
+ * @property {number} frames            Shown since the page was opened.
+ * @property {number} revision          Of the last frame shown.
+ * @property {boolean} rests            Whether it was the picture itself.
+ * @property {boolean} last             Whether it was the last refinement.
+ * @property {number} samples           A pixel of it.
+ * @property {string} digest            Of the last frame that rested.
+ * @property {number[]} latency_ms      Of the last inputs: from sending to the displayed frame with
+ *                                      a revision at or after the reply's.
+ * @property {number[]} frame_times_ms  When the last frames were displayed (performance.now()).
+ * @property {import('../link/types.js').State | null} state
+ */
+
+/**
+ * Watches the connection and the picture.
+ * @param {import('../link/connection.js').Connection} connection
+ * @param {import('../state/store.js').Store} store
+ * @param {import('./picture.js').PictureView} picture
+ * @returns {Metrics}
+ */
+export function measure(connection, store, picture) {
+  /** @type {{sentAt: number, revision: number}[]} */
+  let awaited = [];
+  /** @type {{revision: number, at: number}[]} */
+  const shown = [];
+  /** @type {Metrics} */
+  const metrics = {frames: 0, revision: 0, rests: false, last: false, samples: 0, digest: '',
+    latency_ms: [], frame_times_ms: [], get state() { return store.state; }};
+
+  const keep = (/** @type {any[]} */ list, /** @type {any} */ value) => {
+    list.push(value);
+    if (list.length > KEPT) {
+      list.shift();
+    }
+  };
+  const settle = () => {
+    awaited = awaited.filter(({sentAt, revision}) => {
+      const frame = shown.find(each => each.revision >= revision && each.at >= sentAt);
+      if (frame) {
+        keep(metrics.latency_ms, frame.at - sentAt);
+      }
+      return !frame;
+    });
+  };
+  connection.on('reply', ({line, reply, sentAt}) => {
+    // What changed nothing leads to no frame, and is no input to be timed.
+    const before = shown.filter(each => each.at <= sentAt).at(-1)?.revision ?? 0;
+    if (line !== '' && reply.ok && reply.revision > before) {
+      keep(awaited, {sentAt, revision: reply.revision});
+      settle();
+    }
+  });
+  picture.onShown((header, at) => {
+    metrics.frames += 1;
+    metrics.revision = header.revision;
+    metrics.rests = header.rests;
+    metrics.last = header.last;
+    metrics.samples = header.samples;
+    metrics.digest = header.rests ? header.digest : metrics.digest;
+    keep(metrics.frame_times_ms, at);
+    keep(shown, {revision: header.revision, at});
+    settle();
+  });
+  return metrics;
+}

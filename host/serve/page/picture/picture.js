@@ -1,0 +1,247 @@
+// The picture: frames on a canvas, and what is drawn over them.
+import {byId, update} from '../elements/dom.js';
+import {projectToPicture} from './projection.js';
+
+/** @typedef {import('../link/connection.js').Frame} Frame */
+/** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
+/** @typedef {import('../link/types.js').CameraState} CameraState */
+/** @typedef {import('../link/types.js').Triple} Triple */
+
+const CAMERAS_KEPT = 64;
+
+/**
+ * Shows the newest frame only: one is being decoded, the newest waits, one between them is dropped
+ * (and acknowledged, since the server counts what is on its way).
+ *
+ * Coordinates: *pixels* are those of the picture that commands speak of (`state.size`); *places*
+ * are CSS pixels from the picture's upper left corner, which `overlay` has as its units.
+ */
+export class PictureView {
+  /**
+   * @param {import('../link/connection.js').Connection} connection
+   * @param {import('../state/store.js').Store} store
+   * @param {(text: string) => void} tell  Shows the person that a frame could not be shown.
+   */
+  constructor(connection, store, tell) {
+    /** @private */
+    this.tell_ = tell;
+    /** @private */
+    this.store_ = store;
+    /** The panel that holds the picture; pointers are watched here. */
+    this.stage = byId('stage');
+    /** @private */
+    this.canvas_ = /** @type {HTMLCanvasElement} */ (byId('frame'));
+    /** @private */
+    this.context_ = /** @type {CanvasRenderingContext2D} */ (
+      this.canvas_.getContext('2d', {alpha: false}));
+    /** Above the picture: append groups here, in places. */
+    this.overlay = /** @type {SVGSVGElement} */ (/** @type {unknown} */ (byId('overlay')));
+    /** Of the picture as it is laid out. */
+    this.width = 0;
+    this.height = 0;
+    /** Of the frame that is shown; null before the first. @type {CameraState | null} */
+    this.camera = null;
+    /** @type {FrameHeader | null} */
+    this.header = null;
+    /** @private @type {{revision: number, camera: CameraState}[]} */
+    this.cameras_ = [];
+    /** @private @type {Frame | null} */
+    this.next_ = null;
+    /** @private */
+    this.decoding_ = false;
+    /** @private @type {((header: FrameHeader, at: number) => void)[]} */
+    this.shownActs_ = [];
+    /** @private @type {(() => void)[]} */
+    this.clearedActs_ = [];
+    /** @private @type {(() => void)[]} */
+    this.changeActs_ = [];
+    /** @private Frames before this revision show what is no longer open. */
+    this.leastRevision_ = 0;
+
+    connection.on('frame', frame => this.take_(frame));
+    // A frame that was dropped by a lost connection is not waited for.
+    connection.on('lost', () => {
+      this.next_ = null;
+      this.cameras_ = [];
+      this.leastRevision_ = 0;  // Another server counts anew.
+    });
+    store.subscribe(['camera', 'size', 'volume'], state => {
+      this.cameras_.push({revision: state.revision, camera: state.camera});
+      this.cameras_.splice(0, this.cameras_.length - CAMERAS_KEPT);
+      this.layOut_();
+      this.changed_();
+    });
+    store.subscribe(['volume', 'archive'], state => {
+      if (!state.volume && !state.archive) {
+        this.clear_(state.revision);
+      }
+    });
+    new ResizeObserver(() => {
+      this.layOut_();
+      this.changed_();
+    }).observe(this.stage);
+  }
+
+  /**
+   * Calls `act` after each frame that came on the screen.
+   * @param {(header: FrameHeader, at: number) => void} act  `at`: performance.now().
+   */
+  onShown(act) {
+    this.shownActs_.push(act);
+  }
+
+  /**
+   * Calls `act` when nothing is open any more, and so no picture is shown.
+   * @param {() => void} act
+   */
+  onCleared(act) {
+    this.clearedActs_.push(act);
+  }
+
+  /**
+   * Calls `act` when what `project` answers may have changed: camera, size, layout.
+   * @param {() => void} act
+   */
+  onChange(act) {
+    this.changeActs_.push(act);
+  }
+
+  /**
+   * The picture's pixel under a pointer; null outside.
+   * @param {{clientX: number, clientY: number}} event
+   * @returns {{x: number, y: number} | null}
+   */
+  pixelAt({clientX, clientY}) {
+    const box = this.canvas_.getBoundingClientRect();
+    const [width, height] = this.store_.state?.size ?? [0, 0];
+    const x = Math.floor((clientX - box.left) / box.width * width);
+    const y = Math.floor((clientY - box.top) / box.height * height);
+    return x >= 0 && y >= 0 && x < width && y < height ? {x, y} : null;
+  }
+
+  /**
+   * The place of a pixel's centre.
+   * @param {number} x
+   * @param {number} y
+   */
+  placeOfPixel(x, y) {
+    const [width, height] = this.store_.state?.size ?? [1, 1];
+    return {x: (x + 0.5) / width * this.width, y: (y + 0.5) / height * this.height};
+  }
+
+  /**
+   * The place of a point of the patient in the frame that is shown.
+   * @param {Triple} p_mm
+   */
+  project(p_mm) {
+    if (!this.camera) {
+      return {x: 0, y: 0, visible: false};
+    }
+    return projectToPicture(this.camera.patient_to_clip, p_mm, this.width, this.height);
+  }
+
+  /**
+   * @private
+   * @param {Frame} frame
+   */
+  take_(frame) {
+    this.next_?.shown();
+    this.next_ = frame;
+    if (!this.decoding_) {
+      void this.show_();
+    }
+  }
+
+  /** @private */
+  async show_() {
+    this.decoding_ = true;
+    while (this.next_) {
+      const frame = this.next_;
+      this.next_ = null;
+      try {
+        await this.decode_(frame);
+      } catch (error) {
+        // The next frame may be whole: one that fails must not end the picture.
+        const why = error instanceof Error ? error.message : String(error);
+        this.tell_(`A picture could not be shown: ${why}`);
+      } finally {
+        frame.shown();
+      }
+    }
+    this.decoding_ = false;
+  }
+
+  /**
+   * @private
+   * @param {Frame} frame
+   */
+  async decode_({header, picture}) {
+    const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
+    const bitmap = await createImageBitmap(new Blob([/** @type {any} */ (picture)], {type}));
+    await new Promise(requestAnimationFrame);
+    if (header.revision >= this.leastRevision_) {
+      this.draw_(header, bitmap);
+    }
+  }
+
+  /**
+   * @private
+   * @param {FrameHeader} header
+   * @param {ImageBitmap} bitmap
+   */
+  draw_(header, bitmap) {
+    if (this.canvas_.width !== bitmap.width || this.canvas_.height !== bitmap.height) {
+      this.canvas_.width = bitmap.width;
+      this.canvas_.height = bitmap.height;
+    }
+    this.context_.drawImage(bitmap, 0, 0);
+    bitmap.close();
+    const known = this.cameras_.filter(each => each.revision <= header.revision).at(-1);
+    const camera = known?.camera ?? this.store_.state?.camera ?? null;
+    const moved = camera !== this.camera;
+    this.header = header;
+    this.camera = camera;
+    const at = performance.now();
+    for (const act of this.shownActs_) {
+      act(header, at);
+    }
+    if (moved) {
+      this.changed_();
+    }
+  }
+
+  /**
+   * Nothing is open: an old picture would be taken for what is.
+   * @private
+   * @param {number} revision  Of the state that says so.
+   */
+  clear_(revision) {
+    this.leastRevision_ = revision;
+    this.context_.clearRect(0, 0, this.canvas_.width, this.canvas_.height);
+    this.header = null;
+    for (const act of this.clearedActs_) {
+      act();
+    }
+  }
+
+  /** Fits the picture into its panel, whole. @private */
+  layOut_() {
+    const [width, height] = this.store_.state?.size ?? [1, 1];
+    const box = this.stage.getBoundingClientRect();
+    const scale = Math.min(box.width / width, box.height / height);
+    this.width = Math.round(width * scale);
+    this.height = Math.round(height * scale);
+    for (const element of [this.canvas_, this.overlay]) {
+      element.style.width = `${this.width}px`;
+      element.style.height = `${this.height}px`;
+    }
+    update(this.overlay, {viewBox: `0 0 ${this.width || 1} ${this.height || 1}`});
+  }
+
+  /** @private */
+  changed_() {
+    for (const act of this.changeActs_) {
+      act();
+    }
+  }
+}

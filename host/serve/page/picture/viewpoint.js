@@ -1,0 +1,153 @@
+// Where the page wants the viewer to stand: ahead of the state while a gesture lasts.
+import {anglesOf, rotationOf, turn, drag} from './arcball.js';
+import {plain} from '../link/lines.js';
+import {mmPerPlace} from './projection.js';
+
+/** @typedef {import('../link/types.js').Triple} Triple */
+
+const LEAST_ZOOM = 0.05;
+const MOST_ZOOM = 100;
+
+/** Turns, moves and zooms by settings of `view`, newest only. Does nothing for a watcher. */
+export class Viewpoint {
+  /**
+   * @param {import('../link/connection.js').Connection} connection
+   * @param {import('../state/store.js').Store} store
+   * @param {import('./picture.js').PictureView} picture
+   */
+  constructor(connection, store, picture) {
+    /** @private */
+    this.connection_ = connection;
+    /** @private */
+    this.store_ = store;
+    /** @private */
+    this.picture_ = picture;
+    /** @private Settings that were sent and not answered. */
+    this.underWay_ = 0;
+    /** @private */
+    this.requested_ = 0;
+    /** @private The revision of the last answer; its state comes after it. */
+    this.answered_ = 0;
+    /** @private */
+    this.rotation_ = rotationOf({azimuth_deg: 0, elevation_deg: 0, roll_deg: 0});
+    /** @private */
+    this.zoom_ = 1;
+    /** @private @type {[number, number]} */
+    this.pan_mm_ = [0, 0];
+    /** @private */
+    this.follow_ = () => {
+      if (store.state && this.underWay_ === 0 && this.requested_ === 0
+          && store.state.revision >= this.answered_) {
+        const {camera} = store.state;
+        this.rotation_ = rotationOf(camera);
+        this.zoom_ = camera.zoom;
+        this.pan_mm_ = [camera.pan_mm[0], camera.pan_mm[1]];
+      }
+    };
+    store.subscribe(['camera', 'revision'], this.follow_);
+    connection.on('lost', () => {
+      this.answered_ = 0;  // Another server counts anew.
+    });
+  }
+
+  /** A gesture begins: what it changes is undone by itself. */
+  begin() {
+    this.connection_.mark();
+  }
+
+  /**
+   * @param {Triple} from  On the ball.
+   * @param {Triple} to
+   */
+  drag(from, to) {
+    this.rotation_ = drag(this.rotation_, from, to);
+    this.send_();
+  }
+
+  /**
+   * @param {Triple} axis   Of the eye; a unit vector.
+   * @param {number} angle  Radians.
+   */
+  turn(axis, angle) {
+    this.rotation_ = turn(this.rotation_, axis, angle);
+    this.send_();
+  }
+
+  /**
+   * Moves what is seen.
+   * @param {number} right  Places.
+   * @param {number} down
+   */
+  pan(right, down) {
+    const mm = this.mmPerPlace();
+    this.pan_mm_ = [this.pan_mm_[0] + right * mm, this.pan_mm_[1] - down * mm];
+    this.send_();
+  }
+
+  /** @param {number} factor */
+  zoom(factor) {
+    this.zoom_ = Math.max(LEAST_ZOOM, Math.min(MOST_ZOOM, this.zoom_ * factor));
+    this.send_();
+  }
+
+  /** As at first. */
+  reset() {
+    this.named('anterior', 1);
+  }
+
+  /**
+   * Ends roll and pan, and whatever turn was not sent yet: that would come later and win.
+   * @param {string} name  As the command `view` has it.
+   * @param {number} [zoom]
+   */
+  named(name, zoom = this.zoom_) {
+    if (this.connection_.watches) {
+      return;
+    }
+    cancelAnimationFrame(this.requested_);
+    this.requested_ = 0;
+    this.connection_.mark();
+    this.set_(name, zoom, 0, '0,0');
+  }
+
+  /** Millimetres at the distance of what is looked at, for a place of the picture. */
+  mmPerPlace() {
+    const {camera, height} = this.picture_;
+    const volume = this.store_.state?.volume;
+    if (!camera || !volume || height === 0) {
+      return 0;
+    }
+    return mmPerPlace(camera.patient_to_eye, camera.patient_to_clip, height, volume.centre_mm);
+  }
+
+  /** Once per screen refresh at most. @private */
+  send_() {
+    if (this.connection_.watches || this.requested_ !== 0) {
+      return;
+    }
+    this.requested_ = requestAnimationFrame(() => {
+      this.requested_ = 0;
+      const {azimuth_deg, elevation_deg, roll_deg} = anglesOf(this.rotation_);
+      this.set_(`${plain(azimuth_deg)} ${plain(elevation_deg)}`, this.zoom_, roll_deg,
+        this.pan_mm_.map(each => plain(each)).join(','));
+    });
+  }
+
+  /**
+   * All of it in every line: so each takes the place of one that waits (`subjectOf`).
+   * @private
+   * @param {string} from  A named view, or azimuth and elevation in degrees.
+   * @param {number} zoom
+   * @param {number} roll_deg
+   * @param {string} pan_mm
+   */
+  set_(from, zoom, roll_deg, pan_mm) {
+    this.underWay_ += 1;
+    const line = `view ${from} zoom=${plain(zoom, 4)} roll=${plain(roll_deg)} pan=${pan_mm}`;
+    void this.connection_.set(line).then(({revision = 0}) => {
+      this.underWay_ -= 1;
+      this.answered_ = Math.max(this.answered_, revision);
+      this.follow_();
+    });
+  }
+}

@@ -1,0 +1,104 @@
+// The line under the picture: how true it is, how fast, how large.
+import {byId, h} from '../elements/dom.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+
+const RATE_OVER_MS = 2000;
+const SETTLE_MS = 200;        // After the panel was resized, before the picture is.
+const MOST_AUTO_PX = 1280 * 1024;
+const STEP_PX = 2;            // Sizes are even.
+const SIZES = ['256x256', '512x512', '768x768', '1024x1024', '1280x1024', '1920x1080'];
+
+/** @param {App} app */
+export function createBadge(app) {
+  const root = byId('badge');
+  const quality = h('span', {class: 'quality', 'data-testid': 'badge-quality'});
+  const digest = h('code', {'data-testid': 'badge-digest', title: 'Digest of the pixels, as '
+    + 'the command digest prints it: a picture has the same one on every machine'});
+  const speed = h('span', {class: 'number', 'data-testid': 'badge-speed'});
+  const size = h('span', {class: 'number', 'data-testid': 'badge-size'});
+  const label = h('span', {class: 'small', title: digest.title, hidden: true}, 'digest');
+  root.append(quality, label, digest, h('span', {class: 'grow'}), speed, size, sizeMenu(app));
+  /** @type {number[]} */
+  let times = [];
+  app.picture.onShown((header, at) => {
+    times = [...times.filter(each => at - each < RATE_OVER_MS), at];
+    const [now, before] = [at, times[0]];
+    const rate = times.length > 2 ? (times.length - 1) / (now - before) * 1000 : 0;
+    const samples = header.samples > 1 ? `, ${header.samples} samples` : '';
+    quality.textContent = header.kind === 'png'
+      ? `lossless${samples}` : `moving, JPEG ${header.quality}`;
+    quality.classList.toggle('good', header.kind === 'png');
+    quality.title = header.kind === 'png'
+      ? 'Every pixel is as the machine drew it'
+        + (samples ? `, ${header.samples} times and averaged` : '')
+      : `Compressed while it moves (quality ${header.quality} of 100); exact as soon as it rests`;
+    digest.textContent = header.digest;
+    label.hidden = header.digest === '';
+    speed.textContent = `${header.machine_ms.toFixed(0)} ms`
+      + (rate > 0 && !header.rests ? ` · ${rate.toFixed(0)} frames/s` : '');
+    speed.title = 'Time that the machine needed for this frame, and frames shown per second';
+    size.textContent = `${header.width} × ${header.height}`;
+    size.title = 'Pixels of this frame; while it moves they may be fewer than wished';
+  });
+  app.picture.onCleared(() => {
+    for (const text of [quality, digest, speed, size]) {
+      text.textContent = '';
+    }
+  });
+}
+
+/**
+ * The picture's size follows its panel, unless a size is chosen.
+ * @param {App} app
+ */
+function sizeMenu(app) {
+  const menu = h('select', {'aria-label': 'Size of the picture', 'data-testid': 'size-menu',
+    title: 'Size of the picture in pixels', class: 'small'},
+    h('option', {value: ''}, 'fit the panel'), ...SIZES.map(each => h('option', {value: each},
+      each.replace('x', ' × '))));
+  let timer = 0;
+  const follow = () => {
+    if (menu.value === '' && app.store.state && !app.connection.watches) {
+      const wished = sizeOf(app.picture.stage);
+      if (wished !== app.store.state.size.join('x')) {
+        void app.connection.set(`size ${wished}`);
+      }
+    }
+  };
+  menu.addEventListener('change', () => {
+    if (menu.value === '') {
+      follow();
+    } else {
+      void app.connection.set(`size ${menu.value}`);
+    }
+    menu.blur();
+  });
+  new ResizeObserver(() => {
+    clearTimeout(timer);
+    timer = window.setTimeout(follow, SETTLE_MS);
+  }).observe(app.picture.stage);
+  let isGreeted = false;
+  app.connection.on('hello', () => {
+    menu.disabled = app.connection.watches;
+    isGreeted = true;
+  });
+  // The state follows the greeting, late if a frame is being drawn; the size is compared with it.
+  app.connection.on('state', () => {
+    if (isGreeted) {
+      isGreeted = false;
+      follow();
+    }
+  });
+  return menu;
+}
+
+/** @param {HTMLElement} stage */
+function sizeOf(stage) {
+  const width = stage.clientWidth * devicePixelRatio;
+  const height = stage.clientHeight * devicePixelRatio;
+  const scale = Math.min(1, Math.sqrt(MOST_AUTO_PX / Math.max(1, width * height)));
+  const even = (/** @type {number} */ px) =>
+    Math.max(16, Math.round(px * scale / STEP_PX) * STEP_PX);
+  return `${even(width)}x${even(height)}`;
+}

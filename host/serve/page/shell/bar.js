@@ -1,0 +1,49 @@
+// The bar at the top: what is open, and what concerns the session as a whole.
+import {byId, h} from '../elements/dom.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+
+/**
+ * @param {App} app
+ * @param {import('./keyboard.js').Actions} actions
+ */
+export function createBar(app, actions) {
+  const name = h('strong', {'data-testid': 'title-volume'});
+  const about = h('span', {class: 'muted about'});
+  const undo = h('button', {'data-testid': 'undo', 'aria-label': 'Undo', onclick: actions.undo},
+    '↶', h('span', {class: 'word'}, ' Undo'));
+  const redo = h('button', {'data-testid': 'redo', 'aria-label': 'Redo', onclick: actions.redo},
+    '↷', h('span', {class: 'word'}, ' Redo'));
+  const open = h('button', {'data-testid': 'open-panel', title: 'Open a volume (key O)',
+    onclick: actions.open}, 'Open …');
+  const save = h('button', {'data-testid': 'save-menu',
+    title: 'Save mesh, picture or session (key S)', onclick: actions.save}, 'Save …');
+  byId('bar').append(
+    h('img', {src: 'icon.svg', alt: '', width: 22, height: 22}),
+    h('span', {class: 'row what'}, name, about),
+    h('span', {class: 'watching', 'data-testid': 'watching', hidden: true,
+      title: 'This address only watches; the other one, which pxpl5 serve printed, may change '
+        + 'things'}, 'You are watching'),
+    h('span', {class: 'grow'}), undo, redo, open,
+    save,
+    h('button', {'data-testid': 'help', 'aria-label': 'Help', title: 'Help (key ?)',
+      onclick: actions.help}, '?'));
+  app.store.subscribe(['volume', 'archive', 'machine'], ({volume, archive, machine}) => {
+    name.textContent = volume?.name ?? archive ?? 'No volume';
+    document.title = `${name.textContent} · pxpl5`;
+    about.textContent = volume ? [volume.modality, volume.size.join(' × '),
+      `${machine.gps} GPs, ${machine.renderers} Renderers`].filter(Boolean).join(' · ') : '';
+    about.title = volume?.source ?? '';
+  });
+  app.store.subscribe(['undo', 'redo'], state => {
+    undo.disabled = state.undo === null || app.connection.watches;
+    redo.disabled = state.redo === null || app.connection.watches;
+    undo.title = state.undo ? `Undo: ${state.undo} (key U)` : 'Nothing to undo';
+    redo.title = state.redo ? `Redo: ${state.redo} (key shift U)` : 'Nothing to redo';
+  });
+  app.connection.on('hello', ({role}) => {
+    byId('bar').querySelector('.watching')?.toggleAttribute('hidden', role !== 'watcher');
+    open.disabled = role === 'watcher';
+    save.disabled = role === 'watcher';
+  });
+}

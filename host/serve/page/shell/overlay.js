@@ -1,0 +1,127 @@
+// What lies over the picture: letters of the patient's sides, scale bar, cube, crosshair.
+import {byId, h, s, update} from '../elements/dom.js';
+import {lettersTowards, roundLength, SIDES, toEye} from '../picture/projection.js';
+
+/** @typedef {import('../link/types.js').Triple} Triple */
+
+const MARGIN_REM = 1.2;     // From the picture's edge to a letter.
+const BAR_SHARE = 0.25;     // Of the picture's width, at most.
+const CROSS_PX = 9;
+const CUBE_HALF = 21;
+const EDGES = /** @type {{at: [number, number], anchor: string, on: [number, number]}[]} */ ([
+  {at: [0, 0.5], anchor: 'start', on: [-1, 0]},
+  {at: [1, 0.5], anchor: 'end', on: [1, 0]},
+  {at: [0.5, 0], anchor: 'middle', on: [0, 1]},
+  {at: [0.5, 1], anchor: 'middle', on: [0, -1]},
+]);
+
+/**
+ * @param {import('../panel/app.js').App} app
+ * @param {import('../picture/viewpoint.js').Viewpoint} viewpoint
+ */
+export function createOverlay(app, viewpoint) {
+  const {picture} = app;
+  const letters = EDGES.map(({anchor}) => s('text', {class: 'side', 'text-anchor': anchor}));
+  const bar = s('path', {class: 'scale'}), barText = s('text', {class: 'scale-text'});
+  const cross = s('g', {class: 'crosshair', visibility: 'hidden', 'data-testid': 'crosshair'},
+    s('path', {d: `M${-CROSS_PX} 0H-3M3 0H${CROSS_PX}M0 ${-CROSS_PX}V-3M0 3V${CROSS_PX}`}));
+  picture.overlay.append(s('g', {}, ...letters), s('g', {}, bar, barText), cross);
+  const cube = createCube(app, viewpoint);
+  /** @type {Triple | null} */
+  let place = null;
+
+  const redraw = () => {
+    const {camera, width, height} = picture;
+    if (!camera) {
+      return;
+    }
+    const margin = MARGIN_REM * parseFloat(getComputedStyle(document.documentElement).fontSize);
+    EDGES.forEach(({at, on}, index) => {
+      letters[index].textContent = lettersTowards(camera.patient_to_eye, on);
+      update(letters[index], {x: margin + at[0] * (width - 2 * margin),
+        y: margin + at[1] * (height - 2 * margin), dy: '0.36em'});
+    });
+    drawBar(bar, barText, viewpoint.mmPerPlace(), {x: margin, y: height - margin, width});
+    const at = place && picture.project(place);
+    update(cross, at?.visible ? {transform: `translate(${at.x} ${at.y})`, visibility: 'visible'}
+      : {visibility: 'hidden'});
+    cube(camera.patient_to_eye);
+  };
+  picture.onChange(redraw);
+  document.addEventListener('place', event => {
+    place = /** @type {CustomEvent} */ (event).detail.p_mm;
+    redraw();
+  });
+  app.store.subscribe(['volume'], () => { place = null; });
+}
+
+/**
+ * @param {SVGPathElement} bar
+ * @param {SVGTextElement} text
+ * @param {number} mmPerPlace
+ * @param {{x: number, y: number, width: number}} at  Its left end; the picture's width.
+ */
+function drawBar(bar, text, mmPerPlace, {x, y, width}) {
+  if (mmPerPlace <= 0 || width === 0) {
+    update(bar, {d: 'M0 0'});
+    text.textContent = '';
+    return;
+  }
+  const mm = roundLength(width * BAR_SHARE * mmPerPlace);
+  const px = mm / mmPerPlace;
+  update(bar, {d: `M${x} ${y - 4}v8M${x} ${y}h${px}m0 -4v8`});
+  update(text, {x: x + 6, y: y - 6});
+  text.textContent = mm >= 10 ? `${mm / 10} cm` : `${mm} mm`;
+}
+
+/**
+ * The cube that turns with the patient; its faces are named views.
+ * @param {import('../panel/app.js').App} app
+ * @param {import('../picture/viewpoint.js').Viewpoint} viewpoint
+ * @returns {(patientToEye: number[]) => void} draws it anew
+ */
+function createCube(app, viewpoint) {
+  const faces = SIDES.map(({letter, view, towards}) => {
+    const shape = s('polygon'), text = s('text', {'text-anchor': 'middle', dy: '0.36em'}, letter);
+    const group = s('g', {class: 'face', role: 'button', 'aria-label': `Look from ${view}`,
+      'data-testid': `cube-${letter}`, onclick: () => viewpoint.named(view)},
+      shape, text, s('title', {}, `Look from ${view}`));
+    return {group, shape, text, towards};
+  });
+  const drawing = s('svg', {id: 'cube', viewBox: '-40 -40 80 80', role: 'group',
+    'aria-label': 'Orientation'}, ...faces.map(({group}) => group));
+  const buttons = SIDES.map(({letter, view}, index) => h('button', {class: 'quiet',
+    title: `Look from ${view} (key ${index + 1})`, 'aria-label': `Look from ${view}`,
+    'data-testid': `view-${view}`, onclick: () => viewpoint.named(view)}, letter));
+  byId('corner').append(drawing, h('div', {id: 'views', class: 'drives'}, ...buttons));
+  app.store.subscribe(['volume', 'archive'], state => {
+    byId('corner').hidden = !state.volume && !state.archive;
+  });
+
+  return patientToEye => {
+    for (const {group, shape, text, towards} of faces) {
+      const [right, up, back] = toEye(patientToEye, towards);
+      const isSeen = back > 0.02;
+      update(group, {visibility: isSeen ? 'visible' : 'hidden'});
+      if (isSeen) {
+        update(shape, {points: faceCorners(patientToEye, towards)});
+        update(text, {x: right * CUBE_HALF, y: -up * CUBE_HALF,
+          'fill-opacity': Math.min(1, back * 1.6).toFixed(2)});
+      }
+    }
+  };
+}
+
+/**
+ * @param {number[]} patientToEye
+ * @param {Triple} towards
+ */
+function faceCorners(patientToEye, towards) {
+  const a = /** @type {Triple} */ ([towards[1], towards[2], towards[0]]);
+  const b = /** @type {Triple} */ ([towards[2], towards[0], towards[1]]);
+  return [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([u, v]) => {
+    const corner = /** @type {Triple} */ (towards.map((t, k) => t + u * a[k] + v * b[k]));
+    const [right, up] = toEye(patientToEye, corner);
+    return `${(right * CUBE_HALF).toFixed(2)},${(-up * CUBE_HALF).toFixed(2)}`;
+  }).join(' ');
+}

@@ -1,0 +1,59 @@
+// A click on the picture: the mode's if there is one, else it points at a place in all views.
+import {byId, h} from '../elements/dom.js';
+import {plain} from '../link/lines.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+
+/**
+ * @param {App} app
+ * @returns {(event: PointerEvent) => void}
+ */
+export function createPointing(app) {
+  const words = h('div', {id: 'pointed', role: 'status', 'data-testid': 'pointed', hidden: true});
+  byId('middle').querySelector('#stage')?.append(words);
+  app.picture.onShown(header => {
+    // What was pointed at is told of the picture at that time.
+    words.hidden ||= !header.rests;
+  });
+  return event => {
+    const pixel = app.picture.pixelAt(event);
+    if (!pixel || app.connection.watches) {
+      return;
+    }
+    if (app.modes.current) {
+      app.modes.current.click(pixel.x, pixel.y);
+    } else {
+      void point(app, pixel, words);
+    }
+  };
+}
+
+/**
+ * @param {App} app
+ * @param {{x: number, y: number}} pixel
+ * @param {HTMLElement} words
+ */
+async function point(app, {x, y}, words) {
+  const reply = await app.connection.do(`pick ${x} ${y}`, {quiet: true});
+  if (!reply.ok || !reply.result?.hit) {
+    words.hidden = true;
+    return;
+  }
+  const {surface, p_mm, value} = reply.result;
+  const unit = app.store.state?.volume?.unit ?? '';
+  words.replaceChildren(h('strong', {}, surface),
+    value === undefined ? '' : ` value ${plain(value, 3)} ${unit}`,
+    h('span', {class: 'muted'}, ` at ${sides(p_mm)}`));
+  words.hidden = false;
+  document.dispatchEvent(new CustomEvent('place', {detail: {p_mm, from: 'picture'}}));
+}
+
+/**
+ * A place in words: "12.3 L, 4.0 P, 80.1 S mm".
+ * @param {import('../link/types.js').Triple} p_mm
+ */
+function sides(p_mm) {
+  const letters = [['L', 'R'], ['P', 'A'], ['S', 'I']];
+  return p_mm.map((mm, k) => `${Math.abs(mm).toFixed(1)} ${letters[k][mm < 0 ? 1 : 0]}`)
+    .join(', ') + ' mm';
+}

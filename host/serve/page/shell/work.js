@@ -1,0 +1,119 @@
+// What the server is at, with a way to stop it; the veil of a lost connection; hints.
+import {byId, h} from '../elements/dom.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/types.js').Progress} Progress */
+
+const SHOW_AFTER_MS = 300;      // Short work need not flash.
+/** Work that the server gives up when it is asked to, by what `progress` calls it. */
+const CANCELLABLE = ['load', 'reading', 'handing to the GPs'];
+const HINTS_SEEN = 'pxpl5-hints-seen';
+const VEIL_AFTER_MS = 400;
+
+/** @param {App} app */
+export function createWork(app) {
+  const root = byId('work');
+  const what = h('p', {'data-testid': 'work-what'});
+  const bar = h('progress', {'aria-label': 'Progress'});
+  const cancel = h('button', {'data-testid': 'cancel',
+    onclick: () => app.connection.cancel()}, 'Cancel');
+  root.append(what, bar, cancel);
+  let timer = 0;
+  app.connection.on('progress', (/** @type {Progress | null} */ progress) => {
+    if (!progress) {
+      clearTimeout(timer);
+      timer = 0;
+      root.hidden = true;
+      return;
+    }
+    cancel.hidden = !CANCELLABLE.includes(progress.what);
+    const percent = Math.round(progress.done / progress.total * 100);
+    what.textContent = progress.what + (progress.total > 0 ? ` ${percent} %` : '');
+    if (progress.total > 0) {
+      bar.max = progress.total;
+      bar.value = progress.done;
+    } else {
+      bar.removeAttribute('value');
+    }
+    if (timer === 0) {
+      timer = window.setTimeout(() => { root.hidden = false; }, SHOW_AFTER_MS);
+    }
+  });
+  app.connection.on('lost', () => {
+    clearTimeout(timer);
+    timer = 0;
+    root.hidden = true;
+  });
+}
+
+/** @param {App} app */
+export function createVeil(app) {
+  let timer = 0;
+  app.connection.on('lost', (/** @type {string} */ why) => {
+    byId('lost-why').textContent = why;
+    if (timer === 0) {
+      timer = window.setTimeout(() => { byId('lost').hidden = false; }, VEIL_AFTER_MS);
+    }
+  });
+  app.connection.on('hello', () => {
+    clearTimeout(timer);
+    timer = 0;
+    byId('lost').hidden = true;
+  });
+}
+
+/**
+ * The line over the picture: what a mode asks for; at a first visit, what one can do. Its words go
+ * away with the first use, for good.
+ * @param {App} app
+ */
+export function createHints(app) {
+  const root = byId('hint');
+  const isTouch = matchMedia('(pointer: coarse)').matches;
+  let isFirst = false;
+  try {
+    isFirst = localStorage.getItem(HINTS_SEEN) === null;
+  } catch {
+    // A browser that keeps nothing shows the hints each time.
+    isFirst = true;
+  }
+  const done = () => {
+    if (isFirst) {
+      isFirst = false;
+      root.hidden = app.modes.current === null;
+      try {
+        localStorage.setItem(HINTS_SEEN, 'yes');
+      } catch {
+        // As above.
+      }
+    }
+  };
+  app.modes.watch(mode => {
+    app.picture.stage.classList.toggle('mode', mode !== null);
+    root.hidden = mode === null && !isFirst;
+    root.replaceChildren(...(mode ? [mode.hint, leaveButton(app)] : firstHint(isTouch)));
+  });
+  app.picture.stage.addEventListener('pointerup', done);
+  app.picture.stage.addEventListener('wheel', done);
+  document.addEventListener('keydown', done);
+  app.connection.on('hello', hello => {
+    if (hello.role === 'watcher') {
+      isFirst = false;
+      root.hidden = true;
+    }
+  });
+}
+
+/** @param {App} app */
+function leaveButton(app) {
+  return h('button', {class: 'quiet', 'data-testid': 'leave-mode', title: 'Key Esc',
+    onclick: () => app.modes.leave()}, 'Done');
+}
+
+/** @param {boolean} isTouch */
+function firstHint(isTouch) {
+  return [isTouch
+    ? 'One finger turns the picture, two move and zoom it.'
+    : 'Drag to turn, wheel to zoom, right button to move. Drag a handle of the histogram to '
+      + 'change a surface. Press ? for more.'];
+}

@@ -1,0 +1,54 @@
+// Asks for slices, newest only: one question under way for each view, the newest waits.
+import {sliceOf} from './slice_pixels.js';
+
+/** @typedef {import('./slice_pixels.js').Axis} Axis */
+/** @typedef {import('./slice_pixels.js').Slice} Slice */
+
+export class SliceSource {
+  /**
+   * @param {import('../link/connection.js').Connection} connection
+   * @param {{slice: (slice: Slice) => void, failed: (sentence: string) => void}} to
+   */
+  constructor(connection, to) {
+    /** @private */ this.connection_ = connection;
+    /** @private */ this.to_ = to;
+    /** @private @type {{axis: Axis, index: number} | null} */ this.next_ = null;
+    /** @private */ this.busy_ = false;
+    /** @private  What was asked last; '' if it must be asked again. */
+    this.asked_ = '';
+  }
+
+  /**
+   * @param {Axis} axis
+   * @param {number} index
+   * @param {string} of       Volume and contours: the same slice of the same is not asked twice.
+   */
+  want(axis, index, of) {
+    const asked = `${axis} ${index} ${of}`;
+    if (asked === this.asked_) {
+      return;
+    }
+    this.asked_ = asked;
+    this.next_ = {axis, index};
+    if (!this.busy_) {
+      void this.work_();
+    }
+  }
+
+  /** @private */
+  async work_() {
+    this.busy_ = true;
+    while (this.next_) {
+      const {axis, index} = this.next_;
+      this.next_ = null;
+      try {
+        const answer = await this.connection_.ask({ask: 'slice', axis, index});
+        this.to_.slice(sliceOf(axis, index, answer));
+      } catch (error) {
+        this.asked_ = '';
+        this.to_.failed(error instanceof Error ? error.message : String(error));
+      }
+    }
+    this.busy_ = false;
+  }
+}

@@ -1,0 +1,36 @@
+// Which surface the histogram's keys, the tissue mode and the details are about.
+
+export class Selection {
+  constructor() {
+    /** '' if there is no surface. */
+    this.name = '';
+    /** @private @type {Set<(name: string) => void>} */
+    this.watchers_ = new Set();
+  }
+
+  /** @param {string} name */
+  choose(name) {
+    if (name !== this.name) {
+      this.name = name;
+      for (const act of this.watchers_) {
+        act(name);
+      }
+    }
+  }
+
+  /** @param {(name: string) => void} act  Called now and at each change. */
+  watch(act) {
+    this.watchers_.add(act);
+    act(this.name);
+  }
+
+  /**
+   * Keeps to surfaces that there are.
+   * @param {import('../link/types.js').SurfaceState[]} surfaces
+   */
+  keepTo(surfaces) {
+    if (!surfaces.some(({name}) => name === this.name)) {
+      this.choose(surfaces.at(-1)?.name ?? '');
+    }
+  }
+}

@@ -1,0 +1,52 @@
+// The last state that the server told, and who wants to know which part of it.
+
+/** @typedef {import('../link/types.js').State} State */
+/** @typedef {keyof State} Key */
+
+/**
+ * Calls each subscriber once per state in which one of its keys has changed. Values are compared
+ * as JSON: a state is a few kilobytes, and then nobody need promise to keep objects alike.
+ */
+export class Store {
+  constructor() {
+    /** @type {State | null} */
+    this.state = null;
+    /** @private @type {Map<Key, string>} */
+    this.texts_ = new Map();
+    /** @private @type {Set<{keys: Key[], act: (state: State) => void}>} */
+    this.subscribers_ = new Set();
+  }
+
+  /**
+   * Calls `act` now, if there is a state, and whenever one of `keys` has changed.
+   * @param {Key[]} keys
+   * @param {(state: State) => void} act
+   * @returns {() => void} ends the subscription
+   */
+  subscribe(keys, act) {
+    const subscriber = {keys, act};
+    this.subscribers_.add(subscriber);
+    if (this.state) {
+      act(this.state);
+    }
+    return () => void this.subscribers_.delete(subscriber);
+  }
+
+  /** @param {State} state */
+  take(state) {
+    const changed = new Set();
+    for (const key of /** @type {Key[]} */ (Object.keys(state))) {
+      const text = JSON.stringify(state[key]);
+      if (text !== this.texts_.get(key)) {
+        this.texts_.set(key, text);
+        changed.add(key);
+      }
+    }
+    this.state = state;
+    for (const {keys, act} of [...this.subscribers_]) {
+      if (keys.some(key => changed.has(key))) {
+        act(state);
+      }
+    }
+  }
+}

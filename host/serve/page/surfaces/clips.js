@@ -1,0 +1,131 @@
+// Clip planes: one of each of the patient's sides, and a box.
+import {h} from '../elements/dom.js';
+import {plain} from '../link/lines.js';
+import {SIDES} from '../picture/projection.js';
+import {show} from './surface_card.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/types.js').ClipState} ClipState */
+
+const OPPOSITE = new Map([['L', 'R'], ['R', 'L'], ['A', 'P'], ['P', 'A'], ['S', 'I'], ['I', 'S']]);
+const SIDE_NAMES = new Map([['L', 'left'], ['R', 'right'], ['A', 'anterior'], ['P', 'posterior'],
+  ['S', 'superior'], ['I', 'inferior']]);
+const AXIS = new Map([['L', 0], ['R', 0], ['A', 1], ['P', 1], ['S', 2], ['I', 2]]);
+
+/**
+ * @param {HTMLElement} root
+ * @param {App} app
+ */
+export function createClips(root, app) {
+  const list = h('div', {id: 'clips', 'data-testid': 'clip-list'});
+  const buttons = SIDES.map(({letter, view}) => h('button', {'data-testid': `clip-add-${letter}`,
+    title: `Keep only the ${view} half; then move the plane`, 'aria-label': `Keep ${view}`,
+    onclick: () => {
+      app.connection.mark();
+      void app.connection.do(`clip ${letter}`);
+    }}, letter));
+  const box = h('button', {'data-testid': 'clip-add-box',
+    title: 'Keep the inner half of the volume', onclick: () => clipBox(app)}, 'Box');
+  root.append(h('p', {class: 'muted'}, 'Keep only this side of the patient:'),
+    h('div', {class: 'chips', role: 'group', 'aria-label': 'Add a clip plane'}, ...buttons, box),
+    list);
+  /** @type {Map<string, PlaneRow>} */
+  const rows = new Map();
+  app.store.subscribe(['clips', 'volume'], state => {
+    // Six planes in a row with the same words are a box.
+    const words = [...new Set(state.clips.map(each => each.words))];
+    const kinds = words.map(each => each.split(' ')[0]);
+    for (const [kind, row] of rows) {
+      if (!kinds.includes(kind)) {
+        row.root.remove();
+        rows.delete(kind);
+      }
+    }
+    words.forEach((text, index) => {
+      const kind = kinds[index];
+      const row = rows.get(kind) ?? new PlaneRow(app, kind);
+      rows.set(kind, row);
+      list.append(row.root);
+      row.show(text);
+    });
+    buttons.forEach((button, index) => {
+      button.setAttribute('aria-pressed', String(kinds.includes(SIDES[index].letter)));
+    });
+    box.setAttribute('aria-pressed', String(kinds.includes('box')));
+  });
+}
+
+/** @param {App} app */
+function clipBox({connection, store}) {
+  const size = store.state?.volume?.size;
+  if (size) {
+    const at = (/** @type {number} */ share) =>
+      size.map(n => Math.round((n - 1) * share)).join(',');
+    connection.mark();
+    void connection.do(`clip box ${at(0.25)} ${at(0.75)}`);
+  }
+}
+
+/** A plane with its place in millimetres, or the box with its corners in voxels. */
+class PlaneRow {
+  /**
+   * @param {App} app
+   * @param {string} kind  A letter, or 'box'.
+   */
+  constructor(app, kind) {
+    /** @private */
+    this.app_ = app;
+    /** @private */
+    this.kind_ = kind;
+    const off = () => void app.connection.do(`clip ${kind} off`);
+    const remove = h('button', {class: 'quiet icon', title: 'Remove', onclick: off,
+      'aria-label': `Remove the clip plane ${kind}`, 'data-testid': `clip-off-${kind}`}, '×');
+    /** @private */
+    this.place_ = h('input', {type: 'range', step: 0.5, 'data-testid': `clip-place-${kind}`,
+      'aria-label': `Place of the plane that keeps ${SIDE_NAMES.get(kind)}`,
+      onpointerdown: () => app.connection.mark(),
+      oninput: () => void app.connection.set(`clip ${kind} ${this.place_.value}`)});
+    /** @private */
+    this.text_ = h('span', {class: 'number amount'});
+    /** @private */
+    this.corners_ = h('input', {type: 'text', class: 'grow mono', 'data-testid': 'clip-corners',
+      'aria-label': 'First and last voxel of the box, I,J,K each',
+      onchange: () => void app.connection.do(`clip box ${this.corners_.value}`)});
+    const flip = h('button', {class: 'quiet icon', 'data-testid': `clip-flip-${kind}`,
+      title: 'Keep the other side', 'aria-label': `Flip the clip plane ${kind}`,
+      onclick: () => this.flip_()}, '⇄');
+    this.root = kind === 'box'
+      ? h('div', {class: 'row'}, h('span', {class: 'field'}, 'box'), this.corners_, remove)
+      : h('div', {class: 'row'}, h('span', {class: 'field'}, SIDE_NAMES.get(kind)), this.place_,
+        this.text_, flip, remove);
+  }
+
+  /** @param {string} words  As in the state. */
+  show(words) {
+    if (this.kind_ === 'box') {
+      show(this.corners_, words.replace(/^box /, ''));
+      return;
+    }
+    const volume = this.app_.store.state?.volume;
+    const axis = AXIS.get(this.kind_);
+    if (volume && axis !== undefined) {
+      const centre = volume.centre_mm[axis];
+      this.place_.min = plain(centre - volume.radius_mm, 0);
+      this.place_.max = plain(centre + volume.radius_mm, 0);
+    }
+    const at = words.split(' ')[1] ?? '0';
+    show(this.place_, at);
+    this.text_.textContent = `${plain(Number(at), 1)} mm`;
+  }
+
+  /** @private */
+  async flip_() {
+    const other = OPPOSITE.get(this.kind_);
+    const at = this.place_.value;
+    this.app_.connection.mark();
+    const reply = await this.app_.connection.do(`clip ${this.kind_} off`);
+    if (reply.ok) {
+      await this.app_.connection.do(`clip ${other} ${at}`);
+    }
+  }
+}

@@ -1,0 +1,286 @@
+// The volume's histogram; every surface is a handle that is dragged along it.
+import {h, s, update} from '../elements/dom.js';
+import {isoLine, plain, roundIso} from '../link/lines.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/types.js').SurfaceState} SurfaceState */
+/** @typedef {import('../link/types.js').VolumeState} VolumeState */
+/** @typedef {import('../state/selection.js').Selection} Selection */
+
+// Lengths in rem, so that they grow with the text on large screens.
+const HEIGHT = 11.4;
+const TOP = 2.6;           // Room for the handles' grips, in two rows.
+const BOTTOM = 1.6;        // Room for the axis.
+const SIDE = 1.4;           // Room for half a number of the axis.
+const GRIP = 0.85;
+const REACH = 0.95;        // How far beside a handle's line a pointer takes hold of it.
+const FINE = 0.1;          // Of the pointer's way, with shift.
+const COARSE = 10;         // Steps of an arrow key with shift.
+const KEY_STEPS = 500;     // Arrow keys cross the range in so many steps.
+
+/** @typedef {{first: number, width: number, counts: number[]}} Counts */
+
+export class Histogram {
+  /**
+   * @param {HTMLElement} root
+   * @param {App} app
+   * @param {Selection} selection
+   */
+  constructor(root, app, selection) {
+    /** @private */
+    this.app_ = app;
+    /** @private */
+    this.selection_ = selection;
+    /** @private @type {Counts | null} */
+    this.counts_ = null;
+    /** @private Whether the counts are the volume's, and not only the axis. */
+    this.isCounted_ = false;
+    /** @private @type {Map<string, number>} isovalues being dragged, ahead of the state */
+    this.ahead_ = new Map();
+    /** @private */
+    this.x_ = d3.scaleLinear();
+    /** @private Pixels of a rem. */
+    this.rem_ = 13;
+    /** @private @type {Map<string, SVGGElement>} */
+    this.handles_ = new Map();
+    /** @private */
+    this.area_ = s('path', {class: 'area'});
+    /** @private */
+    this.axis_ = s('g', {class: 'axis'});
+    /** @private */
+    this.handleGroup_ = s('g');
+    /** @private */
+    this.svg_ = s('svg', {id: 'histogram', 'data-testid': 'histogram',
+      role: 'group', 'aria-label': 'Histogram of the volume, with a handle for each surface'},
+      this.area_, this.axis_, this.handleGroup_);
+    /** @private */
+    this.message_ = h('p', {class: 'muted'}, 'Open a volume to see its values.');
+    root.append(this.svg_, this.message_);
+    new ResizeObserver(() => this.draw_()).observe(root);
+    app.store.subscribe(['volume'], ({volume}) => void this.load_(volume));
+    app.store.subscribe(['surfaces', 'volume'], () => this.drawHandles_());
+    selection.watch(() => this.drawHandles_());
+    app.connection.on('hello', () => {
+      // The connection may have been lost before the counts came.
+      const volume = app.store.state?.volume ?? null;
+      if (volume && !this.isCounted_) {
+        void this.load_(volume);
+      }
+    });
+  }
+
+  /**
+   * @private
+   * @param {VolumeState | null} volume
+   */
+  async load_(volume) {
+    this.counts_ = null;
+    this.draw_();
+    if (!volume) {
+      return;
+    }
+    const reply = this.app_.connection.watches
+      ? {ok: false, error: 'this address only watches, and counting would hold up who works.'}
+      : await this.app_.connection.do('histogram', {quiet: true});
+    if (JSON.stringify(volume) !== JSON.stringify(this.app_.store.state?.volume)) {
+      return;  // Another one was opened meanwhile, and asks for itself.
+    }
+    this.isCounted_ = reply.ok;
+    this.message_.textContent = reply.ok ? '' : `No histogram: ${reply.error}`;
+    // The handles have their place on the axis without counts, too; a volume of one value or none
+    // has an axis of length 1.
+    const hasCounts = reply.ok && reply.result.counts.length > 0 && reply.result.width > 0;
+    this.counts_ = hasCounts ? reply.result
+      : {first: volume.minimum, width: volume.maximum - volume.minimum || 1, counts: [0]};
+    this.draw_();
+  }
+
+  /** @private */
+  draw_() {
+    const counts = this.counts_;
+    update(this.svg_, {class: counts ? '' : 'empty'});
+    const width = this.svg_.clientWidth;
+    if (!counts || width === 0) {
+      return;
+    }
+    const last = counts.first + counts.width * counts.counts.length;
+    this.rem_ = parseFloat(getComputedStyle(document.documentElement).fontSize);
+    const [side, top, base] = [SIDE, TOP, HEIGHT - BOTTOM].map(each => each * this.rem_);
+    update(this.svg_, {height: HEIGHT * this.rem_});
+    update(this.axis_, {transform: `translate(0 ${base})`});
+    this.x_ = d3.scaleLinear([counts.first, last], [side, width - side]);
+    const most = Math.log1p(Math.max(...counts.counts, 1));
+    const y = (/** @type {number} */ n) => base - Math.log1p(n) / most * (base - top);
+    const area = d3.area().curve(d3.curveStepAfter)
+      .x((/** @type {number} */ _, /** @type {number} */ k) =>
+        this.x_(counts.first + k * counts.width))
+      .y0(base).y1(y);
+    update(this.area_, {d: area([...counts.counts, counts.counts.at(-1)])});
+    const ticks = Math.max(3, Math.round(width / (5 * this.rem_)));
+    d3.select(this.axis_).call(d3.axisBottom(this.x_).ticks(ticks).tickSizeOuter(0));
+    this.drawHandles_();
+  }
+
+  /** @private */
+  drawHandles_() {
+    const surfaces = this.app_.store.state?.surfaces ?? [];
+    const named = new Set(surfaces.map(({name}) => name));
+    for (const [name, handle] of this.handles_) {
+      if (!named.has(name) || !this.counts_) {
+        handle.remove();
+        this.handles_.delete(name);
+      }
+    }
+    if (this.counts_) {
+      surfaces.filter(each => each.compared_with === '')
+        .forEach((surface, row) => this.drawHandle_(surface, row));
+    }
+  }
+
+  /**
+   * @private
+   * @param {SurfaceState} surface
+   * @param {number} row
+   */
+  drawHandle_(surface, row) {
+    const handle = this.handles_.get(surface.name) ?? this.makeHandle_(surface.name);
+    const value = this.valueOf_(surface.name);
+    const [low, high] = this.x_.domain();
+    const x = this.x_(Math.max(low, Math.min(high, value)));
+    const unit = this.app_.store.state?.volume?.unit ?? '';
+    const isChosen = surface.name === this.selection_.name;
+    update(handle, {
+      transform: `translate(${x.toFixed(1)} 0)`, 'aria-valuemin': low, 'aria-valuemax': high,
+      'aria-valuenow': value, 'aria-valuetext': `${plain(value, 4)} ${unit}`,
+      class: `handle${isChosen ? ' chosen' : ''}${surface.visible ? '' : ' hid'}`,
+    });
+    const [line, grip, label, reach, , beyond] = handle.children;
+    const [size, base, far] = [GRIP, HEIGHT - BOTTOM, REACH].map(each => each * this.rem_);
+    const top = row % 2 === 0 ? 2 : 2 + size * 1.3;
+    update(line, {y1: top + size, y2: base, stroke: surface.color});
+    update(grip, {x: -size / 2, y: top, width: size, height: size, fill: surface.color});
+    update(reach, {x: -far, width: 2 * far, height: base});
+    // An arrow at the axis, towards where the value would be.
+    const way = value < low ? -1 : value > high ? 1 : 0;
+    const foot = base - size / 2;
+    update(beyond, {visibility: way === 0 ? 'hidden' : 'visible',
+      d: `M${way * size * 1.2} ${foot}L${way * 3} ${foot - size / 2}V${foot + size / 2}Z`});
+    label.textContent = `${surface.name} ${plain(value, 3)}`;
+    const isLeft = x < this.svg_.clientWidth / 2;
+    update(label, {x: isLeft ? size : -size, y: top + size - 1,
+      'text-anchor': isLeft ? 'start' : 'end'});
+    // On top; but one that is moved loses the focus, and Tab would never get past it.
+    if (isChosen && handle !== document.activeElement && handle !== this.handleGroup_.lastChild) {
+      this.handleGroup_.append(handle);
+    }
+  }
+
+  /**
+   * @private
+   * @param {string} name
+   */
+  makeHandle_(name) {
+    const handle = s('g', {role: 'slider', tabindex: 0, 'aria-label': `Isovalue of ${name}`,
+      'data-testid': `handle-${name}`},
+      s('line'), s('rect', {rx: 3}),
+      s('text', {class: 'handle-text'}),
+      s('rect', {class: 'reach'}),
+      s('title', {}, `${name}: drag (finely with shift), or use the arrow keys`),
+      s('path', {class: 'beyond', 'data-testid': `handle-beyond-${name}`}));
+    handle.addEventListener('focus', () => this.selection_.choose(name));
+    handle.addEventListener('keydown', event => this.key_(event, name));
+    handle.addEventListener('pointerdown', event => this.grab_(event, handle, name));
+    this.handles_.set(name, handle);
+    this.handleGroup_.append(handle);
+    return handle;
+  }
+
+  /**
+   * @private
+   * @param {PointerEvent} event
+   * @param {SVGGElement} handle
+   * @param {string} name
+   */
+  grab_(event, handle, name) {
+    if (this.app_.connection.watches || event.button !== 0) {
+      return;
+    }
+    event.preventDefault();
+    handle.focus();
+    const left = this.svg_.getBoundingClientRect().left;
+    let before = event.clientX, x = this.x_(this.valueOf_(name));
+    const move = (/** @type {PointerEvent} */ moved) => {
+      x = moved.shiftKey ? x + (moved.clientX - before) * FINE : moved.clientX - left;
+      before = moved.clientX;
+      this.setTo(name, this.x_.invert(x));
+    };
+    const end = () => {
+      this.svg_.removeEventListener('pointermove', move);
+      this.svg_.removeEventListener('pointerup', end);
+      this.svg_.removeEventListener('pointercancel', end);
+    };
+    this.app_.connection.mark();
+    this.svg_.setPointerCapture(event.pointerId);
+    this.svg_.addEventListener('pointermove', move);
+    this.svg_.addEventListener('pointerup', end);
+    this.svg_.addEventListener('pointercancel', end);
+  }
+
+  /**
+   * @private
+   * @param {string} name
+   */
+  valueOf_(name) {
+    return this.ahead_.get(name)
+      ?? this.app_.store.state?.surfaces.find(each => each.name === name)?.isovalue ?? 0;
+  }
+
+  /**
+   * Sets a surface's isovalue, newest only; the handle goes ahead of the answer.
+   * @param {string} name
+   * @param {number} wished
+   */
+  setTo(name, wished) {
+    const volume = this.app_.store.state?.volume;
+    if (!volume) {
+      return;
+    }
+    const [low, high] = this.x_.domain();
+    const value = roundIso(Math.max(low, Math.min(high, wished)), volume);
+    if (value === this.ahead_.get(name)) {
+      return;
+    }
+    this.ahead_.set(name, value);
+    this.drawHandles_();
+    void this.app_.connection.set(isoLine(name, value)).then(() => {
+      if (this.ahead_.get(name) === value) {
+        this.ahead_.delete(name);
+        this.drawHandles_();
+      }
+    });
+  }
+
+  /**
+   * @private
+   * @param {KeyboardEvent} event
+   * @param {string} name
+   */
+  key_(event, name) {
+    if (this.app_.connection.watches || event.ctrlKey || event.metaKey) {
+      return;
+    }
+    const [low, high] = this.x_.domain();
+    const step = (high - low >= KEY_STEPS ? 1 : (high - low) / KEY_STEPS)
+      * (event.shiftKey ? COARSE : 1);
+    const now = this.valueOf_(name);
+    const values = new Map([['ArrowLeft', now - step], ['ArrowDown', now - step],
+      ['ArrowRight', now + step], ['ArrowUp', now + step], ['PageDown', now - COARSE * step],
+      ['PageUp', now + COARSE * step], ['Home', low], ['End', high]]);
+    const value = values.get(event.key);
+    if (value !== undefined) {
+      event.preventDefault();
+      event.stopPropagation();
+      this.setTo(name, value);
+    }
+  }
+}

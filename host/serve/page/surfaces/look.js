@@ -1,0 +1,196 @@
+// How surfaces look: lights as dots on a ball, material, background, tint of gaps.
+import {h, s, update} from '../elements/dom.js';
+import {plain} from '../link/lines.js';
+import {show} from './surface_card.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/types.js').LightState} LightState */
+
+const MOST_LIGHTS = 4;
+const BALL = 34;              // Radius, in the drawing's units.
+const KEY_DEG = 5;
+const NEW_LIGHT = '0 45 intensity=0.4';
+const DEGREE = Math.PI / 180;
+
+/**
+ * Where a light's dot is on the ball, right and down; lights from behind lie outside of it.
+ * @param {LightState} light
+ */
+function dotOf({azimuth_deg, elevation_deg}) {
+  const azimuth = azimuth_deg * DEGREE, elevation = elevation_deg * DEGREE;
+  const [x, y] = [Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation)];
+  return {x: x * BALL, y: -y * BALL, isBehind: Math.cos(azimuth) * Math.cos(elevation) < 0};
+}
+
+/**
+ * The angles of a place on the ball's front; outside, of the rim there.
+ * @param {number} right  1 at the rim.
+ * @param {number} up
+ */
+export function lightAt(right, up) {
+  const length = Math.max(1, Math.hypot(right, up));
+  const x = right / length, y = up / length;
+  const z = Math.sqrt(Math.max(0, 1 - x * x - y * y));
+  return {azimuth_deg: Math.atan2(x, z) / DEGREE, elevation_deg: Math.asin(y) / DEGREE};
+}
+
+/** The ball and the intensity of the light that is chosen. */
+class LightBall {
+  /**
+   * @param {HTMLElement} root
+   * @param {App} app
+   */
+  constructor(root, app) {
+    /** @private */
+    this.app_ = app;
+    /** @private Index of the light that is chosen. */
+    this.chosen_ = 0;
+    /** @private */
+    this.dots_ = s('g');
+    /** @private */
+    this.svg_ = s('svg', {id: 'light-ball', viewBox: '-44 -44 88 88', role: 'group',
+      'data-testid': 'light-ball', 'aria-label': 'Lights as seen from where you look'},
+      s('circle', {r: BALL, class: 'ball'}), this.dots_);
+    /** @private */
+    this.intensity_ = h('input', {type: 'range', min: 0, max: 2, step: 0.02,
+      'aria-label': 'Intensity of the light', 'data-testid': 'light-intensity',
+      oninput: () => this.send_(this.lights_()[this.chosen_])});
+    /** @private */
+    this.add_ = h('button', {class: 'quiet', 'data-testid': 'add-light',
+      onclick: () => this.addLight_()}, '+ Light');
+    /** @private */
+    this.remove_ = h('button', {class: 'quiet', 'data-testid': 'remove-light',
+      onclick: () => void app.connection.do(`light ${this.chosen_ + 1} off`)}, 'Remove');
+    root.append(h('div', {class: 'row'}, this.svg_,
+      h('div', {class: 'grow'}, h('p', {class: 'muted'}, 'Drag a dot to move its light.'),
+        h('label', {}, 'Intensity', this.intensity_),
+        h('div', {class: 'row'}, this.add_, this.remove_))));
+    app.store.subscribe(['lights'], () => this.draw_());
+  }
+
+  /** @private */
+  lights_() {
+    return this.app_.store.state?.lights ?? [];
+  }
+
+  /** @private */
+  addLight_() {
+    const count = this.lights_().length;
+    this.chosen_ = count;
+    void this.app_.connection.do(`light ${count + 1} ${NEW_LIGHT}`);
+  }
+
+  /** @private */
+  draw_() {
+    const lights = this.lights_();
+    this.chosen_ = Math.max(0, Math.min(this.chosen_, lights.length - 1));
+    while (this.dots_.childElementCount > lights.length) {
+      this.dots_.lastElementChild?.remove();
+    }
+    lights.forEach((light, index) => {
+      const dot = this.dots_.children[index] ?? this.makeDot_(index);
+      const {x, y, isBehind} = dotOf(light);
+      update(dot, {cx: x, cy: y, r: 4 + 2.5 * Math.min(1, light.intensity),
+        class: `dot${index === this.chosen_ ? ' chosen' : ''}${isBehind ? ' behind' : ''}`,
+        'aria-valuenow': Math.round(light.azimuth_deg),
+        'aria-valuetext': `${Math.round(light.azimuth_deg)}° right, `
+          + `${Math.round(light.elevation_deg)}° up`});
+    });
+    this.intensity_.disabled = lights.length === 0;
+    this.remove_.disabled = lights.length === 0;
+    this.add_.disabled = lights.length >= MOST_LIGHTS;
+    show(this.intensity_, String(lights[this.chosen_]?.intensity ?? 0));
+  }
+
+  /**
+   * @private
+   * @param {number} index
+   */
+  makeDot_(index) {
+    const dot = s('circle', {role: 'slider', tabindex: 0, 'aria-label': `Light ${index + 1}`,
+      'aria-valuemin': -180, 'aria-valuemax': 180, 'data-testid': `light-${index + 1}`});
+    const choose = () => {
+      this.chosen_ = index;
+      this.draw_();
+    };
+    dot.addEventListener('focus', choose);
+    dot.addEventListener('pointerdown', event => {
+      dot.setPointerCapture(event.pointerId);
+      this.app_.connection.mark();
+      choose();
+    });
+    dot.addEventListener('pointermove', event => {
+      if (dot.hasPointerCapture(event.pointerId)) {
+        const box = this.svg_.getBoundingClientRect();
+        const unit = box.width / 88 * BALL;
+        this.send_(lightAt((event.clientX - box.left - box.width / 2) / unit,
+          (box.top + box.height / 2 - event.clientY) / unit));
+      }
+    });
+    dot.addEventListener('keydown', event => {
+      const light = this.lights_()[index];
+      const step = new Map([['ArrowLeft', [-1, 0]], ['ArrowRight', [1, 0]],
+        ['ArrowUp', [0, 1]], ['ArrowDown', [0, -1]]]).get(event.key);
+      if (step) {
+        event.preventDefault();
+        event.stopPropagation();
+        this.send_({azimuth_deg: light.azimuth_deg + step[0] * KEY_DEG,
+          elevation_deg: Math.max(-90, Math.min(90, light.elevation_deg + step[1] * KEY_DEG))});
+      }
+    });
+    this.dots_.append(dot);
+    return dot;
+  }
+
+  /**
+   * @private
+   * @param {{azimuth_deg: number, elevation_deg: number} | undefined} light
+   */
+  send_(light) {
+    if (light && !this.app_.connection.watches) {
+      void this.app_.connection.set(`light ${this.chosen_ + 1} ${plain(light.azimuth_deg, 1)} `
+        + `${plain(light.elevation_deg, 1)} intensity=${this.intensity_.value}`);
+    }
+  }
+}
+
+/**
+ * @param {HTMLElement} root
+ * @param {App} app
+ */
+export function createLook(root, app) {
+  new LightBall(root, app);
+  createMaterial(root, app);
+}
+
+/**
+ * @param {HTMLElement} root
+ * @param {App} app
+ */
+function createMaterial(root, app) {
+  const rows = /** @type {const} */ ([
+    ['ambient', 'Ambient', 0, 1, 0.01, 'Light from everywhere'],
+    ['specular', 'Gloss', 0, 1, 0.01, 'How much of the lights is mirrored'],
+    ['power', 'Sharpness', 1, 128, 1, 'How small the highlights are'],
+  ]).map(([key, label, min, max, step, title]) => {
+    const input = h('input', {type: 'range', min, max, step, 'data-testid': `material-${key}`,
+      oninput: () => void app.connection.set(`material ${key}=${input.value}`)});
+    root.append(h('label', {class: 'row', title}, h('span', {class: 'field'}, label), input));
+    return {key, input};
+  });
+  const colour = h('input', {type: 'color', 'data-testid': 'background',
+    oninput: () => void app.connection.set(`background ${colour.value}`)});
+  const gaps = h('input', {type: 'checkbox', 'data-testid': 'tint-gaps',
+    onchange: () => void app.connection.set(`tint ${gaps.checked ? 'gaps' : 'off'}`)});
+  const gapLabel = h('label', {class: 'row'}, gaps, 'Tint where slices are missing');
+  root.append(h('label', {class: 'row'}, h('span', {class: 'field'}, 'Background'), colour),
+    gapLabel);
+  app.store.subscribe(['material', 'background', 'tint_gaps', 'volume'], state => {
+    for (const {key, input} of rows) {
+      show(input, String(state.material[key]));
+    }
+    show(colour, state.background);
+    gaps.checked = state.tint_gaps;
+    gapLabel.hidden = (state.volume?.gaps ?? 0) === 0;
+  });
+}

@@ -1,0 +1,261 @@
+// One surface in the list: a row that is always there, and details of the one that is chosen.
+import {h} from '../elements/dom.js';
+import {isoLine, plain, word} from '../link/lines.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/types.js').SurfaceState} SurfaceState */
+/** @typedef {import('../state/selection.js').Selection} Selection */
+
+const TABLE_NAMES = new Map([['watertight', 'watertight'], ['lorensen1987', 'as of 1987']]);
+const LEAST_ML = [0.1, 1, 10, 100];
+
+/**
+ * A number with thin spaces between thousands.
+ * @param {number} value
+ * @param {number} digits
+ */
+export function grouped(value, digits = 0) {
+  return value.toLocaleString('en', {minimumFractionDigits: digits,
+    maximumFractionDigits: digits}).replaceAll(',', '\u202f');
+}
+
+/**
+ * Shows a value unless a person is just changing it.
+ * @param {HTMLInputElement | HTMLSelectElement} input
+ * @param {string} value
+ */
+export function show(input, value) {
+  if (document.activeElement !== input || input.type === 'checkbox') {
+    input.value = value;
+  }
+}
+
+/**
+ * Where an isovalue is that no voxel can have, as words after "value"; '' if it may be there.
+ * @param {number} isovalue
+ * @param {import('../link/types.js').VolumeState | null | undefined} volume
+ */
+function outside(isovalue, volume) {
+  if (!volume || isovalue >= volume.minimum && isovalue <= volume.maximum) {
+    return '';
+  }
+  const side = isovalue < volume.minimum ? 'below' : 'above';
+  return `: it is ${side} all of the volume's, ${plain(volume.minimum, 3)} to `
+    + `${plain(volume.maximum, 3)} ${volume.unit}`.trimEnd();
+}
+
+export class SurfaceCard {
+  /**
+   * @param {App} app
+   * @param {Selection} selection
+   * @param {string} name
+   */
+  constructor(app, selection, name) {
+    /** @private */
+    this.app_ = app;
+    /** @private */
+    this.name_ = name;
+    const set = (/** @type {string} */ option) => {
+      void app.connection.set(`surface ${word(name)} ${option}`);
+    };
+    const id = `surface-${name}`;
+    /** @private */
+    this.colour_ = h('input', {type: 'color', 'aria-label': `Colour of ${name}`,
+      'data-testid': `surface-color-${name}`, oninput: () => set(`color=${this.colour_.value}`)});
+    /** @private */
+    this.visible_ = h('input', {type: 'checkbox', 'aria-label': `Show ${name}`,
+      'data-testid': `surface-visible-${name}`,
+      onchange: () => set(`visible=${this.visible_.checked ? 'yes' : 'no'}`)});
+    /** @private */
+    this.iso_ = h('input', {type: 'number', step: 'any', class: 'iso number',
+      'aria-label': `Isovalue of ${name}`, 'data-testid': `iso-${name}`,
+      onchange: () => this.typed_(),
+      onkeydown: (/** @type {KeyboardEvent} */ event) => {
+        if (event.key === 'Enter') {
+          this.iso_.blur();
+        }
+      }});
+    /** @private */
+    this.title_ = h('button', {class: 'quiet grow name', 'aria-controls': `${id}-more`,
+      'data-testid': `choose-${name}`, onclick: () => selection.choose(name)}, name);
+    /** @private */
+    this.opacity_ = h('input', {type: 'range', min: 0.0625, max: 1, step: 0.0625,
+      'aria-label': `Opacity of ${name}`, 'data-testid': `surface-opacity-${name}`,
+      oninput: () => set(`opacity=${this.opacity_.value}`)});
+    /** @private */
+    this.opacityText_ = h('span', {class: 'number muted amount'});
+    /** @private */
+    this.parts_ = this.makeParts_();
+    /** @private */
+    this.facts_ = h('p', {class: 'muted number figures',
+      'data-testid': `surface-facts-${name}`});
+    /** @private */
+    this.legend_ = h('p', {class: 'legend', hidden: true, 'data-testid': `surface-legend-${name}`});
+    /** @private In how many cells the tables differ, as far as this page asked. */
+    this.difference_ = h('span', {'data-testid': `surface-difference-${name}`});
+    /** @private */
+    this.certificate_ = h('div', {class: 'certificate',
+      'data-testid': `surface-certificate-${name}`});
+    /** @private The isovalue and table that the certificate is of. */
+    this.certified_ = '';
+    /** @private */
+    this.compare_ = h('button', {'aria-pressed': false, 'data-testid': `surface-compare-${name}`,
+      title: 'Draws only the cells where the watertight tables and those of 1987 differ',
+      onclick: () => void this.compareClicked_()}, 'Compare with 1987');
+    /** @private */
+    this.more_ = h('div', {class: 'more', id: `${id}-more`},
+      h('label', {class: 'row'}, h('span', {class: 'field'}, 'Opacity'), this.opacity_,
+        this.opacityText_),
+      h('label', {class: 'row'}, h('span', {class: 'field'}, 'Parts'), this.parts_),
+      this.facts_, this.legend_, this.certificate_,
+      h('div', {class: 'row'}, this.compare_, h('span', {class: 'grow'}),
+        h('button', {class: 'quiet', 'data-testid': `surface-remove-${name}`,
+          onclick: () => void app.connection.do(`remove ${word(name)}`)}, 'Remove')));
+    this.root = h('li', {class: 'surface', 'data-testid': id},
+      h('div', {class: 'row'}, this.visible_, this.colour_, this.title_, this.iso_), this.more_);
+    selection.watch(chosen => {
+      this.more_.hidden = chosen !== name;
+      this.root.classList.toggle('chosen', chosen === name);
+      this.title_.setAttribute('aria-expanded', String(chosen === name));
+    });
+  }
+
+  /** @param {SurfaceState} surface */
+  show(surface) {
+    show(this.colour_, surface.color);
+    this.visible_.checked = surface.visible;
+    show(this.iso_, plain(surface.isovalue, 6));
+    show(this.opacity_, String(surface.opacity));
+    this.opacityText_.textContent = `${Math.round(surface.opacity * 100)} %`;
+    const isFiltered = surface.components !== '' && surface.components !== 'all';
+    this.facts_.textContent = surface.triangles === 0
+      ? `No surface at this value${outside(surface.isovalue, this.app_.store.state?.volume)}.`
+      : `${grouped(surface.triangles)} triangles, ${grouped(surface.area_mm2 / 100, 1)} cm², `
+        + `${grouped(surface.volume_ml, 1)} ml${isFiltered ? ' of all parts' : ''}; `
+        + `found in ${grouped(surface.extraction_ms, 0)} ms`;
+    const table = surface.table === 'watertight' ? '' : `, table ${surface.table}`;
+    this.title_.title = `${surface.name}${table}`;
+    this.parts_.title = surface.components;
+    this.showParts_(surface.components);
+    const certified = `${surface.isovalue} ${surface.table}`;
+    if (certified !== this.certified_) {
+      this.certified_ = certified;
+      this.offerCertificate_();
+    }
+    const compared = this.app_.store.state?.surfaces.filter(
+      each => each.compared_with === this.name_) ?? [];
+    this.compare_.setAttribute('aria-pressed', String(compared.length > 0));
+    this.showLegend_(compared);
+  }
+
+  /**
+   * Which colour is which table's, while only their differences are drawn.
+   * @private
+   * @param {SurfaceState[]} compared
+   */
+  showLegend_(compared) {
+    this.legend_.hidden = compared.length === 0;
+    this.legend_.replaceChildren(this.difference_, `Only these are drawn; ${this.name_} itself is `
+      + 'hidden until you end the comparison:', ...compared.map(each => {
+      const swatch = h('span', {class: 'swatch'});
+      swatch.style.background = each.color;
+      return h('span', {}, swatch, TABLE_NAMES.get(each.table) ?? each.table);
+    }));
+  }
+
+  /** @private */
+  typed_() {
+    const value = this.iso_.valueAsNumber;
+    if (Number.isFinite(value)) {
+      this.app_.connection.mark();
+      void this.app_.connection.set(isoLine(this.name_, value));
+    }
+  }
+
+  /** @private */
+  makeParts_() {
+    const select = h('select', {class: 'grow', 'data-testid': `surface-components-${this.name_}`,
+      'aria-label': `Which parts of ${this.name_} are drawn`},
+      h('option', {value: 'show=all'}, 'all'),
+      h('option', {value: 'show=largest'}, 'the largest only'),
+      ...LEAST_ML.map(ml => h('option', {value: `min_ml=${ml}`}, `at least ${ml} ml`)),
+      h('option', {value: 'at'}, 'the one I click on'),
+      h('option', {value: 'other', hidden: true}, ''));
+    select.addEventListener('change', () => {
+      if (select.value === 'at') {
+        this.askForPart_();
+      } else {
+        void this.app_.connection.do(`components ${word(this.name_)} ${select.value}`);
+      }
+      select.blur();
+    });
+    return select;
+  }
+
+  /** @private */
+  askForPart_() {
+    const {connection, modes} = this.app_;
+    modes.enter({name: 'part', surface: this.name_,
+      hint: `Click on the part of ${this.name_} that shall stay.`,
+      click: (x, y) => {
+        modes.leave('part');
+        void connection.do(`components ${word(this.name_)} at=${x},${y}`);
+      }});
+  }
+
+  /**
+   * @private
+   * @param {string} words  The state's, '' or 'all' if all are drawn.
+   */
+  showParts_(words) {
+    if (document.activeElement === this.parts_) {
+      return;
+    }
+    const known = words === '' ? 'show=all' : words.includes('=') ? words : `show=${words}`;
+    const other = /** @type {HTMLOptionElement} */ (this.parts_.lastElementChild);
+    const isKnown = [...this.parts_.options].some(each => each.value === known);
+    other.textContent = words;
+    this.parts_.value = isKnown ? known : 'other';
+  }
+
+  /** @private */
+  offerCertificate_() {
+    this.certificate_.replaceChildren(h('button', {
+      'data-testid': `surface-certify-${this.name_}`,
+      title: 'Is the surface closed, does each edge join two triangles, do all face outwards?',
+      onclick: () => void this.certify_()}, 'Check the mesh'));
+  }
+
+  /** @private */
+  async certify_() {
+    const of = this.certified_;
+    this.certificate_.replaceChildren(h('span', {class: 'muted'}, 'Checking …'));
+    const reply = await this.app_.connection.do(`certificate ${word(this.name_)}`);
+    if (of !== this.certified_) {
+      return;
+    }
+    const facts = reply.result?.certificates?.[0];
+    if (!reply.ok || !facts) {
+      this.offerCertificate_();
+      return;
+    }
+    const isSound = facts.closed_but_for_border && facts.manifold && facts.oriented;
+    const [first, ...rest] = (reply.text ?? '').split('\n');
+    this.certificate_.replaceChildren(h('details', {},
+      h('summary', {}, h('span', {class: isSound ? 'seal good' : 'seal bad'},
+        isSound ? '✓ sound' : '✗ defects'), ` ${first.replace(/^[^:]*:\s*/, '')}`),
+      h('p', {class: 'muted report'}, rest.map(line => line.trim()).join('\n'))));
+  }
+
+  /** @private */
+  async compareClicked_() {
+    const isOn = this.compare_.getAttribute('aria-pressed') === 'true';
+    const reply = await this.app_.connection.do(
+      `compare ${word(this.name_)}${isOn ? ' off' : ''}`);
+    // Cells and cases; what follows are holes and how to end it, which the card shows itself.
+    const counted = reply.result?.cells_differing;
+    this.difference_.textContent = counted === undefined ? ''
+      : `The tables differ in ${grouped(counted)} of ${grouped(reply.result.cells)} cells.`;
+    this.difference_.title = reply.text ?? '';
+  }
+}

@@ -1,0 +1,179 @@
+// The list of surfaces, tissues to add, and the mode that takes a threshold from the picture.
+import {byId, h} from '../elements/dom.js';
+import {isoLine, plain, roundIso, word} from '../link/lines.js';
+import {SurfaceCard} from './surface_card.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/types.js').State} State */
+/** @typedef {import('../state/selection.js').Selection} Selection */
+/** @typedef {{name: string, isovalue: number, help: string}} Tissue */
+
+const MOST = 16;  // Surfaces of a scene.
+const ANNOUNCE_MS = 800;
+
+/**
+ * @param {HTMLElement} root
+ * @param {App} app
+ * @param {Selection} selection
+ */
+export function createSurfaces(root, app, selection) {
+  /** @type {Map<string, SurfaceCard>} */
+  const cards = new Map();
+  const announce = announcer();
+  const list = h('ul', {id: 'surfaces', 'data-testid': 'surfaces'});
+  const empty = h('p', {class: 'muted'}, 'No surface yet: add one, or choose a tissue above.');
+  const add = h('button', {class: 'quiet', 'data-testid': 'surface-add',
+    title: 'Adds a surface at the middle of the values', onclick: () => addSurface(app, selection)},
+    '+ Add');
+  root.append(h('h2', {class: 'spread'}, h('span', {}, 'Surfaces'), add), list, empty);
+  app.store.subscribe(['surfaces', 'volume'], state => {
+    const own = state.surfaces.filter(each => each.compared_with === '');
+    selection.keepTo(own);
+    empty.hidden = own.length > 0 || !state.volume;
+    add.disabled = !state.volume || own.length >= MOST;
+    for (const [name, card] of cards) {
+      if (!own.some(each => each.name === name)) {
+        card.root.remove();
+        cards.delete(name);
+      }
+    }
+    for (const surface of own) {
+      let card = cards.get(surface.name);
+      if (!card) {
+        card = new SurfaceCard(app, selection, surface.name);
+        cards.set(surface.name, card);
+        list.append(card.root);
+      }
+      card.show(surface);
+    }
+    announce(own);
+  });
+}
+
+/** Says which surface has changed, once it rests, for those who hear the page. */
+function announcer() {
+  /** @type {Map<string, number>} */
+  const told = new Map();
+  let timer = 0;
+  return (/** @type {import('../link/types.js').SurfaceState[]} */ surfaces) => {
+    clearTimeout(timer);
+    timer = window.setTimeout(() => {
+      const changed = surfaces.filter(each => told.get(each.name) !== each.isovalue);
+      for (const {name, isovalue} of surfaces) {
+        told.set(name, isovalue);
+      }
+      byId('live').textContent = changed.map(each =>
+        `${each.name} at ${plain(each.isovalue, 3)}: ${each.triangles} triangles`).join('; ');
+    }, ANNOUNCE_MS);
+  };
+}
+
+/**
+ * @param {App} app
+ * @param {Selection} selection
+ */
+async function addSurface(app, selection) {
+  const state = app.store.state;
+  if (!state?.volume) {
+    return;
+  }
+  const taken = new Set(state.surfaces.map(({name}) => name));
+  let number = state.surfaces.length + 1;
+  while (taken.has(`surface-${number}`)) {
+    number += 1;
+  }
+  const {minimum, maximum} = state.volume;
+  const name = `surface-${number}`;
+  const value = roundIso((minimum + maximum) / 2, state.volume);
+  const reply = await app.connection.do(isoLine(name, value));
+  if (reply.ok) {
+    selection.choose(name);
+  }
+}
+
+/**
+ * Chips of the tissues of CT, and the button of the tissue mode.
+ * @param {HTMLElement} root
+ * @param {App} app
+ * @param {Selection} selection
+ */
+export function createTissues(root, app, selection) {
+  const chips = h('div', {class: 'chips', role: 'group', 'aria-label': 'Tissues'});
+  const pick = h('button', {'data-testid': 'tissue-mode', 'aria-pressed': false,
+    onclick: () => toggleTissueMode(app, selection)}, 'Click on tissue');
+  root.append(chips, h('div', {class: 'row drives'}, pick));
+  app.modes.watch(mode => pick.setAttribute('aria-pressed', String(mode?.name === 'tissue')));
+  selection.watch(name => {
+    pick.disabled = name === '';
+    pick.title = `The value that you click on becomes the isovalue of ${name || 'a surface'}`;
+  });
+  /** @type {Tissue[]} */
+  let tissues = [];
+  const draw = (/** @type {State} */ {volume}) => {
+    chips.hidden = !volume || !mayBeHounsfield(volume);
+    const {minimum, maximum} = volume ?? {minimum: 0, maximum: 0};
+    chips.replaceChildren(...tissues.map(({name, isovalue, help}) => h('button', {
+      class: 'chip', 'data-testid': `preset-${name}`,
+      title: `${name}: ${help} (${isovalue} HU)`,
+      disabled: isovalue <= minimum || isovalue > maximum,
+      onclick: () => showTissue(app, selection, name)}, name)));
+  };
+  app.store.subscribe(['volume'], async state => {
+    draw(state);
+    if (tissues.length === 0 && state.volume && !app.connection.watches) {
+      const reply = await app.connection.do('presets', {quiet: true});
+      tissues = reply.result?.presets ?? [];
+      draw(app.store.state ?? state);
+    }
+  });
+}
+
+/**
+ * Whether the values are Hounsfield units, or may be: files that do not tell what made them, with
+ * values from well below water to well above.
+ * @param {import('../link/types.js').VolumeState} volume
+ */
+function mayBeHounsfield({modality, minimum, maximum}) {
+  return modality === 'CT' || modality === '' && minimum <= -200 && maximum >= 200;
+}
+
+/**
+ * The surface of that name at the tissue's threshold, new if there is none.
+ * @param {App} app
+ * @param {Selection} selection
+ * @param {string} tissue
+ */
+async function showTissue(app, selection, tissue) {
+  app.connection.mark();
+  const reply = await app.connection.do(`surface ${word(tissue)} preset=${tissue} visible=yes`);
+  if (reply.ok) {
+    selection.choose(tissue);
+  }
+}
+
+/**
+ * @param {App} app
+ * @param {Selection} selection
+ */
+function toggleTissueMode({connection, modes, store}, selection) {
+  if (modes.current?.name === 'tissue') {
+    modes.leave();
+    return;
+  }
+  const name = selection.name;
+  modes.enter({
+    name: 'tissue', surface: name,
+    hint: `Click on tissue, here or in a slice: its value becomes the isovalue of ${name}.`,
+    click: (x, y) => {
+      connection.mark();
+      void connection.do(`pick ${x} ${y} set=${word(name)}`);
+    },
+    value: value => {
+      const volume = store.state?.volume;
+      if (volume) {
+        connection.mark();
+        void connection.set(isoLine(name, roundIso(value, volume)));
+      }
+    },
+  });
+}

@@ -1,0 +1,109 @@
+// Sends files to the server and has it open them.
+import {byId, h} from '../elements/dom.js';
+import {word} from '../link/lines.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+
+const MOST_FILES = 100000;          // The server's limits: host/serve/README.md.
+const MOST_BYTES = 4 * 2 ** 30;
+/** Of a session's script. */
+export const SESSION_ENDING = '.pxpl5';
+
+/**
+ * An address beside the page, with the token that the page was opened with.
+ * @param {string} path
+ * @param {Record<string, string>} query
+ */
+export function address(path, query) {
+  const url = new URL(path, location.href);
+  const token = new URLSearchParams(location.search).get('token');
+  url.search = new URLSearchParams({...query, ...(token ? {token} : {})}).toString();
+  return url;
+}
+
+/** @typedef {{file: File, name: string}} Named  The name may hold folders: "a/b.dcm". */
+
+/**
+ * Sends files and opens them: a session is played, all else is loaded as one volume.
+ * @param {App} app
+ * @param {Named[]} files
+ */
+export async function openFiles(app, files) {
+  const path = await upload(app, files);
+  if (path !== null) {
+    const isSession = files.length === 1 && files[0].name.endsWith(SESSION_ENDING);
+    await (isSession ? app.connection.do(`play ${word(path)}`) : loadVolume(app, word(path)));
+  }
+}
+
+/**
+ * Opens a volume and looks at the whole of it: zoom and pan were the one before's.
+ * @param {App} app
+ * @param {string} words  Of `load`.
+ * @param {{quiet?: boolean}} [options]  quiet: the caller shows why it was refused.
+ */
+export async function loadVolume({connection}, words, options = {}) {
+  const reply = await connection.do(`load ${words}`, options);
+  if (reply.ok) {
+    await connection.do('view anterior zoom=1');
+  }
+  return reply;
+}
+
+/**
+ * @param {App} app
+ * @param {Named[]} files
+ * @returns {Promise<string | null>} where they are on the server; null if that failed, and was told
+ */
+async function upload(app, files) {
+  const {hello, watches} = app.connection;
+  if (files.length === 0 || !hello || watches) {
+    return null;
+  }
+  const total = files.reduce((sum, {file}) => sum + file.size, 0);
+  if (files.length > MOST_FILES || total > MOST_BYTES) {
+    app.toasts.error(`${files.length} files with ${total} bytes are too many: at most `
+      + `${MOST_FILES} files with ${MOST_BYTES} bytes can be sent. Give their path instead.`);
+    return null;
+  }
+  const batch = crypto.getRandomValues(new Uint32Array(1))[0].toString(16);
+  const stop = new AbortController();
+  const bar = h('progress', {max: total || 1, value: 0, 'aria-label': 'Sent'});
+  const box = h('div', {class: 'toast info', 'data-testid': 'uploading'},
+    h('p', {}, `Sending ${files.length === 1 ? files[0].name : `${files.length} files`} …`),
+    bar, h('button', {onclick: () => stop.abort()}, 'Cancel'));
+  byId('toasts').append(box);
+  try {
+    let sent = 0;
+    for (const {file, name} of files) {
+      await post(address('upload', {name, batch}), file, stop.signal);
+      sent += file.size;
+      bar.value = sent;
+    }
+    return (await post(address('upload/done', {batch}), null, stop.signal)).path;
+  } catch (error) {
+    if (!stop.signal.aborted) {
+      app.toasts.error(`The files were not opened: ${/** @type {Error} */ (error).message}`);
+    }
+    return null;
+  } finally {
+    box.remove();
+  }
+}
+
+/**
+ * @param {URL} url
+ * @param {File | null} body
+ * @param {AbortSignal} signal
+ * @returns {Promise<any>} the answer's JSON; {} if it has none
+ * @throws {Error} with the server's sentence
+ */
+async function post(url, body, signal) {
+  const response = await fetch(url, {method: 'POST', body, signal});
+  const said = await response.json().catch(() => ({}));
+  if (!response.ok) {
+    throw new Error(said.error
+      ?? `the server answered ${response.status} ${response.statusText}`);
+  }
+  return said;
+}

@@ -1,0 +1,89 @@
+// Panel: what is known of the volume, so that nobody has to guess what a picture is made from.
+import {h} from '../elements/dom.js';
+import {intro, messageLine} from '../panel/panel_parts.js';
+
+/** @typedef {import('../link/types.js').VolumeState} VolumeState */
+
+/** Kinds of findings by which a picture may mislead: they are marked. */
+const DOUBTFUL = new Set(['assumption', 'gantry tilt', 'missing slices', 'uneven slices',
+  'duplicate slices', 'mixed orientations', 'thickness differs', 'reflection']);
+const NAMES = new Map([['CT', 'computed tomography'], ['MR', 'magnetic resonance'],
+  ['US', 'ultrasound'], ['PT', 'positron emission tomography'], ['NM', 'nuclear medicine']]);
+
+/**
+ * @param {number} value
+ * @param {number} digits  Significant.
+ */
+function short(value, digits) {
+  return String(Number(value.toPrecision(digits)));
+}
+
+/**
+ * Which way the voxel axes point in the patient: "right to left, ...".
+ * @param {VolumeState} volume
+ */
+function directions(volume) {
+  const ways = [['right to left', 'left to right'], ['anterior to posterior',
+    'posterior to anterior'], ['inferior to superior', 'superior to inferior']];
+  return [0, 1, 2].map(axis => {
+    const towards = volume.voxel_to_patient.slice(4 * axis, 4 * axis + 3);
+    const largest = towards.reduce(
+      (best, part, n) => Math.abs(part) > Math.abs(towards[best]) ? n : best, 0);
+    return `${'xyz'[axis]}: ${ways[largest][towards[largest] < 0 ? 1 : 0]}`;
+  });
+}
+
+/**
+ * @param {VolumeState} volume
+ * @returns {[string, string][]}  What, and what it is.
+ */
+function facts(volume) {
+  const [nx, ny, nz] = volume.size;
+  const last = volume.slice_places.length > 0 ? volume.slice_places[nz - 1] : nz - 1;
+  const extent = [nx - 1, ny - 1, last].map((steps, n) => short(steps * volume.spacing_mm[n], 4));
+  const kind = NAMES.get(volume.modality);
+  return [
+    ['Size', `${nx} × ${ny} × ${nz} voxels`],
+    ['Spacing', `${volume.spacing_mm.map(each => short(each, 4)).join(' × ')} mm`],
+    ['Extent', `${extent.join(' × ')} mm`],
+    ['Modality', volume.modality === '' ? 'not stated by the file'
+      : volume.modality + (kind ? `, ${kind}` : '')],
+    ['Values', `${short(volume.minimum, 6)} to ${short(volume.maximum, 6)} ${volume.unit}`.trim()],
+    ['Axes run', directions(volume).join('\n')],
+    ['Slices', volume.slice_places.length > 0 ? 'not evenly spaced' : 'evenly spaced'],
+    ['Gaps', volume.gaps === 0 ? 'none'
+      : `${volume.gaps} ${volume.gaps === 1 ? 'place' : 'places'} where slices are missing`],
+    ['Read from', volume.source],
+  ];
+}
+
+/**
+ * @param {HTMLElement} root
+ * @param {import('../panel/app.js').App} app
+ */
+export function create(root, app) {
+  const title = h('h2', {'data-testid': 'volume-title'});
+  const list = h('dl', {class: 'facts', 'data-testid': 'volume-facts'});
+  const findings = h('ul', {class: 'findings', 'data-testid': 'volume-findings'});
+  const message = messageLine('volume-message');
+  const body = h('div', {class: 'stack'}, title, list,
+    h('h3', {}, 'What a reader should know'), findings);
+  root.append(intro('What the file says, what was worked out from it, and what was assumed.'),
+    body, message.element);
+  app.store.subscribe(['volume'], ({volume}) => {
+    body.hidden = volume === null;
+    message.say(volume ? '' : 'No volume is open.');
+    if (!volume) {
+      return;
+    }
+    title.textContent = volume.name;
+    list.replaceChildren(...facts(volume).flatMap(([what, is]) => [h('dt', {}, what),
+      h('dd', {}, is)]));
+    findings.replaceChildren(...volume.findings.map(({kind, text}) =>
+      h('li', {class: DOUBTFUL.has(kind) ? 'doubtful' : ''}, h('b', {}, kind), ` ${text}`)));
+    if (volume.findings.length === 0) {
+      findings.append(h('li', {}, 'Nothing unusual: slices, spacing and orientation are as the ' +
+        'file states them.'));
+    }
+  });
+}
