@@ -6,6 +6,7 @@ import tree
 
 FOLDERS = {"gp_firmware", "renderer_firmware", "host", "ringbus", "isa", "tests"}
 FILES = {"CMakeLists.txt", "README.md", "CMakePresets.json", "CHANGELOG.md", "LICENSE"}
+MAY_BE = {"CONTRIBUTING.md", "NOTICE", "CITATION.cff", "Containerfile"}
 
 
 def _described(path: pathlib.PurePath) -> str:
@@ -21,7 +22,7 @@ def check(root: pathlib.Path) -> List[str]:
     errors = []
     for top in sorted({path.parts[0] for path in files}):
         is_folder = (root / top).is_dir()
-        if not top.startswith(".") and top not in (FOLDERS if is_folder else FILES):
+        if not top.startswith(".") and top not in (FOLDERS if is_folder else FILES | MAY_BE):
             errors.append(f"{top}: the top level is fixed: {' '.join(sorted(FOLDERS | FILES))}")
     for missing in sorted((FOLDERS | FILES) - {path.parts[0] for path in files}):
         errors.append(f"{missing}: is missing from the top level")
