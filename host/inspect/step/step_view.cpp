@@ -10,6 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "host/inspect/map/map_values.hpp"
+#include "isa/contract/region_layout.hpp"
 #include "isa/disassemble.hpp"
 
 namespace pxpl5::host::inspect {
