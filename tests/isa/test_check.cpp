@@ -51,7 +51,7 @@ TEST_CASE("a word that is no instruction is refused by its value") {
 
 TEST_CASE("missing coefficients are refused") {
     refused(Words{isa::encode({Op::tree_ge_zero, {0, 0, 8}}), 1, 2}, 0,
-            {"TREEgeZERO", "3 coefficient", "2 are left"});
+            {"TREEgeZERO", "3 coefficient", "has 2 more words"});
 }
 
 TEST_CASE("operands out of range are refused, with both values") {

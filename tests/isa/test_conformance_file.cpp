@@ -165,7 +165,7 @@ TEST_CASE("what the controller tells is compared") {
 TEST_CASE("enables that differ need a free bit of memory to be set up") {
     const std::string full = "given m0:64 m64:64 m128:64 m192:16 enable\n all 1 2 3 4 0\n";
     CHECK_THROWS_WITH_AS(difference(full + " 1,1 1 2 3 4 1\nrun\n"),
-                         doctest::Contains("none of 208 bits of memory free"),
+                         doctest::Contains("the given fields use all 208 bits of memory"),
                          std::invalid_argument);
     const std::string almost = "given m0:64 m64:64 m128:64 m193:15 enable\n all -1 -1 -1 -1 0\n";
     CHECK(difference(full + "run\n").empty());

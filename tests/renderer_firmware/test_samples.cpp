@@ -247,5 +247,5 @@ TEST_CASE("a Renderer is not given more regions than it has room to sum") {
         return body;
     }();
     CHECK(bench.refused(first_gp, bus::pack(many)) ==
-          "frame 3: 66 regions are assigned to Renderer 0, which sums 16 samples of 64 at most");
+          "frame 3: Renderer 0 has 66 regions, but can sum 16 samples of at most 64");
 }
