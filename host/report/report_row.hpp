@@ -7,7 +7,7 @@
 
 #include "host/base/command_line.hpp"
 #include "host/base/reply.hpp"
-#include "host/timing/plot.hpp"
+#include "host/chart/plot.hpp"
 #include "host/timing/simulate.hpp"
 
 namespace pxpl5::host::report {
@@ -53,6 +53,6 @@ std::string text_of(const Footnote& footnote);
 Fields fields_of(const ReportRow& row);
 
 /// Two plots: surface built in, frames/s.
-std::vector<timing::Plot> plots_of(const std::vector<ReportRow>& rows);
+std::vector<Plot> plots_of(const std::vector<ReportRow>& rows);
 
 }  // namespace pxpl5::host::report

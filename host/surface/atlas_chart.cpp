@@ -6,63 +6,43 @@
 #include <array>
 #include <cmath>
 
-#include "host/base/chart_axis.hpp"
 #include "host/base/error.hpp"
+#include "host/chart/chart.hpp"
 
 namespace pxpl5::host {
 
 namespace {
 
-constexpr MarkColour paper{255, 255, 255, 255}, ink{38, 42, 48, 255}, grey_ink{104, 110, 118, 255},
-    grid{0, 0, 0, 22}, frame{0, 0, 0, 70}, histogram_grey{229, 232, 235, 255},
+constexpr MarkColour paper{255, 255, 255, 255}, histogram_gray{229, 232, 235, 255},
     plateau_tint{240, 188, 84, 62}, plateau_ink{140, 92, 8, 255};
 constexpr double mm2_per_cm2 = 100, mm3_per_ml = 1000;
-/// A measure whose largest value is more than so many times its median is shown on a logarithmic
-/// axis: noise at one end must not press everything else to the ground.
+/// A measure has a logarithmic axis if its largest value is more than this many times its median.
+/// On a linear axis, noise at one end would press all other values to the ground.
 constexpr double widest_linear = 8;
-/// A logarithmic axis goes no further below its largest value: the last voxels are of no interest.
+/// A logarithmic axis covers at most this factor: the last voxels are of no interest.
 constexpr double widest_logarithmic = 1e5;
 
 /// One of the four measures.
 struct Panel {
     std::string name;
-    MarkColour colour;
-    std::vector<double> values;  ///< Of each row.
+    MarkColour color;
+    std::vector<double> values;  ///< One per row.
     ChartAxis axis;
 };
 
-/// Where a panel lies in the picture.
-struct Box {
-    double left, top, right, bottom;
-};
-
-/// The chart while it is drawn.
+/// The chart while it is drawn, in pixels of a picture of atlas_chart_size.
 struct Drawing {
     const AtlasContent& content;
-    double unit;  ///< Pixels: 1 in a picture of atlas_chart_size.
     ChartAxis isovalues;
-    std::vector<PictureMark> marks;
+    Chart chart;
 
-    float px(double length) const { return static_cast<float>(length * unit); }
-    double x(const Box& box, double isovalue) const {
-        return box.left + (box.right - box.left) * isovalues.place(isovalue);
+    void text(ChartPoint at, const std::string& text, MarkColour color, const TextStyle& style) {
+        chart.marks.push_back(
+            text_mark({static_cast<float>(at.x), static_cast<float>(at.y)}, text, color, style));
     }
 };
 
-glm::vec2 at(double x, double y) {
-    return {static_cast<float>(x), static_cast<float>(y)};
-}
-
-double y_of(const Box& box, double part) {
-    return box.bottom - (box.bottom - box.top) * part;
-}
-
-std::vector<glm::vec2> rectangle(const Box& box) {
-    return {at(box.left, box.top), at(box.right, box.top), at(box.right, box.bottom),
-            at(box.left, box.bottom)};
-}
-
-/// An axis for the values; none is below 0.
+/// Returns an axis for values >= 0.
 ChartAxis axis_for(std::vector<double> values) {
     std::sort(values.begin(), values.end());
     const double highest = values.back(), median = values[values.size() / 2];
@@ -73,9 +53,9 @@ ChartAxis axis_for(std::vector<double> values) {
     return logarithmic_axis(std::max(*lowest, highest / widest_logarithmic), highest, 5);
 }
 
-Panel panel_of(const AtlasContent& content, const std::string& name, MarkColour colour,
+Panel panel_of(const AtlasContent& content, const std::string& name, MarkColour color,
                double (*measure)(const AtlasRow&)) {
-    Panel panel{name, colour, {}, {}};
+    Panel panel{name, color, {}, {}};
     for (const AtlasRow& row : content.rows) {
         panel.values.push_back(std::max(measure(row), 0.0));
     }
@@ -95,120 +75,116 @@ std::array<Panel, 4> panels_of(const AtlasContent& content) {
                      [](const AtlasRow& row) { return static_cast<double>(row.components); })};
 }
 
-/// Counts as a filled outline, of logarithmic height, over the part of the axis that is shown.
-void add_histogram(const Box& box, Drawing& d) {
+/// Draws the counts as a filled outline of logarithmic height.
+void add_histogram(const ChartBox& box, Drawing& d) {
     const AtlasHistogram& histogram = d.content.histogram;
     const std::size_t bins = histogram.counts.size();
     if (bins == 0 || !(histogram.high > histogram.low)) {
         return;
     }
     const double width = (histogram.high - histogram.low) / static_cast<double>(bins);
-    std::uint64_t most = 1;
-    for (const std::uint64_t count : histogram.counts) {
-        most = std::max(most, count);
-    }
+    const std::uint64_t most = std::max<std::uint64_t>(1, std::ranges::max(histogram.counts));
+    const ChartAxis heights{0, std::log1p(static_cast<double>(most)) / 0.92, false, {}};
     std::vector<glm::vec2> outline;
+    const auto add = [&](double isovalue, double height) {
+        const ChartPoint p = box.at(d.isovalues, isovalue, heights, height);
+        outline.emplace_back(static_cast<float>(p.x), static_cast<float>(p.y));
+    };
     for (std::size_t bin = 0; bin < bins; ++bin) {
         const double low = histogram.low + width * static_cast<double>(bin), high = low + width;
-        if (high <= d.isovalues.low || low >= d.isovalues.high) {
-            continue;
+        if (high > d.isovalues.low && low < d.isovalues.high) {
+            const double height = std::log1p(static_cast<double>(histogram.counts[bin]));
+            add(low, height);
+            add(high, height);
         }
-        const double part = std::log1p(static_cast<double>(histogram.counts[bin])) /
-                            std::log1p(static_cast<double>(most));
-        const double y = y_of(box, part * 0.92);
-        outline.push_back(at(d.x(box, low), y));
-        outline.push_back(at(d.x(box, high), y));
     }
-    if (outline.empty()) {
-        return;
+    if (!outline.empty()) {
+        add(histogram.high, 0);
+        outline.back().x = outline[outline.size() - 2].x;
+        add(histogram.low, 0);
+        outline.back().x = outline.front().x;
+        d.chart.marks.push_back(area_mark(std::move(outline), histogram_gray));
     }
-    outline.push_back(at(outline.back().x, box.bottom));
-    outline.push_back(at(outline.front().x, box.bottom));
-    d.marks.push_back(area_mark(std::move(outline), histogram_grey));
 }
 
-/// The isovalue to a thousandth of the axis: in a label, what cannot be seen is in the way.
+/// The isovalue to a thousandth of the axis: more digits would not show a visible difference.
 std::string short_text(double isovalue, const Drawing& d) {
     const double range = d.isovalues.high - d.isovalues.low;
     const double step = std::pow(10.0, std::floor(std::log10(range / 1000)));
     return grouped(std::round(isovalue / step) * step + 0.0);
 }
 
-/// Bands over all panels, and above them their numbers, with the range where there is room.
-void add_plateaus(const Box& all, Drawing& d) {
+/// Draws bands over all panels, and above them their numbers, with the range where it fits.
+void add_plateaus(const ChartBox& all, Drawing& d) {
     int number = 0;
     for (const AtlasPlateau& plateau : d.content.plateaus) {
-        const double left = d.x(all, plateau.from), right = d.x(all, plateau.to);
+        const double left = all.x(d.isovalues, plateau.from);
+        const double right = all.x(d.isovalues, plateau.to);
         ++number;
         if (!(right > left)) {
             continue;
         }
-        d.marks.push_back(area_mark(rectangle({left, all.top, right, all.bottom}), plateau_tint));
+        d.chart.area({left, all.top, right, all.bottom}, plateau_tint);
         const std::string range = fmt::format("{}: {} to {}", number, short_text(plateau.from, d),
                                               short_text(plateau.to, d));
-        const bool has_room = right - left > d.px(7.3) * static_cast<double>(range.size());
-        d.marks.push_back(text_mark(at((left + right) / 2, all.top - d.px(4)),
-                                    has_room ? range : fmt::format("{}", number), plateau_ink,
-                                    {d.px(13), 0.5F, 1, d.px(2)}));
+        const bool fits = right - left > text_width(range, 13);
+        d.text({(left + right) / 2, all.top - 4}, fits ? range : fmt::format("{}", number),
+               plateau_ink, {13, 0.5F, 1, 2});
     }
 }
 
-void add_grid(const Box& box, const Panel& panel, Drawing& d) {
+void add_grid(const ChartBox& box, const Panel& panel, Drawing& d) {
     for (const double tick : d.isovalues.ticks) {
-        const double x = d.x(box, tick);
-        d.marks.push_back(line_mark({at(x, box.top), at(x, box.bottom)}, grid, d.px(1)));
+        const double x = box.x(d.isovalues, tick);
+        d.chart.line({x, box.top}, {x, box.bottom}, grid_ink);
     }
     for (const double tick : panel.axis.ticks) {
-        const double y = y_of(box, panel.axis.place(tick));
-        d.marks.push_back(line_mark({at(box.left, y), at(box.right, y)}, grid, d.px(1)));
-        d.marks.push_back(
-            text_mark(at(box.left - d.px(8), y), grouped(tick), grey_ink, {d.px(12), 1, 0.5F, 0}));
+        const double y = box.y(panel.axis, tick);
+        d.chart.line({box.left, y}, {box.right, y}, grid_ink);
+        d.text({box.left - 8, y}, grouped(tick), pale_ink, {12, 1, 0.5F, 0});
     }
 }
 
-void add_curve(const Box& box, const Panel& panel, Drawing& d) {
-    std::vector<glm::vec2> points;
+void add_curve(const ChartBox& box, const Panel& panel, Drawing& d) {
+    std::vector<ChartPoint> points;
     for (std::size_t index = 0; index < panel.values.size(); ++index) {
-        points.push_back(at(d.x(box, d.content.rows[index].isovalue),
-                            y_of(box, panel.axis.place(panel.values[index]))));
+        points.push_back(
+            box.at(d.isovalues, d.content.rows[index].isovalue, panel.axis, panel.values[index]));
     }
-    // Paper on both sides of the curve parts it from the histogram's edge.
-    d.marks.push_back(line_mark(points, {255, 255, 255, 190}, d.px(5)));
-    d.marks.push_back(line_mark(std::move(points), panel.colour, d.px(2.2)));
-    d.marks.push_back(text_mark(at(box.right - d.px(10), box.top + d.px(7)), panel.name,
-                                panel.colour, {d.px(15), 1, 0, d.px(4)}));
-    d.marks.push_back(
-        line_mark({at(box.left, box.bottom), at(box.right, box.bottom)}, frame, d.px(1)));
+    // White on both sides separates the curve from the histogram's edge.
+    d.chart.line(points, {255, 255, 255, 190}, 5);
+    d.chart.line(points, panel.color, 2.2);
+    d.text({box.right - 10, box.top + 7}, panel.name, panel.color, {15, 1, 0, 4});
+    d.chart.line({box.left, box.bottom}, {box.right, box.bottom}, axis_ink);
 }
 
-void add_axis(const Box& all, Drawing& d) {
+void add_axis(const ChartBox& all, Drawing& d) {
     for (const double tick : d.isovalues.ticks) {
-        const double x = d.x(all, tick);
-        d.marks.push_back(
-            line_mark({at(x, all.bottom), at(x, all.bottom + d.px(5))}, frame, d.px(1)));
-        d.marks.push_back(text_mark(at(x, all.bottom + d.px(8)), grouped(tick), grey_ink,
-                                    {d.px(12), 0.5F, 0, 0}));
+        const double x = all.x(d.isovalues, tick);
+        d.chart.line({x, all.bottom}, {x, all.bottom + 5}, axis_ink);
+        d.text({x, all.bottom + 8}, grouped(tick), pale_ink, {12, 0.5F, 0, 0});
     }
     const std::string unit =
         d.content.value_unit.empty() ? "" : fmt::format(", {}", d.content.value_unit);
-    d.marks.push_back(text_mark(at((all.left + all.right) / 2, all.bottom + d.px(28)),
-                                "isovalue" + unit, ink, {d.px(14), 0.5F, 0, 0}));
+    d.text({(all.left + all.right) / 2, all.bottom + 28}, "isovalue" + unit, chart_ink,
+           {14, 0.5F, 0, 0});
 }
 
-/// Title, and what grey and amber mean.
-void add_heading(const Box& all, Drawing& d) {
-    d.marks.push_back(text_mark(at(all.left, d.px(20)), d.content.title, ink, {d.px(20), 0, 0, 0}));
-    const double y = d.px(55), side = d.px(12);
-    const auto key = [&](double x, MarkColour colour, const std::string& text) {
-        d.marks.push_back(area_mark(rectangle({x, y, x + side, y + side}), colour));
-        d.marks.push_back(text_mark(at(x + side + d.px(7), y + side / 2), text, grey_ink,
-                                    {d.px(12.5), 0, 0.5F, 0}));
+/// Draws the title and the legend of gray and amber.
+void add_heading(const ChartBox& all, Drawing& d) {
+    d.text({all.left, 20}, d.content.title, chart_ink, {20, 0, 0, 0});
+    constexpr double y = 55, side = 12;
+    double x = all.left;
+    const auto key = [&](MarkColour color, const std::string& text) {
+        d.chart.area({x, y, x + side, y + side}, color);
+        d.text({x + side + 7, y + side / 2}, text, pale_ink, {12.5, 0, 0.5F, 0});
+        x += side + 7 + text_width(text, 12.5) + 24;
     };
     if (!d.content.histogram.counts.empty()) {
-        key(all.left, histogram_grey, "how often the values occur, logarithmic");
+        key(histogram_gray, "frequency of the values (logarithmic)");
     }
     if (!d.content.plateaus.empty()) {
-        key(all.left + d.px(310), {plateau_tint.r, plateau_tint.g, plateau_tint.b, 110},
+        key({plateau_tint.r, plateau_tint.g, plateau_tint.b, 110},
             "plateaus: the surface changes little");
     }
 }
@@ -238,14 +214,16 @@ AtlasChart atlas_chart(const AtlasContent& content, Size size) {
     }
     const double unit = std::min(static_cast<double>(size.width) / atlas_chart_size.width,
                                  static_cast<double>(size.height) / atlas_chart_size.height);
-    Drawing d{content, unit, linear_axis(rows.front().isovalue, rows.back().isovalue, 14), {}};
-    const Box all{d.px(96), d.px(100), size.width - 28 * unit, size.height - 58 * unit};
-    const double gap = d.px(16), height = (all.bottom - all.top - 3 * gap) / 4;
+    const double width = size.width / unit, height = size.height / unit;
+    Drawing d{content, linear_axis(rows.front().isovalue, rows.back().isovalue, 14), {}};
+    const ChartBox all{96, 100, width - 28, height - 58};
+    constexpr double gap = 16;
+    const double panel_height = (all.bottom - all.top - 3 * gap) / 4;
     const std::array panels = panels_of(content);
-    std::array<Box, 4> boxes{};
+    std::array<ChartBox, 4> boxes{};
     for (std::size_t index = 0; index < panels.size(); ++index) {
-        const double top = all.top + static_cast<double>(index) * (height + gap);
-        boxes[index] = {all.left, top, all.right, top + height};
+        const double top = all.top + static_cast<double>(index) * (panel_height + gap);
+        boxes[index] = {all.left, top, all.right, top + panel_height};
         add_histogram(boxes[index], d);
     }
     add_plateaus(all, d);
@@ -255,7 +233,7 @@ AtlasChart atlas_chart(const AtlasContent& content, Size size) {
     }
     add_axis(all, d);
     add_heading(all, d);
-    return {size, paper, std::move(d.marks)};
+    return {size, paper, scaled(std::move(d.chart), unit).marks};
 }
 
 }  // namespace pxpl5::host

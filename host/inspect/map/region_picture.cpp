@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "host/base/error.hpp"
-#include "host/inspect/map/map_colours.hpp"
+#include "host/inspect/map/map_colors.hpp"
 #include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::host::inspect {

@@ -67,11 +67,11 @@ void check_animation(const std::string& file, const std::string& suffix, const P
 
 void check(const fs::path& path, const Picture& picture) {
     const std::string file = path.string();
-    constexpr std::array known = {".png", ".tif", ".tiff", ".exr", ".gif"};
+    constexpr std::array known = {".png", ".tif", ".tiff", ".exr", ".gif", ".svg", ".pdf"};
     if (std::find(known.begin(), known.end(), suffix_of(path)) == known.end()) {
         throw PictureError(
-            fmt::format("{}: suffix is '{}', pictures are .png, .tif, .tiff, .exr or .gif", file,
-                        path.extension().string()));
+            fmt::format("{}: suffix is '{}', must be .png, .tif, .tiff, .exr, .gif, .svg or .pdf",
+                        file, path.extension().string()));
     }
     if (picture.width < 1 || picture.height < 1 || picture.width > max_picture_side_px ||
         picture.height > max_picture_side_px) {
@@ -210,7 +210,11 @@ void encode_to(const PartFile& part, const Picture& picture) {
 std::string written(const fs::path& path, const Picture& picture) {
     try {
         PartFile part(path);
-        if (suffix_of(path) == ".gif") {
+        if (const std::string suffix = suffix_of(path); suffix == ".svg" || suffix == ".pdf") {
+            const auto format = suffix == ".svg" ? DocumentFormat::svg : DocumentFormat::pdf;
+            part.write(draw_document(format, {picture.width, picture.height, picture.rgba,
+                                              picture.marks, picture.description}));
+        } else if (suffix == ".gif") {
             // Its writer does not tell of a full disk; TIFF's, on the other hand, spoils what it
             // writes to memory.
             std::vector<unsigned char> bytes;

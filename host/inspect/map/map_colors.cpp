@@ -1,4 +1,4 @@
-#include "host/inspect/map/map_colours.hpp"
+#include "host/inspect/map/map_colors.hpp"
 
 #include <algorithm>
 #include <array>

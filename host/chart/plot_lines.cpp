@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <limits>
 
-#include "host/timing/plot_parts.hpp"
+#include "host/chart/plot.hpp"
 
-namespace pxpl5::host::timing {
+namespace pxpl5::host {
 
 namespace {
 
-constexpr double area_width = 440, area_height = 280, disc_radius = 3, ring_radius = 7;
+constexpr double area_width = 440, area_height = 280, disc_radius = 3, ring_radius = 7, line_px = 2;
 
 struct Range {
     double low = std::numeric_limits<double>::infinity(),
@@ -32,7 +32,7 @@ void check(const LinePlot& plot) {
 }
 
 /// Of one coordinate of all points.
-Range range_of(const LinePlot& plot, const PlotAxis& axis, double PlotPoint::*coordinate) {
+Range range_of(const LinePlot& plot, const PlotAxis& axis, double ChartPoint::*coordinate) {
     Range range;
     for (const PlotLine& line : plot.lines) {
         for (std::size_t i = 0; i < line.points.size(); ++i) {
@@ -58,51 +58,55 @@ ChartAxis axis_for(const PlotAxis& axis, const Range& range) {
                           : linear_axis(range.low, std::max(range.high, 0.0), most_ticks);
 }
 
-void draw_line(Svg& svg, const Box& box, const ChartAxis& x, const ChartAxis& y,
+void draw_line(Chart& chart, const ChartBox& box, const ChartAxis& x, const ChartAxis& y,
                const PlotLine& line) {
-    std::vector<PlotPoint> places;
-    for (const PlotPoint& point : line.points) {
-        places.push_back({x_in(box, x, point.x), y_in(box, y, point.y)});
+    std::vector<ChartPoint> places;
+    for (const ChartPoint& point : line.points) {
+        places.push_back(box.at(x, point.x, y, point.y));
     }
-    svg.curve(places, colour_of(line.colour), line.dashed);
-    for (const PlotPoint& place : places) {
-        if (!line.dashed) {
-            svg.disc(place, disc_radius, colour_of(line.colour));
+    const MarkColour color = series_color(line.color);
+    if (line.dashed) {
+        chart.dashed(places, color, line_px);
+    } else {
+        chart.line(places, color, line_px);
+        for (const ChartPoint& place : places) {
+            chart.disc(place, disc_radius, color);
         }
     }
     if (line.ringed) {
-        svg.disc(places[*line.ringed], ring_radius, colour_of(line.colour), true);
+        chart.ring(places[*line.ringed], ring_radius, color);
     }
 }
 
 }  // namespace
 
-Svg drawn(const LinePlot& plot) {
+Chart drawn(const LinePlot& plot) {
     check(plot);
-    const ChartAxis x = axis_for(plot.x, range_of(plot, plot.x, &PlotPoint::x));
-    const ChartAxis y = axis_for(plot.y, range_of(plot, plot.y, &PlotPoint::y));
+    const ChartAxis x = axis_for(plot.x, range_of(plot, plot.x, &ChartPoint::x));
+    const ChartAxis y = axis_for(plot.y, range_of(plot, plot.y, &ChartPoint::y));
     std::vector<LegendEntry> entries;
     for (const PlotLine& line : plot.lines) {
         if (!line.name.empty()) {
-            entries.push_back({line.name, colour_of(line.colour), line.dashed, true});
+            entries.push_back({line.name, series_color(line.color), line.dashed, true});
         }
     }
-    Svg svg;
-    const double top = draw_heading(svg, plot.title, plot.y.label, plot_margin);
-    const Box box{plot_margin + y_axis_width(y), top, area_width, area_height};
-    draw_y_axis(svg, box, y);
-    draw_x_axis(svg, box, x, plot.x.label);
+    Chart chart;
+    const double top = draw_heading(chart, plot.title, plot.y.label, plot_margin);
+    const double left = plot_margin + y_axis_width(y);
+    const ChartBox box{left, top, left + area_width, top + area_height};
+    draw_y_axis(chart, box, y);
+    draw_x_axis(chart, box, x, plot.x.label);
     for (const PlotLine& line : plot.lines) {
-        draw_line(svg, box, x, y, line);
+        draw_line(chart, box, x, y, line);
     }
-    const double right = box.x + box.width + plot_margin;
-    draw_legend_column(svg, entries, {right, top - line_height / 2});
-    svg.width = std::max({right + legend_width(entries) + plot_margin,
-                          text_width(plot.title, title_px) + 2 * plot_margin});
+    const double right = box.right + plot_margin;
+    draw_legend_column(chart, entries, {right, top - line_height / 2});
+    chart.width = std::max({right + legend_width(entries) + plot_margin,
+                            text_width(plot.title, title_px) + 2 * plot_margin});
     const double legend_height = static_cast<double>(entries.size()) * line_height;
     const double below = top + std::max(area_height + x_axis_height, legend_height);
-    svg.height = draw_note(svg, plot.note, below, svg.width - 2 * plot_margin) + plot_margin;
-    return svg;
+    chart.height = draw_note(chart, plot.note, below, chart.width - 2 * plot_margin) + plot_margin;
+    return chart;
 }
 
-}  // namespace pxpl5::host::timing
+}  // namespace pxpl5::host

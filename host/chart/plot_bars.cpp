@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "host/timing/plot_parts.hpp"
+#include "host/chart/plot.hpp"
 
-namespace pxpl5::host::timing {
+namespace pxpl5::host {
 
 namespace {
 
@@ -68,24 +68,24 @@ double highest_of(const BarPlot& plot) {
 }
 
 /// The bars of one group, whose left edge is at x, and its name.
-void draw_group(Svg& svg, const BarPlot& plot, const Box& box, const ChartAxis& axis,
+void draw_group(Chart& chart, const BarPlot& plot, const ChartBox& box, const ChartAxis& axis,
                 const Pitch& pitch, std::size_t group, double x) {
-    const double bottom = box.y + box.height;
+    const double bottom = box.bottom;
     const double bars = pitch.bar * static_cast<double>(plot.series.size());
     double left = x + (pitch.group - bars) / 2;
     for (std::size_t i = 0; i < plot.series.size(); ++i, left += pitch.bar) {
         const std::optional<double>& value = plot.series[i].values[group];
         if (value) {
-            const double top = y_in(box, axis, *value);
-            svg.rectangle({left + 1, top, pitch.bar - 2, bottom - top}, colour_of(i));
-            svg.text({left + pitch.bar / 2, top - 3}, short_number(*value),
-                     {.anchor = Anchor::middle, .size_px = value_px});
+            const double top = box.y(axis, *value);
+            chart.area({left + 1, top, left + pitch.bar - 1, bottom}, series_color(i));
+            chart.text({left + pitch.bar / 2, top - 3}, short_number(*value),
+                       {.size_px = value_px, .align_x = 0.5F});
         }
     }
     double y = bottom;
     for (const std::string& line : broken(plot.groups[group], pitch.group)) {
         y += line_height;
-        svg.text({x + pitch.group / 2, y}, line, {.anchor = Anchor::middle});
+        chart.text({x + pitch.group / 2, y}, line, {.align_x = 0.5F});
     }
 }
 
@@ -99,34 +99,34 @@ double names_height(const BarPlot& plot, const Pitch& pitch) {
 
 }  // namespace
 
-Svg drawn(const BarPlot& plot) {
+Chart drawn(const BarPlot& plot) {
     check(plot);
     const ChartAxis axis = axis_from_zero(highest_of(plot), most_ticks);
     const Pitch pitch = pitch_of(plot);
     std::vector<LegendEntry> entries;
     for (std::size_t i = 0; i < plot.series.size(); ++i) {
-        entries.push_back({plot.series[i].name, colour_of(i)});
+        entries.push_back({plot.series[i].name, series_color(i)});
     }
-    Svg svg;
-    const double top = draw_heading(svg, plot.title, plot.y_label, plot_margin);
-    Box box{plot_margin + y_axis_width(axis), top,
-            static_cast<double>(plot.groups.size()) * (pitch.group + pitch.gap), area_height};
+    Chart chart;
+    const double top = draw_heading(chart, plot.title, plot.y_label, plot_margin);
+    const double left = plot_margin + y_axis_width(axis);
+    const double width = static_cast<double>(plot.groups.size()) * (pitch.group + pitch.gap);
     // Values over the highest bars must not touch the legend.
-    box.y += draw_legend_row(svg, entries, {plot_margin, top - tick_gap}, box.width) + value_px;
-    draw_y_axis(svg, box, axis);
-    double x = box.x + pitch.gap / 2;
+    const double box_top =
+        top + draw_legend_row(chart, entries, {plot_margin, top - tick_gap}, width) + value_px;
+    const ChartBox box{left, box_top, left + width, box_top + area_height};
+    draw_y_axis(chart, box, axis);
+    double x = box.left + pitch.gap / 2;
     for (std::size_t group = 0; group < plot.groups.size(); ++group) {
-        draw_group(svg, plot, box, axis, pitch, group, x);
+        draw_group(chart, plot, box, axis, pitch, group, x);
         x += pitch.group + pitch.gap;
     }
-    const double bottom = box.y + box.height;
-    svg.line({box.x, bottom}, {box.x + box.width, bottom}, axis_ink);
-    svg.width =
-        std::max(box.x + box.width, text_width(plot.title, title_px) + plot_margin) + plot_margin;
-    svg.height = draw_note(svg, plot.note, bottom + names_height(plot, pitch) + tick_gap,
-                           svg.width - 2 * plot_margin) +
-                 plot_margin;
-    return svg;
+    chart.line({box.left, box.bottom}, {box.right, box.bottom}, axis_ink);
+    chart.width = std::max(box.right, text_width(plot.title, title_px) + plot_margin) + plot_margin;
+    chart.height = draw_note(chart, plot.note, box.bottom + names_height(plot, pitch) + tick_gap,
+                             chart.width - 2 * plot_margin) +
+                   plot_margin;
+    return chart;
 }
 
-}  // namespace pxpl5::host::timing
+}  // namespace pxpl5::host
