@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "host/base/chart_axis.hpp"
-#include "host/timing/build_model.hpp"
+#include "host/timing/replay/build_model.hpp"
 
 namespace pxpl5::host::report {
 

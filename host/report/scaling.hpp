@@ -9,7 +9,7 @@
 
 #include "host/base/reply.hpp"
 #include "host/chart/plot.hpp"
-#include "host/timing/machine.hpp"
+#include "host/timing/counts/machine.hpp"
 #include "host/timing/paper_case.hpp"
 #include "host/timing/simulate.hpp"
 

@@ -58,6 +58,8 @@ ROOMS = {
         "serve": {"base", "machine", "session", "inspect", "commands"},
         ".": {"base", "phantom", "phigs", "machine", "inspect", "commands", "report", "serve"},
     },
+    "host/timing": {"counts": set(), "replay": {"counts"}, ".": {"counts", "replay"}},
+    "host/surface": {"atlas": set(), ".": set()},
     "host/io": {
         "values": set(),
         "formats": {"values"},

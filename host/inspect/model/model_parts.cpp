@@ -6,7 +6,7 @@
 
 #include "host/inspect/record/message_text.hpp"
 #include "host/machine/timing_section.hpp"
-#include "host/timing/machine.hpp"
+#include "host/timing/counts/machine.hpp"
 
 namespace pxpl5::host::inspect {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <numeric>
 
-#include "host/timing/frame_plan.hpp"
+#include "host/timing/replay/frame_plan.hpp"
 #include "tests/host/timing/machines.hpp"
 
 namespace pxpl5::host::timing {

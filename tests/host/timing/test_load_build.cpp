@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "host/timing/build_model.hpp"
+#include "host/timing/replay/build_model.hpp"
 #include "tests/host/timing/machines.hpp"
 
 namespace pxpl5::host::timing {

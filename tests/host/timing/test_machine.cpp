@@ -4,7 +4,7 @@
 #include <string>
 
 #include "host/base/error.hpp"
-#include "host/timing/machine.hpp"
+#include "host/timing/counts/machine.hpp"
 
 namespace pxpl5::host::timing {
 
