@@ -16,7 +16,7 @@
 #include "host/report/scaling.hpp"
 #include "host/report/sensitivity_text.hpp"
 #include "host/report/sources.hpp"
-#include "host/session/write_picture.hpp"
+#include "host/session/pictures/write_picture.hpp"
 
 namespace pxpl5::host::report {
 

@@ -13,7 +13,7 @@
 #include "host/inspect/model/model_sweep.hpp"
 #include "host/inspect/model/recorded_work.hpp"
 #include "host/inspect/record/find_run.hpp"
-#include "host/session/write_picture.hpp"
+#include "host/session/pictures/write_picture.hpp"
 
 namespace pxpl5::host::inspect {
 

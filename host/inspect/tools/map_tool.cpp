@@ -11,7 +11,7 @@
 #include "host/inspect/map/map_picture.hpp"
 #include "host/inspect/map/map_values.hpp"
 #include "host/inspect/record/find_run.hpp"
-#include "host/session/write_picture.hpp"
+#include "host/session/pictures/write_picture.hpp"
 
 namespace pxpl5::host::inspect {
 

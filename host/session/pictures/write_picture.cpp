@@ -1,4 +1,4 @@
-#include "host/session/write_picture.hpp"
+#include "host/session/pictures/write_picture.hpp"
 
 #include <fmt/format.h>
 #include <spawn.h>
