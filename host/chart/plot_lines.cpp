@@ -31,7 +31,7 @@ void check(const LinePlot& plot) {
     }
 }
 
-/// Of one coordinate of all points.
+/// Returns the range of one coordinate of all points.
 Range range_of(const LinePlot& plot, const PlotAxis& axis, double ChartPoint::*coordinate) {
     Range range;
     for (const PlotLine& line : plot.lines) {

@@ -113,7 +113,7 @@ void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
 /// Bytes of a FrameDone around its pixels and cycles.
 constexpr std::size_t body_margin_bytes = 1024;
 
-/// What is known of a frame at its beginning, with room for its pictures in a message of `memory`.
+/// A frame at its beginning, with room for its pictures in a message of `memory`.
 FrameInFlight begun(const schema::BeginFrame& begin, std::size_t renderer_count,
                     flatbuffers::Allocator* memory) {
     Frame frame;
@@ -271,7 +271,7 @@ void FrameBufferNode::give_up_before(std::uint32_t number) {
         const auto missing =
             std::find(lost.renderer_is_in.begin(), lost.renderer_is_in.end(), false);
         // Whoever failed has sent its Fault; this is for the log.
-        fmt::print(stderr, "frame {} is given up: Renderer {} has not sent its regions\n",
+        fmt::print(stderr, "frame {} is dropped: Renderer {} has not sent its regions\n",
                    lost.number, missing - lost.renderer_is_in.begin());
         in_flight_.pop_front();
     }

@@ -26,7 +26,7 @@ using timing::CaseTime;
 using timing::Machine;
 using timing::PaperCase;
 
-/// One line on standard error that tells how far the work has come, if people read it.
+/// One line on standard error that shows the progress of the work, if it is a terminal.
 class Progress {
   public:
     Progress() = default;
@@ -96,7 +96,7 @@ ReportRow row_of(const Machine& machine, const Source& source, const MeasuredCas
 struct Output {
     std::string text;
     Fields fields;
-    std::vector<Fields> lines;  ///< Of the CSV file.
+    std::vector<Fields> lines;  ///< Lines of the CSV file.
     std::vector<Plot> plots;
 };
 

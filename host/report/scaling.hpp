@@ -16,7 +16,7 @@
 namespace pxpl5::host::report {
 
 struct ScalingPoint {
-    std::uint32_t count = 0;  ///< Of the nodes that are more and more.
+    std::uint32_t count = 0;  ///< Number of the nodes that grow.
     double build_ms = 0, frames_per_s = 0;
     timing::Unit build_limit{}, frames_limit{};
 };

@@ -1,9 +1,9 @@
-// Clip planes: from what a person says, in patient millimetres or voxels, to planes of the patient,
+// Clip planes: from what a person says, in patient millimeters or voxels, to planes of the patient,
 // and from there to a frame's.
 //
 // A plane is (normal, offset): kept is where normal . p + offset >= 0, as in Scene::clip_planes. A
 // frame's planes act on grid positions (see host/volume/volume.hpp). These are an affine image of
-// the patient's millimetres, so a plane there is a plane here, also where slices are unevenly
+// the patient's millimeters, so a plane there is a plane here, also where slices are unevenly
 // spaced; slices, counted, are not.
 #pragma once
 

@@ -222,7 +222,7 @@ class Weld {
     WeldedMesh mesh_;
     std::uint64_t first_ = 0, end_ = 0;         ///< Keys of the slice under way.
     std::size_t base_ = 0;                      ///< Its first vertex.
-    std::vector<std::uint8_t> seen_;            ///< Of its vertices.
+    std::vector<std::uint8_t> seen_;            ///< One flag per vertex.
     std::vector<std::uint32_t> below_, above_;  ///< The mesh's vertices of the two slabs' there.
 };
 

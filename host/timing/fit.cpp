@@ -22,7 +22,7 @@ constexpr double first_step = 0.1;  // In ln(value).
 constexpr double probe_step = 0.05;
 constexpr double tolerance = 1e-3;  // Likewise.
 constexpr double least_value = 1e-6;
-constexpr double least_gain = 0.01;  // Of the sum of squares, by beginning again.
+constexpr double least_gain = 0.01;  // Share of the sum of squares that a restart must gain.
 constexpr int most_runs = 400;
 constexpr int digits = 3;
 
@@ -47,7 +47,8 @@ struct Search {
     const FitProgress& progress;
     int& runs;
     nlopt_opt optimiser = nullptr;
-    std::exception_ptr failure{};  ///< Of the model: it must not pass through the optimiser.
+    std::exception_ptr
+        failure{};  ///< The model's exception; it must not pass through the optimizer.
 
     double sum_of_squares(std::span<const double> logarithms);
 };
@@ -112,7 +113,7 @@ bool matters(Machine machine, const Parameter& parameter, Figure figure,
     });
 }
 
-/// What is fitted together.
+/// Parameters that are fitted together.
 struct Group {
     std::vector<const Parameter*> fitted;
     std::vector<Figure> figures;

@@ -26,11 +26,11 @@ struct Rate {
     /// only if a frame waits for an earlier one's retrace, in patterns of a few frames. Within 0.5
     /// % of the mean over 240 frames, for machines and loads around the paper's.
     double frames_per_s = 0;
-    Ns latency = 0;            ///< Of the last of them: from the command to the host's knowledge.
+    Ns latency = 0;            ///< Last picture: from the command to the host's knowledge.
     std::vector<UnitUse> use;  ///< In that time.
     Unit limit{};              ///< limit_of() these.
 };
-/// Of a frame as if it were a picture; see picture_rate(). Throws as simulate().
+/// Returns the rate of a frame as if it were a picture; see picture_rate(). Throws like simulate().
 Rate frame_rate(const Machine& machine, const FrameWork& frame);
 
 }  // namespace pxpl5::host::timing

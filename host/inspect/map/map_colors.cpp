@@ -18,7 +18,7 @@ constexpr std::array<Rgb8, 9> scale = {{{0x44, 0x01, 0x54},
                                         {0xAD, 0xDC, 0x30},
                                         {0xFD, 0xE7, 0x25}}};
 
-/// Okabe and Ito's, with a light grey in place of black, and eight more.
+/// Okabe and Ito's, with a light gray in place of black, and eight more.
 constexpr std::array<Rgb8, 16> apart = {{{0xE6, 0x9F, 0x00},
                                          {0x56, 0xB4, 0xE9},
                                          {0x00, 0x9E, 0x73},
@@ -40,7 +40,7 @@ std::uint8_t byte_of(double value) {
     return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
 }
 
-/// A colour of full circle `turn` 0..1 and the given saturation and value.
+/// A color of full circle `turn` 0..1 and the given saturation and value.
 Rgb8 of_hue(double turn, double saturation, double value) {
     const auto channel = [&](double shift) {
         const double k = std::fmod(shift + turn * 6, 6);

@@ -1,4 +1,4 @@
-// Colours of maps: a sequential scale for counts, a set for categories; both chosen for eyes that
+// Colors of maps: a sequential scale for counts, a set for categories; both chosen for eyes that
 // do not tell red from green.
 #pragma once
 
@@ -14,10 +14,10 @@ struct Rgb8 {
 };
 
 /// From dark violet at 0 over green to yellow at 1, lightness growing evenly.
-/// Source: viridis of N. Smith and S. van der Walt, 2015 (CC0): nine of its colours, mixed.
+/// Source: viridis of N. Smith and S. van der Walt, 2015 (CC0): nine of its colors, mixed.
 Rgb8 sequential(double t);
 
-/// A colour for each number: first those of Okabe and Ito 2008, in the end any hue.
+/// A color for each number: first those of Okabe and Ito 2008, in the end any hue.
 Rgb8 categorical(std::uint32_t number);
 
 /// Each of the signed components, -1..1, as one of red, green and blue.

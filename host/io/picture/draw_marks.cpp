@@ -19,7 +19,7 @@ namespace pxpl5::host::io {
 
 namespace {
 
-/// Part of the colour's opacity that its halo has.
+/// Part of the color's opacity that its halo has.
 constexpr double halo_opacity = 0.7;
 /// A pixel of a document is 1/96 inch, a point 1/72 inch.
 constexpr double pdf_points_per_px = 0.75;

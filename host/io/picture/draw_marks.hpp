@@ -16,7 +16,7 @@ namespace pxpl5::host::io {
 inline constexpr const char* mark_font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
 inline constexpr std::size_t max_marks = 100'000;
-inline constexpr float max_mark_px = 100'000;  ///< Of a coordinate, either sign.
+inline constexpr float max_mark_px = 100'000;  ///< Limit of a coordinate, either sign.
 inline constexpr float max_font_px = 2'000;
 inline constexpr float max_line_px = 2'000;
 

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t head_bytes = std::size_t{1} << 16;  // Of a file, beside its pixels.
+constexpr std::size_t head_bytes = std::size_t{1} << 16;  // Bytes of a file beside its pixels.
 
 std::size_t bytes_of_one(const Picture& picture) {
     return 4 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
@@ -178,7 +178,7 @@ void encode(const std::string& name, Memory* memory, const Picture& picture) {
         const bool written = output->open(name, spec, mode) &&
                              output->write_image(OIIO::TypeDesc::UINT8, pictures.get(index).data(),
                                                  4, OIIO::AutoStride, OIIO::AutoStride);
-        // A PNG that the disk has no room for is told of by has_error() alone.
+        // Only has_error() reports a PNG for which the disk has no room.
         if (!written || output->has_error()) {
             throw PictureError(output->geterror());
         }
@@ -215,7 +215,7 @@ std::string written(const fs::path& path, const Picture& picture) {
             part.write(draw_document(format, {picture.width, picture.height, picture.rgba,
                                               picture.marks, picture.description}));
         } else if (suffix == ".gif") {
-            // Its writer does not tell of a full disk; TIFF's, on the other hand, spoils what it
+            // Its writer does not report a full disk; TIFF's, on the other hand, spoils what it
             // writes to memory.
             std::vector<unsigned char> bytes;
             Memory memory(bytes);

@@ -12,7 +12,7 @@
 namespace pxpl5::host::io {
 
 inline constexpr int max_picture_side_px = 16384;
-inline constexpr int max_pictures = 10'000;  ///< Of an animation.
+inline constexpr int max_pictures = 10'000;  ///< Limit for an animation.
 inline constexpr int min_delay_ms = 20;      ///< Browsers show what is shorter at 100 ms.
 inline constexpr int max_delay_ms = 60'000;
 inline constexpr std::size_t max_attributes = 1'000;

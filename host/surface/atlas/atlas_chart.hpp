@@ -30,7 +30,7 @@ struct AtlasPlateau {
 /// How often the volume's values fall into bins of equal width.
 struct AtlasHistogram {
     double low = 0, high = 0;           ///< Lower edge of the first bin, upper edge of the last.
-    std::vector<std::uint64_t> counts;  ///< Of each bin.
+    std::vector<std::uint64_t> counts;  ///< One count per bin.
 };
 
 struct AtlasContent {
@@ -41,7 +41,7 @@ struct AtlasContent {
     std::string value_unit;              ///< "HU" for CT; empty if the values have none.
 };
 
-/// A chart: marks over a picture of one colour.
+/// A chart: marks over a picture of one color.
 struct AtlasChart {
     Size size;
     MarkColour background;

@@ -1,4 +1,4 @@
-// An isovalue to show of a volume of which nobody has said anything.
+// An isovalue for a volume without a stated isovalue.
 #pragma once
 
 #include "host/volume/volume.hpp"

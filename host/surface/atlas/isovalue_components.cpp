@@ -61,7 +61,7 @@ struct LevelGrid {
 
 template <class T>
 void fill_levels(std::span<const T> values, std::span<const double> isovalues, LevelGrid& grid) {
-    std::vector<Level> of_value;  // Of whole numbers: a table is faster than a search.
+    std::vector<Level> of_value;  // For whole numbers, a table is faster than a search.
     if constexpr (std::is_integral_v<T>) {
         of_value.resize(std::size_t{1} << (8 * sizeof(T)));
         for (std::size_t i = 0; i < of_value.size(); ++i)
@@ -104,7 +104,7 @@ LevelGrid level_grid(const Volume& volume, std::span<const double> isovalues) {
 }
 
 /// In the order of the sweep inwards the highest levels come first, outwards the lowest; of equal
-/// ones the lower voxel. A voxel's links are its neighbours that came before it.
+/// ones the lower voxel. A voxel's links are its neighbors that came before it.
 template <Side side>
 class Sweep {
   public:
@@ -214,13 +214,13 @@ class Sweep {
     }
 
     const LevelGrid& grid_;
-    Level never_;  ///< Of voxels that this sweep does not count at any isovalue.
+    Level never_;  ///< Level of voxels that this sweep never counts.
     std::array<std::ptrdiff_t, neighbour_count> steps_{};
     std::vector<std::int64_t> groups_;  ///< By level.
     std::vector<std::size_t> saddle_counts_;
     std::vector<std::uint32_t> parents_;
     std::vector<std::uint64_t> is_saddle_;
-    std::vector<std::uint32_t> links_;  ///< Of a row's voxels; bit k: neighbour k.
+    std::vector<std::uint32_t> links_;  ///< Links of a row's voxels; bit k: neighbor k.
 };
 
 void count_inside(LevelGrid& grid, std::span<ComponentCounts> out) {

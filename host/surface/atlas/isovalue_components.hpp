@@ -11,8 +11,8 @@ namespace pxpl5::host {
 
 /// At one isovalue.
 struct ComponentCounts {
-    std::uint32_t inside = 0;   ///< Groups of inside voxels, joined over the 6 neighbours.
-    std::uint32_t outside = 0;  ///< Of outside voxels, joined over the 18: diagonals of faces too.
+    std::uint32_t inside = 0;   ///< Groups of inside voxels, joined over the 6 neighbors.
+    std::uint32_t outside = 0;  ///< Groups of outside voxels, joined over 18 neighbors.
     /// Pieces of surface. The box has no hole, so each piece parts it in two: groups and pieces
     /// make a tree.
     std::uint32_t surface() const { return inside + outside - 1; }
@@ -24,7 +24,7 @@ struct ComponentCounts {
 /// Throws     RequestError for fewer than 2 voxels along an axis, or more than 2^32 in all.
 /// Memory     6 bytes per voxel besides the volume, and 4 for each saddle: a fifth of the voxels in
 ///            noise.
-/// Source     The pairing of 6 with 18 neighbours is Kong & Rosenfeld's (Digital topology, 1989);
+/// Source     The pairing of 6 with 18 neighbors is Kong & Rosenfeld's (Digital topology, 1989);
 ///            that `watertight` follows it, see README.md. The sweep is Kruskal's algorithm; that
 ///            only saddles must wait for their turn is ours.
 std::vector<ComponentCounts> count_components(const Volume& volume,

@@ -21,7 +21,7 @@ Steps make_steps() {
     return steps;
 }
 
-/// Of each neighbour, those that a voxel there is joined to, if both are of the side.
+/// Per neighbor, the neighbors that a voxel there is joined to, if both are on the side.
 std::array<std::uint32_t, neighbour_count> joined_neighbours(Side side) {
     const int greatest_length = side == Side::inside ? 1 : 2;
     const Steps& steps = neighbour_steps();

@@ -1,4 +1,4 @@
-// Which of a voxel's neighbours hang together without it.
+// Which of a voxel's neighbors hang together without it.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@ namespace pxpl5::host {
 
 enum class Side : std::uint8_t { inside, outside };
 
-/// The 6 neighbours across faces, then the 12 across faces' diagonals.
+/// The 6 neighbors across faces, then the 12 across faces' diagonals.
 inline constexpr std::size_t neighbour_count = 18;
 inline constexpr std::uint32_t face_neighbours = 63;
 
@@ -21,7 +21,7 @@ constexpr std::uint32_t joining_links(Side side) {
     return side == Side::inside ? face_neighbours : (1U << neighbour_count) - 1;
 }
 
-/// By a set of neighbours of one side, bit k for neighbour k: whether those that join are all in
+/// By a set of neighbors of one side, bit k for neighbor k: whether those that join are all in
 /// one group, by steps within the set.
 using LinkTable = std::bitset<std::size_t{1} << neighbour_count>;
 

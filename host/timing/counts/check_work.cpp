@@ -11,7 +11,8 @@ namespace pxpl5::host::timing {
 
 namespace {
 
-constexpr std::uint64_t max_count = std::uint64_t{1} << 32;  ///< Of primitives, words, triangles.
+constexpr std::uint64_t max_count = std::uint64_t{1}
+                                    << 32;  ///< Limit for primitives, words, triangles.
 constexpr std::uint32_t max_voxel_bytes = 16;
 
 template <class... Values>

@@ -22,7 +22,7 @@ enum class Assignment : std::uint8_t {
     first_free,     ///< The Master gives the next region to the Renderer that is free first.
     longest_first,  ///< Before the frame, by the regions' costs in the one before.
     round_robin,
-    recorded  ///< As the run had it; only with as many Renderers.
+    recorded  ///< The run's assignment; needs as many Renderers.
 };
 
 /// All numbers of the model. Names, units, ranges and provenance are in parameters().
@@ -44,7 +44,7 @@ struct Machine {
     double master_region_cycles = 0;      ///< To assign one.
     double ring_channels = 0, ring_channel_mb_s = 0, ring_hop_ns = 0;
     double ring_header_words = 0, ring_message_words = 0;  ///< The longest body.
-    double ring_fifo_words = 0;                            ///< Of a receiving node.
+    double ring_fifo_words = 0;                            ///< Size of a receiving node's FIFO.
     double renderer_clock_mhz = 0;
     double frame_buffer_ports = 0;  ///< Ring nodes of one frame buffer.
     double frame_buffer_refresh_hz = 0;

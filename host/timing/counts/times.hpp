@@ -10,7 +10,7 @@ namespace pxpl5::host::timing {
 
 using Ns = std::int64_t;  ///< Modelled time.
 
-/// What can be the limit. `host` is its software; `waiting`, of which there is no UnitUse, is what
+/// Units that can be the limit. `host` is its software; `waiting`, which has no UnitUse, is what
 /// limits where nothing is busy enough: for a retrace, or one unit for another.
 enum class Unit : std::uint8_t { host, host_link, gp, ring, renderer, frame_buffer, waiting };
 std::string_view name_of(Unit unit);
@@ -18,10 +18,9 @@ std::string_view name_of(Unit unit);
 /// How busy the nodes, or channels, of a kind were.
 struct UnitUse {
     Unit unit{};
-    double mean = 0;     ///< Share of the time, 0..1, over all of the kind.
-    double busiest = 0;  ///< Of the one that was busy longest.
-    std::uint32_t index =
-        0;  ///< Which that was; of frame buffers: their ports, one behind the other.
+    double mean = 0;          ///< Share of the time, 0..1, over all of the kind.
+    double busiest = 0;       ///< Share of the busiest node.
+    std::uint32_t index = 0;  ///< Index of that node; for frame buffers, index of the port.
 };
 
 /// Share of the time that a unit's busiest node works if the unit is the limit, 0..1.

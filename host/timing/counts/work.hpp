@@ -35,7 +35,7 @@ struct SlabWork {
     friend bool operator==(const SlabWork&, const SlabWork&) = default;
 };
 
-/// A surface that is extracted anew from the volume that was loaded last.
+/// A surface that is extracted again from the volume that was loaded last.
 struct BuildWork {
     std::uint16_t surface = 0;
     std::uint32_t revision = 0;
@@ -72,12 +72,12 @@ using isa::ClassCounts;  ///< Executed; cycles are at the Renderer's clock.
 struct PartWork {
     std::uint32_t region = 0;
     PartKind kind = PartKind::segment;
-    std::uint32_t surface = 0;         ///< Of a segment and of doors: index in the frame's list.
-    std::uint32_t slab = 0;            ///< Of a segment.
-    std::uint64_t primitives = 0;      ///< Of a segment.
-    std::uint64_t words = 0;           ///< Of a segment: what travels from GP to Renderer.
-    std::uint64_t port_cycles = 0;     ///< Of PIXELSTOFB: pixels leave, the array could go on.
-    std::uint64_t backing_cycles = 0;  ///< Of BSWAIT.
+    std::uint32_t surface = 0;         ///< Segments and doors: index in the frame's list.
+    std::uint32_t slab = 0;            ///< Segments only.
+    std::uint64_t primitives = 0;      ///< Segments only.
+    std::uint64_t words = 0;           ///< Segments only: words from GP to Renderer.
+    std::uint64_t port_cycles = 0;     ///< PIXELSTOFB: pixels leave while the array is free.
+    std::uint64_t backing_cycles = 0;  ///< BSWAIT only.
     std::array<ClassCounts, instruction_classes> classes{};  ///< All that was executed.
     std::uint64_t cycles() const;                            ///< Over all classes.
     friend bool operator==(const PartWork&, const PartWork&) = default;
@@ -92,7 +92,7 @@ struct FrameWork {
     std::vector<std::uint16_t> assignment;           ///< Renderer of each region, as it was drawn.
     std::uint32_t sample = 0, samples = 1;           ///< Which pass of its picture; of how many.
     std::size_t regions() const;
-    /// Of each region, all its parts together.
+    /// Cycles per region, all its parts together.
     std::vector<std::uint64_t> region_cycles() const;
     friend bool operator==(const FrameWork&, const FrameWork&) = default;
 };

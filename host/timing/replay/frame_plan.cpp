@@ -16,7 +16,7 @@ namespace {
 /// Cycles of a region that are not a bin's.
 struct OwnCycles {
     std::uint64_t prologue = 0, end = 0, port = 0;
-    std::vector<std::uint64_t> doors;  ///< As RegionPlan::doors.
+    std::vector<std::uint64_t> doors;  ///< Same as RegionPlan::doors.
 };
 
 std::uint32_t door_of(RegionPlan& region, OwnCycles& own, std::uint32_t surface) {

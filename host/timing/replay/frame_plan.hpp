@@ -59,7 +59,7 @@ class FramePlan {
     bool reads_out_;
     std::vector<RegionPlan> regions_;
     std::vector<Bin> bins_;
-    std::vector<std::vector<DoorPlace>> door_places_;  ///< As bins_; empty if there are no doors.
+    std::vector<std::vector<DoorPlace>> door_places_;  ///< Like bins_; empty without doors.
     std::vector<Ns> draw_times_;
 };
 

@@ -21,7 +21,7 @@ struct Places {
     std::size_t count() const { return 1 + gps + renderers + ports; }
 
     std::size_t gps = 0, renderers = 0;
-    std::size_t ports = 0;  ///< Of all frame buffers.
+    std::size_t ports = 0;  ///< Ports of all frame buffers.
 };
 
 /// Sends messages and says when they are taken. Renderers and frame buffers have no software.

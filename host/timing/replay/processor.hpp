@@ -31,8 +31,8 @@ class Processor {
     Events& events_;
     Meter busy_;
     std::deque<Job> jobs_;  ///< The first one is under way.
-    Ns messages_end_ = 0;   ///< Of messages.
-    Ns job_end_ = 0;        ///< Of the job under way, as far as is known.
+    Ns messages_end_ = 0;   ///< End of the messages.
+    Ns job_end_ = 0;        ///< End of the current job, as far as known.
 };
 
 }  // namespace pxpl5::host::timing

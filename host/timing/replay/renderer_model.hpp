@@ -30,7 +30,7 @@ class RendererModel {
         std::vector<Ns>
             sendable;  ///< When each GP's software is ready, in FrameRun::ready's order.
         std::size_t looked_at = 0;    ///< GPs whose bins were sent, or are empty.
-        std::uint64_t words_due = 0;  ///< Of bins that were sent: not worked yet.
+        std::uint64_t words_due = 0;  ///< Words of sent bins that are not worked yet.
         bool begun = false;           ///< The prologue.
         bool complete = false;        ///< All bins were sent.
         std::vector<bool> doors_paid;

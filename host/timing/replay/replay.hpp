@@ -14,7 +14,7 @@
 
 namespace pxpl5::host::timing {
 
-/// A step of somebody else's.
+/// A step that the caller owns.
 using StepRef = std::variant<const VolumeWork*, const BuildWork*, const FrameWork*>;
 
 class Replay {
@@ -56,7 +56,7 @@ class Replay {
     std::size_t next_ = 0, under_way_ = 0;
     const VolumeWork* volume_ = nullptr;      ///< Loaded last.
     const FrameWork* frame_ = nullptr;        ///< Drawn last.
-    std::shared_ptr<const FramePlan> plan_;   ///< Of frame_.
+    std::shared_ptr<const FramePlan> plan_;   ///< The plan of frame_.
     std::vector<std::uint64_t> costs_drawn_;  ///< Cycles of each region of the newest drawn.
 };
 

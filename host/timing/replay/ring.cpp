@@ -9,7 +9,7 @@
 namespace pxpl5::host::timing {
 
 namespace {
-constexpr std::size_t bits = 64;  ///< Of a part of Ring::senders_.
+constexpr std::size_t bits = 64;  ///< Bits of one part of Ring::senders_.
 }
 
 Ring::Ring(const Machine& machine, const Costs& costs, Events& events, std::size_t places)

@@ -15,14 +15,14 @@ using Place = std::uint16_t;  ///< On the ring, from 0.
 
 /// Words of a message's body that have come.
 struct Packet {
-    std::uint64_t offset = 0;  ///< Of the first.
+    std::uint64_t offset = 0;  ///< Offset of the first.
     std::uint32_t words = 0;
     bool last = false;
 };
 
 struct RingMessage {
     Place source = 0, destination = 0;
-    std::uint64_t words = 0;   ///< Of the body; at least 1.
+    std::uint64_t words = 0;   ///< Words of the body; at least 1.
     std::uint32_t gate = 0;    ///< The destination takes it once its gate is as far.
     bool stays = false;        ///< In the destination's FIFO, until released.
     Callback<Packet> arrives;  ///< For each packet, in their order.
@@ -73,7 +73,7 @@ class Ring {
     /// Lets packets go that may, longest waiting first.
     void arbitrate();
     bool start_longest_waiting();
-    /// Of those that may leave from a port now; null if there is none.
+    /// Returns the first packet that may leave from a port now, or null.
     const Waiting* longest_waiting(const Port& port) const;
     void start(std::uint32_t transfer);
     void end(Flight flight);

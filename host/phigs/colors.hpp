@@ -1,4 +1,4 @@
-// Few colours out of many: a pixel's number of its material has 8 bits.
+// Few colors out of many: a pixel's number of its material has 8 bits.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-#include "host/phigs/colours.hpp"
+#include "host/phigs/colors.hpp"
 
 #include <map>
 #include <tuple>
@@ -20,7 +20,7 @@ int merge_colours(std::vector<Material>& materials, std::vector<Part>& parts) {
     std::vector<Material> merged = materials;
     std::vector<std::size_t> new_index(materials.size());
     while (merged.size() > max_materials) {
-        --bits;  // Two bits leave 64 colours, culled or not 128: this ends.
+        --bits;  // Two bits leave 64 colors, culled or not 128: this ends.
         std::map<std::tuple<int, int, int, bool>, std::size_t> index;
         merged.clear();
         for (std::size_t i = 0; i < materials.size(); ++i) {
