@@ -109,6 +109,6 @@ Archive read_archive(const std::string& path);
 bool is_archive(std::string_view path);
 
 /// Throws RequestError (bad data) for a place in a file.
-[[noreturn]] void refuse(const std::string& file, Place at, const std::string& text);
+[[noreturn]] void refuse_text(const std::string& file, Place at, const std::string& text);
 
 }  // namespace pxpl5::host::phigs

@@ -60,7 +60,7 @@ class Flattener {
 
   private:
     [[noreturn]] void refuse_at(Place at, const std::string& text) const {
-        refuse(archive_.file, at, text);
+        refuse_text(archive_.file, at, text);
     }
 
     void execute(std::size_t index, State state, std::size_t depth) {

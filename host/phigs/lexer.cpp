@@ -50,13 +50,13 @@ std::optional<double> as_number(std::string_view word) {
 
 }  // namespace
 
-void refuse(const std::string& file, Place at, const std::string& text) {
+void refuse_text(const std::string& file, Place at, const std::string& text) {
     throw RequestError(ExitCode::bad_data,
                        fmt::format("{}:{}:{}: {}", file, at.line, at.column, text));
 }
 
 void Lexer::refuse_at(Place at, const std::string& text) const {
-    refuse(file_, at, text);
+    refuse_text(file_, at, text);
 }
 
 void Lexer::unexpected(std::string_view expected) const {

@@ -86,7 +86,7 @@ Load draw_load(const Machine& machine, const FrameWork& frame, std::uint32_t gp)
     double primitives = 0;
     for (const DrawnSlab& slab : frame.drawn) {
         const auto all = static_cast<double>(slab.primitives);
-        primitives += machine.share == Share::even    ? all / machine.gps
+        primitives += machine.share == Sharing::even  ? all / machine.gps
                       : slab.slab % machine.gps == gp ? all
                                                       : 0;
     }
@@ -98,7 +98,7 @@ Load emit_load(const Machine& machine, const FrameWork& frame, std::uint32_t gp)
     double words = 0;
     for (const PartWork& part : frame.parts) {
         const auto all = static_cast<double>(part.words);
-        words += machine.share == Share::even    ? all / machine.gps
+        words += machine.share == Sharing::even  ? all / machine.gps
                  : part.slab % machine.gps == gp ? all
                                                  : 0;
     }

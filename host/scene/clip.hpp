@@ -31,10 +31,6 @@ glm::dvec4 plane_through(const glm::dvec3& point_mm, const glm::dvec3& normal);
 
 using BoxPlanes = std::array<glm::dvec4, 6>;
 
-/// The six planes of a box: what lies in it is kept.
-/// Throws std::invalid_argument, naming axis and values, unless low < high on each axis.
-BoxPlanes box_planes_mm(const glm::dvec3& low_mm, const glm::dvec3& high_mm);
-
 /// Where a volume's voxels lie; of the same meaning as in Volume.
 struct VoxelPlaces {
     glm::dmat4 voxel_to_patient{1.0};

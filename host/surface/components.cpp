@@ -175,12 +175,6 @@ Shown show_at_least(const MeshComponents& parts, ComponentMeasure measure, doubl
     return show_if(parts, [=](const MeshComponent& c) { return is_at_least(c, measure, least); });
 }
 
-std::size_t count_at_least(const MeshComponents& parts, ComponentMeasure measure, double least) {
-    return static_cast<std::size_t>(
-        std::count_if(parts.components.begin(), parts.components.end(),
-                      [=](const MeshComponent& c) { return is_at_least(c, measure, least); }));
-}
-
 std::optional<SurfacePoint> nearest_point(const WeldedMesh& mesh, const VolumeGrid& grid,
                                           glm::dvec3 p_mm) {
     std::vector<glm::dvec3> points;

@@ -41,7 +41,6 @@ Shown show_component(const MeshComponents& parts, std::size_t component);
 enum class ComponentMeasure : std::uint8_t { triangles, area_mm2, volume_ml };
 /// The components of at least `least`; volumes count without their sign, open ones as none.
 Shown show_at_least(const MeshComponents& parts, ComponentMeasure measure, double least);
-std::size_t count_at_least(const MeshComponents& parts, ComponentMeasure measure, double least);
 
 /// A point of the surface.
 struct SurfacePoint {

@@ -82,7 +82,7 @@ double objective(unsigned count, const double* logarithms, double*, void* data) 
     }
 }
 
-[[noreturn]] void refuse(const std::string& text) {
+[[noreturn]] void refuse_fit(const std::string& text) {
     throw RequestError(ExitCode::bad_data, "fit: " + text);
 }
 
@@ -90,15 +90,15 @@ void check(const Machine& machine, std::span<const Parameter* const> fitted,
            std::size_t case_count) {
     const std::size_t figure_count = figures.size() * case_count;
     if (fitted.empty() || figure_count < fitted.size()) {
-        refuse(fmt::format("{} parameters, at least 1, and as many figures; {} cases have {}",
-                           fitted.size(), case_count, figure_count));
+        refuse_fit(fmt::format("{} parameters, at least 1, and as many figures; {} cases have {}",
+                               fitted.size(), case_count, figure_count));
     }
     for (const Parameter* parameter : fitted) {
         const double value = machine.*parameter->value;
         const double least = std::max(parameter->least, least_value);
         if (!(value >= least && value <= parameter->most)) {
-            refuse(fmt::format("{} is {}, must be {}..{} {} to begin with", parameter->name, value,
-                               least, parameter->most, parameter->unit));
+            refuse_fit(fmt::format("{} is {}, must be {}..{} {} to begin with", parameter->name,
+                                   value, least, parameter->most, parameter->unit));
         }
     }
 }
@@ -129,7 +129,7 @@ std::vector<Group> groups_of(const Machine& machine, std::span<const Parameter* 
         const bool of_build = matters(machine, *parameter, Figure::built, cases);
         const bool of_rate = matters(machine, *parameter, Figure::rate, cases);
         if (!of_build && !of_rate) {
-            refuse(fmt::format("no figure changes with {}", parameter->name));
+            refuse_fit(fmt::format("no figure changes with {}", parameter->name));
         }
         are_apart = are_apart && of_build != of_rate;
         (of_build ? built : rate).fitted.push_back(parameter);
@@ -170,7 +170,7 @@ void minimise(Search& search) {
             std::rethrow_exception(search.failure);
         }
         if (result < 0 && result != NLOPT_ROUNDOFF_LIMITED) {
-            refuse(fmt::format("the search ended with {}", nlopt_result_to_string(result)));
+            refuse_fit(fmt::format("the search ended with {}", nlopt_result_to_string(result)));
         }
         if (!(least < before * (1 - least_gain))) {
             break;

@@ -45,7 +45,7 @@ Machine machine_of(const Topology& topology) {
     machine.gps = static_cast<std::uint32_t>(topology.gp.count);
     machine.renderers = static_cast<std::uint32_t>(topology.renderer.count);
     machine.frame_buffers = static_cast<std::uint32_t>(topology.frame_buffer.count);
-    machine.share = chosen<Share>(timing, "share", share_words);
+    machine.share = chosen<Sharing>(timing, "share", share_words);
     machine.assignment = chosen<Assignment>(timing, "assignment", assignment_words);
     for (const Parameter& parameter : rows) {
         machine.*parameter.value = find_timing(timing, parameter.name)->value.value_or(0);

@@ -12,7 +12,7 @@
 namespace pxpl5::host::timing {
 
 /// Who holds a surface's triangles when it is drawn.
-enum class Share : std::uint8_t {
+enum class Sharing : std::uint8_t {
     even,  ///< The display list is spread evenly over the GPs.
     own    ///< Each GP draws the slabs that it extracted.
 };
@@ -29,7 +29,7 @@ enum class Assignment : std::uint8_t {
 struct Machine {
     // Counts, which are the topology's.
     std::uint32_t gps = 36, renderers = 16, frame_buffers = 1;
-    Share share = Share::even;
+    Sharing share = Sharing::even;
     Assignment assignment = Assignment::first_free;
 
     double host_link_mb_s = 0, host_message_us = 0;

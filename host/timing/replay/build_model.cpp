@@ -49,7 +49,7 @@ void BuildModel::start(const BuildWork& build, const VolumeWork& volume, Callbac
 
 std::uint64_t BuildModel::given(std::size_t from, std::size_t to) const {
     const std::size_t gps = duties_.size();
-    if (hardware_.machine.share == Share::own) {
+    if (hardware_.machine.share == Sharing::own) {
         return from == to ? duties_[from].triangles : 0;
     }
     const std::size_t turn = (to + gps - from) % gps;  // What is left over goes round from `from`.

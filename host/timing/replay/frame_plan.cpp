@@ -63,7 +63,7 @@ class Binner {
 
     void add(const PartWork& part) {
         const Hand whole{part.slab % machine_.gps, part.primitives, part.words, part.cycles()};
-        if (machine_.share == Share::own) {
+        if (machine_.share == Sharing::own) {
             give(part, whole);
         } else {
             deal_(whole, [&](const Hand& hand) { give(part, hand); });
@@ -156,7 +156,7 @@ void FramePlan::add_draw_times(const Machine& machine, const Costs& costs, const
     std::vector<std::uint64_t> primitives(gps_), words(gps_);
     Deal deal(gps_);
     for (const DrawnSlab& slab : frame.drawn) {
-        if (machine.share == Share::own) {
+        if (machine.share == Sharing::own) {
             primitives[slab.slab % gps_] += slab.primitives;
         } else {
             deal({0, slab.primitives, 0, 0},
