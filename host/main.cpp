@@ -246,7 +246,7 @@ CLI::App* declare_report(CLI::App& parent, report::ReportOptions& options) {
     app->add_option("--csv", options.csv,
                     "Table to write; of the sensitivity, if that is asked for");
     app->add_option("--picture", options.picture,
-                    "Plot to write, as SVG; of the sensitivity, if that is asked for");
+                    "Writes the plot (.svg, .png or .pdf); with --sensitivity, its plot");
     app->add_option("--pictures", options.pictures, "Folder for pictures of the surfaces");
     return app;
 }

@@ -7,10 +7,10 @@
 #include "host/commands/picture_text.hpp"
 #include "host/commands/progress_bar.hpp"
 #include "host/commands/volume_text.hpp"
-#include "host/surface/atlas_chart.hpp"
-#include "host/surface/histogram.hpp"
-#include "host/surface/isovalue_components.hpp"
-#include "host/surface/plateaus.hpp"
+#include "host/surface/atlas/atlas_chart.hpp"
+#include "host/surface/atlas/histogram.hpp"
+#include "host/surface/atlas/isovalue_components.hpp"
+#include "host/surface/atlas/plateaus.hpp"
 
 namespace pxpl5::host {
 

@@ -2,7 +2,7 @@
 
 #include "host/commands/tissues.hpp"
 #include "host/phantom/phantom.hpp"
-#include "host/surface/first_isovalue.hpp"
+#include "host/surface/atlas/first_isovalue.hpp"
 
 namespace pxpl5::host {
 

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/phantom/phantom.hpp"
-#include "host/surface/histogram.hpp"
+#include "host/surface/atlas/histogram.hpp"
 
 namespace pxpl5::host {
 

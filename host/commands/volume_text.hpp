@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "host/base/reply.hpp"
-#include "host/surface/histogram.hpp"
+#include "host/surface/atlas/histogram.hpp"
 #include "host/volume/volume.hpp"
 
 namespace pxpl5::host {

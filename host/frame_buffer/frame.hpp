@@ -13,7 +13,7 @@ struct FrameShape {
     int views = 1;              ///< Stacked top to bottom in the picture.
 
     int columns() const;
-    int rows() const;  ///< Of one view.
+    int rows() const;  ///< Rows of one view.
     int regions() const { return columns() * rows() * views; }
     std::size_t pixels() const;
 };

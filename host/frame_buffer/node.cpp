@@ -22,7 +22,7 @@ constexpr std::size_t max_in_flight = 4;
 constexpr std::size_t max_early = max_in_flight;
 constexpr std::size_t tile_pixels = isa::region::size_px * isa::region::size_px;
 
-[[noreturn]] void refuse(schema::FaultCode code, const std::string& reason) {
+[[noreturn]] void throw_fault(schema::FaultCode code, const std::string& reason) {
     throw NodeFault(code, reason);
 }
 
@@ -39,7 +39,7 @@ std::vector<std::uint16_t> assignment_of(const schema::BeginFrame& begin, const 
     const auto outside = std::find_if(given.begin(), given.end(),
                                       [=](std::uint16_t r) { return r >= renderer_count; });
     if (outside != given.end()) {
-        refuse(
+        throw_fault(
             schema::FaultCode::bad_input,
             fmt::format("frame {}: region {} is assigned to Renderer {}, there are {}",
                         begin.draw()->frame(), outside - given.begin(), *outside, renderer_count));
@@ -51,41 +51,43 @@ std::vector<std::uint16_t> assignment_of(const schema::BeginFrame& begin, const 
 void check_tiles(const Frame& frame, const schema::RegionPixels& pixels) {
     const std::string from = fmt::format("frame {}, Renderer {}", frame.number, pixels.renderer());
     if (frame.renderer_is_in[pixels.renderer()]) {
-        refuse(schema::FaultCode::bad_message, from + ": its regions came twice");
+        throw_fault(schema::FaultCode::bad_message, from + ": its regions came twice");
     }
     std::vector<bool> seen = frame.region_is_in;
     for (const schema::RegionTile* tile : *pixels.tiles()) {
         const std::size_t region = tile->region();
         if (region >= seen.size()) {
-            refuse(schema::FaultCode::bad_message,
-                   fmt::format("{}: region {}, the frame has {}", from, region, seen.size()));
+            throw_fault(schema::FaultCode::bad_message,
+                        fmt::format("{}: region {}, the frame has {}", from, region, seen.size()));
         }
         if (frame.assignment[region] != pixels.renderer()) {
-            refuse(schema::FaultCode::bad_message,
-                   fmt::format("{}: region {} is Renderer {}'s", from, region,
-                               frame.assignment[region]));
+            throw_fault(schema::FaultCode::bad_message,
+                        fmt::format("{}: region {} is Renderer {}'s", from, region,
+                                    frame.assignment[region]));
         }
         if (seen[region]) {
-            refuse(schema::FaultCode::bad_message,
-                   fmt::format("{}: region {} came twice", from, region));
+            throw_fault(schema::FaultCode::bad_message,
+                        fmt::format("{}: region {} came twice", from, region));
         }
         seen[region] = true;
     }
     const auto due =
         std::count(frame.assignment.begin(), frame.assignment.end(), pixels.renderer());
     if (pixels.tiles()->size() != static_cast<std::size_t>(due)) {
-        refuse(schema::FaultCode::bad_message, fmt::format("{}: {} regions, {} are assigned to it",
-                                                           from, pixels.tiles()->size(), due));
+        throw_fault(schema::FaultCode::bad_message,
+                    fmt::format("{}: {} regions, {} are assigned to it", from,
+                                pixels.tiles()->size(), due));
     }
     if (due > 0 && frame.has_pixels == (pixels.pixels()->size() == 0)) {
-        refuse(schema::FaultCode::bad_message,
-               fmt::format("{}: it sends {}pixels, the frame has {}", from,
-                           frame.has_pixels ? "no " : "", frame.has_pixels ? "them" : "none"));
+        throw_fault(schema::FaultCode::bad_message,
+                    fmt::format("{}: it sends {}pixels, the frame has {}", from,
+                                frame.has_pixels ? "no " : "", frame.has_pixels ? "them" : "none"));
     }
     if (frame.read_depths != (pixels.depths() != nullptr)) {
-        refuse(schema::FaultCode::bad_message,
-               fmt::format("{}: it sends {}depths, the frame wants {}", from,
-                           frame.read_depths ? "no " : "", frame.read_depths ? "them" : "none"));
+        throw_fault(
+            schema::FaultCode::bad_message,
+            fmt::format("{}: it sends {}depths, the frame wants {}", from,
+                        frame.read_depths ? "no " : "", frame.read_depths ? "them" : "none"));
     }
 }
 
@@ -113,7 +115,7 @@ void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
 /// Bytes of a FrameDone around its pixels and cycles.
 constexpr std::size_t body_margin_bytes = 1024;
 
-/// What is known of a frame at its beginning, with room for its pictures in a message of `memory`.
+/// A frame at its beginning, with room for its pictures in a message of `memory`.
 FrameInFlight begun(const schema::BeginFrame& begin, std::size_t renderer_count,
                     flatbuffers::Allocator* memory) {
     Frame frame;
@@ -168,8 +170,8 @@ void FrameBufferNode::receive(const bus::Message& message, bus::Outbox& out) {
     } else if (message.kind() == schema::Body::RegionPixels) {
         on_region_pixels(message, out);
     } else {
-        refuse(schema::FaultCode::bad_message,
-               fmt::format("a frame buffer does not take {}", bus::kind_name(message.kind())));
+        throw_fault(schema::FaultCode::bad_message,
+                    fmt::format("a frame buffer does not take {}", bus::kind_name(message.kind())));
     }
 }
 
@@ -198,8 +200,8 @@ void FrameBufferNode::on_topology(const schema::Topology& topology) {
 void FrameBufferNode::on_begin_frame(const schema::BeginFrame& begin, bus::Outbox& out) {
     const std::uint32_t number = begin.draw()->frame();
     if (number < next_frame_) {
-        refuse(schema::FaultCode::bad_message,
-               fmt::format("frame {} begins after frame {}", number, next_frame_ - 1));
+        throw_fault(schema::FaultCode::bad_message,
+                    fmt::format("frame {} begins after frame {}", number, next_frame_ - 1));
     }
     in_flight_.push_back(begun(begin, renderer_ids_.size(), out.body_allocator()));
     next_frame_ = number + 1;
@@ -217,7 +219,7 @@ void FrameBufferNode::take_early(bus::Outbox& out) {
         }
     }
     if (!reasons.empty()) {
-        refuse(schema::FaultCode::bad_message, reasons);
+        throw_fault(schema::FaultCode::bad_message, reasons);
     }
 }
 
@@ -232,9 +234,9 @@ void FrameBufferNode::on_region_pixels(const bus::Message& message, bus::Outbox&
         return f.frame.number == pixels.frame();
     });
     if (found == in_flight_.end()) {
-        refuse(schema::FaultCode::bad_message,
-               fmt::format("frame {}, Renderer {}: its regions come late, the frame is over",
-                           pixels.frame(), pixels.renderer()));
+        throw_fault(schema::FaultCode::bad_message,
+                    fmt::format("frame {}, Renderer {}: its regions come late, the frame is over",
+                                pixels.frame(), pixels.renderer()));
     }
     {
         const bus::StageClock::In assembling(out.clock(), stage::assemble);
@@ -248,19 +250,20 @@ void FrameBufferNode::on_region_pixels(const bus::Message& message, bus::Outbox&
 
 void FrameBufferNode::check_sender(bus::NodeId source, const schema::RegionPixels& pixels) const {
     if (pixels.renderer() >= renderer_ids_.size() || renderer_ids_[pixels.renderer()] != source) {
-        refuse(schema::FaultCode::bad_message,
-               fmt::format("frame {}: node {} sends regions as Renderer {}, of {} Renderers",
-                           pixels.frame(), source, pixels.renderer(), renderer_ids_.size()));
+        throw_fault(schema::FaultCode::bad_message,
+                    fmt::format("frame {}: node {} sends regions as Renderer {}, of {} Renderers",
+                                pixels.frame(), source, pixels.renderer(), renderer_ids_.size()));
     }
 }
 
 void FrameBufferNode::hold(const bus::Message& message) {
     if (early_.size() >= max_early * renderer_ids_.size()) {
         const auto& pixels = *message.as<schema::RegionPixels>();
-        refuse(schema::FaultCode::bad_message,
-               fmt::format("frame {}, Renderer {}: the frame is unknown, and {} messages wait for "
-                           "their frames already",
-                           pixels.frame(), pixels.renderer(), early_.size()));
+        throw_fault(
+            schema::FaultCode::bad_message,
+            fmt::format("frame {}, Renderer {}: the frame is unknown, and {} messages wait for "
+                        "their frames already",
+                        pixels.frame(), pixels.renderer(), early_.size()));
     }
     early_.push_back(message);
 }
@@ -271,7 +274,7 @@ void FrameBufferNode::give_up_before(std::uint32_t number) {
         const auto missing =
             std::find(lost.renderer_is_in.begin(), lost.renderer_is_in.end(), false);
         // Whoever failed has sent its Fault; this is for the log.
-        fmt::print(stderr, "frame {} is given up: Renderer {} has not sent its regions\n",
+        fmt::print(stderr, "frame {} is dropped: Renderer {} has not sent its regions\n",
                    lost.number, missing - lost.renderer_is_in.begin());
         in_flight_.pop_front();
     }

@@ -15,7 +15,7 @@
 
 namespace pxpl5::host {
 
-/// What the frame buffer tells apart of its work, besides the stages of every node.
+/// Kinds of work of the frame buffer, besides the stages of every node.
 namespace stage {
 using namespace bus::stage;
 inline constexpr std::string_view assemble = "assemble";  ///< Regions into their picture.
@@ -48,7 +48,7 @@ class FrameBufferNode final : public bus::Node {
     void take_early(bus::Outbox& out);
     /// Drops older frames: a Renderer that failed at one never sends it.
     void give_up_before(std::uint32_t number);
-    /// Shows the oldest frame, which is complete, and tells the host.
+    /// Shows the oldest frame, which is complete, and notifies the host.
     void swap_in(bus::Outbox& out);
 
     std::vector<bus::NodeId> renderer_ids_;  ///< By index.

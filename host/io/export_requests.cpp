@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
+#include <iterator>
+#include <vector>
 
 #include "host/io/mesh/mesh_export.hpp"
 #include "host/io/picture/picture.hpp"
@@ -121,6 +125,29 @@ schema::IoDoneT export_mesh(const schema::ExportMesh& request) {
         return done;
     } catch (const MeshError& error) {
         return failed(error.what());
+    }
+}
+
+int serve_one_request(const Limits& limits) {
+    constexpr int bad_data = 65, failed_code = 1;
+    std::vector<std::uint8_t> body;
+    std::array<std::uint8_t, 1 << 16> block{};
+    while (const std::size_t got = std::fread(block.data(), 1, block.size(), stdin)) {
+        body.insert(body.end(), block.begin(), block.begin() + static_cast<std::ptrdiff_t>(got));
+    }
+    const schema::Header header(bus::header_magic, bus::protocol_version,
+                                static_cast<std::uint16_t>(bus::Body::ExportPicture), bus::host_id,
+                                bus::host_id, 0, 0, 0, body.size(), 0, 0, 0);
+    try {
+        const bus::Message request(header, body, nullptr);
+        limit_next_request(limits);
+        const bus::Payload answer = bus::pack(export_picture(*request.as<schema::ExportPicture>()));
+        const std::span<const std::uint8_t> bytes = answer.bytes();
+        const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size();
+        return written && std::fflush(stdout) == 0 ? 0 : failed_code;
+    } catch (const bus::BadMessage& error) {
+        std::fprintf(stderr, "pxpl5-io: %s\n", error.what());
+        return bad_data;
     }
 }
 

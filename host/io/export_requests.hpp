@@ -1,15 +1,23 @@
-// What is asked of the io process's writing side, answered: messages in, IoDone out.
+// The export requests of the io process: each request is a message, each answer is IoDone.
 #pragma once
 
+#include "host/io/limits.hpp"
 #include "ringbus/message.hpp"
 
 namespace pxpl5::host::io {
 
-/// Writes the picture or animation, or says why not. Never bad data: what is wrong is the request
-/// or the disk.
+/// Writes the picture or animation, or answers with the reason of the failure. A failure is never
+/// bad data, because the request or the disk is wrong.
 bus::schema::IoDoneT export_picture(const bus::schema::ExportPicture& request);
 
-/// Writes the mesh, or says why not. `text` tells what was written, `triangles` how many.
+/// Writes the mesh, or answers with the reason of the failure. `text` describes the file;
+/// `triangles` counts its triangles.
 bus::schema::IoDoneT export_mesh(const bus::schema::ExportMesh& request);
+
+/// Serves the one ExportPicture that standard input holds, without a ring: for tools that have no
+/// machine. Standard input and output hold the bodies of the two messages.
+///
+/// Returns the exit code: 0 if an answer was written, 65 if the input is no valid request.
+int serve_one_request(const Limits& limits);
 
 }  // namespace pxpl5::host::io

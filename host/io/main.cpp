@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/io/export_requests.hpp"
 #include "host/io/limits.hpp"
 #include "host/io/node.hpp"
 #include "ringbus/process/process.hpp"
@@ -23,6 +24,9 @@ int main(int argc, char** argv) {
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     host::io::limit_memory(limits);
+    if (arguments.size() == 2 && arguments[1] == "--one-request") {
+        return host::io::serve_one_request(limits);
+    }
     std::vector<char*> rest;
     for (std::string& argument : arguments) {
         rest.push_back(argument.data());

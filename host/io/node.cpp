@@ -63,7 +63,7 @@ ImportRequest request_of(const schema::ImportVolume& wish) {
     return request;
 }
 
-/// Pages of the memory from `begin` to `end`, which nobody will read again, go back to the system:
+/// Pages of the memory from `begin` to `end`, which are not read again, go back to the system:
 /// else a volume is here twice while its slices wait to be sent.
 void give_back(std::vector<std::byte>& values, std::size_t begin, std::size_t end) {
     const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));

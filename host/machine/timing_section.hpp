@@ -29,7 +29,7 @@ struct TimingChoice {
     std::span<const std::string_view> words;
 };
 
-// In the order of host::timing::Share and Assignment.
+// In the order of host::timing::Sharing and Assignment.
 inline constexpr std::array<std::string_view, 2> share_words = {"even", "own"};
 inline constexpr std::array<std::string_view, 4> assignment_words = {"first_free", "longest_first",
                                                                      "round_robin", "recorded"};

@@ -12,7 +12,7 @@ constexpr double torus_ring_radius_mm = 32, torus_tube_radius_mm = 12;
 constexpr double steps_per_mm = 100;  ///< One unit of density is 0.01 mm.
 constexpr int torus_zero = 30000;     ///< Density just outside the torus.
 
-// Off the lattice, so that no voxel centre lies on the shape's axes.
+// Off the lattice, so that no voxel center lies on the shape's axes.
 constexpr glm::dvec3 centre_mm(0.3, -0.7, 0.45);
 
 /// Depth in units: at least 1 exactly when the point is inside or on the surface, so that an

@@ -26,7 +26,7 @@ Volume make_sphere(const PhantomInfo& info);
 Volume make_torus(const PhantomInfo& info);
 Volume make_letters(const PhantomInfo& info);
 
-/// The grid that an info describes, centred on `centre_mm`.
+/// The grid that an info describes, centered on `centre_mm`.
 inline Grid grid_of(const PhantomInfo& info, glm::vec3 centre_mm = glm::vec3(0)) {
     const glm::vec3 spacing(static_cast<float>(info.spacing_mm[0]),
                             static_cast<float>(info.spacing_mm[1]),

@@ -18,7 +18,7 @@ namespace pxpl5::host::phantom {
 struct Grid {
     int nx = 0, ny = 0, nz = 0;  ///< Voxels.
     glm::vec3 spacing_mm{1};
-    glm::vec3 first_mm{0};  ///< Centre of voxel (0, 0, 0).
+    glm::vec3 first_mm{0};  ///< Center of voxel (0, 0, 0).
 
     std::size_t voxel_count() const {
         return static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) *
@@ -34,10 +34,10 @@ struct Grid {
     float z_mm(int z) const { return first_mm.z + spacing_mm.z * static_cast<float>(z); }
 };
 
-/// A grid centred on `centre_mm`.
+/// A grid centered on `centre_mm`.
 Grid centred_grid(int nx, int ny, int nz, glm::vec3 spacing_mm, glm::vec3 centre_mm = glm::vec3(0));
 
-/// The half of a grid with x > 0, if the grid is centred on x = 0 and nx is even.
+/// The half of a grid with x > 0, if the grid is centered on x = 0 and nx is even.
 Grid left_half(const Grid& grid);
 
 inline constexpr float far_mm = 1000;  ///< Distance where no shape is near.
@@ -132,7 +132,7 @@ void join(Field& field, const Ball& ball, Join how = Join::unite);
 void join(Field& field, const Rod& rod, Join how = Join::unite);
 void join(Field& field, std::span<const Corner> corners, const Plate& plate, float blend_mm);
 
-/// A rod through every two neighbours of a line of corners.
+/// A rod through every two neighbors of a line of corners.
 void join_line(Field& field, std::span<const Corner> line, float blend_mm, Join how = Join::unite);
 
 /// Shapes of one kind, each also mirrored in x = 0.
@@ -175,7 +175,7 @@ void add(Bellies& bellies, const Box& box, const Distance& distance_mm) {
 /// One field of all shapes, with a gap of `gap_mm` where two overlap.
 Field parted(const Bellies& bellies, float gap_mm);
 
-/// Rounds creases: clamps distances to the margin and averages each with its neighbours (1 2 1),
+/// Rounds creases: clamps distances to the margin and averages each with its neighbors (1 2 1),
 /// `passes` times along each axis.
 void smooth(Field& field, int passes);
 

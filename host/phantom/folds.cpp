@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t wave_count = 24;
 constexpr float two_pi = 6.2831853F;
 constexpr float least_reach =
-    0.05F;  ///< Of the ellipsoid's radius; the pattern ends at its centre.
+    0.05F;  ///< Share of the ellipsoid's radius; the pattern ends at its center.
 
 /// One plane wave: turns per mm, and turns at the origin.
 struct PlaneWave {

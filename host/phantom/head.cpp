@@ -1,4 +1,4 @@
-// A head as magnetic resonance sees it: bright brain, grey skin, dark bone, water and air.
+// A head as magnetic resonance sees it: bright brain, gray skin, dark bone, water and air.
 #include <limits>
 
 #include "host/phantom/catalogue.hpp"
@@ -16,7 +16,7 @@ constexpr float skull_marrow = 120;
 constexpr float scanner_noise = 9;
 
 constexpr float blur_mm = 1.3F;  ///< Half the width over which a voxel mixes tissues.
-constexpr float cortex_mm = 4;   ///< Thickness of grey matter.
+constexpr float cortex_mm = 4;   ///< Thickness of gray matter.
 constexpr float water_mm = 2.5F, skull_mm = 7;  ///< Layers around the brain.
 constexpr float skull_marrow_mm = 1.2F;         ///< Half the thickness of the marrow in the skull.
 constexpr float marrow_from_z_mm = 50;          ///< Only the top of the skull holds marrow.

@@ -23,7 +23,7 @@ constexpr Stroke letter_s[] = {{4, 5.2F, 3, 6}, {3, 6, 1, 6}, {1, 6, 0, 5.2F}, {
                                {4, 0.8F, 3, 0}, {3, 0, 1, 0}, {1, 0, 0, 0.8F}};
 constexpr Stroke letter_i[] = {{1, 6, 3, 6}, {2, 6, 2, 0}, {1, 0, 3, 0}};
 
-/// A letter as it is read by somebody who looks at that side of the patient.
+/// A letter, seen by a reader who faces that side of the patient.
 struct Letter {
     std::span<const Stroke> strokes;
     glm::vec3 middle_mm;  ///< On the block's face.

@@ -158,7 +158,7 @@ inline constexpr Ball muscle_balls[] = {
     {{128, 40, 66}, {24, 52, 60}, {-8, 10, 24}},  // gluteus medius
     {{128, 8, 50}, {20, 38, 52}, {0, 14, 6}},     // gluteus minimus
     {{110, -12, 88}, {12, 42, 38}, {0, 8, -14}},  // iliacus
-    {{66, 48, -6}, {42, 14, 16}, {0, 0, -12}},    // piriformis and its neighbours
+    {{66, 48, -6}, {42, 14, 16}, {0, 0, -12}},    // piriformis and its neighbors
     {{48, -4, -34}, {13, 38, 30}, {0, 0, -20}},   // obturator
 };
 inline constexpr Rod muscle_rods[] = {
@@ -191,7 +191,7 @@ inline constexpr Ball belly_wall = {{0, 2, 130}, {138, 75, 172}};
 inline constexpr float belly_wall_half_mm = 7;
 /// Where the wall ends: the ligament of the groin from spine to tubercle, then the iliac crest.
 inline constexpr glm::vec3 groin_outer_mm(122, -48, 82), groin_inner_mm(24, -46, -10);
-inline constexpr float crest_rise = 0.75F;  ///< Of the crest, towards the back.
+inline constexpr float crest_rise = 0.75F;  ///< Rise of the crest towards the back.
 inline constexpr float wall_back_mm = 54;
 /// The straight muscle of the belly, between the white line and its outer edge.
 inline constexpr float white_line_half_mm = 1.5F;

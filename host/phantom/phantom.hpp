@@ -25,7 +25,7 @@ struct PhantomLength {
     double length_mm = 0;
 };
 
-/// What is known of a phantom before it is made.
+/// Properties of a phantom before it is computed.
 struct PhantomInfo {
     std::string name;  ///< With its prefix: "phantom:pelvis".
     std::string description;

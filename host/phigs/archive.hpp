@@ -17,7 +17,7 @@ namespace pxpl5::host::phigs {
 // Limits: an archive is untrusted input.
 inline constexpr std::size_t max_file_bytes = std::size_t{64} << 20;
 inline constexpr std::size_t max_structures = 65'536;
-inline constexpr std::size_t max_elements = 2'000'000;  ///< Of all structures.
+inline constexpr std::size_t max_elements = 2'000'000;  ///< Limit for all structures together.
 inline constexpr std::size_t max_name_length = 256;
 inline constexpr std::size_t max_polygon_corners = 1024;
 inline constexpr std::size_t max_line_points = 65'536;
@@ -43,20 +43,20 @@ struct ColorElement {
         Colour front, back;
     };
     std::optional<Diffuse> diffuse;
-    std::optional<Specular> specular;  ///< Of the front.
+    std::optional<Specular> specular;  ///< Gloss of the front.
 };
 
 struct Corner {
     glm::dvec3 p{0};
     glm::dvec3 normal{0};           ///< If the polygon has normals.
-    std::optional<Colour> diffuse;  ///< Of this corner alone.
+    std::optional<Colour> diffuse;  ///< Color of this corner alone.
 };
 
 struct PolygonElement {
     std::vector<Corner> corners;  ///< 3 at least; counter-clockwise seen from the front.
     bool has_normals = false;
     bool cull_back = false;
-    std::optional<Colour> diffuse;  ///< Of both sides, instead of what `color` has set.
+    std::optional<Colour> diffuse;  ///< Color of both sides, instead of the color set by `color`.
 };
 
 struct SphereElement {
@@ -92,7 +92,7 @@ struct Structure {
 struct Archive {
     std::string file;  ///< For messages.
     std::vector<Structure> structures;
-    std::size_t translucent = 0;  ///< Colours whose alpha is not 255.
+    std::size_t translucent = 0;  ///< Colors whose alpha is not 255.
 };
 
 /// Takes an archive's text apart.
@@ -109,6 +109,6 @@ Archive read_archive(const std::string& path);
 bool is_archive(std::string_view path);
 
 /// Throws RequestError (bad data) for a place in a file.
-[[noreturn]] void refuse(const std::string& file, Place at, const std::string& text);
+[[noreturn]] void refuse_text(const std::string& file, Place at, const std::string& text);
 
 }  // namespace pxpl5::host::phigs

@@ -54,7 +54,7 @@ struct Content {
     double radius = 0;                ///< Farthest from the box's middle.
     std::size_t structures = 0, posted = 0;
     std::size_t polygons = 0, triangles = 0, spheres = 0, lines = 0;
-    Specular specular;  ///< Of most primitives.
+    Specular specular;  ///< Gloss of most primitives.
     bool has_specular = false;
     std::vector<std::string> notes;  ///< What is drawn otherwise than the archive says.
 

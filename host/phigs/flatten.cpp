@@ -11,7 +11,7 @@
 #include <unordered_map>
 
 #include "host/base/error.hpp"
-#include "host/phigs/colours.hpp"
+#include "host/phigs/colors.hpp"
 #include "host/phigs/content.hpp"
 
 namespace pxpl5::host::phigs {
@@ -60,7 +60,7 @@ class Flattener {
 
   private:
     [[noreturn]] void refuse_at(Place at, const std::string& text) const {
-        refuse(archive_.file, at, text);
+        refuse_text(archive_.file, at, text);
     }
 
     void execute(std::size_t index, State state, std::size_t depth) {
@@ -154,7 +154,7 @@ class Flattener {
         }
     }
 
-    /// The polygon's colour, or the mean of its corners'.
+    /// The polygon's color, or the mean of its corners'.
     std::optional<Colour> own_colour(const PolygonElement& e) {
         glm::dvec3 sum(0);
         double count = 0;
@@ -295,7 +295,7 @@ class Flattener {
         tell_notes();
     }
 
-    /// In the order of materials, with few small parts: merged colours leave many.
+    /// In the order of materials, with few small parts: merged colors leave many.
     void join_parts() {
         std::ranges::stable_sort(parts_, {}, &Part::material);
         for (Part& part : parts_) {
@@ -377,7 +377,7 @@ class Flattener {
     std::set<std::size_t> active_;  ///< Structures being executed.
     std::map<std::tuple<int, int, int, bool>, std::size_t> material_index_;
     std::vector<Part> parts_;
-    std::vector<std::size_t> open_part_;  ///< Of each material.
+    std::vector<std::size_t> open_part_;  ///< One per material.
     std::map<std::array<double, 4>, std::size_t> speculars_;
     std::size_t visits_ = 0, primitives_ = 0, averaged_ = 0, flat_polygons_ = 0;
 };

@@ -12,7 +12,7 @@ namespace pxpl5::host::phigs {
 
 namespace {
 
-constexpr std::size_t max_shown = 40;  ///< Of a word, in a message.
+constexpr std::size_t max_shown = 40;  ///< Letters of a word in a message.
 
 bool is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v';
@@ -22,7 +22,7 @@ bool is_punctuation(char c) {
     return c == '{' || c == '}' || c == ';';
 }
 
-/// As it can be shown: what is not printable is written in hexadecimal.
+/// Returns the text with unprintable bytes in hexadecimal.
 std::string shown(std::string_view word) {
     std::string text;
     for (const char c : word.substr(0, max_shown)) {
@@ -50,13 +50,13 @@ std::optional<double> as_number(std::string_view word) {
 
 }  // namespace
 
-void refuse(const std::string& file, Place at, const std::string& text) {
+void refuse_text(const std::string& file, Place at, const std::string& text) {
     throw RequestError(ExitCode::bad_data,
                        fmt::format("{}:{}:{}: {}", file, at.line, at.column, text));
 }
 
 void Lexer::refuse_at(Place at, const std::string& text) const {
-    refuse(file_, at, text);
+    refuse_text(file_, at, text);
 }
 
 void Lexer::unexpected(std::string_view expected) const {

@@ -16,7 +16,7 @@ struct MeasuredCase {
     timing::PaperCase work;  ///< Its frame is of modelled_size.
     std::int64_t triangles = 0;
     double wall_built_ms = 0;
-    double wall_frames_per_s = 0;  ///< Of wall_size; 0 if it was not asked for.
+    double wall_frames_per_s = 0;  ///< For wall_size; 0 if not requested.
     std::string picture;           ///< The file that was written, if one was.
 };
 

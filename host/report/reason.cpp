@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "host/base/chart_axis.hpp"
-#include "host/timing/build_model.hpp"
+#include "host/timing/replay/build_model.hpp"
 
 namespace pxpl5::host::report {
 
@@ -16,7 +16,7 @@ namespace {
 using namespace timing;
 
 constexpr double mhz_to_cycles_per_ms = 1e3, ns_per_ms = 1e6, bytes_per_word = 4;
-constexpr double long_share = 0.5;  ///< Of a frame, that is worth telling of one region.
+constexpr double long_share = 0.5;  ///< Share of a frame that makes one region worth a sentence.
 
 /// A count, and the time that it takes its unit.
 struct Load {
@@ -86,7 +86,7 @@ Load draw_load(const Machine& machine, const FrameWork& frame, std::uint32_t gp)
     double primitives = 0;
     for (const DrawnSlab& slab : frame.drawn) {
         const auto all = static_cast<double>(slab.primitives);
-        primitives += machine.share == Share::even    ? all / machine.gps
+        primitives += machine.share == Sharing::even  ? all / machine.gps
                       : slab.slab % machine.gps == gp ? all
                                                       : 0;
     }
@@ -98,7 +98,7 @@ Load emit_load(const Machine& machine, const FrameWork& frame, std::uint32_t gp)
     double words = 0;
     for (const PartWork& part : frame.parts) {
         const auto all = static_cast<double>(part.words);
-        words += machine.share == Share::even    ? all / machine.gps
+        words += machine.share == Sharing::even  ? all / machine.gps
                  : part.slab % machine.gps == gp ? all
                                                  : 0;
     }
@@ -140,8 +140,8 @@ std::vector<Load> frame_loads(const Machine& machine, const FrameWork& frame, co
 }
 
 double dearest_region_ms(const Machine& machine, const FrameWork& frame) {
-    const auto dearest = static_cast<double>(std::ranges::max(frame.region_cycles()));
-    return dearest / (machine.renderer_clock_mhz * mhz_to_cycles_per_ms);
+    const auto most_expensive = static_cast<double>(std::ranges::max(frame.region_cycles()));
+    return most_expensive / (machine.renderer_clock_mhz * mhz_to_cycles_per_ms);
 }
 
 }  // namespace
@@ -166,8 +166,8 @@ std::string frames_reason(const Machine& machine, const FrameWork& frame, const 
     text += loads.empty() ? "" : ": " + joined(loads);
     const double region_ms = dearest_region_ms(machine, frame);
     if (region_ms * rate.frames_per_s > long_share * ms_per_s) {
-        text += fmt::format("; the dearest region alone keeps its Renderer busy for {:.1f} ms",
-                            region_ms);
+        text += fmt::format(
+            "; the most expensive region alone keeps its Renderer busy for {:.1f} ms", region_ms);
     }
     if (rate.limit == Unit::waiting) {
         text += fmt::format(

@@ -9,7 +9,7 @@
 namespace pxpl5::host::report {
 
 /// time      Of the build, with use and limit.
-/// paper_ms  What the counts would have to be is told for this time.
+/// paper_ms  The text gives the counts that this time would need.
 std::string build_reason(const timing::Machine& machine, const timing::VolumeWork& volume,
                          const timing::BuildWork& build, const timing::StepTime& time,
                          double paper_ms);

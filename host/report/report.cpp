@@ -16,6 +16,7 @@
 #include "host/report/scaling.hpp"
 #include "host/report/sensitivity_text.hpp"
 #include "host/report/sources.hpp"
+#include "host/session/pictures/write_picture.hpp"
 
 namespace pxpl5::host::report {
 
@@ -25,7 +26,7 @@ using timing::CaseTime;
 using timing::Machine;
 using timing::PaperCase;
 
-/// One line on standard error that tells how far the work has come, if people read it.
+/// One line on standard error that shows the progress of the work, if it is a terminal.
 class Progress {
   public:
     Progress() = default;
@@ -95,8 +96,8 @@ ReportRow row_of(const Machine& machine, const Source& source, const MeasuredCas
 struct Output {
     std::string text;
     Fields fields;
-    std::vector<Fields> lines;  ///< Of the CSV file.
-    std::vector<timing::Plot> plots;
+    std::vector<Fields> lines;  ///< Lines of the CSV file.
+    std::vector<Plot> plots;
 };
 
 void add_sensitivity(Output& output, const Material& material, const Progress& progress) {
@@ -187,7 +188,7 @@ void put(const Output& output, const ReportOptions& options) {
     if (!options.picture.empty()) {
         constexpr std::size_t beside = 2;
         const bool is_wide = options.paper && !options.sensitivity;
-        write(options.picture, svg_of(output.plots, is_wide ? 1 : beside));
+        write_chart(options.picture, chart_of(output.plots, is_wide ? 1 : beside), "pxpl5 report");
     }
 }
 
@@ -201,11 +202,8 @@ void check(const ReportOptions& options) {
         throw RequestError(ExitCode::usage,
                            "--sensitivity, --fit and --pictures go with --paper, not --scaling");
     }
-    if (!options.picture.empty() && !options.picture.ends_with(".svg")) {
-        throw RequestError(ExitCode::usage,
-                           fmt::format("--picture {}: pictures are written as SVG, its name must "
-                                       "end in .svg",
-                                       options.picture));
+    if (!options.picture.empty()) {
+        check_picture_suffix("--picture", options.picture);
     }
     sources_of(options.data, options.rows);
 }

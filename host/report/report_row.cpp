@@ -90,8 +90,8 @@ void add_fields(Fields& fields, const std::string& name, const Figure& figure, b
     fields.push_back({"wall_" + name, figure.wall});
 }
 
-timing::BarPlot bars_of(const std::vector<ReportRow>& rows, Figure ReportRow::*which) {
-    timing::BarPlot plot;
+BarPlot bars_of(const std::vector<ReportRow>& rows, Figure ReportRow::*which) {
+    BarPlot plot;
     plot.series = {{"paper", {}}, {"modelled", {}}, {"wall time, here", {}}};
     for (const ReportRow& row : rows) {
         // Blanks let a name be broken into lines.
@@ -161,11 +161,11 @@ Fields fields_of(const ReportRow& row) {
     return fields;
 }
 
-std::vector<timing::Plot> plots_of(const std::vector<ReportRow>& rows) {
-    timing::BarPlot build = bars_of(rows, &ReportRow::build_ms);
+std::vector<Plot> plots_of(const std::vector<ReportRow>& rows) {
+    BarPlot build = bars_of(rows, &ReportRow::build_ms);
     build.title = "Surface built in";
     build.y_label = "ms";
-    timing::BarPlot frames = bars_of(rows, &ReportRow::frames_per_s);
+    BarPlot frames = bars_of(rows, &ReportRow::frames_per_s);
     frames.title = "Frames shown";
     frames.y_label = "frames/s";
     frames.note = fmt::format(

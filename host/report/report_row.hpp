@@ -7,7 +7,7 @@
 
 #include "host/base/command_line.hpp"
 #include "host/base/reply.hpp"
-#include "host/timing/plot.hpp"
+#include "host/chart/plot.hpp"
 #include "host/timing/simulate.hpp"
 
 namespace pxpl5::host::report {
@@ -15,15 +15,15 @@ namespace pxpl5::host::report {
 /// One figure three times.
 struct Figure {
     double paper = 0;
-    double modelled = 0;  ///< Of the machine of 1993, from counts.
-    double wall = 0;      ///< Of this computer.
+    double modelled = 0;  ///< Result of the machine of 1993, from counts.
+    double wall = 0;      ///< Result of this computer.
     timing::Unit limit{};
-    double limit_share = 0;  ///< Of the modelled time that the busiest node works, 0..1.
+    double limit_share = 0;  ///< Share of the modelled time in which the busiest node works, 0..1.
 
     double error_percent() const { return (modelled / paper - 1) * 100; }
 };
 
-/// Pictures of modelled frames, and of those whose wall time is told.
+/// Picture sizes of modelled frames and of frames with wall time.
 inline constexpr Size modelled_size{1280, 1024}, wall_size{512, 512};
 
 /// How far a modelled figure may lie from the paper's.
@@ -53,6 +53,6 @@ std::string text_of(const Footnote& footnote);
 Fields fields_of(const ReportRow& row);
 
 /// Two plots: surface built in, frames/s.
-std::vector<timing::Plot> plots_of(const std::vector<ReportRow>& rows);
+std::vector<Plot> plots_of(const std::vector<ReportRow>& rows);
 
 }  // namespace pxpl5::host::report

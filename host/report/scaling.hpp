@@ -8,15 +8,15 @@
 #include <vector>
 
 #include "host/base/reply.hpp"
-#include "host/timing/machine.hpp"
+#include "host/chart/plot.hpp"
+#include "host/timing/counts/machine.hpp"
 #include "host/timing/paper_case.hpp"
-#include "host/timing/plot.hpp"
 #include "host/timing/simulate.hpp"
 
 namespace pxpl5::host::report {
 
 struct ScalingPoint {
-    std::uint32_t count = 0;  ///< Of the nodes that are more and more.
+    std::uint32_t count = 0;  ///< Number of the nodes that grow.
     double build_ms = 0, frames_per_s = 0;
     timing::Unit build_limit{}, frames_limit{};
 };
@@ -56,6 +56,6 @@ std::string text_of(const ScalingReport& report);
 /// One for each point.
 std::vector<Fields> fields_of(const ScalingReport& report);
 /// Frames/s and build by GPs, frames/s by Renderers.
-std::vector<timing::Plot> plots_of(const ScalingReport& report);
+std::vector<Plot> plots_of(const ScalingReport& report);
 
 }  // namespace pxpl5::host::report

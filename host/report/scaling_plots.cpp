@@ -8,18 +8,13 @@ namespace pxpl5::host::report {
 
 namespace {
 
-using timing::LinePlot;
-using timing::PlotLine;
-using timing::PlotPoint;
-using timing::PlotScale;
-
-constexpr std::size_t grey = 7, row_colours = 5;
+constexpr std::size_t gray = 7, row_colors = 5;
 using SpeedUp = std::vector<double> (ScalingSeries::*)() const;
 
 /// The first five rows are drawn solid; those after them, which stand for the same, dashed.
 PlotLine line_of(const ScalingRow& row, const ScalingSeries& series, SpeedUp which,
                  std::size_t index) {
-    PlotLine line{row.name, {}, index % row_colours, index >= row_colours, {}};
+    PlotLine line{row.name, {}, index % row_colors, index >= row_colors, {}};
     const std::vector<double> speed_up = (series.*which)();
     for (std::size_t i = 0; i < speed_up.size(); ++i) {
         line.points.push_back({static_cast<double>(series.points[i].count), speed_up[i]});
@@ -37,8 +32,8 @@ LinePlot plot_of(const ScalingReport& report, ScalingSeries ScalingRow::*series,
     for (std::size_t i = 0; i < report.rows.size(); ++i) {
         plot.lines.push_back(line_of(report.rows[i], report.rows[i].*series, which, i));
     }
-    PlotLine ideal{"linear", {}, grey, true, {}};
-    for (const PlotPoint& point : plot.lines.at(0).points) {
+    PlotLine ideal{"linear", {}, gray, true, {}};
+    for (const ChartPoint& point : plot.lines.at(0).points) {
         ideal.points.push_back({point.x, point.x});
     }
     plot.lines.push_back(ideal);
@@ -52,7 +47,7 @@ LinePlot plot_of(const ScalingReport& report, ScalingSeries ScalingRow::*series,
 
 }  // namespace
 
-std::vector<timing::Plot> plots_of(const ScalingReport& report) {
+std::vector<Plot> plots_of(const ScalingReport& report) {
     const std::string beside_gps = fmt::format(", {} Renderers", report.renderers);
     return {plot_of(report, &ScalingRow::gps, &ScalingSeries::build_speed_up,
                     "Surface built, by GPs" + beside_gps, "GPs"),

@@ -154,14 +154,13 @@ std::string bar_name(const Sensitivity& one) {
                        value(one.upper));
 }
 
-timing::ChangePlot plot_of(const std::vector<Sensitivity>& list, Figure figure,
-                           const std::string& title) {
-    timing::ChangePlot plot{title,
-                            "",
-                            "change in %, mean over the rows",
-                            "parameter 20 % lower",
-                            "parameter 20 % higher",
-                            {}};
+ChangePlot plot_of(const std::vector<Sensitivity>& list, Figure figure, const std::string& title) {
+    ChangePlot plot{title,
+                    "",
+                    "change in %, mean over the rows",
+                    "parameter 20 % lower",
+                    "parameter 20 % higher",
+                    {}};
     for (const Sensitivity* one : ranked(list, figure)) {
         if (plot.changes.empty() ||
             (plot.changes.size() < most_bars && size_of(*one, figure) >= least_shown_percent)) {
@@ -207,7 +206,7 @@ std::vector<Fields> fields_of(const std::vector<Sensitivity>& list,
     return all;
 }
 
-std::vector<timing::Plot> plots_of(const std::vector<Sensitivity>& list) {
+std::vector<Plot> plots_of(const std::vector<Sensitivity>& list) {
     return {plot_of(list, &FigureChange::built_percent, "Time to build"),
             plot_of(list, &FigureChange::rate_percent, "Frames/s")};
 }

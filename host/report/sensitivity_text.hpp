@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/base/reply.hpp"
-#include "host/timing/plot.hpp"
+#include "host/chart/plot.hpp"
 #include "host/timing/sensitivity.hpp"
 
 namespace pxpl5::host::report {
@@ -22,6 +22,6 @@ std::vector<Fields> fields_of(const std::vector<timing::Sensitivity>& list,
                               std::span<const std::string> names);
 
 /// The mean change over all cases: of the time to build, of the frames/s. The greatest ten.
-std::vector<timing::Plot> plots_of(const std::vector<timing::Sensitivity>& list);
+std::vector<Plot> plots_of(const std::vector<timing::Sensitivity>& list);
 
 }  // namespace pxpl5::host::report

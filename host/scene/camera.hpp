@@ -10,7 +10,7 @@
 
 namespace pxpl5::host {
 
-/// Direction of the viewer as seen from the volume's centre, in patient axes.
+/// Direction of the viewer as seen from the volume's center, in patient axes.
 struct ViewAngles {
     double azimuth_deg = 0;    ///< 0 anterior, 90 patient's left, 180 posterior.
     double elevation_deg = 0;  ///< 90 superior, -90 inferior.
@@ -39,7 +39,7 @@ struct Subject {
 /// The sphere around the box from the grid's origin to its `last` position, placed by
 /// `voxel_to_patient`.
 Subject subject_of(const glm::dvec3& last, const glm::dmat4& voxel_to_patient);
-/// The same for nx x ny x nz voxel centres that are evenly spaced.
+/// The same for nx x ny x nz voxel centers that are evenly spaced.
 Subject subject_of(int nx, int ny, int nz, const glm::dmat4& voxel_to_patient);
 
 struct Camera {
@@ -47,13 +47,13 @@ struct Camera {
     double zoom =
         1;  ///< 1 shows the subject's sphere with little margin; each doubling halves the field.
     double roll_deg = 0;   ///< Turns the picture counter-clockwise.
-    glm::dvec2 pan_mm{0};  ///< Moves the subject's centre to the picture's right, and up.
+    glm::dvec2 pan_mm{0};  ///< Moves the subject's center to the picture's right, and up.
 
     friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 struct CameraMatrices {
-    glm::dmat4 patient_to_eye;  ///< Millimetres: x right, y up, looking along -z.
+    glm::dmat4 patient_to_eye;  ///< Millimeters: x right, y up, looking along -z.
     glm::dmat4 projection;      ///< Eye to clip space, OpenGL convention.
 };
 

@@ -20,13 +20,13 @@ void check_finite(const glm::dvec3& v, const char* name) {
     }
 }
 
-void check_box(const glm::dvec3& low, const glm::dvec3& high, const char* unit) {
+void check_box(const glm::dvec3& low, const glm::dvec3& high) {
     for (int axis = 0; axis < 3; ++axis) {
         if (!(low[axis] < high[axis])) {
             throw std::invalid_argument(
-                fmt::format("clip box: {} runs from {} to {} {}; the first "
+                fmt::format("clip box: {} runs from {} to {} voxels; the first "
                             "must be less",
-                            "xyz"[axis], low[axis], high[axis], unit));
+                            "xyz"[axis], low[axis], high[axis]));
         }
     }
 }
@@ -81,14 +81,9 @@ glm::dvec4 plane_through(const glm::dvec3& point_mm, const glm::dvec3& normal) {
     return {n, -glm::dot(n, point_mm)};
 }
 
-BoxPlanes box_planes_mm(const glm::dvec3& low_mm, const glm::dvec3& high_mm) {
-    check_box(low_mm, high_mm, "mm");
-    return box_between(low_mm, high_mm);
-}
-
 BoxPlanes box_planes_voxels(const glm::dvec3& first, const glm::dvec3& last,
                             const VoxelPlaces& places) {
-    check_box(first, last, "voxels");
+    check_box(first, last);
     BoxPlanes planes = box_between({first.x, first.y, place_of_slice(first.z, places.slice_places)},
                                    {last.x, last.y, place_of_slice(last.z, places.slice_places)});
     for (glm::dvec4& plane : planes) {

@@ -1,9 +1,9 @@
-// Clip planes: from what a person says, in patient millimetres or voxels, to planes of the patient,
+// Clip planes: from what a person says, in patient millimeters or voxels, to planes of the patient,
 // and from there to a frame's.
 //
 // A plane is (normal, offset): kept is where normal . p + offset >= 0, as in Scene::clip_planes. A
 // frame's planes act on grid positions (see host/volume/volume.hpp). These are an affine image of
-// the patient's millimetres, so a plane there is a plane here, also where slices are unevenly
+// the patient's millimeters, so a plane there is a plane here, also where slices are unevenly
 // spaced; slices, counted, are not.
 #pragma once
 
@@ -30,10 +30,6 @@ std::optional<glm::dvec4> axis_plane(char towards, double at_mm);
 glm::dvec4 plane_through(const glm::dvec3& point_mm, const glm::dvec3& normal);
 
 using BoxPlanes = std::array<glm::dvec4, 6>;
-
-/// The six planes of a box: what lies in it is kept.
-/// Throws std::invalid_argument, naming axis and values, unless low < high on each axis.
-BoxPlanes box_planes_mm(const glm::dvec3& low_mm, const glm::dvec3& high_mm);
 
 /// Where a volume's voxels lie; of the same meaning as in Volume.
 struct VoxelPlaces {

@@ -1,4 +1,4 @@
-// What is drawn over a picture: lines, filled areas and texts, in pixels.
+// Marks over a picture: lines, filled areas and texts, in pixels.
 #pragma once
 
 #include <cstdint>
@@ -23,12 +23,12 @@ struct PictureMark {
     std::vector<glm::vec2>
         points;  ///< An open line's 2 or more, a polygon's 3 or more, a text's 1.
     MarkColour colour;
-    /// Of a line; of a text's halo, which is black around light letters and white around dark ones
-    /// so that they can be read over anything, and 0 for none.
+    /// Width of a line or of a text's halo, which is black around light letters, white around dark
+    /// ones so that they can be read over anything, and 0 for none.
     float width_px = 1;
     std::string text;      ///< UTF-8, one line.
     float height_px = 12;  ///< Font size.
-    float align_x = 0;     ///< Of the text's box at its point: 0 left edge, 0.5 middle, 1 right.
+    float align_x = 0;     ///< Place of the point in the text's box: 0 left, 0.5 middle, 1 right.
     float align_y = 0;     ///< 0 top edge, 0.5 middle, 1 bottom.
 };
 

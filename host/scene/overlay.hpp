@@ -1,5 +1,5 @@
 // What a clinical viewer writes over a picture: where the patient's directions are, how long a
-// millimetre is, and what is shown.
+// millimeter is, and what is shown.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -26,11 +26,11 @@ struct ScaleBar {
     double length_px = 0;
 };
 
-/// The longest bar of 1, 2 or 5 times a power of ten millimetres that is at most `most_px` long, at
-/// the distance of the subject's centre: the picture is a perspective, what is nearer is larger.
+/// The longest bar of 1, 2 or 5 times a power of ten millimeters that is at most `most_px` long, at
+/// the distance of the subject's center: the picture is a perspective, what is nearer is larger.
 ScaleBar scale_bar(const Camera& camera, const Subject& subject, Size size, double most_px);
 
-/// One line of the legend: a surface's colour, name and isovalue.
+/// One line of the legend: a surface's color, name and isovalue.
 struct LegendLine {
     MarkColour colour;
     std::string text;
@@ -41,12 +41,13 @@ struct Overlay {
     Camera camera;
     Subject subject;
     Size size;
-    MarkColour background{18, 22, 30, 255};  ///< Of the picture: ink is light over a dark one.
-    std::string title;                       ///< Bottom line, as the volume's name; UTF-8.
-    std::vector<LegendLine> legend;          ///< Above the title; what has no room is counted.
-    bool letters = true;                     ///< Patient directions at the four sides.
-    bool directions = true;  ///< The six directions as a small body at the top right.
-    bool scale = true;       ///< The scale bar.
+    MarkColour background{
+        18, 22, 30, 255};  ///< Background of the picture: ink is light over a dark background.
+    std::string title;     ///< Bottom line, as the volume's name; UTF-8.
+    std::vector<LegendLine> legend;  ///< Above the title; what has no room is counted.
+    bool letters = true;             ///< Patient directions at the four sides.
+    bool directions = true;          ///< The six directions as a small body at the top right.
+    bool scale = true;               ///< The scale bar.
 };
 
 /// The legend of a scene's visible surfaces: "bone  300".

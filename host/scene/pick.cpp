@@ -22,7 +22,7 @@ namespace {
 constexpr std::uint32_t surface_bits = isa::region::surface.width;
 constexpr std::uint32_t surface_mask = (1U << surface_bits) - 1;
 
-/// Patient millimetres of a place in the view: pixels from the top left, z as OpenGL's -1..1.
+/// Patient millimeters of a place in the view: pixels from the top left, z as OpenGL's -1..1.
 glm::dvec3 unproject(const PickView& view, glm::dvec2 p_px, double z_ndc) {
     const glm::dmat4 to_patient = glm::inverse(view.camera.projection * view.camera.patient_to_eye);
     const glm::dvec4 p = to_patient * glm::dvec4(2 * p_px.x / view.width - 1,

@@ -1,4 +1,4 @@
-// Pick: what lies under a pixel, from the depths that a frame read back.
+// Pick: the surface point under a pixel, from the depths that a frame read back.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace pxpl5::host {
 
 /// A view as a frame showed it.
 struct PickView {
-    CameraMatrices camera;      ///< As the frame was asked for (host/session/frame_request.cpp).
+    CameraMatrices camera;      ///< The frame's request (host/session/frame_request.cpp).
     int width = 0, height = 0;  ///< Pixels.
     std::span<const std::uint32_t> depths{};  ///< FrameDone's, of this view: width * height.
 };
@@ -23,11 +23,11 @@ struct Pick {
     int surface = 0;            ///< Index in the frame's list.
     glm::dvec3 p_mm{0};         ///< Patient, LPS.
     glm::dvec3 p_grid{0};       ///< Grid position.
-    glm::dvec3 p_voxel{0};      ///< As the grid position, but z counts slices.
+    glm::dvec3 p_voxel{0};      ///< Like the grid position, but z counts slices.
     double doubt_mm = 0;        ///< Half of what a step of depth is here, along the line of sight.
     bool is_in_volume = false;  ///< p_voxel lies between voxels.
     int x = 0, y = 0, z = 0;    ///< The nearest voxel; held at the volume's faces.
-    std::optional<double> value;          ///< Of that voxel, if the host holds the values.
+    std::optional<double> value;          ///< Value of that voxel, if the host has the values.
     std::optional<double> value_between;  ///< Interpolated from the eight voxels around.
 };
 

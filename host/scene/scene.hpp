@@ -1,4 +1,4 @@
-// What is shown and how: everything that a frame depends on besides the volume.
+// The scene: everything that a frame depends on besides the volume.
 #pragma once
 
 #include <algorithm>
@@ -47,7 +47,7 @@ struct Surface {
     bool visible = true;
     int opacity = opaque;  ///< Sixteenths of the pixels that show it; 1..16.
     ComponentFilter components;
-    std::string compared_with;  ///< Of a surface that `compare` has made: the one that it is of.
+    std::string compared_with;  ///< For a surface made by `compare`: the compared surface.
 };
 
 /// Directional light as seen by the viewer.
@@ -67,7 +67,7 @@ struct Material {
 /// One clip plane.
 struct SceneClip {
     std::string words;  ///< What was asked for: "R 20", "box 0,0,0 63,63,30".
-    glm::dvec4 plane;   ///< Of the patient (mm, LPS); kept where plane . (x, y, z, 1) >= 0.
+    glm::dvec4 plane;   ///< In patient mm, LPS; keeps plane . (x, y, z, 1) >= 0.
     friend bool operator==(const SceneClip&, const SceneClip&) = default;
 };
 
@@ -82,7 +82,7 @@ struct Scene {
     std::vector<SceneClip> clips;   ///< What is drawn lies on the kept side of all.
     bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in gap_colour.
     Colour gap_colour{226, 84, 62};
-    int samples = 1;      ///< Of each pixel of a picture, one of sample_counts.
+    int samples = 1;      ///< Samples per pixel of a picture, one of sample_counts.
     bool overlay = true;  ///< Pictures in files carry orientation letters and a scale bar.
 };
 

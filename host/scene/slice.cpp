@@ -63,7 +63,7 @@ SliceSide side_of(const Volume& volume, int axis, const glm::dvec3& wish) {
 /// Corners of a square in picture order: top left, top right, bottom right, bottom left.
 struct Square {
     std::array<double, 4> values;
-    int x = 0, y = 0;  ///< Of the top left corner.
+    int x = 0, y = 0;  ///< Position of the top left corner.
 };
 
 /// Where the contour crosses the side from corner k to the next one.
@@ -71,7 +71,7 @@ glm::vec2 crossing(const Square& square, std::size_t k, double isovalue) {
     static constexpr std::array<std::array<int, 2>, 4> corners = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
     const std::size_t next = (k + 1) % 4;
     double t = (isovalue - square.values[k]) / (square.values[next] - square.values[k]);
-    t = t >= 0 && t <= 1 ? t : 0.5;  // As in extraction, where a value is not finite.
+    t = t >= 0 && t <= 1 ? t : 0.5;  // Same as in extraction, if a value is not finite.
     const auto along = [&](std::size_t c) {
         return corners[k][c] + t * (corners[next][c] - corners[k][c]);
     };

@@ -1,4 +1,4 @@
-// Slices of a volume with their grey values, as radiologists show them, and where surfaces cut
+// Slices of a volume with their gray values, as radiologists show them, and where surfaces cut
 // them.
 #pragma once
 
@@ -15,10 +15,10 @@ namespace pxpl5::host {
 
 /// One direction of a slice's picture: to the right, or downwards.
 struct SliceSide {
-    int axis = 0;             ///< Of the voxels, 0 x .. 2 z.
+    int axis = 0;             ///< Axis of the voxels, 0 x .. 2 z.
     bool is_flipped = false;  ///< The picture begins with the axis' last voxel.
     int count = 0;            ///< Voxels.
-    double spacing_mm = 1;    ///< Between neighbours; where these are unevenly spaced, the mean.
+    double spacing_mm = 1;    ///< Between neighbors; where these are unevenly spaced, the mean.
     /// Middles of all voxels, counted from the first that the picture shows; empty if they are
     /// evenly spaced.
     std::vector<double> places_mm;
@@ -39,7 +39,7 @@ struct SliceFrame {
     double skew_deg = 0;  ///< What the angle between the two sides lacks to 90: a tilted gantry.
 };
 
-/// What a gantry's tilt must exceed for it to be told of.
+/// A gantry's tilt is reported above this angle.
 inline constexpr double max_skew_deg = 0.5;
 
 /// axis  0 x, 1 y, 2 z.

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "host/timing/runs.hpp"
+#include "host/timing/counts/runs.hpp"
 
 namespace pxpl5::host {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/session/session.hpp"
-#include "host/timing/work.hpp"
+#include "host/timing/counts/work.hpp"
 
 namespace pxpl5::host {
 

@@ -24,7 +24,7 @@
 #include "host/session/frame_request.hpp"
 #include "host/session/history.hpp"
 #include "host/session/volume_transfer.hpp"
-#include "host/surface/atlas_chart.hpp"
+#include "host/surface/atlas/atlas_chart.hpp"
 #include "host/surface/compare.hpp"
 #include "host/surface/components.hpp"
 #include "host/surface/volume_grid.hpp"

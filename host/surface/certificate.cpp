@@ -135,7 +135,7 @@ class Certifier {
         for (std::uint32_t v = 0; v < mesh_.keys.size(); ++v) out_.bounds_mm.add(measure_.p_mm(v));
     }
 
-    /// Of their squares. The smallest angle is between the two longer sides.
+    /// Takes squared lengths. The smallest angle is between the two longer sides.
     double product_of_longer_sides(std::uint32_t t) const {
         const auto& [a, b, c] = mesh_.triangles[t];
         const glm::dmat3 m(grid_.voxel_to_patient);

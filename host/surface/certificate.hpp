@@ -14,7 +14,8 @@
 
 namespace pxpl5::host {
 
-inline constexpr std::size_t max_listed_defects = 100;  ///< Of each kind; all are counted.
+inline constexpr std::size_t max_listed_defects =
+    100;                                         ///< Limit per kind; all defects are counted.
 inline constexpr double sliver_angle_deg = 1.0;  ///< A triangle with a smaller angle is a sliver.
 
 enum class DefectKind : std::uint8_t {
@@ -31,10 +32,10 @@ std::string_view name_of(DefectKind kind);
 
 struct Defect {
     DefectKind kind = DefectKind::open_edge;
-    std::array<std::uint64_t, 3> keys{};  ///< Of the vertex, edge or triangle.
+    std::array<std::uint64_t, 3> keys{};  ///< Keys of the vertex, edge or triangle.
     int key_count = 0;
     glm::dvec3 p_mm{0};            ///< The middle of it.
-    std::optional<MeshCell> cell;  ///< Of a triangle there, if the mesh tells cells.
+    std::optional<MeshCell> cell;  ///< Cell of a triangle there, if the mesh has cells.
 };
 
 /// Integer keys decide all topology; no tolerance is involved.
@@ -50,8 +51,8 @@ struct Certificate {
     std::int64_t degenerate = 0;  ///< Triangles of no area: where a vertex lies on a voxel.
     std::int64_t slivers = 0;     ///< An angle below sliver_angle_deg; degenerate ones not counted.
     double area_mm2 = 0;
-    /// Of the inside, closed by the volume's own faces where the surface leaves it. It means
-    /// nothing for a surface with holes. Of no triangles it is 0.
+    /// Volume of the inside; the volume's faces close the surface where the surface leaves the
+    /// volume. Meaningless for a surface with holes; 0 without triangles.
     double volume_mm3 = 0;
     BoxMm bounds_mm;
 
@@ -67,7 +68,7 @@ struct Certificate {
     bool manifold() const;
     /// The two triangles of each edge run along it in opposite directions.
     bool oriented() const { return count(DefectKind::misoriented_edge) == 0; }
-    /// Of all components together; only closed, oriented manifolds have one.
+    /// Euler number of all components together; only closed, oriented manifolds have one.
     std::optional<std::int64_t> genus() const;
     /// Closed but for the border, manifold, oriented.
     bool good() const { return closed_but_for_border() && manifold() && oriented(); }

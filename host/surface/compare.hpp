@@ -19,10 +19,10 @@ struct CaseDifference {
 
 struct MeshComparison {
     std::size_t cells = 0;            ///< That either surface has triangles in.
-    std::size_t cells_differing = 0;  ///< Of these: triangles that differ by their vertices' keys.
+    std::size_t cells_differing = 0;  ///< Cells with triangles that differ by their vertices' keys.
     std::vector<CaseDifference> cases;      ///< Most cells first; of equals the lower case.
     Shown shown_a, shown_b;                 ///< Triangles in differing cells.
-    std::int64_t holes_a = 0, holes_b = 0;  ///< As of Certificate.
+    std::int64_t holes_a = 0, holes_b = 0;  ///< Same as in Certificate.
 };
 
 /// Compares cell by cell; the order of a cell's triangles and of their corners does not matter.

@@ -20,10 +20,10 @@ namespace {
 
 constexpr double mm3_per_ml = 1000;
 
-/// What is summed over a component, besides what it keeps.
+/// Sums over a component.
 struct ComponentSums {
     VolumeSums volume;
-    glm::dvec3 moment{0};  ///< Of six times the area, in mm3.
+    glm::dvec3 moment{0};  ///< Moment of six times the area, in mm3.
     std::size_t border_edges = 0, open_edges = 0;
 };
 
@@ -66,7 +66,7 @@ void finish(const ComponentSums& sums, const MeshMeasure& measure, MeshComponent
         component.volume_mm3 =
             inner_mm3 > measure.box_mm3() / 2 ? inner_mm3 - measure.box_mm3() : inner_mm3;
     }
-    // Of a component without area, the middle of its box.
+    // A component without area has the middle of its box.
     component.centre_mm = component.area_mm2 > 0
                               ? sums.moment / (6 * component.area_mm2)
                               : (component.bounds_mm.low + component.bounds_mm.high) / 2.0;
@@ -173,12 +173,6 @@ Shown show_component(const MeshComponents& parts, std::size_t component) {
 
 Shown show_at_least(const MeshComponents& parts, ComponentMeasure measure, double least) {
     return show_if(parts, [=](const MeshComponent& c) { return is_at_least(c, measure, least); });
-}
-
-std::size_t count_at_least(const MeshComponents& parts, ComponentMeasure measure, double least) {
-    return static_cast<std::size_t>(
-        std::count_if(parts.components.begin(), parts.components.end(),
-                      [=](const MeshComponent& c) { return is_at_least(c, measure, least); }));
 }
 
 std::optional<SurfacePoint> nearest_point(const WeldedMesh& mesh, const VolumeGrid& grid,

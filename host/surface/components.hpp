@@ -15,14 +15,13 @@ struct MeshComponent {
     std::size_t first_triangle = 0;  ///< The lowest.
     std::size_t triangles = 0;
     double area_mm2 = 0;
-    /// Of what the component encloses: if closed the plain divergence sum, which is negative for a
-    /// cavity; if open only at the volume's border, closed by the volume's own faces on the smaller
-    /// of the two sides that it parts the volume into, negative if that is the outside; none if it
-    /// has holes.
+    /// Enclosed volume. Closed component: the plain divergence sum, which is negative for a cavity.
+    /// Component that is open only at the volume's border: the smaller of the two sides of the box,
+    /// negative if that is the outside. Component with holes: none.
     std::optional<double> volume_mm3;
     bool closed = false;
     BoxMm bounds_mm;
-    glm::dvec3 centre_mm{0};  ///< Of its area.
+    glm::dvec3 centre_mm{0};  ///< Center of its area.
 };
 
 struct MeshComponents {
@@ -42,7 +41,6 @@ Shown show_component(const MeshComponents& parts, std::size_t component);
 enum class ComponentMeasure : std::uint8_t { triangles, area_mm2, volume_ml };
 /// The components of at least `least`; volumes count without their sign, open ones as none.
 Shown show_at_least(const MeshComponents& parts, ComponentMeasure measure, double least);
-std::size_t count_at_least(const MeshComponents& parts, ComponentMeasure measure, double least);
 
 /// A point of the surface.
 struct SurfacePoint {

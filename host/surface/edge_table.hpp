@@ -49,7 +49,7 @@ class EdgeTable {
     }
 
   private:
-    std::vector<std::uint32_t> starts_;  ///< Of each lower vertex' uses.
+    std::vector<std::uint32_t> starts_;  ///< Start of each lower vertex' uses.
     std::vector<EdgeUse> uses_;
 };
 

@@ -12,7 +12,7 @@ namespace pxpl5::host {
 using VertexPair = std::array<std::uint32_t, 2>;
 
 /// Open edges that meet at a vertex bound one hole; where more than two meet, those of one face of
-/// a cell do: neighbours that decide a face differently leave four open edges around it, and such
+/// a cell do: neighbors that decide a face differently leave four open edges around it, and such
 /// faces may touch.
 /// edges    Open, off the volume's border.
 /// middles  Of all vertices.

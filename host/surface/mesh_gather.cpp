@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t max_vertices = std::numeric_limits<std::uint32_t>::max();
 
-[[noreturn]] void refuse(const std::string& reason) {
+[[noreturn]] void refuse_mesh_part(const std::string& reason) {
     throw RequestError(ExitCode::failed, reason);
 }
 
@@ -67,7 +67,7 @@ class Weld {
             triangles += slabs[s]->indices()->size() / 3;
         }
         if (vertices > max_vertices) {
-            refuse(
+            refuse_mesh_part(
                 fmt::format("the surface has {} vertices, more than {}", vertices, max_vertices));
         }
         mesh_.keys.reserve(vertices);
@@ -114,7 +114,7 @@ class Weld {
         const bool leaves =
             (axis == 0 && last_x) || (axis == 1 && last_y) || (axis == 3 && (last_x || last_y));
         if (!(lower || (upper && axis < 2)) || leaves) {
-            refuse(place_of(slab, key) + ": is not on an edge of the slab");
+            refuse_mesh_part(place_of(slab, key) + ": is not on an edge of the slab");
         }
     }
 
@@ -161,7 +161,7 @@ class Weld {
             if (!in_slice(key)) continue;
             const std::uint32_t rank = keys_.rank(key - first_);
             if ((seen_[rank] & seen) != 0) {
-                refuse(place_of(slab_index, key) + ": is there twice");
+                refuse_mesh_part(place_of(slab_index, key) + ": is there twice");
             }
             const schema::MeshVertex& v = *vertices[i];
             const std::size_t at = base_ + rank;
@@ -182,7 +182,7 @@ class Weld {
         const glm::vec3 p(v.x(), v.y(), v.z()), n(v.nx(), v.ny(), v.nz());
         const glm::vec3 &q = mesh_.p_grid[at], &m = mesh_.normals[at];
         if (std::memcmp(&p, &q, sizeof p) == 0 && std::memcmp(&n, &m, sizeof n) == 0) return;
-        refuse(
+        refuse_mesh_part(
             fmt::format("{}: is at {} {} {} with normal {} {} {} here, at {} {} {} with {} {} {} "
                         "in slab {}",
                         place_of(slab, mesh_.keys[at]), p.x, p.y, p.z, n.x, n.y, n.z, q.x, q.y, q.z,
@@ -195,8 +195,8 @@ class Weld {
             const std::uint64_t key = mesh_.keys[base_ + i];
             if (key % 4 >= 2 || seen_[i] == (seen_above | seen_below)) continue;
             const bool here = seen_[i] == seen_above;
-            refuse(fmt::format("{}: is not in slab {}, which shares it",
-                               place_of(here ? z : z - 1, key), here ? z - 1 : z));
+            refuse_mesh_part(fmt::format("{}: is not in slab {}, which shares it",
+                                         place_of(here ? z : z - 1, key), here ? z - 1 : z));
         }
     }
 
@@ -222,7 +222,7 @@ class Weld {
     WeldedMesh mesh_;
     std::uint64_t first_ = 0, end_ = 0;         ///< Keys of the slice under way.
     std::size_t base_ = 0;                      ///< Its first vertex.
-    std::vector<std::uint8_t> seen_;            ///< Of its vertices.
+    std::vector<std::uint8_t> seen_;            ///< One flag per vertex.
     std::vector<std::uint32_t> below_, above_;  ///< The mesh's vertices of the two slabs' there.
 };
 
@@ -235,24 +235,24 @@ void MeshGather::add(const bus::Message& message) {
     const auto* part = message.as<schema::MeshPart>();
     assert(part != nullptr);
     if (part->surface() != surface_ || part->revision() != revision_) {
-        refuse(fmt::format("mesh of surface {} revision {} from node {}, expected {} revision {}",
-                           part->surface(), part->revision(), message.source(), surface_,
-                           revision_));
+        refuse_mesh_part(
+            fmt::format("mesh of surface {} revision {} from node {}, expected {} revision {}",
+                        part->surface(), part->revision(), message.source(), surface_, revision_));
     }
     messages_.push_back(message);
     for (const schema::SlabMesh* slab : *part->slabs()) {
         if (slab->slab() >= slabs_.size()) {
-            refuse(fmt::format("mesh of slab {} from node {}; the volume has {} slabs",
-                               slab->slab(), message.source(), slabs_.size()));
+            refuse_mesh_part(fmt::format("mesh of slab {} from node {}; the volume has {} slabs",
+                                         slab->slab(), message.source(), slabs_.size()));
         }
         if (std::exchange(slabs_[slab->slab()], slab) != nullptr) {
-            refuse(fmt::format("mesh of slab {} came twice, from node {} the second time",
-                               slab->slab(), message.source()));
+            refuse_mesh_part(fmt::format("mesh of slab {} came twice, from node {} the second time",
+                                         slab->slab(), message.source()));
         }
         if (slab->indices()->size() == 0) continue;  // Says nothing about origins.
         const bool origins = slab->origins() != nullptr;
         if (origins_.value_or(origins) != origins) {
-            refuse(
+            refuse_mesh_part(
                 fmt::format("mesh of slab {} from node {} {} its triangles' cells, unlike others",
                             slab->slab(), message.source(), origins ? "tells" : "lacks"));
         }
@@ -267,8 +267,8 @@ std::size_t MeshGather::missing() const {
 WeldedMesh MeshGather::finish() {
     const auto gap = std::find(slabs_.begin(), slabs_.end(), nullptr);
     if (gap != slabs_.end()) {
-        refuse(fmt::format("mesh of slab {} is missing, of {} slabs {}", gap - slabs_.begin(),
-                           slabs_.size(), missing()));
+        refuse_mesh_part(fmt::format("mesh of slab {} is missing, of {} slabs {}",
+                                     gap - slabs_.begin(), slabs_.size(), missing()));
     }
     WeldedMesh mesh = Weld(grid_, slabs_, origins_.value_or(false)).run();
     slabs_.assign(slabs_.size(), nullptr);

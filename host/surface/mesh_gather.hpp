@@ -11,10 +11,10 @@
 
 namespace pxpl5::host {
 
-/// Keeps the messages as they come and welds at the end, so that nothing is held twice.
+/// Keeps the messages as they come and welds at the end, so that no data is stored twice.
 class MeshGather {
   public:
-    /// grid  Of the volume that the surface is of: its nz tells how many slabs there are.
+    /// grid  The grid of the surface's volume; nz gives the number of slabs.
     MeshGather(VolumeGrid grid, std::uint16_t surface, std::uint32_t revision);
 
     /// Takes the slabs of a MeshPart; the message's bytes are kept alive, not copied.

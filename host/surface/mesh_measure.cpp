@@ -87,8 +87,8 @@ double MeshMeasure::box_mm3() const {
 double MeshMeasure::within_box_mm3(const VolumeSums& sums) const {
     const double sign = scale_ < 0 ? -1 : 1;
     const double last_x = grid_.nx - 1, last_y = grid_.ny - 1;
-    // Crossings do not tell whether the rim's upper end is inside; if it is, the sums lack exactly
-    // the whole box, and are negative.
+    // Crossings do not say if the rim's upper end is inside. If it is inside, exactly the whole box
+    // is missing from the sums, and they are negative.
     const double middle = sign * (sums.middle_flux / 6 + 2 * last_x * sums.middle_border);
     const double height = grid_.place(grid_.nz - 1) - grid_.place(0);
     const double lacking = middle < 0 ? last_x * last_y * height : 0;

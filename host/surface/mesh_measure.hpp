@@ -1,4 +1,4 @@
-// Areas and enclosed volumes of meshes in millimetres.
+// Areas and enclosed volumes of meshes in millimeters.
 #pragma once
 
 #include <array>
@@ -53,9 +53,9 @@ class MeshMeasure {
 
     /// The plain divergence sum of a closed surface, negative if it is a cavity.
     double plain_mm3(const VolumeSums& sums) const;
-    /// Of the whole volume, between the outermost voxels' centres.
+    /// Box of the whole volume, between the outermost voxels' centers.
     double box_mm3() const;
-    /// Of what is inside, between nothing and the whole box; of no triangles nothing.
+    /// Volume of the inside, between 0 and the whole box; 0 without triangles.
     double within_box_mm3(const VolumeSums& sums) const;
 
   private:

@@ -17,7 +17,7 @@ namespace pxpl5::host {
 struct VolumeGrid {
     int nx = 0, ny = 0, nz = 0;  ///< Voxels; each >= 2.
     glm::dmat4 voxel_to_patient{1.0};
-    std::vector<double> slice_places;  ///< As of Volume.
+    std::vector<double> slice_places;  ///< Same as in Volume.
 
     std::size_t slab_count() const { return static_cast<std::size_t>(nz) - 1; }
     std::size_t slice_voxels() const {
@@ -38,11 +38,11 @@ VolumeGrid grid_of(const Volume& volume);
 /// within the cell at the voxel.
 struct EdgePlace {
     std::array<int, 3> voxel{};  ///< The edge's lower end, or the cell's lowest corner.
-    int axis = 0;                ///< 0..2; 3 = cell centre.
+    int axis = 0;                ///< 0..2; 3 = cell center.
 };
 EdgePlace edge_place(std::uint64_t key, const VolumeGrid& grid);
 
-/// Takes the cross product of two differences in the grid to that in millimetres, also where
+/// Takes the cross product of two differences in the grid to that in millimeters, also where
 /// voxel_to_patient mirrors.
 glm::dmat3 cofactors(const VolumeGrid& grid);
 

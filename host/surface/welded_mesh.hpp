@@ -24,12 +24,12 @@ struct SlabTriangles {
 /// One surface. The same surface gives the same bytes whatever the machine: slabs ascend, vertices
 /// ascend by key, triangles keep the order of their slab.
 struct WeldedMesh {
-    std::vector<std::uint64_t> keys;  ///< Ascending; 4 * voxel index + axis, axis 3 = cell centre.
+    std::vector<std::uint64_t> keys;  ///< Ascending; 4 * voxel index + axis, axis 3 = cell center.
     std::vector<glm::vec3> p_grid;    ///< Per key: position in the volume's grid.
     std::vector<glm::vec3> normals;   ///< Per key: unit, out of the inside, patient axes (LPS).
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Counter-clockwise from outside.
     std::vector<SlabTriangles> slabs;                     ///< Ascending by slab.
-    std::vector<MeshCell> cells;  ///< Of each triangle; empty if they were not asked for.
+    std::vector<MeshCell> cells;  ///< One per triangle; empty if not requested.
 };
 
 }  // namespace pxpl5::host

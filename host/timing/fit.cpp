@@ -22,7 +22,7 @@ constexpr double first_step = 0.1;  // In ln(value).
 constexpr double probe_step = 0.05;
 constexpr double tolerance = 1e-3;  // Likewise.
 constexpr double least_value = 1e-6;
-constexpr double least_gain = 0.01;  // Of the sum of squares, by beginning again.
+constexpr double least_gain = 0.01;  // Share of the sum of squares that a restart must gain.
 constexpr int most_runs = 400;
 constexpr int digits = 3;
 
@@ -47,7 +47,8 @@ struct Search {
     const FitProgress& progress;
     int& runs;
     nlopt_opt optimiser = nullptr;
-    std::exception_ptr failure{};  ///< Of the model: it must not pass through the optimiser.
+    std::exception_ptr
+        failure{};  ///< The model's exception; it must not pass through the optimizer.
 
     double sum_of_squares(std::span<const double> logarithms);
 };
@@ -81,7 +82,7 @@ double objective(unsigned count, const double* logarithms, double*, void* data) 
     }
 }
 
-[[noreturn]] void refuse(const std::string& text) {
+[[noreturn]] void refuse_fit(const std::string& text) {
     throw RequestError(ExitCode::bad_data, "fit: " + text);
 }
 
@@ -89,15 +90,15 @@ void check(const Machine& machine, std::span<const Parameter* const> fitted,
            std::size_t case_count) {
     const std::size_t figure_count = figures.size() * case_count;
     if (fitted.empty() || figure_count < fitted.size()) {
-        refuse(fmt::format("{} parameters, at least 1, and as many figures; {} cases have {}",
-                           fitted.size(), case_count, figure_count));
+        refuse_fit(fmt::format("{} parameters, at least 1, and as many figures; {} cases have {}",
+                               fitted.size(), case_count, figure_count));
     }
     for (const Parameter* parameter : fitted) {
         const double value = machine.*parameter->value;
         const double least = std::max(parameter->least, least_value);
         if (!(value >= least && value <= parameter->most)) {
-            refuse(fmt::format("{} is {}, must be {}..{} {} to begin with", parameter->name, value,
-                               least, parameter->most, parameter->unit));
+            refuse_fit(fmt::format("{} is {}, must be {}..{} {} to begin with", parameter->name,
+                                   value, least, parameter->most, parameter->unit));
         }
     }
 }
@@ -112,7 +113,7 @@ bool matters(Machine machine, const Parameter& parameter, Figure figure,
     });
 }
 
-/// What is fitted together.
+/// Parameters that are fitted together.
 struct Group {
     std::vector<const Parameter*> fitted;
     std::vector<Figure> figures;
@@ -128,7 +129,7 @@ std::vector<Group> groups_of(const Machine& machine, std::span<const Parameter* 
         const bool of_build = matters(machine, *parameter, Figure::built, cases);
         const bool of_rate = matters(machine, *parameter, Figure::rate, cases);
         if (!of_build && !of_rate) {
-            refuse(fmt::format("no figure changes with {}", parameter->name));
+            refuse_fit(fmt::format("no figure changes with {}", parameter->name));
         }
         are_apart = are_apart && of_build != of_rate;
         (of_build ? built : rate).fitted.push_back(parameter);
@@ -169,7 +170,7 @@ void minimise(Search& search) {
             std::rethrow_exception(search.failure);
         }
         if (result < 0 && result != NLOPT_ROUNDOFF_LIMITED) {
-            refuse(fmt::format("the search ended with {}", nlopt_result_to_string(result)));
+            refuse_fit(fmt::format("the search ended with {}", nlopt_result_to_string(result)));
         }
         if (!(least < before * (1 - least_gain))) {
             break;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/timing/machine.hpp"
+#include "host/timing/counts/machine.hpp"
 #include "host/timing/paper_case.hpp"
 
 namespace pxpl5::host::timing {

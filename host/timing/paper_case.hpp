@@ -1,10 +1,10 @@
 // The modelled times of work like the paper's.
 #pragma once
 
-#include "host/timing/machine.hpp"
+#include "host/timing/counts/machine.hpp"
+#include "host/timing/counts/work.hpp"
 #include "host/timing/paper_rows.hpp"
 #include "host/timing/simulate.hpp"
-#include "host/timing/work.hpp"
 
 namespace pxpl5::host::timing {
 

@@ -18,8 +18,8 @@ struct PaperResult {
 /// A surface that stands for one of the paper's: about as many voxels and triangles.
 struct PaperRow {
     std::string_view volume;   ///< "phantom:pelvis", or a file's path in a data folder.
-    std::string_view surface;  ///< Of a phantom: the name of the suggested surface.
-    double isovalue = 0;       ///< Of a file; a phantom suggests its own.
+    std::string_view surface;  ///< Phantoms: name of the suggested surface.
+    double isovalue = 0;       ///< Files only; a phantom suggests a value.
     PaperResult paper;
     double azimuth_deg = 0, elevation_deg = 0;  ///< Ours: the paper's views are not stated.
     bool held_back = false;                     ///< Not used to fit the machine's parameters.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "host/timing/replay.hpp"
+#include "host/timing/replay/replay.hpp"
 
 namespace pxpl5::host::timing {
 

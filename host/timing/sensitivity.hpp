@@ -7,15 +7,15 @@
 #include <span>
 #include <vector>
 
-#include "host/timing/machine.hpp"
+#include "host/timing/counts/machine.hpp"
 #include "host/timing/paper_case.hpp"
 
 namespace pxpl5::host::timing {
 
 /// Change of a case's figures, in percent of what they are with the parameter as it is.
 struct FigureChange {
-    double built_percent = 0;  ///< Of the time to build.
-    double rate_percent = 0;   ///< Of the frames/s.
+    double built_percent = 0;  ///< Change of the time to build.
+    double rate_percent = 0;   ///< Change of the frames/s.
 };
 
 /// A parameter that was tried with another value.
@@ -28,7 +28,7 @@ struct Trial {
 
 struct Sensitivity {
     const Parameter* parameter = nullptr;
-    double value = 0;            ///< As it is.
+    double value = 0;            ///< The machine's value.
     std::optional<Trial> lower;  ///< None where that would be out of range.
     std::optional<Trial> upper;
     double greatest_percent() const;

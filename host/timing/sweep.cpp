@@ -13,7 +13,7 @@ namespace pxpl5::host::timing {
 
 namespace {
 
-[[noreturn]] void refuse(std::string_view text, const std::string& why) {
+[[noreturn]] void refuse_sweep(std::string_view text, const std::string& why) {
     throw RequestError(ExitCode::usage, fmt::format("--sweep {}: {}", text, why));
 }
 
@@ -32,16 +32,18 @@ std::vector<std::string> range_of(std::string_view whole, std::string_view text)
     const auto factor = star == std::string_view::npos ? std::optional<std::int64_t>(1)
                                                        : whole_number(text.substr(star + 1));
     if (!first || !last || !factor) {
-        refuse(whole,
-               fmt::format("'{}' must be FIRST..LAST or FIRST..LAST*FACTOR, whole numbers", text));
+        refuse_sweep(
+            whole,
+            fmt::format("'{}' must be FIRST..LAST or FIRST..LAST*FACTOR, whole numbers", text));
     }
     if (*first > *last) {
-        refuse(whole, fmt::format("{} is greater than {}", *first, *last));
+        refuse_sweep(whole, fmt::format("{} is greater than {}", *first, *last));
     }
     if (star != std::string_view::npos && (*factor < 2 || *first < 1)) {
-        refuse(whole, fmt::format("a factor must be 2 or more, and begin at 1 or more; they are {} "
-                                  "and {}",
-                                  *factor, *first));
+        refuse_sweep(whole,
+                     fmt::format("a factor must be 2 or more, and begin at 1 or more; they are {} "
+                                 "and {}",
+                                 *factor, *first));
     }
     std::vector<std::string> values;
     for (std::int64_t n = *first;;) {
@@ -51,7 +53,7 @@ std::vector<std::string> range_of(std::string_view whole, std::string_view text)
         }
         n = *factor > 1 ? n * *factor : n + 1;
         if (values.size() == max_swept_machines) {
-            refuse(whole, fmt::format("more than {} values", max_swept_machines));
+            refuse_sweep(whole, fmt::format("more than {} values", max_swept_machines));
         }
     }
     return values;
@@ -63,7 +65,7 @@ std::vector<std::string> list_of(std::string_view whole, std::string_view text) 
         const std::size_t comma = std::min(text.find(',', at), text.size());
         values.emplace_back(text.substr(at, comma - at));
         if (values.back().empty()) {
-            refuse(whole, "there is an empty value");
+            refuse_sweep(whole, "there is an empty value");
         }
         at = comma + 1;
     }
@@ -77,12 +79,12 @@ std::size_t machine_count(std::span<const SweptKey> keys) {
         machines *= key.values.size();
     }
     if (keys.empty() || keys.size() > max_swept_keys || machines > max_swept_machines) {
-        refuse(keys.empty() ? "" : keys.front().key,
-               fmt::format("{} keys and {} machines; at most {} and {}", keys.size(), machines,
-                           max_swept_keys, max_swept_machines));
+        refuse_sweep(keys.empty() ? "" : keys.front().key,
+                     fmt::format("{} keys and {} machines; at most {} and {}", keys.size(),
+                                 machines, max_swept_keys, max_swept_machines));
     }
     if (keys.size() > 1 && keys[0].key == keys[1].key) {
-        refuse(keys[0].key, "the key is there twice; list all its values once");
+        refuse_sweep(keys[0].key, "the key is there twice; list all its values once");
     }
     return machines;
 }
@@ -109,7 +111,7 @@ SweptMachine time_on(const Machine& machine, const RunWork& setting, const Pictu
 SweptKey parse_sweep(std::string_view text) {
     const std::size_t equals = text.find('=');
     if (equals == std::string_view::npos || equals == 0) {
-        refuse(text, "must be KEY=VALUES, as gp.count=1..64 or ring.channel_mb_s=40,80,160");
+        refuse_sweep(text, "must be KEY=VALUES, as gp.count=1..64 or ring.channel_mb_s=40,80,160");
     }
     const std::string_view values = text.substr(equals + 1);
     return {std::string(text.substr(0, equals)), values.find("..") == std::string_view::npos
@@ -167,7 +169,7 @@ std::vector<SweptMachine> sweep(const Topology& plan, std::span<const SweptKey> 
     const std::vector<TriedMachine> machines = machines_of(plan, keys);
     const std::optional<Picture> picture = picture_at(run, frame_step);
     if (!picture) {
-        refuse("", fmt::format("step {} is no frame of a whole picture", frame_step));
+        refuse_sweep("", fmt::format("step {} is no frame of a whole picture", frame_step));
     }
     const RunWork setting = setting_of(run, frame_step);
     std::vector<SweptMachine> results;

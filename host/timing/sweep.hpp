@@ -43,9 +43,9 @@ RunWork setting_of(const RunWork& run, std::size_t frame_step);
 /// One machine of a sweep.
 struct SweptMachine {
     std::vector<std::string> values;  ///< In the order of the keys.
-    std::optional<Ns> load, build;    ///< Of all surfaces; nothing if there is nothing to do.
-    Unit build_limit{};               ///< Of the surface that takes longest.
-    Rate rate;                        ///< Of the picture, shown over and over.
+    std::optional<Ns> load, build;    ///< All surfaces together; empty without work.
+    Unit build_limit{};               ///< Limit of the slowest surface.
+    Rate rate;                        ///< Steady-state rate of the picture.
 };
 
 /// Times one picture of a run, and what it shows, on every machine: all values of the last key for

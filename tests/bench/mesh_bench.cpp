@@ -8,9 +8,9 @@
 
 #include "host/base/stopwatch.hpp"
 #include "host/phantom/phantom.hpp"
+#include "host/surface/atlas/histogram.hpp"
+#include "host/surface/atlas/isovalue_components.hpp"
 #include "host/surface/compare.hpp"
-#include "host/surface/histogram.hpp"
-#include "host/surface/isovalue_components.hpp"
 #include "tests/host/phantom/phantom_probe.hpp"
 #include "tests/host/surface/surface_support.hpp"
 

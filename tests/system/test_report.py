@@ -58,7 +58,7 @@ class Report(unittest.TestCase):
         for line, row in zip(lines, rows):
             self.assertEqual(float(line["modelled_build_ms"]), row["modelled_build_ms"])
         drawing = xml.etree.ElementTree.parse(picture_path).getroot()
-        texts = [text.text for text in drawing.iter("{http://www.w3.org/2000/svg}text")]
+        texts = "".join(drawing.itertext()).splitlines()
         self.assertIn("Surface built in", texts)
         self.assertIn("modelled", texts)
 
@@ -123,7 +123,7 @@ class Phantoms(Report):
                 ([], 64, "one of --paper and --scaling"),
                 (["--paper", "--scaling"], 64, "one of --paper and --scaling"),
                 (["--scaling", "--fit"], 64, "go with --paper"),
-                (["--paper", "--picture", "x.png"], 64, "must end in .svg"),
+                (["--paper", "--picture", "x.jpg"], 64, "must be .png, .svg or .pdf"),
                 (["--paper", "--set", "gp.count=4", "pelvis/skim"], 64, "did you mean"),
                 (["--paper", "pelvis/skim"], 64, "did you mean 'pelvis/skin'"),
                 (["--paper", "--data", "nowhere"], 65, "nowhere: there is no such folder"),

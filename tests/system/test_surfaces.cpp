@@ -7,8 +7,8 @@
 #include "host/base/error.hpp"
 #include "host/commands/commands.hpp"
 #include "host/session/session.hpp"
+#include "host/surface/atlas/isovalue_components.hpp"
 #include "host/surface/certificate.hpp"
-#include "host/surface/isovalue_components.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;

@@ -3,23 +3,27 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <set>
 
-#include "host/inspect/map/map_colours.hpp"
-#include "host/inspect/map/pixel_font.hpp"
+#include "host/chart/chart.hpp"
+#include "host/inspect/map/map_colors.hpp"
 #include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::host::inspect {
 
 namespace {
 
-constexpr Rgb8 paper{24, 24, 28}, ink{235, 235, 235}, dim_ink{150, 150, 155}, line{90, 90, 98};
-constexpr int least_width_px = 336;       ///< Narrower pictures get a margin: a legend needs room.
-constexpr int large_width_px = 640;       ///< From here on the legend's letters are doubled.
-constexpr double map_part = 0.8;          ///< Of a count's colour over the grey picture.
-constexpr double background_part = 0.35;  ///< Of the grey picture where there is no value.
+constexpr Rgb8 paper{24, 24, 28};
+constexpr MarkColour ink{235, 235, 235, 255}, dim_ink{160, 160, 166, 255},
+    grid_line{235, 235, 235, 102}, frame_line{90, 90, 98, 255};
+constexpr int least_width_px = 336;       ///< Narrower pictures get a margin for the legend.
+constexpr int large_width_px = 640;       ///< From this width on the legend's letters are larger.
+constexpr double map_part = 0.8;          ///< Share of a count's color over the gray picture.
+constexpr double background_part = 0.35;  ///< Brightness of the gray picture without a value.
 constexpr int bar_ticks = 5;
-constexpr std::size_t most_swatches = 64;  ///< More categories are not explained one by one.
+constexpr std::size_t most_swatches = 64;  ///< The legend shows at most this many categories.
 
 std::size_t at(int x, int y, int width) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
@@ -31,7 +35,7 @@ double luminance(std::uint32_t rgb) {
     return (0.2126 * (rgb & 0xFF) + 0.7152 * (rgb >> 8 & 0xFF) + 0.0722 * (rgb >> 16 & 0xFF)) / 255;
 }
 
-Rgb8 grey(double brightness) {
+Rgb8 gray(double brightness) {
     const auto value = static_cast<std::uint8_t>(std::clamp(brightness, 0.0, 1.0) * 255);
     return {value, value, value};
 }
@@ -42,7 +46,7 @@ double fraction(std::int64_t value, MapRange range) {
                                            static_cast<double>(range.most - range.least);
 }
 
-Rgb8 normal_colour(std::int64_t value) {
+Rgb8 normal_color(std::int64_t value) {
     const auto component = [&](unsigned k) {
         const int field = static_cast<int>(value >> (10 * k) & 0x3FF);
         return (field < 512 ? field : field - 1024) / double{isa::region::normal_unit};
@@ -50,213 +54,159 @@ Rgb8 normal_colour(std::int64_t value) {
     return directional(component(0), component(1), component(2));
 }
 
-/// Nothing is said of the pixel: background, or no primitive came there.
+/// True for background and for a pixel that no primitive reached.
 bool is_plain(MapKind kind, std::int64_t value) {
     return value == no_value ||
            (value == 0 && (kind == MapKind::covered || kind == MapKind::overdraw));
 }
 
-/// light  Of the picture there, 0..1.
-Rgb8 colour_of(const MapValues& map, MapRange range, std::size_t i, double light) {
+/// light  Brightness of the picture at that pixel, 0..1.
+Rgb8 color_of(const MapValues& map, MapRange range, std::size_t i, double light) {
     const std::int64_t value = map.values[i];
     if (is_plain(map.kind, value)) {
-        return grey(background_part * light);
+        return gray(background_part * light);
     }
     switch (info(map.kind).scale) {
         case MapScale::count:
-            return mix(grey(light), sequential(fraction(value, range)), map_part);
-        case MapScale::category:  // Shaded by the picture, so that its shape stays visible.
+            return mix(gray(light), sequential(fraction(value, range)), map_part);
+        case MapScale::category:  // The picture's shading keeps the shape visible.
             return mix(Rgb8{}, categorical(static_cast<std::uint32_t>(value)), 0.4 + 0.6 * light);
         case MapScale::direction:
-            return normal_colour(value);
+            return normal_color(value);
     }
     return {};
 }
 
-/// A picture that can be drawn on.
-class Canvas {
-  public:
-    Canvas(int width, int height) : width_(width), height_(height) {
-        pixels_.assign(at(0, height, width), paper.opaque());
-    }
-    void put(int x, int y, Rgb8 colour) {
-        if (x >= 0 && x < width_ && y >= 0 && y < height_) {
-            pixels_[at(x, y, width_)] = colour.opaque();
-        }
-    }
-    void fill(int x0, int y0, int width, int height, Rgb8 colour) {
-        for (int y = y0; y < y0 + height; ++y) {
-            for (int x = x0; x < x0 + width; ++x) {
-                put(x, y, colour);
-            }
-        }
-    }
-    void text(int x, int y, const std::string& text, int scale, Rgb8 colour) {
-        for (const char c : text) {
-            const auto rows = glyph(c);
-            for (int row = 0; row < glyph_height; ++row) {
-                for (int column = 0; column < glyph_width; ++column) {
-                    if ((rows[static_cast<std::size_t>(row)] >> (glyph_width - 1 - column) & 1) !=
-                        0) {
-                        fill(x + column * scale, y + row * scale, scale, scale, colour);
-                    }
-                }
-            }
-            x += glyph_advance * scale;
-        }
-    }
-    MapPicture take() && { return {width_, height_, std::move(pixels_)}; }
-
-  private:
-    int width_, height_;
-    std::vector<std::uint32_t> pixels_;
-};
-
-int text_width(const std::string& text, int scale) {
-    return static_cast<int>(text.size()) * glyph_advance * scale;
+MarkColour mark_color(Rgb8 color) {
+    return {color.r, color.g, color.b, 255};
 }
 
-/// The legend's texts and places.
-class Legend {
-  public:
-    Legend(const MapValues& map, const MapStyle& style, int width)
-        : map_(map), range_(range_of(map)), width_(width), scale_(width >= large_width_px ? 2 : 1) {
-        const MapInfo& kind = info(map.kind);
-        title_ = fmt::format("{}: {}{}", kind.title, kind.unit,
-                             is_plain(map.kind, 0) ? " (grey: none)" : "");
-        if (!style.subject.empty()) {
-            subject_ = style.subject;
-        }
-        if (kind.scale == MapScale::category) {
-            for (const std::int64_t value : map.values) {
-                if (value != no_value) {
-                    categories_.insert(value);
-                }
-            }
-        }
-    }
+/// The legend while it is drawn; `y` is where the next row begins.
+struct Legend {
+    const MapValues& map;
+    MapRange range;
+    double px;  ///< Font size.
+    Chart chart;
+    double y = 0;
 
-    int height() const {
-        switch (info(map_.kind).scale) {
-            case MapScale::count:
-                return title_height() + 5 * line_height() / 2;
-            case MapScale::category:
-                return title_height() + swatch_rows() * line_height() + margin();
-            case MapScale::direction:
-                return title_height() + line_height() + margin();
-        }
-        return 0;
+    double margin() const { return px * 0.6; }
+    double row() const { return px * 1.45; }
+    double length() const { return chart.width - 2 * margin(); }
+    void text(double x, const std::string& text, MarkColour color, float align_x = 0) {
+        chart.text({x, y + px}, text, {.size_px = px, .align_x = align_x, .color = color});
     }
-
-    void draw(Canvas& canvas, int top) const {
-        canvas.fill(0, top, width_, 1, line);
-        canvas.text(margin(), top + margin(), title_, scale_, ink);
-        const int right = width_ - margin() - text_width(subject_, scale_);
-        canvas.text(is_title_broken() ? margin() : right,
-                    top + margin() + (is_title_broken() ? line_height() : 0), subject_, scale_,
-                    dim_ink);
-        const int below = top + title_height();
-        switch (info(map_.kind).scale) {
-            case MapScale::count:
-                return draw_bar(canvas, below);
-            case MapScale::category:
-                return draw_swatches(canvas, below);
-            case MapScale::direction:
-                return canvas.text(margin(), below, "red x right, green y up, blue z to the viewer",
-                                   scale_, ink);
-        }
-    }
-
-  private:
-    int margin() const { return 6 * scale_; }
-    int line_height() const { return (glyph_height + 4) * scale_; }
-    bool is_title_broken() const {
-        return text_width(title_ + "  " + subject_, scale_) > width_ - 2 * margin();
-    }
-    int title_height() const {
-        return margin() + (is_title_broken() ? 2 : 1) * line_height() + 2 * scale_;
-    }
-
-    void draw_bar(Canvas& canvas, int top) const {
-        const int x0 = margin(), length = width_ - 2 * margin(), thick = line_height();
-        for (int x = 0; x < length; ++x) {
-            canvas.fill(x0 + x, top, 1, thick, sequential(x / double(length - 1)));
-        }
-        // Small ranges get a tick per number.
-        const std::int64_t span = range_.most - range_.least;
-        const int ticks =
-            span == 0 ? 1 : static_cast<int>(std::min<std::int64_t>(span + 1, bar_ticks));
-        for (int tick = 0; tick < ticks; ++tick) {
-            const double part = ticks == 1 ? 1.0 : tick / double(ticks - 1);
-            const std::int64_t value =
-                range_.least + static_cast<std::int64_t>(part * static_cast<double>(span) + 0.5);
-            // A rounded number stands where it belongs, not where the tick would be.
-            const int x = static_cast<int>(fraction(value, range_) * (length - 1));
-            canvas.fill(x0 + x - (x == length - 1 ? scale_ - 1 : 0), top + thick, scale_,
-                        2 * scale_, ink);
-            const std::string text = short_number(value);
-            const int half = text_width(text, scale_) / 2;
-            canvas.text(std::clamp(x0 + x - half, x0, x0 + length - 2 * half + scale_),
-                        top + thick + 4 * scale_, text, scale_, ink);
-        }
-    }
-
-    std::string swatch_text(std::int64_t category) const {
-        return fmt::format("{} {}", info(map_.kind).unit, category);
-    }
-    int swatch_width() const {
-        return text_width(swatch_text(99), scale_) + line_height() + margin();
-    }
-    int swatches_a_row() const { return std::max(1, (width_ - margin()) / swatch_width()); }
-    int swatch_rows() const {
-        const int count = static_cast<int>(std::min(categories_.size(), most_swatches));
-        return std::max(1, (count + swatches_a_row() - 1) / swatches_a_row());
-    }
-    void draw_swatches(Canvas& canvas, int top) const {
-        int place = 0;
-        for (const std::int64_t category : categories_) {
-            if (place == static_cast<int>(most_swatches)) {
-                break;
-            }
-            const int x = margin() + place % swatches_a_row() * swatch_width();
-            const int y = top + place / swatches_a_row() * line_height();
-            const int side = glyph_height * scale_;
-            canvas.fill(x, y, side, side, categorical(static_cast<std::uint32_t>(category)));
-            canvas.text(x + side + 3 * scale_, y, swatch_text(category), scale_, ink);
-            ++place;
-        }
-    }
-
-    const MapValues& map_;
-    MapRange range_;
-    int width_, scale_;
-    std::string title_, subject_;
-    std::set<std::int64_t> categories_;
 };
 
-/// Regions' borders, lightened; a view of another height than whole regions begins anew.
-void draw_grid(Canvas& canvas, const MapValues& map, const std::vector<Rgb8>& colours, int x0) {
-    for (int y = 0; y < map.height; ++y) {
-        for (int x = 0; x < map.width; ++x) {
-            if ((x % isa::region::size_px == 0 && x > 0) ||
-                (y % isa::region::size_px == 0 && y > 0)) {
-                canvas.put(x0 + x, y, mix(colours[at(x, y, map.width)], ink, 0.4));
-            }
+/// Writes the title, and the subject at the right, on a line of its own if both are too wide.
+void draw_title(Legend& legend, const std::string& subject) {
+    const MapInfo& kind = info(legend.map.kind);
+    const std::string title = fmt::format("{}: {}{}", kind.title, kind.unit,
+                                          is_plain(legend.map.kind, 0) ? " (gray: none)" : "");
+    legend.y = legend.margin();
+    double used = 0;
+    for (const std::string& line : broken(title, legend.length(), legend.px)) {
+        legend.text(legend.margin(), line, ink);
+        used = text_width(line + "  ", legend.px);
+        legend.y += legend.row();
+    }
+    if (used + text_width(subject, legend.px) <= legend.length()) {
+        legend.y -= legend.row();
+    }
+    legend.text(legend.chart.width - legend.margin(), subject, dim_ink, 1);
+    legend.y += subject.empty() && used == 0 ? 0 : legend.row();
+}
+
+void draw_bar(Legend& legend) {
+    constexpr int steps = 128;
+    const double left = legend.margin(), right = left + legend.length();
+    const double bottom = legend.y + legend.px;
+    // Each step reaches to the right end, so that no gap shows between neighbors.
+    for (int step = 0; step < steps; ++step) {
+        legend.chart.area(
+            {std::round(left + legend.length() * step / steps), legend.y, right, bottom},
+            mark_color(sequential(step / double(steps - 1))));
+    }
+    // Small ranges get one tick per number.
+    const std::int64_t span = legend.range.most - legend.range.least;
+    const int ticks = span == 0 ? 1 : static_cast<int>(std::min<std::int64_t>(span + 1, bar_ticks));
+    legend.y = bottom + legend.px * 0.3;
+    for (int tick = 0; tick < ticks; ++tick) {
+        const double part = ticks == 1 ? 1.0 : tick / double(ticks - 1);
+        const std::int64_t value =
+            legend.range.least + static_cast<std::int64_t>(part * static_cast<double>(span) + 0.5);
+        // The tick is at the rounded number.
+        const double x = left + fraction(value, legend.range) * legend.length();
+        legend.chart.line({x, bottom}, {x, bottom + legend.px * 0.3}, ink, legend.px / 12);
+        const float align = part == 0 ? 0 : part == 1 ? 1 : 0.5F;
+        legend.text(x, short_number(value), ink, align);
+    }
+    legend.y += legend.row();
+}
+
+void draw_swatches(Legend& legend) {
+    std::set<std::int64_t> categories(legend.map.values.begin(), legend.map.values.end());
+    categories.erase(no_value);
+    const std::string unit(info(legend.map.kind).unit);
+    const double width = text_width(unit + " 99", legend.px) + 3 * legend.px;
+    const auto columns = static_cast<std::size_t>(std::max(1.0, legend.length() / width));
+    std::size_t place = 0;
+    for (const std::int64_t category : categories) {
+        if (place == most_swatches) {
+            break;
         }
+        legend.y += place > 0 && place % columns == 0 ? legend.row() : 0;
+        const double x = legend.margin() + static_cast<double>(place % columns) * width;
+        legend.chart.area(
+            {x, legend.y + legend.px * 0.2, x + legend.px * 0.9, legend.y + legend.px * 1.1},
+            mark_color(categorical(static_cast<std::uint32_t>(category))));
+        legend.text(x + legend.px * 1.3, fmt::format("{} {}", unit, category), ink);
+        ++place;
+    }
+    legend.y += legend.row();
+}
+
+/// The whole legend; its top left corner is (0, 0).
+Chart draw_legend(const MapValues& map, const std::string& subject, int width) {
+    Legend legend{map, range_of(map), width >= large_width_px ? 16.0 : 11.0, {}, 0};
+    legend.chart.width = width;
+    legend.chart.line({0, 0.5}, {legend.chart.width, 0.5}, frame_line);
+    draw_title(legend, subject);
+    switch (info(map.kind).scale) {
+        case MapScale::count:
+            draw_bar(legend);
+            break;
+        case MapScale::category:
+            draw_swatches(legend);
+            break;
+        case MapScale::direction:
+            legend.text(legend.margin(), "red x right, green y up, blue z to the viewer", ink);
+            legend.y += legend.row();
+    }
+    legend.chart.height = std::ceil(legend.y + legend.margin() / 2);
+    return std::move(legend.chart);
+}
+
+/// Draws the regions' borders. Views are stacked, and each begins with whole regions.
+void draw_grid(Chart& chart, const MapValues& map, double left) {
+    const double right = left + map.width;
+    for (int x = isa::region::size_px; x < map.width; x += isa::region::size_px) {
+        chart.line({left + x + 0.5, 0}, {left + x + 0.5, double(map.height)}, grid_line);
+    }
+    for (int y = isa::region::size_px; y < map.height; y += isa::region::size_px) {
+        chart.line({left, y + 0.5}, {right, y + 0.5}, grid_line);
     }
 }
 
 /// Writes each region's number into its corner.
-void label_regions(Canvas& canvas, const MapValues& map, int x0) {
-    constexpr int inset = 5;
-    const int scale = map.width >= 2 * isa::region::size_px ? 2 : 1;
+void label_regions(Chart& chart, const MapValues& map, int left) {
+    constexpr float inset_px = 5, halo_px = 2;
+    const float height_px = map.width >= 2 * isa::region::size_px ? 18 : 12;
     for (int y = 0; y < map.height; y += isa::region::size_px) {
         for (int x = 0; x < map.width; x += isa::region::size_px) {
-            const std::int64_t value = map.values[at(x, y, map.width)];
-            if (value != no_value) {
-                const std::string text = short_number(value);
-                canvas.text(x0 + x + inset + 1, y + inset + 1, text, scale, Rgb8{});
-                canvas.text(x0 + x + inset, y + inset, text, scale, ink);
+            if (const std::int64_t value = map.values[at(x, y, map.width)]; value != no_value) {
+                chart.marks.push_back(text_mark(
+                    {static_cast<float>(left + x) + inset_px, static_cast<float>(y) + inset_px},
+                    short_number(value), ink, {height_px, 0, 0, halo_px}));
             }
         }
     }
@@ -287,30 +237,33 @@ MapRange range_of(const MapValues& map) {
 }
 
 MapPicture draw_map(const MapValues& map, const MapStyle& style) {
-    const int width = std::max(map.width, least_width_px);
-    const int x0 = (width - map.width) / 2;
-    const Legend legend(map, style, width);
-    Canvas canvas(width, map.height + legend.height());
+    const int width = std::max(map.width, least_width_px), left = (width - map.width) / 2;
+    const Chart legend = draw_legend(map, style.subject, width);
+    const int height = map.height + static_cast<int>(legend.height);
+    MapPicture picture{
+        width, height, std::vector<std::uint32_t>(at(0, height, width), paper.opaque()), {}};
     const MapRange range = range_of(map);
-    std::vector<Rgb8> colours(map.values.size());
     double brightest = 1.0 / 255;
     for (const std::uint32_t pixel : map.picture) {
         brightest = std::max(brightest, luminance(pixel));
     }
-    for (std::size_t i = 0; i < colours.size(); ++i) {
-        colours[i] = colour_of(map, range, i, luminance(map.picture[i]) / brightest);
-        const int column = static_cast<int>(i % static_cast<std::size_t>(map.width));
-        const int row = static_cast<int>(i / static_cast<std::size_t>(map.width));
-        canvas.put(x0 + column, row, colours[i]);
+    for (int y = 0; y < map.height; ++y) {
+        for (int x = 0; x < map.width; ++x) {
+            const std::size_t i = at(x, y, map.width);
+            picture.rgba[at(left + x, y, width)] =
+                color_of(map, range, i, luminance(map.picture[i]) / brightest).opaque();
+        }
     }
+    Chart chart;
     if (style.grid) {
-        draw_grid(canvas, map, colours, x0);
+        draw_grid(chart, map, left);
     }
     if (info(map.kind).per_region) {
-        label_regions(canvas, map, x0);
+        label_regions(chart, map, left);
     }
-    legend.draw(canvas, map.height);
-    return std::move(canvas).take();
+    chart.place(legend, {0, double(map.height)});
+    picture.marks = std::move(chart.marks);
+    return picture;
 }
 
 }  // namespace pxpl5::host::inspect

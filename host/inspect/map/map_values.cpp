@@ -127,7 +127,7 @@ constexpr std::array<int, corners> turn_about_x = {2, 3, 6, 7, 0, 1, 4, 5};
 /// Class by set, grown from one set of each class by turns and by swapping inside and outside.
 std::array<std::uint8_t, 256> make_classes() {
     // The figure's cases: none, corner, edge, ends of a face's and of the cell's diagonal, three of
-    // a face, edge and far corner, three apart, face, corner and its neighbours, two far edges,
+    // a face, edge and far corner, three apart, face, corner and its neighbors, two far edges,
     // two chains of four that mirror each other (11 and 14), three of a face and a fourth apart,
     // four apart.
     constexpr std::array<std::uint8_t, 15> first = {0x00, 0x01, 0x03, 0x09, 0x81, 0x07, 0x83, 0x16,

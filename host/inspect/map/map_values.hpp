@@ -36,7 +36,7 @@ struct MapInfo {
     MapScale scale;
     bool per_region;  ///< All pixels of a region have one value.
     std::string_view title;
-    std::string_view unit;  ///< Of a count, or what a category is.
+    std::string_view unit;  ///< Unit of a count, or name of a category.
 };
 std::span<const MapInfo> map_kinds();
 const MapInfo& info(MapKind kind);
@@ -48,7 +48,7 @@ inline constexpr std::int64_t no_value = -1;
 
 struct MapValues {
     MapKind kind{};
-    int width = 0, height = 0;           ///< Of the whole picture, views stacked.
+    int width = 0, height = 0;           ///< Size of the whole picture, views stacked.
     std::vector<std::int64_t> values;    ///< Row by row.
     std::vector<std::uint32_t> picture;  ///< What was drawn, red in the low byte.
 };

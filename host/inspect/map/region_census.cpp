@@ -137,7 +137,7 @@ class Census {
     RegionCensus result_;
     BitMapCounter active_, covered_, written_;
     Map enable_{}, wrote_{};
-    const Primitive* primitive_ = nullptr;  ///< Of the instruction under way.
+    const Primitive* primitive_ = nullptr;  ///< Primitive of the current instruction.
     bool used_ = false;                     ///< It has used memory already.
 };
 

@@ -18,7 +18,7 @@ inline constexpr std::uint32_t no_primitive = 0xFFFF'FFFF;
 using PerPixel = std::vector<std::uint32_t>;
 
 struct RegionCensus {
-    isa::RunCounts counts;  ///< Of all that ran.
+    isa::RunCounts counts;  ///< Counts of the whole run.
     PerPixel active;        ///< Instructions that began while the pixel was enabled.
     PerPixel covered;       ///< Primitives that had it enabled when they first used its memory.
     PerPixel written;       ///< Primitives that wrote its memory.
@@ -26,7 +26,7 @@ struct RegionCensus {
     // Fields as the end-of-region program finds them:
     PerPixel surface, z;
     PerPixel normal;  ///< x, y and z, ten bits each.
-    PerPixel rgb;     ///< As read out at the end; red in the low byte.
+    PerPixel rgb;     ///< Read out at the end; red in the low byte.
 };
 
 /// Executes the region, instruction by instruction.
@@ -42,7 +42,7 @@ class BitMapCounter {
 
     /// Adds words first .. first+count-1 of `map`.
     void add(const Map& map, std::size_t first, std::size_t count);
-    /// Of bit `index`.
+    /// Returns the count of bit `index`.
     std::uint32_t count(std::size_t index) const;
 
   private:

@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "host/base/error.hpp"
-#include "host/inspect/map/map_colours.hpp"
+#include "host/inspect/map/map_colors.hpp"
 #include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::host::inspect {
@@ -96,7 +96,7 @@ Rgb8 colour_of(const NamedField& field, std::uint64_t value, const ValueRange& r
     return sequential(range.part(value));
 }
 
-/// Mean colour of a box of pixels.
+/// Mean color of a box of pixels.
 Rgb8 mean(const std::vector<std::uint32_t>& picture, int side, int x0, int y0, int width,
           int height) {
     std::uint32_t sum[3] = {}, count = 0;

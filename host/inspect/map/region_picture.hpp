@@ -1,4 +1,4 @@
-// A region's pixels as a picture: any field, in colours; and a picture as text for a terminal.
+// A region's pixels as a picture: any field, in colors; and a picture as text for a terminal.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@ struct NamedField {
     enum class Kind : std::uint8_t { memory, enable, carry };
     Kind kind = Kind::memory;
     std::string name;
-    std::uint32_t address = 0, width = 1;  ///< Of memory; at most 64 bits.
+    std::uint32_t address = 0, width = 1;  ///< Bits of memory; at most 64.
 
-    /// Of pixel (x, y) of the region.
+    /// Returns the value of pixel (x, y) of the region.
     std::uint64_t value(const isa::Executor& executor, int x, int y) const;
 };
 
@@ -26,12 +26,12 @@ struct NamedField {
 NamedField field_of(std::string_view text);
 
 /// The whole region, 128 x 128, row by row; opaque, red in the low byte. Bits are white, rgb is as
-/// it is, z is grey and near is light, surfaces have colours of their own, normals go to colours by
+/// it is, z is gray and near is light, surfaces have colors of their own, normals go to colors by
 /// component, anything else is dark at its least value and light at its largest.
 std::vector<std::uint32_t> picture_of(const isa::Executor& executor, const NamedField& field);
 
 struct TerminalStyle {
-    int columns = 80;     ///< Of the terminal.
+    int columns = 80;     ///< Columns of the terminal.
     bool colour = false;  ///< 24-bit escapes and half blocks; else letters by brightness.
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <optional>
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -12,6 +13,7 @@
 #include "host/inspect/model/model_sweep.hpp"
 #include "host/inspect/model/recorded_work.hpp"
 #include "host/inspect/record/find_run.hpp"
+#include "host/session/pictures/write_picture.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -88,6 +90,7 @@ std::vector<timing::SweptKey> keys_of(const ModelOptions& options, const Topolog
         if (keys.empty()) {
             throw RequestError(ExitCode::usage, "--plot needs --sweep: one machine is no curve");
         }
+        check_picture_suffix("--plot", options.plot);
         check_axis(keys.front());
     }
     return keys;
@@ -100,18 +103,22 @@ int run_model(const ModelOptions& options) {
     const Topology plan = load_topology(options.topology, options.overrides);
     std::vector<timing::SweptKey> keys = keys_of(options, plan);
     timing::RunWork work = work_of(options);
-    // Old files stay as they are until all texts are there.
+    // Existing files stay unchanged until all results are computed.
     std::vector<Output> outputs;
+    std::optional<Chart> plot;
     if (keys.empty()) {
         outputs = outputs_of(options, modelled(plan, std::move(work)));
     } else {
         const ModelledSweep sweep = swept(plan, std::move(keys), work);
         outputs = outputs_of(options, sweep);
         if (!options.plot.empty()) {
-            outputs.push_back({options.plot, plot_of(sweep)});
+            plot = plot_of(sweep);
         }
     }
     put(outputs);
+    if (plot) {
+        write_chart(options.plot, *plot, "pxpl5 model");
+    }
     return 0;
 }
 

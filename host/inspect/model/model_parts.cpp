@@ -6,7 +6,7 @@
 
 #include "host/inspect/record/message_text.hpp"
 #include "host/machine/timing_section.hpp"
-#include "host/timing/machine.hpp"
+#include "host/timing/counts/machine.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -18,7 +18,7 @@ constexpr std::array units = {Unit::host, Unit::host_link, Unit::gp,
                               Unit::ring, Unit::renderer,  Unit::frame_buffer};
 constexpr double percent = 100;
 
-std::string_view word_of(timing::Share share) {
+std::string_view word_of(timing::Sharing share) {
     return share_words[static_cast<std::size_t>(share)];
 }
 

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/chart/plot.hpp"
 #include "host/inspect/model/model_parts.hpp"
 #include "host/timing/picture.hpp"
-#include "host/timing/plot.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -40,22 +40,21 @@ double number_of(const timing::SweptKey& key, const std::string& text) {
 }
 
 /// Octaves, where the values reach over so many times their least.
-timing::PlotScale scale_of(const timing::SweptKey& key) {
+PlotScale scale_of(const timing::SweptKey& key) {
     constexpr double octaves_from = 8;
     double least = number_of(key, key.values.front()), most = least;
     for (const std::string& text : key.values) {
         least = std::min(least, number_of(key, text));
         most = std::max(most, number_of(key, text));
     }
-    return least > 0 && most >= octaves_from * least ? timing::PlotScale::log2
-                                                     : timing::PlotScale::linear;
+    return least > 0 && most >= octaves_from * least ? PlotScale::log2 : PlotScale::linear;
 }
 
 /// A line for each value of the second key. y(machine) may be nothing.
 template <typename Value>
-timing::LinePlot lines_of(const ModelledSweep& sweep, const std::string& y_label, const Value& y) {
+LinePlot lines_of(const ModelledSweep& sweep, const std::string& y_label, const Value& y) {
     const timing::SweptKey& key = sweep.keys.front();
-    timing::LinePlot plot{
+    LinePlot plot{
         fmt::format("{} on {}", picture_text("Frame", sweep.frame, sweep.samples), sweep.plan.name),
         "",
         {key.key, scale_of(key)},
@@ -64,9 +63,9 @@ timing::LinePlot lines_of(const ModelledSweep& sweep, const std::string& y_label
     const bool several = sweep.keys.size() > 1;
     const std::size_t lines = several ? sweep.keys[1].values.size() : 1;
     for (std::size_t line = 0; line < lines; ++line) {
-        timing::PlotLine& one = plot.lines.emplace_back();
+        PlotLine& one = plot.lines.emplace_back();
         one.name = several ? sweep.keys[1].key + " " + sweep.keys[1].values[line] : "";
-        one.colour = line;
+        one.color = line;
         for (std::size_t n = line; n < sweep.machines.size(); n += lines) {
             const SweptMachine& machine = sweep.machines[n];
             one.points.push_back({number_of(key, machine.values.front()), y(machine)});
@@ -176,15 +175,15 @@ void check_axis(const timing::SweptKey& key) {
     }
 }
 
-std::string plot_of(const ModelledSweep& sweep) {
-    std::vector<timing::Plot> plots;
+Chart plot_of(const ModelledSweep& sweep) {
+    std::vector<Plot> plots;
     plots.emplace_back(
         lines_of(sweep, "frames/s", [](const SweptMachine& m) { return m.rate.frames_per_s; }));
     if (sweep.machines.front().build) {
         plots.emplace_back(
             lines_of(sweep, "ms to build", [](const SweptMachine& m) { return ms(*m.build); }));
     }
-    return timing::svg_of(plots, plots.size());
+    return chart_of(plots, plots.size());
 }
 
 }  // namespace pxpl5::host::inspect

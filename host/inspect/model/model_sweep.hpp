@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/base/reply.hpp"
+#include "host/chart/chart.hpp"
 #include "host/timing/sweep.hpp"
 
 namespace pxpl5::host::inspect {
@@ -32,8 +33,8 @@ std::string to_csv(const ModelledSweep& sweep);
 /// Throws RequestError (usage) naming the value of a plot's first key that is no number.
 void check_axis(const timing::SweptKey& key);
 
-/// SVG: frames/s and the time to build, over the first key's values, a line for each of the
-/// second's. Throws as check_axis().
-std::string plot_of(const ModelledSweep& sweep);
+/// Plots frames/s and the time to build over the first key's values, with one line per value of the
+/// second key. Throws like check_axis().
+Chart plot_of(const ModelledSweep& sweep);
 
 }  // namespace pxpl5::host::inspect

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "host/inspect/record/recorded_run.hpp"
-#include "host/timing/work.hpp"
+#include "host/timing/counts/work.hpp"
 
 namespace pxpl5::host::inspect {
 

@@ -11,7 +11,7 @@
 #include "host/base/error.hpp"
 #include "host/inspect/model/part_work.hpp"
 #include "host/inspect/why/gp_again.hpp"
-#include "host/timing/runs.hpp"
+#include "host/timing/counts/runs.hpp"
 
 namespace pxpl5::host::inspect {
 

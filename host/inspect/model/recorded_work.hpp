@@ -10,7 +10,7 @@
 
 #include "host/inspect/record/recorded_run.hpp"
 #include "host/inspect/record/selection.hpp"
-#include "host/timing/work.hpp"
+#include "host/timing/counts/work.hpp"
 
 namespace pxpl5::host::inspect {
 

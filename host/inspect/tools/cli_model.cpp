@@ -19,7 +19,8 @@ void declare_model_options(CLI::App& app, ModelOptions& options) {
         ->allow_extra_args(false);
     declare_selection(app, options.selection, {"frame"});
     app.add_option("--csv", options.csv, "Write a table to this file: a line a step, or a machine");
-    app.add_option("--plot", options.plot, "Write the sweep's curves to this file (SVG)");
+    app.add_option("--plot", options.plot,
+                   "Writes the sweep's curves to this file (.svg, .png or .pdf)");
     declare_json(app, options.json);
     declare_output(app, options.output);
 }

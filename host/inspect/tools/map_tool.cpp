@@ -10,8 +10,8 @@
 #include "host/base/text_output.hpp"
 #include "host/inspect/map/map_picture.hpp"
 #include "host/inspect/map/map_values.hpp"
-#include "host/inspect/map/picture_file.hpp"
 #include "host/inspect/record/find_run.hpp"
+#include "host/session/pictures/write_picture.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -71,6 +71,14 @@ std::uint32_t one_frame(const RecordedRun& run, const SelectionText& text) {
 
 int trace_map(const MapOptions& options) {
     const MapKind kind = map_kind_of(options.words.back());
+    if (!options.raw && options.output.empty()) {
+        throw RequestError(ExitCode::usage,
+                           "a map is a picture: name its file with -o FILE.png, "
+                           "or ask for the numbers with --raw");
+    }
+    if (!options.raw) {
+        check_picture_suffix("-o", options.output);
+    }
     const RecordedRun run = open_run(options.words.size() > 1 ? options.words.front() : "");
     const RecordedFrame frame = run.frame(one_frame(run, options.selection));
     for (const std::string& reason : frame.missing) {
@@ -83,15 +91,13 @@ int trace_map(const MapOptions& options) {
         output.finish();
         return 0;
     }
-    if (options.output.empty()) {
-        throw RequestError(ExitCode::usage,
-                           "a map is a picture: name its file with -o FILE.png, "
-                           "or ask for the numbers with --raw");
-    }
     const bool grid = options.grid || info(kind).per_region;
     const MapPicture picture =
         draw_map(map, {.grid = grid, .subject = fmt::format("frame {}", frame.number)});
-    write_png(options.output, picture.width, picture.height, picture.rgba);
+    write_picture(options.output, {{picture.width, picture.height},
+                                   picture.rgba,
+                                   picture.marks,
+                                   fmt::format("pxpl5 trace map {}", info(kind).name)});
     TextOutput output("");
     output.put(summary(map) + options.output + "\n");
     output.finish();

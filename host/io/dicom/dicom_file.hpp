@@ -13,7 +13,7 @@ bool begins_as_dicom(const std::filesystem::path& path);
 
 /// The slices that one file says it holds, without decoding them: one for each frame. Empty if the
 /// file is no DICOM image.
-/// Throws   ImportError for an image whose spacing or orientation makes no sense, or colour.
+/// Throws   ImportError for an image whose spacing or orientation makes no sense, or color.
 std::vector<DicomSlice> read_dicom_slices(const std::filesystem::path& path);
 
 /// Decodes slices. Holds the last file's values, since frames are asked for one by one.

@@ -14,12 +14,12 @@ namespace pxpl5::host::io {
 namespace {
 
 constexpr double same_position_mm = 1e-3;
-constexpr double max_uneven = 0.01;       // Of the usual step: positions have few digits.
+constexpr double max_uneven = 0.01;       // Share of the usual step: positions have few digits.
 constexpr double gap_steps = 1.5;         // Wider slabs span missing slices.
-constexpr double same_direction = 1e-3;   // Of a unit vector: 0.06 degrees.
-constexpr double same_spacing = 1e-3;     // Of the spacing.
-constexpr double max_sideways = 0.1;      // Of a pixel.
-constexpr std::size_t max_named = 8;      // Of one kind in one finding.
+constexpr double same_direction = 1e-3;   // Length for a unit vector: 0.06 degrees.
+constexpr double same_spacing = 1e-3;     // Share of the spacing.
+constexpr double max_sideways = 0.1;      // Share of a pixel.
+constexpr std::size_t max_named = 8;      // Limit per kind in one finding.
 constexpr std::size_t max_shapes = 1024;  // A file for each would be no series.
 
 std::string name_of(const DicomSlice& slice) {

@@ -25,16 +25,16 @@ struct DicomSlice {
     std::string description, modality;
     int series_number = 0, instance_number = 0;
     int columns = 0, rows = 0;
-    int samples = 1, bits = 0;  ///< Of a pixel: 1 is grey; bits allocated of each sample.
+    int samples = 1, bits = 0;  ///< Samples per pixel (1 is gray); bits allocated per sample.
     glm::dvec3 x_step_mm{1, 0, 0}, y_step_mm{0, 1, 0};  ///< One column and one row further, LPS.
-    glm::dvec3 origin_mm{0};                            ///< Centre of the first voxel, LPS.
+    glm::dvec3 origin_mm{0};                            ///< Center of the first voxel, LPS.
     bool spacing_stated = true;                         ///< Else x and y steps have length 1.
     bool position_stated = true;  ///< Else origin and orientation are not known.
     std::optional<double> thickness_mm;
     /// Signed distance to the next frame where frames have no positions of their own.
     std::optional<double> frame_step_mm;
     Scale scale;
-    std::uint64_t pixel_offset_bytes = 0;        ///< Of the values in the file; 0 if unknown.
+    std::uint64_t pixel_offset_bytes = 0;  ///< Position of the values in the file; 0 if unknown.
     bool is_lossy = false, is_inverted = false;  ///< JPEG and the like; MONOCHROME1.
 };
 
@@ -63,7 +63,8 @@ struct OrderedSlices {
     std::vector<double> along_mm;  ///< Ascending.
 };
 
-/// Of one series: the largest set of one size and orientation, by position, each position once.
+/// Returns the largest set of one size and orientation of a series, by position, each position
+/// once.
 OrderedSlices order_slices(const std::string& source, std::vector<DicomSlice> series,
                            const ImportRequest& request, std::vector<Finding>& findings);
 

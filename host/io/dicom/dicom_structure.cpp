@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t first_element = 132;  // After the preamble and "DICM".
 constexpr std::uint32_t undefined = 0xffffffff;
 constexpr int max_depth = 32;
-constexpr std::uint64_t max_elements = 20'000'000;  // Of an enhanced file with every frame's own.
+constexpr std::uint64_t max_elements =
+    20'000'000;  // Enough for an enhanced file with elements per frame.
 
 constexpr std::uint32_t tag(std::uint32_t group, std::uint32_t element) {
     return group << 16U | element;

@@ -28,7 +28,8 @@ constexpr std::array nifti_types = {
     NiftiType{512, Component::uint16}, NiftiType{768, Component::uint32},
     NiftiType{1024, Component::int64}, NiftiType{1280, Component::uint64}};
 
-constexpr double max_pixdim_mismatch = 0.01;  // Of the sform's column: a hundredth is no rounding.
+constexpr double max_pixdim_mismatch =
+    0.01;  // Share of the sform's column: a hundredth is no rounding.
 
 void read_type(const std::string& file, const NiftiFields& fields, StoredHeader& header) {
     for (const NiftiType& type : nifti_types) {
@@ -58,7 +59,7 @@ void read_sizes(const std::string& file, const NiftiFields& fields, StoredHeader
     }
 }
 
-/// Lengths of the axes in millimetres; negative ones, as some Analyze writers use them, count as
+/// Lengths of the axes in millimeters; negative ones, as some Analyze writers use them, count as
 /// positive.
 glm::dvec3 read_spacing(const std::string& file, const NiftiFields& fields, double unit_mm,
                         StoredHeader& header) {

@@ -178,12 +178,12 @@ glm::dvec3 signs_to_lps(const Header& text, StoredHeader& header) {
     return {1, 1, 1};
 }
 
-/// Millimetres of a unit; 0 if it is none that is known.
+/// Millimeters of a unit; 0 if it is none that is known.
 double millimetres(const std::string& unit) {
     return unit == "mm" ? 1 : unit == "cm" ? 10 : unit == "m" ? 1000 : unit == "um" ? 1e-3 : 0;
 }
 
-/// The factor from the header's unit of length to millimetres.
+/// The factor from the header's unit of length to millimeters.
 double unit_factor(const Header& text, StoredHeader& header) {
     std::string units = value_or(text.fields, "space units", value_or(text.fields, "units", ""));
     if (units.empty()) {

@@ -1,4 +1,4 @@
-// A file without a header, as somebody describes it.
+// A file without a header, with the user's description.
 #include <fmt/format.h>
 
 #include <limits>

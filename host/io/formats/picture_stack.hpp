@@ -21,7 +21,7 @@ bool is_naturally_before(const std::string& a, const std::string& b);
 /// Reads pictures of one size and type as slices, in this order; a file may hold several pages.
 ///
 /// source   File or folder, for error texts.
-/// Throws   ImportError: no spacing asked for, colour, pictures that differ, a broken file.
+/// Throws   ImportError: no spacing asked for, color, pictures that differ, a broken file.
 Volume read_pictures(const std::string& source, const std::vector<std::filesystem::path>& files,
                      const ImportRequest& request);
 

@@ -25,7 +25,7 @@ Format format_of(const std::filesystem::path& path);
 /// A header's own words, without the defaults that decoders put in.
 struct StoredHeader {
     std::vector<std::uint64_t> sizes;  ///< Voxels along each axis, x first, as stated.
-    std::string type;                  ///< As the header spells it.
+    std::string type;                  ///< The header's spelling.
     Component component = Component::uint8;
     bool big_endian = false;
     Encoding encoding = Encoding::raw;
@@ -37,7 +37,7 @@ struct StoredHeader {
     bool at_end = false;             ///< The values are the last bytes; byte_skip means nothing.
     bool ends_file = false;          ///< Nothing but the values should follow.
     Scale scale;
-    glm::dmat4 voxel_to_patient{1.0};  ///< LPS millimetres. Axes without spacing have length 1.
+    glm::dmat4 voxel_to_patient{1.0};  ///< LPS millimeters. Axes without spacing have length 1.
     std::array<bool, 3> spacing_stated{true, true, true};
     std::vector<Finding> findings;
 

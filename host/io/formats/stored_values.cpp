@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t max_word_chars = 400;  // The longest float64 written out has 1077 digits,
-                                             // but nobody writes them.
+                                             // but no program writes them.
 
 static_assert(std::endian::native == std::endian::little);
 

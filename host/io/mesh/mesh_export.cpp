@@ -114,7 +114,7 @@ std::string sentence(const fs::path& path, const MeshExport& mesh, std::size_t b
 
 MeshWritten write_mesh(const std::string& path, const MeshExport& mesh) {
     check(path, mesh);
-    MeshExport ready = mesh;  // Of views: the vertices themselves are not copied.
+    MeshExport ready = mesh;  // Copies views; the vertices are not copied.
     std::erase_if(ready.surfaces, [](const MeshSurface& s) { return s.indices.empty(); });
     std::vector<SimplifiedSurface> simplified;
     double moved_mm = 0;

@@ -1,4 +1,4 @@
-// Meshes out: surfaces in patient millimetres -> STL, PLY, OBJ, VTP, GLB.
+// Meshes out: surfaces in patient millimeters -> STL, PLY, OBJ, VTP, GLB.
 #pragma once
 
 #include <array>
@@ -52,12 +52,12 @@ struct MeshWritten {
 /// Writes the surfaces to `path`, in the format of its suffix. The file appears whole or not at
 /// all. The same surfaces give the same bytes.
 ///
-/// stl   Binary; one list of all triangles, facet normals, no colours; axes and unit in the header.
-/// ply   Binary; one list, normals and colours by vertex, the surface's number by face.
+/// stl   Binary; one list of all triangles, facet normals, no colors; axes and unit in the header.
+/// ply   Binary; one list, normals and colors by vertex, the surface's number by face.
 /// obj   A group and a material for each surface, in a .mtl file beside it.
-/// vtp   VTK's PolyData; normals by point, colour and surface by cell, axes and unit as field data.
-/// glb   glTF 2.0; a node and a material for each surface. The vertices are in millimetres along
-///       `axes`; the node above them turns them to glTF's metres, Y up, patient facing +Z.
+/// vtp   VTK's PolyData; normals by point, color and surface by cell, axes and unit as field data.
+/// glb   glTF 2.0; a node and a material for each surface. The vertices are in millimeters along
+///       `axes`; the node above them turns them to glTF's meters, Y up, patient facing +Z.
 /// Throws MeshError.
 MeshWritten write_mesh(const std::string& path, const MeshExport& mesh);
 

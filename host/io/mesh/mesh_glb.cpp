@@ -21,14 +21,14 @@ constexpr std::uint32_t magic = 0x46546C67, version = 2, json_chunk = 0x4E4F534A
 constexpr int type_float = 5126, type_uint32 = 5125, array_buffer = 34962,
               element_array_buffer = 34963;
 
-/// Columns of the matrix that takes millimetres along the axes to glTF's metres: X to the patient's
+/// Columns of the matrix that takes millimeters along the axes to glTF's meters: X to the patient's
 /// left, Y up, Z to the front, where glTF's models look. No reflection.
 Json node_matrix(MeshAxes axes) {
     const double mm = 0.001, front = axes == MeshAxes::LPS ? -mm : mm;
     return {front * -1, 0, 0, 0, 0, 0, front, 0, 0, mm, 0, 0, 0, 0, 0, 1};
 }
 
-/// glTF's colour factors are linear, ours display-coded.
+/// glTF's color factors are linear, ours display-coded.
 double linear(std::uint8_t value) {
     const double v = value / 255.0;
     return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);

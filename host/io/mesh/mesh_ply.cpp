@@ -1,4 +1,4 @@
-// Binary PLY: a heading of text, vertices with normals and colours, faces with their surface.
+// Binary PLY: a heading of text, vertices with normals and colors, faces with their surface.
 #include <fmt/format.h>
 
 #include <array>

@@ -131,7 +131,7 @@ SimplifiedSurface simplify(const MeshSurface& surface, double keep) {
     }
     const float* positions = &result.vertices.data()->p_mm.x;
     std::vector<std::uint32_t> fewer(result.indices.size());
-    float error = 0;  // Of the surface's extent.
+    float error = 0;  // Share of the surface's extent.
     const std::size_t left =
         meshopt_simplify(fewer.data(), result.indices.data(), result.indices.size(), positions,
                          result.vertices.size(), sizeof(MeshPoint), 3 * target, most_moved,

@@ -2,6 +2,8 @@
 #include "host/io/picture/draw_marks.hpp"
 
 #include <cairo-ft.h>
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
 #include <cairo.h>
 #include <fmt/format.h>
 #include <ft2build.h>
@@ -17,8 +19,10 @@ namespace pxpl5::host::io {
 
 namespace {
 
-/// Part of the colour's opacity that its halo has.
+/// Part of the color's opacity that its halo has.
 constexpr double halo_opacity = 0.7;
+/// A pixel of a document is 1/96 inch, a point 1/72 inch.
+constexpr double pdf_points_per_px = 0.75;
 
 template <auto release>
 struct Release {
@@ -132,6 +136,13 @@ void draw_text(cairo_t* context, const PictureMark& mark) {
     const double y = mark.points[0].y + font.ascent - mark.align_y * (font.ascent + font.descent);
     cairo_new_path(context);
     cairo_move_to(context, x, y);
+    const bool is_vector =
+        cairo_surface_get_type(cairo_get_target(context)) != CAIRO_SURFACE_TYPE_IMAGE;
+    if (is_vector && mark.width_px == 0) {
+        set_colour(context, mark.colour);
+        cairo_show_text(context, line.c_str());  // The document refers to the font's glyphs.
+        return;
+    }
     cairo_text_path(context, line.c_str());
     if (mark.width_px > 0) {
         const MarkColour halo =
@@ -149,12 +160,97 @@ std::uint32_t scaled(std::uint32_t value, std::uint32_t alpha) {
     return (value * alpha + 127) / 255;
 }
 
-}  // namespace
-
-MarkLayer draw_marks(std::span<const PictureMark> marks, int width, int height) {
+/// Draws `marks` in their order.
+void draw_all(cairo_t* context, const Font& font, std::span<const PictureMark> marks) {
     if (marks.size() > max_marks) {
         throw MarkError(fmt::format("{} marks, at most {}", marks.size(), max_marks));
     }
+    cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
+    cairo_set_font_face(context, font.cairo_face.get());
+    const Options options(cairo_font_options_create());
+    cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
+    cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_NONE);
+    cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
+    cairo_set_font_options(context, options.get());
+    for (std::size_t index = 0; index < marks.size(); ++index) {
+        check(marks[index], index);
+        if (marks[index].kind == MarkKind::text) {
+            draw_text(context, marks[index]);
+        } else {
+            draw_outline(context, marks[index]);
+        }
+        if (const cairo_status_t status = cairo_status(context); status != CAIRO_STATUS_SUCCESS) {
+            throw MarkError(fmt::format("{}: {}", name_of(marks[index], index),
+                                        cairo_status_to_string(status)));
+        }
+    }
+}
+
+/// Fills the document with the pixels: with their color if all have the same, else as an image.
+void paint_pixels(cairo_t* context, const DocumentContent& content) {
+    const std::span<const std::uint8_t> rgba = content.rgba;
+    if (std::equal(rgba.begin() + 4, rgba.end(), rgba.begin())) {
+        set_colour(context, {rgba[0], rgba[1], rgba[2], rgba[3]});
+        cairo_paint(context);
+        return;
+    }
+    MarkLayer image{content.width, content.height, std::vector<std::uint8_t>(rgba.size())};
+    for (std::size_t at = 0; at < rgba.size(); at += 4) {
+        const std::uint32_t alpha = rgba[at + 3];
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            image.bgra[at + 2 - channel] =
+                static_cast<std::uint8_t>(scaled(rgba[at + channel], alpha));
+        }
+        image.bgra[at + 3] = static_cast<std::uint8_t>(alpha);
+    }
+    const Surface surface(cairo_image_surface_create_for_data(
+        image.bgra.data(), CAIRO_FORMAT_ARGB32, image.width, image.height, 4 * image.width));
+    cairo_set_source_surface(context, surface.get(), 0, 0);
+    cairo_pattern_set_filter(cairo_get_source(context), CAIRO_FILTER_NEAREST);
+    cairo_paint(context);
+    cairo_set_source_rgb(context, 0, 0, 0);
+    // The document's copy of the pixels is made when `surface` is released, before `image` is.
+}
+
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned length) {
+    static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), length);
+    return CAIRO_STATUS_SUCCESS;
+}
+
+std::string xml_text(const std::string& text) {
+    std::string safe;
+    for (const char c : text) {
+        switch (c) {
+            case '&':
+                safe += "&amp;";
+                break;
+            case '<':
+                safe += "&lt;";
+                break;
+            case '>':
+                safe += "&gt;";
+                break;
+            default:
+                safe += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+        }
+    }
+    return safe;
+}
+
+/// The description and all texts, for search and for screen readers: the letters are drawn as
+/// shapes.
+std::string description_element(const DocumentContent& content) {
+    std::string texts;
+    for (const PictureMark& mark : content.marks) {
+        texts += mark.text.empty() ? "" : xml_text(mark.text) + "\n";
+    }
+    return fmt::format("<title>{}</title>\n<desc>{}</desc>\n", xml_text(content.description),
+                       texts);
+}
+
+}  // namespace
+
+MarkLayer draw_marks(std::span<const PictureMark> marks, int width, int height) {
     const auto bytes = 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     MarkLayer layer{width, height, std::vector<std::uint8_t>(bytes)};
     assert(cairo_format_stride_for_width(CAIRO_FORMAT_ARGB32, width) == 4 * width);
@@ -162,28 +258,39 @@ MarkLayer draw_marks(std::span<const PictureMark> marks, int width, int height) 
     const Surface surface(cairo_image_surface_create_for_data(
         layer.bgra.data(), CAIRO_FORMAT_ARGB32, width, height, 4 * width));
     const Context context(cairo_create(surface.get()));
-    cairo_set_line_join(context.get(), CAIRO_LINE_JOIN_ROUND);
-    cairo_set_font_face(context.get(), font.cairo_face.get());
-    const Options options(cairo_font_options_create());
-    cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
-    cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_NONE);
-    cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
-    cairo_set_font_options(context.get(), options.get());
-    for (std::size_t index = 0; index < marks.size(); ++index) {
-        check(marks[index], index);
-        if (marks[index].kind == MarkKind::text) {
-            draw_text(context.get(), marks[index]);
-        } else {
-            draw_outline(context.get(), marks[index]);
-        }
-        if (const cairo_status_t status = cairo_status(context.get());
-            status != CAIRO_STATUS_SUCCESS) {
-            throw MarkError(fmt::format("{}: {}", name_of(marks[index], index),
-                                        cairo_status_to_string(status)));
-        }
-    }
+    draw_all(context.get(), font, marks);
     cairo_surface_flush(surface.get());
     return layer;
+}
+
+std::string draw_document(DocumentFormat format, const DocumentContent& content) {
+    const double unit = format == DocumentFormat::pdf ? pdf_points_per_px : 1;
+    const double width = content.width * unit, height = content.height * unit;
+    std::string bytes;
+    const Font font = load_font();  // A document reads its glyphs at its end.
+    const Surface surface(format == DocumentFormat::pdf
+                              ? cairo_pdf_surface_create_for_stream(append, &bytes, width, height)
+                              : cairo_svg_surface_create_for_stream(append, &bytes, width, height));
+    if (format == DocumentFormat::pdf) {
+        cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE,
+                                       content.description.c_str());
+    } else {
+        cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
+    }
+    const Context context(cairo_create(surface.get()));
+    cairo_scale(context.get(), unit, unit);
+    paint_pixels(context.get(), content);
+    draw_all(context.get(), font, content.marks);
+    cairo_surface_finish(surface.get());
+    if (const cairo_status_t status = cairo_surface_status(surface.get());
+        status != CAIRO_STATUS_SUCCESS) {
+        throw MarkError(cairo_status_to_string(status));
+    }
+    if (format == DocumentFormat::svg) {
+        const std::size_t head = bytes.find(">\n", bytes.find("<svg "));
+        bytes.insert(head + 2, description_element(content));
+    }
+    return bytes;
 }
 
 void lay_over(const MarkLayer& layer, std::span<std::uint8_t> rgba) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "host/scene/marks.hpp"
@@ -15,7 +16,7 @@ namespace pxpl5::host::io {
 inline constexpr const char* mark_font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
 inline constexpr std::size_t max_marks = 100'000;
-inline constexpr float max_mark_px = 100'000;  ///< Of a coordinate, either sign.
+inline constexpr float max_mark_px = 100'000;  ///< Limit of a coordinate, either sign.
 inline constexpr float max_font_px = 2'000;
 inline constexpr float max_line_px = 2'000;
 
@@ -35,6 +36,19 @@ struct MarkLayer {
 /// Throws   MarkError: too few points, numbers that are not finite or beyond the limits above, a
 ///          text that is not UTF-8, a missing font.
 MarkLayer draw_marks(std::span<const PictureMark> marks, int width, int height);
+
+/// A picture without pixels of its own: lines and letters stay sharp at any size.
+enum class DocumentFormat : std::uint8_t { svg, pdf };
+
+struct DocumentContent {
+    int width = 0, height = 0;           ///< Pixels of 1/96 inch.
+    std::span<const std::uint8_t> rgba;  ///< width * height * 4, alpha not multiplied in.
+    std::span<const PictureMark> marks;  ///< Drawn over the pixels.
+    std::string description;             ///< UTF-8; the document's title.
+};
+
+/// Returns the file's bytes. Throws MarkError as draw_marks() does.
+std::string draw_document(DocumentFormat format, const DocumentContent& content);
 
 /// Lays the layer over one picture of its size. Pixels without marks keep their bits.
 ///

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t head_bytes = std::size_t{1} << 16;  // Of a file, beside its pixels.
+constexpr std::size_t head_bytes = std::size_t{1} << 16;  // Bytes of a file beside its pixels.
 
 std::size_t bytes_of_one(const Picture& picture) {
     return 4 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
@@ -67,11 +67,11 @@ void check_animation(const std::string& file, const std::string& suffix, const P
 
 void check(const fs::path& path, const Picture& picture) {
     const std::string file = path.string();
-    constexpr std::array known = {".png", ".tif", ".tiff", ".exr", ".gif"};
+    constexpr std::array known = {".png", ".tif", ".tiff", ".exr", ".gif", ".svg", ".pdf"};
     if (std::find(known.begin(), known.end(), suffix_of(path)) == known.end()) {
         throw PictureError(
-            fmt::format("{}: suffix is '{}', pictures are .png, .tif, .tiff, .exr or .gif", file,
-                        path.extension().string()));
+            fmt::format("{}: suffix is '{}', must be .png, .tif, .tiff, .exr, .gif, .svg or .pdf",
+                        file, path.extension().string()));
     }
     if (picture.width < 1 || picture.height < 1 || picture.width > max_picture_side_px ||
         picture.height > max_picture_side_px) {
@@ -178,7 +178,7 @@ void encode(const std::string& name, Memory* memory, const Picture& picture) {
         const bool written = output->open(name, spec, mode) &&
                              output->write_image(OIIO::TypeDesc::UINT8, pictures.get(index).data(),
                                                  4, OIIO::AutoStride, OIIO::AutoStride);
-        // A PNG that the disk has no room for is told of by has_error() alone.
+        // Only has_error() reports a PNG for which the disk has no room.
         if (!written || output->has_error()) {
             throw PictureError(output->geterror());
         }
@@ -210,8 +210,12 @@ void encode_to(const PartFile& part, const Picture& picture) {
 std::string written(const fs::path& path, const Picture& picture) {
     try {
         PartFile part(path);
-        if (suffix_of(path) == ".gif") {
-            // Its writer does not tell of a full disk; TIFF's, on the other hand, spoils what it
+        if (const std::string suffix = suffix_of(path); suffix == ".svg" || suffix == ".pdf") {
+            const auto format = suffix == ".svg" ? DocumentFormat::svg : DocumentFormat::pdf;
+            part.write(draw_document(format, {picture.width, picture.height, picture.rgba,
+                                              picture.marks, picture.description}));
+        } else if (suffix == ".gif") {
+            // Its writer does not report a full disk; TIFF's, on the other hand, spoils what it
             // writes to memory.
             std::vector<unsigned char> bytes;
             Memory memory(bytes);

@@ -12,7 +12,7 @@
 namespace pxpl5::host::io {
 
 inline constexpr int max_picture_side_px = 16384;
-inline constexpr int max_pictures = 10'000;  ///< Of an animation.
+inline constexpr int max_pictures = 10'000;  ///< Limit for an animation.
 inline constexpr int min_delay_ms = 20;      ///< Browsers show what is shorter at 100 ms.
 inline constexpr int max_delay_ms = 60'000;
 inline constexpr std::size_t max_attributes = 1'000;
@@ -41,12 +41,13 @@ struct Picture {
     int delay_ms = 40;  ///< Between an animation's pictures; GIF has steps of 10 ms.
 };
 
-/// Writes `picture` to `path` as PNG, TIFF, OpenEXR or GIF, by its suffix. The file appears whole
-/// or not at all: it is written beside its place and renamed. Alpha is kept only if some pixel is
-/// not opaque, and never in GIF, whose pixels have 256 colours in each picture, dithered.
+/// Writes `picture` to `path`. The suffix selects PNG, TIFF, OpenEXR, GIF, SVG or PDF. The file
+/// appears whole or not at all: it is written beside its place and renamed. The file has alpha only
+/// if a pixel is not opaque. GIF has no alpha and 256 dithered colors per picture. Marks stay lines
+/// and letters in SVG and PDF.
 ///
 /// Attributes are texts of their own in PNG and OpenEXR. TIFF has no room for names that it does
-/// not know: there they are lines of the description. GIF holds none.
+/// not know: there they are lines of the description. GIF, SVG and PDF hold none.
 /// Throws   PictureError.
 void write_picture(const std::string& path, const Picture& picture);
 

@@ -22,15 +22,15 @@ struct ImportError : std::runtime_error {
 /// How the values of a file without a header lie: x fastest.
 struct RawLayout {
     std::array<std::uint32_t, 3> dims{};  ///< Voxels along x, y, z.
-    std::string type;                     ///< As component_name.
+    std::string type;                     ///< A name of component_name().
     bool big_endian = false;
     std::uint64_t offset_bytes = 0;  ///< Before the first value.
 };
 
-/// What is asked for; only `path` must be given.
+/// A request to read a volume; only `path` is required.
 struct ImportRequest {
-    std::string path;    ///< A file, a folder, or phantom:NAME.
-    std::string series;  ///< Of a DICOM folder: number in the list from 1, or UID.
+    std::string path;                      ///< A file, a folder, or phantom:NAME.
+    std::string series;                    ///< DICOM folders: number in the list from 1, or UID.
     std::optional<glm::dvec3> spacing_mm;  ///< For files that state none: pictures, raw files.
     std::optional<RawLayout> raw;
     /// First voxel and number of voxels kept; both or none.

@@ -12,13 +12,13 @@ namespace pxpl5::host::io {
 namespace {
 
 constexpr double max_orthogonal_cosine = 1e-4;  // 0.006 degrees: headers round their numbers.
-constexpr double min_determinant = 1e-9;        // Of a box of the same spacings.
+constexpr double min_determinant = 1e-9;        // Share of a box of the same spacings.
 
 // From below the wavelength of light to more than a patient. Within these no area, volume or
 // distance of a surface overflows, and the ring takes what is derived from them.
 constexpr double min_spacing_mm = 1e-6, max_spacing_mm = 1e6;
-constexpr double max_corner_mm = 1e6;    // As ringbus takes places of a scene.
-constexpr double max_slice_place = 1e6;  // As ringbus takes slice_places.
+constexpr double max_corner_mm = 1e6;    // Limit of ringbus for places of a scene.
+constexpr double max_slice_place = 1e6;  // Limit of ringbus for slice_places.
 
 void check_spacings(const std::string& file, const glm::dmat3& linear) {
     for (int axis = 0; axis < 3; ++axis) {

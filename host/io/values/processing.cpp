@@ -13,7 +13,7 @@ namespace pxpl5::host::io {
 
 namespace {
 
-constexpr double whole_rounding = 1e-9;  // Of a voxel: 2.9999999999 voxels are 3.
+constexpr double whole_rounding = 1e-9;  // Share of a voxel: 2.9999999999 voxels are 3.
 constexpr double max_smooth_mm = 1000;   // Wider than a patient.
 
 using Sizes = std::array<std::uint32_t, 3>;

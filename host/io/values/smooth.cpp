@@ -12,7 +12,7 @@ namespace {
 
 constexpr double reach_sigmas = 4;
 
-/// Weights from -radius to radius, not yet normalised.
+/// Weights from -radius to radius, not yet normalized.
 std::vector<double> kernel(double sigma_voxels, int size) {
     const int radius =
         std::min(static_cast<int>(std::min(std::ceil(reach_sigmas * sigma_voxels), 1e6)), size - 1);

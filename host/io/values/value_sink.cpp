@@ -17,7 +17,7 @@ namespace pxpl5::host::io {
 
 namespace {
 
-constexpr std::size_t block_values = 4096;  // Of float64: 32 KiB stay in the cache.
+constexpr std::size_t block_values = 4096;  // As float64, 32 KiB stay in the cache.
 constexpr double max_value = std::numeric_limits<float>::max();  // What float32 holds.
 
 std::optional<Scalar> kept_type(Component component) {

@@ -7,7 +7,8 @@
 #include <set>
 
 #include "host/base/error.hpp"
-#include "host/inspect/map/map_colours.hpp"
+#include "host/chart/chart.hpp"
+#include "host/inspect/map/map_colors.hpp"
 #include "host/inspect/map/map_picture.hpp"
 #include "host/inspect/map/map_values.hpp"
 #include "isa/assemble.hpp"
@@ -288,6 +289,49 @@ TEST_CASE("categories have colours of their own, as far as a paper's machine has
         colours.insert(inspect::categorical(i).opaque());
     }
     CHECK(colours.size() == 36);
+}
+
+/// Whether a mark of the picture says `text`.
+bool shows(const inspect::MapPicture& picture, const std::string& text) {
+    return std::ranges::any_of(picture.marks,
+                               [&](const host::PictureMark& mark) { return mark.text == text; });
+}
+
+TEST_CASE("a map's legend has a title, a subject and ticks inside of the picture") {
+    for (const int width : {100, 500, 1000}) {
+        inspect::MapValues map{MapKind::overdraw, width, 2, {}, {}};
+        for (int i = 0; i < 2 * width; ++i) {
+            map.values.push_back(i % 90);
+        }
+        map.picture.assign(map.values.size(), 0x808080);
+        const inspect::MapPicture picture = inspect::draw_map(map, {.subject = "frame 3"});
+        CHECK(shows(picture, "frame 3"));
+        CHECK(shows(picture, "1"));
+        CHECK(shows(picture, "89"));
+        for (const host::PictureMark& mark : picture.marks) {
+            const double wide = host::text_width(mark.text, static_cast<double>(mark.height_px));
+            for (const glm::vec2& p : mark.points) {
+                const double left =
+                    static_cast<double>(p.x) - wide * static_cast<double>(mark.align_x);
+                CAPTURE(mark.text);
+                CHECK(left >= 0);
+                CHECK(left + wide <= picture.width);
+                CHECK(p.y <= static_cast<float>(picture.height));
+            }
+        }
+    }
+}
+
+TEST_CASE("a map of categories names each category; one by regions labels each region") {
+    inspect::MapValues map{MapKind::renderer, 200, 128, {}, {}};
+    for (int i = 0; i < 200 * 128; ++i) {
+        map.values.push_back(i % 200 < 128 ? 4 : 5);
+    }
+    map.picture.assign(map.values.size(), 0x808080);
+    const inspect::MapPicture picture = inspect::draw_map(map, {.grid = true, .subject = ""});
+    for (const char* text : {"renderer 4", "renderer 5", "4", "5"}) {
+        CHECK(shows(picture, text));
+    }
 }
 
 TEST_CASE("a drawn map holds its picture, larger numbers lighter, and a legend below") {

@@ -10,7 +10,7 @@
 #include "host/inspect/listing/run_stats.hpp"
 #include "host/inspect/model/recorded_work.hpp"
 #include "host/phantom/phantom.hpp"
-#include "host/timing/runs.hpp"
+#include "host/timing/counts/runs.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
 #include "tests/host/inspect/recorded_surface.hpp"
 

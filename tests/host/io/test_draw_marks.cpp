@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/io/picture/draw_marks.hpp"
+#include "tests/host/io/xml.hpp"
 
 using namespace pxpl5::host;
 using namespace pxpl5::host::io;
@@ -154,5 +155,41 @@ TEST_SUITE("host/io/draw_marks") {
         refused(line_mark({{0, 0}, {1, 1}}, white, -1), "-1 pixels wide");
         refused(text_mark({0, 0}, "big", white, {5000, 0, 0, 0}), "mark 1 (text big) is 5000");
         refused(text_mark({0, 0}, "\xff\xfe", white, {12, 0, 0, 0}), "mark 1 (text");
+    }
+
+    TEST_CASE("an SVG is a well-formed document that names its texts") {
+        const std::vector<PictureMark> marks = {
+            line_mark({{0, 0}, {10, 10}}, white, 1), area_mark({{0, 0}, {9, 0}, {9, 9}}, white),
+            text_mark({50, 50}, "a < b & \"c\"", white, {12, 0, 0, 0}),
+            text_mark({50, 80}, "<halo>", white, {12, 0, 0, 2})};
+        for (const auto& rgba : {grey_picture(90), grey_picture(90, 40)}) {
+            const std::string text =
+                draw_document(DocumentFormat::svg, {side, side, rgba, marks, "x < y"});
+            CHECK(pxpl5::test::xml_fault(text) == "");
+            CHECK(text.find("<title>x &lt; y</title>") != std::string::npos);
+            CHECK(text.find("a &lt; b &amp; \"c\"\n&lt;halo&gt;\n</desc>") != std::string::npos);
+            CHECK(text.find("width=\"200px\"") != std::string::npos);
+            CHECK(text.find("<image") == std::string::npos);
+        }
+        CHECK(pxpl5::test::xml_fault("<a><b></a></b>") != "");
+        CHECK(pxpl5::test::xml_fault("<a b=1/>") != "");
+        CHECK(pxpl5::test::xml_fault("<a/>&") != "");
+    }
+
+    TEST_CASE("a document holds pixels that differ as an image, and marks as shapes") {
+        std::vector<std::uint8_t> rgba = grey_picture(90);
+        rgba[400] = 7;
+        const std::vector<PictureMark> marks = {line_mark({{0, 0}, {10, 10}}, white, 1)};
+        const DocumentContent content{side, side, rgba, marks, "d"};
+        const std::string svg = draw_document(DocumentFormat::svg, content);
+        CHECK(pxpl5::test::xml_fault(svg) == "");
+        CHECK(svg.find("<image") != std::string::npos);
+        CHECK(svg.find("<path") != std::string::npos);
+        const std::string pdf = draw_document(DocumentFormat::pdf, content);
+        CHECK(pdf.starts_with("%PDF-"));
+        CHECK(pdf.find("/Subtype /Image") != std::string::npos);
+        CHECK(pdf.find("150 150") != std::string::npos);  // 200 pixels are 150 points.
+        const std::vector<PictureMark> bad = {line_mark({{0, 0}}, white, 1)};
+        CHECK_THROWS_AS(draw_document(DocumentFormat::pdf, {side, side, rgba, bad, ""}), MarkError);
     }
 }

@@ -279,7 +279,7 @@ TEST_SUITE("host/io/picture") {
         getrlimit(RLIMIT_FSIZE, &before);
         std::signal(SIGXFSZ, SIG_IGN);
         const rlimit small{10'000, before.rlim_max};
-        for (const char* suffix : {".png", ".tif", ".exr", ".gif"}) {
+        for (const char* suffix : {".png", ".tif", ".exr", ".gif", ".svg", ".pdf"}) {
             CAPTURE(suffix);
             setrlimit(RLIMIT_FSIZE, &small);
             std::string error;

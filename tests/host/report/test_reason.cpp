@@ -74,12 +74,12 @@ TEST_SUITE("host/report/reason") {
         rate.use = {{Unit::gp, 1, 1, 1}, {Unit::renderer, 0.5, 0.5, 3}};
         rate.limit = Unit::gp;
         Machine even = machine();
-        even.share = Share::even;
+        even.share = Sharing::even;
         CHECK(frames_reason(even, frame, rate) ==
               "GP 1 is busiest, 100 % of 50.0 ms a frame: 2,000 primitives drawn (50.0 ms), 4,000 "
               "words put into bins (0.4 ms)");
         Machine own = machine();
-        own.share = Share::own;
+        own.share = Sharing::own;
         CHECK(has(frames_reason(own, frame, rate), "3,000 primitives drawn (75.0 ms)"));
         rate.use[0].busiest = 0.4;
         rate.limit = Unit::waiting;

@@ -90,7 +90,7 @@ TEST_CASE("a letter keeps what lies farther that way") {
 
 TEST_CASE("a box keeps what lies in it, in millimetres and in voxels") {
     const glm::dmat4 to_patient = oblique(-0.1 * pi, 0.3, true);
-    const BoxPlanes in_mm = box_planes_mm({-50, 10, 300}, {-20, 40, 330});
+    const BoxPlanes in_mm = box_planes_voxels({-50, 10, 300}, {-20, 40, 330}, {});
     const std::vector<double> places = {0, 1, 4, 5, 5.5, 9};
     const BoxPlanes in_voxels = box_planes_voxels({3, 4, 1.5}, {10, 12, 4.5}, {to_patient, places});
     std::mt19937 random(8);
@@ -132,8 +132,8 @@ TEST_CASE("what is no plane, or no box, is refused by name") {
                       "clip plane: its normal (0, 0, 0) has no length");
     CHECK_THROWS_WITH(plane_through({0, nan, 0}, {0, 0, 1}),
                       "clip plane: its point (0, nan, 0) is not finite");
-    CHECK_THROWS_WITH(box_planes_mm({0, 5, 0}, {1, 5, 1}),
-                      "clip box: y runs from 5 to 5 mm; the first must be less");
+    CHECK_THROWS_WITH(box_planes_voxels({0, 5, 0}, {1, 5, 1}, {}),
+                      "clip box: y runs from 5 to 5 voxels; the first must be less");
     CHECK_THROWS_WITH(box_planes_voxels({0, 0, 9}, {1, 5, 1}, {}),
                       "clip box: z runs from 9 to 1 voxels; the first must be less");
 }

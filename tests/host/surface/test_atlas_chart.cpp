@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
-#include "host/surface/atlas_chart.hpp"
+#include "host/surface/atlas/atlas_chart.hpp"
 
 using namespace pxpl5::host;
 

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "host/io/import.hpp"
+#include "host/surface/atlas/isovalue_components.hpp"
 #include "host/surface/components.hpp"
-#include "host/surface/isovalue_components.hpp"
 #include "tests/host/surface/surface_support.hpp"
 
 using namespace pxpl5;

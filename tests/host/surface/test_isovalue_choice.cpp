@@ -6,8 +6,8 @@
 #include <limits>
 #include <numeric>
 
-#include "host/surface/histogram.hpp"
-#include "host/surface/plateaus.hpp"
+#include "host/surface/atlas/histogram.hpp"
+#include "host/surface/atlas/plateaus.hpp"
 
 using namespace pxpl5::host;
 

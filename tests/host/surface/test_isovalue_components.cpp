@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/surface/atlas/isovalue_components.hpp"
 #include "host/surface/components.hpp"
-#include "host/surface/isovalue_components.hpp"
 #include "tests/host/surface/surface_support.hpp"
 
 using namespace pxpl5;

@@ -5,7 +5,7 @@
 #include <array>
 #include <numeric>
 
-#include "host/timing/frame_plan.hpp"
+#include "host/timing/replay/frame_plan.hpp"
 #include "tests/host/timing/machines.hpp"
 
 namespace pxpl5::host::timing {
@@ -112,7 +112,7 @@ TEST_CASE("spread evenly, a slab's primitives are everybody's; else its GP's alo
     Machine machine = machine_of(4, 1);
     const FrameWork frame = pass_of(frame_of(128, 128, 1, 400));
     const RunTime even = simulate(machine, {{frame}, {}});
-    machine.share = Share::own;
+    machine.share = Sharing::own;
     const RunTime own = simulate(machine, {{frame}, {}});
     constexpr double draw = 400 * (1000 + 34 * 10) * 25.0;
     // The Master's messages: DrawFrame, a region begun, BeginFrame to 3 GPs, a Renderer, a frame
@@ -133,7 +133,7 @@ TEST_CASE("spread evenly, a slab's primitives are everybody's; else its GP's alo
 
 TEST_CASE("primitives of other slabs are other GPs'") {
     Machine machine = machine_of(2, 1);
-    machine.share = Share::own;
+    machine.share = Sharing::own;
     const RunTime time = simulate(machine, {{frame_of(128, 128, 3, 10)}, {}});
     // Slabs 0 and 2 are GP 0's, slab 1 GP 1's; GP 0 also begins the frame.
     CHECK(words_between(time, {1, 2}, {3, 4}) == 66 + 2 * 340 + 2);
@@ -142,7 +142,7 @@ TEST_CASE("primitives of other slabs are other GPs'") {
 
 TEST_CASE("a GP draws its own slabs, not another's") {
     Machine machine = machine_of(2, 1);
-    machine.share = Share::own;
+    machine.share = Sharing::own;
     FrameWork frame = pass_of(frame_of(128, 128, 2, 400));
     frame.drawn[0].primitives = 0;
     std::erase_if(frame.parts,

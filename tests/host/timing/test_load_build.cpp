@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "host/timing/build_model.hpp"
+#include "host/timing/replay/build_model.hpp"
 #include "tests/host/timing/machines.hpp"
 
 namespace pxpl5::host::timing {
@@ -23,7 +23,7 @@ VolumeWork volume_of(std::uint32_t nx, std::uint32_t ny, std::vector<std::uint64
     return volume;
 }
 
-Machine machine_of(std::uint32_t gps, Share share = Share::even) {
+Machine machine_of(std::uint32_t gps, Sharing share = Sharing::even) {
     Machine machine = round_machine();
     machine.gps = gps;
     machine.share = share;
@@ -151,7 +151,7 @@ TEST_CASE("a build's triangles are spread over the GPs, 20 words each") {
         CHECK(sent(time, 3, 1).packets == 0);
     }
     SUBCASE("not at all where each keeps its own") {
-        const RunTime time = simulate(machine_of(2, Share::own), {{volume, build}, {}});
+        const RunTime time = simulate(machine_of(2, Sharing::own), {{volume, build}, {}});
         CHECK(sent(time, 1, 2).packets == 0);
         CHECK(sent(time, 2, 1).packets == 0);
     }
@@ -161,18 +161,18 @@ TEST_CASE("a build waits for the slowest GP, and for what it hands over") {
     const VolumeWork volume = volume_of(4, 3, {3, 3, 3});
     BuildWork build;
     build.slabs = {{0, 0, 0, 1000}, {1, 0, 0, 0}};
-    const auto took = [&](Share share) {
+    const auto took = [&](Sharing share) {
         return length(simulate(machine_of(2, share), {{volume, build}, {}}).steps[1]);
     };
     // GP 0 takes 1000 x 400 + 28 x 4 cycles; GP 1, asked 100 us later, is long done. Of own ones
     // GP 0 answers at once.
     constexpr Ns asked = 100'000 + 8'000 + 10 * 50 + 50 + 10'000;
     constexpr Ns extraction = (1000 * 400 + 28 * 4) * 25;
-    CHECK(took(Share::own) == asked + extraction + to_host(16, 20));
+    CHECK(took(Sharing::own) == asked + extraction + to_host(16, 20));
     // Else GP 1 is the last to answer: it takes 500 triangles of 20 words, which are 10 packets,
     // and GP 0's own answer, of 18 words with its header, goes between two of these.
     constexpr Ns handed = 10'000 + (10'000 + 10 * 2 + 18) * 50 + 50 + 10'000;
-    CHECK(took(Share::even) == asked + extraction + handed + to_host(16, 19));
+    CHECK(took(Sharing::even) == asked + extraction + handed + to_host(16, 19));
 }
 
 }  // namespace pxpl5::host::timing

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "host/base/error.hpp"
-#include "host/timing/machine.hpp"
+#include "host/timing/counts/machine.hpp"
 
 namespace pxpl5::host::timing {
 
@@ -41,7 +41,7 @@ TEST_CASE("the modelled machine of the paper is what its file says") {
     CHECK(machine.gps == 36);
     CHECK(machine.renderers == 16);
     CHECK(machine.frame_buffers == 1);
-    CHECK(machine.share == Share::even);
+    CHECK(machine.share == Sharing::even);
     CHECK(machine.assignment == Assignment::longest_first);
     CHECK(machine.gp_clock_mhz == 40);
     CHECK(machine.renderer_clock_mhz == 40);
@@ -71,7 +71,7 @@ TEST_CASE("every number of the machine is set by its own name, and nothing else 
 
 TEST_CASE("words are chosen by name") {
     const Machine own = machine_of(load_topology("paper-1993", {"share=own"}));
-    CHECK(own.share == Share::own);
+    CHECK(own.share == Sharing::own);
     CHECK(own.assignment == Assignment::longest_first);
     const auto assigned = [](const std::string& word) {
         return machine_of(load_topology("paper-1993", {"assignment=" + word})).assignment;

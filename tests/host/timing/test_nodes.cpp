@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "host/timing/deal.hpp"
-#include "host/timing/hardware.hpp"
+#include "host/timing/replay/deal.hpp"
+#include "host/timing/replay/hardware.hpp"
 #include "tests/host/timing/machines.hpp"
 
 namespace pxpl5::host::timing {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/timing/ring.hpp"
+#include "host/timing/replay/ring.hpp"
 #include "tests/host/timing/machines.hpp"
 
 namespace pxpl5::host::timing {

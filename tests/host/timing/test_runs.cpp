@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "host/timing/runs.hpp"
+#include "host/timing/counts/runs.hpp"
 
 namespace pxpl5::host::timing {
 

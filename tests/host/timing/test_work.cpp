@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "host/timing/work.hpp"
+#include "host/timing/counts/work.hpp"
 
 namespace pxpl5::host::timing {
 
