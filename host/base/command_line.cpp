@@ -90,8 +90,8 @@ std::string Arguments::text(std::string_view key, std::string_view otherwise) co
     return found == options.end() ? std::string(otherwise) : found->second;
 }
 
-double Arguments::number(std::string_view key, double otherwise, double low, double high) const {
-    return has(key) ? parse_number(key, text(key, ""), low, high) : otherwise;
+double Arguments::number(std::string_view key, double otherwise) const {
+    return has(key) ? parse_number(key, text(key, "")) : otherwise;
 }
 
 Arguments parse_line(std::string_view line) {

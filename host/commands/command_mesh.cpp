@@ -5,7 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "host/commands/command_handlers.hpp"
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 #include "host/surface/certificate.hpp"
 #include "host/surface/compare.hpp"
 
@@ -22,10 +22,10 @@ std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& 
         refuse_command("components: give one of show=, min_mm2=, min_ml=, at=");
     }
     if (arguments.has("min_mm2")) {
-        return ComponentFilter{Kind::at_least_mm2, arguments.number("min_mm2", 0, 0, 1e12), {}};
+        return ComponentFilter{Kind::at_least_mm2, arguments.number("min_mm2", 0), {}};
     }
     if (arguments.has("min_ml")) {
-        return ComponentFilter{Kind::at_least_ml, arguments.number("min_ml", 0, 0, 1e9), {}};
+        return ComponentFilter{Kind::at_least_ml, arguments.number("min_ml", 0), {}};
     }
     if (arguments.has("at")) {
         const auto [x, y] = parse_pair("at", arguments.text("at", ""));
@@ -40,9 +40,6 @@ std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& 
     const std::string show = arguments.text("show", "");
     if (show == "all" || show == "largest") {
         return ComponentFilter{show == "all" ? Kind::all : Kind::largest, 0, {}};
-    }
-    if (!show.empty()) {
-        refuse_command(fmt::format("show: '{}' is neither all nor largest", show));
     }
     return std::nullopt;
 }
@@ -121,9 +118,6 @@ Reply run_compare(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
     session.report_of(name);  // Throws if there is no such surface.
     if (arguments.words.size() > 1) {
-        if (arguments.words[1] != "off") {
-            refuse_command(fmt::format("compare: '{}' is not off", arguments.words[1]));
-        }
         if (!session.end_comparison(name)) {
             refuse_command(fmt::format("compare: {} is not compared", name));
         }
@@ -137,11 +131,8 @@ Reply run_compare(Session& session, const Arguments& arguments) {
 
 Reply run_export(Session& session, const Arguments& arguments) {
     MeshExport wish;
-    wish.keep = arguments.number("keep", 1, 1e-4, 1);
+    wish.keep = arguments.number("keep", 1);
     const std::string axes = arguments.text("axes", "LPS");
-    if (axes != "LPS" && axes != "RAS") {
-        refuse_command(fmt::format("axes: '{}' is neither LPS nor RAS", axes));
-    }
     wish.ras = axes == "RAS";
     for (std::string left = arguments.text("surfaces", ""); !left.empty();) {
         const std::size_t comma = std::min(left.find(','), left.size());
@@ -150,15 +141,19 @@ Reply run_export(Session& session, const Arguments& arguments) {
     }
     wish.description = picture_extras(session, session.scene.camera).description;
     const MeshExportReport report = session.export_mesh(arguments.words[0], wish);
-    std::string notes;
+    Reply reply{fmt::format("wrote {}: {}", arguments.words[0], report.text),
+                {{"file", arguments.words[0]}, {"triangles", report.triangles}, {"axes", axes}}};
+    if (const std::size_t at = report.text.find("decimated from"); at != std::string::npos) {
+        reply.warnings.push_back(report.text.substr(at));  // The writer's text has it.
+    }
     if (!session.scene.clips.empty()) {
-        notes += "\nclip planes cut the picture, not the mesh: crop= of load does";
+        add_warning(reply, "clip planes cut the picture, not the mesh: crop= of load does");
     }
     if (is_assumed(session.volume())) {
-        notes += "\nplace or spacing of the volume is assumed, so the mesh's is too: see info";
+        add_warning(reply,
+                    "place or spacing of the volume is assumed, so the mesh's is too: see info");
     }
-    return {fmt::format("wrote {}: {}{}", arguments.words[0], report.text, notes),
-            {{"file", arguments.words[0]}, {"triangles", report.triangles}, {"axes", axes}}};
+    return reply;
 }
 
 }  // namespace pxpl5::host

@@ -131,12 +131,15 @@ class Telling {
 
 }  // namespace
 
-std::vector<std::string_view> model_option_names() {
-    std::vector<std::string_view> names = timing_names();
-    for (const std::string_view count : {"gp.count", "renderer.count", "frame_buffer.count"}) {
-        names.push_back(count);
+std::vector<Parameter> model_options() {
+    std::vector<Parameter> options;
+    for (const std::string_view name : timing_names()) {
+        options.push_back({name, "VALUE", "parameter of the timing model"});
     }
-    return names;
+    for (const std::string_view count : {"gp.count", "renderer.count", "frame_buffer.count"}) {
+        options.push_back({count, "N", "number of nodes"});
+    }
+    return options;
 }
 
 Reply run_model(Session& session, const Arguments& arguments) {

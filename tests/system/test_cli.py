@@ -189,7 +189,7 @@ class Cli(unittest.TestCase):
         for commands in ("kill gp-0", "kill gp-0; digest"):
             done = self.pxpl5("run", "-c", "load phantom:sphere; surface s iso=0.5; " + commands)
             self.assertEqual(done.returncode, 128 + signal.SIGKILL, done.stderr)
-            self.assertIn("gp-0 is killed", done.stdout)
+            self.assertIn("gp-0 killed", done.stdout)
             self.assertNotIn("frame ", done.stdout)
             self.assertIn("gp-0 was killed by signal 9", done.stderr.splitlines()[-1])
         done = self.pxpl5("run", "-c", "kill gp-7")

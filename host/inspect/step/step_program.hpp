@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,7 +31,9 @@ class StepProgram {
   private:
     using Words = std::vector<std::string>;
     struct Command;
-    static const std::vector<Command>& commands();
+    static std::span<const Command> commands();
+    static std::vector<Command> move_commands();
+    static std::vector<Command> look_commands();
 
     std::string step(const Words& words);
     std::string back(const Words& words);

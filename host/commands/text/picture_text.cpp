@@ -1,11 +1,11 @@
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 
 #include <fmt/core.h>
 
 #include <span>
 
 #include "host/base/digest.hpp"
-#include "host/commands/volume_text.hpp"
+#include "host/commands/text/volume_text.hpp"
 #include "host/scene/overlay.hpp"
 
 namespace pxpl5::host {
@@ -146,7 +146,7 @@ Reply describe_archive(const phigs::Content& content) {
         high.y, high.z);
     std::vector<Fields> notes;
     for (const std::string& note : content.notes) {
-        reply.text += "\nnote: " + note;
+        add_warning(reply, note, "\nnote: ");
         notes.push_back({{"note", note}});
     }
     const auto number = [](std::size_t value) { return static_cast<std::int64_t>(value); };
