@@ -34,7 +34,7 @@ void add_warning(Reply& reply, const std::string& warning, std::string_view sepa
 /// Version of the JSON lines below; see host/commands/JSON.md.
 inline constexpr std::int64_t json_schema = 1;
 
-/// As a JSON object on one line.
+/// The fields as a JSON object on one line.
 std::string json_text(const Fields& fields);
 
 /// A line of a CSV table, and the one above the first: texts in quotes, quotes doubled; null is

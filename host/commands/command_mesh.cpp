@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "host/base/chart_axis.hpp"
 #include "host/base/error.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/text/picture_text.hpp"
@@ -45,7 +46,7 @@ std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& 
 }
 
 Reply list_components(const MeshComponents& parts) {
-    Reply reply{fmt::format("{} components", parts.components.size()), {}};
+    Reply reply{counted(parts.components.size(), "component"), {}};
     std::vector<Fields> list;
     for (std::size_t i = 0; i < std::min(listed_components, parts.components.size()); ++i) {
         const MeshComponent& part = parts.components[i];
@@ -84,7 +85,7 @@ Reply run_components(Session& session, const Arguments& arguments) {
         return list_components(find_components(session.mesh(name), session.grid()));
     }
     const auto [all, drawn] = session.set_components(name, *filter);
-    return {fmt::format("{}: {} of {} components are drawn", name, drawn, all),
+    return {fmt::format("{}: draws {} of {}", name, drawn, counted(all, "component")),
             {{"components", static_cast<std::int64_t>(all)},
              {"drawn", static_cast<std::int64_t>(drawn)}}};
 }
@@ -125,7 +126,7 @@ Reply run_compare(Session& session, const Arguments& arguments) {
     }
     const MeshComparison comparison = session.compare(name);
     Reply reply = comparison_reply(comparison, name + ":watertight", name + ":lorensen1987");
-    reply.text += fmt::format("\nof {0} only these cells are drawn until 'compare {0} off'", name);
+    reply.text += fmt::format("\nonly these cells of {0} are drawn until 'compare {0} off'", name);
     return reply;
 }
 

@@ -52,7 +52,7 @@ void add_key_values(const std::vector<std::string>& words, Arguments& arguments)
 struct RenderRequest {
     std::string volume, output;
     std::vector<std::string> load_words;  ///< KEY=VALUE
-    std::vector<Arguments> commands;      ///< Of CommandOptions.
+    std::vector<Arguments> commands;      ///< The result of CommandOptions::commands().
 };
 
 /// The commands of `render`: how pictures look, load, the scene, snapshot, other outputs. All are

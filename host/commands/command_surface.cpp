@@ -15,7 +15,7 @@ namespace pxpl5::host {
 
 namespace {
 
-/// The tissue's colour if the name is one, else one that the surfaces before it do not have.
+/// The tissue's color if the name is one, else one that the surfaces before it do not have.
 Colour first_colour(const std::string& name, std::size_t surfaces_before) {
     constexpr std::array others = {Colour{236, 226, 200}, Colour{120, 170, 220},
                                    Colour{150, 200, 130}, Colour{220, 150, 110},

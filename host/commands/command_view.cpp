@@ -16,7 +16,7 @@ namespace {
 constexpr double max_place_mm = 1e6, max_pan_mm = 1e5;
 constexpr std::size_t box_planes = 6;  ///< In a row.
 
-/// "X,Y" in millimetres.
+/// "X,Y" in millimeters.
 glm::dvec2 parse_pan(const std::string& text) {
     const std::size_t comma = text.find(',');
     if (comma == std::string::npos) {
@@ -77,7 +77,7 @@ bool end_clip(Scene& scene, const std::string& kind) {
            }) != 0;
 }
 
-/// Across a patient's axis, through a place in millimetres or the volume's centre.
+/// Across a patient's axis, through a place in millimeters or the volume's centre.
 void add_plane(Session& session, const Arguments& arguments) {
     const std::string& letter = arguments.words[0];
     double at_mm = 0;
@@ -233,11 +233,11 @@ Reply run_clip(Session& session, const Arguments& arguments) {
 Reply run_antialias(Session& session, const Arguments& arguments) {
     const int samples = parse_whole("samples", arguments.words[0], 1, sample_counts.back());
     if (std::ranges::find(sample_counts, samples) == sample_counts.end()) {
-        refuse_command(fmt::format("antialias: {} samples a pixel, it must be {}", samples,
+        refuse_command(fmt::format("antialias: {} samples per pixel, must be {}", samples,
                                    fmt::join(sample_counts, ", ")));
     }
     session.scene.samples = samples;
-    return {fmt::format("{} sample{} a pixel", samples, samples == 1 ? "" : "s"),
+    return {fmt::format("{} sample{} per pixel", samples, samples == 1 ? "" : "s"),
             {{"samples", std::int64_t{samples}}}};
 }
 

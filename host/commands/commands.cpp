@@ -69,7 +69,7 @@ Reply run_command(Session& session, const Arguments& arguments, const Arguments*
         }
         return reply;
     } catch (const MachineError&) {
-        throw;  // Nothing is lost that a machine started anew is not given.
+        throw;  // A restarted machine gets the whole scene again.
     } catch (const std::exception&) {
         session.history.note_losses(before, session.scene);
         if (had_content && !has_content(session)) {

@@ -64,7 +64,7 @@ class StepProgram {
 
     Stepper stepper_;
     TerminalStyle style_;
-    std::vector<int> break_numbers_;  ///< As the person knows them.
+    std::vector<int> break_numbers_;  ///< The numbers that the user sees.
     std::vector<Break> breaks_;
     int next_break_ = 1;
     bool is_over_ = false;
