@@ -3,16 +3,17 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
-#include <map>
+#include <memory>
 
 #include "host/base/error.hpp"
 #include "host/base/version.hpp"
+#include "host/commands/cli_errors.hpp"
+#include "host/commands/command_options.hpp"
 #include "host/commands/script.hpp"
 #include "host/inspect/tools/cli.hpp"
 #include "host/machine/machine.hpp"
-#include "host/phantom/phantom.hpp"
-#include "host/phigs/archive.hpp"
 #include "host/report/report.hpp"
 #include "host/serve/serve.hpp"
 
@@ -28,12 +29,13 @@ struct MachineFlags {
     void add_to(CLI::App& app) {
         app.add_option("--topology", topology, "Machine to launch: a name or a file")
             ->capture_default_str();
-        app.add_option("--set", overrides, "Change one value of the topology, e.g. gp.count=4")
+        app.add_option("--set", overrides,
+                       "Change one value of the topology, for example gp.count=4")
             ->allow_extra_args(false);
-        app.add_option("--record", record, "What nodes keep of their messages, for inspection")
+        app.add_option("--record", record, "Trace recording: none, recent seconds, or everything")
             ->check(CLI::IsMember({"off", "flight", "full"}));
         app.add_option("--vector-target", vector_target,
-                       "Vector instructions that nodes compute with; all give the same bits")
+                       "Vector instructions of the nodes; all give the same bits")
             ->check(CLI::IsMember({"best", "sse4", "avx2", "avx512"}));
         add_folder_to(app);
     }
@@ -49,7 +51,7 @@ struct MachineFlags {
         return plan;
     }
     void add_folder_to(CLI::App& app) {
-        app.add_option("--run-folder", run_folder, "Where the folder of this run is made")
+        app.add_option("--run-folder", run_folder, "Parent directory for run folders")
             ->capture_default_str();
     }
     /// Launches the machine, hands it a session, and takes it down again.
@@ -66,19 +68,13 @@ struct MachineFlags {
 
 struct Flags {
     MachineFlags machine;
-    bool json = false, dry_run = false, keep_going = false;
-    std::string script, volume, view, size, output;
+    bool json = false, dry_run = false, keep_going = false, strict = false;
+    std::string script, volume, output;
     std::vector<std::string> commands, surfaces, load_words;
-    std::optional<double> isovalue;
-    int samples = 1;
+    std::shared_ptr<const CommandOptions> render_options, info_options, serve_options;
     serve::ServerOptions server;
     report::ReportOptions report;
 };
-
-Arguments command(std::string name, std::vector<std::string> words,
-                  std::map<std::string, std::string> options = {}) {
-    return {std::move(name), std::move(words), std::move(options)};
-}
 
 LineSource lines_of_commands(std::vector<Arguments> commands) {
     return [commands = std::move(commands), at = std::size_t{0}]() mutable {
@@ -86,65 +82,69 @@ LineSource lines_of_commands(std::vector<Arguments> commands) {
     };
 }
 
-/// "name[=isovalue[,colour]]" of --surface.
-Arguments surface_command(const std::string& text) {
-    const std::size_t equals = text.find('='), comma = text.find(',');
-    if (equals == std::string::npos && comma == std::string::npos) {
-        return command("surface", {text});  // A tissue of CT, or as a built-in volume suggests.
-    }
-    if (equals == std::string::npos || equals == 0) {
-        throw RequestError(
-            ExitCode::usage,
-            fmt::format("--surface '{}' is not of the form name[=isovalue[,colour]]", text));
-    }
-    Arguments surface = command("surface", {text.substr(0, equals)});
-    surface.options["iso"] = text.substr(equals + 1, comma - equals - 1);
-    if (comma != std::string::npos) {
-        surface.options["color"] = text.substr(comma + 1);
-    }
-    return surface;
-}
-
-/// load or info with the key=value words of the command line.
-Arguments volume_command(const std::string& name, const Flags& flags) {
-    Arguments volume = command(name, {flags.volume});
-    for (const std::string& word : flags.load_words) {
-        const std::size_t equals = word.find('=');
-        if (equals == std::string::npos || equals == 0) {
-            throw RequestError(ExitCode::usage,
-                               fmt::format("'{}' is not of the form KEY=VALUE, as series=2", word));
+/// `load` or `info` with the options of the command line.
+Arguments volume_command(const std::string& name, const Flags& flags,
+                         const std::vector<Arguments>& named) {
+    Arguments volume{name, {flags.volume}, {}};
+    for (const Arguments& each : named) {
+        if (each.name == "load") {
+            volume.options = each.options;
         }
-        volume.options[word.substr(0, equals)] = word.substr(equals + 1);
     }
+    add_key_values(flags.load_words, volume);
     return volume;
 }
 
-/// `render` is nothing but these commands.
-std::vector<Arguments> render_commands(const Flags& flags) {
-    std::vector<Arguments> commands;
-    if (!flags.size.empty()) {
-        commands.push_back(command("size", {flags.size}));
+std::string joined_lines(const std::vector<std::string>& commands) {
+    std::string text;
+    for (const std::string& command : commands) {
+        text += command + "\n";
     }
-    if (flags.samples != 1) {
-        commands.push_back(command("antialias", {fmt::format("{}", flags.samples)}));
+    return text;
+}
+
+/// True if no command needs a machine.
+bool asks_for_help_only(const std::string& text) {
+    bool has_help = false;
+    const LineSource next = lines_of_text(text);
+    for (std::optional<std::string> line; (line = next());) {
+        const std::string name = parse_line(*line).name;
+        if (!name.empty() && name != "help" && name != "quit") {
+            return false;
+        }
+        has_help |= name == "help";
     }
-    if (!flags.view.empty()) {
-        commands.push_back(parse_line("view " + flags.view));
+    return has_help;
+}
+
+int print_help(const std::string& text, bool json) {
+    const LineSource next = lines_of_text(text);
+    for (std::optional<std::string> line; (line = next());) {
+        const Arguments arguments = parse_line(*line);
+        if (is_quit(arguments)) {
+            break;
+        }
+        if (!arguments.name.empty()) {
+            check_arguments(find_command(arguments.name), arguments);
+            const Reply reply = help_reply(command_table(), arguments);
+            fmt::print("{}\n",
+                       json ? json_line({to_line(arguments), "help", 0}, reply) : reply.text);
+        }
     }
-    commands.push_back(volume_command("load", flags));
-    if (flags.isovalue) {
-        commands.push_back(
-            command("surface", {"surface"}, {{"iso", fmt::format("{}", *flags.isovalue)}}));
-    }
-    const std::vector<PhantomSurface> suggested = suggested_surfaces(flags.volume);
-    if (!flags.isovalue && flags.surfaces.empty() && !suggested.empty()) {
-        commands.push_back(command("surface", {suggested.front().name}));
-    }
-    for (const std::string& surface : flags.surfaces) {
-        commands.push_back(surface_command(surface));
-    }
-    commands.push_back(command("snapshot", {flags.output}));
-    return commands;
+    return 0;
+}
+
+ScriptOptions script_options(const Flags& flags) {
+    return {.json = flags.json, .keep_going = flags.keep_going, .strict = flags.strict};
+}
+
+int run_prompt(const Flags& flags, Session& session, MachinePort& machine) {
+    ScriptOptions options = script_options(flags);
+    options.keep_going = true;
+    fmt::print("pxpl5 {}: {}; 'help' lists the commands\n", version,
+               size_text(flags.machine.plan()));
+    run_script(session, lines_of_prompt(machine), options);
+    return 0;
 }
 
 int run(const Flags& flags) {
@@ -152,52 +152,61 @@ int run(const Flags& flags) {
         fmt::print("{}", resolved_json(flags.machine.plan()));
         return 0;
     }
+    if (!flags.script.empty() && !flags.commands.empty()) {
+        refuse_command(fmt::format("run: unexpected argument '{}': give a script or -c, not both",
+                                   flags.script));
+    }
+    const std::string text = joined_lines(flags.commands);
+    if (asks_for_help_only(text)) {
+        return print_help(text, flags.json);
+    }
     return flags.machine.with_session([&](Session& session, MachinePort& machine) {
-        ScriptOptions options{.json = flags.json, .keep_going = flags.keep_going};
+        ScriptOptions options = script_options(flags);
         if (!flags.commands.empty()) {
-            std::string text;
-            for (const std::string& command : flags.commands) {
-                text += command + "\n";
-            }
             return run_script(session, lines_of_text(text), options);
         }
         if (!flags.script.empty() && flags.script != "-") {
             options.echo = true;
             return run_script(session, lines_of_file(flags.script, machine), options);
         }
-        if (isatty(STDIN_FILENO) != 0) {
-            options.keep_going = true;
-            fmt::print("pxpl5 {}: {}; 'help' lists the commands\n", version,
-                       size_text(flags.machine.plan()));
-            run_script(session, lines_of_prompt(machine), options);
-            return 0;
-        }
-        return run_script(session, lines_of(STDIN_FILENO, machine), options);
+        return isatty(STDIN_FILENO) != 0
+                   ? run_prompt(flags, session, machine)
+                   : run_script(session, lines_of(STDIN_FILENO, machine), options);
     });
 }
 
 int render(const Flags& flags) {
-    if (!flags.isovalue && flags.surfaces.empty() && !is_phantom(flags.volume) &&
-        !phigs::is_archive(flags.volume)) {
-        throw RequestError(ExitCode::usage,
-                           fmt::format("render needs --iso V or --surface name=V; 'pxpl5 info {}' "
-                                       "tells which values the volume has",
-                                       flags.volume));
-    }
-    const std::vector<Arguments> commands = render_commands(flags);
+    const std::vector<Arguments> commands = render_commands(
+        {flags.volume, flags.output, flags.load_words, flags.render_options->commands()});
     return flags.machine.with_session([&](Session& session, MachinePort&) {
         session.will_write = true;
-        return run_script(session, lines_of_commands(commands), {.json = flags.json});
+        return run_script(session, lines_of_commands(commands), script_options(flags));
     });
 }
 
-/// Reading needs no more machine than the smallest.
+/// Prints a volume. The machine is the smallest, and its run folder is removed again unless the
+/// user has named a place for it.
 int info(Flags flags) {
+    const Arguments command = volume_command("info", flags, flags.info_options->commands());
+    check_arguments(find_command("info"), command);
     flags.machine.topology = "one-of-each";
     flags.machine.record = "off";
+    const bool is_temporary = flags.machine.run_folder == MachineFlags().run_folder;
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / fmt::format("pxpl5-info-{}", getpid());
+    if (is_temporary) {
+        flags.machine.run_folder = folder.string();
+    }
+    struct Remove {
+        std::filesystem::path folder;
+        ~Remove() {
+            std::error_code ignored;
+            std::filesystem::remove_all(folder, ignored);
+        }
+    };
+    const Remove remove{is_temporary ? folder : std::filesystem::path()};
     return flags.machine.with_session([&](Session& session, MachinePort&) {
-        return run_script(session, lines_of_commands({volume_command("info", flags)}),
-                          {.json = flags.json});
+        return run_script(session, lines_of_commands({command}), script_options(flags));
     });
 }
 
@@ -208,9 +217,9 @@ int serve_viewer(const Flags& flags) {
     options.run_base = flags.machine.run_folder;
     Flags opened = flags;
     opened.volume = flags.volume.empty() ? "phantom:pelvis" : flags.volume;
-    options.commands.push_back(volume_command("load", opened));
+    options.commands.push_back(volume_command("load", opened, flags.serve_options->commands()));
     for (const std::string& surface : flags.surfaces) {
-        options.commands.push_back(surface_command(surface));
+        options.commands.push_back(command_of_option(find_command("surface"), surface));
     }
     return serve::serve(options);
 }
@@ -233,76 +242,83 @@ int run_report(const Flags& flags, bool has_topology) {
 CLI::App* declare_report(CLI::App& parent, report::ReportOptions& options) {
     CLI::App* app = parent.add_subcommand(
         "report",
-        "The paper's results, modelled and measured; --topology and --set say what is "
-        "modelled (paper-1993 if not given)");
-    app->add_flag("--paper", options.paper, "The paper's results table, run again");
-    app->add_flag("--scaling", options.scaling, "Modelled speed-up with 1 to 64 GPs and Renderers");
-    app->add_option("rows", options.rows, "Only these: pelvis/skin, pelvis/muscle, ...");
+        "Print the paper's results, modelled and measured; --topology and --set choose the "
+        "modelled machine (default paper-1993)");
+    app->add_flag("--paper", options.paper, "Run the paper's results table again");
+    app->add_flag("--scaling", options.scaling,
+                  "Model the speed-up with 1 to 64 GPs and Renderers");
+    app->add_option("rows", options.rows, "Rows to run: pelvis/skin, pelvis/muscle, ...");
     app->add_option("--data", options.data, "Folder of real volumes with the paper's loads");
     app->add_flag("--sensitivity", options.sensitivity,
-                  "How modelled figures change with each parameter");
-    app->add_flag("--fit", options.fit, "Fit the parameters that are fitted once more");
-    app->add_flag("--json", options.json, "One JSON object instead of text");
-    app->add_option("--csv", options.csv,
-                    "Table to write; of the sensitivity, if that is asked for");
-    app->add_option("--picture", options.picture,
-                    "Writes the plot (.svg, .png or .pdf); with --sensitivity, its plot");
+                  "Print how modelled figures change with each parameter");
+    app->add_flag("--fit", options.fit, "Refit the fitted parameters");
+    app->add_flag("--json", options.json, "Print one JSON object instead of text");
+    app->add_option("--csv", options.csv, "Write the table to this file");
+    app->add_option("--picture", options.picture, "Write the plot to this file (.svg, .png or .pdf)");
     app->add_option("--pictures", options.pictures, "Folder for pictures of the surfaces");
+    return app;
+}
+
+CLI::App* declare_run(CLI::App& parent, Flags& flags) {
+    CLI::App* app = parent.add_subcommand("run", "Run a script, commands, or a prompt");
+    app->add_option("script", flags.script, "Script file; - is standard input");
+    app->add_option("-c,--command", flags.commands, "Commands, separated by ';'")
+        ->allow_extra_args(false);
+    app->add_flag("--keep-going", flags.keep_going, "Continue after a command that failed");
+    app->add_flag("--dry-run", flags.dry_run, "Print the resolved topology and exit");
+    return app;
+}
+
+CLI::App* declare_render(CLI::App& parent, Flags& flags) {
+    CLI::App* app = parent.add_subcommand("render", "Draw surfaces of a volume into a picture");
+    app->add_option("volume", flags.volume, "File, DICOM folder or phantom:NAME")->required();
+    app->add_option("-o,--output", flags.output, "Picture to write")->required();
+    using enum RenderStage;
+    flags.render_options =
+        std::make_shared<CommandOptions>(*app, std::vector<RenderStage>{look, load, scene, output});
+    return app;
+}
+
+CLI::App* declare_serve(CLI::App& parent, Flags& flags) {
+    CLI::App* app = parent.add_subcommand("serve", "Show a volume in the browser");
+    app->add_option("volume", flags.volume,
+                    "File, DICOM folder or phantom:NAME; phantom:pelvis by default");
+    app->add_option("--surface", flags.surfaces, "First surfaces: NAME[=ISOVALUE[,COLOR]]")
+        ->allow_extra_args(false);
+    app->add_option("--port", flags.server.port, "Port; 0 is a free one")
+        ->check(CLI::Range(0, 65535));
+    app->add_option("--bind", flags.server.bind, "Address to listen at")->capture_default_str();
+    app->add_option("--tls-cert", flags.server.tls_cert, "Certificate (PEM)");
+    app->add_option("--tls-key", flags.server.tls_key, "Key of the certificate (PEM)");
+    app->add_flag("--insecure", flags.server.insecure,
+                  "Listen beyond this computer without encryption");
+    flags.serve_options = std::make_shared<CommandOptions>(*app, std::vector{RenderStage::load});
     return app;
 }
 
 /// Declares the subcommands. Exactly one of them, or none, is then parsed.
 void declare(CLI::App& app, Flags& flags) {
     app.set_version_flag("--version", std::string(version_line()));
-    CLI::App* run_app = app.add_subcommand("run", "Run a script, commands, or a prompt");
-    run_app->add_option("script", flags.script, "Script file; - is standard input");
-    run_app->add_option("-c,--command", flags.commands, "Commands, separated by ';'");
-    run_app->add_flag("--keep-going", flags.keep_going, "Go on after a command that failed");
-    run_app->add_flag("--dry-run", flags.dry_run, "Print the resolved topology and stop");
-
-    CLI::App* render_app = app.add_subcommand("render", "Draw surfaces of a volume into a picture");
-    render_app->add_option("volume", flags.volume, "File, DICOM folder or phantom:NAME")
-        ->required();
-    render_app->add_option("--iso", flags.isovalue, "Isovalue of the surface");
-    render_app->add_option("--surface", flags.surfaces,
-                           "Several surfaces: name[=isovalue[,colour]]");
-    render_app->add_option("--view", flags.view, "Named view, or \"AZ EL [zoom=Z]\"");
-    render_app->add_option("--antialias", flags.samples, "Samples a pixel: 1, 4 or 16")
-        ->check(CLI::IsMember({1, 4, 16}));
-    render_app->add_option("--size", flags.size,
-                           "WIDTHxHEIGHT of the picture, 512x512 if not given");
-    render_app->add_option("-o,--output", flags.output, "Picture to write")->required();
-
-    CLI::App* serve_app = app.add_subcommand("serve", "Show a volume in the browser");
-    serve_app->add_option("volume", flags.volume,
-                          "File, DICOM folder or phantom:NAME; phantom:pelvis if not given");
-    serve_app->add_option("--surface", flags.surfaces,
-                          "Surfaces to begin with: name[=isovalue[,colour]]");
-    serve_app->add_option("--port", flags.server.port, "Port; 0 is a free one")
-        ->check(CLI::Range(0, 65535));
-    serve_app->add_option("--bind", flags.server.bind, "Address to listen at")
-        ->capture_default_str();
-    serve_app->add_option("--tls-cert", flags.server.tls_cert, "Certificate (PEM)");
-    serve_app->add_option("--tls-key", flags.server.tls_key, "Its key (PEM)");
-    serve_app->add_flag("--insecure", flags.server.insecure,
-                        "Listen beyond this computer without encryption");
-
-    CLI::App* info_app = app.add_subcommand("info", "Tell what is known of a volume");
+    CLI::App* run_app = declare_run(app, flags);
+    CLI::App* render_app = declare_render(app, flags);
+    CLI::App* serve_app = declare_serve(app, flags);
+    CLI::App* info_app =
+        app.add_subcommand("info", "Print a volume's geometry, values and warnings");
     info_app->add_option("volume", flags.volume, "File, DICOM folder or phantom:NAME")->required();
-
+    flags.info_options =
+        std::make_shared<CommandOptions>(*info_app, std::vector{RenderStage::load});
     for (CLI::App* each : {render_app, info_app, serve_app}) {
         each->add_option("options", flags.load_words,
-                         "KEY=VALUE as of the command load: series=2, spacing=1,1,2, crop=...");
+                         "KEY=VALUE as in the command load: series=2, spacing=1,1,2, crop=...");
     }
     flags.machine.add_folder_to(*info_app);
-
     CLI::App* report_app = declare_report(app, flags.report);
-
     for (CLI::App* each : {run_app, render_app, report_app, serve_app}) {
         flags.machine.add_to(*each);
     }
     for (CLI::App* each : {run_app, render_app, info_app}) {
-        each->add_flag("--json", flags.json, "One JSON object per command and line");
+        each->add_flag("--json", flags.json, "Print one JSON object per command and line");
+        each->add_flag("--strict", flags.strict, "Fail with exit code 3 if a command warns");
     }
     app.require_subcommand(0, 1);
 }
@@ -326,7 +342,7 @@ int dispatch(const CLI::App& app, const Flags& flags) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app("pxpl5: surfaces of medical volumes, drawn by a working Pixel-Planes 5");
+    CLI::App app("Surfaces of medical volumes, drawn by a working Pixel-Planes 5", "pxpl5");
     Flags flags;
     declare(app, flags);
     const std::function<std::optional<int>()> run_inspection = inspect::declare_inspection(app);
@@ -337,7 +353,7 @@ int main(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+        return report_parse_error(app, error);
     }
     try {
         const std::optional<int> inspected = run_inspection();

@@ -98,4 +98,8 @@ std::string grouped(double value) {
     return text + plain.substr(point);
 }
 
+std::string counted(std::uint64_t n, std::string_view word) {
+    return fmt::format("{} {}{}", grouped(static_cast<double>(n)), word, n == 1 ? "" : "s");
+}
+
 }  // namespace pxpl5::host

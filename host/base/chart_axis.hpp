@@ -1,7 +1,9 @@
 // Axes of charts: round ticks, and numbers as people write them.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pxpl5::host {
@@ -33,5 +35,8 @@ ChartAxis octave_axis(double lowest, double highest, int most_ticks);
 
 /// The number with thousands apart, as "1,234,500" or "0.25"; at most six digits of a fraction.
 std::string grouped(double value);
+
+/// "1 GP", "1,200 GPs".
+std::string counted(std::uint64_t n, std::string_view word);
 
 }  // namespace pxpl5::host

@@ -43,7 +43,7 @@ Word read_word(std::string_view line, std::size_t& at) {
     return word;
 }
 
-/// As it is where that is safe, else in quotes; a quote itself goes into the other kind.
+/// The word, in quotes where it needs them; a quote itself goes into the other kind.
 std::string quoted(const std::string& word) {
     if (!word.empty() && word.find_first_of(" \t\r\n;#'\"=") == std::string::npos) {
         return word;
@@ -90,8 +90,8 @@ std::string Arguments::text(std::string_view key, std::string_view otherwise) co
     return found == options.end() ? std::string(otherwise) : found->second;
 }
 
-double Arguments::number(std::string_view key, double otherwise, double low, double high) const {
-    return has(key) ? parse_number(key, text(key, ""), low, high) : otherwise;
+double Arguments::number(std::string_view key, double otherwise) const {
+    return has(key) ? parse_number(key, text(key, "")) : otherwise;
 }
 
 Arguments parse_line(std::string_view line) {
@@ -104,7 +104,7 @@ Arguments parse_line(std::string_view line) {
             ++at;
             continue;
         }
-        // "#ff8000" is a colour, "# words" a comment.
+        // "#ff8000" is a color, "# words" a comment.
         if (line[at] == '#' && (at + 1 == line.size() || line[at + 1] == ' ')) {
             break;
         }
@@ -201,11 +201,11 @@ Colour parse_colour(std::string_view text) {
     }
     const std::size_t first = text.find(','), second = text.rfind(',');
     if (first == second) {
-        refuse_command(fmt::format("colour: '{}' is not #rrggbb, r,g,b or a name{}", text,
+        refuse_command(fmt::format("color: '{}' is not #rrggbb, r,g,b or a name{}", text,
                                    did_you_mean(text, names)));
     }
     const auto part = [](std::string_view number) {
-        return static_cast<std::uint8_t>(parse_number("colour", number, 0, 255));
+        return static_cast<std::uint8_t>(parse_number("color", number, 0, 255));
     };
     return {part(text.substr(0, first)), part(text.substr(first + 1, second - first - 1)),
             part(text.substr(second + 1))};

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -23,8 +24,8 @@ struct Arguments {
     bool has(std::string_view key) const { return options.count(std::string(key)) != 0; }
     /// The option's text, or `otherwise`.
     std::string text(std::string_view key, std::string_view otherwise) const;
-    /// The option as a number in [low, high], or `otherwise` if absent. Throws RequestError.
-    double number(std::string_view key, double otherwise, double low, double high) const;
+    /// The option as a number, or `otherwise` if absent; check_arguments() has checked its range.
+    double number(std::string_view key, double otherwise) const;
 };
 
 /// Splits at blanks; quotes ('..' or "..") keep blanks and '='; '#' at the start of a word begins a
@@ -36,11 +37,15 @@ Arguments parse_line(std::string_view line);
 std::string to_line(const Arguments& arguments);
 
 /// The whole of `text` as a number in [low, high]. Throws RequestError naming `what` and both.
-double parse_number(std::string_view what, std::string_view text, double low, double high);
+double parse_number(std::string_view what, std::string_view text,
+                    double low = std::numeric_limits<double>::lowest(),
+                    double high = std::numeric_limits<double>::max());
 
 /// The whole of `text` as a whole number in [low, high]. Throws RequestError naming `what` and
 /// both.
-int parse_whole(std::string_view what, std::string_view text, int low, int high);
+int parse_whole(std::string_view what, std::string_view text,
+                int low = std::numeric_limits<int>::min(),
+                int high = std::numeric_limits<int>::max());
 
 /// "1,2,3" or "1x2x3" as three numbers, each in [low, high]. Throws RequestError.
 glm::dvec3 parse_triple(std::string_view what, std::string_view text, double low, double high);

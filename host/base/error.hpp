@@ -1,4 +1,4 @@
-// Errors that the person at the prompt caused or must know of, with the exit code they lead to.
+// Errors of requests, and the exit codes of the program.
 #pragma once
 
 #include <stdexcept>
@@ -7,9 +7,16 @@
 namespace pxpl5::host {
 
 /// Exit codes of the program (sysexits where one fits).
-enum class ExitCode : int { ok = 0, failed = 1, usage = 64, bad_data = 65, unavailable = 69 };
+enum class ExitCode : int {
+    ok = 0,
+    failed = 1,
+    warning = 3,  ///< A command gave a warning under --strict.
+    usage = 64,
+    bad_data = 65,
+    unavailable = 69
+};
 
-/// A request that cannot be obeyed. `what` names what, where and both values.
+/// A request that failed. The text names the thing, the place and both values.
 struct RequestError : std::runtime_error {
     RequestError(ExitCode exit_code, const std::string& text)
         : std::runtime_error(text), code(exit_code) {}

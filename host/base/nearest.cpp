@@ -18,7 +18,8 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
 
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {
     const std::string_view best = nearest(word, candidates);
-    if (!best.empty() && edit_distance(word, best) <= std::max<std::size_t>(2, best.size() / 3)) {
+    if (!best.empty() && best != word &&
+        edit_distance(word, best) <= std::max<std::size_t>(2, best.size() / 3)) {
         return "; did you mean '" + std::string(best) + "'?";
     }
     std::string known = "; known:";

@@ -63,7 +63,17 @@ std::string dump(const Json& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+Json begin_line(const CommandOutcome& outcome, bool ok) {
+    return {
+        {"schema", json_schema}, {"command", outcome.command}, {"name", outcome.name}, {"ok", ok}};
+}
+
 }  // namespace
+
+void add_warning(Reply& reply, const std::string& warning, std::string_view separator) {
+    reply.text += std::string(separator) + warning;
+    reply.warnings.push_back(warning);
+}
 
 std::string json_text(const Fields& fields) {
     return dump(to_json(fields));
@@ -85,20 +95,25 @@ std::string csv_line(const Fields& fields) {
     return line + "\n";
 }
 
-std::string json_line(const std::string& command, const Reply& reply, double elapsed_ms) {
-    Json line{{"command", command}, {"ok", true}};
+std::string json_line(const CommandOutcome& outcome, const Reply& reply) {
+    Json line = begin_line(outcome, true);
     line["result"] = to_json(reply.fields);
-    line["ms"] = elapsed_ms;
+    line["warnings"] = reply.warnings;
+    line["ms"] = outcome.elapsed_ms;
     return dump(line);
 }
 
-std::string json_error_line(const std::string& command, const std::string& error, int exit_code,
-                            double elapsed_ms) {
-    return dump(Json{{"command", command},
-                     {"ok", false},
-                     {"error", error},
-                     {"exit_code", exit_code},
-                     {"ms", elapsed_ms}});
+std::string json_error_line(const CommandOutcome& outcome, const std::string& error, int exit_code,
+                            const Reply* reply) {
+    Json line = begin_line(outcome, false);
+    line["error"] = error;
+    line["exit_code"] = exit_code;
+    if (reply != nullptr) {
+        line["result"] = to_json(reply->fields);
+    }
+    line["warnings"] = reply != nullptr ? reply->warnings : std::vector<std::string>();
+    line["ms"] = outcome.elapsed_ms;
+    return dump(line);
 }
 
 }  // namespace pxpl5::host

@@ -1,9 +1,10 @@
-// What a command answers: a text for people and fields for programs.
+// The answer of a command: text for people, fields for programs, and warnings for both.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -12,8 +13,9 @@ namespace pxpl5::host {
 
 struct Field;
 using Fields = std::vector<Field>;
-using FieldValue = std::variant<std::nullptr_t, bool, std::int64_t, double, std::string,
-                                std::vector<double>, Fields, std::vector<Fields>>;
+using FieldValue =
+    std::variant<std::nullptr_t, bool, std::int64_t, double, std::string, std::vector<double>,
+                 std::vector<std::int64_t>, std::vector<std::string>, Fields, std::vector<Fields>>;
 
 struct Field {
     std::string name;
@@ -23,9 +25,16 @@ struct Field {
 struct Reply {
     std::string text;  ///< May be empty; no newline at the end.
     Fields fields;
+    std::vector<std::string> warnings = {};  ///< The text has them, too.
 };
 
-/// As a JSON object on one line.
+/// Adds a warning to the text, behind `separator`, and to the list.
+void add_warning(Reply& reply, const std::string& warning, std::string_view separator = "\n");
+
+/// Version of the JSON lines below; see host/commands/JSON.md.
+inline constexpr std::int64_t json_schema = 1;
+
+/// The fields as a JSON object on one line.
 std::string json_text(const Fields& fields);
 
 /// A line of a CSV table, and the one above the first: texts in quotes, quotes doubled; null is
@@ -33,10 +42,18 @@ std::string json_text(const Fields& fields);
 std::string csv_heading(const Fields& fields);
 std::string csv_line(const Fields& fields);
 
+/// A command line that was run.
+struct CommandOutcome {
+    std::string command;  ///< The line without blanks at its ends.
+    std::string name;     ///< The command; empty if the line has no valid first word.
+    double elapsed_ms = 0;
+};
+
 /// The outcome of one command line as one JSON object on one line:
-/// {"command", "ok", "result" or "error", "ms"}.
-std::string json_line(const std::string& command, const Reply& reply, double elapsed_ms);
-std::string json_error_line(const std::string& command, const std::string& error, int exit_code,
-                            double elapsed_ms);
+/// {"schema", "command", "name", "ok", "result", "warnings", "ms"}.
+std::string json_line(const CommandOutcome& outcome, const Reply& reply);
+/// The same with "error" and "exit_code". `reply` is what was done before the error, if anything.
+std::string json_error_line(const CommandOutcome& outcome, const std::string& error, int exit_code,
+                            const Reply* reply = nullptr);
 
 }  // namespace pxpl5::host

@@ -2,9 +2,7 @@
 
 #include <fmt/core.h>
 
-#include "host/base/error.hpp"
-#include "host/commands/commands.hpp"
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 
 namespace pxpl5::host {
 
@@ -51,10 +49,7 @@ Reply run_digest(Session& session, const Arguments&) {
     return reply;
 }
 
-Reply run_trace(Session& session, const Arguments& arguments) {
-    if (arguments.words[0] != "save") {
-        refuse_command(fmt::format("trace knows no '{}'; usage: trace save", arguments.words[0]));
-    }
+Reply run_trace(Session& session, const Arguments&) {
     const SavedTraces saved = session.save_traces();
     return {fmt::format("{} messages of {} nodes, {:.1f} MB, in {}", saved.messages, saved.nodes,
                         static_cast<double>(saved.bytes) / 1e6, saved.folder),
@@ -62,23 +57,6 @@ Reply run_trace(Session& session, const Arguments& arguments) {
              {"nodes", std::int64_t{saved.nodes}},
              {"messages", static_cast<std::int64_t>(saved.messages)},
              {"bytes", static_cast<std::int64_t>(saved.bytes)}}};
-}
-
-Reply run_help(Session&, const Arguments& arguments) {
-    Reply reply;
-    std::vector<Fields> list;
-    for (const Command& command : command_table()) {
-        if (!arguments.words.empty() && find_command(arguments.words[0]).name != command.name) {
-            continue;
-        }
-        reply.text += fmt::format("{}{} {}\n    {}", reply.text.empty() ? "" : "\n", command.name,
-                                  command.arguments, command.help);
-        list.push_back({{"name", std::string(command.name)},
-                        {"arguments", std::string(command.arguments)},
-                        {"help", std::string(command.help)}});
-    }
-    reply.fields = {{"commands", list}};
-    return reply;
 }
 
 Reply run_quit(Session&, const Arguments&) {

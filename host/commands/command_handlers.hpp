@@ -1,11 +1,10 @@
-// What each command of the table does. See commands.cpp for their arguments.
+// The functions that the rows of the command table run. Arguments are checked before.
 #pragma once
 
-#include <limits>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "host/base/command_descriptor.hpp"
 #include "host/base/command_line.hpp"
 #include "host/base/reply.hpp"
 #include "host/session/session.hpp"
@@ -50,20 +49,17 @@ Reply run_redo(Session& session, const Arguments& arguments);
 Reply run_mark(Session& session, const Arguments& arguments);
 Reply run_history(Session& session, const Arguments& arguments);
 Reply run_play(Session& session, const Arguments& arguments);
-Reply run_help(Session& session, const Arguments& arguments);
 Reply run_quit(Session& session, const Arguments& arguments);
 
-/// Options that `model` takes: what may be set of a machine.
-std::vector<std::string_view> model_option_names();
+// Limits of views and lights, for the table and for the handlers.
+inline constexpr double max_angle_deg = 36000;
+inline constexpr double min_zoom = 0.05, max_zoom = 100;
 
-/// Isovalues beyond this are no floats.
-inline constexpr double max_isovalue = std::numeric_limits<float>::max();
+/// Options of `model`: the parameters of a machine.
+std::vector<Parameter> model_options();
 
 /// One surface, for people and programs.
 std::string surface_text(const Surface& surface, const SurfaceReport& report);
 Fields surface_fields(const Surface& surface, const SurfaceReport& report);
-
-/// "watertight", "lorensen1987" or "asymptotic". Throws RequestError.
-CaseTable parse_table(const std::string& text);
 
 }  // namespace pxpl5::host

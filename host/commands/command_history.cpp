@@ -17,7 +17,7 @@ namespace pxpl5::host {
 namespace {
 
 constexpr std::uintmax_t max_script_bytes = std::uintmax_t{16} << 20;
-constexpr int max_play_depth = 8;  ///< Of scripts that play scripts.
+constexpr int max_play_depth = 8;  ///< Depth of scripts that play scripts.
 
 /// Puts back a scene of the history, which `note` then tells of the one that was left.
 Reply go_to(Session& session, const Scene& scene, const char* done,

@@ -14,7 +14,7 @@ Reply run_activity(Session& session, const Arguments&) {
 Reply run_kill(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
     session.kill_node(name);
-    return {fmt::format("{} is killed: the machine ends with whatever comes next", name),
+    return {fmt::format("{} killed; the machine will stop at the next command", name),
             {{"node", name}}};
 }
 

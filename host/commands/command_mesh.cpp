@@ -3,9 +3,10 @@
 
 #include <algorithm>
 
+#include "host/base/chart_axis.hpp"
 #include "host/base/error.hpp"
 #include "host/commands/command_handlers.hpp"
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 #include "host/surface/certificate.hpp"
 #include "host/surface/compare.hpp"
 
@@ -22,10 +23,10 @@ std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& 
         refuse_command("components: give one of show=, min_mm2=, min_ml=, at=");
     }
     if (arguments.has("min_mm2")) {
-        return ComponentFilter{Kind::at_least_mm2, arguments.number("min_mm2", 0, 0, 1e12), {}};
+        return ComponentFilter{Kind::at_least_mm2, arguments.number("min_mm2", 0), {}};
     }
     if (arguments.has("min_ml")) {
-        return ComponentFilter{Kind::at_least_ml, arguments.number("min_ml", 0, 0, 1e9), {}};
+        return ComponentFilter{Kind::at_least_ml, arguments.number("min_ml", 0), {}};
     }
     if (arguments.has("at")) {
         const auto [x, y] = parse_pair("at", arguments.text("at", ""));
@@ -41,14 +42,11 @@ std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& 
     if (show == "all" || show == "largest") {
         return ComponentFilter{show == "all" ? Kind::all : Kind::largest, 0, {}};
     }
-    if (!show.empty()) {
-        refuse_command(fmt::format("show: '{}' is neither all nor largest", show));
-    }
     return std::nullopt;
 }
 
 Reply list_components(const MeshComponents& parts) {
-    Reply reply{fmt::format("{} components", parts.components.size()), {}};
+    Reply reply{counted(parts.components.size(), "component"), {}};
     std::vector<Fields> list;
     for (std::size_t i = 0; i < std::min(listed_components, parts.components.size()); ++i) {
         const MeshComponent& part = parts.components[i];
@@ -87,7 +85,7 @@ Reply run_components(Session& session, const Arguments& arguments) {
         return list_components(find_components(session.mesh(name), session.grid()));
     }
     const auto [all, drawn] = session.set_components(name, *filter);
-    return {fmt::format("{}: {} of {} components are drawn", name, drawn, all),
+    return {fmt::format("{}: draws {} of {}", name, drawn, counted(all, "component")),
             {{"components", static_cast<std::int64_t>(all)},
              {"drawn", static_cast<std::int64_t>(drawn)}}};
 }
@@ -121,9 +119,6 @@ Reply run_compare(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
     session.report_of(name);  // Throws if there is no such surface.
     if (arguments.words.size() > 1) {
-        if (arguments.words[1] != "off") {
-            refuse_command(fmt::format("compare: '{}' is not off", arguments.words[1]));
-        }
         if (!session.end_comparison(name)) {
             refuse_command(fmt::format("compare: {} is not compared", name));
         }
@@ -131,17 +126,14 @@ Reply run_compare(Session& session, const Arguments& arguments) {
     }
     const MeshComparison comparison = session.compare(name);
     Reply reply = comparison_reply(comparison, name + ":watertight", name + ":lorensen1987");
-    reply.text += fmt::format("\nof {0} only these cells are drawn until 'compare {0} off'", name);
+    reply.text += fmt::format("\nonly these cells of {0} are drawn until 'compare {0} off'", name);
     return reply;
 }
 
 Reply run_export(Session& session, const Arguments& arguments) {
     MeshExport wish;
-    wish.keep = arguments.number("keep", 1, 1e-4, 1);
+    wish.keep = arguments.number("keep", 1);
     const std::string axes = arguments.text("axes", "LPS");
-    if (axes != "LPS" && axes != "RAS") {
-        refuse_command(fmt::format("axes: '{}' is neither LPS nor RAS", axes));
-    }
     wish.ras = axes == "RAS";
     for (std::string left = arguments.text("surfaces", ""); !left.empty();) {
         const std::size_t comma = std::min(left.find(','), left.size());
@@ -150,15 +142,19 @@ Reply run_export(Session& session, const Arguments& arguments) {
     }
     wish.description = picture_extras(session, session.scene.camera).description;
     const MeshExportReport report = session.export_mesh(arguments.words[0], wish);
-    std::string notes;
+    Reply reply{fmt::format("wrote {}: {}", arguments.words[0], report.text),
+                {{"file", arguments.words[0]}, {"triangles", report.triangles}, {"axes", axes}}};
+    if (const std::size_t at = report.text.find("decimated from"); at != std::string::npos) {
+        reply.warnings.push_back(report.text.substr(at));  // The writer's text has it.
+    }
     if (!session.scene.clips.empty()) {
-        notes += "\nclip planes cut the picture, not the mesh: crop= of load does";
+        add_warning(reply, "clip planes cut the picture, not the mesh: crop= of load does");
     }
     if (is_assumed(session.volume())) {
-        notes += "\nplace or spacing of the volume is assumed, so the mesh's is too: see info";
+        add_warning(reply,
+                    "place or spacing of the volume is assumed, so the mesh's is too: see info");
     }
-    return {fmt::format("wrote {}: {}{}", arguments.words[0], report.text, notes),
-            {{"file", arguments.words[0]}, {"triangles", report.triangles}, {"axes", axes}}};
+    return reply;
 }
 
 }  // namespace pxpl5::host

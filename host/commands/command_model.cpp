@@ -1,4 +1,4 @@
-// The command that tells what the machine of 1993 would have taken for the scene.
+// The command `model`: the modelled time of the scene on another machine.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,6 @@
 
 namespace pxpl5::host {
 
-using inspect::counted;
 using inspect::ms;
 using inspect::use_fields;
 
@@ -110,7 +109,7 @@ class Telling {
                                    frame.width, frame.height);
         reply_.text += fmt::format(
             "{}{:.1f} a second, each shown {:.1f} ms after it was asked for; {}",
-            frame.samples == 1 ? "" : fmt::format("{} samples a pixel, ", frame.samples),
+            frame.samples == 1 ? "" : fmt::format("{} samples per pixel, ", frame.samples),
             rate.frames_per_s, ms(rate.latency), limit_text(rate.use, rate.limit));
         reply_.text += use_text(rate.use);
         reply_.fields.push_back(
@@ -131,12 +130,15 @@ class Telling {
 
 }  // namespace
 
-std::vector<std::string_view> model_option_names() {
-    std::vector<std::string_view> names = timing_names();
-    for (const std::string_view count : {"gp.count", "renderer.count", "frame_buffer.count"}) {
-        names.push_back(count);
+std::vector<Parameter> model_options() {
+    std::vector<Parameter> options;
+    for (const std::string_view name : timing_names()) {
+        options.push_back({name, "VALUE", "parameter of the timing model"});
     }
-    return names;
+    for (const std::string_view count : {"gp.count", "renderer.count", "frame_buffer.count"}) {
+        options.push_back({count, "N", "number of nodes"});
+    }
+    return options;
 }
 
 Reply run_model(Session& session, const Arguments& arguments) {

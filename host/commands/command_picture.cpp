@@ -6,13 +6,12 @@
 
 #include "host/base/error.hpp"
 #include "host/commands/command_handlers.hpp"
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 
 namespace pxpl5::host {
 
 namespace {
 
-constexpr int max_orbit_frames = 100'000;
 constexpr int max_animation_frames = 2'000;
 
 /// Where the pictures of a command go that draws many: nowhere, into a file each, or into one
@@ -21,7 +20,7 @@ class PictureFiles {
   public:
     /// Refuses the command if its `at`-th word, which may be missing, names no such place.
     PictureFiles(Session& session, const Arguments& arguments, std::size_t at, int count)
-        : session_(session), delay_ms_(arguments.number("delay_ms", 40, 10, 60'000)) {
+        : session_(session), delay_ms_(arguments.number("delay_ms", 40)) {
         if (arguments.words.size() > at) {
             pattern_ = arguments.words[at];
         }
@@ -88,18 +87,21 @@ Reply run_snapshot(Session& session, const Arguments& arguments) {
                             picture_extras(session, session.scene.camera));
     const bool is_empty =
         std::ranges::count(picture.rgba, picture.rgba[0]) == std::ssize(picture.rgba);
-    return {fmt::format("wrote {} ({}x{}, drawn in {:.1f} ms){}", arguments.words[0], picture.width,
-                        picture.height, draw_ms, is_empty ? "; nothing is visible in it" : ""),
-            {{"file", arguments.words[0]},
-             {"width", std::int64_t{picture.width}},
-             {"height", std::int64_t{picture.height}},
-             {"draw_ms", draw_ms}}};
+    Reply reply{fmt::format("wrote {} ({}x{}, drawn in {:.1f} ms)", arguments.words[0],
+                            picture.width, picture.height, draw_ms),
+                {{"file", arguments.words[0]},
+                 {"width", std::int64_t{picture.width}},
+                 {"height", std::int64_t{picture.height}},
+                 {"draw_ms", draw_ms}}};
+    if (is_empty) {
+        add_warning(reply, "nothing is visible in it", "; ");
+    }
+    return reply;
 }
 
 Reply run_orbit(Session& session, const Arguments& arguments) {
-    const int count = parse_whole("frames", arguments.words[0], 1, max_orbit_frames);
-    const int in_flight =
-        parse_whole("inflight", arguments.text("inflight", "2"), 1, max_frames_in_flight);
+    const int count = parse_whole("N", arguments.words[0]);
+    const int in_flight = parse_whole("inflight", arguments.text("inflight", "2"));
     PictureFiles files(session, arguments, 1, count);
     const OrbitReport report = session.orbit(
         count,
@@ -127,9 +129,9 @@ Reply run_orbit(Session& session, const Arguments& arguments) {
 
 Reply run_sweep(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
-    const double first = parse_number("FROM", arguments.words[1], -max_isovalue, max_isovalue);
-    const double last = parse_number("TO", arguments.words[2], -max_isovalue, max_isovalue);
-    const int count = parse_whole("N", arguments.words[3], 2, max_orbit_frames);
+    const double first = parse_number("FROM", arguments.words[1]);
+    const double last = parse_number("TO", arguments.words[2]);
+    const int count = parse_whole("N", arguments.words[3]);
     PictureFiles files(session, arguments, 4, count);
     if (const std::optional<Surface> known = session.surface(name)) {
         session.end_comparison(known->compared_with.empty() ? name : known->compared_with);
@@ -157,8 +159,9 @@ Reply run_sweep(Session& session, const Arguments& arguments) {
          {"empty", empty},
          {"written", files.written()}}};
     if (empty != 0) {
-        reply.text += fmt::format("\n{} of them have no surface: the volume's values are {} .. {}",
-                                  empty, session.volume().minimum, session.volume().maximum);
+        add_warning(reply,
+                    fmt::format("{} of them have no surface: the volume's values are {} .. {}",
+                                empty, session.volume().minimum, session.volume().maximum));
     }
     return reply;
 }

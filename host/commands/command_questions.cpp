@@ -5,9 +5,9 @@
 
 #include "host/base/error.hpp"
 #include "host/commands/command_handlers.hpp"
-#include "host/commands/picture_text.hpp"
-#include "host/commands/slice_picture.hpp"
-#include "host/commands/volume_text.hpp"
+#include "host/commands/text/picture_text.hpp"
+#include "host/commands/text/slice_picture.hpp"
+#include "host/commands/text/volume_text.hpp"
 #include "host/inspect/why/live_frame.hpp"
 
 namespace pxpl5::host {
@@ -15,7 +15,6 @@ namespace pxpl5::host {
 namespace {
 
 constexpr const char* usual_bins = "256";
-constexpr double max_window = 1e12, least_window = 1e-12;
 
 std::vector<double> point(const glm::dvec3& p) {
     return {p.x, p.y, p.z};
@@ -32,21 +31,12 @@ Pixel parse_pixel(const Session& session, const Arguments& arguments, std::size_
             parse_whole("Y", arguments.words[first + 1], 0, size.height - 1)};
 }
 
-int parse_axis(const std::string& word) {
-    const std::size_t axis = std::string_view("xyz").find(word);
-    if (word.size() != 1 || axis == std::string_view::npos) {
-        refuse_command(fmt::format("slice: '{}' is no axis of the voxels: x, y or z", word));
-    }
-    return static_cast<int>(axis);
-}
-
 GreyWindow parse_window(const Session& session, const Arguments& arguments) {
     GreyWindow window;
     if (!arguments.has("window") || !arguments.has("level")) {
         window = usual_window(session.volume());
     }
-    return {arguments.number("window", window.width, least_window, max_window),
-            arguments.number("level", window.level, -max_window, max_window)};
+    return {arguments.number("window", window.width), arguments.number("level", window.level)};
 }
 
 void write_slice(Session& session, const Arguments& arguments, const Slice& slice,
@@ -77,8 +67,7 @@ Session::Picked picked_at(Session& session, const Pixel& pixel) {
 }  // namespace
 
 Reply run_histogram(Session& session, const Arguments& arguments) {
-    const int bins = parse_whole("BINS", arguments.words.empty() ? usual_bins : arguments.words[0],
-                                 1, max_histogram_bins);
+    const int bins = parse_whole("BINS", arguments.words.empty() ? usual_bins : arguments.words[0]);
     const Volume& volume = session.volume();
     const Histogram counted = histogram(volume, bins);
     Reply reply{histogram_text(counted), histogram_fields(counted)};
@@ -90,7 +79,7 @@ Reply run_histogram(Session& session, const Arguments& arguments) {
 
 Reply run_slice(Session& session, const Arguments& arguments) {
     const Volume& volume = session.volume();
-    const int axis = parse_axis(arguments.words[0]);
+    const int axis = arguments.words[0][0] - 'x';
     const int count = axis == 0 ? volume.nx : axis == 1 ? volume.ny : volume.nz;
     const int index = parse_whole("INDEX", arguments.words[1], 0, count - 1);
     const Slice slice = slice_of(volume, axis, index);
@@ -105,10 +94,9 @@ Reply run_slice(Session& session, const Arguments& arguments) {
         title, across.count, down.count, across.spacing_mm, down.spacing_mm, across.begin,
         across.end, down.begin, down.end);
     if (slice.frame.skew_deg > max_skew_deg) {
-        reply.text += fmt::format(
-            "\nits rows and columns are {:.1f} degrees off a right angle, "
-            "and are shown at one",
-            slice.frame.skew_deg);
+        add_warning(reply, fmt::format("its rows and columns are {:.1f} degrees off a right "
+                                       "angle, and are shown at one",
+                                       slice.frame.skew_deg));
     }
     std::int64_t pieces = 0;
     for (const SurfaceContour& contour : contours) {
@@ -116,8 +104,7 @@ Reply run_slice(Session& session, const Arguments& arguments) {
         reply.text += fmt::format("\n{}: {} pieces of contour at {:.6g}", contour.surface->name,
                                   contour.pieces.size(), contour.surface->isovalue);
     }
-    reply.fields = {{"size", std::vector<double>{static_cast<double>(across.count),
-                                                 static_cast<double>(down.count)}},
+    reply.fields = {{"size", std::vector<std::int64_t>{across.count, down.count}},
                     {"spacing", std::vector<double>{across.spacing_mm, down.spacing_mm}},
                     {"letters", Fields{{"left", across.begin},
                                        {"right", across.end},

@@ -1,27 +1,21 @@
 // Commands about isosurfaces: what they are and how they look.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "host/base/error.hpp"
 #include "host/base/nearest.hpp"
 #include "host/commands/command_handlers.hpp"
-#include "host/commands/tissues.hpp"
+#include "host/commands/text/tissues.hpp"
 #include "host/phantom/phantom.hpp"
 
 namespace pxpl5::host {
 
 namespace {
 
-bool parse_yes(std::string_view key, const std::string& text) {
-    if (text != "yes" && text != "no") {
-        refuse_command(fmt::format("{}: '{}' is neither yes nor no", key, text));
-    }
-    return text == "yes";
-}
-
-/// The tissue's colour if the name is one, else one that the surfaces before it do not have.
+/// The tissue's color if the name is one, else one that the surfaces before it do not have.
 Colour first_colour(const std::string& name, std::size_t surfaces_before) {
     constexpr std::array others = {Colour{236, 226, 200}, Colour{120, 170, 220},
                                    Colour{150, 200, 130}, Colour{220, 150, 110},
@@ -66,11 +60,11 @@ void take_style(const Arguments& arguments, Surface& wish) {
         wish.colour = parse_colour(arguments.text("color", ""));
     }
     if (arguments.has("visible")) {
-        wish.visible = parse_yes("visible", arguments.text("visible", ""));
+        wish.visible = arguments.text("visible", "") == "yes";
     }
     if (arguments.has("opacity")) {
-        // A screen door has sixteenths; less than one would show nothing.
-        const double share = arguments.number("opacity", 1, 0.01, 1);
+        // A stipple mask has sixteenths; less than one would show nothing.
+        const double share = arguments.number("opacity", 1);
         wish.opacity = std::max(1, static_cast<int>(std::lround(share * opaque)));
     }
 }
@@ -100,9 +94,11 @@ Surface wished_surface(const Session& session, const std::optional<Surface>& kno
                 ? fmt::format(", or preset={} if values are Hounsfield units", wish.name)
                 : ""));
     }
-    wish.isovalue = arguments.number("iso", wish.isovalue, -max_isovalue, max_isovalue);
+    wish.isovalue = arguments.number("iso", wish.isovalue);
     if (arguments.has("table")) {
-        wish.table = parse_table(arguments.text("table", ""));
+        wish.table = static_cast<CaseTable>(
+            std::ranges::find(case_table_names, arguments.text("table", "")) -
+            case_table_names.begin());
     }
     take_style(arguments, wish);
     return wish;
@@ -132,16 +128,6 @@ std::string surface_text(const Surface& surface, const SurfaceReport& report) {
         report.volume_mm3 / 1000, report.elapsed_ms);
 }
 
-CaseTable parse_table(const std::string& text) {
-    for (std::size_t i = 0; i < case_table_names.size(); ++i) {
-        if (case_table_names[i] == text) {
-            return static_cast<CaseTable>(i);
-        }
-    }
-    refuse_command(
-        fmt::format("table: there is no '{}'{}", text, did_you_mean(text, case_table_names)));
-}
-
 Reply run_surface(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
     const Volume& volume = session.volume();
@@ -156,8 +142,8 @@ Reply run_surface(Session& session, const Arguments& arguments) {
     const SurfaceReport& report = session.report_of(name);
     Reply reply{surface_text(wish, report), surface_fields(wish, report)};
     if (report.triangles == 0) {
-        reply.text += fmt::format("\nno surface there: the volume's values are {} .. {}",
-                                  volume.minimum, volume.maximum);
+        add_warning(reply, fmt::format("no surface there: the volume's values are {} .. {}",
+                                       volume.minimum, volume.maximum));
     }
     return reply;
 }

@@ -13,21 +13,10 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr double max_angle_deg = 36000;
-constexpr double min_zoom = 0.05, max_zoom = 100;
 constexpr double max_place_mm = 1e6, max_pan_mm = 1e5;
 constexpr std::size_t box_planes = 6;  ///< In a row.
 
-/// "off" or "on" at words[0].
-bool parse_switch(const Arguments& arguments) {
-    const std::string& word = arguments.words[0];
-    if (word != "on" && word != "off") {
-        refuse_command(fmt::format("{}: '{}' is neither on nor off", arguments.name, word));
-    }
-    return word == "on";
-}
-
-/// "X,Y" in millimetres.
+/// "X,Y" in millimeters.
 glm::dvec2 parse_pan(const std::string& text) {
     const std::size_t comma = text.find(',');
     if (comma == std::string::npos) {
@@ -62,6 +51,24 @@ Reply describe_clips(const Session& session) {
     return reply;
 }
 
+Reply describe_lights(const std::vector<Light>& lights) {
+    Reply reply;
+    std::vector<Fields> list;
+    for (const Light& light : lights) {
+        list.push_back({{"azimuth_deg", light.azimuth_deg},
+                        {"elevation_deg", light.elevation_deg},
+                        {"intensity", light.intensity}});
+        reply.text +=
+            fmt::format("{}light {} {} {} intensity={}", reply.text.empty() ? "" : "\n",
+                        list.size(), light.azimuth_deg, light.elevation_deg, light.intensity);
+    }
+    if (list.empty()) {
+        reply.text = "no light is on";
+    }
+    reply.fields = {{"lights", static_cast<std::int64_t>(lights.size())}, {"list", list}};
+    return reply;
+}
+
 /// Takes away what `kind`, a letter or "box", has cut; all for "off". Returns whether there was
 /// any.
 bool end_clip(Scene& scene, const std::string& kind) {
@@ -70,7 +77,7 @@ bool end_clip(Scene& scene, const std::string& kind) {
            }) != 0;
 }
 
-/// Across a patient's axis, through a place in millimetres or the volume's centre.
+/// Across a patient's axis, through a place in millimeters or the volume's centre.
 void add_plane(Session& session, const Arguments& arguments) {
     const std::string& letter = arguments.words[0];
     double at_mm = 0;
@@ -131,8 +138,8 @@ Reply run_view(Session& session, const Arguments& arguments) {
         camera.angles = {parse_number("azimuth", arguments.words[0], -max_angle_deg, max_angle_deg),
                          parse_number("elevation", arguments.words[1], -90, 90)};
     }
-    camera.zoom = arguments.number("zoom", camera.zoom, min_zoom, max_zoom);
-    camera.roll_deg = arguments.number("roll", camera.roll_deg, -max_angle_deg, max_angle_deg);
+    camera.zoom = arguments.number("zoom", camera.zoom);
+    camera.roll_deg = arguments.number("roll", camera.roll_deg);
     if (arguments.has("pan")) {
         camera.pan_mm = parse_pan(arguments.text("pan", ""));
     }
@@ -149,13 +156,15 @@ Reply run_view(Session& session, const Arguments& arguments) {
 
 Reply run_light(Session& session, const Arguments& arguments) {
     auto& lights = session.scene.lights;
-    const double number = parse_number("light", arguments.words[0], 1, max_lights);
-    const auto index = static_cast<std::size_t>(number) - 1;
-    if (number != std::floor(number) || index > lights.size()) {
-        refuse_command(fmt::format("light {} cannot be set: {} are on; the next is {}",
+    if (arguments.words.empty()) {
+        return describe_lights(lights);
+    }
+    const auto index = static_cast<std::size_t>(parse_whole("N", arguments.words[0])) - 1;
+    if (index > lights.size()) {
+        refuse_command(fmt::format("light {}: {} lights are on, so the next light is {}",
                                    arguments.words[0], lights.size(), lights.size() + 1));
     }
-    if (arguments.words[1] == "off") {
+    if (arguments.words.back() == "off") {
         if (index < lights.size()) {
             lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(index));
         }
@@ -164,11 +173,13 @@ Reply run_light(Session& session, const Arguments& arguments) {
         const Light light{
             parse_number("azimuth", arguments.words[1], -max_angle_deg, max_angle_deg),
             parse_number("elevation", arguments.words[2], -90, 90),
-            arguments.number("intensity", before, 0, 4)};
+            arguments.number("intensity", before)};
         index < lights.size() ? lights[index] = light : lights.emplace_back(light);
     } else {
-        refuse_command(fmt::format("light {}: give AZ EL or off, got '{}'", arguments.words[0],
-                                   arguments.words[1]));
+        refuse_command(
+            fmt::format("light {0}: give azimuth and elevation, or off; for example "
+                        "light {0} 30 20",
+                        arguments.words[0]));
     }
     return {fmt::format("{} of {} lights on", lights.size(), max_lights),
             {{"lights", static_cast<std::int64_t>(lights.size())}}};
@@ -176,9 +187,9 @@ Reply run_light(Session& session, const Arguments& arguments) {
 
 Reply run_material(Session& session, const Arguments& arguments) {
     Material material = session.scene.material;
-    material.ambient = arguments.number("ambient", material.ambient, 0, 1);
-    material.specular = arguments.number("specular", material.specular, 0, 1);
-    const double power = arguments.number("power", material.specular_power, 1, 128);
+    material.ambient = arguments.number("ambient", material.ambient);
+    material.specular = arguments.number("specular", material.specular);
+    const double power = arguments.number("power", material.specular_power);
     material.specular_power = static_cast<std::uint32_t>(power);
     session.scene.material = material;
     return {fmt::format("ambient {} specular {} power {}", material.ambient, material.specular,
@@ -222,23 +233,20 @@ Reply run_clip(Session& session, const Arguments& arguments) {
 Reply run_antialias(Session& session, const Arguments& arguments) {
     const int samples = parse_whole("samples", arguments.words[0], 1, sample_counts.back());
     if (std::ranges::find(sample_counts, samples) == sample_counts.end()) {
-        refuse_command(fmt::format("antialias: {} samples a pixel, it must be {}", samples,
+        refuse_command(fmt::format("antialias: {} samples per pixel, must be {}", samples,
                                    fmt::join(sample_counts, ", ")));
     }
     session.scene.samples = samples;
-    return {fmt::format("{} sample{} a pixel", samples, samples == 1 ? "" : "s"),
+    return {fmt::format("{} sample{} per pixel", samples, samples == 1 ? "" : "s"),
             {{"samples", std::int64_t{samples}}}};
 }
 
 Reply run_overlay(Session& session, const Arguments& arguments) {
-    session.scene.overlay = parse_switch(arguments);
+    session.scene.overlay = arguments.words[0] == "on";
     return {"overlay " + arguments.words[0], {{"overlay", session.scene.overlay}}};
 }
 
 Reply run_tint(Session& session, const Arguments& arguments) {
-    if (arguments.words[0] != "gaps" && arguments.words[0] != "off") {
-        refuse_command(fmt::format("tint: '{}' is neither gaps nor off", arguments.words[0]));
-    }
     const std::size_t gaps = session.volume().gap_slabs.size();
     if (arguments.has("color")) {
         session.scene.gap_colour = parse_colour(arguments.text("color", ""));
@@ -269,8 +277,7 @@ Reply run_pick(Session& session, const Arguments& arguments) {
         {"surface", picked->surface},
         {"p_mm", std::vector<double>{pick.p_mm.x, pick.p_mm.y, pick.p_mm.z}},
         {"p_voxel", std::vector<double>{pick.p_voxel.x, pick.p_voxel.y, pick.p_voxel.z}},
-        {"voxel", std::vector<double>{static_cast<double>(pick.x), static_cast<double>(pick.y),
-                                      static_cast<double>(pick.z)}}};
+        {"voxel", std::vector<std::int64_t>{pick.x, pick.y, pick.z}}};
     if (pick.value) {
         reply.fields.push_back({"value", *pick.value});
     }

@@ -4,9 +4,9 @@
 #include "host/base/error.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/load_options.hpp"
-#include "host/commands/picture_text.hpp"
-#include "host/commands/progress_bar.hpp"
-#include "host/commands/volume_text.hpp"
+#include "host/commands/text/picture_text.hpp"
+#include "host/commands/text/progress_bar.hpp"
+#include "host/commands/text/volume_text.hpp"
 #include "host/surface/atlas/atlas_chart.hpp"
 #include "host/surface/atlas/histogram.hpp"
 #include "host/surface/atlas/isovalue_components.hpp"
@@ -16,7 +16,8 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr int atlas_isovalues = 256, max_atlas_isovalues = 4096, atlas_bins = 256;
+constexpr int atlas_bins = 256;
+constexpr const char* usual_steps = "256";
 
 Reply describe_loaded(const Session& session, VolumeDetail detail) {
     const phigs::Content* archive = session.archive();
@@ -106,11 +107,9 @@ Reply run_info(Session& session, const Arguments& arguments) {
 
 Reply run_atlas(Session& session, const Arguments& arguments) {
     const Volume& volume = session.volume();
-    const double low = arguments.number("from", volume.minimum, -1e30, 1e30);
-    const double high = arguments.number("to", volume.maximum, -1e30, 1e30);
-    const int steps =
-        parse_whole("steps", arguments.text("steps", fmt::format("{}", atlas_isovalues)), 2,
-                    max_atlas_isovalues);
+    const double low = arguments.number("from", volume.minimum);
+    const double high = arguments.number("to", volume.maximum);
+    const int steps = parse_whole("steps", arguments.text("steps", usual_steps));
     if (!(low < high)) {
         refuse_command(fmt::format("atlas: from={} is not below to={}", low, high));
     }

@@ -83,8 +83,17 @@ void take_raw(const std::string& text, ImportOptions& options) {
 
 }  // namespace
 
-std::vector<std::string_view> load_option_names() {
-    return {"series", "spacing", "raw", "crop", "resample", "resample_mm", "smooth"};
+std::vector<Parameter> load_option_list() {
+    return {
+        {"series", "N", "number of the series in a DICOM folder; 'info' lists the series"},
+        {"crop", "A:B,C:D,E:F", "first and last voxel to keep along x, y and z"},
+        {"resample", "XxYxZ", "new number of voxels"},
+        {"resample_mm", "X,Y,Z", "new spacing in millimeters"},
+        number_value("smooth", "MM", 0, bus::max_smooth_mm, "standard deviation of a Gauss filter",
+                     "mm"),
+        {"spacing", "X,Y,Z", "spacing in millimeters, for a file that does not state it"},
+        {"raw", "XxYxZ,TYPE[,be][,OFFSET]", "layout of a file without a header"},
+    };
 }
 
 ImportOptions load_options(const Arguments& arguments) {
@@ -108,7 +117,7 @@ ImportOptions load_options(const Arguments& arguments) {
     if (arguments.has("resample_mm")) {
         options.resample_spacing_mm = spacing("resample_mm", arguments);
     }
-    options.smooth_mm = arguments.number("smooth", 0, 0, bus::max_smooth_mm);
+    options.smooth_mm = arguments.number("smooth", 0);
     return options;
 }
 

@@ -1,7 +1,7 @@
 // What `load` says of how a volume is read.
 #pragma once
 
-#include "host/base/command_line.hpp"
+#include "host/base/command_descriptor.hpp"
 #include "host/session/session.hpp"
 
 namespace pxpl5::host {
@@ -11,7 +11,7 @@ namespace pxpl5::host {
 /// Throws RequestError naming the option and both values.
 ImportOptions load_options(const Arguments& arguments);
 
-/// Their names, for the table of commands.
-std::vector<std::string_view> load_option_names();
+/// The same options, for the table of commands.
+std::vector<Parameter> load_option_list();
 
 }  // namespace pxpl5::host

@@ -65,19 +65,99 @@ struct OutputLost : RequestError {
     using RequestError::RequestError;
 };
 
-/// Prints one outcome as it happens, so that a watcher of a pipe sees progress.
-/// Throws OutputLost (failed) if that cannot be done.
-void print(const std::string& text) {
-    if (text.empty()) {
-        return;
+/// Prints one outcome at once, so that the reader of a pipe sees progress. After the reader of the
+/// pipe has closed it (| head), prints nothing: the commands still write their files.
+/// Throws OutputLost (failed) if standard output cannot be written for another reason.
+class Output {
+  public:
+    void print(const std::string& text) {
+        if (text.empty() || is_closed_) {
+            return;
+        }
+        const std::string line = text + '\n';
+        std::fwrite(line.data(), 1, line.size(), stdout);
+        if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) {
+            return;
+        }
+        if (errno != EPIPE) {
+            throw OutputLost(ExitCode::failed, fmt::format("standard output cannot be written: {}",
+                                                           std::strerror(errno)));
+        }
+        is_closed_ = true;
     }
-    const std::string line = text + '\n';
-    std::fwrite(line.data(), 1, line.size(), stdout);
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-        throw OutputLost(ExitCode::failed, fmt::format("standard output cannot be written: {}",
-                                                       std::strerror(errno)));
-    }
+
+  private:
+    bool is_closed_ = false;
+};
+
+/// The line without blanks at its ends.
+std::string trimmed(const std::string& line) {
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    return first == std::string::npos
+               ? ""
+               : line.substr(first, line.find_last_not_of(" \t\r") - first + 1);
 }
+
+double ms_now() {
+    return std::chrono::duration<double, std::milli>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
+
+/// Runs the lines of one script.
+class Script {
+  public:
+    Script(Session& session, const ScriptOptions& options) : session_(session), options_(options) {}
+
+    /// Returns false if the script ends with this line.
+    bool run(const std::string& line) {
+        start_ms_ = ms_now();
+        outcome_ = {trimmed(line), "", 0};
+        try {
+            const Arguments arguments = parse_line(line);
+            outcome_.name = arguments.name;
+            return arguments.name.empty() || (!is_quit(arguments) && run(arguments));
+        } catch (const OutputLost&) {
+            throw;  // No later answer can be written either.
+        } catch (const RequestError& error) {
+            return fail(error.what(), error.code, nullptr);
+        }
+    }
+    int exit_code() const { return exit_code_; }
+
+  private:
+    bool run(const Arguments& arguments) {
+        if (options_.echo && !options_.json) {
+            output_.print("> " + outcome_.command);
+        }
+        const Reply reply = run_command(session_, arguments, nullptr, options_.table);
+        const bool fails = options_.strict && !reply.warnings.empty();
+        outcome_.elapsed_ms = ms_now() - start_ms_;
+        if (!options_.json || !fails) {
+            output_.print(options_.json ? json_line(outcome_, reply) : reply.text);
+        }
+        return !fails || fail("--strict: " + reply.warnings.front(), ExitCode::warning, &reply);
+    }
+
+    bool fail(const std::string& error, ExitCode exit_code, const Reply* reply) {
+        const int code = static_cast<int>(exit_code);
+        exit_code_ = exit_code_ == 0 ? code : exit_code_;
+        outcome_.elapsed_ms = ms_now() - start_ms_;
+        if (options_.json) {
+            output_.print(json_error_line(outcome_, error, code, reply));
+        } else {
+            std::fprintf(stderr, "error: %s\n", error.c_str());
+        }
+        return options_.keep_going;
+    }
+
+    Session& session_;
+    const ScriptOptions& options_;
+    Output output_;
+    CommandOutcome outcome_;
+    double start_ms_ = 0;
+    int exit_code_ = 0;
+};
 
 }  // namespace
 
@@ -101,44 +181,13 @@ LineSource lines_of_prompt(MachinePort& machine) {
 }
 
 int run_script(Session& session, const LineSource& next_line, const ScriptOptions& options) {
-    int exit_code = 0;
-    while (const std::optional<std::string> line = next_line()) {
-        const auto start = std::chrono::steady_clock::now();
-        const auto elapsed_ms = [start] {
-            return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
-                                                             start)
-                .count();
-        };
-        try {
-            const Arguments arguments = parse_line(*line);
-            if (arguments.name.empty()) {
-                continue;
-            }
-            if (is_quit(arguments)) {
-                return exit_code;
-            }
-            if (options.echo && !options.json) {
-                print("> " + *line);
-            }
-            const Reply reply = run_command(session, arguments);
-            print(options.json ? json_line(*line, reply, elapsed_ms()) : reply.text);
-        } catch (const OutputLost&) {
-            throw;  // Not the command's failure, and nobody would see the next one's answer.
-        } catch (const RequestError& error) {
-            const int code = static_cast<int>(error.code);
-            exit_code = exit_code == 0 ? code : exit_code;
-            if (options.json) {
-                print(json_error_line(*line, error.what(), code, elapsed_ms()));
-            } else {
-                // If this cannot be written either, nobody can be told.
-                std::fprintf(stderr, "error: %s\n", error.what());
-            }
-            if (!options.keep_going) {
-                return exit_code;
-            }
+    Script script(session, options);
+    for (std::optional<std::string> line; (line = next_line());) {
+        if (!script.run(*line)) {
+            break;
         }
     }
-    return exit_code;
+    return script.exit_code();
 }
 
 }  // namespace pxpl5::host

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/base/prompt.hpp"
+#include "host/commands/commands.hpp"
 #include "host/machine/port.hpp"
 #include "host/session/session.hpp"
 
@@ -15,6 +16,8 @@ struct ScriptOptions {
     bool json = false;        ///< One JSON object per command and line, instead of text.
     bool echo = false;        ///< Print each command before its answer.
     bool keep_going = false;  ///< Go on after a failed command, as a prompt does.
+    bool strict = false;      ///< A command that gives a warning fails with exit code 3.
+    CommandTable table = command_table();
 };
 
 /// Longest line that is read: more without a newline is not a script.
@@ -35,7 +38,7 @@ LineSource lines_of_prompt(MachinePort& machine);
 ///
 /// Returns   0, or the exit code of the first command that failed.
 /// Throws    MachineError if the machine ends, RequestError (failed) if standard output cannot be
-///           written.
+///           written. A closed pipe is no error: the commands are still run.
 int run_script(Session& session, const LineSource& next_line, const ScriptOptions& options);
 
 }  // namespace pxpl5::host

@@ -30,6 +30,24 @@ std::vector<std::string_view> known_keys(const flatbuffers::Parser& parser) {
     return keys;
 }
 
+/// "; it belongs in 'roles'" for a key that the schema knows in another place.
+std::string home_of(const flatbuffers::Parser& parser, const std::string& key) {
+    for (const flatbuffers::StructDef* owner : parser.structs_.vec) {
+        if (owner->fields.Lookup(key) == nullptr) {
+            continue;
+        }
+        for (const flatbuffers::StructDef* table : parser.structs_.vec) {
+            for (const flatbuffers::FieldDef* field : table->fields.vec) {
+                if (field->value.type.struct_def == owner) {
+                    return fmt::format("; it belongs in '{}'", field->name);
+                }
+            }
+        }
+        return "; it belongs at the top level";
+    }
+    return did_you_mean(key, known_keys(parser));
+}
+
 /// The parser's own text is "<absolute path>:<line>: <column>: error: <what>".
 [[noreturn]] void refuse(const flatbuffers::Parser& parser, const std::string& file) {
     constexpr std::string_view mark = "error: ", unknown = "unknown field: ";
@@ -38,7 +56,7 @@ std::vector<std::string_view> known_keys(const flatbuffers::Parser& parser) {
     std::string what = at == std::string::npos ? error : error.substr(at + mark.size());
     if (what.starts_with(unknown)) {
         const std::string key = what.substr(unknown.size());
-        what = fmt::format("unknown key '{}'{}", key, did_you_mean(key, known_keys(parser)));
+        what = fmt::format("unknown key '{}'{}", key, home_of(parser, key));
     }
     const std::size_t place =
         error.rfind(':', at == std::string::npos ? at : error.rfind(':', at) - 1);

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/report/report_row.hpp"
 #include "host/session/live_work.hpp"

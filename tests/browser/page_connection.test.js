@@ -6,6 +6,18 @@ import {Connection} from '../../host/serve/page/link/connection.js';
 import {PictureView} from '../../host/serve/page/picture/picture.js';
 import {Store} from '../../host/serve/page/state/store.js';
 
+/** The settings of the server's table that these tests use. */
+const TABLE = [['surface', 1], ['view', 0], ['tint', 0], ['clip', 1]].map(
+  ([name, subject_words]) => ({name, kind: 'setting', subject_words}));
+
+/** @param {string} line  Without quotes. */
+function command(line) {
+  const [name, ...rest] = line.split(' ');
+  const isOption = (/** @type {string} */ each) => each.includes('=');
+  return {name, words: rest.filter(each => !isOption(each)),
+    options: Object.fromEntries(rest.filter(isOption).map(each => each.split('=')))};
+}
+
 /** What the browser's WebSocket does, as far as the page uses it. */
 class HandSocket {
   static OPEN = 1;
@@ -27,7 +39,8 @@ class HandSocket {
   accept() {
     this.readyState = 1;
     this.onopen();
-    this.say({hello: {version: '1', role: 'driver', viewer: 1, topology: 'default'}});
+    this.say({hello: {version: '1', role: 'driver', viewer: 1, topology: 'default',
+      commands: TABLE}});
   }
 
   /** @param {object | ArrayBuffer} what */
@@ -57,7 +70,8 @@ const settled = () => new Promise(resolve => setImmediate(resolve));
 
 test('of a flood of settings, the first and the newest are sent', async () => {
   const {connection, socket} = connected();
-  const replies = Array.from({length: 100}, (_, k) => connection.set(`surface bone iso=${k}`));
+  const replies = Array.from({length: 100},
+    (_, k) => connection.set(command(`surface bone iso=${k}`)));
   assert.deepEqual(socket.sent.map(({do: line}) => line), ['surface bone iso=0']);
   socket.say({re: socket.sent[0].id, ok: true, revision: 2});
   await settled();
@@ -68,16 +82,16 @@ test('of a flood of settings, the first and the newest are sent', async () => {
   assert.deepEqual([all[0].ok, all[99].ok], [true, true]);
   assert.ok(all.slice(1, 99).every(({superseded}) => superseded));
   // Nothing waits any more: the next goes out at once.
-  void connection.set('surface bone iso=5');
+  void connection.set(command('surface bone iso=5'));
   await settled();
   assert.equal(socket.sent.length, 3);
 });
 
 test('settings of different things do not wait for each other', () => {
   const {connection, socket} = connected();
-  void connection.set('surface bone iso=1');
-  void connection.set('surface skin iso=1');
-  void connection.set('view 1 2');
+  void connection.set(command('surface bone iso=1'));
+  void connection.set(command('surface skin iso=1'));
+  void connection.set(command('view 1 2'));
   assert.equal(socket.sent.length, 3);
 });
 
@@ -102,7 +116,7 @@ test('a lost connection answers everybody, comes back, and wants the same', asyn
   const {connection, socket} = connected();
   connection.wantMachine(true);
   const reply = connection.do('load phantom:pelvis', {quiet: true});
-  const drag = connection.set('view 1 2'), newest = connection.set('view 3 4');
+  const drag = connection.set(command('view 1 2')), newest = connection.set(command('view 3 4'));
   const answer = connection.ask({ask: 'slice', axis: 'x', index: 0});
   const failed = answer.then(() => 'answered', error => error.message);
   socket.drop(1006);
@@ -154,14 +168,14 @@ const linesOf = socket => socket.sent.map(({do: line}) => line);
 
 test('what was set before a command or a mark is sent before it', async () => {
   const {connection, socket} = connected();
-  const replies = [1, 2, 3].map(iso => connection.set(`surface bone iso=${iso}`));
+  const replies = [1, 2, 3].map(iso => connection.set(command(`surface bone iso=${iso}`)));
   const undo = connection.do('undo');
   assert.deepEqual(linesOf(socket), ['surface bone iso=1', 'surface bone iso=3', 'undo']);
-  void connection.set('surface bone iso=4');
+  void connection.set(command('surface bone iso=4'));
   connection.mark();
   assert.deepEqual(linesOf(socket).slice(3), ['surface bone iso=4', 'mark']);
   // The first's answer lets nothing go: a newer one is under way.
-  void connection.set('surface bone iso=5');
+  void connection.set(command('surface bone iso=5'));
   socket.say({re: socket.sent[0].id, ok: true});
   await settled();
   assert.equal(socket.sent.length, 5);
@@ -177,7 +191,7 @@ test('what was set before a command or a mark is sent before it', async () => {
 test('settings that wait are sent in the order in which they came', () => {
   const {connection, socket} = connected();
   for (const line of ['view 0 0', 'view zoom=1', 'view 1 1', 'view zoom=2', 'view 2 2']) {
-    void connection.set(line);
+    void connection.set(command(line));
   }
   void connection.do('view anterior');
   assert.deepEqual(linesOf(socket).slice(2), ['view zoom=2', 'view 2 2', 'view anterior']);
@@ -186,7 +200,7 @@ test('settings that wait are sent in the order in which they came', () => {
 test('what takes away is never left out', () => {
   const {connection, socket} = connected();
   const lines = ['tint off', 'tint off', 'clip L off'];
-  lines.forEach(line => void connection.set(line));
+  lines.forEach(line => void connection.set(command(line)));
   assert.deepEqual(linesOf(socket), lines);
 });
 

@@ -1,10 +1,9 @@
 // The page's modules that need no browser: turning, projection, messages, lines, store.
 import assert from 'node:assert/strict';
-import {readFileSync} from 'node:fs';
 import test from 'node:test';
 
 import {anglesOf, drag, onBall, rotationOf, turn} from '../../host/serve/page/picture/arcball.js';
-import {isoLine, plain, roundIso, SUBJECT_WORDS, subjectOf, word}
+import {isoCommand, plain, roundIso, subjectOf, toLine, word}
   from '../../host/serve/page/link/lines.js';
 import {parseAnswer, parseFrame} from '../../host/serve/page/link/messages.js';
 import {lettersTowards, mmPerPlace, projectToPicture, roundLength}
@@ -142,37 +141,53 @@ test('words are quoted as the command line takes them', () => {
   assert.equal(word(''), '""');
 });
 
-test('two lines have one subject if the later makes the earlier needless', () => {
-  assert.equal(subjectOf('surface bone iso=1'), subjectOf('surface bone iso=2'));
-  assert.equal(subjectOf('view 1 2 zoom=1 roll=0'), subjectOf('view 3 4 roll=9 zoom=2'));
-  assert.notEqual(subjectOf('surface bone iso=1'), subjectOf('surface skin iso=1'));
-  assert.notEqual(subjectOf('surface bone iso=1'), subjectOf('surface bone color=red'));
-  assert.notEqual(subjectOf('light 1 0 0'), subjectOf('light 2 0 0'));
-  assert.notEqual(subjectOf('clip L 5'), subjectOf('clip A 5'));
-  assert.notEqual(subjectOf('surface "a b" iso=1'), subjectOf('surface "a c" iso=1'));
-  assert.equal(subjectOf('surface "bone" iso=1'), subjectOf("surface bone  iso='2 # 3' # old"));
-  assert.notEqual(subjectOf('surface "iso=1"'), subjectOf('surface a iso=1'));
-  assert.notEqual(subjectOf('view 1 2'), subjectOf('view anterior'));
-  assert.equal(subjectOf('size 1x1'), subjectOf('size 2x2'));
-  for (const line of ['undo', 'clip L off', 'components bone at=1,2', 'orbit a', '']) {
-    assert.equal(subjectOf(line), '', `'${line}' is no setting`);
-  }
+const TABLE = /** @type {any[]} */ ([
+  {name: 'surface', kind: 'setting', subject_words: 1},
+  {name: 'light', kind: 'setting', subject_words: 1},
+  {name: 'clip', kind: 'setting', subject_words: 1},
+  {name: 'view', kind: 'setting', subject_words: 0},
+  {name: 'components', kind: 'setting', subject_words: 1},
+  {name: 'orbit', kind: 'action', subject_words: 0},
+]);
+
+test('a command becomes a line with quotes where they are needed', () => {
+  assert.equal(toLine({name: 'surface', words: ['left knee'], options: {iso: 1, color: '#ffffff'}}),
+    'surface "left knee" iso=1 color="#ffffff"');
+  assert.equal(toLine({name: 'undo'}), 'undo');
 });
 
-test('page and server agree on what sets, and on how many words say what', () => {
-  const file = new URL('../../host/commands/command_tables.cpp', import.meta.url);
-  const table = readFileSync(file, 'utf8');
-  const rows = table.split(/\n {8}\{(?=")/).slice(1).map(row =>
-    [/^"(\w+)"/.exec(row)?.[1], /CommandKind::setting(?:,\s*(\d+))?\}/.exec(row)]);
-  const sets = rows.filter(([, kind]) => kind).map(([name, kind]) => [name, Number(kind[1] ?? 0)]);
-  assert.deepEqual(Object.fromEntries(SUBJECT_WORDS), Object.fromEntries(sets));
+test('two commands have one subject if the later replaces the earlier', () => {
+  const subject = (/** @type {string} */ name, words = /** @type {any[]} */ ([]), options = {}) =>
+    subjectOf({name, words, options}, TABLE);
+  assert.equal(subject('surface', ['bone'], {iso: 1}), subject('surface', ['bone'], {iso: 2}));
+  assert.equal(subject('view', [1, 2], {zoom: 1, roll: 0}),
+    subject('view', [3, 4], {roll: 9, zoom: 2}));
+  assert.notEqual(subject('surface', ['bone'], {iso: 1}), subject('surface', ['skin'], {iso: 1}));
+  assert.notEqual(subject('surface', ['bone'], {iso: 1}), subject('surface', ['bone'], {color: 1}));
+  assert.notEqual(subject('light', [1, 0, 0]), subject('light', [2, 0, 0]));
+  assert.notEqual(subject('clip', ['L', 5]), subject('clip', ['A', 5]));
+  assert.notEqual(subject('surface', ['a b'], {iso: 1}), subject('surface', ['a c'], {iso: 1}));
+  assert.notEqual(subject('surface', ['iso=1']), subject('surface', ['a'], {iso: 1}));
+  assert.notEqual(subject('view', [1, 2]), subject('view', ['anterior']));
+  assert.equal(subject('undo'), '');
+  assert.equal(subject('clip', ['L', 'off']), '');
+  assert.equal(subject('components', ['bone'], {at: '1,2'}), '');
+  assert.equal(subject('orbit', ['a']), '');
+});
+
+test('a command that only the server knows is a setting of the page, too', () => {
+  const planted = {name: 'haze', words: [0.5]};
+  assert.equal(subjectOf(planted, TABLE), '');
+  const table = [...TABLE, {name: 'haze', kind: 'setting', subject_words: 0}];
+  assert.equal(subjectOf(planted, table), subjectOf({...planted, words: [0.7]}, table));
+  assert.notEqual(subjectOf(planted, table), '');
 });
 
 test('isovalues of whole numbers lie between two; of others they have few digits', () => {
   assert.equal(roundIso(99.2, {minimum: -1000, maximum: 3000}), 99.5);
   assert.equal(roundIso(-0.2, {minimum: -1000, maximum: 3000}), -0.5);
   assert.equal(roundIso(0.123456, {minimum: 0, maximum: 1}), 0.123);
-  assert.equal(isoLine('bone', 1e-7), 'surface bone iso=0.0000001');
+  assert.equal(toLine(isoCommand('bone', 1e-7)), 'surface bone iso=0.0000001');
   assert.deepEqual([plain(100), plain(-0.001), plain(1.5), plain(20, 0)],
     ['100', '0', '1.5', '20']);
 });

@@ -116,6 +116,53 @@ class Cli(unittest.TestCase):
             self.assertEqual(done.returncode, 64, (arguments, done))
             self.assertIn(text, done.stderr, arguments)
 
+    def test_the_shell_command_line_names_the_nearest_word(self):
+        for arguments, text in (
+                (["rendr", "x"], "pxpl5 has no subcommand 'rendr'; did you mean 'render'?"),
+                (["trace", "bogus", "--help"], "trace has no subcommand 'bogus'"),
+                (["render", "phantom:sphere", "--opacty", "1", "-o", "x.png"],
+                 "did you mean '--opacity'?"),
+                (["run", "-c", "help", "extra"], "unexpected argument 'extra'"),
+                (["why", "256", "200"], "usage: pxpl5 why run x y"),
+                (["run", "-c", "surface a --iso 0"], "write iso=0, not --iso 0"),
+                (["run", "-c", "light 1"], "light 1: give azimuth and elevation, or off")):
+            done = self.pxpl5(*arguments, machine=False)
+            self.assertEqual(done.returncode, 64, (arguments, done))
+            self.assertIn(text, done.stderr, arguments)
+        self.assertIn("Usage: pxpl5 [OPTIONS]", self.pxpl5(machine=False).stdout)
+
+    def test_an_option_takes_one_value_and_the_volume_may_follow(self):
+        done = self.pxpl5("render", "--surface", "bone=300", "--light", "1 30 20", "--opacity",
+                          "0.5", "phantom:pelvis", "--json", "-o", self.path("x.png"))
+        self.assertEqual(done.returncode, 0, done)
+        lines = [json.loads(line)["command"] for line in done.stdout.splitlines()]
+        self.assertEqual(lines, ["light 1 30 20", "load phantom:pelvis",
+                                 "surface bone iso=300 opacity=0.5",
+                                 f"snapshot {self.path('x.png')}"])
+
+    def test_outputs_are_checked_before_any_work(self):
+        for output, code in (("x.jpg", 64), ("/no/such/folder/x.png", 1)):
+            done = self.pxpl5("render", "phantom:pelvis", "-o", output)
+            self.assertEqual(done.returncode, code, done)
+            self.assertEqual(done.stdout, "")
+            self.assertFalse(os.path.exists(self.path("run")))
+
+    def test_questions_leave_no_run_folder(self):
+        for arguments in (["run", "-c", "help surface"], ["info", "phantom:sphere"]):
+            done = self.pxpl5(*arguments, machine=False)
+            self.assertEqual(done.returncode, 0, done)
+            self.assertEqual(os.listdir(self.folder.name), [])
+
+    def test_a_closed_pipe_does_not_stop_the_work(self):
+        done = subprocess.run(
+            f"'{BIN}/pxpl5' run --topology one-of-each -c 'load phantom:sphere; "
+            f"surface s iso=0.5; stats; snapshot s.png' | head -1; exit ${{PIPESTATUS[0]}}",
+            shell=True, executable="/bin/bash", capture_output=True, text=True, timeout=LIMIT_S,
+            cwd=self.folder.name, check=False)
+        self.assertEqual(done.returncode, 0, done)
+        self.assertEqual(done.stderr, "")
+        self.assertEqual(png_size(self.path("s.png")), (512, 512))
+
     def test_unknown_machine_is_named(self):
         done = self.pxpl5("run", "-c", "stats", topology="paper-1994")
         self.assertEqual(done.returncode, 64)
@@ -189,7 +236,7 @@ class Cli(unittest.TestCase):
         for commands in ("kill gp-0", "kill gp-0; digest"):
             done = self.pxpl5("run", "-c", "load phantom:sphere; surface s iso=0.5; " + commands)
             self.assertEqual(done.returncode, 128 + signal.SIGKILL, done.stderr)
-            self.assertIn("gp-0 is killed", done.stdout)
+            self.assertIn("gp-0 killed", done.stdout)
             self.assertNotIn("frame ", done.stdout)
             self.assertIn("gp-0 was killed by signal 9", done.stderr.splitlines()[-1])
         done = self.pxpl5("run", "-c", "kill gp-7")

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 #include "tests/system/theatre.hpp"
 
 using namespace pxpl5;
@@ -33,6 +33,11 @@ void check_refined(const std::vector<serve::Shown>& frames, std::size_t first) {
 TEST_CASE("who joins is greeted, and hears of the volume and its first surface") {
     Theatre stage;
     CHECK(stage.watchers.last("hello")["role"] == "driver");
+    const Json commands = stage.watchers.last("hello")["commands"];
+    CHECK(commands.size() == command_table().size());
+    CHECK(commands[5]["name"] == "surface");
+    CHECK(commands[5]["kind"] == "setting");
+    CHECK(commands[5]["subject_words"] == 1);
     const Json state = stage.watchers.last("state");
     CHECK(state["volume"]["name"] == "phantom:sphere");
     CHECK(state["surfaces"].size() == 1);

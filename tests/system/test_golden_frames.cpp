@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 #include <fmt/core.h>
 
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/session/session.hpp"
 #include "tests/golden.hpp"

@@ -172,7 +172,7 @@ TEST_CASE("antialias sets the samples of what is drawn, orbits too, but picks wi
         CHECK((picture.rgba == fine) == (index == 0));
     });
     CHECK_THROWS_WITH_AS(run_command(session, parse_line("antialias 5")),
-                         "antialias: 5 samples a pixel, it must be 1, 4, 16", RequestError);
+                         "antialias: 5 samples per pixel, must be 1, 4, 16", RequestError);
     run_command(session, parse_line("antialias 1"));
     CHECK(session.draw().rgba == plain);
 }

@@ -7,7 +7,7 @@
 
 #include "host/base/error.hpp"
 #include "host/commands/commands.hpp"
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;

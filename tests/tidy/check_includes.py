@@ -80,6 +80,7 @@ ROOMS = {
         "model": {"record", "listing", "why"},
         "tools": {"record", "replay", "listing", "map", "step", "diff", "why", "model"},
     },
+    "host/commands": {"text": set(), ".": {"text"}},
     "host/serve": {"server": set(), "director": {"server"}, "page": set(),
                    ".": {"server", "director"}},
     "host/serve/page": {

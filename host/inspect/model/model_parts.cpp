@@ -28,10 +28,6 @@ std::string_view word_of(timing::Assignment assignment) {
 
 }  // namespace
 
-std::string counted(std::uint64_t n, const std::string& word) {
-    return fmt::format("{} {}{}", grouped(n), word, n == 1 ? "" : "s");
-}
-
 std::string picture_text(std::string_view word, std::uint32_t first, std::uint32_t samples) {
     return samples == 1
                ? fmt::format("{} {}", word, first)

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/base/chart_axis.hpp"
 #include "host/base/reply.hpp"
 #include "host/base/text_table.hpp"
 #include "host/timing/simulate.hpp"
@@ -15,9 +16,6 @@ constexpr double ms(timing::Ns time) {
     constexpr double ns_per_ms = 1e6;
     return static_cast<double>(time) / ns_per_ms;
 }
-
-/// "1 GP", "36 GPs".
-std::string counted(std::uint64_t n, const std::string& word);
 
 /// "frame 3"; of several samples "frames 3..6, 4 samples". `word` is "frame" or "Frame".
 std::string picture_text(std::string_view word, std::uint32_t first, std::uint32_t samples);

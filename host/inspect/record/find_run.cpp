@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "host/base/error.hpp"
 
@@ -15,8 +14,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* latest_recorded = "latest-recorded";
+
 bool is_latest(const std::string& text) {
-    return text.empty() || text == "latest";
+    return text.empty() || text == "latest" || text == latest_recorded;
 }
 
 bool holds_trace(const fs::path& run) {
@@ -29,18 +30,21 @@ bool holds_trace(const fs::path& run) {
     return false;
 }
 
-/// Says so if a later run than the chosen one was not recorded: it may be the one that is meant.
-std::string newer_run_note(const fs::path& chosen) {
-    fs::path newest = chosen;
+/// When a run was made, or its traces were written: a flight may be saved long after the start.
+fs::file_time_type time_of(const fs::path& run) {
+    return fs::last_write_time(holds_trace(run) ? run / "traces" : run);
+}
+
+/// The newest run under `base`. Empty if there is none.
+fs::path newest_run(const fs::path& base, bool must_be_recorded) {
+    std::pair<fs::file_time_type, fs::path> newest;
     std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(chosen.parent_path(), ignored)) {
-        if (entry.is_directory() && entry.last_write_time() > fs::last_write_time(newest)) {
-            newest = entry.path();
+    for (const auto& entry : fs::directory_iterator(base, ignored)) {
+        if (entry.is_directory() && (!must_be_recorded || holds_trace(entry.path()))) {
+            newest = std::max(newest, {time_of(entry.path()), entry.path()});
         }
     }
-    return newest == chosen || holds_trace(newest)
-               ? ""
-               : fmt::format(" ({} is newer, but holds no trace)", newest.filename().string());
+    return newest.second;
 }
 
 }  // namespace
@@ -49,27 +53,28 @@ fs::path find_run(const std::string& text, const fs::path& base) {
     if (!is_latest(text)) {
         return text;
     }
-    std::vector<std::pair<fs::file_time_type, fs::path>> runs;
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(base, ignored)) {
-        if (entry.is_directory() && holds_trace(entry.path())) {
-            // When traces were written last: a flight may be saved long after its run began.
-            runs.emplace_back(fs::last_write_time(entry.path() / "traces"), entry.path());
-        }
-    }
-    if (runs.empty()) {
+    const fs::path recorded = newest_run(base, true);
+    if (recorded.empty()) {
         throw RequestError(ExitCode::usage,
                            fmt::format("no recorded run under {}/; name one, or record one: "
                                        "pxpl5 render ... --record full",
                                        base.string()));
     }
-    return std::ranges::max(runs).second;
+    const fs::path newest = newest_run(base, text == latest_recorded);
+    if (newest != recorded) {
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("the newest run {} has no trace: run it again with --record full, or give "
+                        "{} for {}",
+                        newest.string(), latest_recorded, recorded.string()));
+    }
+    return recorded;
 }
 
 RecordedRun open_run(const std::string& text) {
     const fs::path path = find_run(text);
     if (is_latest(text)) {
-        fmt::print(stderr, "run: {}{}\n", path.string(), newer_run_note(path));
+        fmt::print(stderr, "run: {}\n", path.string());
     }
     return RecordedRun::open(path);
 }

@@ -11,9 +11,10 @@ namespace pxpl5::host::inspect {
 /// Where runs are kept unless --run-folder said otherwise.
 inline constexpr const char* default_run_folder = "run";
 
-/// A run folder, traces folder or trace file as it is; of nothing or "latest" the newest folder
-/// under `base` that holds a trace.
-/// Throws RequestError (usage) if there is none.
+/// A run folder, traces folder or trace file as it is. "latest" or nothing is the newest run under
+/// `base`, "latest-recorded" the newest run that has a trace.
+/// Throws RequestError (usage) if no run has a trace, or if the newest run has none and "latest" is
+/// asked for.
 std::filesystem::path find_run(const std::string& text,
                                const std::filesystem::path& base = default_run_folder);
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
-#include <sstream>
 
 #include "host/base/error.hpp"
 #include "host/inspect/map/picture_file.hpp"
@@ -46,62 +45,6 @@ std::uint32_t region_number(const RecordedFrame& frame, const std::string& text)
 
 }  // namespace
 
-struct StepProgram::Command {
-    std::vector<const char*> names;
-    const char* syntax;
-    const char* doc;
-    std::string (StepProgram::*run)(const Words&);
-    bool moves = false;
-};
-
-const std::vector<StepProgram::Command>& StepProgram::commands() {
-    using P = StepProgram;
-    static const std::vector<Command> list = {
-        {{"s", "step"}, "s [N]", "one instruction on, or N", &P::step, true},
-        {{"b", "back"}, "b [N]", "one instruction back, or N", &P::back, true},
-        {{"t", "triangle"}, "t [N]", "to the next primitive (triangle)", &P::primitive, true},
-        {{"T"},
-         "T [N]",
-         "back to the begin of this primitive, then of those before",
-         &P::primitive_back,
-         true},
-        {{"part"},
-         "part [N]",
-         "to the next part: segment or end-of-region program; -1: back",
-         &P::part,
-         true},
-        {{"region"}, "region [N]", "to the next region; -1: back", &P::region, true},
-        {{"frame"}, "frame [N]", "to the next frame; -1: back", &P::frame, true},
-        {{"c", "continue"}, "c", "on to the next breakpoint", &P::go_on, true},
-        {{"rc"}, "rc", "back to the breakpoint before", &P::go_back, true},
-        {{"goto"},
-         "goto PLACE",
-         "N (instruction of the region), end, ADDRESS, region N or C,R, frame N, pixel X Y",
-         &P::go_to},
-        {{"break"},
-         "break WHAT",
-         "op TREE* | pixel X Y | z X Y < V | empty | cell I,J,K | primitive N | at ADDRESS",
-         &P::add_break},
-        {{"delete"}, "delete [N]", "remove breakpoint N, or all", &P::remove_break},
-        {{"info"}, "info", "list the breakpoints", &P::list_breaks},
-        {{"pixel"}, "pixel X Y", "all fields of a pixel of the picture", &P::pixel},
-        {{"print"},
-         "print FIELD [X Y [W H]]",
-         "a field's values in a window of the picture",
-         &P::print},
-        {{"show"}, "show [FIELD]", "the region as a picture, here in the terminal", &P::show},
-        {{"png"}, "png FILE [FIELD]", "the region as a picture, in a file", &P::png},
-        {{"list"}, "list [N]", "instructions around the next one", &P::list},
-        {{"where"},
-         "where",
-         "frame, region, counts, primitive, meaning of the next instruction",
-         &P::where},
-        {{"help"}, "help", "this list", &P::help},
-        {{"quit", "q"}, "quit", "leave", &P::quit},
-    };
-    return list;
-}
-
 StepProgram::StepProgram(const RecordedRun& run, std::uint32_t frame, TerminalStyle style)
     : stepper_(run, frame), style_(style) {}
 
@@ -113,33 +56,12 @@ std::string StepProgram::welcome() const {
         stepper_.frame().number, stepper_.region().place.number, next_line(stepper_));
 }
 
-std::string StepProgram::command(const std::string& line) {
-    const Words words = split(line, blanks);
-    if (words.empty() || words.front().front() == '#') {
-        return {};
-    }
-    for (const Command& command : commands()) {
-        if (std::ranges::find(command.names, words.front()) != command.names.end()) {
-            return (this->*command.run)(words);
-        }
-    }
-    refuse(fmt::format("there is no command '{}'; 'help' lists them", words.front()));
-}
-
-bool StepProgram::is_move(const std::string& line) {
-    const Words words = split(line, blanks);
-    return !words.empty() && std::ranges::any_of(commands(), [&](const Command& command) {
-        return command.moves &&
-               std::ranges::find(command.names, words.front()) != command.names.end();
-    });
-}
-
 // ---- moving
 
 std::string StepProgram::step(const Words& words) {
-    const std::int64_t times = number_or(words, 1, 1, "a count of instructions");
+    const std::int64_t times = number_or(words, 0, 1, "a count of instructions");
     if (times < 0) {
-        return back({words[0], fmt::format("{}", -times)});
+        return back({fmt::format("{}", -times)});
     }
     for (std::int64_t i = 0; i < times; ++i) {
         if (!stepper_.step()) {
@@ -150,7 +72,7 @@ std::string StepProgram::step(const Words& words) {
 }
 
 std::string StepProgram::back(const Words& words) {
-    std::int64_t times = number_or(words, 1, 1, "a count of instructions");
+    std::int64_t times = number_or(words, 0, 1, "a count of instructions");
     while (times > 0) {
         // Within a region at once.
         const std::uint64_t executed = stepper_.here().executed();
@@ -183,20 +105,20 @@ std::string StepProgram::to_stops(const Break& stop, std::int64_t times, const c
 }
 
 std::string StepProgram::primitive(const Words& words) {
-    return to_stops(PrimitiveBreak{}, number_or(words, 1, 1, "a count of primitives"), "primitive");
+    return to_stops(PrimitiveBreak{}, number_or(words, 0, 1, "a count of primitives"), "primitive");
 }
 
 std::string StepProgram::primitive_back(const Words& words) {
-    return to_stops(PrimitiveBreak{}, -number_or(words, 1, 1, "a count of primitives"),
+    return to_stops(PrimitiveBreak{}, -number_or(words, 0, 1, "a count of primitives"),
                     "primitive");
 }
 
 std::string StepProgram::part(const Words& words) {
-    return to_stops(PartBreak{}, number_or(words, 1, 1, "a count of parts"), "part");
+    return to_stops(PartBreak{}, number_or(words, 0, 1, "a count of parts"), "part");
 }
 
 std::string StepProgram::region(const Words& words) {
-    const std::int64_t times = number_or(words, 1, 1, "a count of regions");
+    const std::int64_t times = number_or(words, 0, 1, "a count of regions");
     for (std::int64_t i = 0; i < std::abs(times); ++i) {
         if (!stepper_.to_region(times < 0 ? Direction::backward : Direction::forward)) {
             refuse(times < 0 ? "there is no region before" : "no region follows");
@@ -207,7 +129,7 @@ std::string StepProgram::region(const Words& words) {
 }
 
 std::string StepProgram::frame(const Words& words) {
-    const std::int64_t times = number_or(words, 1, 1, "a count of frames");
+    const std::int64_t times = number_or(words, 0, 1, "a count of frames");
     for (std::int64_t i = 0; i < std::abs(times); ++i) {
         if (!stepper_.to_frame(times < 0 ? Direction::backward : Direction::forward)) {
             refuse(times < 0 ? "there is no frame before" : "no frame follows");
@@ -242,34 +164,34 @@ std::string StepProgram::go_back(const Words&) {
 
 void StepProgram::go_to_pixel(const Words& words) {
     const RegionPlace place = stepper_.frame().region_at(
-        static_cast<int>(number_of(words[2], "X")), static_cast<int>(number_of(words[3], "Y")));
+        static_cast<int>(number_of(words[1], "X")), static_cast<int>(number_of(words[2], "Y")));
     stepper_.go_to({stepper_.frame().number, place.number, 0});
 }
 
 std::string StepProgram::go_to(const Words& words) {
     const RunPlace here = stepper_.place();
-    const std::string what = words.size() > 1 ? words[1] : "";
-    if (what == "region" && words.size() == 3) {
-        stepper_.go_to({here.frame, region_number(stepper_.frame(), words[2]), 0});
-    } else if (what == "frame" && words.size() == 3) {
-        stepper_.go_to({index_of(words[2], "a frame's number"), here.region, 0});
-    } else if (what == "pixel" && words.size() == 4) {
+    const std::string what = !words.empty() ? words[0] : "";
+    if (what == "region" && words.size() == 2) {
+        stepper_.go_to({here.frame, region_number(stepper_.frame(), words[1]), 0});
+    } else if (what == "frame" && words.size() == 2) {
+        stepper_.go_to({index_of(words[1], "a frame's number"), here.region, 0});
+    } else if (what == "pixel" && words.size() == 3) {
         go_to_pixel(words);
-    } else if (what == "end" && words.size() == 2) {
+    } else if (what == "end" && words.size() == 1) {
         stepper_.go_to({here.frame, here.region, ~std::uint64_t{0}});
-    } else if (words.size() == 2 && std::isdigit(static_cast<unsigned char>(what[0])) != 0 &&
+    } else if (words.size() == 1 && std::isdigit(static_cast<unsigned char>(what[0])) != 0 &&
                what.find('+') == std::string::npos) {
         stepper_.go_to({here.frame, here.region, index_of(what, "an instruction's number")});
-    } else if (words.size() > 1) {
+    } else if (!words.empty()) {
         const Break stop =
-            AddressBreak{here.region, address_of(stepper_.region().plan, joined(words, 1))};
+            AddressBreak{here.region, address_of(stepper_.region().plan, joined(words, 0))};
         stepper_.go_to({here.frame, here.region, 0});
         if (std::get<AddressBreak>(stop).address != stepper_.here().walk().at()) {
             stepper_.run_to({&stop, 1}, Direction::forward);
         }
         if (stepper_.place().region != here.region || stepper_.place().frame != here.frame) {
             stepper_.go_to(here);
-            refuse(fmt::format("'{}' is jumped over: it is never executed", joined(words, 1)));
+            refuse(fmt::format("'{}' is jumped over: it is never executed", joined(words, 0)));
         }
     } else {
         refuse("goto where? N, end, ADDRESS, region N, frame N or pixel X Y");
@@ -286,12 +208,12 @@ std::string StepProgram::add_break(const Words& words) {
 }
 
 std::string StepProgram::remove_break(const Words& words) {
-    if (words.size() < 2) {
+    if (words.empty()) {
         breaks_.clear();
         break_numbers_.clear();
         return "no breakpoint is left";
     }
-    const std::int64_t number = number_of(words[1], "a breakpoint's number");
+    const std::int64_t number = number_of(words[0], "a breakpoint's number");
     const auto found = std::ranges::find(break_numbers_, number);
     if (found == break_numbers_.end()) {
         refuse(fmt::format("there is no breakpoint {}; 'info' lists them", number));
@@ -312,30 +234,27 @@ std::string StepProgram::list_breaks(const Words&) {
 // ---- looking
 
 std::string StepProgram::pixel(const Words& words) {
-    if (words.size() != 3) {
-        refuse("which pixel? pixel X Y, of the whole picture");
-    }
-    return pixel_text(stepper_, static_cast<int>(number_of(words[1], "X")),
-                      static_cast<int>(number_of(words[2], "Y")));
+    return pixel_text(stepper_, static_cast<int>(number_of(words[0], "X")),
+                      static_cast<int>(number_of(words[1], "Y")));
 }
 
 std::string StepProgram::list(const Words& words) {
     return list_text(
-        stepper_, static_cast<int>(number_or(words, 1, listed_lines, "a count of instructions")));
+        stepper_, static_cast<int>(number_or(words, 0, listed_lines, "a count of instructions")));
 }
 
 std::string StepProgram::print(const Words& words) {
-    if (words.size() != 2 && words.size() != 4 && words.size() != 6) {
+    if (words.size() != 1 && words.size() != 3 && words.size() != 5) {
         refuse("print what? print FIELD, print FIELD X Y, or print FIELD X Y W H");
     }
     PictureWindow window = window_of_interest(stepper_);
     const auto number = [&](std::size_t at, int fallback, const char* what) {
         return static_cast<int>(number_or(words, at, fallback, what));
     };
-    window = {number(2, window.x, "X"), number(3, window.y, "Y"),
-              std::clamp(number(4, window.width, "a width"), 1, print_columns_most),
-              std::clamp(number(5, window.height, "a height"), 1, print_rows_most)};
-    return print_text(stepper_, field_of(words[1]), window);
+    window = {number(1, window.x, "X"), number(2, window.y, "Y"),
+              std::clamp(number(3, window.width, "a width"), 1, print_columns_most),
+              std::clamp(number(4, window.height, "a height"), 1, print_rows_most)};
+    return print_text(stepper_, field_of(words[0]), window);
 }
 
 /// The field that word `index` names. Else what is there to be seen: normals while primitives are
@@ -348,42 +267,27 @@ NamedField StepProgram::field_or_default(const Words& words, std::size_t index) 
 }
 
 std::string StepProgram::show(const Words& words) {
-    const NamedField field = field_or_default(words, 1);
+    const NamedField field = field_or_default(words, 0);
     const std::string text =
         terminal_text(picture_of(stepper_.here().executor(), field), isa::region::size_px, style_);
     return text + fmt::format("{} of region {}", field.name, stepper_.region().place.number);
 }
 
 std::string StepProgram::png(const Words& words) {
-    if (words.size() < 2) {
-        refuse("png where? png FILE [FIELD]");
-    }
-    const NamedField field = field_or_default(words, 2);
+    const NamedField field = field_or_default(words, 1);
     const std::vector<std::uint32_t> small = picture_of(stepper_.here().executor(), field);
     constexpr std::size_t side = isa::region::size_px, large = side * png_scale;
     std::vector<std::uint32_t> picture(large * large);
     for (std::size_t i = 0; i < picture.size(); ++i) {
         picture[i] = small[i / large / png_scale * side + i % large / png_scale];
     }
-    write_png(words[1], static_cast<int>(large), static_cast<int>(large), picture);
-    return fmt::format("{}: {} of region {}, {} x {}", words[1], field.name,
+    write_png(words[0], static_cast<int>(large), static_cast<int>(large), picture);
+    return fmt::format("{}: {} of region {}, {} x {}", words[0], field.name,
                        stepper_.region().place.number, large, large);
 }
 
 std::string StepProgram::where(const Words&) {
     return where_text(stepper_);
-}
-
-std::string StepProgram::help(const Words&) {
-    std::string text;
-    for (const Command& command : commands()) {
-        text += fmt::format("  {:<24} {}\n", command.syntax, command.doc);
-    }
-    return text +
-           "X Y count over the whole picture from its top left. FIELD is enable, carry, surface, "
-           "z, normal,\nnx, ny, nz, rgb, or bits as 64:24. ADDRESS is as lines show it, or "
-           "PART+WORD. An empty line\nrepeats the last move. Breakpoints op, cell, primitive and "
-           "at stop ahead of the instruction;\npixel, z and empty behind the one that did it.";
 }
 
 std::string StepProgram::quit(const Words&) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,7 +31,9 @@ class StepProgram {
   private:
     using Words = std::vector<std::string>;
     struct Command;
-    static const std::vector<Command>& commands();
+    static std::span<const Command> commands();
+    static std::vector<Command> move_commands();
+    static std::vector<Command> look_commands();
 
     std::string step(const Words& words);
     std::string back(const Words& words);
@@ -61,7 +64,7 @@ class StepProgram {
 
     Stepper stepper_;
     TerminalStyle style_;
-    std::vector<int> break_numbers_;  ///< As the person knows them.
+    std::vector<int> break_numbers_;  ///< The numbers that the user sees.
     std::vector<Break> breaks_;
     int next_break_ = 1;
     bool is_over_ = false;

@@ -13,7 +13,7 @@ namespace pxpl5::host::inspect {
 namespace {
 
 PrimitiveBreak cell_break(const std::vector<std::string>& words) {
-    const std::vector<std::string> ijk = split(joined(words, 2), ", ");
+    const std::vector<std::string> ijk = split(joined(words, 1), ", ");
     if (ijk.size() != 3) {
         refuse("a cell has three numbers: break cell I,J,K");
     }
@@ -25,7 +25,7 @@ PrimitiveBreak cell_break(const std::vector<std::string>& words) {
 }  // namespace
 
 void refuse(const std::string& text) {
-    throw RequestError(ExitCode::usage, text);
+    refuse_command(text);
 }
 
 std::int64_t number_of(const std::string& text, const char* what) {
@@ -69,38 +69,38 @@ std::string joined(const std::vector<std::string>& words, std::size_t first) {
 }
 
 Break break_of(const std::vector<std::string>& words, const Stepper& stepper) {
-    const std::string kind = words.size() > 1 ? words[1] : "";
+    const std::string kind = words.empty() ? "" : words[0];
     const auto pixel = [&](std::size_t at) {
         const int x = static_cast<int>(number_of(words[at], "X"));
         const int y = static_cast<int>(number_of(words[at + 1], "Y"));
         stepper.frame().region_at(x, y);  // Refuses what is outside.
         return std::pair(x, y);
     };
-    if (kind == "op" && words.size() == 3) {
-        return OpBreak{words[2]};
+    if (kind == "op" && words.size() == 2) {
+        return OpBreak{words[1]};
     }
-    if (kind == "pixel" && words.size() == 4) {
-        const auto [x, y] = pixel(2);
+    if (kind == "pixel" && words.size() == 3) {
+        const auto [x, y] = pixel(1);
         return PixelBreak{x, y};
     }
-    if (kind == "z" && words.size() == 6 && words[4] == "<") {
-        const auto [x, y] = pixel(2);
-        return DepthBreak{x, y, index_of(words[5], "a depth")};
+    if (kind == "z" && words.size() == 5 && words[3] == "<") {
+        const auto [x, y] = pixel(1);
+        return DepthBreak{x, y, index_of(words[4], "a depth")};
     }
-    if (kind == "empty" && words.size() == 2) {
+    if (kind == "empty" && words.size() == 1) {
         return EmptyBreak{};
     }
-    if (kind == "cell" && words.size() > 2) {
+    if (kind == "cell" && words.size() > 1) {
         return cell_break(words);
     }
-    if (kind == "primitive" && words.size() == 3) {
+    if (kind == "primitive" && words.size() == 2) {
         PrimitiveBreak stop;
-        stop.number = index_of(words[2], "a primitive's number");
+        stop.number = index_of(words[1], "a primitive's number");
         return stop;
     }
-    if (kind == "at" && words.size() > 2) {
+    if (kind == "at" && words.size() > 1) {
         return AddressBreak{stepper.region().place.number,
-                            address_of(stepper.region().plan, joined(words, 2))};
+                            address_of(stepper.region().plan, joined(words, 1))};
     }
     refuse(
         "a breakpoint is one of: break op PATTERN, break pixel X Y, break z X Y < V, "

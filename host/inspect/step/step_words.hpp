@@ -10,8 +10,6 @@
 
 namespace pxpl5::host::inspect {
 
-inline constexpr const char* blanks = " \t\r\n";
-
 /// Throws RequestError (usage).
 [[noreturn]] void refuse(const std::string& text);
 
@@ -27,7 +25,7 @@ std::int64_t number_or(const std::vector<std::string>& words, std::size_t index,
 /// A number of 0 .. 2^32-1.
 std::uint32_t index_of(const std::string& text, const char* what);
 
-/// The breakpoint of "break KIND ...". Throws RequestError (usage) that lists the kinds.
+/// The breakpoint of the words behind "break". Throws RequestError (usage) that lists the kinds.
 Break break_of(const std::vector<std::string>& words, const Stepper& stepper);
 
 }  // namespace pxpl5::host::inspect

@@ -143,7 +143,8 @@ void Director::take(const Joined& joined) {
                                     {"role", std::string(joined.role == Role::driver ? "driver"
                                                                                      : "watcher")},
                                     {"viewer", std::int64_t{joined.viewer}},
-                                    {"topology", parts_.topology}}}}));
+                                    {"topology", parts_.topology},
+                                    {"commands", table_fields()}}}}));
     // What is half done is no state: then the one before.
     audience_.send(joined.viewer, busy_.empty() ? current_state() : last_state_);
 }

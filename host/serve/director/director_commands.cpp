@@ -2,13 +2,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <utility>
 
 #include "host/base/error.hpp"
 #include "host/base/reply.hpp"
-#include "host/commands/first_surfaces.hpp"
+#include "host/commands/text/first_surfaces.hpp"
 #include "host/serve/director/director.hpp"
 #include "host/session/restore.hpp"
 
@@ -18,10 +17,6 @@ namespace {
 
 constexpr std::string_view download_prefix = "download:";
 constexpr std::size_t max_name_bytes = 120;
-/// Commands that may take so long that a person wonders.
-constexpr std::array<std::string_view, 10> long_commands = {
-    "load",   "atlas", "certificate", "compare",  "components",
-    "export", "orbit", "sweep",       "snapshot", "play"};
 /// A surface around others is seen through, so that a first picture shows both.
 constexpr const char* see_through = "0.35";
 
@@ -94,7 +89,7 @@ void Director::do_command(const Wish& wish) {
     const int loads = session_->history.loads();
     const std::int64_t start_ns = parts_.clock_ns();
     cancels_ = false;
-    if (std::ranges::count(long_commands, wish.arguments.name) != 0) {
+    if (find_command(wish.arguments.name).is_long) {
         busy_ = wish.text;
         tell_state();
         tell_progress(wish.arguments.name, 0, 0);

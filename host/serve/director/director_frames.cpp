@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 #include "host/serve/director/director.hpp"
 
 namespace pxpl5::host::serve {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.hpp"
-#include "host/commands/slice_picture.hpp"
+#include "host/commands/text/slice_picture.hpp"
 #include "host/inspect/why/live_frame.hpp"
 
 namespace pxpl5::host::serve {

@@ -5,7 +5,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/base/reply.hpp"
-#include "host/commands/volume_text.hpp"
+#include "host/commands/text/volume_text.hpp"
 
 namespace pxpl5::host::serve {
 

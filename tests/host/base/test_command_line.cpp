@@ -97,7 +97,7 @@ TEST_SUITE("host/commands") {
             CHECK(&find_command(command.name) == &command);
             CHECK(!command.help.empty());
             CHECK(command.help.back() == '.');
-            CHECK(command.min_words <= command.max_words);
+            CHECK(command.required <= command.words.size());
         }
     }
 

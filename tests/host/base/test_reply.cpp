@@ -16,10 +16,13 @@ TEST_SUITE("host/reply") {
                            {"dims", std::vector<double>{1, 2, 3}},
                            {"inner", Fields{{"x", std::int64_t{7}}}},
                            {"list", std::vector<Fields>{{{"y", std::int64_t{8}}}}}}};
-        const std::string line = json_line("surface a", reply, 1.5);
+        const std::string line = json_line({"surface a", "surface", 1.5}, reply);
         CHECK(line.find('\n') == std::string::npos);
         const auto json = nlohmann::json::parse(line);
         CHECK(json["command"] == "surface a");
+        CHECK(json["name"] == "surface");
+        CHECK(json["schema"] == 1);
+        CHECK(json["warnings"].empty());
         CHECK(json["ok"] == true);
         CHECK(json["ms"] == 1.5);
         CHECK(json["result"]["flag"] == true);
@@ -31,10 +34,25 @@ TEST_SUITE("host/reply") {
     }
 
     TEST_CASE("an error is one line of JSON, even with bytes that are not UTF-8") {
-        const auto json = nlohmann::json::parse(json_error_line("load \xff", "no file", 65, 2));
+        const auto json =
+            nlohmann::json::parse(json_error_line({"load \xff", "load", 2}, "no file", 65));
         CHECK(json["ok"] == false);
         CHECK(json["error"] == "no file");
         CHECK(json["exit_code"] == 65);
+    }
+
+    TEST_CASE("a warning is in the text and in JSON, and whole numbers stay whole") {
+        Reply reply{"wrote a.png", {{"dims", std::vector<std::int64_t>{3, 4}}}};
+        add_warning(reply, "nothing is visible in it", "; ");
+        CHECK(reply.text == "wrote a.png; nothing is visible in it");
+        const std::string line = json_line({"snapshot a.png", "snapshot", 1}, reply);
+        CHECK(line.find("\"dims\":[3,4]") != std::string::npos);
+        CHECK(line.find("\"warnings\":[\"nothing is visible in it\"]") != std::string::npos);
+        const auto failed = nlohmann::json::parse(
+            json_error_line({"snapshot a.png", "snapshot", 1}, "--strict", 3, &reply));
+        CHECK(failed["ok"] == false);
+        CHECK(failed["result"]["dims"][0] == 3);
+        CHECK(failed["warnings"].size() == 1);
     }
 
     TEST_CASE("a line of CSV has a cell for every field") {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "host/commands/first_surfaces.hpp"
+#include "host/commands/text/first_surfaces.hpp"
 
 using namespace pxpl5::host;
 

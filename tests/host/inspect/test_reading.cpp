@@ -354,7 +354,17 @@ TEST_CASE("the newest run that holds a trace is found; none is refused") {
         std::ofstream(folder.path / name / "traces" / "host.mcap") << "x";
         fs::last_write_time(folder.path / name / "traces", now - std::chrono::hours(age_h));
     }
-    fs::create_directories(folder.path / "d" / "traces");
+    for (const char* name : {"a", "b", "c"}) {
+        fs::last_write_time(folder.path / name, now - std::chrono::hours(5));
+    }
     CHECK(find_run("latest", folder.path) == folder.path / "b");
+    CHECK(find_run("latest-recorded", folder.path) == folder.path / "b");
+    // A newer run without a trace is never passed over in silence.
+    fs::create_directories(folder.path / "d" / "traces");
+    CHECK(find_run("latest-recorded", folder.path) == folder.path / "b");
+    for (const char* text : {"", "latest"}) {
+        CHECK_THROWS_WITH_AS(find_run(text, folder.path), doctest::Contains("latest-recorded"),
+                             host::RequestError);
+    }
     CHECK(find_run("some/where", folder.path) == "some/where");
 }

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 #include "host/inspect/step/region_stepper.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"

@@ -83,6 +83,11 @@ TEST_CASE("the machine of the paper has 36 GPs of 8 MiB, 16 Renderers and a fram
     CHECK(plan.ring.channel_mb_s == 80);
 }
 
+TEST_CASE("a known key in the wrong place is refused with the place where it belongs") {
+    const std::string error = refusal_of(R"({"gp": {"count": 2}})");
+    CHECK_MESSAGE(has(error, "unknown key 'gp'; it belongs in 'roles'"), error);
+}
+
 TEST_CASE("an unknown key is refused with file, line and the nearest key") {
     const std::string error = refusal_of("{\n  roles: {\n    gp: { cuont: 3 }\n  }\n}\n");
     CHECK_MESSAGE(error == "some/machine.json:3: unknown key 'cuont'; did you mean 'count'?",

@@ -1,6 +1,6 @@
 // The WebSocket to the server: commands and questions with their answers, events, reconnection.
 import {ANSWER_MAGIC, FRAME_MAGIC, magicOf, parseAnswer, parseFrame} from './messages.js';
-import {subjectOf} from './lines.js';
+import {subjectOf, toLine} from './lines.js';
 
 /** @typedef {import('./types.js').Reply} Reply */
 /** @typedef {import('./types.js').Answer} Answer */
@@ -123,11 +123,12 @@ export class Connection {
    * Does a setting, newest only: of each subject (see `subjectOf`) one line is under way and the
    * newest waits; one between the two is answered `superseded`. For drags. What is no setting is
    * done as by `do`.
-   * @param {string} line
+   * @param {import('./lines.js').Command} command
    * @returns {Promise<Reply>}
    */
-  set(line) {
-    const subject = subjectOf(line);
+  set(command) {
+    const line = toLine(command);
+    const subject = subjectOf(command, this.hello?.commands ?? []);
     if (subject === '') {
       return this.do(line);
     }

@@ -1,4 +1,4 @@
-// Command lines: how words are quoted, and which setting a line makes. Pure functions.
+// Command lines: quoting, and the subject of a setting. Pure functions.
 
 /**
  * A word as the command line takes it: quoted if it has blanks, quotes, '=' or '#'. There is no
@@ -14,41 +14,33 @@ export function word(text) {
 }
 
 /**
- * How many words say what is set, of each command that sets.
- * host/commands/command_tables.cpp has them.
+ * A command as the page builds it: its name, its words and its options.
+ * @typedef {object} Command
+ * @property {string} name
+ * @property {(string | number)[]} [words]
+ * @property {Record<string, string | number>} [options]
  */
-export const SUBJECT_WORDS = new Map([
-  ['surface', 1], ['components', 1], ['view', 0], ['light', 1], ['material', 0], ['background', 0],
-  ['clip', 1], ['tint', 0], ['antialias', 0], ['overlay', 0], ['size', 0],
-]);
+
+/** @param {Command} command */
+export function toLine({name, words = [], options = {}}) {
+  return [name, ...words.map(each => word(String(each))),
+    ...Object.entries(options).map(([key, value]) => `${key}=${word(String(value))}`)].join(' ');
+}
 
 /**
- * What a line sets, as the server sees it (subject_of() in host/commands/commands.cpp).
- * If two lines have one subject, the later line replaces the earlier one. Returns '' if the
- * line is no setting.
- * @param {string} line
+ * The subject of a setting. If two commands have one subject, the later command replaces the
+ * earlier command. Returns '' if the command is no setting.
+ * @param {Command} command
+ * @param {import('./types.js').CommandDescriptor[]} table  The server's table of commands.
  */
-export function subjectOf(line) {
-  const bare = (/** @type {string} */ text) => text.replace(/"([^"]*)"|'([^']*)'/g, '$1$2');
-  /** @type {string[]} */
-  const words = [];
-  /** @type {string[]} */
-  const keys = [];
-  for (const text of line.match(/(?:[^\s"']|"[^"]*"|'[^']*')+/g) ?? []) {
-    if (text === '#') {
-      break;  // A comment follows.
-    }
-    const key = bare(/^((?:[^"'=]|"[^"]*"|'[^']*')+)=/.exec(text)?.[1] ?? '');
-    const isOption = words.length > 0 && key !== '';
-    (isOption ? keys : words).push(isOption ? key : bare(text));
-  }
-  const [name = '', ...rest] = words;
-  const named = SUBJECT_WORDS.get(name);
-  // Taking away, and what depends on the picture, is done each time.
-  if (named === undefined || rest.at(-1) === 'off' || keys.includes('at')) {
+export function subjectOf({name, words = [], options = {}}, table) {
+  const descriptor = table.find(each => each.name === name);
+  const depends = words.at(-1) === 'off' || 'at' in options;
+  if (descriptor?.kind !== 'setting' || depends) {
     return '';
   }
-  return JSON.stringify([name, ...rest.map((each, k) => k < named ? each : '*'), keys.sort()]);
+  const subject = words.map((each, k) => k < descriptor.subject_words ? String(each) : '*');
+  return JSON.stringify([name, ...subject, Object.keys(options).sort()]);
 }
 
 /**
@@ -80,9 +72,11 @@ export function roundIso(value, {minimum, maximum}) {
 }
 
 /**
+ * Sets the isovalue of a surface.
  * @param {string} surface
  * @param {number} value
+ * @returns {Command}
  */
-export function isoLine(surface, value) {
-  return `surface ${word(surface)} iso=${plain(value, 9)}`;
+export function isoCommand(surface, value) {
+  return {name: 'surface', words: [surface], options: {iso: plain(value, 9)}};
 }

@@ -84,7 +84,16 @@
  */
 
 /**
- * @typedef {{version: string, role: 'driver' | 'watcher', viewer: number, topology: string}} Hello
+ * A command of the server: see `descriptor_fields` in host/base/command_descriptor.hpp.
+ * @typedef {object} CommandDescriptor
+ * @property {string} name
+ * @property {'question' | 'setting' | 'action' | 'memory'} kind
+ * @property {number} subject_words     Number of words that name the subject of a setting.
+ */
+
+/**
+ * @typedef {{version: string, role: 'driver' | 'watcher', viewer: number, topology: string,
+ *   commands: CommandDescriptor[]}} Hello
  */
 /** @typedef {{what: string, done: number, total: number}} Progress */
 /** @typedef {{level: 'info' | 'error', text: string}} Note */

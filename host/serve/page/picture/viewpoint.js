@@ -143,8 +143,9 @@ export class Viewpoint {
    */
   set_(from, zoom, roll_deg, pan_mm) {
     this.underWay_ += 1;
-    const line = `view ${from} zoom=${plain(zoom, 4)} roll=${plain(roll_deg)} pan=${pan_mm}`;
-    void this.connection_.set(line).then(({revision = 0}) => {
+    const options = {zoom: plain(zoom, 4), roll: plain(roll_deg), pan: pan_mm};
+    const command = {name: 'view', words: from.split(' '), options};
+    void this.connection_.set(command).then(({revision = 0}) => {
       this.underWay_ -= 1;
       this.answered_ = Math.max(this.answered_, revision);
       this.follow_();

@@ -62,7 +62,7 @@ function sizeMenu(app) {
     if (menu.value === '' && app.store.state && !app.connection.watches) {
       const wished = sizeOf(app.picture.stage);
       if (wished !== app.store.state.size.join('x')) {
-        void app.connection.set(`size ${wished}`);
+        void app.connection.set({name: 'size', words: [wished]});
       }
     }
   };
@@ -70,7 +70,7 @@ function sizeMenu(app) {
     if (menu.value === '') {
       follow();
     } else {
-      void app.connection.set(`size ${menu.value}`);
+      void app.connection.set({name: 'size', words: [menu.value]});
     }
     menu.blur();
   });

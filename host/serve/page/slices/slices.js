@@ -1,6 +1,6 @@
 // Panel: three slices of the volume, linked with one another and with the picture.
 import {h} from '../elements/dom.js';
-import {isoLine, roundIso} from '../link/lines.js';
+import {isoCommand, roundIso} from '../link/lines.js';
 import {choiceRow, intro, messageLine, numberField} from '../panel/panel_parts.js';
 import {nearestVoxel, patientText, toPatient, toVoxel} from './patient_grid.js';
 import {CT_WINDOWS, allValues, firstWindow, isHounsfield} from './slice_pixels.js';
@@ -282,7 +282,7 @@ class SlicesPanel {
       this.message.fail('There is no surface yet whose isovalue could be set: add one first.');
     } else if (this.volume) {
       connection.mark();
-      void connection.set(isoLine(selection.name, roundIso(value, this.volume)));
+      void connection.set(isoCommand(selection.name, roundIso(value, this.volume)));
     }
   }
 

@@ -84,7 +84,8 @@ class PlaneRow {
     this.place_ = h('input', {type: 'range', step: 0.5, 'data-testid': `clip-place-${kind}`,
       'aria-label': `Place of the plane that keeps ${SIDE_NAMES.get(kind)}`,
       onpointerdown: () => app.connection.mark(),
-      oninput: () => void app.connection.set(`clip ${kind} ${this.place_.value}`)});
+      oninput: () => void app.connection.set({name: 'clip',
+        words: [kind, this.place_.value]})});
     /** @private */
     this.text_ = h('span', {class: 'number amount'});
     /** @private */

@@ -1,6 +1,6 @@
 // The volume's histogram; every surface is a handle that is dragged along it.
 import {h, s, update} from '../elements/dom.js';
-import {isoLine, plain, roundIso} from '../link/lines.js';
+import {isoCommand, plain, roundIso} from '../link/lines.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/types.js').SurfaceState} SurfaceState */
@@ -252,7 +252,7 @@ export class Histogram {
     }
     this.ahead_.set(name, value);
     this.drawHandles_();
-    void this.app_.connection.set(isoLine(name, value)).then(() => {
+    void this.app_.connection.set(isoCommand(name, value)).then(() => {
       if (this.ahead_.get(name) === value) {
         this.ahead_.delete(name);
         this.drawHandles_();

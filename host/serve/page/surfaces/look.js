@@ -148,8 +148,9 @@ class LightBall {
    */
   send_(light) {
     if (light && !this.app_.connection.watches) {
-      void this.app_.connection.set(`light ${this.chosen_ + 1} ${plain(light.azimuth_deg, 1)} `
-        + `${plain(light.elevation_deg, 1)} intensity=${this.intensity_.value}`);
+      void this.app_.connection.set({name: 'light',
+        words: [this.chosen_ + 1, plain(light.azimuth_deg, 1), plain(light.elevation_deg, 1)],
+        options: {intensity: this.intensity_.value}});
     }
   }
 }
@@ -174,14 +175,16 @@ function createMaterial(root, app) {
     ['power', 'Sharpness', 1, 128, 1, 'How small the highlights are'],
   ]).map(([key, label, min, max, step, title]) => {
     const input = h('input', {type: 'range', min, max, step, 'data-testid': `material-${key}`,
-      oninput: () => void app.connection.set(`material ${key}=${input.value}`)});
+      oninput: () => void app.connection.set({name: 'material',
+        options: {[key]: input.value}})});
     root.append(h('label', {class: 'row', title}, h('span', {class: 'field'}, label), input));
     return {key, input};
   });
   const colour = h('input', {type: 'color', 'data-testid': 'background',
-    oninput: () => void app.connection.set(`background ${colour.value}`)});
+    oninput: () => void app.connection.set({name: 'background', words: [colour.value]})});
   const gaps = h('input', {type: 'checkbox', 'data-testid': 'tint-gaps',
-    onchange: () => void app.connection.set(`tint ${gaps.checked ? 'gaps' : 'off'}`)});
+    onchange: () => void app.connection.set({name: 'tint',
+      words: [gaps.checked ? 'gaps' : 'off']})});
   const gapLabel = h('label', {class: 'row'}, gaps, 'Tint where slices are missing');
   root.append(h('label', {class: 'row'}, h('span', {class: 'field'}, 'Background'), colour),
     gapLabel);

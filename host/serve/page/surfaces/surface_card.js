@@ -1,6 +1,6 @@
 // One surface in the list: a row that is always there, and details of the one that is chosen.
 import {h} from '../elements/dom.js';
-import {isoLine, plain, word} from '../link/lines.js';
+import {isoCommand, plain, word} from '../link/lines.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/types.js').SurfaceState} SurfaceState */
@@ -55,17 +55,17 @@ export class SurfaceCard {
     this.app_ = app;
     /** @private */
     this.name_ = name;
-    const set = (/** @type {string} */ option) => {
-      void app.connection.set(`surface ${word(name)} ${option}`);
+    const set = (/** @type {Record<string, string>} */ options) => {
+      void app.connection.set({name: 'surface', words: [name], options});
     };
     const id = `surface-${name}`;
     /** @private */
     this.colour_ = h('input', {type: 'color', 'aria-label': `Colour of ${name}`,
-      'data-testid': `surface-color-${name}`, oninput: () => set(`color=${this.colour_.value}`)});
+      'data-testid': `surface-color-${name}`, oninput: () => set({color: this.colour_.value})});
     /** @private */
     this.visible_ = h('input', {type: 'checkbox', 'aria-label': `Show ${name}`,
       'data-testid': `surface-visible-${name}`,
-      onchange: () => set(`visible=${this.visible_.checked ? 'yes' : 'no'}`)});
+      onchange: () => set({visible: this.visible_.checked ? 'yes' : 'no'})});
     /** @private */
     this.iso_ = h('input', {type: 'number', step: 'any', class: 'iso number',
       'aria-label': `Isovalue of ${name}`, 'data-testid': `iso-${name}`,
@@ -81,7 +81,7 @@ export class SurfaceCard {
     /** @private */
     this.opacity_ = h('input', {type: 'range', min: 0.0625, max: 1, step: 0.0625,
       'aria-label': `Opacity of ${name}`, 'data-testid': `surface-opacity-${name}`,
-      oninput: () => set(`opacity=${this.opacity_.value}`)});
+      oninput: () => set({opacity: this.opacity_.value})});
     /** @private */
     this.opacityText_ = h('span', {class: 'number muted amount'});
     /** @private */
@@ -168,7 +168,7 @@ export class SurfaceCard {
     const value = this.iso_.valueAsNumber;
     if (Number.isFinite(value)) {
       this.app_.connection.mark();
-      void this.app_.connection.set(isoLine(this.name_, value));
+      void this.app_.connection.set(isoCommand(this.name_, value));
     }
   }
 

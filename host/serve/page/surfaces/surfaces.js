@@ -1,6 +1,6 @@
 // The list of surfaces, tissues to add, and the mode that takes a threshold from the picture.
 import {byId, h} from '../elements/dom.js';
-import {isoLine, plain, roundIso, word} from '../link/lines.js';
+import {isoCommand, plain, roundIso, toLine, word} from '../link/lines.js';
 import {SurfaceCard} from './surface_card.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -85,7 +85,7 @@ async function addSurface(app, selection) {
   const {minimum, maximum} = state.volume;
   const name = `surface-${number}`;
   const value = roundIso((minimum + maximum) / 2, state.volume);
-  const reply = await app.connection.do(isoLine(name, value));
+  const reply = await app.connection.do(toLine(isoCommand(name, value)));
   if (reply.ok) {
     selection.choose(name);
   }
@@ -172,7 +172,7 @@ function toggleTissueMode({connection, modes, store}, selection) {
       const volume = store.state?.volume;
       if (volume) {
         connection.mark();
-        void connection.set(isoLine(name, roundIso(value, volume)));
+        void connection.set(isoCommand(name, roundIso(value, volume)));
       }
     },
   });

@@ -1,4 +1,4 @@
-// Isovalues and colours of tissues in CT, where values are Hounsfield units.
+// Isovalues and colors of tissues in CT, where values are Hounsfield units.
 #pragma once
 
 #include <span>

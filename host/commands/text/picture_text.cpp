@@ -1,11 +1,12 @@
-#include "host/commands/picture_text.hpp"
+#include "host/commands/text/picture_text.hpp"
 
 #include <fmt/core.h>
 
 #include <span>
 
+#include "host/base/chart_axis.hpp"
 #include "host/base/digest.hpp"
-#include "host/commands/volume_text.hpp"
+#include "host/commands/text/volume_text.hpp"
 #include "host/scene/overlay.hpp"
 
 namespace pxpl5::host {
@@ -139,14 +140,15 @@ Reply describe_archive(const phigs::Content& content) {
     const glm::dvec3 &low = content.low, &high = content.high;
     Reply reply;
     reply.text = fmt::format(
-        "{}: {} structures, {} posted; {} polygons ({} triangles), {} spheres, {} lines in {} "
-        "colours\nfrom ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}) in its own units",
-        content.file, content.structures, content.posted, content.polygons, content.triangles,
-        content.spheres, content.lines, content.materials.size(), low.x, low.y, low.z, high.x,
-        high.y, high.z);
+        "{}: {}, {} posted; {} ({}), {}, {} in {}\nfrom ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, "
+        "{:.6g}, {:.6g}) in its own units",
+        content.file, counted(content.structures, "structure"), content.posted,
+        counted(content.polygons, "polygon"), counted(content.triangles, "triangle"),
+        counted(content.spheres, "sphere"), counted(content.lines, "line"),
+        counted(content.materials.size(), "color"), low.x, low.y, low.z, high.x, high.y, high.z);
     std::vector<Fields> notes;
     for (const std::string& note : content.notes) {
-        reply.text += "\nnote: " + note;
+        add_warning(reply, note, "\nnote: ");
         notes.push_back({{"note", note}});
     }
     const auto number = [](std::size_t value) { return static_cast<std::int64_t>(value); };
@@ -157,7 +159,7 @@ Reply describe_archive(const phigs::Content& content) {
                     {"triangles", number(content.triangles)},
                     {"spheres", number(content.spheres)},
                     {"lines", number(content.lines)},
-                    {"colours", number(content.materials.size())},
+                    {"colors", number(content.materials.size())},
                     {"low", std::vector<double>{low.x, low.y, low.z}},
                     {"high", std::vector<double>{high.x, high.y, high.z}},
                     {"notes", notes}};

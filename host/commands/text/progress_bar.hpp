@@ -1,13 +1,12 @@
-// A bar on standard error while something long goes on.
+// A bar on standard error during long work.
 #pragma once
 
 #include "host/session/session.hpp"
 
 namespace pxpl5::host {
 
-/// Draws a bar for as long as it lives, if standard error is a terminal and nobody else shows the
-/// progress; nothing in the first
-/// moments, so that short work does not flicker.
+/// Draws a bar while it lives, if standard error is a terminal and nothing else shows the progress.
+/// Draws nothing in the first moments, so that short work does not flicker.
 class ProgressBar {
   public:
     explicit ProgressBar(Session& session);

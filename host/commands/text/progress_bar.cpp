@@ -1,4 +1,4 @@
-#include "host/commands/progress_bar.hpp"
+#include "host/commands/text/progress_bar.hpp"
 
 #include <fmt/core.h>
 #include <unistd.h>

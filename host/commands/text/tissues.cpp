@@ -1,4 +1,4 @@
-#include "host/commands/tissues.hpp"
+#include "host/commands/text/tissues.hpp"
 
 #include <algorithm>
 #include <array>

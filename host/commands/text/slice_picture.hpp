@@ -1,4 +1,4 @@
-// A slice as a grey picture, with the contours of surfaces and the patient's directions as marks.
+// A slice as a gray picture, with the contours of surfaces and the patient's directions as marks.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,8 @@ struct SurfaceContour {
     std::vector<ContourPiece> pieces;
 };
 
-/// Of the visible surfaces, in drawing order; all components of each. Surfaces that `compare` made
-/// have none.
+/// The contours of the visible surfaces, in drawing order, with all components of each. Surfaces
+/// that `compare` made have no contours.
 std::vector<SurfaceContour> contours_of(const Scene& scene, const Slice& slice);
 
 inline constexpr std::size_t max_contour_marks = 50'000;

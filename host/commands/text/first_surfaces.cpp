@@ -1,6 +1,6 @@
-#include "host/commands/first_surfaces.hpp"
+#include "host/commands/text/first_surfaces.hpp"
 
-#include "host/commands/tissues.hpp"
+#include "host/commands/text/tissues.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/surface/atlas/first_isovalue.hpp"
 

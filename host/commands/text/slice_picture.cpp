@@ -1,4 +1,4 @@
-#include "host/commands/slice_picture.hpp"
+#include "host/commands/text/slice_picture.hpp"
 
 #include <fmt/core.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
-#include "host/commands/volume_text.hpp"
+#include "host/commands/text/volume_text.hpp"
 
 namespace pxpl5::host {
 

@@ -1,4 +1,4 @@
-#include "host/commands/volume_text.hpp"
+#include "host/commands/text/volume_text.hpp"
 
 #include <fmt/core.h>
 
@@ -30,6 +30,14 @@ constexpr std::array<std::string_view, 12> finding_names = {"note",
 
 glm::dvec3 axis_mm(const Volume& volume, int axis) {
     return glm::dvec3(volume.voxel_to_patient[axis]);
+}
+
+/// Whether a finding makes the geometry of the volume uncertain.
+bool is_warning(FindingKind kind) {
+    using enum FindingKind;
+    return kind == assumption || kind == gantry_tilt || kind == missing_slices ||
+           kind == uneven_slices || kind == duplicate_slices || kind == mixed_orientations ||
+           kind == thickness_differs;
 }
 
 constexpr std::array<int, 5> quantile_percent = {5, 25, 50, 75, 95};
@@ -73,7 +81,7 @@ std::string histogram_text(const Histogram& counted) {
         rows[bin / per_row] += counted.counts[bin];
     }
     const double most = std::log2(1.0 + static_cast<double>(*std::ranges::max_element(rows)));
-    std::string text = "values from, voxels (bars by logarithm)";
+    std::string text = "bin start, count (log-scaled bars)";
     for (std::size_t row = 0; row < rows.size(); ++row) {
         const double share = std::log2(1.0 + static_cast<double>(rows[row])) / std::max(1.0, most);
         text += fmt::format("\n{:>10.6g} {:>10} {}",
@@ -85,10 +93,7 @@ std::string histogram_text(const Histogram& counted) {
 }
 
 Fields histogram_fields(const Histogram& counted) {
-    std::vector<double> counts;
-    for (const std::uint64_t count : counted.counts) {
-        counts.push_back(static_cast<double>(count));
-    }
+    const std::vector<std::int64_t> counts(counted.counts.begin(), counted.counts.end());
     return {{"first", counted.first}, {"width", counted.width}, {"counts", counts}};
 }
 
@@ -122,8 +127,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     Reply reply;
     reply.text = fmt::format(
         "{}: {} x {} x {} voxels of {}, spacing {:.4g} x {:.4g} x {:.4g} mm, {:.0f} x {:.0f} x "
-        "{:.0f} mm\nvalues {} .. {}; axes point to {}, first voxel at ({:.1f}, {:.1f}, {:.1f}) mm "
-        "LPS",
+        "{:.0f} mm\nvalues {} .. {}; orientation {}, origin ({:.1f}, {:.1f}, {:.1f}) mm LPS",
         volume.name, volume.nx, volume.ny, volume.nz, type, spacing.x, spacing.y, spacing.z,
         extent.x, extent.y, extent.z, volume.minimum, volume.maximum, letters, origin.x, origin.y,
         origin.z);
@@ -132,10 +136,10 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     }
     const Histogram counted = histogram(volume, histogram_bins);
     const std::vector<double> shares = quantiles(counted);
-    reply.text += "\nof the voxels";
+    reply.text += "\npercentiles:";
     for (std::size_t i = 0; i < shares.size(); ++i) {
-        reply.text += fmt::format("{} {} % are up to {:.6g}", i == 0 ? "" : ",",
-                                  quantile_percent[i], shares[i]);
+        reply.text +=
+            fmt::format("{} {} % {:.6g}", i == 0 ? "" : ",", quantile_percent[i], shares[i]);
     }
     if (detail == VolumeDetail::all) {
         reply.text += "\n" + histogram_text(counted);
@@ -144,6 +148,9 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     for (const Finding& finding : volume.findings) {
         const std::string kind(finding_name(finding.kind));
         reply.text += fmt::format("\n{}: {}", kind, finding.text);
+        if (is_warning(finding.kind)) {
+            reply.warnings.push_back(fmt::format("{}: {}", kind, finding.text));
+        }
         notes.push_back({{"kind", kind}, {"note", finding.text}});
     }
     std::vector<Fields> surfaces;
@@ -153,8 +160,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     }
     reply.fields = {
         {"name", volume.name},
-        {"dims", std::vector<double>{static_cast<double>(volume.nx), static_cast<double>(volume.ny),
-                                     static_cast<double>(volume.nz)}},
+        {"dims", std::vector<std::int64_t>{volume.nx, volume.ny, volume.nz}},
         {"type", type},
         {"spacing_mm", std::vector<double>{spacing.x, spacing.y, spacing.z}},
         {"origin_mm", std::vector<double>{origin.x, origin.y, origin.z}},
@@ -164,7 +170,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
         {"quantiles", shares},
         {"histogram", histogram_fields(counted)},
         {"modality", volume.modality},
-        {"gap_slabs", std::vector<double>(volume.gap_slabs.begin(), volume.gap_slabs.end())},
+        {"gap_slabs", std::vector<std::int64_t>(volume.gap_slabs.begin(), volume.gap_slabs.end())},
         {"notes", notes},
         {"surfaces", surfaces}};
     return reply;

@@ -1,0 +1,150 @@
+// Rows of commands about volumes, surfaces and meshes.
+#include <array>
+
+#include "host/commands/command_handlers.hpp"
+#include "host/commands/command_tables.hpp"
+#include "host/commands/load_options.hpp"
+#include "host/surface/histogram.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+using Words = std::array<std::string_view, 2>;
+
+constexpr Words yes_no = {"yes", "no"}, part_choices = {"all", "largest"};
+constexpr Words axes_choices = {"LPS", "RAS"};
+constexpr std::array<std::string_view, 1> off_choice = {"off"};
+constexpr std::array<std::string_view, 3> axis_choices = {"x", "y", "z"};
+constexpr std::array<std::string_view, 5> mesh_suffixes = {".stl", ".ply", ".obj", ".vtp", ".glb"};
+constexpr std::array<std::string_view, 4> picture_suffixes = {".png", ".tif", ".tiff", ".exr"};
+
+constexpr Parameter surface_word{"NAME", "NAME", "name of a surface"};
+
+}  // namespace
+
+std::vector<Command> volume_commands() {
+    return {
+        {{.name = "load",
+          .help = "Reads a volume or a PPHIGS archive and sends it to the GPs. Crops, smooths and "
+                  "resamples the volume, in this order.",
+          .words = {{"SOURCE", "FILE|FOLDER|phantom:NAME|SCENE.phigs", "", ValueType::file}},
+          .required = 1,
+          .options = load_option_list(),
+          .kind = CommandKind::action,
+          .is_long = true,
+          .stage = RenderStage::load},
+         run_load},
+        {{.name = "info",
+          .help = "Prints the geometry, values and warnings of the loaded volume or of another.",
+          .words = {{"VOLUME", "VOLUME", "file, folder or phantom:NAME", ValueType::file}},
+          .options = load_option_list()},
+         run_info},
+        {{.name = "atlas",
+          .help = "Measures the surfaces of many isovalues and finds plateaus; draws a chart into "
+                  "FILE.",
+          .words = {output_value("FILE", picture_suffixes, "chart to write")},
+          .options = {number_value("from", "V", -max_float, max_float, "lowest isovalue"),
+                      number_value("to", "V", -max_float, max_float, "highest isovalue"),
+                      whole_value("steps", "N", 2, 4096, "number of isovalues", "256")},
+          .is_long = true,
+          .stage = RenderStage::output},
+         run_atlas},
+        {{.name = "histogram",
+          .help = "Counts the voxels in each range of values.",
+          .words = {whole_value("BINS", "BINS", 1, max_histogram_bins, "number of ranges", "256")}},
+         run_histogram},
+        {{.name = "slice",
+          .help = "Reports the orientation of a slice perpendicular to a voxel axis; writes it to "
+                  "FILE with the contours of visible surfaces.",
+          .words = {choice_value("AXIS", axis_choices, "voxel axis"),
+                    {"INDEX", "INDEX", "number of the slice, from 0"},
+                    output_value("FILE", picture_suffixes, "picture to write")},
+          .required = 2,
+          .options = {number_value("window", "W", 1e-12, 1e12, "width of the gray window"),
+                      number_value("level", "L", -1e12, 1e12, "center of the gray window")},
+          .stage = RenderStage::output},
+         run_slice},
+    };
+}
+
+std::vector<Command> surface_commands() {
+    return {
+        {{.name = "surface",
+          .help = "Adds a surface, or changes its isovalue or its style.",
+          .words = {surface_word},
+          .required = 1,
+          .options = {number_value("iso", "V", -max_float, max_float, "isovalue"),
+                      {"preset", "TISSUE", "isovalue and color of a tissue; see 'presets'"},
+                      {"color", "C", "#rrggbb, r,g,b or a name", ValueType::color},
+                      number_value("opacity", "SHARE", 0.01, 1, "drawn with a stipple mask"),
+                      choice_value("visible", yes_no, "whether the surface is drawn", "yes"),
+                      choice_value("table", case_table_names, "marching-cubes table",
+                                   case_table_names[0])},
+          .kind = CommandKind::setting,
+          .subject_words = 1,
+          .stage = RenderStage::scene},
+         run_surface},
+        {{.name = "presets", .help = "Lists the CT tissues for preset=."}, run_presets},
+        {{.name = "components",
+          .help = "Lists the connected components of a surface, or selects the components to draw "
+                  "by one option.",
+          .words = {surface_word},
+          .required = 1,
+          .options = {choice_value("show", part_choices, "draw all or the largest component"),
+                      number_value("min_mm2", "A", 0, 1e12, "smallest area to draw", "mm²"),
+                      number_value("min_ml", "V", 0, 1e9, "smallest volume to draw", "ml"),
+                      {"at", "X,Y", "draw the component at a pixel of the picture"}},
+          .kind = CommandKind::setting,
+          .subject_words = 1,
+          .is_long = true,
+          .stage = RenderStage::scene},
+         run_components},
+        {{.name = "remove",
+          .help = "Removes a surface.",
+          .words = {surface_word},
+          .required = 1,
+          .kind = CommandKind::action},
+         run_remove},
+    };
+}
+
+std::vector<Command> mesh_commands() {
+    return {
+        {{.name = "certificate",
+          .help = "Reports whether surfaces are closed, manifold and oriented, with measures and "
+                  "defects.",
+          .words = {surface_word},
+          .is_long = true},
+         run_certificate},
+        {{.name = "compare",
+          .help = "Draws only the cells where watertight and lorensen1987 differ, until 'compare "
+                  "NAME off'.",
+          .words = {surface_word, choice_value("off", off_choice, "ends the comparison")},
+          .required = 1,
+          .kind = CommandKind::action,
+          .is_long = true},
+         run_compare},
+        {{.name = "export",
+          .help = "Writes surfaces as a mesh in millimeters.",
+          .words = {output_value("FILE", mesh_suffixes, "mesh to write")},
+          .required = 1,
+          .options = {{"surfaces",
+                       "A,B",
+                       "surfaces to write",
+                       ValueType::text,
+                       0,
+                       0,
+                       {},
+                       "all visible surfaces"},
+                      choice_value("axes", axes_choices, "patient axes", "LPS"),
+                      number_value("keep", "SHARE", 1e-4, 1,
+                                   "share of the triangles to keep; less than 1 decimates")},
+          .kind = CommandKind::action,
+          .is_long = true,
+          .stage = RenderStage::output},
+         run_export},
+    };
+}
+
+}  // namespace pxpl5::host

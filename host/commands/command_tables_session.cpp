@@ -1,0 +1,132 @@
+// Rows of commands about pictures, the machine and the session itself.
+#include <array>
+
+#include "host/commands/command_handlers.hpp"
+#include "host/commands/command_tables.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr std::array<std::string_view, 4> picture_suffixes = {".png", ".tif", ".tiff", ".exr"};
+constexpr std::array<std::string_view, 5> motion_suffixes = {".gif", ".png", ".tif", ".tiff",
+                                                             ".exr"};
+constexpr std::array<std::string_view, 1> save_choice = {"save"};
+
+constexpr Parameter delay = number_value(
+    "delay_ms", "D", 10, 60'000, "time between the pictures of a .gif; 40 by default", "ms");
+constexpr Parameter pattern = {"PATTERN",
+                               "PATTERN|FILE.gif",
+                               "files with {} for the number, or one animation",
+                               ValueType::output,
+                               0,
+                               0,
+                               {},
+                               {},
+                               motion_suffixes};
+
+}  // namespace
+
+std::vector<Command> picture_commands() {
+    return {
+        {{.name = "snapshot",
+          .help = "Draws the scene and writes the picture.",
+          .words = {output_value("FILE", picture_suffixes, "picture to write")},
+          .required = 1,
+          .kind = CommandKind::action,
+          .is_long = true,
+          .stage = RenderStage::picture},
+         run_snapshot},
+        {{.name = "orbit",
+          .help = "Draws N views around the volume and writes them.",
+          .words = {whole_value("N", "N", 1, 100'000, "number of views"), pattern},
+          .required = 1,
+          .options = {delay, whole_value("inflight", "N", 1, max_frames_in_flight,
+                                         "frames drawn at the same time", "2")},
+          .kind = CommandKind::action,
+          .is_long = true,
+          .stage = RenderStage::output},
+         run_orbit},
+        {{.name = "sweep",
+          .help = "Moves the isovalue of a surface in N steps, draws each step and writes the "
+                  "pictures. Afterwards the surface has its old isovalue; a comparison ends.",
+          .words = {{"NAME", "NAME", "name of a surface"},
+                    number_value("FROM", "FROM", -max_float, max_float, "first isovalue"),
+                    number_value("TO", "TO", -max_float, max_float, "last isovalue"),
+                    whole_value("N", "N", 2, 100'000, "number of isovalues"),
+                    pattern},
+          .required = 4,
+          .options = {delay},
+          .kind = CommandKind::action,
+          .is_long = true,
+          .stage = RenderStage::output},
+         run_sweep},
+    };
+}
+
+std::vector<Command> machine_commands() {
+    return {
+        {{.name = "stats",
+          .help = "Prints counts of the surfaces, the machine and the last frame."},
+         run_stats},
+        {{.name = "activity",
+          .help = "Prints the work of each node since the previous 'activity'."},
+         run_activity},
+        {{.name = "kill",
+          .help = "Kills a node (for example gp-1) to exercise failure handling.",
+          .words = {{"NODE", "NODE", "name of a node"}},
+          .required = 1},
+         run_kill},
+        {{.name = "model",
+          .help = "Prints the modelled time to load the volume, to build the surfaces and to draw "
+                  "the scene on another machine, and the busiest unit. Draws the scene once.",
+          .words = {{"MACHINE",
+                     "MACHINE",
+                     "topology: a name or a file",
+                     ValueType::file,
+                     0,
+                     0,
+                     {},
+                     "paper-1993"}},
+          .options = model_options(),
+          .forms = "[MACHINE] [PARAMETER=VALUE ...]"},
+         run_model},
+        {{.name = "digest", .help = "Prints a digest of the frame and of each mesh."}, run_digest},
+        {{.name = "trace",
+          .help = "Writes the traces of all nodes to files.",
+          .words = {choice_value("save", save_choice, "")},
+          .required = 1,
+          .kind = CommandKind::action},
+         run_trace},
+    };
+}
+
+std::vector<Command> session_commands() {
+    return {
+        {{.name = "undo",
+          .help = "Undoes the last change of the scene.",
+          .kind = CommandKind::memory},
+         run_undo},
+        {{.name = "redo", .help = "Redoes the last undone change.", .kind = CommandKind::memory},
+         run_redo},
+        {{.name = "mark", .help = "Starts a new undo step.", .kind = CommandKind::memory},
+         run_mark},
+        {{.name = "history",
+          .help = "Prints a script that repeats the session, or writes it to FILE.",
+          .words = {output_value("FILE", {}, "script to write")}},
+         run_history},
+        {{.name = "play",
+          .help = "Runs a script.",
+          .words = {{"FILE", "FILE", "script", ValueType::file}},
+          .required = 1,
+          .kind = CommandKind::memory,
+          .is_long = true},
+         run_play},
+        {{.name = "help",
+          .help = "Lists the commands, or explains one.",
+          .words = {{"COMMAND", "COMMAND", "name of a command"}}}},
+        {{.name = "quit", .help = "Ends the session.", .kind = CommandKind::memory}, run_quit},
+    };
+}
+
+}  // namespace pxpl5::host

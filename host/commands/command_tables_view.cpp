@@ -1,0 +1,134 @@
+// Rows of commands about the view, the style of pictures, and pixels.
+#include <array>
+
+#include "host/commands/command_handlers.hpp"
+#include "host/commands/command_tables.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+using Words = std::array<std::string_view, 2>;
+
+constexpr Words on_off = {"on", "off"}, gaps_off = {"gaps", "off"};
+
+constexpr Parameter x_word{"X", "X", "pixel from the left of the picture"};
+constexpr Parameter y_word{"Y", "Y", "pixel from the top of the picture"};
+
+}  // namespace
+
+std::vector<Command> view_commands() {
+    return {
+        {{.name = "view",
+          .help = "Places the viewer. Azimuth 90 is the patient's left. A named view sets roll and "
+                  "pan to 0.",
+          .words = {{"VIEW", "VIEW|AZ", "named view, or azimuth in degrees"},
+                    {"EL", "EL", "elevation in degrees"}},
+          .options = {number_value("zoom", "Z", min_zoom, max_zoom, "magnification"),
+                      number_value("roll", "DEG", -max_angle_deg, max_angle_deg,
+                                   "counter-clockwise turn of the picture", "degrees"),
+                      {"pan", "X,Y", "shift of the picture right and up (mm)"}},
+          .forms = "[anterior|posterior|left|right|superior|inferior|AZ EL]",
+          .kind = CommandKind::setting,
+          .stage = RenderStage::look},
+         run_view},
+        {{.name = "light",
+          .help = "Sets directional light N relative to the viewer; without words, lists the "
+                  "lights.",
+          .words = {whole_value("N", "N", 1, max_lights, "number of the light"),
+                    {"AZ", "AZ|off", "azimuth in degrees, or off"},
+                    {"EL", "EL", "elevation in degrees"}},
+          .options = {number_value("intensity", "I", 0, 4, "brightness")},
+          .forms = "[N AZ EL | N off]",
+          .kind = CommandKind::setting,
+          .subject_words = 1,
+          .stage = RenderStage::look},
+         run_light},
+        {{.name = "clip",
+          .help = "Cuts the scene; without words, lists the cuts. The letter names the side that "
+                  "is kept, from MM or the center on. A plane replaces an earlier plane with its "
+                  "letter, a box replaces a box.",
+          .words = {{"SIDE", "L|R|P|A|S|I|box|off", "side to keep"},
+                    {"PLACE", "MM|I,J,K|off", "place, or first voxel of a box"},
+                    {"LAST", "I,J,K", "last voxel of a box"}},
+          .forms = "[L|R|P|A|S|I [MM] | box I,J,K I,J,K | L|R|P|A|S|I|box off | off]",
+          .kind = CommandKind::setting,
+          .subject_words = 1,
+          .stage = RenderStage::scene},
+         run_clip},
+        {{.name = "size",
+          .help = "Sets the size of pictures.",
+          .words = {{"SIZE", "WIDTHxHEIGHT", "size in pixels"}},
+          .required = 1,
+          .kind = CommandKind::setting,
+          .stage = RenderStage::look},
+         run_size},
+    };
+}
+
+std::vector<Command> style_commands() {
+    return {
+        {{.name = "material",
+          .help = "Sets how surfaces reflect light.",
+          .options = {number_value("ambient", "A", 0, 1, "share of ambient light"),
+                      number_value("specular", "S", 0, 1, "share of mirrored light"),
+                      number_value("power", "P", 1, 128, "sharpness of highlights")},
+          .kind = CommandKind::setting,
+          .stage = RenderStage::look},
+         run_material},
+        {{.name = "background",
+          .help = "Sets the color behind the surfaces.",
+          .words = {{"COLOR", "COLOR", "#rrggbb, r,g,b or a name", ValueType::color}},
+          .required = 1,
+          .kind = CommandKind::setting,
+          .stage = RenderStage::look},
+         run_background},
+        {{.name = "tint",
+          .help = "Tints surfaces where slices are missing.",
+          .words = {choice_value("WHERE", gaps_off, "")},
+          .required = 1,
+          .options = {{"color", "C", "#rrggbb, r,g,b or a name", ValueType::color}},
+          .kind = CommandKind::setting,
+          .stage = RenderStage::scene},
+         run_tint},
+        {{.name = "antialias",
+          .help = "Sets the number of samples per pixel. Edges are smooth with 4 or 16 samples.",
+          .words = {{"SAMPLES", "1|4|16", ""}},
+          .required = 1,
+          .kind = CommandKind::setting,
+          .stage = RenderStage::look},
+         run_antialias},
+        {{.name = "overlay",
+          .help = "Shows or hides side letters, scale bar and legend in written pictures.",
+          .words = {choice_value("SWITCH", on_off, "")},
+          .required = 1,
+          .kind = CommandKind::setting,
+          .stage = RenderStage::look},
+         run_overlay},
+    };
+}
+
+std::vector<Command> pixel_commands() {
+    return {
+        {{.name = "pick",
+          .help = "Prints the surface, place and voxel at a pixel; set= makes the value there the "
+                  "isovalue of a surface.",
+          .words = {x_word, y_word},
+          .required = 2,
+          .options = {{"set", "NAME", "surface to set"}}},
+         run_pick},
+        {{.name = "measure",
+          .help = "Prints the straight-line distance between the surface points at two pixels.",
+          .words = {{"X1", "X1", ""}, {"Y1", "Y1", ""}, {"X2", "X2", ""}, {"Y2", "Y2", ""}},
+          .required = 4},
+         run_measure},
+        {{.name = "why",
+          .help = "Explains the color of a pixel down to the voxels. Draws the scene once and "
+                  "executes the region of the pixel again.",
+          .words = {x_word, y_word},
+          .required = 2},
+         run_why},
+    };
+}
+
+}  // namespace pxpl5::host

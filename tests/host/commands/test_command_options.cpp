@@ -1,0 +1,67 @@
+// The long options of `render` and the commands that they stand for.
+#include <doctest/doctest.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+
+#include "host/base/error.hpp"
+#include "host/commands/command_options.hpp"
+
+using namespace pxpl5::host;
+
+namespace {
+
+const std::string picture = (std::filesystem::temp_directory_path() / "p.png").string();
+
+/// The command lines that `render` runs for these arguments.
+std::vector<std::string> lines_of(std::vector<std::string> words, const char* volume,
+                                  CommandTable table = command_table()) {
+    using enum RenderStage;
+    CLI::App app;
+    const CommandOptions options(app, {look, load, scene, output}, table);
+    std::ranges::reverse(words);
+    app.parse(words);
+    std::vector<std::string> lines;
+    for (const Arguments& each :
+         render_commands({volume, picture, {}, options.commands()}, table)) {
+        lines.push_back(to_line(each));
+    }
+    return lines;
+}
+
+using Lines = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("old spellings of render mean what they meant") {
+    CHECK(lines_of({"--iso", "300", "--view", "30 20 zoom=2", "--size", "64x64"}, "a.nrrd") ==
+          Lines{"view 30 20 zoom=2", "size 64x64", "load a.nrrd", "surface surface iso=300",
+                "snapshot " + picture});
+    CHECK(lines_of({"--surface", "skin=-300,skin", "--surface", "bone=300"}, "a.nrrd") ==
+          Lines{"load a.nrrd", "surface skin color=skin iso=-300", "surface bone iso=300",
+                "snapshot " + picture});
+    CHECK(lines_of({}, "phantom:pelvis") ==
+          Lines{"load phantom:pelvis", "surface bone", "snapshot " + picture});
+}
+
+TEST_CASE("an option belongs to the command before it, else it begins one") {
+    const std::string mesh = (std::filesystem::temp_directory_path() / "a b.stl").string();
+    CHECK(lines_of(
+              {"--crop", "0:9,0:9,0:9", "--surface", "bone", "--opacity", "0.5", "--light",
+               "1 30 20", "--intensity", "2", "--clip", "L 5", "--export", mesh, "--keep", "0.5"},
+              "phantom:pelvis") == Lines{"light 1 30 20 intensity=2",
+                                         "load phantom:pelvis crop=0:9,0:9,0:9",
+                                         "surface bone opacity=0.5", "clip L 5",
+                                         "snapshot " + picture, "export '" + mesh + "' keep=0.5"});
+    CHECK(lines_of({"--opacity", "0.5"}, "phantom:pelvis")[1] == "surface bone opacity=0.5");
+    CHECK(lines_of({"--preset", "bone"}, "a.nrrd")[1] == "surface surface preset=bone");
+}
+
+TEST_CASE("values and outputs are checked before anything is done") {
+    CHECK_THROWS_WITH_AS(lines_of({"--opacity", "2"}, "phantom:pelvis"),
+                         doctest::Contains("opacity: 2 is outside"), RequestError);
+    CHECK_THROWS_WITH_AS(lines_of({"--export", "x.obj2"}, "phantom:pelvis"),
+                         doctest::Contains("must end in .stl"), RequestError);
+    CHECK_THROWS_WITH_AS(lines_of({}, "scan.nrrd"), doctest::Contains("--iso"), RequestError);
+}

@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+"""Replies of every command as JSON: against the schema, and the schema against its page.
+
+usage: test_json_cli.py BIN_DIR [--write-page | unittest arguments]
+"""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+try:
+    import jsonschema
+except ImportError:
+    sys.exit("SKIPPED: python3-jsonschema is not installed")
+
+BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin").resolve()
+COMMANDS = pathlib.Path(__file__).resolve().parents[2] / "host/commands"
+SCHEMA = json.loads((COMMANDS / "reply.schema.json").read_text())
+PAGE = COMMANDS / "JSON.md"
+LIMIT_S = 120
+SPHERE = "load phantom:sphere; surface s iso=0.5; size 64x64"
+# One line for each command of the table; {} is the test's folder.
+LINES = f"""{SPHERE}; info; info phantom:letters crop=10:29,0:19,5:24; atlas steps=4; histogram 4
+slice z 3; slice z 3 {{}}/slice.png; presets; components s; components s show=largest; certificate
+compare s; compare s off; export {{}}/s.stl keep=0.5; view 20 30 pan=1,2; light 1 20 30; light
+clip L; clip off; material power=20; background red; tint gaps; antialias 1; overlay on
+pick 32 32 set=t; pick 0 0; measure 30 32 34 32; why 32 32; snapshot {{}}/s.png; orbit 2
+sweep s 0.4 0.5 2 {{}}/sweep.gif; stats; activity; model; digest; trace save; mark; undo; redo
+history; history {{}}/h.txt; remove t; play {{}}/play.txt; help; help load"""
+
+
+def type_of(field):
+    """The type of a field in words, with a link if it has fields itself."""
+    if "$ref" in field:
+        name = field["$ref"].rsplit("/", 1)[1]
+        return f"[{name}](#{name})"
+    if field.get("type") == "array":
+        return "list of " + type_of(field["items"])
+    return "1" if "const" in field else str(field["type"])
+
+
+def table_of(definition):
+    """The fields of an object as a Markdown table."""
+    rows = []
+    for name, field in definition["properties"].items():
+        optional = "" if name in definition["required"] else " (optional)"
+        rows.append(f"| `{name}` | {type_of(field)} | {field['description']}{optional} |\n")
+    return "| field | type | meaning |\n|---|---|---|\n" + "".join(rows) if rows else "No fields.\n"
+
+
+def page_text():
+    """JSON.md as the schema has it."""
+    commands = [rule["if"]["properties"]["name"]["const"] for rule in SCHEMA["allOf"]]
+    text = """# JSON replies
+
+`pxpl5 run --json` and `pxpl5 render --json` print one JSON object per command on one line.
+[reply.schema.json](reply.schema.json) is its schema, and this page is made from the schema:
+`python3 tests/system/test_json_cli.py BIN_DIR --write-page`. Millimeters are LPS patient
+coordinates, times are in milliseconds, and whole numbers are JSON integers. A new field may appear
+in schema 1. If a field goes or changes its meaning, `schema` becomes 2.
+
+"""
+    text += table_of(SCHEMA) + "\n## Results of commands\n"
+    for name in commands:
+        text += f"\n### {name}\n\n{table_of(SCHEMA['$defs'][name])}"
+    text += "\n## Objects in results\n"
+    for name in sorted(set(SCHEMA["$defs"]) - set(commands)):
+        text += f"\n### {name}\n\n{table_of(SCHEMA['$defs'][name])}"
+    return text
+
+
+class Json(unittest.TestCase):
+    """Runs the program and checks each line."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="pxpl5-test-")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def run_lines(self, lines, *flags):
+        """The exit code and the replies, each of which fits the schema."""
+        done = subprocess.run(
+            [BIN / "pxpl5", "run", "--json", "--topology", "one-of-each", "--run-folder",
+             os.path.join(self.folder, "run"), *flags, "-c", lines], capture_output=True,
+            text=True, timeout=LIMIT_S, cwd=self.folder, check=False)
+        replies = [json.loads(line) for line in done.stdout.splitlines()]
+        for reply in replies:
+            jsonschema.validate(reply, SCHEMA)
+        return done.returncode, replies
+
+    def test_the_reply_of_every_command_fits_the_schema(self):
+        pathlib.Path(self.folder, "play.txt").write_text("view 1 2\n")
+        code, replies = self.run_lines(LINES.replace("{}", self.folder))
+        self.assertEqual([(each["command"], each["error"]) for each in replies if not each["ok"]],
+                         [])
+        self.assertEqual(code, 0)
+        _, [helped] = self.run_lines("help")
+        names = {each["name"] for each in helped["result"]["commands"]} - {"quit", "kill"}
+        self.assertEqual(names - {each["name"] for each in replies}, set())
+
+    def test_kill_and_an_archive_fit_the_schema(self):
+        archive = COMMANDS.parent / "phigs/archives/molecule.phigs"
+        code, replies = self.run_lines(f"load '{archive}'; info; kill gp-0")
+        self.assertEqual([each["ok"] for each in replies], [True] * 3)
+        self.assertNotEqual(code, 0)
+
+    def test_warnings_of_the_text_are_in_json(self):
+        path = os.path.join(self.folder, "empty.png")
+        _, replies = self.run_lines(f"load phantom:sphere; surface s iso=9; snapshot {path}; view")
+        self.assertIn("no surface there", replies[1]["warnings"][0])
+        self.assertEqual(replies[2]["warnings"], ["nothing is visible in it"])
+        self.assertEqual(replies[3]["warnings"], [])
+        self.assertTrue(all(each["ok"] for each in replies))
+        _, replies = self.run_lines(f"{SPHERE}; export {self.folder}/s.stl keep=0.5")
+        self.assertIn("decimated from", replies[-1]["warnings"][0])
+
+    def test_strict_makes_a_warning_an_error(self):
+        code, replies = self.run_lines("load phantom:sphere; surface s iso=9; view", "--strict")
+        self.assertEqual(code, 3)
+        self.assertEqual([each["ok"] for each in replies], [True, False])
+        self.assertEqual(replies[1]["exit_code"], 3)
+        self.assertEqual(replies[1]["result"]["triangles"], 0)
+        self.assertEqual(self.run_lines(SPHERE, "--strict")[0], 0)
+
+    def test_an_error_fits_the_schema(self):
+        code, [reply] = self.run_lines("  surfase s  ")
+        self.assertEqual((code, reply["exit_code"], reply["command"]), (64, 64, "surfase s"))
+        self.assertIn("did you mean 'surface'?", reply["error"])
+
+    def test_whole_numbers_are_integers(self):
+        _, [load] = self.run_lines("load phantom:sphere")
+        self.assertTrue(all(isinstance(each, int) for each in load["result"]["dims"]))
+        self.assertTrue(all(isinstance(each, int)
+                            for each in load["result"]["histogram"]["counts"]))
+
+    def test_the_page_is_made_from_the_schema(self):
+        self.assertEqual(PAGE.read_text(), page_text())
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["--write-page"]:
+        PAGE.write_text(page_text())
+    else:
+        unittest.main()
