@@ -4,7 +4,7 @@
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/command_tables.hpp"
 #include "host/commands/load_options.hpp"
-#include "host/surface/histogram.hpp"
+#include "host/surface/atlas/histogram.hpp"
 
 namespace pxpl5::host {
 
