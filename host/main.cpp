@@ -254,7 +254,8 @@ CLI::App* declare_report(CLI::App& parent, report::ReportOptions& options) {
     app->add_flag("--fit", options.fit, "Refit the fitted parameters");
     app->add_flag("--json", options.json, "Print one JSON object instead of text");
     app->add_option("--csv", options.csv, "Write the table to this file");
-    app->add_option("--picture", options.picture, "Write the plot to this file (.svg, .png or .pdf)");
+    app->add_option("--picture", options.picture,
+                    "Write the plot to this file (.svg, .png or .pdf)");
     app->add_option("--pictures", options.pictures, "Folder for pictures of the surfaces");
     return app;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "host/base/command_line.hpp"
 #include "host/base/error.hpp"
 #include "host/inspect/step/step_view.hpp"
 

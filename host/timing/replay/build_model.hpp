@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "host/timing/counts/work.hpp"
 #include "host/timing/replay/hardware.hpp"
 
 namespace pxpl5::host::timing {

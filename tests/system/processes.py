@@ -1,0 +1,19 @@
+"""The processes that a program has started."""
+import pathlib
+
+
+def children_of(pid):
+    """Process ids whose parent is `pid`."""
+    found = []
+    for entry in pathlib.Path("/proc").iterdir():
+        try:
+            if entry.name.isdigit():
+                parent = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
+                found += [int(entry.name)] if parent == pid else []
+        except (FileNotFoundError, ProcessLookupError):
+            pass  # It ended while we looked.
+    return found
+
+
+def name_of(pid):
+    return pathlib.Path(f"/proc/{pid}/comm").read_text().strip()

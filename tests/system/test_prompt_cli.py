@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""The prompt of `pxpl5 run` at a terminal: test_prompt_cli.py BIN_DIR."""
+import os
+import pathlib
+import pty
+import select
+import signal
+import sys
+import tempfile
+import unittest
+
+from processes import children_of, name_of
+
+BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin").resolve()
+LIMIT_S = 120
+
+
+class Prompt(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def at_a_terminal(self, act):
+        """Runs the prompt and act(terminal, pid) when it is there. Returns exit code and screen."""
+        pid, terminal = pty.fork()
+        if pid == 0:
+            os.chdir(self.folder.name)
+            os.execve(BIN / "pxpl5", ["pxpl5", "run", "--topology", "one-of-each"],
+                      {**os.environ, "TERM": "dumb", "XDG_RUNTIME_DIR": self.folder.name})
+        screen = self.read_until(terminal, b"pxpl5> ")
+        act(terminal, pid)
+        screen += self.read_until(terminal, None)
+        os.close(terminal)
+        code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+        self.assertEqual(list(pathlib.Path(self.folder.name).glob("pxpl5-*")), [], "sockets")
+        return code, screen.decode()
+
+    def read_until(self, terminal, text):
+        """What appears up to `text`, or to the end."""
+        screen = b""
+        try:
+            while text is None or text not in screen:
+                self.assertTrue(select.select([terminal], [], [], LIMIT_S)[0], screen)
+                part = os.read(terminal, 4096)
+                if not part:
+                    break
+                screen += part
+        except OSError:
+            pass  # Linux says EIO when the other side is gone.
+        self.assertTrue(text is None or text in screen, screen)
+        return screen
+
+    def test_the_prompt_takes_commands_and_quit(self):
+        code, screen = self.at_a_terminal(
+            lambda terminal, _: os.write(terminal, b"load phantom:sphere\nquit\n"))
+        self.assertEqual(code, 0, screen)
+        self.assertIn("distributed in", screen)
+
+    def test_ctrl_c_at_the_prompt_ends_the_program_as_an_interrupt(self):
+        code, screen = self.at_a_terminal(lambda terminal, _: os.write(terminal, b"\x03"))
+        self.assertEqual(code, 128 + 2, screen)
+        self.assertIn("interrupted by SIGINT", screen)
+        self.assertNotIn("still running", screen)
+
+    def test_a_node_killed_at_the_prompt_ends_the_program(self):
+        def kill(_, pid):
+            os.kill(next(node for node in children_of(pid) if
+                         name_of(node) == "pxpl5-renderer"), signal.SIGKILL)
+        code, screen = self.at_a_terminal(kill)
+        self.assertEqual(code, 128 + 9, screen)
+        self.assertIn("renderer-0 was killed by signal 9", screen)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
