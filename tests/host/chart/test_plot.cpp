@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <string>
 #include <vector>
@@ -134,13 +135,15 @@ TEST_SUITE("host/chart/plot") {
         REQUIRE(dashes.size() > 10);
         const glm::vec2 first = dashes.front().points[0], last = dashes.back().points[1];
         const float slope = (last.y - first.y) / (last.x - first.x);
-        for (std::size_t i = 0; i < dashes.size(); ++i) {
-            for (const glm::vec2& p : dashes[i].points) {
+        float drawn = 0;
+        for (const PictureMark& dash : dashes) {
+            drawn += glm::distance(dash.points[0], dash.points[1]);
+            for (const glm::vec2& p : dash.points) {
                 CHECK(p.y == doctest::Approx(first.y + slope * (p.x - first.x)).epsilon(0.001));
             }
-            CHECK((i == 0 || dashes[i].points[0].x > dashes[i - 1].points[1].x + 1 ||
-                   dashes[i].points[0] == dashes[i - 1].points[1]));
         }
+        // Dashes of 6 pixels and gaps of 4.
+        CHECK(drawn / glm::distance(first, last) == doctest::Approx(0.6).epsilon(0.03));
     }
 
     TEST_CASE("bars are as high as their values, with the value over them") {

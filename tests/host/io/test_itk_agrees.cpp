@@ -90,7 +90,7 @@ void check_file(const std::string& path) {
     CHECK(worst <= 1e-6);
     for (unsigned axis = 0; axis < axes; ++axis) {
         const int column = static_cast<int>(axis);
-        // What a picture of one slice is apart from the next is nobody's knowledge.
+        // One slice has no known distance to a next slice.
         for (unsigned row = 0; row < 3 && volume.nz > 1; ++row) {
             CAPTURE(axis);
             const double step = io->GetDirection(axis)[row] * io->GetSpacing(axis);

@@ -50,7 +50,7 @@ std::size_t files_in(const std::string& folder) {
 /// What assimp's reader makes of a file: all corners of all triangles, one after the other.
 struct ReadBack {
     std::vector<glm::vec3> corners, normals;
-    std::vector<std::array<int, 3>> colours;  ///< Of each corner; of its vertex or its material.
+    std::vector<std::array<int, 3>> colours;  ///< One per corner, from its vertex or its material.
 };
 
 std::array<int, 3> bytes_of_colour(float r, float g, float b) {
@@ -92,7 +92,7 @@ glm::vec3 in_file(glm::vec3 v, MeshAxes axes, const std::string& suffix, bool is
     return axes == MeshAxes::LPS ? v : glm::vec3(-v.x, -v.y, v.z);
 }
 
-/// As the sRGB standard has it.
+/// The transfer function of the sRGB standard.
 double linear(int value) {
     const double v = value / 255.0;
     return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);

@@ -42,7 +42,7 @@ namespace {
 
 constexpr int mutations = 2000;
 constexpr rlim_t most_bytes = rlim_t{1} << 30;
-constexpr int most_cpu_s = 5;  ///< Of one import: a hang.
+constexpr int most_cpu_s = 5;  ///< A longer import is a hang.
 
 /// What became of the imports; in memory that parent and children share.
 struct Count {

@@ -1,4 +1,4 @@
-// The same surface in millimetres, whatever the axes' order and direction and whatever the format.
+// The same surface in millimeters, whatever the axes' order and direction and whatever the format.
 #include <doctest/doctest.h>
 
 #include <algorithm>

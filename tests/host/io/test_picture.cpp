@@ -19,7 +19,7 @@ namespace {
 
 constexpr int width = 5, height = 3;
 
-/// A picture in which every byte differs from its neighbours.
+/// A picture in which every byte differs from its neighbors.
 std::vector<std::uint8_t> pattern(std::uint8_t alpha) {
     std::vector<std::uint8_t> rgba;
     for (int pixel = 0; pixel < width * height; ++pixel) {
@@ -205,7 +205,7 @@ TEST_SUITE("host/io/picture") {
         REQUIRE(input);
         std::vector<std::uint8_t> got(std::size_t{3} * side * side);
         REQUIRE(input->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, got.data()));
-        // Where 256 colours would make bands, the mean over a few pixels is still the shade.
+        // Where 256 colors would make bands, the mean over a few pixels is still the shade.
         for (int y = 0; y < side; y += block) {
             for (int x = 0; x < side; x += block) {
                 for (int channel = 0; channel < 3; ++channel) {

@@ -63,7 +63,7 @@ std::string bytes_of(const std::vector<T>& values, bool big_endian = false) {
     return bytes;
 }
 
-/// `count` values of which no two neighbours are equal; the first is the type's lowest, the last
+/// `count` values of which no two neighbors are equal; the first is the type's lowest, the last
 /// its highest.
 template <typename T>
 std::vector<T> ramp(std::size_t count) {
@@ -89,7 +89,7 @@ class NiftiHeader {
             put<float>(76 + 4 * axis, 1.0F);
         }
         put<float>(108, 352.0F);  // vox_offset
-        bytes_[123] = 2;          // millimetres
+        bytes_[123] = 2;          // millimeters
         std::memcpy(bytes_.data() + 344, "n+1", 4);
     }
 
@@ -104,7 +104,7 @@ class NiftiHeader {
         }
         return *this;
     }
-    /// sform rows: what NIfTI calls srow_x, srow_y, srow_z (RAS millimetres).
+    /// sform rows: what NIfTI calls srow_x, srow_y, srow_z (RAS millimeters).
     NiftiHeader& put_sform(const std::array<std::array<float, 4>, 3>& rows) {
         put<std::int16_t>(254, 1);
         for (std::size_t row = 0; row < 3; ++row) {

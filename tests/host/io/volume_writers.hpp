@@ -16,7 +16,7 @@
 
 namespace pxpl5::test {
 
-/// Voxels, x fastest, and their place: LPS millimetres.
+/// Voxels, x fastest, and their place: LPS millimeters.
 struct Grid {
     std::array<int, 3> dims{};
     glm::dmat4 affine{1.0};

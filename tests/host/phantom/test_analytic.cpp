@@ -10,7 +10,7 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-/// Where the analytic shapes are centred.
+/// Where the analytic shapes are centered.
 constexpr glm::dvec3 centre_mm(0.3, -0.7, 0.45);
 
 double length_mm(const host::PhantomInfo& info, std::string_view name) {

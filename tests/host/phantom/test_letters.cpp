@@ -7,10 +7,10 @@ using namespace pxpl5::test;
 
 namespace {
 
-/// Somebody who looks at a side of the block from outside.
+/// A reader who faces a side of the block from outside.
 struct Reader {
     const char* letter;
-    glm::dvec3 middle_mm, right, up;  ///< Of the letter; patient axes, LPS.
+    glm::dvec3 middle_mm, right, up;  ///< Place and axes of the letter, LPS.
     double unit_mm;                   ///< Letters are 4 units wide and 6 high.
 };
 

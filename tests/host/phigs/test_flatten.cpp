@@ -16,7 +16,7 @@ glm::dvec3 corner(const phigs::Part& part, std::size_t k) {
     return part.vertices[part.indices[k]].p;
 }
 
-/// Of the triangle's winding.
+/// Returns the normal that the triangle's winding gives.
 glm::dvec3 facing(const phigs::Part& part, std::size_t t) {
     const glm::dvec3 a = corner(part, 3 * t);
     return glm::normalize(glm::cross(corner(part, 3 * t + 1) - a, corner(part, 3 * t + 2) - a));

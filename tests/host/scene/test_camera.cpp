@@ -11,14 +11,14 @@ namespace {
 
 const Subject subject{{10, -20, 30}, 100};
 
-/// Normalised device coordinates of a point in patient millimetres.
+/// Normalized device coordinates of a point in patient millimetres.
 glm::dvec3 project(const Camera& camera, glm::dvec3 p_mm, double aspect = 1) {
     const CameraMatrices m = camera_matrices(camera, subject, aspect);
     const glm::dvec4 clip = m.projection * m.patient_to_eye * glm::dvec4(p_mm, 1);
     return glm::dvec3(clip) / clip.w;
 }
 
-/// Where the picture shows a point that lies `step_mm` from the subject's centre.
+/// Where the picture shows a point that lies `step_mm` from the subject's center.
 glm::dvec3 seen(const char* view, glm::dvec3 step_mm) {
     return project({find_view(view).value(), 1}, subject.centre_mm + step_mm);
 }
@@ -84,7 +84,7 @@ TEST_SUITE("host/camera") {
         CHECK(found.centre_mm.x == doctest::Approx(5 - 2));
         CHECK(found.centre_mm.y == doctest::Approx(6 + 2 + 1));
         CHECK(found.centre_mm.z == doctest::Approx(7 + 3));
-        // The farthest corners from the centre are at (+-2, +-(2 + 1), +-3).
+        // The farthest corners from the center are at (+-2, +-(2 + 1), +-3).
         CHECK(found.radius_mm == doctest::Approx(std::sqrt(4.0 + 9 + 9)));
     }
 

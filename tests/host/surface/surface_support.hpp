@@ -37,7 +37,7 @@ inline std::unique_ptr<bus::schema::SlabMeshT> to_wire(const gp::SlabMesh& mesh)
     return slab;
 }
 
-/// As it arrives from GP `source`.
+/// Returns the part as a message from GP `source`.
 inline bus::Message message_of(const bus::schema::MeshPartT& part, bus::NodeId source = 1) {
     const bus::Payload payload = bus::pack(part);
     const bus::schema::Header header(bus::header_magic, bus::protocol_version,

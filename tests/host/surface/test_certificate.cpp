@@ -142,7 +142,8 @@ TEST_SUITE("host/surface/certificate") {
     }
 
     TEST_CASE("a ball cut by the volume's faces has the volume of what lies within") {
-        // Centred on a face, an edge or a corner: a half, a quarter, an eighth; and its complement.
+        // Centered on a face, an edge or a corner: a half, a quarter, an eighth; and its
+        // complement.
         const Size size{30, 26, 22};
         const glm::dvec3 last(size.nx - 1, size.ny - 1, size.nz - 1);
         const double radius = 9, whole = 4 * pi / 3 * radius * radius * radius;

@@ -29,7 +29,8 @@ struct Ball {
 };
 const std::vector<Ball> balls = {{{-14, 2, 1}, 9}, {{9, -3, 0}, 5}, {{18, 4, 2}, 3}};
 
-/// Of a ball's area or volume: its mesh is inscribed, with sides of up to a voxel, 1.3 mm.
+/// Relative error of a ball's area or volume: its mesh is inscribed, with sides of up to a
+/// voxel, 1.3 mm.
 double chord_error(double radius_mm) {
     return 1.3 * 1.3 / (radius_mm * radius_mm) / 2;
 }

@@ -51,7 +51,7 @@ const Row rows[] = {
     {"us/ball_phantom.nii.gz", {{60.5, 69088}, {90.5, 35412}, {110.5, 24354}}},
 };
 
-/// Of other formats, without isovalues of their own.
+/// Files of other formats, without isovalues of their own.
 const char* const variants[] = {"dicom_multiframe/emri_small.dcm",
                                 "nifti_variants/avg152T1_LR_nifti.nii.gz",
                                 "nifti_variants/avg152T1_LR_nifti2.nii.gz",

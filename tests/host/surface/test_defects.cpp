@@ -74,7 +74,7 @@ TEST_SUITE("host/surface/defects") {
         CHECK(found.holes == 1);
         CHECK_FALSE(found.closed_but_for_border());
         CHECK_FALSE(found.genus());
-        // The neighbours across the three edges: they differ from the cell in one place each.
+        // The neighbors across the three edges: they differ from the cell in one place each.
         for (const Defect& defect : found.defects) {
             REQUIRE(defect.cell);
             CHECK((defect.cell->i != cell.i) + (defect.cell->j != cell.j) +

@@ -35,7 +35,7 @@ std::size_t disagreements(const Volume& volume, const std::vector<double>& isova
 TEST_SUITE("host/surface/isovalue_components") {
     TEST_CASE(
         "3,000 random fields have the components of their extracted surfaces, ties included") {
-        // With few levels most voxels tie with neighbours and isovalues; fields reach the border.
+        // With few levels most voxels tie with neighbors and isovalues; fields reach the border.
         const unsigned seed = seed_or(61);
         CAPTURE(seed);
         std::mt19937 random(seed);

@@ -6,7 +6,7 @@
 
 namespace pxpl5::host::timing::testing {
 
-/// Edges looked at of a volume of n x n x 2 voxels, no two neighbours alike: in both slices
+/// Edges looked at of a volume of n x n x 2 voxels, no two neighbors alike: in both slices
 /// n (n - 1) along x and as many along y, n n along z.
 constexpr std::uint64_t edges_of(std::uint64_t n) {
     return 4 * n * (n - 1) + n * n;

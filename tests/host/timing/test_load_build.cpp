@@ -93,7 +93,7 @@ TEST_CASE("edges that are looked at: between runs along x, all along y and z") {
     const VolumeWork volume = volume_of(4, 3, {5, 7, 6});
     CHECK(edges_of(volume, 0) == (5 - 3) + 4 * 2 + 4 * 3 + (7 - 3) + 4 * 2);
     CHECK(edges_of(volume, 1) == (7 - 3) + 4 * 2 + 4 * 3 + (6 - 3) + 4 * 2);
-    // Without two equal neighbours, all edges of each slab's grid of two slices.
+    // Without two equal neighbors, all edges of each slab's grid of two slices.
     const VolumeWork noise = volume_of(5, 4, {20, 20, 20, 20, 20, 20});
     std::uint64_t all = 0;
     for (std::uint32_t slab = 0; slab < 5; ++slab) {

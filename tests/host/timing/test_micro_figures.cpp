@@ -60,7 +60,8 @@ Cost sphere() {
     return cost_of(programs, grid);
 }
 
-/// As many primitives in each of 80 regions; nothing else costs a Renderer anything.
+/// A frame with this number of primitives in each of 80 regions; nothing else costs a Renderer
+/// anything.
 FrameWork frame_of(std::uint64_t primitives_per_region, const Cost& cost) {
     FrameWork frame;
     frame.width = 1280;

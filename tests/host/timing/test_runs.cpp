@@ -18,7 +18,7 @@ std::uint64_t runs(const std::vector<T>& values, std::uint32_t nx) {
                     static_cast<std::uint32_t>(sizeof(T))});
 }
 
-/// nx * ny voxels, neighbours along x different.
+/// nx * ny voxels, neighbors along x different.
 template <typename T>
 std::vector<T> checkerboard(std::uint32_t nx, std::uint32_t ny) {
     std::vector<T> values;
