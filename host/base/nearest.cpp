@@ -8,6 +8,12 @@ namespace pxpl5::host {
 
 using isa::edit_distance;
 
+namespace {
+
+constexpr std::size_t shortest_prefix = 3;  ///< "surf" means "surface".
+
+}  // namespace
+
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
     const auto found = std::min_element(candidates.begin(), candidates.end(),
                                         [word](std::string_view p, std::string_view q) {
@@ -17,9 +23,12 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {
-    const std::string_view best = nearest(word, candidates);
-    if (!best.empty() && best != word &&
-        edit_distance(word, best) <= std::max<std::size_t>(2, best.size() / 3)) {
+    const auto longer = std::ranges::find_if(candidates, [word](std::string_view candidate) {
+        return word.size() >= shortest_prefix && candidate != word && candidate.starts_with(word);
+    });
+    const std::string_view best = longer != candidates.end() ? *longer : nearest(word, candidates);
+    const bool is_near = edit_distance(word, best) <= std::max<std::size_t>(2, best.size() / 3);
+    if (!best.empty() && best != word && (is_near || longer != candidates.end())) {
         return "; did you mean '" + std::string(best) + "'?";
     }
     std::string known = "; known:";

@@ -17,7 +17,8 @@ constexpr Words axes_choices = {"LPS", "RAS"};
 constexpr std::array<std::string_view, 1> off_choice = {"off"};
 constexpr std::array<std::string_view, 3> axis_choices = {"x", "y", "z"};
 constexpr std::array<std::string_view, 5> mesh_suffixes = {".stl", ".ply", ".obj", ".vtp", ".glb"};
-constexpr std::array<std::string_view, 4> picture_suffixes = {".png", ".tif", ".tiff", ".exr"};
+constexpr std::array<std::string_view, 5> picture_suffixes = {".png", ".tif", ".tiff", ".exr",
+                                                              ".gif"};
 
 constexpr Parameter surface_word{"NAME", "NAME", "name of a surface"};
 

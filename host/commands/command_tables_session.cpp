@@ -8,9 +8,8 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr std::array<std::string_view, 4> picture_suffixes = {".png", ".tif", ".tiff", ".exr"};
-constexpr std::array<std::string_view, 5> motion_suffixes = {".gif", ".png", ".tif", ".tiff",
-                                                             ".exr"};
+constexpr std::array<std::string_view, 5> picture_suffixes = {".png", ".tif", ".tiff", ".exr",
+                                                              ".gif"};
 constexpr std::array<std::string_view, 1> save_choice = {"save"};
 
 constexpr Parameter delay = number_value(
@@ -23,7 +22,7 @@ constexpr Parameter pattern = {"PATTERN",
                                0,
                                {},
                                {},
-                               motion_suffixes};
+                               picture_suffixes};
 
 }  // namespace
 

@@ -77,7 +77,7 @@ bool end_clip(Scene& scene, const std::string& kind) {
            }) != 0;
 }
 
-/// Across a patient's axis, through a place in millimeters or the volume's centre.
+/// Across a patient's axis, through a place in millimeters or the volume's center.
 void add_plane(Session& session, const Arguments& arguments) {
     const std::string& letter = arguments.words[0];
     double at_mm = 0;

@@ -18,7 +18,7 @@ enum class VolumeDetail : std::uint8_t { brief, all };
 /// What is known of a volume: shape, spacing, orientation, range, histogram, findings.
 Reply describe_volume(const Volume& volume, VolumeDetail detail = VolumeDetail::all);
 
-/// Distance between voxel centers along x, y and z in millimetres.
+/// Distance between voxel centers along x, y and z in millimeters.
 glm::dvec3 spacing_mm(const Volume& volume);
 
 /// "gantry tilt", "missing slices", ...

@@ -87,6 +87,8 @@ TEST_SUITE("host/command_line") {
         const std::string_view names[] = {"orbit", "light"};
         CHECK(nearest("orbot", names) == "orbit");
         CHECK(did_you_mean("ligth", names) == "; did you mean 'light'?");
+        CHECK(did_you_mean("orb", names) == "; did you mean 'orbit'?");
+        CHECK(did_you_mean("orbit", names) == "; known: orbit, light");
         CHECK(did_you_mean("zzzzzzzz", names) == "; known: orbit, light");
     }
 }

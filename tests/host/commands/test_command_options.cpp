@@ -12,7 +12,7 @@ using namespace pxpl5::host;
 
 namespace {
 
-const std::string picture = (std::filesystem::temp_directory_path() / "p.png").string();
+const std::string picture_file = (std::filesystem::temp_directory_path() / "p.png").string();
 
 /// The command lines that `render` runs for these arguments.
 std::vector<std::string> lines_of(std::vector<std::string> words, const char* volume,
@@ -24,7 +24,7 @@ std::vector<std::string> lines_of(std::vector<std::string> words, const char* vo
     app.parse(words);
     std::vector<std::string> lines;
     for (const Arguments& each :
-         render_commands({volume, picture, {}, options.commands()}, table)) {
+         render_commands({volume, picture_file, {}, options.commands()}, table)) {
         lines.push_back(to_line(each));
     }
     return lines;
@@ -37,12 +37,12 @@ using Lines = std::vector<std::string>;
 TEST_CASE("old spellings of render mean what they meant") {
     CHECK(lines_of({"--iso", "300", "--view", "30 20 zoom=2", "--size", "64x64"}, "a.nrrd") ==
           Lines{"view 30 20 zoom=2", "size 64x64", "load a.nrrd", "surface surface iso=300",
-                "snapshot " + picture});
+                "snapshot " + picture_file});
     CHECK(lines_of({"--surface", "skin=-300,skin", "--surface", "bone=300"}, "a.nrrd") ==
           Lines{"load a.nrrd", "surface skin color=skin iso=-300", "surface bone iso=300",
-                "snapshot " + picture});
+                "snapshot " + picture_file});
     CHECK(lines_of({}, "phantom:pelvis") ==
-          Lines{"load phantom:pelvis", "surface bone", "snapshot " + picture});
+          Lines{"load phantom:pelvis", "surface bone", "snapshot " + picture_file});
 }
 
 TEST_CASE("an option belongs to the command before it, else it begins one") {
@@ -50,10 +50,10 @@ TEST_CASE("an option belongs to the command before it, else it begins one") {
     CHECK(lines_of(
               {"--crop", "0:9,0:9,0:9", "--surface", "bone", "--opacity", "0.5", "--light",
                "1 30 20", "--intensity", "2", "--clip", "L 5", "--export", mesh, "--keep", "0.5"},
-              "phantom:pelvis") == Lines{"light 1 30 20 intensity=2",
-                                         "load phantom:pelvis crop=0:9,0:9,0:9",
-                                         "surface bone opacity=0.5", "clip L 5",
-                                         "snapshot " + picture, "export '" + mesh + "' keep=0.5"});
+              "phantom:pelvis") ==
+          Lines{"light 1 30 20 intensity=2", "load phantom:pelvis crop=0:9,0:9,0:9",
+                "surface bone opacity=0.5", "clip L 5", "snapshot " + picture_file,
+                "export '" + mesh + "' keep=0.5"});
     CHECK(lines_of({"--opacity", "0.5"}, "phantom:pelvis")[1] == "surface bone opacity=0.5");
     CHECK(lines_of({"--preset", "bone"}, "a.nrrd")[1] == "surface surface preset=bone");
 }
