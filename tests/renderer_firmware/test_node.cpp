@@ -233,7 +233,8 @@ TEST_CASE("a topology without this Renderer is refused") {
     schema::TopologyT topology;
     topology.nodes.push_back(std::make_unique<schema::NodeInfoT>());
     const std::string reason = bench.refused(bus::host_id, bus::pack(topology));
-    CHECK(reason.find("node 10 is not a Renderer; there are 0 GPs and no frame buffer 0") != std::string::npos);
+    CHECK(reason.find("node 10 is not a Renderer; there are 0 GPs and no frame buffer 0") !=
+          std::string::npos);
 }
 
 TEST_CASE("a frame that cannot be sent is a fault, and the next one is drawn") {
