@@ -75,7 +75,7 @@ class Page(unittest.TestCase):
         self.assertIn("QUADgeZERO :16  128 128 -5692 -1 0 -1", listing)
         # Pixels 60..67 are in bars 3 and 4: 108 and 144.
         bars = output["pxpl5 exec bars.pxasm --print rgb --window 60..67,63 --hex"]
-        self.assertEqual(re.findall(r"0x(6c6c6c|909090)\b", bars), ["6c6c6c"] * 4 + ["909090"] * 4)
+        self.assertEqual(re.findall(r"\b(6c6c6c|909090)\b", bars), ["6c6c6c"] * 4 + ["909090"] * 4)
 
     def test_every_kind_of_command_in_the_table_of_tools_succeeds(self):
         rows = re.findall(r"^\| `(pxpl5 [^`]*)` \|", PAGE.read_text(), re.M)
