@@ -185,7 +185,7 @@ test('after a flood of input the newest state is shown, and never an older one a
   }
   assert.equal(frames.at(-1).digest, shown.digest);
 
-  // Elsewhere and back again: a picture of the same state, drawn anew.
+  // Another view and back: the same state is drawn again.
   await say(raw, 'view 90 0');
   await settled(page);
   await say(raw, 'view 33 -12');

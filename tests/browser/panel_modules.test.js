@@ -7,7 +7,7 @@ import {belongTo} from '../../host/serve/page/machine/region_map.js';
 import {dotsOf, flowsOf, stretchesOf, sumsOf} from '../../host/serve/page/machine/ring_flow.js';
 import {nearestVoxel, patientText, toPatient, toVoxel}
   from '../../host/serve/page/slices/patient_grid.js';
-import {boxAt, firstWindow, isHounsfield, paintGrey, pixelAt, placedIn, sliceAtBox, sliceOf,
+import {boxAt, firstWindow, isHounsfield, paintGray, pixelAt, placedIn, sliceAtBox, sliceOf,
   voxelAt} from '../../host/serve/page/slices/slice_pixels.js';
 import {planesOf} from '../../host/serve/page/slices/slice_planes.js';
 import {changesOf} from '../../host/serve/page/inspect/why_cards.js';
@@ -105,7 +105,7 @@ test('unevenly spaced rows stand at their places, millimetres alike across and d
 
 test('a window is black up to its lower end, white from its upper end on, even between', () => {
   const rgba = new Uint8ClampedArray(20);
-  paintGrey([-1000, -100, -36, 155, 900], {window: 255, level: 27.5}, rgba);
+  paintGray([-1000, -100, -36, 155, 900], {window: 255, level: 27.5}, rgba);
   assert.deepEqual([0, 4, 8, 12, 16].map(at => rgba[at]), [0, 0, 64, 255, 255]);
 });
 
@@ -182,13 +182,13 @@ test('modelled times are told in three digits, with what limits them', () => {
     load: {ms: 999.9, limit: 'host link', use}, surfaces: [surface], frame};
   assert.deepEqual(factsOf(whole), [
     ['Machine', 'paper-1993\n36 GPs, 16 Renderers\n1 frame buffer'],
-    ['Volume loaded', 'in 1 s\nLimit: host link, 90 % busy'],
-    ['Surface bone', 'built in 1.23 s\n12,345 triangles\nLimit: GPs, 75 % busy'],
-    ['Pictures', '24.1 a second\neach 41.5 ms after it was asked for\n' +
-      '1 primitive\n1 sample a pixel\nLimit: GPs, 75 % busy']]);
+    ['Load time', '1 s\nLimit: host link, 90 % busy'],
+    ['Surface bone', 'extracted in 1.23 s\n12,345 triangles\nLimit: GPs, 75 % busy'],
+    ['Frames', '24.1 frames/s\nlatency 41.5 ms\n' +
+      '1 primitive\n1 sample per pixel\nLimit: GPs, 75 % busy']]);
   const idle = {...surface, limit: 'waiting'};
   assert.match(factsOf({...whole, surfaces: [idle]})[2][1], /Limit: waiting, host link 90 % busy/);
   const smooth = {...whole, load: undefined, surfaces: [], frame: {...frame, samples: 16}};
   assert.equal(factsOf(smooth).length, 2);
-  assert.match(factsOf(smooth)[1][1], /\n16 samples a pixel\n/);
+  assert.match(factsOf(smooth)[1][1], /\n16 samples per pixel\n/);
 });

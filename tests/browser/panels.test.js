@@ -13,7 +13,7 @@ usePage(undefined, async () => {
   raw = await rawSocket(page, server.url);
 });
 
-/** Runs in the page: a fingerprint of a canvas, and how many pixels have about that colour. */
+/** Runs in the page: a fingerprint of a canvas, and how many pixels have about that color. */
 function lookAtCanvas(canvas, color) {
   const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
   const [r, g, b] = [1, 3, 5].map(at => parseInt(color.slice(at, at + 2), 16));
@@ -161,7 +161,7 @@ async function regionOf([path, x0, y0, edge]) {
 }
 
 test('scrubbing: the start is not the end, and the end is the region itself', async () => {
-  await byId('scrub-status').getByText('instructions done').waitFor();
+  await byId('scrub-status').getByText('instructions executed').waitFor();
   await redrawn('region', () => byId('scrub-first').click());
   await redrawn('region', () => byId('scrub-last').click());
   await byId('disassembly').locator('li').first().waitFor();
@@ -190,7 +190,7 @@ test('the machine: its nodes, what they do, who draws what', async () => {
   const stage = await middleOf(byId('stage'));
   await drag(page, stage, { x: stage.x + 80, y: stage.y }, { steps: 20 });
   await byId('clocks').getByText('1993').waitFor();
-  await page.getByText(/Dearest [1-9]/).waitFor();
+  await page.getByText(/maximum [1-9]/).waitFor();
   await page.waitForFunction(() => [...document.querySelectorAll('[data-testid^=node-gp]')]
     .every(node => /\d %/.test(node.textContent)));
   await settled(page);
@@ -206,14 +206,14 @@ test('what the machine of 1993 would have taken is told when asked for, until th
   const { machine, gps, surfaces, frame } = result;
   const told = [machine, `${gps} GPs`, ...surfaces.map(({ name }) => `Surface ${name}`),
     ...surfaces.map(({ triangles }) => `${triangles.toLocaleString('en')} triangles`),
-    `${Number(frame.frames_per_s.toPrecision(3))} a second`];
+    `${Number(frame.frames_per_s.toPrecision(3))} frames/s`];
   for (const each of told) assert.ok(facts.includes(each), `'${each}' in ${facts}`);
   const rows = await byId('model-use').allInnerTexts();
   assert.equal(rows.length, frame.use.length);
   const limit = frame.use.findIndex(({ unit }) => unit === frame.limit);
   rows.forEach((row, at) => {
     assert.ok(row.includes(`${Math.round(100 * frame.use[at].busiest)} %`), row);
-    assert.equal(/the limit/.test(row), at === limit, row);
+    assert.equal(/limit/.test(row), at === limit, row);
   });
   assert.equal(await byId('model-message').innerText(), '');
   await after(page, () => say(raw, 'view 60 10'));

@@ -13,7 +13,7 @@ useServer(['phantom:pelvis']);
 async function keep(page, name) {
   await settled(page);
   const { colors } = await lookAtPicture(page);
-  assert.ok(colors > 200, `${name}: ${colors} colours`);
+  assert.ok(colors > 200, `${name}: ${colors} colors`);
   await shoot(page, name);
 }
 
@@ -38,7 +38,7 @@ for (const [width, height] of SIZES) {
     await byId('tab-inspector').click();
     await byId('inspect-mode').click();
     await page.mouse.click(stage.x, stage.y - 20);
-    await byId('scrub-status').getByText('instructions done').waitFor();
+    await byId('scrub-status').getByText('instructions executed').waitFor();
     await keep(page, `inspector-${width}`);
     await page.keyboard.press('Escape');
     await byId('tab-machine').click();

@@ -51,7 +51,7 @@ export function unfold(page) {
   });
 }
 
-/** How different the picture's pixels are: colours, and the share of the commonest one. */
+/** How different the picture's pixels are: colors, and the share of the commonest one. */
 export function lookAtPicture(page) {
   return page.getByTestId('frame').evaluate(canvas => {
     const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);

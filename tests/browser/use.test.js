@@ -158,7 +158,7 @@ test('the same mode takes the value from a slice, and ends with its surface', as
   assert.equal(surfaceOf(await state(page), 'bone').isovalue, was);
 });
 
-test('surfaces: add a tissue, colour, opacity, hide, parts, certificate, remove', async () => {
+test('surfaces: add a tissue, color, opacity, hide, parts, certificate, remove', async () => {
   const count = (await state(page)).surfaces.length;
   const added = await after(page, () => byId('preset-muscle').click());
   assert.equal(added.state.surfaces.length, count + 1);

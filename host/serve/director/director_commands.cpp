@@ -235,7 +235,7 @@ std::optional<MachineError> Director::try_again(const History& history, const Sc
             find_command(load.name).run(*session_, load);
         }
         restore_all(*session_, scene);
-        note("info", "The machine is there again, with volume and surfaces as they were.");
+        note("info", "The machine has restarted. Volume and surfaces are restored.");
     } catch (const MachineError& death) {
         return death;
     } catch (const std::exception& error) {

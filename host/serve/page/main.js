@@ -21,7 +21,7 @@ import {createLeft} from './surfaces/left.js';
 import {createOpenDialog} from './volume/open_volume.js';
 import {createSaveDialog} from './volume/saving.js';
 
-/** The WebSocket's address: beside the page, with the token that the page was opened with. */
+/** The WebSocket's URL, relative to the page, with the token of the page. */
 function socketUrl() {
   const url = new URL('socket', location.href);
   url.search = location.search;
@@ -48,7 +48,7 @@ function start() {
 
   const viewpoint = new Viewpoint(connection, store, picture);
   const step = (/** @type {'undo' | 'redo'} */ way) => {
-    // A key when there is nothing to take back is no error.
+    // Pressing the key with nothing to undo is not an error.
     if (store.state?.[way] && !connection.watches) {
       void connection.do(way);
     }

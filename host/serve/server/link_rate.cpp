@@ -7,9 +7,9 @@ namespace pxpl5::host::serve {
 namespace {
 
 constexpr std::size_t kept_pings = 60;
-constexpr double forgetting = 0.8;      // Weight of what was known when something new is measured.
-constexpr double least_time_ms = 0.05;  // The clock's doubt; keeps a rate finite.
-constexpr double longest_ms = 1000;     // A tab that nobody looks at displays nothing for minutes.
+constexpr double forgetting = 0.8;      // Weight of the previous estimate at a new measurement.
+constexpr double least_time_ms = 0.05;  // Resolution of the clock; keeps a rate finite.
+constexpr double longest_ms = 1000;     // A hidden tab displays no frames for minutes.
 constexpr double margin = 0.8;          // To improve, a frame must fit this part of the budget.
 
 /// Size of a JPEG against one of min_quality, by steps of quality: of pictures of the phantoms.

@@ -33,9 +33,9 @@ class LinkRate {
     /// Bytes a second; 0 while nothing is known.
     double bytes_per_s() const;
 
-    /// Notes the size of a moving frame, from which quality() and scale() reckon.
+    /// Records the size of a moving frame, for quality() and scale().
     void encoded(int quality, std::size_t pixels, std::size_t bytes);
-    /// Of the next moving frame of so many pixels: min_quality to max_quality.
+    /// The quality of the next moving frame of that size: min_quality to max_quality.
     int quality(std::size_t pixels);
     /// 1, 3/4 or 1/2: how much smaller than `full_pixels` a frame must be to move.
     double scale(std::size_t full_pixels);

@@ -62,7 +62,7 @@ Routes::Routes(RouteFolders folders) : downloads_(std::move(folders.downloads)) 
         files_[name] = {entry.path(), std::string(type), ""};
         if (files_.size() > max_page_files) {
             throw RequestError(ExitCode::bad_data,
-                               fmt::format("cannot serve the page: {} holds more than {} files",
+                               fmt::format("cannot serve the page: {} contains more than {} files",
                                            folders.page.string(), max_page_files));
         }
     }

@@ -39,21 +39,21 @@ struct Said {
 };
 using Event = std::variant<Joined, Left, Said>;
 
-/// A frame for everybody.
+/// A frame for all viewers.
 struct Shown {
     std::shared_ptr<const std::vector<std::uint32_t>> pixels;  ///< width * height, red lowest.
     int width = 0, height = 0;
-    std::uint32_t revision = 0;  ///< Of the state that it shows.
-    int samples = 1;             ///< A pixel.
-    bool rests = false;          ///< The picture itself: sent lossless, to every viewer.
+    std::uint32_t revision = 0;  ///< Revision of the state in the picture.
+    int samples = 1;             ///< Samples per pixel.
+    bool rests = false;          ///< A resting picture: sent lossless, to every viewer.
     bool last = false;           ///< No refinement follows.
     float machine_ms = 0;        ///< Request to picture.
     std::uint64_t digest = 0;    ///< 0 while moving.
 };
 
-/// What the slowest driver's connection allows.
+/// Limits of the slowest driver's connection.
 struct LinkAdvice {
-    double scale = 1;  ///< Of moving frames against resting ones: 1, 3/4 or 1/2.
+    double scale = 1;  ///< Size of moving frames relative to resting frames: 1, 3/4 or 1/2.
 };
 
 /// Serves the page and its WebSocket from a thread of its own. Every call below may be made from

@@ -75,12 +75,12 @@ std::string_view cookie_value(std::string_view cookies, std::string_view name) {
 /// Checks where the request comes from; the reason, if that is not from here.
 std::string foreign(const AccessRules& rules, const Request& request) {
     if (std::ranges::find(rules.names, name_of(request.host)) == rules.names.end()) {
-        return fmt::format("This server is not called '{}'; it is {}.", request.host,
+        return fmt::format("Unknown host name '{}'. Use one of: {}.", request.host,
                            fmt::join(rules.names, ", "));
     }
     const std::string here = (rules.encrypted ? "https://" : "http://") + lower(request.host);
     if (!request.origin.empty() && lower(request.origin) != here) {
-        return fmt::format("A page from {} may not use this server; only one from {} may.",
+        return fmt::format("A page from {} cannot use this server. Open {} instead.",
                            request.origin, here);
     }
     return "";
@@ -129,7 +129,7 @@ Verdict judge(const AccessRules& rules, const Request& request) {
     if (in_query != request.query.end()) {
         const auto role = role_of(rules, in_query->second);
         if (!role) {
-            return {403, "This token is not the one that pxpl5 serve has printed.", {}, {}};
+            return {403, "The token is wrong. Open an address that pxpl5 serve printed.", {}, {}};
         }
         std::string cookie =
             fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}", rules.cookie_name,
@@ -138,7 +138,7 @@ Verdict judge(const AccessRules& rules, const Request& request) {
     }
     const auto role = role_of(rules, cookie_value(request.cookie, rules.cookie_name));
     if (!role) {
-        return {403, "Open the address that pxpl5 serve has printed: it carries a token.", {}, {}};
+        return {403, "The token is missing. Open an address that pxpl5 serve printed.", {}, {}};
     }
     return {200, "", *role, ""};
 }

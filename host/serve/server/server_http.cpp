@@ -91,14 +91,14 @@ int Loop::on_request(lws* connection) {
     const bool sends = request.method == "POST" || request.method == "PUT";
     const bool takes = route.kind == RouteKind::upload || route.kind == RouteKind::upload_done;
     if (route.kind == RouteKind::none) {
-        return refuse(connection, 404, fmt::format("There is no {} here.", request.path));
+        return refuse(connection, 404, fmt::format("{} does not exist.", request.path));
     }
     if (takes ? !sends : request.method != "GET" && request.method != "HEAD") {
         return refuse(connection, 405,
-                      fmt::format("{} does not take {}.", request.path, request.method));
+                      fmt::format("{} does not accept {}.", request.path, request.method));
     }
     if (takes && verdict.role != Role::driver) {
-        return refuse(connection, 403, "Who only watches may not upload files.");
+        return refuse(connection, 403, "A view-only address cannot upload files.");
     }
     switch (route.kind) {
         case RouteKind::upload:
@@ -108,7 +108,7 @@ int Loop::on_request(lws* connection) {
         case RouteKind::file:
             return send_file(connection, route.file, verdict.cookie);
         default:
-            return refuse(connection, 426, "This path is for a WebSocket.");
+            return refuse(connection, 426, "This path accepts WebSocket connections only.");
     }
 }
 
@@ -129,7 +129,7 @@ int Loop::send_file(lws* connection, const ServedFile& file, const std::string& 
 int Loop::begin_upload(lws* connection, const Request& request) {
     const auto length = number<std::uint64_t>(header_of(connection, WSI_TOKEN_HTTP_CONTENT_LENGTH));
     if (!length) {
-        return refuse(connection, 411, "An upload must say its Content-Length.");
+        return refuse(connection, 411, "An upload needs a Content-Length header.");
     }
     Upload upload;
     try {

@@ -69,7 +69,7 @@ void check_options(const ServerOptions& options) {
                            fmt::format("--port takes 0 to {}, not {}", max_port, options.port));
     }
     if (options.tls_cert.empty() != options.tls_key.empty()) {
-        throw RequestError(ExitCode::usage, "--tls-cert and --tls-key go together: one is missing");
+        throw RequestError(ExitCode::usage, "--tls-cert and --tls-key must be given together");
     }
     if (!is_loopback(options.bind) && options.tls_cert.empty() && !options.insecure) {
         throw RequestError(
@@ -117,7 +117,7 @@ void check_can_bind(const ServerOptions& options) {
     }
 }
 
-/// The name that the certificate is for: browsers let nobody else use it.
+/// The name in the certificate: browsers accept the certificate for this name only.
 std::string certificate_name(lws_vhost* vhost) {
     union {
         lws_tls_cert_info_results info;

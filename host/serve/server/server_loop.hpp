@@ -87,9 +87,9 @@ class Loop {
     std::map<lws*, Role> handshakes_;
     std::map<lws*, Socket> sockets_;
     std::map<lws*, Upload> uploading_;
-    std::uint32_t viewers_ = 0;  ///< Ever joined.
+    std::uint32_t viewers_ = 0;  ///< Number of viewers that joined so far.
     std::uint64_t encoded_sequence_ = 0;
-    std::map<int, std::string> encoded_;  ///< Of that frame, by quality; 0 is the PNG.
+    std::map<int, std::string> encoded_;  ///< The encoded frame by quality; 0 is the PNG.
     std::size_t resting_pixels_ = 0;
 };
 

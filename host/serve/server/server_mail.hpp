@@ -26,7 +26,7 @@ struct NewestFrame {
 
 inline constexpr std::size_t max_waiting_event_bytes = 32U << 20U;
 
-/// Locks are held for a few moves only: nobody waits for an encoder or a socket.
+/// Locks are short: no thread waits for an encoder or a socket.
 class Mail {
   public:
     Mail();
@@ -49,8 +49,8 @@ class Mail {
     std::vector<Outgoing> collect();
     std::vector<std::string> collect_opened();
     std::shared_ptr<const NewestFrame> newest() const;
-    /// wanted  Somebody would take a frame newer than number `sequence`. Old news if a newer one
-    ///         has been shown meanwhile.
+    /// wanted  A viewer accepts a frame newer than number `sequence`. Ignored if a newer frame
+    ///         has been shown in the meantime.
     void advise(bool wanted, std::uint64_t sequence, LinkAdvice advice);
 
     /// Called after send(), show() and opened(), on the session's thread.

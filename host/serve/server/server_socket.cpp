@@ -132,7 +132,7 @@ void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
         return;
     }
     if (lws_frame_is_binary(connection) != 0) {
-        viewer.closing = {1003, "Only texts are understood."};
+        viewer.closing = {1003, "Only text messages are accepted."};
         return close_soon(connection);
     }
     const bool is_final =
@@ -151,7 +151,7 @@ void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
         }
         advise();
     } else if (!mail_.push(Said{viewer.number, viewer.role, std::move(*text)})) {
-        viewer.closing = {1013, "The session has not caught up with what was said."};
+        viewer.closing = {1013, "Too many messages are waiting for the session."};
         close_soon(connection);
     }
 }

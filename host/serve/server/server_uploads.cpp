@@ -43,8 +43,8 @@ void check_batch(const std::string& name) {
                  c == '-' || c == '_');
     };
     if (name.empty() || name.size() > max_batch_name || std::ranges::any_of(name, is_odd)) {
-        throw UploadError{400, fmt::format("A batch is named by 1 to {} letters, digits, '-' or "
-                                           "'_', not by '{}'.",
+        throw UploadError{400, fmt::format("A batch name has 1 to {} letters, digits, '-' or "
+                                           "'_', but this name is '{}'.",
                                            max_batch_name, name)};
     }
 }
@@ -105,7 +105,7 @@ UploadingFile::UploadingFile(Uploads& uploads, std::string batch, fs::path path,
     : uploads_(uploads), batch_(std::move(batch)), path_(std::move(path)), announced_(length) {
     fd_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
     if (fd_ < 0 && errno == EEXIST) {
-        throw UploadError{409, fmt::format("{} has come already.", path_.filename().string())};
+        throw UploadError{409, fmt::format("{} was uploaded already.", path_.filename().string())};
     }
     if (fd_ < 0) {
         throw UploadError{500, fmt::format("{} cannot be stored: {}.", path_.filename().string(),
@@ -130,8 +130,8 @@ UploadingFile::~UploadingFile() {
 void UploadingFile::append(std::string_view bytes) {
     received_ += bytes.size();
     if (received_ > announced_) {
-        throw UploadError{400,
-                          fmt::format("{} bytes came, {} were announced.", received_, announced_)};
+        throw UploadError{
+            400, fmt::format("{} bytes arrived, but {} were announced.", received_, announced_)};
     }
     while (!bytes.empty()) {
         const ssize_t written = write(fd_, bytes.data(), bytes.size());
@@ -148,8 +148,8 @@ void UploadingFile::append(std::string_view bytes) {
 
 void UploadingFile::finish() {
     if (received_ != announced_) {
-        throw UploadError{400,
-                          fmt::format("{} bytes came, {} were announced.", received_, announced_)};
+        throw UploadError{
+            400, fmt::format("{} bytes arrived, but {} were announced.", received_, announced_)};
     }
     close(std::exchange(fd_, -1));
     Uploads::Batch& batch = uploads_.batches_.at(batch_);
@@ -170,7 +170,7 @@ Uploads::Batch& Uploads::open_batch(const std::string& name) {
         folder = folder_ / fmt::format("{}-{}", ++batch_count_, name);
     } while (!fs::create_directory(folder, error) && !error);
     if (error) {
-        throw UploadError{500, fmt::format("Nothing can be stored: {}.", error.message())};
+        throw UploadError{500, fmt::format("Uploads cannot be stored: {}.", error.message())};
     }
     return batches_[name] = {folder};
 }
@@ -183,11 +183,12 @@ std::unique_ptr<UploadingFile> Uploads::begin(const std::string& name, const std
     }
     if (length > max_upload_bytes - bytes_) {
         throw UploadError{
-            413, fmt::format("{} is too large: {} bytes, and {} of {} are left.", clean.string(),
+            413, fmt::format("{} is too large: {} bytes, but {} of {} are left.", clean.string(),
                              length, max_upload_bytes - bytes_, max_upload_bytes)};
     }
     if (files_ >= max_upload_files) {
-        throw UploadError{413, fmt::format("{} files have come: no more can.", max_upload_files)};
+        throw UploadError{
+            413, fmt::format("The limit of {} uploaded files is reached.", max_upload_files)};
     }
     const fs::path path = open_batch(batch).folder / clean;
     std::error_code error;
@@ -202,10 +203,10 @@ std::unique_ptr<UploadingFile> Uploads::begin(const std::string& name, const std
 UploadedBatch Uploads::done(const std::string& name) {
     const auto found = batches_.find(name);
     if (found == batches_.end() || found->second.files == 0) {
-        throw UploadError{400, fmt::format("Batch '{}' holds no file.", name)};
+        throw UploadError{400, fmt::format("Batch '{}' contains no file.", name)};
     }
     if (found->second.under_way > 0) {
-        throw UploadError{409, fmt::format("{} files of batch '{}' are still under way.",
+        throw UploadError{409, fmt::format("{} files of batch '{}' are still being uploaded.",
                                            found->second.under_way, name)};
     }
     const Batch batch = found->second;

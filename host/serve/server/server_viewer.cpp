@@ -9,7 +9,7 @@ namespace pxpl5::host::serve {
 
 std::optional<std::string> Viewer::hear(std::string_view part, bool is_final, double now_ms) {
     if (heard_.size() + part.size() > max_text_bytes) {
-        closing = {1009, fmt::format("A message may have {} bytes at most.", max_text_bytes)};
+        closing = {1009, fmt::format("A message can have at most {} bytes.", max_text_bytes)};
         heard_.clear();
         return std::nullopt;
     }
@@ -22,7 +22,7 @@ std::optional<std::string> Viewer::hear(std::string_view part, bool is_final, do
                         may_say_ + (now_ms - last_heard_ms_) / 1000 * messages_per_second);
     last_heard_ms_ = now_ms;
     if (may_say_ < 1) {
-        closing = {1008, fmt::format("More than {} messages a second came, {} at once.",
+        closing = {1008, fmt::format("More than {} messages per second arrived, {} at once.",
                                      messages_per_second, messages_at_once)};
         return std::nullopt;
     }
@@ -36,7 +36,7 @@ void Viewer::line_up(Outgoing message) {
     }
     const std::size_t bytes = message.bytes->size();
     if (!messages_.empty() && waiting_bytes_ + bytes > max_waiting_bytes) {
-        closing = {1013, fmt::format("{} bytes wait for this viewer, who reads too slowly.",
+        closing = {1013, fmt::format("This viewer reads too slowly: {} bytes are waiting.",
                                      waiting_bytes_ + bytes)};
         messages_.clear();
         waiting_bytes_ = 0;

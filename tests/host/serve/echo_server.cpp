@@ -1,9 +1,9 @@
 // A server without a machine, for test_server*.py: does what viewers say, until its input ends.
 //
 // It prints its two addresses and then each event. A viewer's text `{"echo":x}` comes back to it;
-// `{"frame":[width,height,revision,rests]}` shows a frame whose colours follow from the revision;
+// `{"frame":[width,height,revision,rests]}` shows a frame whose colors follow from the revision;
 // `{"texts":[count,bytes]}` sends so many texts; `{"binary":bytes}` one binary message;
-// `{"say":x}` goes to all; `{"wants":0}` tells whether a frame is wanted.
+// `{"say":x}` goes to all; `{"wants":0}` reports if a frame is wanted.
 #include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>

@@ -124,7 +124,7 @@ class Messages(Case):
     def test_a_flood_closes_its_viewer_alone(self):
         flood, other = self.join(), self.join()
         flood.send_frames([(TEXT, b'{"flood":1}')] * 20_000)  # Some come after the reason is known.
-        self.assertIn("400 messages a second", self.closed(1008, flood))
+        self.assertIn("400 messages per second", self.closed(1008, flood))
         self.sync(other)
 
     def test_a_ninth_viewer_waits_until_one_has_left(self):

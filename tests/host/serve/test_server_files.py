@@ -75,7 +75,7 @@ class Files(Case):
         token = urllib.parse.urlsplit(self.server.watch_url).query
         status, _, body = self.server.request("/upload?name=a&batch=b&" + token, method="POST",
                                               body=b"x", token=False)
-        self.assertEqual((status, body), (403, b"Who only watches may not upload files.\n"))
+        self.assertEqual((status, body), (403, b"A view-only address cannot upload files.\n"))
 
 
 class Start(unittest.TestCase):
@@ -91,7 +91,7 @@ class Start(unittest.TestCase):
         self.assertIn("--bind 0.0.0.0", self.fails(64, "bind", "0.0.0.0"))
         self.assertIn("not 'localhost'", self.fails(64, "bind", "localhost"))
         self.assertIn("not 65536", self.fails(64, "port", "65536"))
-        self.assertIn("go together", self.fails(64, "cert", "c.pem"))
+        self.assertIn("must be given together", self.fails(64, "cert", "c.pem"))
         self.assertIn("cannot read c.pem", self.fails(65, "cert", "c.pem", "key", "k.pem"))
         self.assertIn("/nowhere is missing", self.fails(65, "page", "/nowhere"))
         self.assertIn("cannot make the folder '/dev/null/up'",

@@ -1,14 +1,14 @@
-// Canvases that are sharp on every screen, and colours of the stylesheet to draw in them with.
+// Canvases that are sharp on every screen, and colors of the style sheet.
 
 const MAX_SCALE = 3;
 const BASE_FONT_PX = 13;    // style.css, on small screens.
 
 /**
- * A canvas's context, cleared, its picture as large as the element stands on the screen.
+ * The cleared context of a canvas whose pixels match the screen.
  * @param {HTMLCanvasElement} canvas
  * @returns {{context: CanvasRenderingContext2D, width: number, height: number, unit: number}}
- *     width and height in CSS pixels, to which the context is scaled; unit: how much larger than on
- *     small screens text and lines are to be, as the page's text is
+ *     width and height in CSS pixels, to which the context is scaled; unit: scale of text and
+ *     lines, relative to a small screen
  */
 export function fitted(canvas) {
   const scale = Math.min(devicePixelRatio || 1, MAX_SCALE);
@@ -39,21 +39,21 @@ export function contextOf(canvas) {
 }
 
 /**
- * A custom property of the stylesheet as it holds at an element.
+ * The value of a custom property of the style sheet at an element.
  * @param {Element} element
  * @param {string} name  '--...'
  */
-export function styleColour(element, name) {
+export function styleColor(element, name) {
   return getComputedStyle(element).getPropertyValue(name).trim() || '#888';
 }
 
-/** Whether the person asked for less motion. */
-export function wantsCalm() {
+/** Whether the user prefers reduced motion. */
+export function prefersReducedMotion() {
   return matchMedia('(prefers-reduced-motion: reduce)').matches;
 }
 
 /**
- * Calls `draw` once before the next picture of the screen, however often it is asked for.
+ * Calls `draw` at most once per screen refresh.
  * @param {() => void} draw
  * @returns {() => void}
  */
@@ -71,7 +71,7 @@ export function onceAFrame(draw) {
 }
 
 /**
- * Draws anew whenever the element's size changes, and when it comes into view.
+ * Draws again whenever the size of the element changes, and when it becomes visible.
  * @param {Element} element
  * @param {() => void} draw
  */

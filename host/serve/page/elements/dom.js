@@ -1,9 +1,9 @@
-// Making elements. Text is always text, never markup: nothing the server says can become a tag.
+// Makes elements. Text never becomes markup, so texts of the server cannot add tags.
 
 const SVG = 'http://www.w3.org/2000/svg';
 
 /** @typedef {string | number | Node | null | undefined | false} Child */
-/** @typedef {Record<string, any>} Attributes  `on...` are listeners, booleans are set or not. */
+/** @typedef {Record<string, any>} Attributes  `on...` are listeners; false omits an attribute. */
 
 /**
  * @param {Element} element
@@ -54,7 +54,7 @@ export function s(tag, attributes = {}, ...children) {
 }
 
 /**
- * The element of that id, which index.html has.
+ * The element of index.html with that id.
  * @param {string} id
  * @returns {HTMLElement}
  */
@@ -67,7 +67,7 @@ export function byId(id) {
 }
 
 /**
- * Sets attributes only where they differ, so that nothing is laid out again in vain.
+ * Sets only attributes that differ, to avoid needless layout.
  * @param {Element} element
  * @param {Record<string, string | number | null>} attributes  null removes.
  */

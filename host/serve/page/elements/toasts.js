@@ -1,9 +1,9 @@
-// Sentences for the person. Errors stay until they are closed, notes for a while.
+// Messages for the user. Errors stay until the user closes them, notes for 6 s.
 import {h} from './dom.js';
 
 const NOTE_MS = 6000;
 const MOST = 4;
-/** What errors are about that go away when something was opened. */
+/** Subject of errors that disappear after a volume was opened. */
 export const OPENING = 'opening';
 
 export class Toasts {
@@ -28,7 +28,7 @@ export class Toasts {
   }
 
   /**
-   * Takes away the errors about something that has succeeded meanwhile.
+   * Removes the errors about a subject, for example after a success.
    * @param {string} about
    */
   forget(about) {

@@ -1,27 +1,27 @@
-// One voxel cell in space: its eight values, the isosurface's triangle in it, the pixel's ray.
-// It can be turned by dragging and by arrow keys.
+// One voxel cell in 3D: eight values, the triangle, and the point that the pixel's ray hits.
+// Dragging and arrow keys rotate the cell.
 import {h, s} from '../elements/dom.js';
 
 /** @typedef {[number, number, number]} Vector */
 
 /**
- * @typedef {object} Cell               As `why` tells it.
- * @property {Vector} cell              Its corner with the smallest indices.
+ * @typedef {object} Cell               A cell in the result of `why`.
+ * @property {Vector} cell              The corner with the smallest indices.
  * @property {number} case              Bit c: corner c is inside.
  * @property {number} [triangle]
  * @property {number} [triangle_count]
- * @property {number[]} [values]        Of corner c at cell + (c & 1, c >> 1 & 1, c >> 2).
+ * @property {number[]} [values]        Value of corner c at cell + (c & 1, c >> 1 & 1, c >> 2).
  * @property {{voxel: Vector, value_0?: number, value_1?: number, fraction?: number}[]} [corners]
- *     Of the triangle.
+ *     Corners of the triangle.
  * @property {Vector} [hit_voxel]       Where the pixel's ray meets the triangle's plane.
- * @property {string} [unknown]         Why voxels are not known; the rest is missing then.
+ * @property {string} [unknown]         Reason why the voxels are unknown; other fields are missing.
  * @property {string} [doubt]
  */
 
-const SIZE = 260;               // Of the drawing's own coordinates.
-const SCALE = 60;               // Of half a cell's edge, nearest.
-const DISTANCE = 6;             // Of the eye from the middle, in half edges.
-const DRAG_RAD = 0.01;          // A CSS pixel of drag.
+const SIZE = 260;               // Drawing coordinates.
+const SCALE = 60;               // Half of the nearest edge.
+const DISTANCE = 6;             // From the eye to the center, in half edges.
+const DRAG_RAD = 0.01;          // Per CSS pixel of drag.
 const KEY_RAD = 0.15;
 const MOST_TILT = 1.5;
 const START = {turn: -0.6, tilt: 0.42};
@@ -29,7 +29,7 @@ const EDGES = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [
   [2, 6], [3, 7]];
 
 /**
- * A value as short as it can be told.
+ * A value with five significant digits.
  * @param {number} value
  */
 function valueText(value) {
@@ -40,7 +40,7 @@ export class CellView {
   constructor() {
     /** @private @type {Cell | null} */ this.cell_ = null;
     /** @private */ this.isovalue_ = 0;
-    /** @private */ this.colour_ = '#ffffff';
+    /** @private */ this.color_ = '#ffffff';
     /** @private */ this.turn_ = START.turn;
     /** @private */ this.tilt_ = START.tilt;
     this.svg = s('svg', {class: 'cell', viewBox: `0 0 ${SIZE} ${SIZE}`, tabindex: 0, role: 'img',
@@ -52,20 +52,20 @@ export class CellView {
   /**
    * @param {Cell} cell
    * @param {number} isovalue
-   * @param {string} colour   Of the surface.
+   * @param {string} color   Color of the surface.
    */
-  show(cell, isovalue, colour) {
+  show(cell, isovalue, color) {
     this.cell_ = cell;
     this.isovalue_ = isovalue;
-    this.colour_ = colour;
+    this.color_ = color;
     const inside = (cell.values ?? []).filter(value => value >= isovalue).length;
     this.svg.setAttribute('aria-label', `Cell ${cell.cell.join(', ')}: ${inside} of its 8 voxels ` +
-      `are inside, values ${(cell.values ?? []).map(valueText).join(', ')}. Arrows turn it.`);
+      `are inside, values ${(cell.values ?? []).map(valueText).join(', ')}. Arrow keys rotate it.`);
     this.draw_();
   }
 
   /**
-   * A point of the cell as it stands on the drawing.
+   * The position of a point of the cell on the drawing.
    * @private
    * @param {Vector} at   0..1 along each axis.
    */
@@ -124,7 +124,7 @@ export class CellView {
    */
   triangle_(cell) {
     const points = (cell.corners ?? []).map(({voxel}) => this.inCell_(cell, voxel));
-    return s('polygon', {class: 'face', fill: this.colour_, 'data-testid': 'cell-triangle',
+    return s('polygon', {class: 'face', fill: this.color_, 'data-testid': 'cell-triangle',
       points: points.map(({x, y}) => `${x.toFixed(1)},${y.toFixed(1)}`).join(' ')});
   }
 
@@ -137,14 +137,14 @@ export class CellView {
     /** @type {SVGElement[]} */
     const marks = (cell.corners ?? []).map(({voxel, fraction, value_0, value_1}) => {
       const {x, y} = this.inCell_(cell, voxel);
-      const title = fraction === undefined ? 'the middle of the cell’s crossings'
+      const title = fraction === undefined ? 'center of the crossings of the cell'
         : `${(100 * fraction).toFixed(1)} % of the way from ${value_0} to ${value_1}`;
-      return s('circle', {class: 'crossing', cx: x, cy: y, r: 4, fill: this.colour_},
+      return s('circle', {class: 'crossing', cx: x, cy: y, r: 4, fill: this.color_},
         s('title', {}, title));
     });
     if (cell.hit_voxel) {
       const {x, y} = this.inCell_(cell, cell.hit_voxel);
-      marks.push(s('g', {class: 'hit'}, s('title', {}, 'the pixel'),
+      marks.push(s('g', {class: 'hit'}, s('title', {}, 'hit point of the pixel'),
         s('line', {x1: x - 6, y1: y, x2: x + 6, y2: y}),
         s('line', {x1: x, y1: y - 6, x2: x, y2: y + 6})));
     }
@@ -163,7 +163,7 @@ export class CellView {
         valueText(value)));
   }
 
-  /** Names of the voxel axes, at the corner that all of them leave. @private */
+  /** Names of the voxel axes, at their common corner. @private */
   axes_() {
     const ends = /** @type {[string, Vector][]} */ ([['i', [0.5, 0, 0]], ['j', [0, 0.5, 0]],
       ['k', [0, 0, 0.5]]]);

@@ -1,4 +1,4 @@
-// Panel: why a pixel has its colour, from the pixel back to the voxels, and its region's stream.
+// Panel: explains the color of a pixel, and steps through the stream of its region.
 import {CellView} from './cell_view.js';
 import {h, s} from '../elements/dom.js';
 import {intro, messageLine, modeButton} from '../panel/panel_parts.js';
@@ -6,8 +6,8 @@ import {StreamView} from './stream_view.js';
 import {cardsOf, changesOf} from './why_cards.js';
 
 const MODE = 'inspect';
-const HINT = 'Click a pixel to learn why it has its colour. Esc ends it.';
-const EMPTY = 'Nothing asked yet: press Inspect, then click a pixel of the picture.';
+const HINT = 'Click a pixel to explain its color. Press Esc to stop.';
+const EMPTY = 'Press Inspect, then click a pixel in the picture.';
 
 const testIdOf = (/** @type {Element} */ element) => element.getAttribute('data-testid');
 
@@ -24,10 +24,10 @@ class InspectorPanel {
       sentence => this.message.fail(sentence));
     this.cards = h('div', {class: 'why-chain', 'data-testid': 'why-cards'});
     this.stream.element.hidden = true;
-    /** Counts questions: an answer that comes late is not shown. */
+    /** Number of the newest question. Replies to older questions are dropped. */
     this.asked = 0;
     this.revision = 0;
-    /** @type {{x: number, y: number} | null}  That the cards speak of. */
+    /** @type {{x: number, y: number} | null}  The pixel that the cards explain. */
     this.pixel = null;
     this.ring = s('g', {class: 'inspected'});
     this.x = this.field('x');
@@ -39,7 +39,7 @@ class InspectorPanel {
       void this.ask(this.x.valueAsNumber, this.y.valueAsNumber);
     }}, button, h('span', {class: 'muted'}, 'or pixel'), this.x, this.y,
     h('button', {type: 'submit', 'data-testid': 'why-ask'}, 'Why?'));
-    root.append(intro('Why a pixel has its colour, back to eight voxels.'),
+    root.append(intro('Explains the color of a pixel, back to eight voxels.'),
       form, this.message.element, this.cards, this.stream.element);
     this.message.say(EMPTY);
     app.picture.overlay.append(this.ring);
@@ -51,7 +51,7 @@ class InspectorPanel {
   /** @param {string} name */
   field(name) {
     return h('input', {type: 'number', min: 0, step: 1, required: true, class: 'pixel',
-      'aria-label': `${name} of the pixel`, title: `${name} of the pixel`,
+      'aria-label': `Pixel ${name}`, title: `Pixel ${name}`,
       'data-testid': `why-${name}`});
   }
 
@@ -63,7 +63,7 @@ class InspectorPanel {
     const number = ++this.asked;
     this.x.value = String(x);
     this.y.value = String(y);
-    this.message.say(`Looking into pixel (${x}, ${y}) …`);
+    this.message.say(`Explaining pixel (${x}, ${y}) …`);
     const reply = await this.app.connection.do(`why ${x} ${y}`, {quiet: true});
     if (number !== this.asked) {
       return;
@@ -91,7 +91,7 @@ class InspectorPanel {
     }
   }
 
-  /** Marks the pixel in the picture, as long as it is the picture that was asked about. */
+  /** Marks the explained pixel until the picture changes. */
   mark() {
     if (this.pixel) {
       const {x, y} = this.app.picture.placeOfPixel(this.pixel.x, this.pixel.y);
@@ -102,13 +102,13 @@ class InspectorPanel {
     }
   }
 
-  /** @param {number} revision  Of the frame on the screen; it may be newer than the answer. */
+  /** @param {number} revision  Revision of the displayed frame. */
   outdated(revision) {
     if (this.revision !== 0 && revision > this.revision && this.cards.childElementCount > 0) {
       this.cards.classList.add('outdated');
       this.pixel = null;
       this.mark();
-      this.message.say('The picture has changed since: this tells of the one before.');
+      this.message.say('The picture has changed. This explains the previous picture.');
     }
   }
 }

@@ -1,4 +1,4 @@
-// Panel: straight distances between two points of a surface, drawn over the picture.
+// Panel: straight-line distances between points on a surface, drawn over the picture.
 import {h, s} from '../elements/dom.js';
 import {intro, messageLine, modeButton} from '../panel/panel_parts.js';
 
@@ -6,7 +6,7 @@ import {intro, messageLine, modeButton} from '../panel/panel_parts.js';
 /** @typedef {{name: string, a_mm: Triple, b_mm: Triple, distance_mm: number}} Distance */
 
 const MODE = 'measure';
-const HINT = 'Click two points of a surface to measure between them. Esc ends it.';
+const HINT = 'Click two points on a surface to measure the distance. Press Esc to stop.';
 const MAX_DISTANCES = 32;
 
 /** @param {number} mm */
@@ -23,7 +23,7 @@ class MeasurePanel {
     this.app = app;
     /** @type {Distance[]} */
     this.distances = [];
-    /** @type {{x: number, y: number} | null}  The first click, a pixel of the picture. */
+    /** @type {{x: number, y: number} | null}  Pixel of the first click. */
     this.first = null;
     this.count = 0;
     this.source = '';
@@ -34,16 +34,16 @@ class MeasurePanel {
       testid: 'measure-mode', click: (x, y) => void this.click(x, y),
       leave: () => this.forgetFirst()});
     app.picture.overlay.append(this.drawing);
-    root.append(intro('Straight distances between two points that you click on a surface.'),
+    root.append(intro('Straight-line distance between two points on a surface.'),
       h('div', {class: 'tool-row drives'}, button), this.list, this.message.element);
     app.picture.onChange(() => this.draw());
-    // A turned picture has other pixels: the first click is no place in it any more.
+    // After the view changes, the pixel of the first click shows another point.
     app.store.subscribe(['camera', 'size'], () => this.forgetFirst());
     app.store.subscribe(['volume'], ({volume}) => this.open(volume?.source ?? ''));
     this.show();
   }
 
-  /** @param {string} source  Distances of another volume mean nothing here. */
+  /** @param {string} source  A new source clears the distances. */
   open(source) {
     if (source !== this.source) {
       this.source = source;
@@ -65,7 +65,7 @@ class MeasurePanel {
     const first = this.first;
     if (!first) {
       this.first = {x, y};
-      this.message.say('Now click the second point.');
+      this.message.say('Click the second point.');
       this.draw();
       return;
     }
@@ -85,7 +85,7 @@ class MeasurePanel {
 
   show() {
     this.message.say(this.distances.length > 0 ? ''
-      : 'Nothing measured yet: press Measure, then click two points of a surface.');
+      : 'Press Measure, then click two points on a surface.');
     this.list.replaceChildren(...this.distances.map(distance => h('li', {},
       h('span', {class: 'badge'}, distance.name),
       h('b', {class: 'grow number'}, lengthText(distance.distance_mm)),

@@ -1,29 +1,29 @@
-// A region's instruction stream: its 128 x 128 pixels as they stand after each instruction, and
-// the disassembly around.
+// Steps through the instruction stream of a region: the pixels after each instruction, and the
+// disassembly.
 import {contextOf} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
 
 /**
  * @typedef {object} Scrub              The answer to `ask scrub`.
- * @property {number} at                Instructions done.
- * @property {number} count             Of all.
+ * @property {number} at                Executed instructions.
+ * @property {number} count             All instructions.
  * @property {number} region
  * @property {number} renderer
- * @property {number} x0                Of the region in the picture.
+ * @property {number} x0                Left edge of the region in the picture.
  * @property {number} y0
  * @property {{at: number, address: string, text: string, meaning: string, effect: string}[]}
- *     lines                          `effect`: on the pixel that was asked about; may be ''.
- * @property {number} enabled           Pixels.
+ *     lines                          `effect` on the chosen pixel; may be ''.
+ * @property {number} enabled           Number of enabled pixels.
  */
 
-const EDGE = 128;               // Of a region, pixels.
-const DIMMED = 0.35;            // Of a disabled pixel's colour.
-const STEP_MS = 80;             // Between the pictures while it plays.
-const PLAY_STEPS = 150;         // From start to end while it plays.
-/** What may be shown of the pixels, as `ask scrub` names it. */
-const FIELDS = [['', 'what is computed'], ['rgb', 'colour'], ['normal', 'normal'], ['z', 'depth'],
+const EDGE = 128;               // Edge of a region, pixels.
+const DIMMED = 0.35;            // Brightness of a disabled pixel.
+const STEP_MS = 80;             // Between steps during playback.
+const PLAY_STEPS = 150;         // Steps per playback.
+/** Fields of the pixels, named as in `ask scrub`. */
+const FIELDS = [['', 'automatic'], ['rgb', 'color'], ['normal', 'normal'], ['z', 'depth'],
   ['surface', 'surface']];
-const PAGE = 256;               // Instructions that page up and page down step.
+const PAGE = 256;               // Instructions per Page Up or Page Down.
 
 /**
  * RGBA with disabled pixels dimmed.
@@ -56,17 +56,17 @@ export class StreamView {
     /** @private */ this.asking_ = false;
     /** @private */ this.playing_ = false;
     this.canvas = h('canvas', {class: 'region', width: EDGE, height: EDGE, role: 'img',
-      'data-testid': 'region', 'aria-label': 'The region’s pixels as they stand'});
+      'data-testid': 'region', 'aria-label': 'Pixels after the executed instructions'});
     /** @private */ this.mark_ = h('div', {class: 'region-mark', 'aria-hidden': 'true'});
     this.slider = h('input', {type: 'range', min: 0, max: 0, value: 0, 'data-testid': 'scrub',
-      'aria-label': 'Instructions done', oninput: () => this.user_(Number(this.slider.value))});
+      'aria-label': 'Executed instructions', oninput: () => this.user_(Number(this.slider.value))});
     /** @private */ this.status_ = h('p', {class: 'legend number', 'data-testid': 'scrub-status'});
     /** @private */ this.lines_ = h('ol', {class: 'disassembly', 'data-testid': 'disassembly'});
     /** @private */ this.meaning_ = h('p', {class: 'meaning', 'data-testid': 'scrub-meaning'});
-    /** @private */ this.play_ = this.button_('Play', 'scrub-play', 'Runs through the stream',
+    /** @private */ this.play_ = this.button_('Play', 'scrub-play', 'Play the instruction stream',
       () => this.setPlaying_(!this.playing_));
     /** @private */ this.field_ = h('select', {'data-testid': 'scrub-field',
-      'aria-label': 'What of the pixels is shown',
+      'aria-label': 'Displayed field',
       onchange: () => this.seek_(this.last_?.at ?? -1)},
     ...FIELDS.map(([value, text]) => h('option', {value}, text)));
     this.element = this.build_();
@@ -87,31 +87,31 @@ export class StreamView {
   build_() {
     const by = (/** @type {number} */ step) => () => this.user_((this.last_?.at ?? 0) + step);
     const element = h('section', {class: 'why-card', 'data-testid': 'stream'},
-      h('h3', {}, 'The region’s instructions, one by one'),
+      h('h3', {}, 'Instructions of the region, step by step'),
       h('div', {class: 'region-frame'}, this.canvas, this.mark_), this.status_, this.slider,
       h('div', {class: 'tool-row'},
-        this.button_('«', 'scrub-first', 'To the start', () => this.user_(0)),
-        this.button_('‹', 'scrub-back', 'One back (left arrow)', by(-1)),
+        this.button_('«', 'scrub-first', 'Go to the start', () => this.user_(0)),
+        this.button_('‹', 'scrub-back', 'Step back (left arrow)', by(-1)),
         this.play_,
-        this.button_('›', 'scrub-on', 'One on (right arrow)', by(1)),
-        this.button_('»', 'scrub-last', 'To the end', () => this.user_(this.last_?.count ?? 0)),
+        this.button_('›', 'scrub-on', 'Step forward (right arrow)', by(1)),
+        this.button_('»', 'scrub-last', 'Go to the end', () => this.user_(this.last_?.count ?? 0)),
         h('label', {class: 'number-field'}, 'show', this.field_)),
-      h('div', {class: 'tool-row'}, h('span', {class: 'muted'}, 'Marked pixel changed:'),
-        this.button_('‹ before', 'change-back', 'To where this pixel changed before', () =>
-          this.jump_(-1)),
-        this.button_('next ›', 'change-on', 'To where this pixel changes next', () =>
-          this.jump_(1))),
+      h('div', {class: 'tool-row'}, h('span', {class: 'muted'}, 'Marked pixel:'),
+        this.button_('‹ previous change', 'change-back', 'Go to the previous change of this pixel',
+          () => this.jump_(-1)),
+        this.button_('next change ›', 'change-on', 'Go to the next change of this pixel',
+          () => this.jump_(1))),
       this.meaning_, this.lines_,
-      h('p', {class: 'legend'}, 'Dark pixels are disabled: the instruction passes them by.'));
+      h('p', {class: 'legend'}, 'Dark pixels are disabled. Instructions do not write to them.'));
     element.addEventListener('keydown', event => this.key_(event));
     return element;
   }
 
   /**
-   * Begins with the end of the stream of the region that holds a pixel.
+   * Opens the stream of the region that contains a pixel, at the end of the stream.
    * @param {number} x
    * @param {number} y
-   * @param {number[]} changes    Places at which that pixel is written, ascending.
+   * @param {number[]} changes    Positions of the writes to that pixel, ascending.
    */
   open(x, y, changes) {
     this.pixel_ = {x, y};
@@ -128,7 +128,7 @@ export class StreamView {
 
   /**
    * @private
-   * @param {number} at   Where the person went by hand.
+   * @param {number} at   The position that the user chose.
    */
   user_(at) {
     this.setPlaying_(false);
@@ -136,7 +136,7 @@ export class StreamView {
   }
 
   /**
-   * Goes to a place; newest only.
+   * Goes to a position, newest only.
    * @private
    * @param {number} at   -1: the end.
    */
@@ -183,11 +183,11 @@ export class StreamView {
     this.slider.max = String(scrub.count);
     this.slider.value = String(scrub.at);
     this.status_.textContent = `${scrub.at.toLocaleString('en')} of ` +
-      `${scrub.count.toLocaleString('en')} instructions done, region ${scrub.region} on ` +
+      `${scrub.count.toLocaleString('en')} instructions executed, region ${scrub.region} on ` +
       `renderer-${scrub.renderer}, ${scrub.enabled.toLocaleString('en')} pixels enabled`;
     const next = scrub.lines.find(line => line.at === scrub.at);
-    this.meaning_.textContent = next ? `Next, at ${next.address}: ${next.meaning}`
-      : 'All instructions are done.';
+    this.meaning_.textContent = next ? `Next (${next.address}): ${next.meaning}`
+      : 'All instructions are executed.';
     this.lines_.replaceChildren(...scrub.lines.map(line => h('li', {
       class: line.at === scrub.at ? 'now' : '', title: line.address,
       'aria-current': line.at === scrub.at ? 'step' : null,
@@ -197,7 +197,7 @@ export class StreamView {
   }
 
   /**
-   * To the nearest place before or behind at which the pixel was written.
+   * Goes to the previous or next write to the pixel.
    * @private
    * @param {-1 | 1} way
    */
@@ -228,7 +228,7 @@ export class StreamView {
     }
   }
 
-  /** @private  One step of playing; a slow answer makes it slower, never longer a queue. */
+  /** @private  One step of the playback. Slow replies slow the playback down. */
   tick_() {
     setTimeout(() => {
       const last = this.last_;

@@ -1,4 +1,4 @@
-// The answer to `why`, as a chain of cards: pixel, instructions, triangle, cell.
+// The result of `why` as cards: pixel, instructions, triangle, cell.
 import {CellView} from './cell_view.js';
 import {h} from '../elements/dom.js';
 
@@ -32,7 +32,7 @@ import {h} from '../elements/dom.js';
  * @property {Visit[]} visits
  * @property {number} [shown]           Index of the visit that the pixel shows.
  * @property {Write[]} prologue
- * @property {Write[]} doors            Of screen doors that are shut at the pixel.
+ * @property {Write[]} doors            Writes of stipple masks that hide the pixel.
  * @property {Write[]} end_of_region
  * @property {number} colour            Red in the low byte.
  */
@@ -43,18 +43,18 @@ const MOST_VISITS = 16;
 /**
  * @param {number} rgb  Red in the low byte.
  */
-function colourText(rgb) {
+function colorText(rgb) {
   return '#' + [0, 8, 16].map(shift =>
     (rgb >> shift & 255).toString(16).padStart(2, '0')).join('');
 }
 
 /** @param {number[]} parts  0..255 */
-function colourOf(parts) {
+function colorOf(parts) {
   return `rgb(${parts.join(',')})`;
 }
 
 /**
- * What an instruction changed, in words.
+ * The fields that an instruction changed, as text.
  * @param {Write} write
  */
 function changeText({before, after}) {
@@ -62,9 +62,9 @@ function changeText({before, after}) {
   const fields = [['surface', String(before.surface_field), String(after.surface_field)],
     ['depth', String(before.z), String(after.z)],
     ['normal', `(${before.normal.join(', ')})`, `(${after.normal.join(', ')})`],
-    ['colour', colourText(before.rgb), colourText(after.rgb)]];
+    ['color', colorText(before.rgb), colorText(after.rgb)]];
   return fields.filter(([, a, b]) => a !== b).map(([name, a, b]) => `${name} ${a} → ${b}`)
-    .join(', ') || 'same value';
+    .join(', ') || 'no change';
 }
 
 /**
@@ -89,15 +89,15 @@ function writeList(writes) {
 /** @param {Why} why */
 function pixelCard(why) {
   const swatch = h('span', {class: 'swatch'});
-  swatch.style.background = colourText(why.colour);
+  swatch.style.background = colorText(why.colour);
   return card('Pixel', 'why-pixel',
-    h('div', {class: 'row'}, swatch, h('code', {}, colourText(why.colour)),
+    h('div', {class: 'row'}, swatch, h('code', {}, colorText(why.colour)),
       h('span', {class: 'muted'}, `region ${why.region} on renderer-${why.renderer}`)),
     h('p', {'data-testid': 'why-sentence'}, why.sentence));
 }
 
 /**
- * Instructions that wrote the pixel; folded, since they push the cell below off the screen.
+ * Instructions that wrote the pixel. The list is folded to keep the cell on the screen.
  * @param {string} testid
  * @param {string} title
  * @param {Write[]} writes
@@ -114,7 +114,7 @@ function foldedWrites(testid, title, writes) {
 function instructionCard(why, shown) {
   return card('Instructions', 'why-instructions',
     shown ? foldedWrites('why-stores', 'Stores by the triangle', shown.writes) : h('p', {},
-      'No triangle stored into this pixel: it keeps what the prologue wrote, the background.'),
+      'No triangle was stored in this pixel. The prologue wrote the background.'),
     foldedWrites('why-end-stores', 'Stores at the end of the region', why.end_of_region));
 }
 
@@ -125,7 +125,7 @@ function instructionCard(why, shown) {
 function visitRow(visit, isShown) {
   const what = visit.cell ? `triangle ${visit.cell.triangle} of cell ${visit.cell.cell.join(', ')}`
     : visit.address;
-  const result = isShown ? 'shown' : visit.shut_out ? 'door shut' : visit.stored ? 'covered later'
+  const result = isShown ? 'shown' : visit.shut_out ? 'masked' : visit.stored ? 'overwritten'
     : 'behind';
   return h('tr', {class: isShown ? 'shown' : ''}, h('td', {}, what),
     h('td', {class: 'number'}, visit.z ?? '–'), h('td', {}, result));
@@ -135,7 +135,7 @@ function visitRow(visit, isShown) {
 function coverText({visits, primitives_in_region}) {
   const all = primitives_in_region.toLocaleString('en');
   return visits.length === 0 ? `None of the region’s ${all} primitives covers this pixel.`
-    : `Of the region’s ${all} primitives, ${visits.length} cover this pixel; the smallest depth ` +
+    : `${visits.length} of the region’s ${all} primitives cover this pixel. The smallest depth ` +
       'is in front.';
 }
 
@@ -147,7 +147,7 @@ function triangleCard(why, shown) {
   const surface = shown && why.surfaces[shown.surface];
   const iso = surface?.isovalue === undefined ? '' : `, isovalue ${surface.isovalue}`;
   return card('Triangle', 'why-triangle',
-    shown ? h('p', {}, `Sent by gp-${shown.gp}, slab ${shown.slab}, of surface ${shown.surface}` +
+    shown ? h('p', {}, `From gp-${shown.gp}, slab ${shown.slab}, surface ${shown.surface}` +
       `${iso}.`) : '',
     h('p', {class: 'muted'}, coverText(why)),
     why.visits.length > 0 ? h('table', {class: 'visits'},
@@ -165,20 +165,20 @@ function cellCard(cell, surface, view) {
   const title = `Cell ${cell.cell.join(', ')}`;
   if (cell.unknown || !cell.values || surface?.isovalue === undefined) {
     return card(title, 'why-cell', h('p', {class: 'panel-message bad'},
-      cell.unknown ?? 'Its voxels are not known.'));
+      cell.unknown ?? 'The voxels of this cell are not known.'));
   }
-  view.show(cell, surface.isovalue, colourOf(surface.colour));
+  view.show(cell, surface.isovalue, colorOf(surface.colour));
   const inside = cell.values.filter(value => value >= Number(surface.isovalue)).length;
   return card(title, 'why-cell',
     h('p', {class: 'muted'}, `Case ${cell.case}, table ${surface.table ?? '?'}: ${inside} of 8 ` +
-      `voxels are inside (at least ${surface.isovalue}), filled here. Triangle ${cell.triangle} ` +
-      `of ${cell.triangle_count}. Drag to turn.`),
+      `voxels are inside (at least ${surface.isovalue}), drawn filled. Triangle ` +
+      `${cell.triangle} of ${cell.triangle_count}. Drag to rotate.`),
     view.element, cell.doubt ? h('p', {class: 'panel-message bad'}, cell.doubt) : '');
 }
 
 /**
  * @param {Why} why
- * @param {CellView} view   Shows the cell, if there is one; it is kept, so that it stays turned.
+ * @param {CellView} view   Shows the cell. The view keeps its rotation.
  * @returns {HTMLElement[]}
  */
 export function cardsOf(why, view) {
@@ -188,9 +188,9 @@ export function cardsOf(why, view) {
 }
 
 /**
- * Places in the region's stream at which the pixel is written.
+ * Positions of the writes to the pixel in the region's stream.
  * @param {Why} why
- * @returns {number[]}  Instructions done before, ascending.
+ * @returns {number[]}  Executed instructions before each write, ascending.
  */
 export function changesOf({prologue, visits, doors, end_of_region}) {
   return [prologue, ...visits.map(visit => visit.writes), doors, end_of_region].flat()

@@ -1,4 +1,4 @@
-// The WebSocket to the server: commands and questions with their answers, events, reconnection.
+// The WebSocket to the server: commands, questions, replies, events, reconnection.
 import {ANSWER_MAGIC, FRAME_MAGIC, magicOf, parseAnswer, parseFrame} from './messages.js';
 import {subjectOf, toLine} from './lines.js';
 
@@ -7,16 +7,16 @@ import {subjectOf, toLine} from './lines.js';
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 4000;
-/** What a person should know of the codes with which the server closes, if it gives no reason. */
+/** Messages for close codes, if the server gives no reason. */
 const CLOSED_BECAUSE = new Map([
   [1008, 'The server closed the connection: too many messages, or not allowed.'],
   [1009, 'The server closed the connection: a message was too long.'],
-  [1013, 'The server closed the connection: it has too much to do.'],
+  [1013, 'The server closed the connection: it is overloaded.'],
 ]);
-const LOST = 'The connection was lost before the answer came.';
+const LOST = 'The connection was lost before the server replied.';
 
 /**
- * @typedef {object} Waiting            Who waits for the answer to a message.
+ * @typedef {object} Waiting            The sender of a message, who waits for the reply.
  * @property {string} line              '' for a question.
  * @property {number} sentAt            performance.now().
  * @property {(reply: Reply) => void} reply
@@ -24,7 +24,7 @@ const LOST = 'The connection was lost before the answer came.';
  */
 
 /**
- * @typedef {object} Setting            A line that sets a subject, and who waits for its answer.
+ * @typedef {object} Setting            A line that sets a subject, and the callback for its reply.
  * @property {string} line
  * @property {(reply: Reply) => void} reply
  */
@@ -33,7 +33,7 @@ const LOST = 'The connection was lost before the answer came.';
  * @typedef {object} Frame
  * @property {import('./types.js').FrameHeader} header
  * @property {Uint8Array} picture       Encoded.
- * @property {() => void} shown         Tells that it is on the screen: the next may come.
+ * @property {() => void} shown         Reports that the frame is displayed: the next may come.
  */
 
 /**
@@ -69,7 +69,7 @@ export class Connection {
     this.hello = null;
   }
 
-  /** Connects, and again after each loss. Call once, when all listeners are there. */
+  /** Connects, and reconnects after each loss. Call once, after adding all listeners. */
   open() {
     const socket = new WebSocket(this.url_);
     socket.binaryType = 'arraybuffer';
@@ -88,7 +88,7 @@ export class Connection {
     return this.socket_?.readyState === WebSocket.OPEN;
   }
 
-  /** Whether this page may only watch. */
+  /** Whether this page is view-only. */
   get watches() {
     return this.hello?.role === 'watcher';
   }
@@ -105,14 +105,14 @@ export class Connection {
   }
 
   /**
-   * Does a command line, after all settings that wait. Always answers; a failure is also told by
-   * the event `failed`, so that no caller need show it.
+   * Runs a command line after all waiting settings. The promise never rejects. A failure also
+   * raises the event `failed`, so callers need not show the error.
    * @param {string} line
    * @param {{quiet?: boolean}} [options]  quiet: the caller shows failures itself.
    * @returns {Promise<Reply>}
    */
   do(line, options = {}) {
-    // What was set before it must not come behind it: the server keeps the newest of a subject.
+    // An earlier setting must not arrive later: the server keeps the newest per subject.
     for (const [subject, setting] of [...this.newest_]) {
       this.sendSetting_(subject, setting);
     }
@@ -120,9 +120,9 @@ export class Connection {
   }
 
   /**
-   * Does a setting, newest only: of each subject (see `subjectOf`) one line is under way and the
-   * newest waits; one between the two is answered `superseded`. For drags. What is no setting is
-   * done as by `do`.
+   * Runs a setting, newest only, for drags. Per subject (see `subjectOf`) one line is in flight and
+   * the newest line waits. Lines between them are answered `superseded`. Lines that are not
+   * settings run as with `do`.
    * @param {import('./lines.js').Command} command
    * @returns {Promise<Reply>}
    */
@@ -144,7 +144,7 @@ export class Connection {
   }
 
   /**
-   * A question whose answer is bytes.
+   * Sends a question whose answer contains bytes.
    * @param {{ask: string, [key: string]: unknown}} question
    * @returns {Promise<Answer>} rejected with a sentence if it fails
    */
@@ -157,18 +157,18 @@ export class Connection {
     });
   }
 
-  /** What is set from now on is undone by itself, not with what was set before. */
+  /** Starts a new undo step. */
   mark() {
     void this.do('mark', {quiet: true});
   }
 
-  /** Gives up the long work under way. */
+  /** Cancels the current long work. */
   cancel() {
     this.send_({cancel: true});
   }
 
   /**
-   * Whether `machine` messages are wanted; remembered across reconnections.
+   * Turns `machine` messages on or off. Reconnections keep the choice.
    * @param {boolean} wanted
    */
   wantMachine(wanted) {
@@ -198,7 +198,7 @@ export class Connection {
   }
 
   /**
-   * Sends a setting, and when it is done the newest of its subject that waited.
+   * Sends a setting. After the reply, sends the newest waiting setting of the subject.
    * @private
    * @param {string} subject
    * @param {Setting} setting
@@ -209,7 +209,7 @@ export class Connection {
     this.sendLine_(setting.line, {}).then(reply => {
       setting.reply(reply);
       if (this.underWay_.get(subject) !== setting) {
-        return;  // A newer one was sent ahead of a command; its answer is waited for.
+        return;  // `do` has sent a newer setting, whose reply is pending.
       }
       this.underWay_.delete(subject);
       const next = this.newest_.get(subject);
@@ -272,7 +272,7 @@ export class Connection {
     const {header, picture} = parseFrame(data);
     const from = this.socket_;
     const shown = () => {
-      // A later connection counts frames of its own.
+      // A later connection numbers its own frames.
       if (from === this.socket_) {
         this.send_({shown: header.number});
       }

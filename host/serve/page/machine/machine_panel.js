@@ -1,4 +1,4 @@
-// Panel: what the machine's processes do just now, and what happens when one dies.
+// Panel: the activity of the nodes, and the events after a node dies.
 import {h} from '../elements/dom.js';
 import {ModelView} from './model_view.js';
 import {NodeDialog} from './node_dialog.js';
@@ -10,17 +10,17 @@ import {StageBars} from './stage_bars.js';
 
 /** @typedef {import('./ring_flow.js').MachineReport} MachineReport */
 
-const MOST_EVENTS = 3;          // They stand above all else: more would push the ring away.
+const MOST_EVENTS = 3;          // The list is above the ring: more events would push the ring away.
 
 /**
- * A node that has died may have an answer under way still, but not two: it is asked anew only when
- * it has answered.
+ * A dead node may have one report in flight, but not two: the host requests the next report only
+ * after it has received the previous report.
  */
 const ANSWERS_OF_THE_LIVING = 2;
 
 /**
  * @param {string} text
- * @param {string} name  Of a node: 'gp-1' is not named in 'gp-10'.
+ * @param {string} name  A node: 'gp-10' does not name 'gp-1'.
  */
 function names(text, name) {
   return text.split(/[^\w-]+/).includes(name);
@@ -35,9 +35,9 @@ class MachinePanel {
     this.app = app;
     /** @type {MachineReport | null} */
     this.report = null;
-    /** Whether notes are about a node that died. */
+    /** Whether the next notes are about a node that died. */
     this.awaits = false;
-    /** Nodes that died: how often they have answered since. @type {Map<string, number>} */
+    /** Dead nodes, with the number of reports since. @type {Map<string, number>} */
     this.dead = new Map();
     /** @type {NodeDialog | null} */
     this.dialog = null;
@@ -52,15 +52,15 @@ class MachinePanel {
     this.message = messageLine('machine-message');
     this.body = h('div', {class: 'stack', hidden: true},
       this.ring.canvas, this.ring.legend,
-      h('h3', {}, 'How busy each node is'), this.nodes.element,
-      h('p', {class: 'legend'}, 'Lines: the last ten seconds. Press a node to look into it or to ' +
-        'kill it.'),
-      h('h3', {}, 'Who draws what'), this.regions.canvas, this.regions.readout,
-      h('h3', {}, 'Where a frame’s time goes'), this.stages.element,
-      h('h3', {}, 'On the machine of 1993'), new ModelView(app).element);
-    root.append(h('p', {class: 'panel-intro'}, 'The machine’s processes at work. ', this.title),
+      h('h3', {}, 'Load of each node'), this.nodes.element,
+      h('p', {class: 'legend'}, 'Each curve shows the last 10 seconds. Click a node to inspect ' +
+        'or kill it.'),
+      h('h3', {}, 'Regions by Renderer'), this.regions.canvas, this.regions.readout,
+      h('h3', {}, 'Time per frame'), this.stages.element,
+      h('h3', {}, 'Modelled machine of 1993'), new ModelView(app).element);
+    root.append(h('p', {class: 'panel-intro'}, 'Activity of the nodes. ', this.title),
       this.message.element, this.events, this.body);
-    this.message.say('Waiting for the nodes to answer …');
+    this.message.say('Waiting for the nodes to report …');
     this.listen(root);
   }
 
@@ -74,11 +74,11 @@ class MachinePanel {
       const dead = this.report?.nodes.filter(({name}) => names(text, name)) ?? [];
       if (level === 'error' && text.includes('died') && dead.length > 0) {
         this.bury(dead.map(({name}) => name));
-        this.awaits = true;  // Whoever killed it.
+        this.awaits = true;  // Another viewer may have killed the node.
       }
       if (this.awaits) {
         this.tell(text);
-        this.awaits = level === 'error';  // The machine is there again.
+        this.awaits = level === 'error';  // An info note: the machine has restarted.
       }
     });
     store.subscribe(['machine'], ({machine}) => {
@@ -110,7 +110,7 @@ class MachinePanel {
     this.mark();
   }
 
-  /** @param {string[]} nodes  Names. Shown as dead until they answer again. */
+  /** @param {string[]} nodes  Names. The nodes are shown as dead until they report again. */
   bury(nodes) {
     for (const name of nodes) {
       this.dead.set(name, 0);
@@ -118,7 +118,7 @@ class MachinePanel {
     this.mark();
   }
 
-  /** Tells all that show nodes which are dead. */
+  /** Passes the dead nodes to all views. */
   mark() {
     this.ring.mark(this.dead);
     this.nodes.mark(this.dead);
@@ -148,7 +148,7 @@ class MachinePanel {
     }
   }
 
-  /** @param {string} text  What happened after a node was killed. */
+  /** @param {string} text  An event after a node was killed. */
   tell(text) {
     const time = new Date().toLocaleTimeString('en', {hour12: false});
     this.events.hidden = false;

@@ -1,4 +1,4 @@
-// Part of the machine's panel: what the machine of 1993 would have taken for what is shown.
+// Part of the machine panel: the modelled time of the 1993 machine for the current scene.
 import {h} from '../elements/dom.js';
 import {messageLine} from '../panel/panel_parts.js';
 
@@ -18,13 +18,13 @@ import {messageLine} from '../panel/panel_parts.js';
  * @property {number} gps
  * @property {number} renderers
  * @property {number} frame_buffers
- * @property {Step} [load]              Of the volume, if there is one.
+ * @property {Step} [load]              Loading the volume, if one is open.
  * @property {(Step & {name: string, triangles: number})[]} surfaces
  * @property {{primitives: number, samples: number, frames_per_s: number, latency_ms: number,
  *   limit: string, use: UnitUse[]}} frame  latency_ms: from the command until it is shown.
  */
 
-/** What units are called on the page. */
+/** Names of the units on the page. */
 const UNITS = new Map([['GP', 'GPs'], ['ring', 'ring channels'], ['Renderer', 'Renderers'],
   ['frame buffer', 'frame buffer ports']]);
 
@@ -35,7 +35,7 @@ function unitName(unit) {
 
 /** @param {number} ms */
 function timeText(ms) {
-  // Rounded first: 999.9 ms is a second.
+  // Rounds first, so that 999.9 ms becomes 1 s.
   const rounded = Number(ms.toPrecision(3));
   return rounded < 1000 ? `${rounded} ms` : `${Number((ms / 1000).toPrecision(3))} s`;
 }
@@ -64,7 +64,7 @@ function limitText({limit, use}) {
 }
 
 /**
- * What took how long, and which unit was the limit.
+ * The times, and the limiting unit of each step.
  * @param {Modelled} modelled
  * @returns {[string, string][]}
  */
@@ -73,22 +73,22 @@ export function factsOf({machine, gps, renderers, frame_buffers, load, surfaces,
   const facts = [['Machine', `${machine}\n${counted(gps, 'GP')}, ` +
     `${counted(renderers, 'Renderer')}\n${counted(frame_buffers, 'frame buffer')}`]];
   if (load) {
-    facts.push(['Volume loaded', `in ${timeText(load.ms)}\n${limitText(load)}`]);
+    facts.push(['Load time', `${timeText(load.ms)}\n${limitText(load)}`]);
   }
   for (const surface of surfaces) {
-    facts.push([`Surface ${surface.name}`, `built in ${timeText(surface.ms)}\n` +
+    facts.push([`Surface ${surface.name}`, `extracted in ${timeText(surface.ms)}\n` +
       `${counted(surface.triangles, 'triangle')}\n${limitText(surface)}`]);
   }
   const {primitives, samples, frames_per_s, latency_ms} = frame;
   const rate = Number(frames_per_s.toPrecision(3));
-  facts.push(['Pictures', `${rate} a second\neach ${timeText(latency_ms)} after it was asked ` +
-    `for\n${counted(primitives, 'primitive')}\n${counted(samples, 'sample')} a pixel\n` +
+  facts.push(['Frames', `${rate} frames/s\nlatency ${timeText(latency_ms)}\n` +
+    `${counted(primitives, 'primitive')}\n${counted(samples, 'sample')} per pixel\n` +
     limitText(frame)]);
   return facts;
 }
 
 /**
- * How busy a kind of unit is while the picture is drawn.
+ * The load of one kind of unit while the picture is drawn.
  * @param {UnitUse} use
  * @param {boolean} isLimit
  */
@@ -98,7 +98,7 @@ function useRow({unit, mean, busiest, index}, isLimit) {
   const [average, most] = [percent(mean), percent(busiest)];
   const text = average === most ? most : `${average}, busiest ${most}`;
   const bar = h('div', {class: 'stage-bar',
-    title: `${title}: ${average} on average; number ${index}, the busiest: ${most}`});
+    title: `${title}: ${average} on average, ${most} for the busiest (number ${index})`});
   const parts = {'stage-0': mean, 'use-busiest': busiest - mean};
   for (const [part, share] of Object.entries(parts)) {
     const piece = h('span', {class: part});
@@ -107,7 +107,7 @@ function useRow({unit, mean, busiest, index}, isLimit) {
   }
   const label = h('div', {class: 'stage-label', 'data-testid': 'model-use'},
     h('span', {}, isLimit ? h('b', {}, title) : title,
-      isLimit && h('span', {class: 'muted'}, ' the limit')),
+      isLimit && h('span', {class: 'muted'}, ' limit')),
     h('span', {class: 'number'}, text));
   return [label, bar];
 }
@@ -117,11 +117,11 @@ export class ModelView {
   constructor(app) {
     /** @private */
     this.app_ = app;
-    /** @private Of the state that is told of; null: none is. @type {number | null} */
+    /** @private Revision of the estimate, null before the first. @type {number | null} */
     this.revision_ = null;
     /** @private */
     this.go_ = h('button', {type: 'button', 'data-testid': 'model-go',
-      onclick: () => void this.ask_()}, 'Work it out');
+      onclick: () => void this.ask_()}, 'Estimate');
     /** @private */
     this.message_ = messageLine('model-message');
     /** @private */
@@ -133,13 +133,14 @@ export class ModelView {
     /** @private */
     this.told_ = h('div', {class: 'stack', hidden: true}, this.facts_, this.legend_, this.use_);
     this.element = h('div', {class: 'stack', 'data-testid': 'model'},
-      h('p', {class: 'legend'}, 'How long the machine of 1993 would have taken for what is ' +
-        'shown: the work is counted, and the counts are replayed on a model of that machine.'),
+      h('p', {class: 'legend'}, 'Estimates how long the machine of 1993 needed for the same ' +
+        'work. The work is counted and replayed on a model of that machine.'),
       h('div', {class: 'tool-row'}, this.go_, this.message_.element), this.told_);
     app.store.subscribe(['revision'], ({revision}) => this.compare_(revision));
     app.connection.on('hello', () => {
       this.go_.hidden = app.connection.watches;
-      this.message_.say(app.connection.watches ? 'Only who may change the scene can ask.' : '');
+      this.message_.say(app.connection.watches
+        ? 'A view-only page cannot request an estimate.' : '');
     });
   }
 
@@ -161,7 +162,7 @@ export class ModelView {
   }
 
   /**
-   * Says if what is told is of another picture than is shown.
+   * Marks the estimate as outdated if the scene has changed.
    * @private
    * @param {number | null} revision
    */
@@ -169,8 +170,8 @@ export class ModelView {
     const isOld = this.revision_ !== null && revision !== this.revision_;
     if (isOld !== this.told_.classList.contains('outdated')) {
       this.told_.classList.toggle('outdated', isOld);
-      if (!this.go_.disabled) {  // Then it says what is done just now.
-        this.message_.say(isOld ? 'The picture has changed since.' : '');
+      if (!this.go_.disabled) {  // Otherwise the message shows the progress.
+        this.message_.say(isOld ? 'The picture has changed since this estimate.' : '');
       }
     }
   }
@@ -184,8 +185,8 @@ export class ModelView {
     this.facts_.replaceChildren(...factsOf(modelled).flatMap(([what, is]) =>
       [h('dt', {}, what), h('dd', {}, is)]));
     const {use, limit} = modelled.frame;
-    this.legend_.textContent = 'How busy the units are while this picture is drawn over and ' +
-      'over. Bright: all of a kind on average; dim: the busiest of them.';
+    this.legend_.textContent = 'Load of the units while the same view is redrawn. Bright: ' +
+      'average of all units of a kind. Dim: the busiest unit.';
     this.use_.replaceChildren(...use.flatMap(each => useRow(each, each.unit === limit)));
   }
 }

@@ -1,4 +1,4 @@
-// What one node does, and ending it, in a dialog.
+// A dialog with the activity of one node, and a button that kills the node.
 import {h} from '../elements/dom.js';
 import {memoryText} from './node_list.js';
 import {sumsOf} from './ring_flow.js';
@@ -23,18 +23,18 @@ function tablesOf(node) {
   const sums = sumsOf(node.sent);
   return [node.stages.length > 0 ? table(['stage', 'ms'], node.stages.map(({name, ms}) =>
     [name.replaceAll('_', ' '), ms.toFixed(1)])) : '',
-  sums.length > 0 ? table(['sent to', 'what', 'channels', 'messages', 'kB'], sums.map(each =>
+  sums.length > 0 ? table(['sent to', 'kind', 'channels', 'messages', 'kB'], sums.map(each =>
     [each.to, each.kind, each.channels.join(' '), each.messages, (each.bytes / 1e3).toFixed(1)]))
-    : h('p', {class: 'legend'}, 'It sent nothing.'),
+    : h('p', {class: 'legend'}, 'No messages were sent.'),
   sums.length > MOST_ROWS ? h('p', {class: 'legend'},
-    `The ${MOST_ROWS} largest of ${sums.length} are shown.`) : ''];
+    `Showing the ${MOST_ROWS} largest of ${sums.length}.`) : ''];
 }
 
 export class NodeDialog {
   /**
-   * Opens it; `update` is to follow with each report.
+   * Opens the dialog. Call `update` with each report.
    * @param {NodeReport} node
-   * @param {((name: string) => void) | null} kill  Null: this page may only watch.
+   * @param {((name: string) => void) | null} kill  null on a view-only page.
    */
   constructor({name, role}, kill) {
     this.name = name;
@@ -49,8 +49,8 @@ export class NodeDialog {
         kill?.(name);
       }}, `Kill ${name}`);
     dialog.append(h('h2', {}, name), this.status_, this.tables_,
-      mortal ? h('p', {}, 'Killing it ends its process at once, as a failure would: the machine ' +
-        'stops, is started again, and the session is repeated. Nothing is lost.') : '',
+      mortal ? h('p', {}, 'Killing the node ends its process at once, to exercise failure ' +
+        'handling. The machine restarts, and the scene is restored.') : '',
       h('div', {class: 'dialog-buttons'}, mortal ? this.end_ : '',
         h('button', {type: 'button', autofocus: true, 'data-testid': 'node-close',
           onclick: () => dialog.close()}, 'Close')));
@@ -64,13 +64,13 @@ export class NodeDialog {
    */
   update(node, dead) {
     this.end_.disabled = dead;
-    if (dead || node.answered === false) {  // What it did last stays.
-      this.status_.textContent = dead ? 'It is dead. Below: what it did before.'
-        : 'It is too busy to answer just now. Below: what it did before.';
+    if (dead || node.answered === false) {  // The last report stays.
+      this.status_.textContent = dead ? 'This node is dead. The tables show its last report.'
+        : 'This node is too busy to report. The tables show its last report.';
       return;
     }
     this.status_.textContent = `In the last ${((node.wall_ms ?? 0) / 1000).toFixed(2)} s: ` +
-      `${Math.round(100 * node.busy)} % busy, ${node.queue} messages waiting, ` +
+      `${Math.round(100 * node.busy)} % busy, ${node.queue} in the message queue, ` +
       `${memoryText(node.memory_bytes)} of memory.`;
     this.tables_.replaceChildren(...tablesOf(node));
   }

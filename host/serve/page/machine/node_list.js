@@ -1,9 +1,9 @@
-// How busy each node is, now and in the last seconds; each is a button that opens its menu.
+// The load of each node, now and in the last seconds. Each node is a button with a dialog.
 import {h, s} from '../elements/dom.js';
 
 /** @typedef {import('./ring_flow.js').NodeReport} NodeReport */
 
-const HISTORY = 40;         // Reports kept of each node: ten seconds.
+const HISTORY = 40;         // Reports kept per node: 10 s.
 const SPARK = [HISTORY, 16];
 
 /**
@@ -78,13 +78,13 @@ class NodeCell {
     this.bar_.setAttribute('width', String(known ? 100 * busy : 0));
     this.path_.setAttribute('d', sparkPath(this.shares_));
     this.element.title = known
-      ? `${name}: ${percent} busy, ${memoryText(memory_bytes)}, ${queue} messages waiting`
-      : `${name} is too busy to answer`;
+      ? `${name}: ${percent} busy, ${memoryText(memory_bytes)}, ${queue} in the message queue`
+      : `${name} is too busy to report`;
   }
 }
 
 export class NodeList {
-  /** @param {(name: string, event: Event) => void} choose  A node was asked for its menu. */
+  /** @param {(name: string, event: Event) => void} choose  Opens the dialog of a node. */
   constructor(choose) {
     /** @private */
     this.choose_ = choose;

@@ -1,11 +1,11 @@
-// The picture's regions over a small copy of it: which Renderer drew each, and what it cost.
+// A small copy of the picture with its regions: the Renderer and the cycles of each region.
 import {contextOf, fitted, onceAFrame, watchSize} from '../elements/canvas.js';
 import {byId, h} from '../elements/dom.js';
 
 /** @typedef {{columns: number, rows: number, renderer: number[], cycles: number[]}} Regions */
 
 const REGION_PX = 128;          // A region's edge, pixels of the picture.
-const GOLDEN_DEG = 137.508;     // Hues apart by this differ, however many Renderers there are.
+const GOLDEN_DEG = 137.508;     // Multiples of this give distinct hues for any number of Renderers.
 const LABEL_PX = 22;            // Regions smaller than this have no number.
 
 /** @param {number} renderer */
@@ -14,7 +14,7 @@ export function rendererHue(renderer) {
 }
 
 /**
- * Whether regions can be those of a picture of that size: a report and a picture come apart.
+ * Whether the regions fit a picture of that size. Report and picture arrive separately.
  * @param {Regions} regions
  * @param {{width: number, height: number}} picture  Pixels.
  */
@@ -30,7 +30,7 @@ export class RegionMap {
     /** @private */ this.awaits_ = false;
     /** @private @type {number | null} */ this.hovered_ = null;
     this.canvas = h('canvas', {class: 'region-map', role: 'img', 'data-testid': 'region-map',
-      'aria-label': 'Regions of the picture, coloured by Renderer, lighter if they cost more'});
+      'aria-label': 'Regions of the picture. The color shows the Renderer, lightness the cycles.'});
     this.readout = h('p', {class: 'legend', 'data-testid': 'region-readout'});
     /** @private */ this.drawSoon_ = onceAFrame(() => this.draw_());
     watchSize(this.canvas, this.drawSoon_);
@@ -53,7 +53,7 @@ export class RegionMap {
   }
 
   /**
-   * Where the picture stands on the canvas.
+   * The position of the picture on the canvas.
    * @private
    * @param {number} width
    * @param {number} height
@@ -140,8 +140,8 @@ export class RegionMap {
     } else if (this.hovered_ === null) {
       const all = regions.cycles.reduce((sum, each) => sum + each, 0);
       const most = Math.max(...regions.cycles);
-      this.readout.textContent = 'Number and colour: the Renderer. Lighter: more cycles. ' +
-        `Dearest ${most.toLocaleString('en')}, all ${all.toLocaleString('en')}.`;
+      this.readout.textContent = 'Number and color show the Renderer, lightness the ' +
+        `cycles: maximum ${most.toLocaleString('en')}, total ${all.toLocaleString('en')}.`;
     } else {
       const renderer = regions.renderer[this.hovered_];
       const column = this.hovered_ % regions.columns;

@@ -1,13 +1,13 @@
-// What the ring carried between two reports, laid out for drawing. Pure functions.
+// The messages of the ring between two reports, prepared for drawing. Pure functions.
 
 /** @typedef {{to: string, kind: string, channel: number, messages: number, bytes: number}} Sent */
 
 /**
- * @typedef {object} NodeReport         Of one node, since the report before.
+ * @typedef {object} NodeReport         One node, since its previous report.
  * @property {string} name              'gp-0'
  * @property {string} role              'host', 'gp', 'renderer', ...
- * @property {boolean} [answered]       False: it was too busy to answer; the rest is not known.
- * @property {number} [wall_ms]         Since this node's report before.
+ * @property {boolean} [answered]       False: too busy to report; the other fields are unknown.
+ * @property {number} [wall_ms]         Since this node's previous report.
  * @property {number} busy              0..1, of the wall clock.
  * @property {{name: string, ms: number}[]} stages
  * @property {number} memory_bytes
@@ -17,8 +17,8 @@
 
 /**
  * @typedef {object} MachineReport      The `machine` message.
- * @property {number} wall_ms           Since the report before.
- * @property {number} frames            Done in that time.
+ * @property {number} wall_ms           Since the previous report.
+ * @property {number} frames            Frames finished in that time.
  * @property {{elapsed_ms: number, renderer_ms_1993?: number, instructions: number,
  *   regions: {columns: number, rows: number, renderer: number[], cycles: number[]}}} [frame]
  * @property {NodeReport[]} nodes       In the order of the ring.
@@ -28,7 +28,7 @@
 /** @typedef {{from: number, hops: number, channel: number, kind: string, messages: number}} Flow */
 
 /**
- * Each node's messages as ways along the ring, which has one direction.
+ * The messages of each node as paths along the ring, which has one direction.
  * @param {NodeReport[]} nodes  In the order of the ring.
  * @returns {Flow[]}            `from`: place on the ring; `hops`: places further on.
  */
@@ -45,7 +45,7 @@ export function flowsOf(nodes) {
 }
 
 /**
- * What a node sent, by destination and kind: the ring's channels share one stream among them.
+ * The messages of a node by destination and kind, summed over the channels.
  * @param {Sent[]} sent
  * @returns {{to: string, kind: string, channels: number[], messages: number, bytes: number}[]}
  *     the most bytes first; channels in order
@@ -62,7 +62,7 @@ export function sumsOf(sent) {
 }
 
 /**
- * Messages that passed each stretch of each channel.
+ * Number of messages on each stretch of each channel.
  * @param {Flow[]} flows
  * @param {number} nodeCount
  * @param {number} channelCount
@@ -80,8 +80,8 @@ export function stretchesOf(flows, nodeCount, channelCount) {
 }
 
 /**
- * Dots that stand for the messages, at most `most`: every flow in proportion, by carrying what is
- * left over on to the next, so that many small flows show as well as one large.
+ * Dots for the messages, at most `most`. Each flow gets its share: remainders carry over to the
+ * next flow, so that many small flows count as much as one large flow.
  * @param {Flow[]} flows
  * @param {number} most
  * @returns {{each: number, dots: Flow[]}}  each: messages that a dot stands for, 1, 2, 5, 10 ...

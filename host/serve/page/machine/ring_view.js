@@ -1,5 +1,6 @@
-// The ring on a canvas: nodes in its order, eight channels, and messages that move along them.
-import {fitted, onceAFrame, styleColour, wantsCalm, watchSize} from '../elements/canvas.js';
+// The ring on a canvas: nodes in ring order, channels, and dots that stand for messages.
+import {fitted, onceAFrame, prefersReducedMotion, styleColor, watchSize}
+  from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
 import {dotsOf, flowsOf, stretchesOf} from './ring_flow.js';
 
@@ -9,31 +10,31 @@ import {dotsOf, flowsOf, stretchesOf} from './ring_flow.js';
 
 const DOTS_A_REPORT = 48;
 const DOTS_ALIVE = 400;
-const TURN_MS = 4000;           // A dot's time for once around.
-const FADE_MS = 500;            // In which dots go out once nothing is sent.
-const FRAME_MS = 40;            // 25 pictures a second are calm enough, and cheap.
-const MOST_LABELS = 10;         // Names of more nodes would lie over one another.
-const LABEL_ROOM = 28;          // Left free for names above and below the ring, CSS pixels.
-const NEAR = 0.4;               // Nearer to the middle than this, a pointer means no node.
+const TURN_MS = 4000;           // Time of a dot for one turn of the ring.
+const FADE_MS = 500;            // Dots fade in this time after the last message.
+const FRAME_MS = 40;            // 25 frames/s look smooth and are cheap.
+const MOST_LABELS = 10;         // With more nodes, names would overlap.
+const LABEL_ROOM = 28;          // Space for names above and below the ring, CSS pixels.
+const NEAR = 0.4;               // A pointer closer to the center than this chooses no node.
 const GOLDEN = 0.618034;        // Multiples of it, modulo 1, are spread evenly.
 const TRACKS = [0.56, 0.80];    // Radii of the innermost and outermost channel, of the whole.
 const NODES = 0.88;
 
-/** Messages by what they carry; whatever is not named is control. Colours: panels.css, too. */
+/** Kinds of messages; all others are control. panels.css repeats the colors. */
 const KINDS = [
-  {kind: 'RegionPrograms', label: 'programs', colour: '#6cb2f5'},
-  {kind: 'RegionPixels', label: 'pixels', colour: '#e8bd6a'},
-  {kind: 'FrameDone', label: 'frames', colour: '#7fc998'},
-  {kind: '', label: 'control', colour: '#c9a7f0'},
+  {kind: 'RegionPrograms', label: 'programs', color: '#6cb2f5'},
+  {kind: 'RegionPixels', label: 'pixels', color: '#e8bd6a'},
+  {kind: 'FrameDone', label: 'frames', color: '#7fc998'},
+  {kind: '', label: 'control', color: '#c9a7f0'},
 ];
-const KIND_COLOURS = new Map(KINDS.map(({kind, colour}) => [kind, colour]));
+const KIND_COLORS = new Map(KINDS.map(({kind, color}) => [kind, color]));
 const CONTROL = '#c9a7f0';
-const ROLE_COLOURS = new Map([['host', '#c9a7f0'], ['gp', '#6cb2f5'],
+const ROLE_COLORS = new Map([['host', '#c9a7f0'], ['gp', '#6cb2f5'],
   ['renderer', '#e8bd6a'], ['framebuffer', '#7fc998'], ['frame_buffer', '#7fc998']]);
 
 /**
  * @param {number} place    On the ring; between nodes too.
- * @param {number} count    Of nodes.
+ * @param {number} count    Number of nodes.
  */
 function angleOf(place, count) {
   return 2 * Math.PI * place / count - Math.PI / 2;
@@ -45,7 +46,7 @@ function labelFont(unit) {
 }
 
 /**
- * The largest ring whose nodes and names find room.
+ * The radius of the largest ring that leaves room for nodes and names.
  * @param {CanvasRenderingContext2D} context
  * @param {import('./ring_flow.js').NodeReport[]} nodes
  * @param {number} width
@@ -55,17 +56,17 @@ function labelFont(unit) {
  */
 function radiusFor(context, nodes, width, height, unit) {
   context.font = labelFont(unit);
-  const labelled = nodes.length <= MOST_LABELS;
+  const labeled = nodes.length <= MOST_LABELS;
   const radii = nodes.map(({name}, place) => {
     const out = Math.abs(Math.cos(angleOf(place, nodes.length)));
-    const room = labelled ? context.measureText(name).width / 2 + 2 : 10 * unit;
+    const room = labeled ? context.measureText(name).width / 2 + 2 : 10 * unit;
     return (width / 2 - room) / Math.max(out, 0.01);
   });
-  return Math.max(20, Math.min(...radii, height / 2 - (labelled ? LABEL_ROOM : 10) * unit) / NODES);
+  return Math.max(20, Math.min(...radii, height / 2 - (labeled ? LABEL_ROOM : 10) * unit) / NODES);
 }
 
 export class RingView {
-  /** @param {(node: string, event: MouseEvent) => void} choose  A node was asked for its menu. */
+  /** @param {(node: string, event: MouseEvent) => void} choose  Opens the dialog of a node. */
   constructor(choose) {
     this.canvas = h('canvas', {class: 'ring', role: 'img', 'data-testid': 'ring'});
     /** @private */ this.scale_ = h('span', {});
@@ -74,11 +75,11 @@ export class RingView {
     /** @private @type {MachineReport | null} */ this.report_ = null;
     /** @private @type {number[][]} */ this.stretches_ = [];
     /** @private @type {Dot[]} */ this.dots_ = [];
-    /** Since when nothing is sent, ms. @private @type {number | null} */ this.restsSince_ = null;
+    /** Time of the last message, ms. @private @type {number | null} */ this.restsSince_ = null;
     /** @private @type {ReadonlyMap<string, unknown>} */ this.dead_ = new Map();
     /** @private @type {string | null} */ this.hovered_ = null;
     /** @private */ this.running_ = false;
-    /** @private */ this.unit_ = 1;  // Of text and lines, as `fitted` tells.
+    /** @private */ this.unit_ = 1;  // Scale of text and lines, from `fitted`.
     /** @private */ this.drawSoon_ = onceAFrame(() => this.draw_(performance.now()));
     watchSize(this.canvas, this.drawSoon_);
     this.canvas.addEventListener('pointermove', event => this.hover_(this.nodeAt_(event)));
@@ -92,7 +93,7 @@ export class RingView {
     });
   }
 
-  /** @param {ReadonlyMap<string, unknown>} dead  By name: drawn so until told otherwise. */
+  /** @param {ReadonlyMap<string, unknown>} dead  Dead nodes by name. */
   mark(dead) {
     this.dead_ = dead;
     if (dead.size > 0) {
@@ -101,7 +102,7 @@ export class RingView {
     this.drawSoon_();
   }
 
-  /** Nothing is sent any more: no dot sets out, and those on their way fade. @private */
+  /** Starts no new dots and fades the moving dots. @private */
   rest_() {
     const now = performance.now();
     this.dots_ = this.dots_.filter(({born}) => born <= now);
@@ -120,16 +121,16 @@ export class RingView {
       this.restsSince_ = null;
       this.dots_ = [];
     }
-    if (!wantsCalm()) {
+    if (!prefersReducedMotion()) {
       const now = performance.now();
-      // Neighbours in the list are dots of one flow: spread over time, they do not overlap.
+      // Adjacent dots belong to one flow. Spreading them over time avoids overlaps.
       this.dots_.push(...dots.map((flow, number) =>
         ({flow, born: now + number * GOLDEN % 1 * report.wall_ms})));
       this.dots_.splice(0, this.dots_.length - DOTS_ALIVE);
     }
-    this.scale_.textContent = flows.length === 0 ? 'No messages: the machine rests.'
-      : wantsCalm() ? 'Brighter stretches carried more messages.'
-        : `One dot: ${each === 1 ? 'a message' : `${each} messages`}.`;
+    this.scale_.textContent = flows.length === 0 ? 'No messages: the machine is idle.'
+      : prefersReducedMotion() ? 'Brighter arcs carried more messages.'
+        : `One dot is ${each === 1 ? '1 message' : `${each} messages`}.`;
     this.canvas.setAttribute('aria-label', `Ring of ${report.nodes.length} nodes`);
     this.drawSoon_();
     this.run_();
@@ -180,7 +181,7 @@ export class RingView {
   /**
    * @private
    * @param {number} channel
-   * @param {number} radius   Of the whole.
+   * @param {number} radius   Radius of the whole ring.
    */
   track_(channel, radius) {
     const last = Math.max(this.stretches_.length - 1, 1);
@@ -224,7 +225,7 @@ export class RingView {
       if (now >= born) {
         const angle = angleOf(flow.from + (now - born) / TURN_MS * count, count);
         const track = this.track_(flow.channel, radius);
-        context.fillStyle = KIND_COLOURS.get(flow.kind) ?? CONTROL;
+        context.fillStyle = KIND_COLORS.get(flow.kind) ?? CONTROL;
         context.beginPath();
         context.arc(track * Math.cos(angle), track * Math.sin(angle), 2.2 * this.unit_, 0,
           2 * Math.PI);
@@ -248,17 +249,17 @@ export class RingView {
       const angle = angleOf(place, nodes.length);
       const x = NODES * radius * Math.cos(angle), y = NODES * radius * Math.sin(angle);
       const dead = this.dead_.has(name);
-      const colour = dead ? styleColour(this.canvas, '--bad') : ROLE_COLOURS.get(role) ?? CONTROL;
+      const color = dead ? styleColor(this.canvas, '--bad') : ROLE_COLORS.get(role) ?? CONTROL;
       context.beginPath();
       context.arc(x, y, size, 0, 2 * Math.PI);
-      context.fillStyle = styleColour(this.canvas, '--panel');
+      context.fillStyle = styleColor(this.canvas, '--panel');
       context.fill();
       context.globalAlpha = dead ? 0 : 0.15 + 0.85 * (busy ?? 0);
-      context.fillStyle = colour;
+      context.fillStyle = color;
       context.fill();
       context.globalAlpha = 1;
       context.lineWidth = name === this.hovered_ ? 3 : 1.2;
-      context.strokeStyle = colour;
+      context.strokeStyle = color;
       if (dead) {
         const arm = size * Math.SQRT1_2;
         context.moveTo(x - arm, y - arm);
@@ -269,7 +270,7 @@ export class RingView {
       context.stroke();
       if (nodes.length <= MOST_LABELS) {
         context.textAlign = 'center';
-        context.fillStyle = dead ? colour : styleColour(this.canvas, '--text');
+        context.fillStyle = dead ? color : styleColor(this.canvas, '--text');
         const side = Math.sin(angle) < -0.01 ? -1 : 1;
         context.fillText(dead ? `${name} dead` : name, x, y + side * (size + 9 * this.unit_));
       }
@@ -298,7 +299,7 @@ export class RingView {
     lines.forEach((line, number) => {
       context.font = number === 0 ? `600 ${14 * this.unit_}px system-ui, sans-serif`
         : `${12 * this.unit_}px system-ui, sans-serif`;
-      context.fillStyle = styleColour(this.canvas, number === 0 ? '--text' : '--muted');
+      context.fillStyle = styleColor(this.canvas, number === 0 ? '--text' : '--muted');
       context.fillText(line, 0, (number - (lines.length - 1) / 2) * 18 * this.unit_,
         2 * TRACKS[0] * radius);
     });
@@ -307,7 +308,7 @@ export class RingView {
   /**
    * @private
    * @param {MouseEvent} event
-   * @returns {string | null}  The node in whose direction the pointer is.
+   * @returns {string | null}  The node nearest to the direction of the pointer.
    */
   nodeAt_({clientX, clientY}) {
     const box = this.canvas.getBoundingClientRect();

@@ -1,4 +1,4 @@
-// Where a frame's time goes: stages of the busiest node of each kind, and the two clocks.
+// Time per frame: stages of the busiest node of each role, wall time and modelled time.
 import {h} from '../elements/dom.js';
 
 /** @typedef {import('./ring_flow.js').MachineReport} MachineReport */
@@ -6,10 +6,10 @@ import {h} from '../elements/dom.js';
 /** @typedef {{label: string, who: string, parts: {name: string, ms: number}[]}} Row */
 
 const KINDS = [['gp', 'GPs'], ['renderer', 'Renderers'], ['framebuffer', 'Frame buffer']];
-const MANY = 8;     // Colours of stages; more begin again.
+const MANY = 8;     // Number of stage colors; more stages repeat the colors.
 
 /**
- * Stages of a frame: of each kind of node the one that worked longest, as the others wait for it.
+ * Stages of the busiest node of each role. A frame waits for this node.
  * @param {MachineReport} report
  * @returns {Row[]}
  */
@@ -54,12 +54,12 @@ export class StageBars {
     /** @private */
     this.clocks_ = h('div', {class: 'stage-rows', 'data-testid': 'clocks'});
     this.element = h('div', {class: 'stack', 'data-testid': 'stages'}, this.rows_, this.clocks_,
-      h('p', {class: 'legend'}, 'The modelled clock counts the cycles of the Renderer that ' +
-        'worked longest, at 40 MHz: of as many Renderers and samples as here, without GPs, ring ' +
-        'and frame buffer.'));
+      h('p', {class: 'legend'}, 'The modelled time counts the cycles of the busiest Renderer ' +
+        'at 40 MHz, with the same number of Renderers and samples. It excludes GPs, ring and ' +
+        'frame buffer.'));
   }
 
-  /** @param {MachineReport} report  Keeps what it shows if no frame was done. */
+  /** @param {MachineReport} report  Without a finished frame the bars stay. */
   update(report) {
     const {frame} = report;
     const rows = rowsOf(report);
@@ -68,25 +68,25 @@ export class StageBars {
       const scale = Math.max(...totals, 0.001);
       this.rows_.replaceChildren(...rows.flatMap(({label, who, parts}, row) => [
         h('div', {class: 'stage-label'}, h('span', {}, label, h('span', {class: 'muted'},
-          ` ${who}, the busiest`)), h('span', {class: 'number'}, msText(totals[row]))),
+          ` ${who}, busiest`)), h('span', {class: 'number'}, msText(totals[row]))),
         bar(parts.map(({name, ms}, n) => ({ms, class: `stage-${n % MANY}`,
-          title: `${name}: ${msText(ms)} a frame`})), scale),
+          title: `${name}: ${msText(ms)} per frame`})), scale),
         h('p', {class: 'legend keys'}, ...parts.filter(({ms}) => ms > 0.02 * scale).map(
           ({name, ms}) => h('span', {}, h('i', {class: `stage-${
             parts.findIndex(part => part.name === name) % MANY}`}), `${name} ${msText(ms)}`))),
       ]));
     }
     if (frame && frame.elapsed_ms > 0) {
-      const modelled = frame.renderer_ms_1993 ?? 0;  // Not known of a frame drawn in passes.
+      const modelled = frame.renderer_ms_1993 ?? 0;  // Unknown for a frame of several passes.
       const scale = Math.max(frame.elapsed_ms, modelled, 0.001);
-      /** @type {(label: string, ms: number, colour: string) => HTMLElement[]} */
-      const clock = (label, ms, colour) => [
+      /** @type {(label: string, ms: number, color: string) => HTMLElement[]} */
+      const clock = (label, ms, color) => [
         h('div', {class: 'stage-label'}, h('span', {}, label),
           h('span', {class: 'number'}, msText(ms))),
-        bar([{ms, class: colour, title: msText(ms)}], scale)];
+        bar([{ms, class: color, title: msText(ms)}], scale)];
       this.clocks_.replaceChildren(
-        ...clock('The last frame here, wall clock', frame.elapsed_ms, 'stage-0'),
-        ...clock('The same on Renderers of 1993, modelled', modelled, 'stage-2'));
+        ...clock('Last frame, wall time', frame.elapsed_ms, 'stage-0'),
+        ...clock('Same frame, Renderers of 1993', modelled, 'stage-2'));
     }
   }
 }

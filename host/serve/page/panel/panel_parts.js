@@ -1,8 +1,8 @@
-// What all panels on the right are made of: a heading line, messages, rows of choices.
+// Common parts of the panels: introduction, message line, choices, fields, mode buttons.
 import {h} from '../elements/dom.js';
 
 /**
- * One line that says what a panel is for.
+ * One line that describes a panel.
  * @param {string} text
  */
 export function intro(text) {
@@ -10,7 +10,7 @@ export function intro(text) {
 }
 
 /**
- * Stands where there is nothing to show yet, or where an error is told. Its height stays.
+ * A line for hints and errors, with a constant height.
  * @param {string} testid
  */
 export function messageLine(testid) {
@@ -31,7 +31,7 @@ export function messageLine(testid) {
 }
 
 /**
- * Buttons of which one is chosen.
+ * A row of buttons, one of which is chosen.
  * @template {string} Name
  * @param {string} label        For screen readers.
  * @param {{name: Name, title: string, help: string}[]} choices
@@ -72,7 +72,7 @@ export function choiceRow(label, choices, choose) {
 }
 
 /**
- * A number that can be typed.
+ * An input field for a number.
  * @param {string} label
  * @param {string} testid
  * @param {(value: number) => void} change  Called with finite numbers only.
@@ -89,7 +89,7 @@ export function numberField(label, testid, change) {
 }
 
 /**
- * A mode of the picture (modes.js) behind a button that stays pressed while it lasts.
+ * A button that enters a mode of the picture (modes.js) and stays pressed during the mode.
  * @param {import('./app.js').App} app
  * @param {{name: string, title: string, hint: string, testid: string,
  *   click: (x: number, y: number) => void, leave?: () => void}} what
@@ -101,7 +101,7 @@ export function modeButton(app, {name, title, hint, testid, click, leave}) {
         app.modes.leave(name);
       } else {
         app.modes.enter({name, hint, click, leave});
-        // What its clicks show stands in its panel.
+        // The mode ends when its panel is hidden.
         button.closest('[role=tabpanel]')?.addEventListener('panelhide',
           () => app.modes.leave(name), {once: true});
       }
@@ -111,7 +111,7 @@ export function modeButton(app, {name, title, hint, testid, click, leave}) {
 }
 
 /**
- * The sentence of whatever was thrown.
+ * The message of an exception.
  * @param {unknown} error
  */
 export function sentenceOf(error) {

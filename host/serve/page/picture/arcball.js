@@ -1,4 +1,4 @@
-// The mathematics of turning: a ball under the pointer, and angles of a view. Pure functions.
+// The mathematics of rotation: a ball under the pointer, and view angles. Pure functions.
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {[Triple, Triple, Triple]} Rotation  Rows: the eye's right, up, back in the patient. */
@@ -55,8 +55,8 @@ export function anglesOf([right, up, back]) {
 }
 
 /**
- * Where on the ball a pointer is; far from the middle the ball goes over into a hyperbolic sheet,
- * so that a drag never sticks at its rim.
+ * The point on the ball under a pointer. Far from the center, a hyperbolic sheet replaces the ball,
+ * so that a drag continues beyond the rim.
  * Source  G. Bell's trackball, as in Henriksen, Sporring, Hornbaek: Virtual trackballs revisited.
  * @param {number} x  Right, 1 at the ball's rim.
  * @param {number} y  Up.
@@ -68,7 +68,7 @@ export function onBall(x, y) {
 }
 
 /**
- * What is seen, turned about an axis of the eye.
+ * The rotation after turning the scene about an axis of the eye.
  * @param {Rotation} rotation
  * @param {Triple} axis      Unit vector in the eye's axes.
  * @param {number} angle     Radians, right-handed.
@@ -89,7 +89,7 @@ export function turn(rotation, axis, angle) {
 }
 
 /**
- * What is seen, turned as a ball is that is dragged from one place to another.
+ * The rotation after dragging the ball from one point to another.
  * @param {Rotation} rotation
  * @param {Triple} from  On the ball.
  * @param {Triple} to

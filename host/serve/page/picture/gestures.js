@@ -1,12 +1,12 @@
-// Pointers on the picture: one turns, two or another button move and zoom, a click asks.
+// Pointers on the picture: one rotates, two or another button move and zoom, a click picks.
 import {onBall} from './arcball.js';
 
 /** @typedef {import('./picture.js').PictureView} PictureView */
 /** @typedef {import('./viewpoint.js').Viewpoint} Viewpoint */
 /** @typedef {{x: number, y: number}} Point */
 
-const CLICK_PX = 4;            // A pointer that moves less has clicked.
-const WHEEL_PAUSE_MS = 400;    // After it a wheel begins a new gesture.
+const CLICK_PX = 4;            // A pointer that moves less is a click.
+const WHEEL_PAUSE_MS = 400;    // A wheel starts a new gesture after this pause.
 const WHEEL_ZOOM = 0.0015;     // Per pixel of a wheel's step.
 const LINE_PX = 16;
 
@@ -71,7 +71,7 @@ export function watchPointers(picture, viewpoint, click) {
   stage.addEventListener('pointercancel', end);
   stage.addEventListener('contextmenu', event => event.preventDefault());
   stage.addEventListener('dblclick', event => {
-    // In a mode two quick clicks are two clicks.
+    // In a mode, a double click is two clicks.
     const isFree = event.target instanceof Element && !event.target.closest('button, [role=button]')
       && !stage.classList.contains('mode');
     if (isFree) {
@@ -82,7 +82,7 @@ export function watchPointers(picture, viewpoint, click) {
 }
 
 /**
- * Two fingers: their middle moves, their distance zooms, their direction rolls.
+ * Two fingers: the midpoint moves, the distance zooms, the direction rolls.
  * @param {Viewpoint} viewpoint
  * @param {Point} still
  * @param {Point} before

@@ -1,16 +1,16 @@
-// What the page can say about itself, for tests and for the curious: window.pxpl5.
+// Counters of the page for tests: window.pxpl5.
 
-const KEPT = 256;  // Of each list; older values fall out.
+const KEPT = 256;  // Length of each list; older values are dropped.
 
 /**
  * @typedef {object} Metrics
  * @property {number} frames            Shown since the page was opened.
- * @property {number} revision          Of the last frame shown.
- * @property {boolean} rests            Whether it was the picture itself.
+ * @property {number} revision          Revision of the last frame.
+ * @property {boolean} rests            Whether it was a resting picture.
  * @property {boolean} last             Whether it was the last refinement.
- * @property {number} samples           A pixel of it.
- * @property {string} digest            Of the last frame that rested.
- * @property {number[]} latency_ms      Of the last inputs: from sending to the displayed frame with
+ * @property {number} samples           Samples per pixel of it.
+ * @property {string} digest            Digest of the last resting frame.
+ * @property {number[]} latency_ms      Latest inputs: from sending to the displayed frame with
  *                                      a revision at or after the reply's.
  * @property {number[]} frame_times_ms  When the last frames were displayed (performance.now()).
  * @property {import('../link/types.js').State | null} state
@@ -48,7 +48,7 @@ export function measure(connection, store, picture) {
     });
   };
   connection.on('reply', ({line, reply, sentAt}) => {
-    // What changed nothing leads to no frame, and is no input to be timed.
+    // A command that changed nothing leads to no frame and is not timed.
     const before = shown.filter(each => each.at <= sentAt).at(-1)?.revision ?? 0;
     if (line !== '' && reply.ok && reply.revision > before) {
       keep(awaited, {sentAt, revision: reply.revision});

@@ -1,4 +1,4 @@
-// The picture: frames on a canvas, and what is drawn over them.
+// The picture: frames on a canvas, and the layer over the frames.
 import {byId, update} from '../elements/dom.js';
 import {projectToPicture} from './projection.js';
 
@@ -10,24 +10,24 @@ import {projectToPicture} from './projection.js';
 const CAMERAS_KEPT = 64;
 
 /**
- * Shows the newest frame only: one is being decoded, the newest waits, one between them is dropped
- * (and acknowledged, since the server counts what is on its way).
+ * Shows the newest frame only. One frame is being decoded and the newest frame waits. Other frames
+ * are dropped and acknowledged, because the server counts the frames in flight.
  *
- * Coordinates: *pixels* are those of the picture that commands speak of (`state.size`); *places*
- * are CSS pixels from the picture's upper left corner, which `overlay` has as its units.
+ * Coordinates: *pixels* are pixels of the picture, as in commands (`state.size`). *Places* are CSS
+ * pixels from the upper left corner of the picture, the units of `overlay`.
  */
 export class PictureView {
   /**
    * @param {import('../link/connection.js').Connection} connection
    * @param {import('../state/store.js').Store} store
-   * @param {(text: string) => void} tell  Shows the person that a frame could not be shown.
+   * @param {(text: string) => void} tell  Reports an error to the user.
    */
   constructor(connection, store, tell) {
     /** @private */
     this.tell_ = tell;
     /** @private */
     this.store_ = store;
-    /** The panel that holds the picture; pointers are watched here. */
+    /** The element around the picture, which receives pointer events. */
     this.stage = byId('stage');
     /** @private */
     this.canvas_ = /** @type {HTMLCanvasElement} */ (byId('frame'));
@@ -36,10 +36,10 @@ export class PictureView {
       this.canvas_.getContext('2d', {alpha: false}));
     /** Above the picture: append groups here, in places. */
     this.overlay = /** @type {SVGSVGElement} */ (/** @type {unknown} */ (byId('overlay')));
-    /** Of the picture as it is laid out. */
+    /** Size of the picture in places. */
     this.width = 0;
     this.height = 0;
-    /** Of the frame that is shown; null before the first. @type {CameraState | null} */
+    /** Camera of the displayed frame, null before the first. @type {CameraState | null} */
     this.camera = null;
     /** @type {FrameHeader | null} */
     this.header = null;
@@ -55,15 +55,15 @@ export class PictureView {
     this.clearedActs_ = [];
     /** @private @type {(() => void)[]} */
     this.changeActs_ = [];
-    /** @private Frames before this revision show what is no longer open. */
+    /** @private Frames before this revision show a closed volume. */
     this.leastRevision_ = 0;
 
     connection.on('frame', frame => this.take_(frame));
-    // A frame that was dropped by a lost connection is not waited for.
+    // A lost connection drops its frames.
     connection.on('lost', () => {
       this.next_ = null;
       this.cameras_ = [];
-      this.leastRevision_ = 0;  // Another server counts anew.
+      this.leastRevision_ = 0;  // A restarted server begins again at 1.
     });
     store.subscribe(['camera', 'size', 'volume'], state => {
       this.cameras_.push({revision: state.revision, camera: state.camera});
@@ -83,7 +83,7 @@ export class PictureView {
   }
 
   /**
-   * Calls `act` after each frame that came on the screen.
+   * Calls `act` after each displayed frame.
    * @param {(header: FrameHeader, at: number) => void} act  `at`: performance.now().
    */
   onShown(act) {
@@ -91,7 +91,7 @@ export class PictureView {
   }
 
   /**
-   * Calls `act` when nothing is open any more, and so no picture is shown.
+   * Calls `act` when the last volume is closed and the picture is cleared.
    * @param {() => void} act
    */
   onCleared(act) {
@@ -99,7 +99,7 @@ export class PictureView {
   }
 
   /**
-   * Calls `act` when what `project` answers may have changed: camera, size, layout.
+   * Calls `act` when results of `project` may have changed: camera, size, layout.
    * @param {() => void} act
    */
   onChange(act) {
@@ -120,7 +120,7 @@ export class PictureView {
   }
 
   /**
-   * The place of a pixel's centre.
+   * The place of a pixel's center.
    * @param {number} x
    * @param {number} y
    */
@@ -130,7 +130,7 @@ export class PictureView {
   }
 
   /**
-   * The place of a point of the patient in the frame that is shown.
+   * The place of a patient position in the displayed frame.
    * @param {Triple} p_mm
    */
   project(p_mm) {
@@ -161,7 +161,7 @@ export class PictureView {
       try {
         await this.decode_(frame);
       } catch (error) {
-        // The next frame may be whole: one that fails must not end the picture.
+        // The next frame may be intact, so the loop continues.
         const why = error instanceof Error ? error.message : String(error);
         this.tell_(`A picture could not be shown: ${why}`);
       } finally {
@@ -211,9 +211,9 @@ export class PictureView {
   }
 
   /**
-   * Nothing is open: an old picture would be taken for what is.
+   * Clears the picture, because no volume is open.
    * @private
-   * @param {number} revision  Of the state that says so.
+   * @param {number} revision  Revision of the state without a volume.
    */
   clear_(revision) {
     this.leastRevision_ = revision;

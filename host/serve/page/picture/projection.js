@@ -1,4 +1,4 @@
-// Where places of the patient are in the picture. Pure functions on column-major 4 x 4 matrices.
+// Projects patient positions into the picture. Pure functions; 4 x 4 matrices, column-major.
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 
@@ -17,7 +17,7 @@ export function transform(m, p) {
 /**
  * @param {number[]} patientToClip
  * @param {Triple} p_mm
- * @param {number} width   Of the picture as it is shown, any unit; x and y have the same.
+ * @param {number} width   Width of the displayed picture, any unit; x and y have the same.
  * @param {number} height
  * @returns {{x: number, y: number, visible: boolean}} y down; visible: inside the picture
  */
@@ -55,7 +55,7 @@ export const SIDES = /** @type {{letter: string, towards: Triple, view: string}[
   {letter: 'I', towards: [0, 0, -1], view: 'inferior'},
 ]);
 
-const NEGLIGIBLE = 0.25;  // Of a unit vector: 14 degrees off an axis.
+const NEGLIGIBLE = 0.25;  // Share of a unit vector: 14 degrees off an axis.
 
 /**
  * Letters for a direction on the screen, the nearest axis first, as radiologists write: 'L', 'LA'.
@@ -76,7 +76,7 @@ export function lettersTowards(patientToEye, onScreen) {
 }
 
 /**
- * The longest of 1, 2, 5, 10, ... millimetres that is at most `most_mm`.
+ * The longest of 1, 2, 5, 10, ... millimeters that is at most `most_mm`.
  * @param {number} most_mm  > 0.
  */
 export function roundLength(most_mm) {
@@ -85,10 +85,10 @@ export function roundLength(most_mm) {
 }
 
 /**
- * Millimetres for a place of the picture, at the distance of a point.
+ * Millimeters per place of the picture, at the distance of a point.
  * @param {number[]} patientToEye
  * @param {number[]} patientToClip
- * @param {number} height  Of the picture, places.
+ * @param {number} height  Height of the picture, places.
  * @param {Triple} p_mm
  */
 export function mmPerPlace(patientToEye, patientToClip, height, p_mm) {

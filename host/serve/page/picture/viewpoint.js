@@ -1,4 +1,4 @@
-// Where the page wants the viewer to stand: ahead of the state while a gesture lasts.
+// The view that the page requests. During a gesture it is ahead of the state.
 import {anglesOf, rotationOf, turn, drag} from './arcball.js';
 import {plain} from '../link/lines.js';
 import {mmPerPlace} from './projection.js';
@@ -8,7 +8,7 @@ import {mmPerPlace} from './projection.js';
 const LEAST_ZOOM = 0.05;
 const MOST_ZOOM = 100;
 
-/** Turns, moves and zooms by settings of `view`, newest only. Does nothing for a watcher. */
+/** Rotates, moves and zooms with `view`, newest only. Does nothing on a view-only page. */
 export class Viewpoint {
   /**
    * @param {import('../link/connection.js').Connection} connection
@@ -22,11 +22,11 @@ export class Viewpoint {
     this.store_ = store;
     /** @private */
     this.picture_ = picture;
-    /** @private Settings that were sent and not answered. */
+    /** @private Settings without a reply. */
     this.underWay_ = 0;
     /** @private */
     this.requested_ = 0;
-    /** @private The revision of the last answer; its state comes after it. */
+    /** @private The revision of the last reply. The state arrives later. */
     this.answered_ = 0;
     /** @private */
     this.rotation_ = rotationOf({azimuth_deg: 0, elevation_deg: 0, roll_deg: 0});
@@ -46,11 +46,11 @@ export class Viewpoint {
     };
     store.subscribe(['camera', 'revision'], this.follow_);
     connection.on('lost', () => {
-      this.answered_ = 0;  // Another server counts anew.
+      this.answered_ = 0;  // A restarted server begins again at 1.
     });
   }
 
-  /** A gesture begins: what it changes is undone by itself. */
+  /** Starts a gesture, which is one undo step. */
   begin() {
     this.connection_.mark();
   }
@@ -65,7 +65,7 @@ export class Viewpoint {
   }
 
   /**
-   * @param {Triple} axis   Of the eye; a unit vector.
+   * @param {Triple} axis   Unit vector in the eye's axes.
    * @param {number} angle  Radians.
    */
   turn(axis, angle) {
@@ -74,7 +74,7 @@ export class Viewpoint {
   }
 
   /**
-   * Moves what is seen.
+   * Moves the scene.
    * @param {number} right  Places.
    * @param {number} down
    */
@@ -90,14 +90,14 @@ export class Viewpoint {
     this.send_();
   }
 
-  /** As at first. */
+  /** Restores the initial view. */
   reset() {
     this.named('anterior', 1);
   }
 
   /**
-   * Ends roll and pan, and whatever turn was not sent yet: that would come later and win.
-   * @param {string} name  As the command `view` has it.
+   * Resets roll and pan, and drops a pending rotation, which would arrive later.
+   * @param {string} name  A named view of the command `view`.
    * @param {number} [zoom]
    */
   named(name, zoom = this.zoom_) {
@@ -110,7 +110,7 @@ export class Viewpoint {
     this.set_(name, zoom, 0, '0,0');
   }
 
-  /** Millimetres at the distance of what is looked at, for a place of the picture. */
+  /** Millimeters per place, at the center of the volume. */
   mmPerPlace() {
     const {camera, height} = this.picture_;
     const volume = this.store_.state?.volume;
@@ -120,7 +120,7 @@ export class Viewpoint {
     return mmPerPlace(camera.patient_to_eye, camera.patient_to_clip, height, volume.centre_mm);
   }
 
-  /** Once per screen refresh at most. @private */
+  /** Sends at most once per screen refresh. @private */
   send_() {
     if (this.connection_.watches || this.requested_ !== 0) {
       return;
@@ -134,7 +134,7 @@ export class Viewpoint {
   }
 
   /**
-   * All of it in every line: so each takes the place of one that waits (`subjectOf`).
+   * Each line contains the whole view, so that it can replace a waiting line (`subjectOf`).
    * @private
    * @param {string} from  A named view, or azimuth and elevation in degrees.
    * @param {number} zoom

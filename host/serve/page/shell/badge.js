@@ -1,10 +1,10 @@
-// The line under the picture: how true it is, how fast, how large.
+// The status line below the picture: quality, digest, speed and size.
 import {byId, h} from '../elements/dom.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
 const RATE_OVER_MS = 2000;
-const SETTLE_MS = 200;        // After the panel was resized, before the picture is.
+const SETTLE_MS = 200;        // Delay from resizing the panel to resizing the picture.
 const MOST_AUTO_PX = 1280 * 1024;
 const STEP_PX = 2;            // Sizes are even.
 const SIZES = ['256x256', '512x512', '768x768', '1024x1024', '1280x1024', '1920x1080'];
@@ -14,7 +14,7 @@ export function createBadge(app) {
   const root = byId('badge');
   const quality = h('span', {class: 'quality', 'data-testid': 'badge-quality'});
   const digest = h('code', {'data-testid': 'badge-digest', title: 'Digest of the pixels, as '
-    + 'the command digest prints it: a picture has the same one on every machine'});
+    + 'printed by the command digest. It is the same on every machine.'});
   const speed = h('span', {class: 'number', 'data-testid': 'badge-speed'});
   const size = h('span', {class: 'number', 'data-testid': 'badge-size'});
   const label = h('span', {class: 'small', title: digest.title, hidden: true}, 'digest');
@@ -30,16 +30,16 @@ export function createBadge(app) {
       ? `lossless${samples}` : `moving, JPEG ${header.quality}`;
     quality.classList.toggle('good', header.kind === 'png');
     quality.title = header.kind === 'png'
-      ? 'Every pixel is as the machine drew it'
-        + (samples ? `, ${header.samples} times and averaged` : '')
-      : `Compressed while it moves (quality ${header.quality} of 100); exact as soon as it rests`;
+      ? 'Every pixel is exactly as rendered'
+        + (samples ? `, averaged over ${header.samples} samples` : '')
+      : `Compressed during interaction (quality ${header.quality} of 100), lossless at rest`;
     digest.textContent = header.digest;
     label.hidden = header.digest === '';
     speed.textContent = `${header.machine_ms.toFixed(0)} ms`
       + (rate > 0 && !header.rests ? ` · ${rate.toFixed(0)} frames/s` : '');
-    speed.title = 'Time that the machine needed for this frame, and frames shown per second';
+    speed.title = 'Time to render this frame, and displayed frames per second';
     size.textContent = `${header.width} × ${header.height}`;
-    size.title = 'Pixels of this frame; while it moves they may be fewer than wished';
+    size.title = 'Size of this frame in pixels. Frames may be smaller during interaction.';
   });
   app.picture.onCleared(() => {
     for (const text of [quality, digest, speed, size]) {
@@ -49,13 +49,13 @@ export function createBadge(app) {
 }
 
 /**
- * The picture's size follows its panel, unless a size is chosen.
+ * The size of the picture follows the panel unless the user chooses a size.
  * @param {App} app
  */
 function sizeMenu(app) {
-  const menu = h('select', {'aria-label': 'Size of the picture', 'data-testid': 'size-menu',
-    title: 'Size of the picture in pixels', class: 'small'},
-    h('option', {value: ''}, 'fit the panel'), ...SIZES.map(each => h('option', {value: each},
+  const menu = h('select', {'aria-label': 'Picture size', 'data-testid': 'size-menu',
+    title: 'Picture size in pixels', class: 'small'},
+    h('option', {value: ''}, 'fit to panel'), ...SIZES.map(each => h('option', {value: each},
       each.replace('x', ' × '))));
   let timer = 0;
   const follow = () => {
@@ -83,7 +83,7 @@ function sizeMenu(app) {
     menu.disabled = app.connection.watches;
     isGreeted = true;
   });
-  // The state follows the greeting, late if a frame is being drawn; the size is compared with it.
+  // The state follows `hello`, possibly late. `follow` needs the size in the state.
   app.connection.on('state', () => {
     if (isGreeted) {
       isGreeted = false;

@@ -1,4 +1,4 @@
-// The bar at the top: what is open, and what concerns the session as a whole.
+// The title bar: the open volume, undo and redo, open, save and help.
 import {byId, h} from '../elements/dom.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -17,13 +17,13 @@ export function createBar(app, actions) {
   const open = h('button', {'data-testid': 'open-panel', title: 'Open a volume (key O)',
     onclick: actions.open}, 'Open …');
   const save = h('button', {'data-testid': 'save-menu',
-    title: 'Save mesh, picture or session (key S)', onclick: actions.save}, 'Save …');
+    title: 'Save a mesh, a picture or the session (key S)', onclick: actions.save}, 'Save …');
   byId('bar').append(
     h('img', {src: 'icon.svg', alt: '', width: 22, height: 22}),
     h('span', {class: 'row what'}, name, about),
     h('span', {class: 'watching', 'data-testid': 'watching', hidden: true,
-      title: 'This address only watches; the other one, which pxpl5 serve printed, may change '
-        + 'things'}, 'You are watching'),
+      title: 'This address is view-only. To make changes, use the other address that pxpl5 '
+        + 'serve printed.'}, 'View only'),
     h('span', {class: 'grow'}), undo, redo, open,
     save,
     h('button', {'data-testid': 'help', 'aria-label': 'Help', title: 'Help (key ?)',

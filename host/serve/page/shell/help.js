@@ -1,41 +1,42 @@
-// A short sheet: what can be done, and with which keys.
+// The help sheet: gestures, keys, panels and surfaces.
 import {h} from '../elements/dom.js';
 
 const SHEET = /** @type {const} */ ([
   ['Picture', [
-    ['Drag', 'turn'], ['Right button, shift', 'move'], ['Wheel, pinch', 'zoom'],
-    ['Double click', 'reset the view'], ['Click', 'point at a place, in all views'],
+    ['Drag', 'rotate'], ['Right button, Shift', 'move'], ['Wheel, pinch', 'zoom'],
+    ['Double click', 'reset the view'], ['Click', 'move the crosshair in all views'],
     ['Two fingers', 'move, zoom and roll'],
   ]],
   ['Keys', [
-    ['← ↑ → ↓', 'turn; with shift move'], ['+  −', 'zoom'], ['1 … 6', 'from A, P, L, R, S, I'],
-    ['R', 'reset the view'], ['U, Ctrl Z', 'undo'], ['Shift U, Ctrl shift Z', 'redo'],
-    ['O', 'open a volume'], ['S', 'save'], ['Esc', 'end a mode'], ['?', 'this sheet'],
+    ['← ↑ → ↓', 'rotate; with Shift: move'], ['+  −', 'zoom'],
+    ['1 … 6', 'view from A, P, L, R, S, I'], ['R', 'reset the view'], ['U, Ctrl Z', 'undo'],
+    ['Shift U, Ctrl Shift Z', 'redo'], ['O', 'open a volume'], ['S', 'save'],
+    ['Esc', 'leave a mode'], ['?', 'show this help'],
   ]],
   ['Panels', [
-    ['Slices, Window', 'drag: across for contrast, down for brightness'],
-    ['Measure', 'click two points: how far they are apart'],
-    ['Inspect', 'click a pixel: why it has its colour'],
+    ['Slices, Window', 'drag across for contrast, down for brightness'],
+    ['Measure', 'click two points to measure their distance'],
+    ['Inspect', 'click a pixel to explain its color'],
   ]],
   ['Surfaces', [
-    ['Drag a handle of the histogram', 'move a surface\'s isovalue; with shift finely'],
-    ['Arrow keys on a handle', 'the same, finely; shift: in tens'],
-    ['Click on tissue', 'take the value from the picture or a slice'],
-    ['Parts', 'draw only the largest piece, or the one that you click on'],
-    ['Cut', 'takes away what lies before a plane: see inside'],
+    ['Drag a handle of the histogram', 'change the isovalue; slower with Shift'],
+    ['Arrow keys on a handle', 'change the isovalue; ten times faster with Shift'],
+    ['Pick tissue', 'take the value from the picture or a slice'],
+    ['Parts', 'draw only the largest part, or the part that you click'],
+    ['Clip planes', 'remove one side of a plane to see inside'],
   ]],
 ]);
 
 /** @returns {() => void} shows the sheet */
 export function createHelp() {
-  const dialog = h('dialog', {id: 'help', 'aria-labelledby': 'help-title',
+  const dialog = h('dialog', {id: 'help', 'aria-labeledby': 'help-title',
     'data-testid': 'help-sheet'},
-    h('div', {class: 'row spread'}, h('h2', {id: 'help-title'}, 'What you can do here'),
+    h('div', {class: 'row spread'}, h('h2', {id: 'help-title'}, 'Help'),
       h('button', {class: 'quiet icon', 'aria-label': 'Close',
         onclick: () => dialog.close()}, '×')),
-    h('p', {class: 'muted'}, 'Every picture comes from the emulated Pixel-Planes 5: its Graphics '
-      + 'Processors find the surfaces, its Renderers draw them. While something moves, the '
-      + 'picture is compressed; at rest it is exact, and refined.'),
+    h('p', {class: 'muted'}, 'The emulated Pixel-Planes 5 draws every picture. Its Graphics '
+      + 'Processors extract the surfaces, and its Renderers draw them. Pictures are compressed '
+      + 'during interaction, and lossless and refined at rest.'),
     h('div', {class: 'sheet'}, ...SHEET.map(([title, rows]) => h('section', {}, h('h3', {}, title),
       h('dl', {}, ...rows.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)]))))));
   dialog.addEventListener('click', event => {

@@ -1,4 +1,4 @@
-// Keys that work wherever no field or handle takes them.
+// Shortcuts that work unless a field or a handle uses the key.
 import {SIDES} from '../picture/projection.js';
 
 /** @typedef {import('../panel/app.js').App} App */

@@ -1,11 +1,11 @@
-// What lies over the picture: letters of the patient's sides, scale bar, cube, crosshair.
+// Over the picture: letters of the patient's sides, scale bar, cube and crosshair.
 import {byId, h, s, update} from '../elements/dom.js';
 import {lettersTowards, roundLength, SIDES, toEye} from '../picture/projection.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 
-const MARGIN_REM = 1.2;     // From the picture's edge to a letter.
-const BAR_SHARE = 0.25;     // Of the picture's width, at most.
+const MARGIN_REM = 1.2;     // From the edge of the picture to a letter.
+const BAR_SHARE = 0.25;     // Maximum length, as a share of the picture's width.
 const CROSS_PX = 9;
 const CUBE_HALF = 21;
 const EDGES = /** @type {{at: [number, number], anchor: string, on: [number, number]}[]} */ ([
@@ -75,23 +75,23 @@ function drawBar(bar, text, mmPerPlace, {x, y, width}) {
 }
 
 /**
- * The cube that turns with the patient; its faces are named views.
+ * The cube that rotates with the patient. A click on a face chooses a named view.
  * @param {import('../panel/app.js').App} app
  * @param {import('../picture/viewpoint.js').Viewpoint} viewpoint
- * @returns {(patientToEye: number[]) => void} draws it anew
+ * @returns {(patientToEye: number[]) => void} redraws the cube
  */
 function createCube(app, viewpoint) {
   const faces = SIDES.map(({letter, view, towards}) => {
     const shape = s('polygon'), text = s('text', {'text-anchor': 'middle', dy: '0.36em'}, letter);
-    const group = s('g', {class: 'face', role: 'button', 'aria-label': `Look from ${view}`,
+    const group = s('g', {class: 'face', role: 'button', 'aria-label': `Show the ${view} view`,
       'data-testid': `cube-${letter}`, onclick: () => viewpoint.named(view)},
-      shape, text, s('title', {}, `Look from ${view}`));
+      shape, text, s('title', {}, `Show the ${view} view`));
     return {group, shape, text, towards};
   });
   const drawing = s('svg', {id: 'cube', viewBox: '-40 -40 80 80', role: 'group',
     'aria-label': 'Orientation'}, ...faces.map(({group}) => group));
   const buttons = SIDES.map(({letter, view}, index) => h('button', {class: 'quiet',
-    title: `Look from ${view} (key ${index + 1})`, 'aria-label': `Look from ${view}`,
+    title: `Show the ${view} view (key ${index + 1})`, 'aria-label': `Show the ${view} view`,
     'data-testid': `view-${view}`, onclick: () => viewpoint.named(view)}, letter));
   byId('corner').append(drawing, h('div', {id: 'views', class: 'drives'}, ...buttons));
   app.store.subscribe(['volume', 'archive'], state => {

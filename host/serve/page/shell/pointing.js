@@ -1,4 +1,4 @@
-// A click on the picture: the mode's if there is one, else it points at a place in all views.
+// A click on the picture: passes it to the current mode, or moves the crosshair of all views.
 import {byId, h} from '../elements/dom.js';
 import {plain} from '../link/lines.js';
 
@@ -12,7 +12,7 @@ export function createPointing(app) {
   const words = h('div', {id: 'pointed', role: 'status', 'data-testid': 'pointed', hidden: true});
   byId('middle').querySelector('#stage')?.append(words);
   app.picture.onShown(header => {
-    // What was pointed at is told of the picture at that time.
+    // The text describes the previous picture.
     words.hidden ||= !header.rests;
   });
   return event => {
@@ -49,7 +49,7 @@ async function point(app, {x, y}, words) {
 }
 
 /**
- * A place in words: "12.3 L, 4.0 P, 80.1 S mm".
+ * A patient position as text: "12.3 L, 4.0 P, 80.1 S mm".
  * @param {import('../link/types.js').Triple} p_mm
  */
 function sides(p_mm) {

@@ -8,24 +8,23 @@ import {create as createVolume} from '../volume/volume_report.js';
 
 /**
  * @typedef {object} Tab
- * @property {string} id       Of the section, and of `data-testid="tab-ID"`.
+ * @property {string} id       ID of the section, and in `data-testid="tab-ID"`.
  * @property {string} title
- * @property {string} help     One line, shown when a pointer rests on the tab.
+ * @property {string} help     Tooltip, one line.
  * @property {(root: HTMLElement, app: import('../panel/app.js').App) => void} create
  */
 
 /**
- * The tabs in their order. A panel is told that it has become visible or hidden by the events
- * `panelshow` and `panelhide` on its section.
+ * The tabs in order. A section receives `panelshow` and `panelhide` when its visibility changes.
  * @type {Tab[]}
  */
 const TABS = [
-  {id: 'slices', title: 'Slices', help: 'The scan cut three ways', create: createSlices},
+  {id: 'slices', title: 'Slices', help: 'Three slices of the scan', create: createSlices},
   {id: 'measure', title: 'Measure', help: 'Distances on a surface', create: createMeasure},
-  {id: 'inspector', title: 'Inspector', help: 'Why a pixel has its colour',
+  {id: 'inspector', title: 'Inspector', help: 'Explains the color of a pixel',
     create: createInspector},
-  {id: 'machine', title: 'Machine', help: 'What its processes do', create: createMachine},
-  {id: 'volume', title: 'Volume', help: 'What is known of the scan', create: createVolume},
+  {id: 'machine', title: 'Machine', help: 'Activity of the nodes', create: createMachine},
+  {id: 'volume', title: 'Volume', help: 'Geometry, values and warnings', create: createVolume},
 ];
 
 /** @param {import('../panel/app.js').App} app */
@@ -35,7 +34,7 @@ export function createTabs(app) {
   byId('right').hidden = TABS.length === 0;
   const made = TABS.map(({id, title, help, create}) => {
     const section = h('section', {id: `panel-${id}`, role: 'tabpanel', hidden: true,
-      'aria-labelledby': `tab-${id}`, tabindex: -1});
+      'aria-labeledby': `tab-${id}`, tabindex: -1});
     const button = h('button', {id: `tab-${id}`, role: 'tab', title: help, 'aria-selected': false,
       'aria-controls': section.id, 'data-testid': `tab-${id}`, tabindex: -1}, title);
     panels.append(section);

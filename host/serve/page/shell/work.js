@@ -1,12 +1,12 @@
-// What the server is at, with a way to stop it; the veil of a lost connection; hints.
+// The progress of long work, the notice of a lost connection, and hints.
 import {byId, h} from '../elements/dom.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/types.js').Progress} Progress */
 
-const SHOW_AFTER_MS = 300;      // Short work need not flash.
-/** Work that the server gives up when it is asked to, by what `progress` calls it. */
-const CANCELLABLE = ['load', 'reading', 'handing to the GPs'];
+const SHOW_AFTER_MS = 300;      // Shorter work is not shown.
+/** Work that the server can cancel, by the name in `progress`. */
+const CANCELABLE = ['load', 'reading', 'handing to the GPs'];
 const HINTS_SEEN = 'pxpl5-hints-seen';
 const VEIL_AFTER_MS = 400;
 
@@ -26,7 +26,7 @@ export function createWork(app) {
       root.hidden = true;
       return;
     }
-    cancel.hidden = !CANCELLABLE.includes(progress.what);
+    cancel.hidden = !CANCELABLE.includes(progress.what);
     const percent = Math.round(progress.done / progress.total * 100);
     what.textContent = progress.what + (progress.total > 0 ? ` ${percent} %` : '');
     if (progress.total > 0) {
@@ -63,8 +63,8 @@ export function createVeil(app) {
 }
 
 /**
- * The line over the picture: what a mode asks for; at a first visit, what one can do. Its words go
- * away with the first use, for good.
+ * The hint over the picture: the instruction of a mode, or a hint for a first visit. The first
+ * input removes the hint for good.
  * @param {App} app
  */
 export function createHints(app) {
@@ -74,7 +74,7 @@ export function createHints(app) {
   try {
     isFirst = localStorage.getItem(HINTS_SEEN) === null;
   } catch {
-    // A browser that keeps nothing shows the hints each time.
+    // Without storage the hint appears at each visit.
     isFirst = true;
   }
   const done = () => {
@@ -84,7 +84,7 @@ export function createHints(app) {
       try {
         localStorage.setItem(HINTS_SEEN, 'yes');
       } catch {
-        // As above.
+        // Without storage the hint appears at each visit.
       }
     }
   };
@@ -106,14 +106,14 @@ export function createHints(app) {
 
 /** @param {App} app */
 function leaveButton(app) {
-  return h('button', {class: 'quiet', 'data-testid': 'leave-mode', title: 'Key Esc',
+  return h('button', {class: 'quiet', 'data-testid': 'leave-mode', title: 'Leave the mode (Esc)',
     onclick: () => app.modes.leave()}, 'Done');
 }
 
 /** @param {boolean} isTouch */
 function firstHint(isTouch) {
   return [isTouch
-    ? 'One finger turns the picture, two move and zoom it.'
-    : 'Drag to turn, wheel to zoom, right button to move. Drag a handle of the histogram to '
-      + 'change a surface. Press ? for more.'];
+    ? 'One finger rotates the view. Two fingers move and zoom.'
+    : 'Drag to rotate, scroll to zoom, right-drag to move. Drag a handle in the histogram to '
+      + 'change a surface. Press ? for help.'];
 }

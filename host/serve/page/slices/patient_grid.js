@@ -1,10 +1,10 @@
-// Where a voxel lies in the patient, and back. Matrices are column-major, as WebGL's. Pure.
+// Converts between voxels and patient positions. Pure functions; column-major matrices.
 
 /**
  * @typedef {[number, number, number]} Vector
  * @typedef {object} Grid               What places voxels in the patient: part of VolumeState.
  * @property {number[]} voxel_to_patient   Takes (x, y, place of slice z) to mm, LPS.
- * @property {number[]} slice_places    Of each slice; empty if slice z lies at z.
+ * @property {number[]} slice_places    Position of each slice; empty if slice z is at z.
  * @property {Vector} size              Voxels.
  */
 
@@ -20,7 +20,7 @@ export function transformed(m, p) {
 }
 
 /**
- * The point that an affine map takes to q.
+ * The point that an affine map maps to q.
  * @param {number[]} m          4 x 4, affine.
  * @param {ArrayLike<number>} q
  * @returns {Vector}
@@ -44,7 +44,7 @@ function tripleProduct(a, b, c) {
 }
 
 /**
- * Place of a slice; between two slices, in proportion.
+ * Position of a slice, interpolated linearly between slices.
  * @param {number[]} places
  * @param {number} z            Counts slices.
  */
@@ -57,7 +57,7 @@ export function placeOf(places, z) {
 }
 
 /**
- * The slice count at a place: the inverse of placeOf.
+ * The slice number at a position: the inverse of placeOf.
  * @param {number[]} places
  * @param {number} place
  */
@@ -93,7 +93,7 @@ export function toVoxel(grid, p_mm) {
 }
 
 /**
- * The voxel that is there and nearest.
+ * The nearest voxel inside the volume.
  * @param {Grid} grid
  * @param {Vector} voxel
  * @returns {Vector}

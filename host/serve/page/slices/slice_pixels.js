@@ -1,4 +1,4 @@
-// A slice's answer taken apart: values, contours, grey levels, and which voxel a pixel is. Pure.
+// Parses the answer to `ask slice`, and converts between pixels and voxels. Pure functions.
 
 import {placeOf, sliceAt} from './patient_grid.js';
 
@@ -10,14 +10,14 @@ import {placeOf, sliceAt} from './patient_grid.js';
 
 /**
  * @typedef {object} Slice
- * @property {Axis} axis            Voxel axis that it stands across.
+ * @property {Axis} axis            Voxel axis perpendicular to the slice.
  * @property {number} index
  * @property {number} width         Pixels.
  * @property {number} height
  * @property {[number, number]} spacing_mm      Across, down.
  * @property {[number[] | null, number[] | null]} [places_mm]   Across, down: middles of all
  *     voxels from the first one's; null where they are evenly spaced.
- * @property {number} [skew_deg]    What the angle between the sides lacks to 90.
+ * @property {number} [skew_deg]    90 minus the angle between the sides.
  * @property {{left: string, right: string, top: string, bottom: string}} letters
  * @property {[number, number, number]} axes    Voxel axis across, down, through.
  * @property {[boolean, boolean]} flips         Whether pixels run against the voxels.
@@ -62,7 +62,7 @@ export function sliceOf(axis, index, {json, bytes}) {
 /** @typedef {{window: number, level: number}} Window  Values shown from level - window / 2 on. */
 
 /**
- * Windows that radiologists know, by name, in Hounsfield units.
+ * The usual CT windows, in Hounsfield units.
  * @type {{name: string, window: number, level: number}[]}
  */
 export const CT_WINDOWS = [
@@ -82,7 +82,7 @@ export function isHounsfield({modality, minimum, maximum}) {
 }
 
 /**
- * The window that a volume is first seen through.
+ * The initial window of a volume.
  * @param {{modality: string, minimum: number, maximum: number}} volume
  * @returns {Window}
  */
@@ -92,7 +92,7 @@ export function firstWindow(volume) {
 }
 
 /**
- * From the smallest value to the largest.
+ * A window from the smallest value to the largest value.
  * @param {{minimum: number, maximum: number}} volume
  * @returns {Window}
  */
@@ -101,12 +101,12 @@ export function allValues({minimum, maximum}) {
 }
 
 /**
- * Writes grey levels into RGBA pixels.
+ * Writes gray levels into RGBA pixels.
  * @param {ArrayLike<number>} values
  * @param {Window} through
  * @param {Uint8ClampedArray} rgba  4 * values.length; rounded and held at 0..255 by its type.
  */
-export function paintGrey(values, {window, level}, rgba) {
+export function paintGray(values, {window, level}, rgba) {
   const slope = 255 / Math.max(window, Number.MIN_VALUE);
   const first = level - window / 2;
   for (let i = 0, out = 0; i < values.length; ++i, out += 4) {
@@ -147,8 +147,8 @@ export function pixelAt(slice, size, voxel) {
 }
 
 /**
- * Where along a side a pixel's middle is, from the first one's; between two and beyond the ends in
- * proportion.
+ * The distance from the center of the first pixel to the center of a pixel along a side,
+ * interpolated linearly, also beyond the ends.
  * @param {Slice} slice
  * @param {0 | 1} side      Across, down.
  * @param {number} number   Counts pixels, not rounded.
@@ -171,7 +171,7 @@ export function numberAlong(slice, side, place_mm) {
 }
 
 /**
- * Where the slice stands in a box, its millimetres alike across and down: pixels of the box at
+ * Where the slice stands in a box, its millimeters alike across and down: pixels of the box at
  * (x, y) are at (first[0] + (x - left) / scale, ...) mm of the slice's sides.
  * @typedef {{left: number, top: number, width: number, height: number, scale: number,
  *   first: [number, number]}} Placed
@@ -179,7 +179,7 @@ export function numberAlong(slice, side, place_mm) {
 
 /**
  * @param {Slice} slice
- * @param {number} width    Of the box.
+ * @param {number} width    Width of the box.
  * @param {number} height
  * @returns {Placed}
  */

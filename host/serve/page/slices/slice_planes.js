@@ -1,4 +1,4 @@
-// Which voxel axis a radiologist's plane stands across. Pure functions.
+// The voxel axis that is perpendicular to each anatomical plane. Pure functions.
 
 /** @typedef {import('./slice_pixels.js').Axis} Axis */
 

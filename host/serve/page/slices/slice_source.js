@@ -1,4 +1,4 @@
-// Asks for slices, newest only: one question under way for each view, the newest waits.
+// Requests slices, newest only: one request per view is in flight, and the newest waits.
 import {sliceOf} from './slice_pixels.js';
 
 /** @typedef {import('./slice_pixels.js').Axis} Axis */
@@ -14,14 +14,14 @@ export class SliceSource {
     /** @private */ this.to_ = to;
     /** @private @type {{axis: Axis, index: number} | null} */ this.next_ = null;
     /** @private */ this.busy_ = false;
-    /** @private  What was asked last; '' if it must be asked again. */
+    /** @private  The last request; '' to send it again. */
     this.asked_ = '';
   }
 
   /**
    * @param {Axis} axis
    * @param {number} index
-   * @param {string} of       Volume and contours: the same slice of the same is not asked twice.
+   * @param {string} of       Identifies volume and contours, to skip repeated requests.
    */
   want(axis, index, of) {
     const asked = `${axis} ${index} ${of}`;

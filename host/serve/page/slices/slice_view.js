@@ -1,7 +1,7 @@
-// One slice on a canvas: grey values, contours, crosshair and letters; what the pointer does to it.
-import {contextOf, fitted, onceAFrame, styleColour, watchSize} from '../elements/canvas.js';
+// One slice on a canvas: gray values, contours, crosshair, letters; pointer and keys.
+import {contextOf, fitted, onceAFrame, styleColor, watchSize} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
-import {boxAt, paintGrey, pixelAt, placedIn, sliceAtBox, voxelAt} from './slice_pixels.js';
+import {boxAt, paintGray, pixelAt, placedIn, sliceAtBox, voxelAt} from './slice_pixels.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {import('./slice_pixels.js').Placed} Placed */
@@ -9,10 +9,10 @@ import {boxAt, paintGrey, pixelAt, placedIn, sliceAtBox, voxelAt} from './slice_
 /** @typedef {import('./slice_pixels.js').Window} Window */
 
 /**
- * What happens in a view is told to its panel.
+ * Callbacks of a slice view.
  * @typedef {object} Events
- * @property {(voxel: Vector) => void} point        Clicked or dragged there.
- * @property {(value: number) => void} tissue       Clicked on that value, in the tissue tool.
+ * @property {(voxel: Vector) => void} point        The user chose this voxel.
+ * @property {(value: number) => void} tissue       The tissue tool picked this value.
  * @property {(voxel: Vector | null, value: number | null) => void} hover
  * @property {(by: number) => void} step            To the next slices.
  * @property {(across: number, down: number) => void} window  Dragged so far, in CSS pixels.
@@ -20,13 +20,13 @@ import {boxAt, paintGrey, pixelAt, placedIn, sliceAtBox, voxelAt} from './slice_
 
 /** @typedef {'point' | 'window' | 'tissue'} Tool */
 
-const CROSSHAIR_GAP = 6;    // CSS pixels left free around the point, so that it stays visible.
+const CROSSHAIR_GAP = 6;    // Free space around the point, CSS pixels.
 const LETTER_MARGIN = 4;
-const LINE_WIDTH = 1.5;     // Of contours, CSS pixels.
-const EDGE_WIDTH = 1.25;    // On either side of them.
-const EDGE_COLOUR = '#000c';
-const WHEEL_STEP = 40;      // Of deltaY for one slice: a touchpad sends many small ones.
-const PAGE = 5;             // Slices that page up and page down step.
+const LINE_WIDTH = 1.5;     // Contours, CSS pixels.
+const EDGE_WIDTH = 1.25;    // Dark edge on either side of a contour.
+const EDGE_COLOR = '#000c';
+const WHEEL_STEP = 40;      // deltaY per slice. A touchpad sends many small steps.
+const PAGE = 5;             // Slices per Page Up or Page Down.
 
 export class SliceView {
   /**
@@ -42,7 +42,7 @@ export class SliceView {
     /** @private @type {Vector | null} */ this.crosshair_ = null;
     /** @private */ this.wheel_ = 0;
     /** @private @type {{x: number, y: number, tool: Tool} | null} */ this.drag_ = null;
-    /** @private */ this.grey_ = h('canvas');
+    /** @private */ this.gray_ = h('canvas');
     this.canvas = h('canvas', {
       class: 'slice-canvas', tabindex: 0, role: 'application',
       'aria-label': `${plane} slice`,
@@ -56,7 +56,7 @@ export class SliceView {
   /**
    * Shows a slice.
    * @param {Slice} slice
-   * @param {Vector} size     Of the volume, voxels.
+   * @param {Vector} size     Size of the volume, voxels.
    * @param {Window} through
    */
   show(slice, size, through) {
@@ -64,7 +64,7 @@ export class SliceView {
     this.size_ = size;
     this.repaint(through);
     this.canvas.setAttribute('aria-label', `${this.plane_} slice ${slice.index + 1} of ` +
-      `${size[slice.axes[2]]}: arrows move the crosshair, page up and down step slices`);
+      `${size[slice.axes[2]]}: arrow keys move the crosshair, Page Up and Down step slices`);
   }
 
   /** @param {Tool} tool */
@@ -73,7 +73,7 @@ export class SliceView {
     this.canvas.classList.toggle('picks', tool === 'tissue');
   }
 
-  /** Forgets the slice. */
+  /** Clears the view. */
   clear() {
     this.slice_ = null;
     this.draw();
@@ -83,11 +83,11 @@ export class SliceView {
   repaint(through) {
     const slice = this.slice_;
     if (slice) {
-      this.grey_.width = slice.width;
-      this.grey_.height = slice.height;
+      this.gray_.width = slice.width;
+      this.gray_.height = slice.height;
       const pixels = new ImageData(slice.width, slice.height);
-      paintGrey(slice.values, through, pixels.data);
-      contextOf(this.grey_).putImageData(pixels, 0, 0);
+      paintGray(slice.values, through, pixels.data);
+      contextOf(this.gray_).putImageData(pixels, 0, 0);
       this.draw();
     }
   }
@@ -106,7 +106,7 @@ export class SliceView {
       return;
     }
     const place = placedIn(slice, width, height);
-    this.drawGrey_(context, slice, place);
+    this.drawGray_(context, slice, place);
     this.drawContours_(context, slice, place, unit);
     context.lineWidth = unit;
     if (this.crosshair_) {
@@ -116,26 +116,26 @@ export class SliceView {
   }
 
   /**
-   * Evenly spaced slices at once; of others each row stands at its place, as high as it is.
+   * Draws evenly spaced rows at once, uneven rows one by one with their heights.
    * @private
    * @param {CanvasRenderingContext2D} context
    * @param {Slice} slice
    * @param {Placed} place
    */
-  drawGrey_(context, slice, place) {
+  drawGray_(context, slice, place) {
     context.imageSmoothingQuality = 'high';
     if (!slice.places_mm?.[0] && !slice.places_mm?.[1]) {
-      context.drawImage(this.grey_, place.left, place.top, place.width, place.height);
+      context.drawImage(this.gray_, place.left, place.top, place.width, place.height);
       return;
     }
     for (let y = 0; y < slice.height; ++y) {
       const top = boxAt(slice, place, 0, y - 0.5)[1], end = boxAt(slice, place, 0, y + 0.5)[1];
-      context.drawImage(this.grey_, 0, y, slice.width, 1, place.left, top, place.width, end - top);
+      context.drawImage(this.gray_, 0, y, slice.width, 1, place.left, top, place.width, end - top);
     }
   }
 
   /**
-   * Lines with a dark edge: their colours may be as light as the bone that they run around.
+   * Draws contours with a dark edge, so that light contours stay visible on bone.
    * @private
    * @param {CanvasRenderingContext2D} context
    * @param {Slice} slice
@@ -153,8 +153,8 @@ export class SliceView {
       }
       return {color, path};
     });
-    // All edges first: none lies over another surface's line.
-    context.strokeStyle = EDGE_COLOUR;
+    // Draws all edges first, so that no edge covers a line.
+    context.strokeStyle = EDGE_COLOR;
     context.lineWidth = (LINE_WIDTH + 2 * EDGE_WIDTH) * unit;
     lines.forEach(({path}) => context.stroke(path));
     context.lineWidth = LINE_WIDTH * unit;
@@ -174,7 +174,7 @@ export class SliceView {
   drawCrosshair_(context, slice, place, voxel) {
     const [x, y] = boxAt(slice, place, ...pixelAt(slice, this.size_, voxel));
     const right = place.left + place.width, bottom = place.top + place.height;
-    context.strokeStyle = styleColour(this.canvas, '--accent');
+    context.strokeStyle = styleColor(this.canvas, '--accent');
     context.beginPath();
     context.moveTo(place.left, y);
     context.lineTo(x - CROSSHAIR_GAP, y);

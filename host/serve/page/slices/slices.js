@@ -1,4 +1,4 @@
-// Panel: three slices of the volume, linked with one another and with the picture.
+// Panel: three slices of the volume, linked to each other and to the picture.
 import {h} from '../elements/dom.js';
 import {isoCommand, roundIso} from '../link/lines.js';
 import {choiceRow, intro, messageLine, numberField} from '../panel/panel_parts.js';
@@ -14,9 +14,9 @@ import {SliceView} from './slice_view.js';
 
 const PLANES = ['Axial', 'Coronal', 'Sagittal'];
 const SELF = 'slices';
-const REST_MS = 250;        // After which an isovalue that was dragged rests.
-const DRAG_ACROSS_RANGE = 400;  // CSS pixels of a window/level drag that stand for 1000 values.
-const EMPTY = 'No volume is open. Open one, and its slices stand here.';
+const REST_MS = 250;        // A dragged isovalue rests after this time.
+const DRAG_ACROSS_RANGE = 400;  // CSS pixels of a window/level drag per 1,000 values.
+const EMPTY = 'No volume is open. Open a volume to see its slices.';
 
 /** @typedef {{view: SliceView, source: SliceSource, element: HTMLElement,
  *   slider: HTMLInputElement, count: HTMLElement}} Pane */
@@ -37,9 +37,9 @@ class SlicesPanel {
     this.voxel = [0, 0, 0];
     /** @type {ReturnType<typeof planesOf>} */
     this.planes = [];
-    /** Counts volumes. */
+    /** Number of opened volumes. */
     this.opened = 0;
-    /** What the slices' contours depend on. */
+    /** The settings that the contours depend on, as JSON. */
     this.contours = '';
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.resting = undefined;
@@ -50,9 +50,9 @@ class SlicesPanel {
     this.notes = h('p', {class: 'legend', 'data-testid': 'slices-notes'});
     this.panes = PLANES.map((_, number) => this.pane(number));
     this.grid = h('div', {class: 'slice-grid'}, ...this.panes.map(pane => pane.element));
-    this.target = h('select', {'aria-label': 'Surface whose isovalue is set', hidden: true,
+    this.target = h('select', {'aria-label': 'Surface to adjust', hidden: true,
       'data-testid': 'slices-surface', onchange: () => app.selection.choose(this.target.value)});
-    /** @type {import('./slice_view.js').Tool}  Chosen here; a mode may lend another one. */
+    /** @type {import('./slice_view.js').Tool}  The chosen tool. A mode may replace it. */
     this.tool = 'point';
     this.window = numberField('Window', 'slices-window', window =>
       this.look({...this.through, window: Math.max(window, 1e-6)}));
@@ -63,24 +63,24 @@ class SlicesPanel {
   }
 
   build() {
-    this.tools = choiceRow('What a press on a slice does', [
-      {name: 'point', title: 'Point', help: 'Moves the crosshair, here and in the picture'},
-      {name: 'window', title: 'Window', help: 'Drag: across for contrast, down for brightness ' +
-        '(with any tool: right button, or shift)'},
-      {name: 'tissue', title: 'Tissue', help: 'The value under the pointer becomes the isovalue'},
+    this.tools = choiceRow('Tool for the slices', [
+      {name: 'point', title: 'Point', help: 'Move the crosshair, here and in the picture'},
+      {name: 'window', title: 'Window', help: 'Drag across for contrast, down for brightness ' +
+        '(with any tool: right button or Shift)'},
+      {name: 'tissue', title: 'Tissue', help: 'Set the isovalue to the value under the pointer'},
     ], tool => {
       this.tool = tool;
       this.app.modes.leave('tissue');
       this.takeTool();
     });
     this.root.append(
-      intro('The scan cut three ways, surfaces as lines.'),
+      intro('Three slices of the scan. Lines show the surfaces.'),
       h('div', {class: 'tool-row'}, this.tools.element, this.target),
       h('div', {class: 'tool-row'}, this.window.element, this.level.element), this.presets,
       this.message.element, this.grid, this.readout, this.notes);
   }
 
-  /** A press sets an isovalue while the picture's mode does so, too. */
+  /** A click sets an isovalue while the tissue mode is on. */
   takeTool() {
     const tool = this.app.modes.current?.value ? 'tissue' : this.tool;
     for (const {view} of this.panes) {
@@ -95,7 +95,7 @@ class SlicesPanel {
       class: 'chip hounsfield', 'data-testid': `window-${name}`,
       onclick: () => this.look({window, level})}, name));
     const full = h('button', {type: 'button', class: 'chip', 'data-testid': 'window-full',
-      title: 'From the smallest value to the largest', onclick: () => this.volume &&
+      title: 'Full range of values', onclick: () => this.volume &&
         this.look(allValues(this.volume))}, 'All values');
     return h('div', {class: 'presets'}, ...chips, full);
   }
@@ -114,7 +114,7 @@ class SlicesPanel {
     });
     const source = new SliceSource(this.app.connection, {
       slice: slice => {
-        // A volume that was opened meanwhile has other slices.
+        // Another volume may have been opened in the meantime.
         if (this.volume && slice.index < this.volume.size[slice.axes[2]]) {
           view.show(slice, this.volume.size, this.through);
           view.setCrosshair(this.voxel);
@@ -128,7 +128,7 @@ class SlicesPanel {
       oninput: () => this.step(number, Number(slider.value) - Math.round(
         this.voxel[this.planes[number].number]))});
     const count = h('span', {class: 'slice-count'});
-    const enlarge = h('button', {type: 'button', class: 'quiet', title: 'Show this one large',
+    const enlarge = h('button', {type: 'button', class: 'quiet', title: 'Enlarge this slice',
       onclick: () => this.enlarge(number)}, PLANES[number]);
     const element = h('div', {class: number === 0 ? 'slice-pane large' : 'slice-pane'},
       h('div', {class: 'slice-head'}, enlarge, count), view.canvas, slider);
@@ -145,14 +145,14 @@ class SlicesPanel {
     const {store, connection, modes, selection} = this.app;
     modes.watch(() => this.takeTool());
     selection.watch(name => { this.target.value = name; });
-    // What was asked when the connection was lost is asked again.
+    // Requests that the lost connection dropped are sent again.
     connection.on('hello', () => this.refresh());
     store.subscribe(['volume'], state => this.open(state.volume));
     store.subscribe(['surfaces'], ({surfaces}) => {
       this.target.replaceChildren(...surfaces.filter(each => each.compared_with === '')
         .map(({name}) => h('option', {value: name}, name)));
       this.target.value = selection.name;
-      // The isovalue may be dragged: the large view follows, the small ones when it rests.
+      // During a drag only the large slice is updated; the small slices follow at rest.
       const contours = JSON.stringify(surfaces.map(({name, isovalue, color, visible}) =>
         [name, isovalue, color, visible]));
       if (contours !== this.contours) {
@@ -202,24 +202,24 @@ class SlicesPanel {
   }
 
   /**
-   * Says what of a slice is not as it looks.
+   * Reports where a slice differs from the scan.
    * @param {import('./slice_pixels.js').Slice} slice
    */
   tell({contours, skew_deg = 0}) {
     const left = contours.filter(({left_out}) => left_out).map(({surface}) => surface);
     this.message.say(left.length > 0
-      ? `Too many lines to draw here: ${left.join(', ')} is left out.` : '');
+      ? `Too many lines in this slice: contours of ${left.join(', ')} are incomplete.` : '');
     const gaps = this.volume?.gaps ?? 0;
     this.notes.textContent = [
       gaps > 0 ? `Slices are missing in ${gaps} ${gaps === 1 ? 'place' : 'places'}: rows beside ` +
-        'them stand wider.' : '',
+        'a gap are taller.' : '',
       skew_deg !== 0 ? `The gantry was tilted by ${Math.abs(skew_deg).toFixed(1)}°; slices ` +
-        'across it are drawn square.' : '',
+        'across the tilt are drawn without shear.' : '',
     ].filter(Boolean).join(' ');
   }
 
   /**
-   * Asks for slices again where what they show may have changed.
+   * Requests the slices that may have changed.
    * @param {(pane: Pane) => boolean} [which]  All, if not given.
    */
   refresh(which = () => true) {
@@ -279,7 +279,7 @@ class SlicesPanel {
     if (modes.current?.value) {
       modes.current.value(value);
     } else if (selection.name === '') {
-      this.message.fail('There is no surface yet whose isovalue could be set: add one first.');
+      this.message.fail('There is no surface to adjust. Add a surface first.');
     } else if (this.volume) {
       connection.mark();
       void connection.set(isoCommand(selection.name, roundIso(value, this.volume)));
@@ -303,7 +303,7 @@ class SlicesPanel {
   }
 
   /**
-   * A drag of the window: across widens it, down lowers the level (darkens), as on workstations.
+   * Changes the window by a drag, as on workstations: across widens, down darkens.
    * @param {number} across
    * @param {number} down
    */

@@ -1,4 +1,4 @@
-// What a click on the picture means just now: nothing special, or what a panel asked for.
+// The current mode of a click on the picture, which a panel can set.
 
 /**
  * @typedef {object} Mode
@@ -6,11 +6,11 @@
  * @property {string} hint                One line, shown over the picture while the mode lasts.
  * @property {(x: number, y: number) => void} click  Pixel of the picture (`state.size`).
  * @property {(value: number) => void} [value]  A click on a slice, where the volume has `value`.
- * @property {string} [surface]          That it sets something of; the mode ends with it.
- * @property {() => void} [leave]         Called when the mode ends, however it ends.
+ * @property {string} [surface]          The surface that the mode changes.
+ * @property {() => void} [leave]         Called whenever the mode ends.
  */
 
-/** At most one mode at a time; dragging and zooming work in all of them. */
+/** At most one mode is active. Dragging and zooming work in all modes. */
 export class Modes {
   constructor() {
     /** @type {Mode | null} */
@@ -20,7 +20,7 @@ export class Modes {
   }
 
   /**
-   * Ends the mode before, if there is one, and begins this.
+   * Ends the current mode, if any, and starts a new mode.
    * @param {Mode} mode
    */
   enter(mode) {
@@ -30,8 +30,8 @@ export class Modes {
   }
 
   /**
-   * Back to no mode.
-   * @param {string} [name]  Only if it is this one.
+   * Leaves the current mode.
+   * @param {string} [name]  Leave only this mode.
    */
   leave(name) {
     if (this.current && (name === undefined || this.current.name === name)) {

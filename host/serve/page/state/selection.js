@@ -1,8 +1,8 @@
-// Which surface the histogram's keys, the tissue mode and the details are about.
+// The chosen surface, which the histogram's keys, the tissue mode and the details refer to.
 
 export class Selection {
   constructor() {
-    /** '' if there is no surface. */
+    /** Name of the surface, '' if none exists. */
     this.name = '';
     /** @private @type {Set<(name: string) => void>} */
     this.watchers_ = new Set();
@@ -25,7 +25,7 @@ export class Selection {
   }
 
   /**
-   * Keeps to surfaces that there are.
+   * Chooses the last surface if the chosen surface no longer exists.
    * @param {import('../link/types.js').SurfaceState[]} surfaces
    */
   keepTo(surfaces) {

@@ -1,11 +1,11 @@
-// The last state that the server told, and who wants to know which part of it.
+// The newest state of the server, and the subscribers to its keys.
 
 /** @typedef {import('../link/types.js').State} State */
 /** @typedef {keyof State} Key */
 
 /**
  * Calls each subscriber once per state in which one of its keys has changed. Values are compared
- * as JSON: a state is a few kilobytes, and then nobody need promise to keep objects alike.
+ * as JSON, because the server sends new objects each time. A state has a few kilobytes.
  */
 export class Store {
   constructor() {
@@ -18,7 +18,7 @@ export class Store {
   }
 
   /**
-   * Calls `act` now, if there is a state, and whenever one of `keys` has changed.
+   * Calls `act` now, if a state exists, and whenever one of `keys` has changed.
    * @param {Key[]} keys
    * @param {(state: State) => void} act
    * @returns {() => void} ends the subscription

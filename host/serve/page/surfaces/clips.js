@@ -1,4 +1,4 @@
-// Clip planes: one of each of the patient's sides, and a box.
+// Clip planes: one for each side of the patient, and a box.
 import {h} from '../elements/dom.js';
 import {plain} from '../link/lines.js';
 import {SIDES} from '../picture/projection.js';
@@ -19,20 +19,20 @@ const AXIS = new Map([['L', 0], ['R', 0], ['A', 1], ['P', 1], ['S', 2], ['I', 2]
 export function createClips(root, app) {
   const list = h('div', {id: 'clips', 'data-testid': 'clip-list'});
   const buttons = SIDES.map(({letter, view}) => h('button', {'data-testid': `clip-add-${letter}`,
-    title: `Keep only the ${view} half; then move the plane`, 'aria-label': `Keep ${view}`,
+    title: `Keep only the ${view} half, then move the plane`, 'aria-label': `Keep the ${view} side`,
     onclick: () => {
       app.connection.mark();
       void app.connection.do(`clip ${letter}`);
     }}, letter));
   const box = h('button', {'data-testid': 'clip-add-box',
-    title: 'Keep the inner half of the volume', onclick: () => clipBox(app)}, 'Box');
+    title: 'Keep a box in the middle of the volume', onclick: () => clipBox(app)}, 'Box');
   root.append(h('p', {class: 'muted'}, 'Keep only this side of the patient:'),
     h('div', {class: 'chips', role: 'group', 'aria-label': 'Add a clip plane'}, ...buttons, box),
     list);
   /** @type {Map<string, PlaneRow>} */
   const rows = new Map();
   app.store.subscribe(['clips', 'volume'], state => {
-    // Six planes in a row with the same words are a box.
+    // The six planes of a box have the same words.
     const words = [...new Set(state.clips.map(each => each.words))];
     const kinds = words.map(each => each.split(' ')[0]);
     for (const [kind, row] of rows) {
@@ -66,7 +66,7 @@ function clipBox({connection, store}) {
   }
 }
 
-/** A plane with its place in millimetres, or the box with its corners in voxels. */
+/** A plane with its position in millimeters, or the box with its corners in voxels. */
 class PlaneRow {
   /**
    * @param {App} app
@@ -82,7 +82,7 @@ class PlaneRow {
       'aria-label': `Remove the clip plane ${kind}`, 'data-testid': `clip-off-${kind}`}, '×');
     /** @private */
     this.place_ = h('input', {type: 'range', step: 0.5, 'data-testid': `clip-place-${kind}`,
-      'aria-label': `Place of the plane that keeps ${SIDE_NAMES.get(kind)}`,
+      'aria-label': `Position of the plane that keeps the ${SIDE_NAMES.get(kind)} side`,
       onpointerdown: () => app.connection.mark(),
       oninput: () => void app.connection.set({name: 'clip',
         words: [kind, this.place_.value]})});
@@ -90,7 +90,7 @@ class PlaneRow {
     this.text_ = h('span', {class: 'number amount'});
     /** @private */
     this.corners_ = h('input', {type: 'text', class: 'grow mono', 'data-testid': 'clip-corners',
-      'aria-label': 'First and last voxel of the box, I,J,K each',
+      'aria-label': 'First and last voxel of the box, each as I,J,K',
       onchange: () => void app.connection.do(`clip box ${this.corners_.value}`)});
     const flip = h('button', {class: 'quiet icon', 'data-testid': `clip-flip-${kind}`,
       title: 'Keep the other side', 'aria-label': `Flip the clip plane ${kind}`,
@@ -101,7 +101,7 @@ class PlaneRow {
         this.text_, flip, remove);
   }
 
-  /** @param {string} words  As in the state. */
+  /** @param {string} words  `words` of the state. */
   show(words) {
     if (this.kind_ === 'box') {
       show(this.corners_, words.replace(/^box /, ''));
@@ -110,9 +110,9 @@ class PlaneRow {
     const volume = this.app_.store.state?.volume;
     const axis = AXIS.get(this.kind_);
     if (volume && axis !== undefined) {
-      const centre = volume.centre_mm[axis];
-      this.place_.min = plain(centre - volume.radius_mm, 0);
-      this.place_.max = plain(centre + volume.radius_mm, 0);
+      const center = volume.centre_mm[axis];
+      this.place_.min = plain(center - volume.radius_mm, 0);
+      this.place_.max = plain(center + volume.radius_mm, 0);
     }
     const at = words.split(' ')[1] ?? '0';
     show(this.place_, at);

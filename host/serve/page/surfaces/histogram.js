@@ -1,4 +1,4 @@
-// The volume's histogram; every surface is a handle that is dragged along it.
+// The histogram of the volume. Each surface is a handle that the user drags.
 import {h, s, update} from '../elements/dom.js';
 import {isoCommand, plain, roundIso} from '../link/lines.js';
 
@@ -13,10 +13,10 @@ const TOP = 2.6;           // Room for the handles' grips, in two rows.
 const BOTTOM = 1.6;        // Room for the axis.
 const SIDE = 1.4;           // Room for half a number of the axis.
 const GRIP = 0.85;
-const REACH = 0.95;        // How far beside a handle's line a pointer takes hold of it.
-const FINE = 0.1;          // Of the pointer's way, with shift.
-const COARSE = 10;         // Steps of an arrow key with shift.
-const KEY_STEPS = 500;     // Arrow keys cross the range in so many steps.
+const REACH = 0.95;        // Distance from a handle's line at which a pointer grabs the handle.
+const FINE = 0.1;          // Fraction of the pointer's motion, with Shift.
+const COARSE = 10;         // Steps per arrow key with Shift.
+const KEY_STEPS = 500;     // Arrow keys cross the range in this many steps.
 
 /** @typedef {{first: number, width: number, counts: number[]}} Counts */
 
@@ -33,7 +33,7 @@ export class Histogram {
     this.selection_ = selection;
     /** @private @type {Counts | null} */
     this.counts_ = null;
-    /** @private Whether the counts are the volume's, and not only the axis. */
+    /** @private Whether the counts are known, and not only the axis. */
     this.isCounted_ = false;
     /** @private @type {Map<string, number>} isovalues being dragged, ahead of the state */
     this.ahead_ = new Map();
@@ -54,14 +54,14 @@ export class Histogram {
       role: 'group', 'aria-label': 'Histogram of the volume, with a handle for each surface'},
       this.area_, this.axis_, this.handleGroup_);
     /** @private */
-    this.message_ = h('p', {class: 'muted'}, 'Open a volume to see its values.');
+    this.message_ = h('p', {class: 'muted'}, 'Open a volume to see its histogram.');
     root.append(this.svg_, this.message_);
     new ResizeObserver(() => this.draw_()).observe(root);
     app.store.subscribe(['volume'], ({volume}) => void this.load_(volume));
     app.store.subscribe(['surfaces', 'volume'], () => this.drawHandles_());
     selection.watch(() => this.drawHandles_());
     app.connection.on('hello', () => {
-      // The connection may have been lost before the counts came.
+      // The connection may have been lost before the counts arrived.
       const volume = app.store.state?.volume ?? null;
       if (volume && !this.isCounted_) {
         void this.load_(volume);
@@ -80,15 +80,15 @@ export class Histogram {
       return;
     }
     const reply = this.app_.connection.watches
-      ? {ok: false, error: 'this address only watches, and counting would hold up who works.'}
+      ? {ok: false, error: 'a view-only page cannot request it.'}
       : await this.app_.connection.do('histogram', {quiet: true});
     if (JSON.stringify(volume) !== JSON.stringify(this.app_.store.state?.volume)) {
-      return;  // Another one was opened meanwhile, and asks for itself.
+      return;  // Another volume was opened in the meantime and requests its own counts.
     }
     this.isCounted_ = reply.ok;
     this.message_.textContent = reply.ok ? '' : `No histogram: ${reply.error}`;
-    // The handles have their place on the axis without counts, too; a volume of one value or none
-    // has an axis of length 1.
+    // The handles need an axis even without counts. A volume with a single value gets an axis of
+    // length 1.
     const hasCounts = reply.ok && reply.result.counts.length > 0 && reply.result.width > 0;
     this.counts_ = hasCounts ? reply.result
       : {first: volume.minimum, width: volume.maximum - volume.minimum || 1, counts: [0]};
@@ -160,7 +160,7 @@ export class Histogram {
     update(line, {y1: top + size, y2: base, stroke: surface.color});
     update(grip, {x: -size / 2, y: top, width: size, height: size, fill: surface.color});
     update(reach, {x: -far, width: 2 * far, height: base});
-    // An arrow at the axis, towards where the value would be.
+    // An arrow at the axis that points towards a value out of range.
     const way = value < low ? -1 : value > high ? 1 : 0;
     const foot = base - size / 2;
     update(beyond, {visibility: way === 0 ? 'hidden' : 'visible',
@@ -169,7 +169,7 @@ export class Histogram {
     const isLeft = x < this.svg_.clientWidth / 2;
     update(label, {x: isLeft ? size : -size, y: top + size - 1,
       'text-anchor': isLeft ? 'start' : 'end'});
-    // On top; but one that is moved loses the focus, and Tab would never get past it.
+    // The chosen handle is on top. Moving a focused handle would drop the focus and block Tab.
     if (isChosen && handle !== document.activeElement && handle !== this.handleGroup_.lastChild) {
       this.handleGroup_.append(handle);
     }
@@ -185,7 +185,7 @@ export class Histogram {
       s('line'), s('rect', {rx: 3}),
       s('text', {class: 'handle-text'}),
       s('rect', {class: 'reach'}),
-      s('title', {}, `${name}: drag (finely with shift), or use the arrow keys`),
+      s('title', {}, `${name}: drag (slower with Shift), or use the arrow keys`),
       s('path', {class: 'beyond', 'data-testid': `handle-beyond-${name}`}));
     handle.addEventListener('focus', () => this.selection_.choose(name));
     handle.addEventListener('keydown', event => this.key_(event, name));
@@ -236,7 +236,7 @@ export class Histogram {
   }
 
   /**
-   * Sets a surface's isovalue, newest only; the handle goes ahead of the answer.
+   * Sets the isovalue of a surface, newest only. The handle moves before the reply arrives.
    * @param {string} name
    * @param {number} wished
    */

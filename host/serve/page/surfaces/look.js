@@ -1,4 +1,4 @@
-// How surfaces look: lights as dots on a ball, material, background, tint of gaps.
+// Light and material: lights as dots on a ball, material, background, tint of gaps.
 import {h, s, update} from '../elements/dom.js';
 import {plain} from '../link/lines.js';
 import {show} from './surface_card.js';
@@ -13,7 +13,7 @@ const NEW_LIGHT = '0 45 intensity=0.4';
 const DEGREE = Math.PI / 180;
 
 /**
- * Where a light's dot is on the ball, right and down; lights from behind lie outside of it.
+ * The position of a light's dot on the ball, right and down. Lights from behind lie outside.
  * @param {LightState} light
  */
 function dotOf({azimuth_deg, elevation_deg}) {
@@ -23,7 +23,7 @@ function dotOf({azimuth_deg, elevation_deg}) {
 }
 
 /**
- * The angles of a place on the ball's front; outside, of the rim there.
+ * The angles of a point on the front of the ball. Points outside are moved to the rim.
  * @param {number} right  1 at the rim.
  * @param {number} up
  */
@@ -49,11 +49,11 @@ class LightBall {
     this.dots_ = s('g');
     /** @private */
     this.svg_ = s('svg', {id: 'light-ball', viewBox: '-44 -44 88 88', role: 'group',
-      'data-testid': 'light-ball', 'aria-label': 'Lights as seen from where you look'},
+      'data-testid': 'light-ball', 'aria-label': 'Directions of the lights, seen from the viewer'},
       s('circle', {r: BALL, class: 'ball'}), this.dots_);
     /** @private */
     this.intensity_ = h('input', {type: 'range', min: 0, max: 2, step: 0.02,
-      'aria-label': 'Intensity of the light', 'data-testid': 'light-intensity',
+      'aria-label': 'Light intensity', 'data-testid': 'light-intensity',
       oninput: () => this.send_(this.lights_()[this.chosen_])});
     /** @private */
     this.add_ = h('button', {class: 'quiet', 'data-testid': 'add-light',
@@ -62,7 +62,7 @@ class LightBall {
     this.remove_ = h('button', {class: 'quiet', 'data-testid': 'remove-light',
       onclick: () => void app.connection.do(`light ${this.chosen_ + 1} off`)}, 'Remove');
     root.append(h('div', {class: 'row'}, this.svg_,
-      h('div', {class: 'grow'}, h('p', {class: 'muted'}, 'Drag a dot to move its light.'),
+      h('div', {class: 'grow'}, h('p', {class: 'muted'}, 'Drag a dot to move a light.'),
         h('label', {}, 'Intensity', this.intensity_),
         h('div', {class: 'row'}, this.add_, this.remove_))));
     app.store.subscribe(['lights'], () => this.draw_());
@@ -170,9 +170,9 @@ export function createLook(root, app) {
  */
 function createMaterial(root, app) {
   const rows = /** @type {const} */ ([
-    ['ambient', 'Ambient', 0, 1, 0.01, 'Light from everywhere'],
-    ['specular', 'Gloss', 0, 1, 0.01, 'How much of the lights is mirrored'],
-    ['power', 'Sharpness', 1, 128, 1, 'How small the highlights are'],
+    ['ambient', 'Ambient', 0, 1, 0.01, 'Brightness without direct light'],
+    ['specular', 'Gloss', 0, 1, 0.01, 'Strength of the highlights'],
+    ['power', 'Sharpness', 1, 128, 1, 'Larger values give smaller highlights'],
   ]).map(([key, label, min, max, step, title]) => {
     const input = h('input', {type: 'range', min, max, step, 'data-testid': `material-${key}`,
       oninput: () => void app.connection.set({name: 'material',
@@ -180,19 +180,19 @@ function createMaterial(root, app) {
     root.append(h('label', {class: 'row', title}, h('span', {class: 'field'}, label), input));
     return {key, input};
   });
-  const colour = h('input', {type: 'color', 'data-testid': 'background',
-    oninput: () => void app.connection.set({name: 'background', words: [colour.value]})});
+  const color = h('input', {type: 'color', 'data-testid': 'background',
+    oninput: () => void app.connection.set({name: 'background', words: [color.value]})});
   const gaps = h('input', {type: 'checkbox', 'data-testid': 'tint-gaps',
     onchange: () => void app.connection.set({name: 'tint',
       words: [gaps.checked ? 'gaps' : 'off']})});
   const gapLabel = h('label', {class: 'row'}, gaps, 'Tint where slices are missing');
-  root.append(h('label', {class: 'row'}, h('span', {class: 'field'}, 'Background'), colour),
+  root.append(h('label', {class: 'row'}, h('span', {class: 'field'}, 'Background'), color),
     gapLabel);
   app.store.subscribe(['material', 'background', 'tint_gaps', 'volume'], state => {
     for (const {key, input} of rows) {
       show(input, String(state.material[key]));
     }
-    show(colour, state.background);
+    show(color, state.background);
     gaps.checked = state.tint_gaps;
     gapLabel.hidden = (state.volume?.gaps ?? 0) === 0;
   });

@@ -1,4 +1,4 @@
-// One surface in the list: a row that is always there, and details of the one that is chosen.
+// One surface in the list: a row, and details if the surface is chosen.
 import {h} from '../elements/dom.js';
 import {isoCommand, plain, word} from '../link/lines.js';
 
@@ -6,21 +6,21 @@ import {isoCommand, plain, word} from '../link/lines.js';
 /** @typedef {import('../link/types.js').SurfaceState} SurfaceState */
 /** @typedef {import('../state/selection.js').Selection} Selection */
 
-const TABLE_NAMES = new Map([['watertight', 'watertight'], ['lorensen1987', 'as of 1987']]);
+const TABLE_NAMES = new Map([['watertight', 'watertight'], ['lorensen1987', 'tables of 1987']]);
 const LEAST_ML = [0.1, 1, 10, 100];
 
 /**
- * A number with thin spaces between thousands.
+ * A number with commas between thousands.
  * @param {number} value
  * @param {number} digits
  */
 export function grouped(value, digits = 0) {
   return value.toLocaleString('en', {minimumFractionDigits: digits,
-    maximumFractionDigits: digits}).replaceAll(',', '\u202f');
+    maximumFractionDigits: digits});
 }
 
 /**
- * Shows a value unless a person is just changing it.
+ * Shows a value unless the user is editing the field.
  * @param {HTMLInputElement | HTMLSelectElement} input
  * @param {string} value
  */
@@ -31,7 +31,7 @@ export function show(input, value) {
 }
 
 /**
- * Where an isovalue is that no voxel can have, as words after "value"; '' if it may be there.
+ * The range that an isovalue lies outside of, as words; '' if it lies inside.
  * @param {number} isovalue
  * @param {import('../link/types.js').VolumeState | null | undefined} volume
  */
@@ -40,7 +40,7 @@ function outside(isovalue, volume) {
     return '';
   }
   const side = isovalue < volume.minimum ? 'below' : 'above';
-  return `: it is ${side} all of the volume's, ${plain(volume.minimum, 3)} to `
+  return `: it is ${side} the range of the volume, ${plain(volume.minimum, 3)} to `
     + `${plain(volume.maximum, 3)} ${volume.unit}`.trimEnd();
 }
 
@@ -60,8 +60,8 @@ export class SurfaceCard {
     };
     const id = `surface-${name}`;
     /** @private */
-    this.colour_ = h('input', {type: 'color', 'aria-label': `Colour of ${name}`,
-      'data-testid': `surface-color-${name}`, oninput: () => set({color: this.colour_.value})});
+    this.color_ = h('input', {type: 'color', 'aria-label': `Color of ${name}`,
+      'data-testid': `surface-color-${name}`, oninput: () => set({color: this.color_.value})});
     /** @private */
     this.visible_ = h('input', {type: 'checkbox', 'aria-label': `Show ${name}`,
       'data-testid': `surface-visible-${name}`,
@@ -91,16 +91,16 @@ export class SurfaceCard {
       'data-testid': `surface-facts-${name}`});
     /** @private */
     this.legend_ = h('p', {class: 'legend', hidden: true, 'data-testid': `surface-legend-${name}`});
-    /** @private In how many cells the tables differ, as far as this page asked. */
+    /** @private Number of cells where the tables differ. */
     this.difference_ = h('span', {'data-testid': `surface-difference-${name}`});
     /** @private */
     this.certificate_ = h('div', {class: 'certificate',
       'data-testid': `surface-certificate-${name}`});
-    /** @private The isovalue and table that the certificate is of. */
+    /** @private The isovalue and table of the certificate. */
     this.certified_ = '';
     /** @private */
     this.compare_ = h('button', {'aria-pressed': false, 'data-testid': `surface-compare-${name}`,
-      title: 'Draws only the cells where the watertight tables and those of 1987 differ',
+      title: 'Shows only the cells where the watertight tables and the tables of 1987 differ',
       onclick: () => void this.compareClicked_()}, 'Compare with 1987');
     /** @private */
     this.more_ = h('div', {class: 'more', id: `${id}-more`},
@@ -112,7 +112,7 @@ export class SurfaceCard {
         h('button', {class: 'quiet', 'data-testid': `surface-remove-${name}`,
           onclick: () => void app.connection.do(`remove ${word(name)}`)}, 'Remove')));
     this.root = h('li', {class: 'surface', 'data-testid': id},
-      h('div', {class: 'row'}, this.visible_, this.colour_, this.title_, this.iso_), this.more_);
+      h('div', {class: 'row'}, this.visible_, this.color_, this.title_, this.iso_), this.more_);
     selection.watch(chosen => {
       this.more_.hidden = chosen !== name;
       this.root.classList.toggle('chosen', chosen === name);
@@ -122,7 +122,7 @@ export class SurfaceCard {
 
   /** @param {SurfaceState} surface */
   show(surface) {
-    show(this.colour_, surface.color);
+    show(this.color_, surface.color);
     this.visible_.checked = surface.visible;
     show(this.iso_, plain(surface.isovalue, 6));
     show(this.opacity_, String(surface.opacity));
@@ -131,8 +131,8 @@ export class SurfaceCard {
     this.facts_.textContent = surface.triangles === 0
       ? `No surface at this value${outside(surface.isovalue, this.app_.store.state?.volume)}.`
       : `${grouped(surface.triangles)} triangles, ${grouped(surface.area_mm2 / 100, 1)} cm², `
-        + `${grouped(surface.volume_ml, 1)} ml${isFiltered ? ' of all parts' : ''}; `
-        + `found in ${grouped(surface.extraction_ms, 0)} ms`;
+        + `${grouped(surface.volume_ml, 1)} ml${isFiltered ? ' (all parts)' : ''}, `
+        + `extracted in ${grouped(surface.extraction_ms, 0)} ms`;
     const table = surface.table === 'watertight' ? '' : `, table ${surface.table}`;
     this.title_.title = `${surface.name}${table}`;
     this.parts_.title = surface.components;
@@ -149,14 +149,14 @@ export class SurfaceCard {
   }
 
   /**
-   * Which colour is which table's, while only their differences are drawn.
+   * Explains the colors of the tables during a comparison.
    * @private
    * @param {SurfaceState[]} compared
    */
   showLegend_(compared) {
     this.legend_.hidden = compared.length === 0;
-    this.legend_.replaceChildren(this.difference_, `Only these are drawn; ${this.name_} itself is `
-      + 'hidden until you end the comparison:', ...compared.map(each => {
+    this.legend_.replaceChildren(this.difference_, `Only these cells are shown. ${this.name_} is `
+      + 'hidden until you end the comparison.', ...compared.map(each => {
       const swatch = h('span', {class: 'swatch'});
       swatch.style.background = each.color;
       return h('span', {}, swatch, TABLE_NAMES.get(each.table) ?? each.table);
@@ -175,11 +175,11 @@ export class SurfaceCard {
   /** @private */
   makeParts_() {
     const select = h('select', {class: 'grow', 'data-testid': `surface-components-${this.name_}`,
-      'aria-label': `Which parts of ${this.name_} are drawn`},
+      'aria-label': `Parts of ${this.name_} to draw`},
       h('option', {value: 'show=all'}, 'all'),
-      h('option', {value: 'show=largest'}, 'the largest only'),
+      h('option', {value: 'show=largest'}, 'largest only'),
       ...LEAST_ML.map(ml => h('option', {value: `min_ml=${ml}`}, `at least ${ml} ml`)),
-      h('option', {value: 'at'}, 'the one I click on'),
+      h('option', {value: 'at'}, 'click to choose …'),
       h('option', {value: 'other', hidden: true}, ''));
     select.addEventListener('change', () => {
       if (select.value === 'at') {
@@ -196,7 +196,7 @@ export class SurfaceCard {
   askForPart_() {
     const {connection, modes} = this.app_;
     modes.enter({name: 'part', surface: this.name_,
-      hint: `Click on the part of ${this.name_} that shall stay.`,
+      hint: `Click the part of ${this.name_} to keep.`,
       click: (x, y) => {
         modes.leave('part');
         void connection.do(`components ${word(this.name_)} at=${x},${y}`);
@@ -222,8 +222,8 @@ export class SurfaceCard {
   offerCertificate_() {
     this.certificate_.replaceChildren(h('button', {
       'data-testid': `surface-certify-${this.name_}`,
-      title: 'Is the surface closed, does each edge join two triangles, do all face outwards?',
-      onclick: () => void this.certify_()}, 'Check the mesh'));
+      title: 'Checks whether the mesh is closed, manifold and consistently oriented',
+      onclick: () => void this.certify_()}, 'Check mesh'));
   }
 
   /** @private */
@@ -252,7 +252,7 @@ export class SurfaceCard {
     const isOn = this.compare_.getAttribute('aria-pressed') === 'true';
     const reply = await this.app_.connection.do(
       `compare ${word(this.name_)}${isOn ? ' off' : ''}`);
-    // Cells and cases; what follows are holes and how to end it, which the card shows itself.
+    // The rest of the reply repeats what the card shows.
     const counted = reply.result?.cells_differing;
     this.difference_.textContent = counted === undefined ? ''
       : `The tables differ in ${grouped(counted)} of ${grouped(reply.result.cells)} cells.`;

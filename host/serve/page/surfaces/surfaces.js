@@ -1,4 +1,4 @@
-// The list of surfaces, tissues to add, and the mode that takes a threshold from the picture.
+// The list of surfaces, tissues to add, and the mode that picks a tissue.
 import {byId, h} from '../elements/dom.js';
 import {isoCommand, plain, roundIso, toLine, word} from '../link/lines.js';
 import {SurfaceCard} from './surface_card.js';
@@ -8,7 +8,7 @@ import {SurfaceCard} from './surface_card.js';
 /** @typedef {import('../state/selection.js').Selection} Selection */
 /** @typedef {{name: string, isovalue: number, help: string}} Tissue */
 
-const MOST = 16;  // Surfaces of a scene.
+const MOST = 16;  // Surfaces per scene.
 const ANNOUNCE_MS = 800;
 
 /**
@@ -21,9 +21,10 @@ export function createSurfaces(root, app, selection) {
   const cards = new Map();
   const announce = announcer();
   const list = h('ul', {id: 'surfaces', 'data-testid': 'surfaces'});
-  const empty = h('p', {class: 'muted'}, 'No surface yet: add one, or choose a tissue above.');
+  const empty = h('p', {class: 'muted'}, 'No surfaces. Add a surface, or choose a tissue above.');
   const add = h('button', {class: 'quiet', 'data-testid': 'surface-add',
-    title: 'Adds a surface at the middle of the values', onclick: () => addSurface(app, selection)},
+    title: 'Add a surface at the middle of the value range',
+    onclick: () => addSurface(app, selection)},
     '+ Add');
   root.append(h('h2', {class: 'spread'}, h('span', {}, 'Surfaces'), add), list, empty);
   app.store.subscribe(['surfaces', 'volume'], state => {
@@ -50,7 +51,7 @@ export function createSurfaces(root, app, selection) {
   });
 }
 
-/** Says which surface has changed, once it rests, for those who hear the page. */
+/** Announces a changed isovalue at rest, for screen readers. */
 function announcer() {
   /** @type {Map<string, number>} */
   const told = new Map();
@@ -100,12 +101,12 @@ async function addSurface(app, selection) {
 export function createTissues(root, app, selection) {
   const chips = h('div', {class: 'chips', role: 'group', 'aria-label': 'Tissues'});
   const pick = h('button', {'data-testid': 'tissue-mode', 'aria-pressed': false,
-    onclick: () => toggleTissueMode(app, selection)}, 'Click on tissue');
+    onclick: () => toggleTissueMode(app, selection)}, 'Pick tissue');
   root.append(chips, h('div', {class: 'row drives'}, pick));
   app.modes.watch(mode => pick.setAttribute('aria-pressed', String(mode?.name === 'tissue')));
   selection.watch(name => {
     pick.disabled = name === '';
-    pick.title = `The value that you click on becomes the isovalue of ${name || 'a surface'}`;
+    pick.title = `Click tissue to set the isovalue of ${name || 'a surface'}`;
   });
   /** @type {Tissue[]} */
   let tissues = [];
@@ -129,7 +130,7 @@ export function createTissues(root, app, selection) {
 }
 
 /**
- * Whether the values are Hounsfield units, or may be: files that do not tell what made them, with
+ * Whether the values are or may be Hounsfield units: CT, or a file without a modality and with
  * values from well below water to well above.
  * @param {import('../link/types.js').VolumeState} volume
  */
@@ -138,7 +139,7 @@ function mayBeHounsfield({modality, minimum, maximum}) {
 }
 
 /**
- * The surface of that name at the tissue's threshold, new if there is none.
+ * Sets the surface of that name to the tissue's threshold, and adds it if it is missing.
  * @param {App} app
  * @param {Selection} selection
  * @param {string} tissue
@@ -163,7 +164,7 @@ function toggleTissueMode({connection, modes, store}, selection) {
   const name = selection.name;
   modes.enter({
     name: 'tissue', surface: name,
-    hint: `Click on tissue, here or in a slice: its value becomes the isovalue of ${name}.`,
+    hint: `Click tissue, here or in a slice, to set the isovalue of ${name}.`,
     click: (x, y) => {
       connection.mark();
       void connection.do(`pick ${x} ${y} set=${word(name)}`);

@@ -1,4 +1,4 @@
-// Opening another volume: a path on the server's computer, files dropped here, built-in ones.
+// Opens a volume: a path on the server's computer, dropped files, or a built-in volume.
 import {h} from '../elements/dom.js';
 import {word} from '../link/lines.js';
 import {loadVolume, openFiles} from './upload.js';
@@ -6,10 +6,10 @@ import {loadVolume, openFiles} from './upload.js';
 /** @typedef {import('../panel/app.js').App} App */
 
 const PHANTOMS = [
-  {name: 'pelvis', about: 'CT: skin and bone, as in the paper'},
+  {name: 'pelvis', about: 'CT of skin and bone, as in the paper'},
   {name: 'head', about: 'CT of a head with fine structures'},
   {name: 'fetus', about: 'Ultrasound, noisy'},
-  {name: 'letters', about: 'Tells left from right in every view'},
+  {name: 'letters', about: 'Shows left and right in every view'},
   {name: 'torus', about: 'Known area and volume'},
   {name: 'sphere', about: 'Known area and volume'},
 ];
@@ -22,10 +22,10 @@ export function createOpenDialog(app) {
   const path = h('input', {type: 'text', class: 'grow', id: 'open-path', autocomplete: 'off',
     spellcheck: 'false', 'data-testid': 'open-path'});
   const options = createOptions();
-  const dialog = h('dialog', {id: 'open', 'aria-labelledby': 'open-title', 'data-testid': 'open'});
+  const dialog = h('dialog', {id: 'open', 'aria-labeledby': 'open-title', 'data-testid': 'open'});
   const wrong = h('p', {class: 'wrong', role: 'alert', hidden: true, 'data-testid': 'open-error'});
   let isLoading = false;
-  /** @param {string} words  Of `load`. */
+  /** @param {string} words  Arguments of `load`. */
   const load = async words => {
     if (isLoading) {
       return;
@@ -45,7 +45,7 @@ export function createOpenDialog(app) {
     }
     options.hint(reply.error ?? '');
   };
-  // Long work shows itself over the picture, where it can be given up.
+  // The progress of a long load appears over the picture, with a Cancel button.
   app.connection.on('progress', progress => {
     if (progress && isLoading) {
       dialog.close();
@@ -62,7 +62,7 @@ export function createOpenDialog(app) {
         void load(word(path.value.trim()) + options.words());
       }
     }},
-      h('label', {for: 'open-path'}, 'File or DICOM folder on the computer where pxpl5 runs'),
+      h('label', {for: 'open-path'}, 'File or DICOM folder on the computer that runs pxpl5'),
       h('div', {class: 'row'}, path,
         h('button', {class: 'primary', 'data-testid': 'open-go'}, 'Open')),
       wrong, options.root),
@@ -91,13 +91,13 @@ export function createOpenDialog(app) {
   };
 }
 
-/** How a volume is read, in words of `load`. */
+/** The options of `load`. */
 function createOptions() {
   const rows = /** @type {const} */ ([
-    ['crop', 'Crop', 'First and last voxel kept, as 10:90,0:127,5:40'],
-    ['resample', 'Resample', 'To so many voxels, as 128x128x64'],
-    ['smooth', 'Smooth', 'Standard deviation in millimetres, as 1.5'],
-    ['series', 'Series', 'Which one of a DICOM folder, as 2'],
+    ['crop', 'Crop', 'First and last voxel, e.g. 10:90,0:127,5:40'],
+    ['resample', 'Resample', 'Number of voxels, e.g. 128x128x64'],
+    ['smooth', 'Smooth', 'Standard deviation in mm, e.g. 1.5'],
+    ['series', 'Series', 'Series of a DICOM folder, e.g. 2'],
   ]).map(([key, label, title]) => {
     const input = h('input', {type: 'text', class: 'grow', id: `open-${key}`, title,
       autocomplete: 'off', 'data-testid': `open-${key}`});
@@ -107,7 +107,7 @@ function createOptions() {
   const root = h('details', {}, h('summary', {}, 'Options'), ...rows.map(({row}) => row));
   return {
     root,
-    /** Shows the option that a refusal asks for: `error` names it as series=N. */
+    /** Shows the option that an error names, for example series=N. */
     hint: (/** @type {string} */ error) => {
       const asked = rows.find(({key}) => error.includes(`${key}=`));
       root.open ||= asked !== undefined;
@@ -156,7 +156,7 @@ function watchDrops(app, dialog) {
     }
     event.preventDefault();
     dialog.close();
-    // Entries must be taken before the first await: the transfer is emptied then.
+    // The browser empties the transfer at the first await.
     const entries = [...event.dataTransfer.items].map(item => item.webkitGetAsEntry());
     const found = [];
     for (const entry of entries) {
@@ -167,7 +167,7 @@ function watchDrops(app, dialog) {
 }
 
 /**
- * All files of an entry, folders taken apart.
+ * All files of an entry, including the files in its folders.
  * @param {FileSystemEntry} entry
  * @returns {Promise<{file: File, name: string}[]>}
  */
@@ -180,7 +180,7 @@ async function filesIn(entry) {
   const reader = /** @type {FileSystemDirectoryEntry} */ (entry).createReader();
   const found = [];
   for (;;) {
-    // A reader gives some at a time, and nothing at the end.
+    // A reader returns some entries at a time and none at the end.
     const some = await new Promise((take, fail) => reader.readEntries(take, fail));
     if (some.length === 0) {
       return found;

@@ -1,4 +1,4 @@
-// What leaves the page: mesh, picture, session; and a session that comes back.
+// Saves a mesh, a picture or the session, and reopens a session.
 import {h} from '../elements/dom.js';
 import {word} from '../link/lines.js';
 import {address, openFiles, SESSION_ENDING} from './upload.js';
@@ -7,11 +7,11 @@ import {address, openFiles, SESSION_ENDING} from './upload.js';
 
 const MESHES = /** @type {const} */ ([['glb', 'glTF binary (.glb)'], ['stl', 'STL (.stl)'],
   ['ply', 'PLY (.ply)'], ['obj', 'Wavefront (.obj)'], ['vtp', 'VTK (.vtp)']]);
-const KEEPS = /** @type {const} */ ([['', 'all triangles'], ['0.5', 'half of them'],
-  ['0.25', 'a quarter'], ['0.1', 'a tenth']]);
+const KEEPS = /** @type {const} */ ([['', 'all triangles'], ['0.5', '50 %'],
+  ['0.25', '25 %'], ['0.1', '10 %']]);
 
 /**
- * Has the browser save what an address gives.
+ * Lets the browser save the file at an address.
  * @param {string} href
  * @param {string} name
  */
@@ -23,7 +23,7 @@ function saveAs(href, name) {
 }
 
 /**
- * Does a command that writes a file for download, and saves the file.
+ * Runs a command that writes a download, then saves the file.
  * @param {App} app
  * @param {string} line
  * @param {string} name
@@ -38,7 +38,7 @@ async function download(app, line, name) {
 }
 
 /**
- * The volume's name as a file can have it.
+ * The volume's name without characters that a file name cannot have.
  * @param {App} app
  */
 function baseName({store}) {
@@ -50,7 +50,7 @@ function baseName({store}) {
  * @returns {() => void} shows the dialog
  */
 export function createSaveDialog(app) {
-  const dialog = h('dialog', {id: 'save', 'aria-labelledby': 'save-title', 'data-testid': 'save'});
+  const dialog = h('dialog', {id: 'save', 'aria-labeledby': 'save-title', 'data-testid': 'save'});
   dialog.append(
     h('div', {class: 'row spread'}, h('h2', {id: 'save-title'}, 'Save'),
       h('button', {class: 'quiet icon', 'aria-label': 'Close',
@@ -89,7 +89,7 @@ function meshPart(app, dialog) {
     'save-axes');
   const keep = choice(KEEPS, 'Triangles kept', 'save-keep');
   return h('section', {}, h('h3', {}, 'Mesh'),
-    h('p', {class: 'muted'}, 'The visible surfaces, in millimetres of the patient.'),
+    h('p', {class: 'muted'}, 'The visible surfaces, in patient coordinates (mm).'),
     h('div', {class: 'row wrap'}, format, axes, keep, h('span', {class: 'grow'}),
       h('button', {class: 'primary', 'data-testid': 'export-go', onclick: () => {
         const name = `${baseName(app)}.${format.value}`;
@@ -131,8 +131,8 @@ function sessionPart(app, dialog) {
     input.value = '';
   });
   return h('section', {}, h('h3', {}, 'Session'),
-    h('p', {class: 'muted'}, 'A script of commands that repeats what was done, here or at the '
-      + 'prompt (pxpl5 run).'),
+    h('p', {class: 'muted'}, 'A script that repeats all commands of this session, here or with '
+      + 'pxpl5 run.'),
     h('div', {class: 'row'}, input, h('span', {class: 'grow'}),
       h('button', {'data-testid': 'reopen-session',
         onclick: () => input.click()}, 'Reopen a session …'),

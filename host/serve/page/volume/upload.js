@@ -1,4 +1,4 @@
-// Sends files to the server and has it open them.
+// Uploads files and opens them.
 import {byId, h} from '../elements/dom.js';
 import {word} from '../link/lines.js';
 
@@ -6,11 +6,11 @@ import {word} from '../link/lines.js';
 
 const MOST_FILES = 100000;          // The server's limits: host/serve/README.md.
 const MOST_BYTES = 4 * 2 ** 30;
-/** Of a session's script. */
+/** File name ending of a session. */
 export const SESSION_ENDING = '.pxpl5';
 
 /**
- * An address beside the page, with the token that the page was opened with.
+ * A URL relative to the page, with the token of the page.
  * @param {string} path
  * @param {Record<string, string>} query
  */
@@ -24,7 +24,7 @@ export function address(path, query) {
 /** @typedef {{file: File, name: string}} Named  The name may hold folders: "a/b.dcm". */
 
 /**
- * Sends files and opens them: a session is played, all else is loaded as one volume.
+ * Uploads files and opens them: replays a session, or loads all files as one volume.
  * @param {App} app
  * @param {Named[]} files
  */
@@ -37,10 +37,10 @@ export async function openFiles(app, files) {
 }
 
 /**
- * Opens a volume and looks at the whole of it: zoom and pan were the one before's.
+ * Opens a volume and resets the view, whose zoom and pan belong to the previous volume.
  * @param {App} app
- * @param {string} words  Of `load`.
- * @param {{quiet?: boolean}} [options]  quiet: the caller shows why it was refused.
+ * @param {string} words  Arguments of `load`.
+ * @param {{quiet?: boolean}} [options]  quiet: the caller shows the error.
  */
 export async function loadVolume({connection}, words, options = {}) {
   const reply = await connection.do(`load ${words}`, options);
@@ -53,7 +53,7 @@ export async function loadVolume({connection}, words, options = {}) {
 /**
  * @param {App} app
  * @param {Named[]} files
- * @returns {Promise<string | null>} where they are on the server; null if that failed, and was told
+ * @returns {Promise<string | null>} path on the server; null after an error, which is shown
  */
 async function upload(app, files) {
   const {hello, watches} = app.connection;
@@ -62,15 +62,16 @@ async function upload(app, files) {
   }
   const total = files.reduce((sum, {file}) => sum + file.size, 0);
   if (files.length > MOST_FILES || total > MOST_BYTES) {
-    app.toasts.error(`${files.length} files with ${total} bytes are too many: at most `
-      + `${MOST_FILES} files with ${MOST_BYTES} bytes can be sent. Give their path instead.`);
+    app.toasts.error(`Cannot upload ${files.length.toLocaleString('en')} files with `
+      + `${total.toLocaleString('en')} bytes: the limits are ${MOST_FILES.toLocaleString('en')} `
+      + `files and ${MOST_BYTES.toLocaleString('en')} bytes. Enter their path instead.`);
     return null;
   }
   const batch = crypto.getRandomValues(new Uint32Array(1))[0].toString(16);
   const stop = new AbortController();
-  const bar = h('progress', {max: total || 1, value: 0, 'aria-label': 'Sent'});
+  const bar = h('progress', {max: total || 1, value: 0, 'aria-label': 'Upload progress'});
   const box = h('div', {class: 'toast info', 'data-testid': 'uploading'},
-    h('p', {}, `Sending ${files.length === 1 ? files[0].name : `${files.length} files`} …`),
+    h('p', {}, `Uploading ${files.length === 1 ? files[0].name : `${files.length} files`} …`),
     bar, h('button', {onclick: () => stop.abort()}, 'Cancel'));
   byId('toasts').append(box);
   try {
@@ -83,7 +84,7 @@ async function upload(app, files) {
     return (await post(address('upload/done', {batch}), null, stop.signal)).path;
   } catch (error) {
     if (!stop.signal.aborted) {
-      app.toasts.error(`The files were not opened: ${/** @type {Error} */ (error).message}`);
+      app.toasts.error(`Upload failed: ${/** @type {Error} */ (error).message}`);
     }
     return null;
   } finally {

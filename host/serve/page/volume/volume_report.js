@@ -1,10 +1,10 @@
-// Panel: what is known of the volume, so that nobody has to guess what a picture is made from.
+// Panel: geometry, values, source and warnings of the volume.
 import {h} from '../elements/dom.js';
 import {intro, messageLine} from '../panel/panel_parts.js';
 
 /** @typedef {import('../link/types.js').VolumeState} VolumeState */
 
-/** Kinds of findings by which a picture may mislead: they are marked. */
+/** Kinds of findings that can make a picture misleading. They are marked. */
 const DOUBTFUL = new Set(['assumption', 'gantry tilt', 'missing slices', 'uneven slices',
   'duplicate slices', 'mixed orientations', 'thickness differs', 'reflection']);
 const NAMES = new Map([['CT', 'computed tomography'], ['MR', 'magnetic resonance'],
@@ -19,7 +19,7 @@ function short(value, digits) {
 }
 
 /**
- * Which way the voxel axes point in the patient: "right to left, ...".
+ * The directions of the voxel axes in the patient: "right to left, ...".
  * @param {VolumeState} volume
  */
 function directions(volume) {
@@ -46,14 +46,14 @@ function facts(volume) {
     ['Size', `${nx} × ${ny} × ${nz} voxels`],
     ['Spacing', `${volume.spacing_mm.map(each => short(each, 4)).join(' × ')} mm`],
     ['Extent', `${extent.join(' × ')} mm`],
-    ['Modality', volume.modality === '' ? 'not stated by the file'
+    ['Modality', volume.modality === '' ? 'not stated in the file'
       : volume.modality + (kind ? `, ${kind}` : '')],
     ['Values', `${short(volume.minimum, 6)} to ${short(volume.maximum, 6)} ${volume.unit}`.trim()],
-    ['Axes run', directions(volume).join('\n')],
+    ['Axes', directions(volume).join('\n')],
     ['Slices', volume.slice_places.length > 0 ? 'not evenly spaced' : 'evenly spaced'],
     ['Gaps', volume.gaps === 0 ? 'none'
-      : `${volume.gaps} ${volume.gaps === 1 ? 'place' : 'places'} where slices are missing`],
-    ['Read from', volume.source],
+      : `${volume.gaps} ${volume.gaps === 1 ? 'place' : 'places'} with missing slices`],
+    ['Source', volume.source],
   ];
 }
 
@@ -67,8 +67,8 @@ export function create(root, app) {
   const findings = h('ul', {class: 'findings', 'data-testid': 'volume-findings'});
   const message = messageLine('volume-message');
   const body = h('div', {class: 'stack'}, title, list,
-    h('h3', {}, 'What a reader should know'), findings);
-  root.append(intro('What the file says, what was worked out from it, and what was assumed.'),
+    h('h3', {}, 'About this scan'), findings);
+  root.append(intro('Values from the file, derived values and assumptions.'),
     body, message.element);
   app.store.subscribe(['volume'], ({volume}) => {
     body.hidden = volume === null;
@@ -82,8 +82,8 @@ export function create(root, app) {
     findings.replaceChildren(...volume.findings.map(({kind, text}) =>
       h('li', {class: DOUBTFUL.has(kind) ? 'doubtful' : ''}, h('b', {}, kind), ` ${text}`)));
     if (volume.findings.length === 0) {
-      findings.append(h('li', {}, 'Nothing unusual: slices, spacing and orientation are as the ' +
-        'file states them.'));
+      findings.append(h('li', {}, 'No warnings: slices, spacing and orientation are used as ' +
+        'stated in the file.'));
     }
   });
 }
