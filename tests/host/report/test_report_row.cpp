@@ -104,14 +104,14 @@ TEST_SUITE("host/report/report_row") {
     }
 
     TEST_CASE("the picture has bars of paper, model and wall for each row") {
-        const std::vector<timing::Plot> plots = plots_of(rows());
+        const std::vector<host::Plot> plots = plots_of(rows());
         REQUIRE(plots.size() == 2);
-        const auto& build = std::get<timing::BarPlot>(plots[0]);
+        const auto& build = std::get<host::BarPlot>(plots[0]);
         CHECK(build.groups == std::vector<std::string>{"pelvis skin", "mr-head skin\u00a0*"});
         REQUIRE(build.series.size() == 3);
         CHECK(build.series[0].values[1] == 591);
         CHECK(build.series[1].values[0] == 419.4);
         CHECK(build.series[2].values[1] == 30.5);
-        CHECK(std::get<timing::BarPlot>(plots[1]).series[1].values[1] == 2.6);
+        CHECK(std::get<host::BarPlot>(plots[1]).series[1].values[1] == 2.6);
     }
 }

@@ -72,9 +72,9 @@ TEST_SUITE("host/report/scaling") {
     }
 
     TEST_CASE("plots have a line for each row, its saturation ringed, and the ideal") {
-        const std::vector<timing::Plot> plots = plots_of(hand_made());
+        const std::vector<host::Plot> plots = plots_of(hand_made());
         REQUIRE(plots.size() == 3);
-        const auto& frames = std::get<timing::LinePlot>(plots[1]);
+        const auto& frames = std::get<host::LinePlot>(plots[1]);
         REQUIRE(frames.lines.size() == 2);
         CHECK(frames.lines[0].ringed == 3);
         CHECK(frames.lines[0].points[3].x == 8);
@@ -82,7 +82,7 @@ TEST_SUITE("host/report/scaling") {
         CHECK(frames.lines[1].points[6].y == 64);
         CHECK(frames.lines[1].name == "linear");
         CHECK(frames.note == "Circle: doubling from here gains less than 5 %.");
-        CHECK(std::get<timing::LinePlot>(plots[0]).lines[0].ringed == std::nullopt);
-        CHECK(std::get<timing::LinePlot>(plots[0]).note.empty());
+        CHECK(std::get<host::LinePlot>(plots[0]).lines[0].ringed == std::nullopt);
+        CHECK(std::get<host::LinePlot>(plots[0]).note.empty());
     }
 }

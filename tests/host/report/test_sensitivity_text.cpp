@@ -46,9 +46,9 @@ TEST_SUITE("host/report/sensitivity_text") {
     }
 
     TEST_CASE("plots have the mean over the rows, the greatest first") {
-        const std::vector<timing::Plot> plots = plots_of(list());
+        const std::vector<host::Plot> plots = plots_of(list());
         REQUIRE(plots.size() == 2);
-        const auto& frames = std::get<timing::ChangePlot>(plots[1]);
+        const auto& frames = std::get<host::ChangePlot>(plots[1]);
         REQUIRE(frames.changes.size() == 2);  // Less than 0.5 % is no bar.
         CHECK(frames.changes[0].name == "gp.clock_mhz");
         CHECK(frames.changes[0].low == -19.5);
