@@ -60,7 +60,7 @@ ROOMS = {
     },
     "host/timing": {"counts": set(), "replay": {"counts"}, ".": {"counts", "replay"}},
     "host/surface": {"atlas": set(), ".": set()},
-    "host/session": {"pictures": {"."}, ".": set()},
+    "host/session": {".": set(), "pictures": {"."}},
     "host/io": {
         "values": set(),
         "formats": {"values"},

@@ -87,10 +87,10 @@ TEST_SUITE("host/report/reason") {
         const std::string waits = frames_reason(even, frame, rate);
         CHECK(has(waits, "40,000 cycles a Renderer on average (1.0 ms)"));
         CHECK(has(waits, "; the rest is waiting"));
-        CHECK(!has(waits, "the dearest region"));
+        CHECK(!has(waits, "the most expensive region"));
         frame.parts[0].classes[1] = {1, 400'000};
         CHECK(has(frames_reason(even, frame, rate),
-                  "; the dearest region alone keeps its Renderer busy for 26.0 ms"));
+                  "; the most expensive region alone keeps its Renderer busy for 26.0 ms"));
         rate.limit = Unit::frame_buffer;
         rate.use = {{Unit::frame_buffer, 1, 1, 0}};
         CHECK(has(frames_reason(even, frame, rate), "32,768 words of pixels"));
