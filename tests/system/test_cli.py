@@ -59,7 +59,7 @@ class Cli(unittest.TestCase):
         done = self.pxpl5("run", "--set", "gp.env=PXPL5_TARGET=mmx", "-c",
                           "load phantom:sphere;surface s iso=0.5")
         self.assertNotEqual(done.returncode, 0)
-        self.assertIn('vector target "mmx" is not available here', done.stderr)
+        self.assertIn('vector target "mmx" is not available on this computer', done.stderr)
 
     def test_version(self):
         done = self.pxpl5("--version", machine=False)

@@ -109,7 +109,7 @@ class Json(unittest.TestCase):
 
     def test_warnings_of_the_text_are_in_json(self):
         path = os.path.join(self.folder, "empty.png")
-        _, replies = self.run_lines(f"load phantom:sphere; surface s iso=9; snapshot {path}; view")
+        _, replies = self.run_lines(f"load phantom:sphere; surface s iso=9000; snapshot {path}; view")
         self.assertIn("no surface there", replies[1]["warnings"][0])
         self.assertEqual(replies[2]["warnings"], ["nothing is visible in it"])
         self.assertEqual(replies[3]["warnings"], [])
@@ -118,7 +118,7 @@ class Json(unittest.TestCase):
         self.assertIn("decimated from", replies[-1]["warnings"][0])
 
     def test_strict_makes_a_warning_an_error(self):
-        code, replies = self.run_lines("load phantom:sphere; surface s iso=9; view", "--strict")
+        code, replies = self.run_lines("load phantom:sphere; surface s iso=9000; view", "--strict")
         self.assertEqual(code, 3)
         self.assertEqual([each["ok"] for each in replies], [True, False])
         self.assertEqual(replies[1]["exit_code"], 3)

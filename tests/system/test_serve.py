@@ -199,7 +199,7 @@ class Serve(Case):
         os.kill(node, signal.SIGKILL)
         note = viewer.until(lambda message: "note" in message)["note"]
         self.assertRegex(note["text"], "gp-0 was killed by signal 9")
-        viewer.until(lambda message: "as they were" in str(message.get("note")))
+        viewer.until(lambda message: "has restarted" in str(message.get("note")))
         self.assertEqual(viewer.resting(reply["revision"] + 1)["digest"], before)
         self.assertTrue(viewer.do("undo")["ok"])
         self.assertEqual(program.stop()[0], 0)

@@ -37,7 +37,8 @@ fs::file_time_type time_of(const fs::path& run) {
 
 /// The newest run under `base`. Empty if there is none.
 fs::path newest_run(const fs::path& base, bool must_be_recorded) {
-    std::pair<fs::file_time_type, fs::path> newest;
+    // A time_point of zero lies in the future: the epoch of the file clock is not that of Unix.
+    std::pair<fs::file_time_type, fs::path> newest{fs::file_time_type::min(), {}};
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(base, ignored)) {
         if (entry.is_directory() && (!must_be_recorded || holds_trace(entry.path()))) {
