@@ -109,7 +109,8 @@ class Json(unittest.TestCase):
 
     def test_warnings_of_the_text_are_in_json(self):
         path = os.path.join(self.folder, "empty.png")
-        _, replies = self.run_lines(f"load phantom:sphere; surface s iso=9000; snapshot {path}; view")
+        _, replies = self.run_lines(
+            f"load phantom:sphere; surface s iso=9000; snapshot {path}; view")
         self.assertIn("no surface there", replies[1]["warnings"][0])
         self.assertEqual(replies[2]["warnings"], ["nothing is visible in it"])
         self.assertEqual(replies[3]["warnings"], [])
