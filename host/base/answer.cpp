@@ -59,19 +59,6 @@ std::string text_of(const Table& table) {
 
 }  // namespace
 
-std::string grouped(std::uint64_t number) {
-    std::string text = std::to_string(number);
-    for (std::size_t at = text.size(); at > 3;) {
-        at -= 3;
-        text.insert(at, ",");
-    }
-    return text;
-}
-
-std::string counted(std::uint64_t count, const std::string& thing) {
-    return fmt::format("{} {}{}", grouped(count), thing, count == 1 ? "" : "s");
-}
-
 std::string Cell::plain_text(const FieldValue& value) {
     return std::visit(Overloaded{[](std::nullptr_t) { return std::string("-"); },
                                  [](bool yes) { return std::string(yes ? "yes" : "no"); },

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "host/base/chart_axis.hpp"
 #include "host/base/reply.hpp"
 
 namespace pxpl5::host {
@@ -34,9 +35,10 @@ FieldValue field_value(const T& value) {
 }
 
 /// 1234567 as "1,234,567".
-std::string grouped(std::uint64_t number);
-/// "1 region", "5 regions", "4,182 words".
-std::string counted(std::uint64_t count, const std::string& thing);
+template <std::integral T>
+std::string grouped(T number) {
+    return grouped(static_cast<double>(number));
+}
 
 /// A value of a table, and how the text shows the value.
 struct Cell {
