@@ -166,7 +166,7 @@ class ModelCli(unittest.TestCase):
         self.assertIn("8 is greater than 4", self.refusal(64, self.small, "--sweep",
                                                           "gp.count=8..4"))
         self.assertIn("--plot needs --sweep", self.refusal(64, self.small, "--plot", "x.svg"))
-        self.assertIn("share is 'own', must be a number",
+        self.assertIn("share is 'own', but an axis needs numbers",
                       self.refusal(64, self.small, "--sweep", "share=own", "--plot", "x.svg"))
         self.assertIn("frame 7 is not in this run; it has 0, 1",
                       self.refusal(64, self.small, "--frame", "7"))
@@ -180,7 +180,7 @@ class ModelCli(unittest.TestCase):
                       self.refusal(64, "nowhere", "--sweep", "gp.count=1,65"))
         self.assertIn("gp.count: the key is there twice",
                       self.refusal(64, "nowhere", "--sweep", "gp.count=1", "--sweep", "gp.count=2"))
-        self.assertIn("share is 'own', must be a number",
+        self.assertIn("share is 'own', but an axis needs numbers",
                       self.refusal(64, "nowhere", "--sweep", "share=own", "--plot", "x.svg"))
 
     def test_a_file_that_fails_costs_neither_the_old_one_nor_the_results(self):
@@ -198,7 +198,7 @@ class ModelCli(unittest.TestCase):
 
     def test_a_run_without_frames_or_without_anything(self):
         loaded = self.recorded("loaded", 1, 1, "load phantom:sphere")
-        self.assertIn("no whole picture", self.output("model", loaded))
+        self.assertIn("no complete picture", self.output("model", loaded))
         self.assertIn("--sweep times a frame, and none could be counted",
                       self.refusal(65, loaded, "--sweep", "gp.count=1,2"))
         idle = self.recorded("idle", 1, 1, "size 64x64")

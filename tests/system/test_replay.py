@@ -104,7 +104,7 @@ class Replay(unittest.TestCase):
             trace.write_bytes(trace.read_bytes()[:-7])  # The disk was full, too.
         done = self.pxpl5("trace", "replay", str(run))
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("not there: ", done.stdout)
+        self.assertIn("not recorded: ", done.stdout)
         known = [line[5] for line in replay_lines(done.stdout) if "whole" not in line[5]]
         self.assertGreater(len(known), 0, done.stdout)
         self.assertTrue(set(known) <= set(digests), done.stdout)
@@ -156,7 +156,7 @@ class Replay(unittest.TestCase):
                 (("trace", "diff", "nowhere"), 64, "a second run"),
                 (("trace", "replay", "nowhere"), 64, "nowhere"),
                 (("trace", "replay", "nowhere", "--executor", "slow"), 64, "executor 'slow'"),
-                (("trace", "shrink", "nowhere", "--executors", "fast"), 64, "two are compared")):
+                (("trace", "shrink", "nowhere", "--executors", "fast"), 64, "give two executors")):
             done = self.pxpl5(*arguments)
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertIn(text, done.stderr)

@@ -111,7 +111,8 @@ class TraceCli(unittest.TestCase):
         by_op = {row["name"]: row["instructions"] for row in table["by_instruction"]}
         primitives = sum(row["primitives"] for row in table["by_frame"])
         self.assertEqual(by_op["TREEltMEM"], primitives)  # Each triangle tests z once.
-        self.assertIn("equal what their Renderers told", self.output("trace", "stats"))
+        self.assertIn("equal the counts that their Renderers reported",
+                      self.output("trace", "stats"))
 
     def test_a_timeline_is_a_trace_of_events(self):
         self.output("trace", "export", "--chrome", self.path("t.json"))
@@ -177,10 +178,15 @@ class TraceCli(unittest.TestCase):
                                 (["trace", "ls", "no-such-run"], "no-such-run"),
                                 (["trace", "export"], "--chrome"),
                                 (["trace", "stats", "--json", "--csv"], "only one"),
+                                (["why", "256", "200"], "X and Y of the pixel are missing"),
+                                (["trace", "map", "cost", "-o", "m.gif"], "m.gif"),
                                 (["trace"], "")):
             done = self.pxpl5(*arguments)
             self.assertEqual(done.returncode, 64, (arguments, done))
             self.assertIn(text, done.stderr, arguments)
+
+    def test_the_usage_of_map_names_run_and_map(self):
+        self.assertIn("trace map [OPTIONS] [run] [map]", self.output("trace", "map", "--help"))
 
     def test_bad_files_are_65(self):
         bad = self.path("bad.mcap")

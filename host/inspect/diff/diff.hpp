@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/reply.hpp"
+#include "host/base/answer.hpp"
 #include "host/inspect/diff/executor_diff.hpp"
 #include "host/inspect/record/selection.hpp"
 #include "host/inspect/replay/executors.hpp"
@@ -27,39 +27,41 @@ NamedExecutor named(ExecutorKind kind);
 
 struct DiffOptions {
     Selection selection;  ///< Frames, regions, Renderers.
-    /// Compared by diff_executors(); diff_runs() asks them who is right. The first one is trusted.
+    /// Compared by diff_executors(); diff_runs() uses them to find the wrong run. The first is
+    /// trusted.
     NamedExecutor trusted = named(ExecutorKind::reference), other = named(ExecutorKind::fast);
 };
 
 struct Difference {
-    std::string level;        ///< "message", "instruction" or "pixel".
-    std::string text;         ///< Several lines.
-    Fields fields;            ///< The same for programs.
+    std::string level;  ///< "message", "instruction" or "pixel".
+    Answer answer;
     std::uint32_t frame = 0;  ///< 0 for set-up.
     std::optional<std::uint32_t> region;
 };
 
 struct DiffReport {
     std::optional<Difference> difference;
-    std::vector<std::string> notes;  ///< What was not compared, and why; what is no difference.
+    std::vector<std::string>
+        notes;  ///< Omitted comparisons and harmless differences, a sentence each.
     std::size_t frames = 0, regions = 0;  ///< Compared.
 };
 
-/// Throws RequestError (bad_data) if the runs have nothing in common to compare.
+/// Throws RequestError (bad_data) if the runs have no region in common.
 DiffReport diff_runs(const RecordedRun& a, const RecordedRun& b, const DiffOptions& options = {});
 
 /// Throws RequestError (bad_data) if no selected region can be executed.
 DiffReport diff_executors(const RecordedRun& run, const DiffOptions& options = {});
 
-std::string to_text(const DiffReport& report);
-Fields to_fields(const DiffReport& report);
+Answer answer_of(const DiffReport& report);
 
-/// What an executor difference in a region is: instruction, primitive and origin, pixel, field,
-/// bit, both values.
+/// Describes a difference of executors in a region: instruction, primitive and its provenance,
+/// pixel, field, bit, both values.
 Difference describe(const RecordedFrame& frame, const RecordedRegion& region,
                     const Divergence& divergence, const DiffOptions& options);
 
+/// The instruction at `word` as assembly; "the end of the stream" behind the last one.
+std::string instruction_text(renderer::Words words, std::size_t word);
 /// "cell (31, 40, 17), case 0x8e, triangle 1"; empty if it was not recorded.
-std::string origin_text(const Primitive& primitive, std::uint32_t slab);
+std::string provenance_text(const Primitive& primitive, std::uint32_t slab);
 
 }  // namespace pxpl5::host::inspect

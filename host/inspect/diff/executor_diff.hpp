@@ -1,4 +1,4 @@
-// Runs a region on two executors and finds the first instruction, pixel and bit in which they part.
+// Runs a region on two executors and finds the first instruction, pixel and bit that differ.
 //
 // Executors run ahead: many triangles as one step. So the whole parts of a region are compared
 // first, as a Renderer runs them; then the part that differs is run in smaller and smaller pieces,
@@ -18,8 +18,8 @@ namespace pxpl5::host::inspect {
 using MakeExecutor = std::function<std::unique_ptr<isa::Executor>()>;
 
 struct Divergence {
-    Address address;                      ///< Of the first instruction of the piece.
-    std::size_t instructions = 1;         ///< Of the piece; they differ only if they run together.
+    Address address;                      ///< Address of the first instruction of the piece.
+    std::size_t instructions = 1;         ///< Length of the piece, which differs only as a whole.
     StateBit bit;                         ///< The first after the piece.
     std::uint64_t first = 0, second = 0;  ///< Values of what holds the bit.
 };

@@ -16,7 +16,7 @@ struct StateBit {
     int x = 0, y = 0;  ///< In the region.
     Where where = Where::memory;
     std::uint32_t bit = 0;    ///< m[bit], or the bit of the block or of the word read out.
-    std::uint32_t block = 0;  ///< Of the backing store.
+    std::uint32_t block = 0;  ///< Block of the backing store.
 };
 
 /// Two executors whose readouts are kept. Both outlive it; it takes their readout sinks.

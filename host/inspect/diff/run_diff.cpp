@@ -34,7 +34,7 @@ std::optional<std::string> first_value(const NamedValues& a, const NamedValues& 
 
 // ---- set-up
 
-/// What GP 0 was told before and between the frames.
+/// The set-up messages to GP 0, before and between the frames.
 std::vector<bus::Message> setup_of(const RecordedRun& run) {
     std::vector<bus::Message> messages;
     if (const NodeTrace* master = run.find(schema::Role::gp, 0)) {
@@ -53,7 +53,7 @@ bool is_whole(const RecordedRun& run) {
     return master != nullptr && master->info.dropped == 0;
 }
 
-/// True if the headers of all volumes vouch for the voxels that follow.
+/// True if the headers of all volumes have digests of the voxels.
 bool digests_known(const RecordedRun& run) {
     return is_whole(run) && std::ranges::none_of(setup_of(run), [](const bus::Message& message) {
                const auto* header = message.as<schema::VolumeHeader>();
@@ -77,8 +77,8 @@ std::optional<Difference> compare_setup(const RecordedRun& a, const RecordedRun&
         }
     }
     if (in_a.size() != in_b.size()) {
-        report.notes.push_back(
-            fmt::format("set-up: gp-0 got {} messages in A, {} in B", in_a.size(), in_b.size()));
+        report.notes.push_back(fmt::format("set-up: gp-0 received {} messages in A, {} in B",
+                                           in_a.size(), in_b.size()));
     }
     return std::nullopt;
 }
@@ -101,7 +101,7 @@ std::optional<std::pair<std::uint64_t, std::uint64_t>> triangles_of(const Record
 
 // ---- results
 
-/// What a region came to: its Renderer's pixels, or those that the host got.
+/// The result of a region: the pixels of its Renderer, or those that the host received.
 struct Outcome {
     std::optional<RecordedTile> tile;
     std::vector<std::uint32_t> pixels;  ///< 128 * 128; empty if none were recorded.
@@ -120,7 +120,7 @@ Outcome outcome_of(const RecordedFrame& frame, std::uint32_t region) {
     return outcome;
 }
 
-/// Says which run is wrong, by executing the region again.
+/// Adds which run is wrong: executes the region again.
 void add_verdict(Difference& d, const RecordedRun& a, const RecordedRun& b,
                  const RecordedFrame& frame, const RecordedRegion& in_a, const RecordedRegion& in_b,
                  const PixelDifference& pixel, const DiffOptions& options) {
@@ -129,51 +129,48 @@ void add_verdict(Difference& d, const RecordedRun& a, const RecordedRun& b,
         (pixel.y - in_a.place.y0_px) * isa::region::size_px + pixel.x - in_a.place.x0_px);
     const std::uint32_t right = again.pixels.at(at) & 0xFFFFFF;
     const bool a_wrong = right != pixel.found, b_wrong = right != pixel.expected;
-    const auto who = [](const RecordedRun& run, const RecordedRegion& region) {
+    const auto recorder = [](const RecordedRun& run, const RecordedRegion& region) {
         const NodeTrace* node = run.find(schema::Role::renderer, region.renderer);
         return fmt::format("renderer-{}{}", region.renderer,
                            node == nullptr ? "" : " of build " + node->info.build);
     };
     const std::string verdict = a_wrong && b_wrong ? "both are wrong"
-                                : a_wrong          ? "A is wrong: " + who(a, in_a)
-                                                   : "B is wrong: " + who(b, in_b);
-    d.text += fmt::format("\n  executed again ({}), the pixel is {}: {}", options.trusted.name,
-                          colour_text(right), verdict);
-    d.fields.push_back({options.trusted.name, colour_text(right)});
-    d.fields.push_back({"verdict", verdict});
+                                : a_wrong          ? "A is wrong: " + recorder(a, in_a)
+                                                   : "B is wrong: " + recorder(b, in_b);
+    d.answer
+        .line(fmt::format("  executed again ({}), the pixel is {}: {}", options.trusted.name,
+                          color_text(right), verdict))
+        .data(options.trusted.name, color_text(right))
+        .data("verdict", verdict);
     const auto here = first_divergence(in_a.plan, options.trusted.make, options.other.make);
     if (!here) {
-        d.text += fmt::format(
-            "\n  {} and {} of this program agree on the region: the mistake is "
-            "in the Renderer that recorded",
-            options.trusted.name, options.other.name);
+        d.answer.line(fmt::format(
+            "  {} and {} of this program agree on the region: the recording Renderer is wrong",
+            options.trusted.name, options.other.name));
         return;
     }
-    const Difference inner = describe(frame, in_a, *here, options);
-    d.text += "\nthis program makes a mistake in the same region, too:\n" + inner.text;
-    d.fields.push_back({"executors", inner.fields});
+    d.answer.line("this program also differs in this region:")
+        .object("executors", describe(frame, in_a, *here, options).answer);
 }
 
 Difference pixel_difference(const RecordedRun& run_a, const RecordedRun& run_b,
                             const RecordedFrame& frame, const RecordedRegion& a,
                             const RecordedRegion& b, const PixelDifference& pixel,
                             const DiffOptions& options) {
-    Difference d;
-    d.level = "pixel";
-    d.frame = frame.number;
-    d.region = a.place.number;
-    d.text = fmt::format(
-        "frame {}, {}: the programs are the same, the pixels differ\n  pixel        ({}, {}) of "
-        "the picture: {} in A, {} in B\n  bits         {}",
-        frame.number, region_name(frame, a.place.number), pixel.x, pixel.y,
-        colour_text(pixel.found), colour_text(pixel.expected), colour_difference(pixel, "A", "B"));
-    d.fields = {{"level", d.level},
-                {"frame", std::int64_t{frame.number}},
-                {"region", std::int64_t{a.place.number}},
-                {"x", std::int64_t{pixel.x}},
-                {"y", std::int64_t{pixel.y}},
-                {"a", colour_text(pixel.found)},
-                {"b", colour_text(pixel.expected)}};
+    Difference d{"pixel", {}, frame.number, a.place.number};
+    d.answer
+        .line(fmt::format("frame {}, {}: the programs are the same, the pixels differ",
+                          frame.number, region_name(frame, a.place.number)))
+        .line(fmt::format("  pixel        ({}, {}) of the picture: {} in A, {} in B", pixel.x,
+                          pixel.y, color_text(pixel.found), color_text(pixel.expected)))
+        .line("  bits         " + color_difference(pixel, "A", "B"))
+        .data("level", d.level)
+        .data("frame", frame.number)
+        .data("region", a.place.number)
+        .data("x", pixel.x)
+        .data("y", pixel.y)
+        .data("a", color_text(pixel.found))
+        .data("b", color_text(pixel.expected));
     add_verdict(d, run_a, run_b, frame, a, b, pixel, options);
     return d;
 }
@@ -204,7 +201,7 @@ class RunDiff {
         }
         if (!report_.difference) {
             if (const auto message = first_message_difference(a_, b_)) {
-                report_.notes.push_back("the same by other means: " + *message);
+                report_.notes.push_back("equal results, but " + *message);
             }
         }
         if (!report_.difference && report_.regions == 0) {
@@ -228,7 +225,7 @@ class RunDiff {
         }
         for (const RecordedFrame* frame : {&a, &b}) {
             for (const std::string& reason : frame->missing) {
-                report_.notes.push_back(fmt::format("frame {} of {} is not whole: {}", number,
+                report_.notes.push_back(fmt::format("frame {} of {} is not complete: {}", number,
                                                     frame == &a ? "A" : "B", reason));
             }
         }
@@ -244,7 +241,7 @@ class RunDiff {
         return difference ? difference : each_region(a, b, &RunDiff::compare_results);
     }
 
-    /// The voxels, once for each volume, if digests do not vouch for them.
+    /// Compares the voxels of each volume once, unless the headers have digests.
     std::optional<Difference> compare_volume(std::uint32_t number) {
         const auto header = digests_known_ ? std::nullopt : a_.volume(number);
         const std::uint32_t id = header ? header->header.as<schema::VolumeHeader>()->volume() : 0;

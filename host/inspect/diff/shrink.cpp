@@ -23,7 +23,7 @@ struct Item {
     std::size_t coefficient_count = 0;
     std::size_t id = 0;            ///< Place in the first program.
     std::size_t target = nowhere;  ///< id of the instruction jumped to; of a jump only.
-    std::size_t group = 0;         ///< Of its primitive.
+    std::size_t group = 0;         ///< Number of its primitive.
 };
 using Items = std::vector<Item>;
 

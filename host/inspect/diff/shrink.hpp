@@ -27,11 +27,6 @@ struct Shrunk {
 /// Throws RequestError (failed) if it does not.
 Shrunk shrink(std::span<const std::uint32_t> words, const Shows& shows);
 
-/// A place in a region, 0..127 each.
-struct RegionPixel {
-    int x = 0, y = 0;
-};
-
 /// Shown if the executors leave a pixel differently, its readout included.
 Shows differ_at(RegionPixel pixel, const NamedExecutor& trusted, const NamedExecutor& other);
 

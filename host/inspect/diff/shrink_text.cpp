@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "host/inspect/diff/shrink.hpp"
-#include "isa/disassemble.hpp"
 #include "isa/reference/reference.hpp"
 #include "isa/sequencer.hpp"
 
@@ -15,12 +14,8 @@ std::string listing(const Shrunk& shrunk, std::string_view indent) {
     std::string text;
     const std::span<const std::uint32_t> words(shrunk.words);
     for (std::size_t at = 0; at < words.size();) {
-        const std::size_t count = isa::instruction_words(words[at]);
-        const std::string line = isa::disassemble(words.subspan(at, count));
-        const std::size_t first = line.find_first_not_of(' ');
-        text += fmt::format("{}{}\n", indent,
-                            line.substr(first, line.find_last_not_of(" \n") + 1 - first));
-        at += count;
+        text += fmt::format("{}{}\n", indent, instruction_text(words, at));
+        at += isa::instruction_words(words[at]);
     }
     return text;
 }

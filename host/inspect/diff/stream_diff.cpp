@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "host/inspect/record/recorded_results.hpp"
-#include "isa/disassemble.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -17,38 +16,28 @@ using Kind = renderer::RegionPlan::Kind;
 
 std::string stream_name(const Part& part) {
     switch (part.kind) {
-        case Kind::prologue:
-            return "prologue";
         case Kind::shut_door:
-            return fmt::format("the door of surface {}, which shuts", part.segment.surface);
+            return fmt::format("program that shuts the door of surface {}", part.segment.surface);
         case Kind::open_door:
-            return fmt::format("the door of surface {}, which opens", part.segment.surface);
+            return fmt::format("program that opens the door of surface {}", part.segment.surface);
         case Kind::depths:
-            return "program of depths";
+            return "depth program";
         case Kind::end_of_region:
             return "end-of-region program";
+        case Kind::prologue:
+            return "prologue";
         case Kind::segment:
             break;
     }
     return fmt::format("surface {}, slab {}", part.segment.surface, part.segment.slab);
 }
 
-/// Of the parts of a region, as they run: a surface's own lie together.
+/// The order in which parts run: the parts of one surface follow each other.
 auto order(const Part& part) {
     const bool is_of_surface =
         part.kind == Kind::shut_door || part.kind == Kind::segment || part.kind == Kind::open_door;
     return std::make_tuple(is_of_surface ? Kind::segment : part.kind, part.segment.surface,
                            part.kind, part.segment.slab);
-}
-
-std::string instruction_at(renderer::Words words, std::size_t word) {
-    if (word >= words.size()) {
-        return "the stream's end";
-    }
-    const std::size_t count = isa::instruction_words(words[word]);
-    const std::string text = isa::disassemble(words.subspan(word, count));
-    const std::size_t first = text.find_first_not_of(' ');
-    return text.substr(first, text.find_last_not_of(" \n") + 1 - first);
 }
 
 /// Word of the instruction that holds the first differing word.
@@ -66,33 +55,30 @@ Difference stream_difference(const RecordedFrame& frame, const RecordedRegion& a
                              const RecordedRegion& b, std::size_t part_b) {
     const Part &in_a = a.plan.parts[part_a], &in_b = b.plan.parts[part_b];
     const std::size_t word = differing_instruction(in_a.segment.words, in_b.segment.words);
-    const std::string text_a = instruction_at(in_a.segment.words, word),
-                      text_b = instruction_at(in_b.segment.words, word);
-    Difference d;
-    d.level = "instruction";
-    d.frame = frame.number;
-    d.region = a.place.number;
-    const std::string region = region_name(frame, a.place.number);
-    d.text = fmt::format(
-        "frame {}, {}, {}: programs differ at word {}\n  in A (gp-{})  {}\n  in B (gp-{})  {}",
-        frame.number, region, stream_name(in_a), word, in_a.segment.gp, text_a, in_b.segment.gp,
-        text_b);
-    d.fields = {{"level", d.level},
-                {"frame", std::int64_t{frame.number}},
-                {"region", std::int64_t{a.place.number}},
-                {"stream", stream_name(in_a)},
-                {"word", static_cast<std::int64_t>(word)},
-                {"a", text_a},
-                {"b", text_b}};
-    const auto add = [&](const char* run, const RecordedFrame& f, const RecordedRegion& r,
+    const std::string text_a = instruction_text(in_a.segment.words, word),
+                      text_b = instruction_text(in_b.segment.words, word);
+    Difference d{"instruction", {}, frame.number, a.place.number};
+    d.answer
+        .line(fmt::format("frame {}, {}, {}: programs differ at word {}", frame.number,
+                          region_name(frame, a.place.number), stream_name(in_a), word))
+        .line(fmt::format("  in A (gp-{})  {}", in_a.segment.gp, text_a))
+        .line(fmt::format("  in B (gp-{})  {}", in_b.segment.gp, text_b))
+        .data("level", d.level)
+        .data("frame", frame.number)
+        .data("region", a.place.number)
+        .data("stream", stream_name(in_a))
+        .data("word", word)
+        .data("a", text_a)
+        .data("b", text_b);
+    const auto add = [&](const std::string& run, const RecordedFrame& f, const RecordedRegion& r,
                          std::size_t part) {
         const std::vector<Primitive> primitives = primitives_of(f, r);
         const Primitive* primitive = primitive_at(primitives, {part, word});
-        const std::string origin =
-            primitive == nullptr ? "" : origin_text(*primitive, in_a.segment.slab);
-        if (!origin.empty()) {
-            d.text += fmt::format("\n  in {} it is of {}", run, origin);
-            d.fields.push_back({std::string("origin in ") + run, origin});
+        const std::string provenance =
+            primitive == nullptr ? "" : provenance_text(*primitive, in_a.segment.slab);
+        if (!provenance.empty()) {
+            d.answer.line(fmt::format("  in {} the instruction belongs to {}", run, provenance))
+                .data("provenance in " + run, provenance);
         }
     };
     add("A", frame, a, part_a);
@@ -102,9 +88,9 @@ Difference stream_difference(const RecordedFrame& frame, const RecordedRegion& a
 
 }  // namespace
 
-Difference message_difference(std::uint32_t frame, const std::string& text, const Fields& fields) {
-    Difference difference{"message", text, {{"level", std::string("message")}}, frame, {}};
-    difference.fields.insert(difference.fields.end(), fields.begin(), fields.end());
+Difference message_difference(std::uint32_t frame, const std::string& text) {
+    Difference difference{"message", {}, frame, {}};
+    difference.answer.line(text).data("level", difference.level);
     return difference;
 }
 
@@ -116,13 +102,14 @@ std::optional<Difference> compare_streams(const RecordedFrame& frame_a, const Re
             const bool only_a =
                 i >= in_b.size() || (i < in_a.size() && order(in_a[i]) < order(in_b[i]));
             const Part& part = only_a ? in_a[i] : in_b[i];
-            return message_difference(
+            Difference difference = message_difference(
                 frame_a.number,
-                fmt::format("frame {}, {}: only {} has a program of {} (gp-{}, {} words)",
+                fmt::format("frame {}, {}: only {} has this program: {} (gp-{}, {} words)",
                             frame_a.number, region_name(frame_a, a.place.number),
                             only_a ? "A" : "B", stream_name(part), part.segment.gp,
-                            part.segment.words.size()),
-                {{"region", std::int64_t{a.place.number}}, {"stream", stream_name(part)}});
+                            part.segment.words.size()));
+            difference.answer.data("region", a.place.number).data("stream", stream_name(part));
+            return difference;
         }
         if (!std::ranges::equal(in_a[i].segment.words, in_b[i].segment.words)) {
             return stream_difference(frame_a, a, i, frame_b, b, i);

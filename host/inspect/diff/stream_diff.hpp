@@ -8,10 +8,9 @@
 namespace pxpl5::host::inspect {
 
 /// A difference of level "message".
-Difference message_difference(std::uint32_t frame, const std::string& text,
-                              const Fields& fields = {});
+Difference message_difference(std::uint32_t frame, const std::string& text);
 
-/// The runs are called A and B. Streams are told apart by surface and slab, whoever drew them.
+/// The text calls the runs A and B. Streams are identified by surface and slab, not by GP.
 std::optional<Difference> compare_streams(const RecordedFrame& frame_a, const RecordedRegion& a,
                                           const RecordedFrame& frame_b, const RecordedRegion& b);
 

@@ -6,21 +6,16 @@
 #include <string>
 #include <string_view>
 
+#include "host/inspect/record/region_walk.hpp"
 #include "isa/contract/region_layout.hpp"
 #include "isa/executor.hpp"
 
 namespace pxpl5::host::inspect {
 
-/// A pixel of a region, 0..127 each.
-struct RegionPixel {
-    int x = 0, y = 0;
-    friend bool operator==(const RegionPixel&, const RegionPixel&) = default;
-};
-
-/// "z", "rgb", or "m88:16" of a field that has no name (isa/contract/region_layout.hpp).
+/// "z", "rgb", or "m88:16" of a field that has no name (isa/region_layout.hpp).
 std::string field_name(std::uint32_t address, std::uint32_t width);
 
-/// The field that a name of isa/contract/region_layout.hpp means; nothing if it is none.
+/// The field that a name of isa/region_layout.hpp means; nothing if it is none.
 std::optional<isa::region::Field> field_named(std::string_view name);
 
 /// Reads an instruction's effect on a pixel: made before the instruction runs, asked behind it.
@@ -44,7 +39,7 @@ class InstructionValues {
     isa::Instruction in_;
     const isa::OpInfo& row_;
     RegionPixel pixel_;
-    std::uint32_t width_;  ///< Of the field at a; 0 if there is none.
+    std::uint32_t width_;  ///< Width of the field at a; 0 without a field.
     bool enabled_;
     std::uint64_t field_ = 0;
     std::optional<std::int64_t> form_;  ///< Q of a TREE or QUAD instruction.

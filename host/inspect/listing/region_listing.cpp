@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "host/base/answer.hpp"
 #include "host/inspect/listing/enabled_pixels.hpp"
-#include "host/inspect/record/message_text.hpp"
 #include "host/inspect/record/region_walk.hpp"
 #include "host/inspect/replay/executors.hpp"
 #include "isa/disassemble.hpp"
@@ -16,11 +16,6 @@ namespace {
 using Kind = renderer::RegionPlan::Kind;
 
 constexpr const char* no_part = "";
-
-/// True if the selection names no part of the region by what drew it.
-bool names_no_segment(const Selection& selection) {
-    return selection.gps.empty() && selection.surfaces.empty() && selection.slabs.empty();
-}
 
 /// "120 -> 16384"; one number if nothing changed.
 std::string change(std::size_t before, std::size_t after) {
@@ -128,10 +123,7 @@ class Lister {
 
 bool has_part(const Selection& selection, const renderer::RegionPlan::Part& part) {
     const renderer::Segment& s = part.segment;
-    return part.kind == Kind::segment
-               ? selection.has_gp(s.gp) && selection.has_surface(s.surface) &&
-                     selection.has_slab(s.slab)
-               : names_no_segment(selection);
+    return selection.has_part(part.kind == Kind::segment, s.gp, s.surface, s.slab);
 }
 
 std::string part_heading(const renderer::RegionPlan::Part& part) {

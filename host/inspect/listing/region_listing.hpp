@@ -13,7 +13,7 @@
 namespace pxpl5::host::inspect {
 
 struct RegionListing {
-    const Selection& selection;        ///< Of parts (GP, surface, slab) and instructions.
+    const Selection& selection;        ///< Selects parts (GP, surface, slab) and instructions.
     std::optional<RegionPixel> pixel;  ///< Whose values are shown; else the first enabled one's.
     std::uint64_t max_lines = 0;       ///< Instructions to list.
 };

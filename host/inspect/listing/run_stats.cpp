@@ -21,7 +21,7 @@ std::size_t index_of(isa::Op op) {
     return static_cast<std::size_t>(op);
 }
 
-/// As on the modelled ring: whole words, and the message's header before them.
+/// Words on the modelled ring: the header and whole words of the body.
 std::uint64_t ring_words(std::uint64_t body_bytes) {
     constexpr bus::RingParameters ring;
     return ring.header_words + (body_bytes + ring.word_bytes - 1) / ring.word_bytes;
@@ -57,14 +57,7 @@ PartCounts counts_of(const RecordedFrame& frame, const RecordedRegion& region,
             {}};
 }
 
-bool selects(const Selection& selection, const PartCounts& part) {
-    return part.is_segment()
-               ? selection.has_gp(part.gp) && selection.has_surface(part.surface) &&
-                     selection.has_slab(part.slab)
-               : selection.gps.empty() && selection.surfaces.empty() && selection.slabs.empty();
-}
-
-/// Compares what was counted with what the Renderer told.
+/// Compares the counts with the counts that the Renderer reported.
 void compare(const RecordedFrame& frame, std::uint32_t region, std::span<const PartCounts> parts,
              RunStats& stats) {
     ++stats.regions;
@@ -79,8 +72,8 @@ void compare(const RecordedFrame& frame, std::uint32_t region, std::span<const P
     }
     if (sum.instructions != tile->counts.instructions || sum.cycles != tile->counts.cycles) {
         stats.differences.push_back(fmt::format(
-            "frame {}, region {}: {} instructions and {} cycles counted, its Renderer told {} and "
-            "{}",
+            "frame {}, region {}: counted {} instructions and {} cycles, but the Renderer reported "
+            "{} and {}",
             frame.number, region, sum.instructions, sum.cycles, tile->counts.instructions,
             tile->counts.cycles));
     }
@@ -88,7 +81,7 @@ void compare(const RecordedFrame& frame, std::uint32_t region, std::span<const P
 
 void keep_selected(const Selection& selection, std::vector<PartCounts> parts, RunStats& stats) {
     for (PartCounts& part : parts) {
-        if (!selects(selection, part)) {
+        if (!selection.has_part(part.is_segment(), part.gp, part.surface, part.slab)) {
             continue;
         }
         for (std::size_t op = 0; op < isa::op_count && !selection.ops.empty(); ++op) {
@@ -155,13 +148,10 @@ RunStats stats_of(const RecordedRun& run, const Selection& selection) {
             continue;
         }
         const RecordedFrame frame = run.frame(number);
-        for (const auto& [region_number, region] : frame.regions) {
-            if (selection.has_region(region_number, region.place.column, region.place.row) &&
-                selection.has_renderer(region.renderer)) {
-                std::vector<PartCounts> parts = count_region(frame, region);
-                compare(frame, region_number, parts, stats);
-                keep_selected(selection, std::move(parts), stats);
-            }
+        for (const RecordedRegion* region : selected_regions(frame, selection)) {
+            std::vector<PartCounts> parts = count_region(frame, *region);
+            compare(frame, region->place.number, parts, stats);
+            keep_selected(selection, std::move(parts), stats);
         }
         for (const std::string& reason : frame.missing) {
             stats.missing.push_back(fmt::format("frame {}: {}", number, reason));

@@ -23,7 +23,7 @@ struct OpCount {
 struct PartCounts {
     std::uint32_t frame = 0, region = 0, renderer = 0;
     renderer::RegionPlan::Kind kind{};
-    std::uint32_t gp = 0, surface = 0, slab = 0;  ///< Of a segment.
+    std::uint32_t gp = 0, surface = 0, slab = 0;  ///< Valid for a segment.
     std::uint64_t primitives = 0;
     std::array<OpCount, isa::op_count> ops{};
 
@@ -31,12 +31,12 @@ struct PartCounts {
     OpCount total() const;
 };
 
-/// Of every part of a region, in order. Parts whose flow depends on pixels are executed again.
+/// Counts every part of a region, in order. Executes parts whose flow depends on pixels.
 std::vector<PartCounts> count_region(const RecordedFrame& frame, const RecordedRegion& region);
 
 struct MessageCount {
     std::uint64_t messages = 0;
-    std::uint64_t bytes = 0;  ///< Of bodies.
+    std::uint64_t bytes = 0;  ///< Size of the bodies.
     std::uint64_t words = 0;  ///< On the ring, its headers included (ringbus/channel_model.hpp).
     MessageCount& operator+=(const MessageCount& other);
 };
@@ -53,9 +53,9 @@ using MessageCounts = std::map<MessageWay, MessageCount>;
 struct RunStats {
     std::vector<PartCounts> parts;
     MessageCounts messages;
-    std::uint64_t regions = 0, told = 0;   ///< told: regions whose Renderer told its counts.
-    std::vector<std::string> differences;  ///< From what Renderers told, a sentence each.
-    std::vector<std::string> missing;      ///< What could not be counted, a sentence each.
+    std::uint64_t regions = 0, told = 0;   ///< told: regions with counts of their Renderer.
+    std::vector<std::string> differences;  ///< From the counts of Renderers, a sentence each.
+    std::vector<std::string> missing;      ///< Reasons for missing counts, a sentence each.
 };
 
 /// Counts what is selected: frames, regions, Renderers; GPs, surfaces and slabs leave out the other

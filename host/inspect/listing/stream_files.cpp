@@ -25,24 +25,6 @@ struct File {
     std::string name, text;
 };
 
-const char* suffix_of(Kind kind) {
-    switch (kind) {
-        case Kind::prologue:
-            return ".prologue";
-        case Kind::shut_door:
-            return ".shut-door";
-        case Kind::open_door:
-            return ".open-door";
-        case Kind::depths:
-            return ".depths";
-        case Kind::end_of_region:
-            return ".end";
-        case Kind::segment:
-            break;
-    }
-    return "";
-}
-
 /// Whether a stream may go on behind these words: no branch, whose addresses count from its begin,
 /// and no end.
 bool may_be_followed(renderer::Words words) {
@@ -64,9 +46,10 @@ class RegionFiles {
         const Part& part = region_.plan.parts[index];
         const bool straight = may_be_followed(part.segment.words);
         if (files_.empty() || part.kind != Kind::segment || !straight || !may_go_on_) {
-            const char* suffix = suffix_of(part.kind);
+            const std::string kind =
+                part.kind == Kind::segment ? "" : fmt::format(".{}", kind_name(part.kind));
             files_.push_back(
-                {fmt::format("region-{}.{}{}.pxasm", region_.place.number, files_.size(), suffix),
+                {fmt::format("region-{}.{}{}.pxasm", region_.place.number, files_.size(), kind),
                  ""});
         }
         may_go_on_ = part.kind == Kind::segment && straight;
@@ -115,14 +98,10 @@ StreamFiles write_streams(const RecordedRun& run, const Selection& selection,
                                fmt::format("cannot make {}: {}", place.string(), error.message()));
         }
         const RecordedFrame frame = run.frame(number);
-        for (const auto& [region_number, region] : frame.regions) {
-            if (!selection.has_region(region_number, region.place.column, region.place.row) ||
-                !selection.has_renderer(region.renderer)) {
-                continue;
-            }
-            RegionFiles files(frame, region);
-            for (std::size_t part = 0; part < region.plan.parts.size(); ++part) {
-                if (has_part(selection, region.plan.parts[part])) {
+        for (const RecordedRegion* region : selected_regions(frame, selection)) {
+            RegionFiles files(frame, *region);
+            for (std::size_t part = 0; part < region->plan.parts.size(); ++part) {
+                if (has_part(selection, region->plan.parts[part])) {
                     files.add(part);
                 }
             }

@@ -1,7 +1,7 @@
 // A run as a timeline that Perfetto and chrome://tracing open: JSON trace events.
 //
 // One process per node. Track "receives": a slice per message, from its receipt to the node's next
-// one, but not longer than max_slice_us, since a trace does not tell how long a node was busy.
+// one, but not longer than max_slice_us, because a trace does not hold busy times.
 // Arrows lead to a message from the newest one that its sender had received before it sent.
 // Renderers have "draws", from the last RegionPrograms of a frame to RegionPixels at the frame
 // buffer, and "pixel processors (modelled)", each region as long as its cycles take at 40 MHz.

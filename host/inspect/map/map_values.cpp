@@ -56,9 +56,9 @@ std::int64_t case_of(const RegionView& view, std::size_t pixel) {
     if (!primitive->origin) {
         throw RequestError(ExitCode::bad_data,
                            primitive->is_of_scene
-                               ? "the frame shows an archive: it has no voxel cells, and no cases"
-                               : "the run does not tell which voxel cells its triangles come "
-                                 "from: record with --record full or flight");
+                               ? "the frame shows an archive, which has no voxel cells and no cases"
+                               : "the provenance of triangles was not recorded; record with "
+                                 "--record full or flight");
     }
     return case_class(primitive->origin->inside());
 }
@@ -176,7 +176,7 @@ MapKind map_kind_of(std::string_view name) {
         names += fmt::format("{}{}", names.empty() ? "" : ", ", one.name);
     }
     throw RequestError(ExitCode::usage,
-                       fmt::format("there is no map '{}'; there are {}", name, names));
+                       fmt::format("no map is named '{}'; the maps are {}", name, names));
 }
 
 MapValues map_values(const RecordedFrame& frame, MapKind kind,

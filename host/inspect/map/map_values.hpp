@@ -50,10 +50,10 @@ struct MapValues {
     MapKind kind{};
     int width = 0, height = 0;           ///< Size of the whole picture, views stacked.
     std::vector<std::int64_t> values;    ///< Row by row.
-    std::vector<std::uint32_t> picture;  ///< What was drawn, red in the low byte.
+    std::vector<std::uint32_t> picture;  ///< The drawn picture, red in the low byte.
 };
 
-/// Throws RequestError (bad_data) if primitives' origins are needed but were not recorded.
+/// Throws RequestError (bad_data) if the map needs provenance that was not recorded.
 MapValues map_values(const RecordedFrame& frame, MapKind kind);
 
 /// The same without executing: `census` by region number.

@@ -13,8 +13,18 @@ namespace pxpl5::host::inspect {
 // Pixels are handed over as bytes red, green, blue, alpha.
 static_assert(std::endian::native == std::endian::little);
 
+void check_png_name(const std::filesystem::path& path) {
+    if (path.extension() != ".png" && path.extension() != ".PNG") {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("{}: this command writes only PNG files; use a name that "
+                                       "ends in .png",
+                                       path.string()));
+    }
+}
+
 void write_png(const std::filesystem::path& path, int width, int height,
                std::span<const std::uint32_t> rgba) {
+    check_png_name(path);
     assert(width > 0 && height > 0);
     assert(rgba.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     png_image image{};

@@ -1,4 +1,4 @@
-// Writes pictures without a machine: no io process is needed to look at what was recorded.
+// Writes pictures without a machine and without an io process.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,10 @@
 
 namespace pxpl5::host::inspect {
 
-/// Writes a PNG file.
+/// Throws RequestError (usage) if the name of a picture does not end in .png.
+void check_png_name(const std::filesystem::path& path);
+
+/// Writes a PNG file. Throws as check_png_name().
 ///
 /// width, height  Pixels, 1 or more each.
 /// rgba           width * height pixels, top row first, red in the low byte, alpha in the high one.

@@ -4,7 +4,6 @@
 
 #include <array>
 
-#include "host/inspect/record/message_text.hpp"
 #include "host/machine/timing_section.hpp"
 #include "host/timing/counts/machine.hpp"
 
@@ -34,18 +33,20 @@ std::string picture_text(std::string_view word, std::uint32_t first, std::uint32
                : fmt::format("{}s {}..{}, {} samples", word, first, first + samples - 1, samples);
 }
 
-void add_use_headings(TableRow& heading) {
-    heading.emplace_back("limit");
+void add_use_columns(Table& table) {
+    table.columns.push_back({"limit", "limit"});
     for (const Unit unit : units) {
-        heading.push_back(fmt::format("{} %", timing::name_of(unit)));
+        table.columns.push_back({"", fmt::format("{} %", timing::name_of(unit))});
     }
+    table.columns.push_back({"use", ""});
 }
 
-void add_use(TableRow& row, Unit limit, const std::vector<timing::UnitUse>& use) {
+void add_use(std::vector<Cell>& row, Unit limit, const std::vector<timing::UnitUse>& use) {
     row.emplace_back(timing::name_of(limit));
     for (const timing::UnitUse& one : use) {
-        row.push_back(fmt::format("{:.1f}", percent * one.busiest));
+        row.push_back(fixed_cell(percent * one.busiest, 1));
     }
+    row.emplace_back(use_fields(use));
 }
 
 std::vector<Fields> use_fields(const std::vector<timing::UnitUse>& use) {
@@ -59,45 +60,30 @@ std::vector<Fields> use_fields(const std::vector<timing::UnitUse>& use) {
     return rows;
 }
 
-std::string machine_text(const Topology& plan) {
+Answer machine_answer(const Topology& plan, const std::vector<std::string>& missing) {
     const timing::Machine m = timing::machine_of(plan);
-    return fmt::format("{}: {} at {} MHz, {} at {} MHz, {}, {} of {} MB/s; share {}, assignment {}",
-                       plan.name, counted(m.gps, "GP"), m.gp_clock_mhz,
-                       counted(m.renderers, "Renderer"), m.renderer_clock_mhz,
-                       counted(m.frame_buffers, "frame buffer"),
-                       counted(static_cast<std::uint64_t>(m.ring_channels), "channel"),
-                       m.ring_channel_mb_s, word_of(m.share), word_of(m.assignment));
-}
-
-Fields machine_fields(const Topology& plan) {
-    const timing::Machine machine = timing::machine_of(plan);
-    Fields fields{{"topology", plan.name},
-                  {"text", machine_text(plan)},
-                  {"gp.count", std::int64_t{machine.gps}},
-                  {"renderer.count", std::int64_t{machine.renderers}},
-                  {"frame_buffer.count", std::int64_t{machine.frame_buffers}},
-                  {"share", std::string(word_of(machine.share))},
-                  {"assignment", std::string(word_of(machine.assignment))}};
+    const std::string text = fmt::format(
+        "{}: {} at {} MHz, {} at {} MHz, {}, {} of {} MB/s; share {}, assignment {}", plan.name,
+        counted(m.gps, "GP"), m.gp_clock_mhz, counted(m.renderers, "Renderer"),
+        m.renderer_clock_mhz, counted(m.frame_buffers, "frame buffer"),
+        counted(static_cast<std::uint64_t>(m.ring_channels), "channel"), m.ring_channel_mb_s,
+        word_of(m.share), word_of(m.assignment));
+    Answer machine;
+    machine.line("machine: " + text)
+        .data("topology", plan.name)
+        .data("text", text)
+        .data("gp.count", m.gps)
+        .data("renderer.count", m.renderers)
+        .data("frame_buffer.count", m.frame_buffers)
+        .data("share", word_of(m.share))
+        .data("assignment", word_of(m.assignment));
     for (const timing::Parameter& parameter : timing::parameters()) {
-        fields.push_back({std::string(parameter.name), machine.*parameter.value});
+        machine.data(std::string(parameter.name), m.*parameter.value);
     }
-    return fields;
-}
-
-std::string missing_text(const std::vector<std::string>& missing) {
-    std::string text;
-    for (const std::string& sentence : missing) {
-        text += "Not counted: " + sentence + "\n";
-    }
-    return text;
-}
-
-std::vector<Fields> missing_fields(const std::vector<std::string>& missing) {
-    std::vector<Fields> rows;
-    for (const std::string& sentence : missing) {
-        rows.push_back({{"text", sentence}});
-    }
-    return rows;
+    return Answer()
+        .object("machine", std::move(machine))
+        .sentences("missing", "text", "Not counted: ", missing)
+        .line("%: share of the time during which the busiest unit of its kind was busy");
 }
 
 }  // namespace pxpl5::host::inspect

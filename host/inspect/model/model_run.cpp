@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "host/inspect/model/model_parts.hpp"
-#include "host/inspect/record/message_text.hpp"
 #include "host/timing/picture.hpp"
 
 namespace pxpl5::host::inspect {
@@ -19,10 +19,6 @@ using timing::RingCount;
 using timing::VolumeWork;
 
 constexpr double percent = 100;
-
-std::int64_t number(std::uint64_t n) {
-    return static_cast<std::int64_t>(n);
-}
 
 /// A step in a few words.
 struct StepName {
@@ -57,7 +53,7 @@ struct StepKind {
     const char* operator()(const FrameWork&) const { return "frame"; }
 };
 
-/// What kind of node has the place on the ring.
+/// The kind of the node at a place of the ring.
 std::string_view kind_at(const timing::Machine& machine, std::uint32_t place) {
     if (place == 0) {
         return "host";
@@ -96,89 +92,89 @@ RingSums by_channel(const ModelledRun& run) {
         run, [](const RingCount& count) { return fmt::format("channel {:2}", count.channel); });
 }
 
-std::string ring_text(const std::string& what, const RingSums& sums) {
+Table ring_table(const char* key, const char* heading, const RingSums& sums) {
     std::uint64_t all = 0;
     for (const auto& [name, one] : sums) {
         all += one.words;
     }
-    std::vector<TableRow> rows;
-    for (const auto& [name, one] : sums) {  // Nothing is there that is 0.
-        rows.push_back({name, grouped(one.packets), grouped(one.words),
-                        fmt::format("{:.1f}", percent * static_cast<double>(one.words) /
-                                                  static_cast<double>(all))});
+    Table table{key, {{"name", heading}, {"packets", "packets"}, {"words", "words"}, {"", "%"}}};
+    for (const auto& [name, one] : sums) {  // No sum is 0.
+        const double share = static_cast<double>(one.words) / static_cast<double>(all);
+        table.rows.push_back({name, grouped_cell(one.packets), grouped_cell(one.words),
+                              fixed_cell(percent * share, 1)});
     }
-    return text_table({what, "packets", "words", "%"}, rows);
+    return table;
 }
 
-std::vector<Fields> ring_fields(const RingSums& sums) {
-    std::vector<Fields> rows;
-    for (const auto& [name, one] : sums) {
-        rows.push_back(
-            {{"name", name}, {"packets", number(one.packets)}, {"words", number(one.words)}});
-    }
-    return rows;
-}
-
-std::string steps_text(const ModelledRun& run) {
-    TableRow heading{"step", "what", "begin ms", "time ms"};
-    add_use_headings(heading);
-    std::vector<TableRow> rows;
-    for (const timing::StepTime& step : run.time.steps) {
-        rows.push_back({fmt::format("{}", step.step),
-                        std::visit(StepName(), run.work.steps[step.step]),
-                        fmt::format("{:.3f}", ms(step.begin)),
-                        fmt::format("{:.3f}", ms(step.end - step.begin))});
-        add_use(rows.back(), step.limit, step.use);
-    }
-    return text_table(heading, rows, 2);
-}
-
-std::string rates_text(const ModelledRun& run) {
-    const std::vector<timing::Picture> pictures = timing::pictures_of(run.work);
-    if (pictures.empty()) {
-        return "no whole picture\n";
-    }
-    TableRow heading{"shown over and over", "frames/s", "latency ms"};
-    add_use_headings(heading);
-    std::vector<TableRow> rows;
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
-        const FrameWork& first = *pictures[i].passes.front();
-        rows.push_back({picture_text("frame", first.frame, first.samples),
-                        fmt::format("{:.2f}", run.rates[i].frames_per_s),
-                        fmt::format("{:.3f}", ms(run.rates[i].latency))});
-        add_use(rows.back(), run.rates[i].limit, run.rates[i].use);
-    }
-    return text_table(heading, rows);
-}
-
-std::vector<Fields> step_fields(const ModelledRun& run) {
-    std::vector<Fields> steps;
+Table steps_table(const ModelledRun& run) {
+    Table table{"steps",
+                {{"step", "step"},
+                 {"kind", ""},
+                 {"what", "what"},
+                 {"begin_ns", ""},
+                 {"end_ns", ""},
+                 {"", "begin ms"},
+                 {"", "time ms"}},
+                {},
+                2};
+    add_use_columns(table);
     for (const timing::StepTime& step : run.time.steps) {
         const timing::StepWork& work = run.work.steps[step.step];
-        steps.push_back({{"step", number(step.step)},
-                         {"kind", std::string(std::visit(StepKind(), work))},
-                         {"what", std::visit(StepName(), work)},
-                         {"begin_ns", step.begin},
-                         {"end_ns", step.end},
-                         {"limit", std::string(timing::name_of(step.limit))},
-                         {"use", use_fields(step.use)}});
+        table.rows.push_back({step.step, std::visit(StepKind(), work), std::visit(StepName(), work),
+                              step.begin, step.end, fixed_cell(ms(step.begin), 3),
+                              fixed_cell(ms(step.end - step.begin), 3)});
+        add_use(table.rows.back(), step.limit, step.use);
     }
-    return steps;
+    return table;
 }
 
-std::vector<Fields> rate_fields(const ModelledRun& run) {
-    std::vector<Fields> rows;
+Table rates_table(const ModelledRun& run) {
+    Table table{"frames",
+                {{"frame", ""},
+                 {"samples", ""},
+                 {"", "shown repeatedly"},
+                 {"frames_per_s", "frames/s"},
+                 {"latency_ns", ""},
+                 {"", "latency ms"}}};
+    add_use_columns(table);
     const std::vector<timing::Picture> pictures = timing::pictures_of(run.work);
     for (std::size_t i = 0; i < pictures.size(); ++i) {
         const FrameWork& first = *pictures[i].passes.front();
-        rows.push_back({{"frame", std::int64_t{first.frame}},
-                        {"samples", std::int64_t{first.samples}},
-                        {"frames_per_s", run.rates[i].frames_per_s},
-                        {"latency_ns", run.rates[i].latency},
-                        {"limit", std::string(timing::name_of(run.rates[i].limit))},
-                        {"use", use_fields(run.rates[i].use)}});
+        const timing::Rate& rate = run.rates[i];
+        table.rows.push_back(
+            {first.frame, first.samples, picture_text("frame", first.frame, first.samples),
+             fixed_cell(rate.frames_per_s, 2), rate.latency, fixed_cell(ms(rate.latency), 3)});
+        add_use(table.rows.back(), rate.limit, rate.use);
     }
-    return rows;
+    return table;
+}
+
+/// A row per step, with the use of every unit in columns of their own.
+Table csv_table(const ModelledRun& run) {
+    Table table;
+    for (const char* key : {"step", "kind", "begin_ns", "end_ns", "limit"}) {
+        table.columns.push_back({key, ""});
+    }
+    for (const timing::UnitUse& use : run.time.steps.front().use) {
+        table.columns.push_back({fmt::format("{} mean", timing::name_of(use.unit)), ""});
+        table.columns.push_back({fmt::format("{} busiest", timing::name_of(use.unit)), ""});
+    }
+    table.columns.push_back({"frames_per_s", ""});
+    std::map<std::size_t, double> rates;  // By the last step of a picture.
+    for (std::size_t i = 0; const timing::Picture& picture : timing::pictures_of(run.work)) {
+        rates[picture.step + picture.passes.size() - 1] = run.rates[i++].frames_per_s;
+    }
+    for (const timing::StepTime& step : run.time.steps) {
+        std::vector<Cell>& row = table.rows.emplace_back();
+        row = {step.step, std::visit(StepKind(), run.work.steps[step.step]), step.begin, step.end,
+               timing::name_of(step.limit)};
+        for (const timing::UnitUse& use : step.use) {
+            row.insert(row.end(), {use.mean, use.busiest});
+        }
+        const auto rate = rates.find(step.step);
+        row.emplace_back(rate == rates.end() ? std::nullopt : std::optional(rate->second));
+    }
+    return table;
 }
 
 }  // namespace
@@ -192,44 +188,19 @@ ModelledRun modelled(const Topology& plan, timing::RunWork work) {
     return run;
 }
 
-std::string to_text(const ModelledRun& run) {
-    return "machine: " + machine_text(run.plan) + "\n" + missing_text(run.work.missing) +
-           "%: of the time, how long the busiest of its kind was busy\n\n" + steps_text(run) +
-           "\n" + rates_text(run) + "\n" + ring_text("words on the ring", by_kind(run)) + "\n" +
-           ring_text("channel", by_channel(run));
-}
-
-Fields to_fields(const ModelledRun& run) {
-    return {{"machine", machine_fields(run.plan)},
-            {"steps", step_fields(run)},
-            {"frames", rate_fields(run)},
-            {"ring", ring_fields(by_kind(run))},
-            {"channels", ring_fields(by_channel(run))},
-            {"events", number(run.time.events)},
-            {"missing", missing_fields(run.work.missing)}};
-}
-
-std::string to_csv(const ModelledRun& run) {
-    std::string text = "step,kind,begin_ns,end_ns,limit";
-    for (const timing::UnitUse& use : run.time.steps.front().use) {
-        text += fmt::format(",{} mean,{} busiest", timing::name_of(use.unit),
-                            timing::name_of(use.unit));
+Answer answer_of(const ModelledRun& run) {
+    const Table rates = rates_table(run);
+    Answer answer = machine_answer(run.plan, run.work.missing);
+    answer.line("").table(steps_table(run)).line("").table(rates);
+    if (rates.rows.empty()) {
+        answer.line("no complete picture");
     }
-    text += ",frames_per_s\n";
-    std::map<std::size_t, double> rates;  // By a picture's last step.
-    for (std::size_t i = 0; const timing::Picture& picture : timing::pictures_of(run.work)) {
-        rates[picture.step + picture.passes.size() - 1] = run.rates[i++].frames_per_s;
-    }
-    for (const timing::StepTime& step : run.time.steps) {
-        const timing::StepWork& work = run.work.steps[step.step];
-        text += fmt::format("{},{},{},{},{}", step.step, std::visit(StepKind(), work), step.begin,
-                            step.end, timing::name_of(step.limit));
-        for (const timing::UnitUse& use : step.use) {
-            text += fmt::format(",{},{}", use.mean, use.busiest);
-        }
-        text += rates.contains(step.step) ? fmt::format(",{}\n", rates[step.step]) : ",\n";
-    }
-    return text;
+    return answer.line("")
+        .table(ring_table("ring", "words on the ring", by_kind(run)))
+        .line("")
+        .table(ring_table("channels", "channel", by_channel(run)))
+        .data("events", run.time.events)
+        .csv_table(csv_table(run));
 }
 
 }  // namespace pxpl5::host::inspect

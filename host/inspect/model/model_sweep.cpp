@@ -20,12 +20,9 @@ namespace {
 using timing::Ns;
 using timing::SweptMachine;
 
-FieldValue value_of(const std::optional<Ns>& time) {
-    return time ? FieldValue(*time) : FieldValue(nullptr);
-}
-
-std::string cell_of(const std::optional<Ns>& time) {
-    return time ? fmt::format("{:.3f}", ms(*time)) : "-";
+/// A time in ms in the text and in ns for programs.
+Cell time_cell(const std::optional<Ns>& time) {
+    return {field_value(time), time ? fmt::format("{:.3f}", ms(*time)) : "-"};
 }
 
 double number_of(const timing::SweptKey& key, const std::string& text) {
@@ -34,12 +31,12 @@ double number_of(const timing::SweptKey& key, const std::string& text) {
     if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number)) {
         throw RequestError(
             ExitCode::usage,
-            fmt::format("--plot: {} is '{}', must be a number to be an axis", key.key, text));
+            fmt::format("--plot: {} is '{}', but an axis needs numbers", key.key, text));
     }
     return number;
 }
 
-/// Octaves, where the values reach over so many times their least.
+/// Logarithmic if the largest value is at least 8 times the smallest value.
 PlotScale scale_of(const timing::SweptKey& key) {
     constexpr double octaves_from = 8;
     double least = number_of(key, key.values.front()), most = least;
@@ -50,7 +47,7 @@ PlotScale scale_of(const timing::SweptKey& key) {
     return least > 0 && most >= octaves_from * least ? PlotScale::log2 : PlotScale::linear;
 }
 
-/// A line for each value of the second key. y(machine) may be nothing.
+/// A line for each value of the second key.
 template <typename Value>
 LinePlot lines_of(const ModelledSweep& sweep, const std::string& y_label, const Value& y) {
     const timing::SweptKey& key = sweep.keys.front();
@@ -95,78 +92,47 @@ ModelledSweep swept(const Topology& plan, std::vector<timing::SweptKey> keys,
     return sweep;
 }
 
-std::string to_text(const ModelledSweep& sweep) {
-    TableRow heading;
+Answer answer_of(const ModelledSweep& sweep) {
+    Table table{"machines", {{"set", ""}}, {}, 0};
+    Table csv;  // As the table, with a column for each key that is swept.
     for (const timing::SweptKey& key : sweep.keys) {
-        heading.push_back(key.key);
+        table.columns.push_back({"", key.key});
+        csv.columns.push_back({key.key, ""});
     }
-    heading.insert(heading.end(),
-                   {"load ms", "build ms", "build's limit", "frames/s", "latency ms"});
-    add_use_headings(heading);
-    std::vector<TableRow> rows;
-    for (const SweptMachine& machine : sweep.machines) {
-        TableRow& row = rows.emplace_back(machine.values);
-        row.insert(row.end(),
-                   {cell_of(machine.load), cell_of(machine.build),
-                    machine.build ? std::string(timing::name_of(machine.build_limit)) : "-",
-                    fmt::format("{:.2f}", machine.rate.frames_per_s),
-                    fmt::format("{:.3f}", ms(machine.rate.latency))});
-        add_use(row, machine.rate.limit, machine.rate.use);
-    }
-    return "machine: " + machine_text(sweep.plan) + "\n" + missing_text(sweep.missing) +
-           fmt::format(
-               "{}, shown over and over; load and build: of what it shows\n"
-               "%: of the time, how long the busiest of its kind was busy\n\n",
-               picture_text("frame", sweep.frame, sweep.samples)) +
-           text_table(heading, rows, 0);
-}
-
-Fields to_fields(const ModelledSweep& sweep) {
-    std::vector<Fields> machines;
+    const Column values[] = {{"load_ns", "load ms"},
+                             {"build_ns", "build ms"},
+                             {"build_limit", "limit of build"},
+                             {"frames_per_s", "frames/s"},
+                             {"latency_ns", "latency ms"}};
+    table.columns.insert(table.columns.end(), std::begin(values), std::end(values));
+    csv.columns.insert(csv.columns.end(), std::begin(values), std::end(values));
+    add_use_columns(table);
+    csv.columns.push_back({"limit", ""});
     for (const SweptMachine& machine : sweep.machines) {
         Fields set;
+        std::vector<Cell> row;
         for (std::size_t k = 0; k < sweep.keys.size(); ++k) {
             set.push_back({sweep.keys[k].key, machine.values[k]});
+            row.emplace_back(machine.values[k]);
         }
-        machines.push_back(
-            {{"set", set},
-             {"load_ns", value_of(machine.load)},
-             {"build_ns", value_of(machine.build)},
-             {"build_limit", machine.build
-                                 ? FieldValue(std::string(timing::name_of(machine.build_limit)))
-                                 : FieldValue(nullptr)},
-             {"frames_per_s", machine.rate.frames_per_s},
-             {"latency_ns", machine.rate.latency},
-             {"limit", std::string(timing::name_of(machine.rate.limit))},
-             {"use", use_fields(machine.rate.use)}});
+        row.insert(row.end(),
+                   {time_cell(machine.load), time_cell(machine.build),
+                    machine.build ? Cell(timing::name_of(machine.build_limit)) : Cell(nullptr),
+                    fixed_cell(machine.rate.frames_per_s, 2), time_cell(machine.rate.latency)});
+        csv.rows.push_back(row);
+        csv.rows.back().emplace_back(timing::name_of(machine.rate.limit));
+        add_use(row, machine.rate.limit, machine.rate.use);
+        row.insert(row.begin(), Cell(set));
+        table.rows.push_back(std::move(row));
     }
-    return {{"machine", machine_fields(sweep.plan)},
-            {"frame", std::int64_t{sweep.frame}},
-            {"samples", std::int64_t{sweep.samples}},
-            {"machines", machines},
-            {"missing", missing_fields(sweep.missing)}};
-}
-
-std::string to_csv(const ModelledSweep& sweep) {
-    std::string text;
-    for (const timing::SweptKey& key : sweep.keys) {
-        text += key.key + ",";
-    }
-    text += "load_ns,build_ns,build_limit,frames_per_s,latency_ns,limit\n";
-    const auto put = [&](const std::optional<Ns>& time) {
-        text += time ? fmt::format("{},", *time) : ",";
-    };
-    for (const SweptMachine& machine : sweep.machines) {
-        for (const std::string& value : machine.values) {
-            text += value + ",";
-        }
-        put(machine.load);
-        put(machine.build);
-        text += fmt::format(
-            "{},{},{},{}\n", machine.build ? timing::name_of(machine.build_limit) : "",
-            machine.rate.frames_per_s, machine.rate.latency, timing::name_of(machine.rate.limit));
-    }
-    return text;
+    return machine_answer(sweep.plan, sweep.missing)
+        .line(picture_text("frame", sweep.frame, sweep.samples) +
+              ", shown repeatedly; load and build: time for the contents of this frame")
+        .data("frame", sweep.frame)
+        .data("samples", sweep.samples)
+        .line("")
+        .table(std::move(table))
+        .csv_table(std::move(csv));
 }
 
 void check_axis(const timing::SweptKey& key) {

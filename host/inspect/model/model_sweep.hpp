@@ -1,11 +1,11 @@
-// One frame of a recorded run on many modelled machines, as text, fields, a table and a plot.
+// One frame of a recorded run on many modelled machines, and its plot.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "host/base/reply.hpp"
+#include "host/base/answer.hpp"
 #include "host/chart/chart.hpp"
 #include "host/timing/sweep.hpp"
 
@@ -24,13 +24,10 @@ struct ModelledSweep {
 ModelledSweep swept(const Topology& plan, std::vector<timing::SweptKey> keys,
                     const timing::RunWork& work);
 
-/// Lines end with a newline.
-std::string to_text(const ModelledSweep& sweep);
-Fields to_fields(const ModelledSweep& sweep);
-/// A heading, then a line for each machine.
-std::string to_csv(const ModelledSweep& sweep);
+/// CSV has a row per machine.
+Answer answer_of(const ModelledSweep& sweep);
 
-/// Throws RequestError (usage) naming the value of a plot's first key that is no number.
+/// Throws RequestError (usage) if a value of the plot's first key is not a number.
 void check_axis(const timing::SweptKey& key);
 
 /// Plots frames/s and the time to build over the first key's values, with one line per value of the

@@ -10,7 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "host/inspect/model/part_work.hpp"
-#include "host/inspect/why/gp_again.hpp"
+#include "host/inspect/why/replayed_gp.hpp"
 #include "host/timing/counts/runs.hpp"
 
 namespace pxpl5::host::inspect {
@@ -35,7 +35,7 @@ void for_messages(const NodeTrace& node, std::initializer_list<Body> kinds, cons
     }
 }
 
-/// What the GPs told of their slabs, of every revision.
+/// The counts that the GPs reported of their slabs, by revision.
 std::map<SurfaceKey, Slabs> told_slabs(const RecordedRun& run) {
     std::map<SurfaceKey, Slabs> told;
     const NodeTrace* host = run.find(schema::Role::host, 0);
@@ -69,7 +69,7 @@ Scenes recorded_scenes(const RecordedRun& run) {
     return scenes;
 }
 
-/// Whether the node wrote down everything that it received.
+/// True if the node recorded everything that it received.
 bool has_all(const NodeTrace* node) {
     return node != nullptr && node->info.recording == schema::Recording::full && node->cut.empty();
 }
@@ -109,10 +109,11 @@ class WorkReader {
 timing::RunWork WorkReader::read() {
     const NodeTrace* master = run_.find(schema::Role::gp, 0);
     if (master == nullptr) {
-        throw RequestError(ExitCode::bad_data,
-                           fmt::format("none of {} traces is that of gp-0, which is told all that "
-                                       "the host asks for",
-                                       run_.nodes().size()));
+        throw RequestError(
+            ExitCode::bad_data,
+            fmt::format("the trace of gp-0, which receives all requests of the host, "
+                        "is not among {} traces",
+                        run_.nodes().size()));
     }
     for_messages(*master,
                  {Body::VolumeHeader, Body::VolumeEnd, Body::DropVolume, Body::SceneBegin,
@@ -143,7 +144,7 @@ void WorkReader::take(const bus::Message& message) {
 
 void WorkReader::take_volume() {
     if (!volume_) {
-        return;  // Given up before.
+        return;  // Dropped before.
     }
     const schema::VolumeHeader& header = volume_->header();
     const gp::VolumeShape& shape = volume_->shape();
@@ -165,14 +166,15 @@ void WorkReader::take_volume() {
     volume_counted_ = true;
 }
 
-/// The revision's slabs, as GPs told them or else extracted again; nothing if neither can be had.
+/// The slabs of the revision, reported by GPs or else extracted; empty if neither is possible.
 std::optional<Slabs> WorkReader::slabs_of(const schema::SetSurface& set) {
     const auto told = told_.find({set.surface(), set.revision()});
     Slabs slabs = told == told_.end() ? Slabs() : told->second;
     const auto all = static_cast<std::uint32_t>(volume_->shape().nz - 1);
     if (slabs.size() < all && has_all(run_.find(schema::Role::host, 0))) {
-        miss(fmt::format("surface {}, revision {}: it was given up when {} of {} slabs were told",
-                         set.surface(), set.revision(), slabs.size(), all));
+        miss(fmt::format(
+            "surface {}, revision {}: a newer revision replaced it after {} of {} slabs",
+            set.surface(), set.revision(), slabs.size(), all));
         return std::nullopt;
     }
     for (std::uint32_t k = 0; k < all; ++k) {
@@ -186,9 +188,9 @@ std::optional<Slabs> WorkReader::slabs_of(const schema::SetSurface& set) {
                 fmt::format("surface {}, revision {}: {}", set.surface(), set.revision(), lacking));
             return std::nullopt;
         }
-        const gp::SlabCounts counts =
-            extract_again(*volume_, slab, set.isovalue(), static_cast<gp::CaseRule>(set.table()))
-                .counts;
+        const gp::SlabCounts counts = replay_extraction(*volume_, slab, set.isovalue(),
+                                                        static_cast<gp::CaseRule>(set.table()))
+                                          .counts;
         slabs[k] = {k, counts.cells_active, counts.vertices, counts.triangles};
     }
     return slabs;
@@ -199,7 +201,7 @@ void WorkReader::take_surface(const schema::SetSurface& set) {
     if (!slabs) {
         return;
     }
-    if (volume_counted_) {  // Or else a sentence tells of volume and surfaces.
+    if (volume_counted_) {  // Otherwise a sentence about the volume names the surfaces.
         timing::BuildWork build{set.surface(), set.revision(), set.isovalue(), {}};
         for (const auto& [k, slab] : *slabs) {
             build.slabs.push_back(slab);

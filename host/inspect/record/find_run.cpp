@@ -1,6 +1,6 @@
 #include "host/inspect/record/find_run.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <system_error>
@@ -57,7 +57,7 @@ fs::path find_run(const std::string& text, const fs::path& base) {
     const fs::path recorded = newest_run(base, true);
     if (recorded.empty()) {
         throw RequestError(ExitCode::usage,
-                           fmt::format("no recorded run under {}/; name one, or record one: "
+                           fmt::format("no recorded run under {}/; name a run, or record one: "
                                        "pxpl5 render ... --record full",
                                        base.string()));
     }
@@ -78,6 +78,29 @@ RecordedRun open_run(const std::string& text) {
         fmt::print(stderr, "run: {}\n", path.string());
     }
     return RecordedRun::open(path);
+}
+
+std::uint32_t one_frame(const RecordedRun& run, const SelectionText& text) {
+    const Selection selection = parse_selection(text);
+    std::vector<std::uint32_t> selected;
+    for (const std::uint32_t frame : run.frames()) {
+        if (selection.has_frame(frame)) {
+            selected.push_back(frame);
+        }
+    }
+    if (selected.empty()) {
+        const std::vector<std::uint32_t> all = run.frames();
+        throw RequestError(ExitCode::usage,
+                           all.empty() ? std::string("the run has no recorded frame")
+                                       : fmt::format("the run has no such frame; it has {} to {}",
+                                                     all.front(), all.back()));
+    }
+    if (selected.size() > 1 && !selection.frames.empty()) {
+        throw RequestError(ExitCode::usage, fmt::format("{} frames are selected; name one with "
+                                                        "--frame, e.g. --frame {}",
+                                                        selected.size(), selected.back()));
+    }
+    return selected.back();
 }
 
 }  // namespace pxpl5::host::inspect

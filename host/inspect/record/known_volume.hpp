@@ -1,4 +1,4 @@
-// The voxels of a recorded run, or the reason why they are not known.
+// The voxels of a recorded run, or the reason why they are unknown.
 #pragma once
 
 #include <array>

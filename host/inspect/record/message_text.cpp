@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "host/base/answer.hpp"
 #include "ringbus/trace/trace_info.hpp"
 
 namespace pxpl5::host::inspect {
@@ -16,11 +17,6 @@ std::size_t count_of(const Vector* vector) {
     return vector == nullptr ? 0 : vector->size();
 }
 
-/// "1 region", "5 regions".
-std::string many(std::size_t count, const char* thing) {
-    return fmt::format("{} {}{}", grouped(count), thing, count == 1 ? "" : "s");
-}
-
 /// "; reason", or nothing.
 std::string if_any(const char* before, const flatbuffers::String* text) {
     return text == nullptr || text->size() == 0 ? "" : before + text->str();
@@ -31,14 +27,14 @@ std::string text(const schema::Hello& m) {
                        m.build()->c_str());
 }
 std::string text(const schema::Topology& m) {
-    return fmt::format("{}, recording {}", many(m.nodes()->size(), "node"),
+    return fmt::format("{}, recording {}", counted(m.nodes()->size(), "node"),
                        schema::EnumNameRecording(m.recording()));
 }
 std::string text(const schema::Shutdown& m) {
     return m.reason() == nullptr ? "" : m.reason()->str();
 }
 std::string text(const schema::Credit& m) {
-    return fmt::format("{}, {}", many(m.messages(), "message"), many(m.bytes(), "byte"));
+    return fmt::format("{}, {}", counted(m.messages(), "message"), counted(m.bytes(), "byte"));
 }
 std::string text(const schema::Fault& m) {
     return fmt::format("{}: {}", schema::EnumNameFaultCode(m.code()), m.reason()->c_str());
@@ -59,8 +55,8 @@ std::string text(const schema::VolumeEnd& m) {
     return fmt::format("volume {}", m.volume());
 }
 std::string text(const schema::VolumeReady& m) {
-    return fmt::format("volume {}: {}, {} in use, {} us", m.volume(), many(m.slabs(), "slab"),
-                       many(m.memory_bytes(), "byte"), grouped(m.elapsed_us()));
+    return fmt::format("volume {}: {}, {} in use, {} us", m.volume(), counted(m.slabs(), "slab"),
+                       counted(m.memory_bytes(), "byte"), grouped(m.elapsed_us()));
 }
 std::string text(const schema::ExportPicture& m) {
     return fmt::format("{} x {} to {}", m.width(), m.height(), m.path()->c_str());
@@ -81,7 +77,7 @@ std::string text(const schema::SurfaceBuilt& m) {
         triangles += slab->triangles();
     }
     return fmt::format("surface {} revision {}: {} in {}, {} us", m.surface(), m.revision(),
-                       many(triangles, "triangle"), many(m.slabs()->size(), "slab"),
+                       counted(triangles, "triangle"), counted(m.slabs()->size(), "slab"),
                        grouped(m.elapsed_us()));
 }
 std::string text(const schema::FetchMesh& m) {
@@ -89,18 +85,19 @@ std::string text(const schema::FetchMesh& m) {
 }
 std::string text(const schema::MeshPart& m) {
     return fmt::format("surface {} revision {}: {}", m.surface(), m.revision(),
-                       many(m.slabs()->size(), "slab"));
+                       counted(m.slabs()->size(), "slab"));
 }
 std::string text(const schema::DrawFrame& m) {
     return fmt::format("frame {}: {} x {}, {}, {}, {}{}", m.frame(), m.width(), m.height(),
-                       many(m.views()->size(), "view"), many(m.surfaces()->size(), "surface"),
-                       many(m.lights()->size(), "light"),
+                       counted(m.views()->size(), "view"), counted(m.surfaces()->size(), "surface"),
+                       counted(m.lights()->size(), "light"),
                        m.samples() == 1
                            ? std::string()
                            : fmt::format(", sample {} of {}", m.sample() + 1, m.samples()));
 }
 std::string text(const schema::BeginFrame& m) {
-    return fmt::format("{}; {} assigned", text(*m.draw()), many(m.assignment()->size(), "region"));
+    return fmt::format("{}; {} assigned", text(*m.draw()),
+                       counted(m.assignment()->size(), "region"));
 }
 std::string text(const schema::RegionPrograms& m) {
     std::size_t words = 0, segments = 0;
@@ -109,8 +106,8 @@ std::string text(const schema::RegionPrograms& m) {
         segments += region->segments()->size();
     }
     return fmt::format("frame {}, gp-{}: {}, {}, {}", m.frame(), m.gp(),
-                       many(m.regions()->size(), "region"), many(segments, "segment"),
-                       many(words, "word"));
+                       counted(m.regions()->size(), "region"), counted(segments, "segment"),
+                       counted(words, "word"));
 }
 std::string text(const schema::RegionPixels& m) {
     std::uint64_t instructions = 0, cycles = 0;
@@ -121,25 +118,25 @@ std::string text(const schema::RegionPixels& m) {
         regions += fmt::format(" {}", tile->region());
     }
     return fmt::format("frame {}, renderer-{}: {}{}{}, {}, {}", m.frame(), m.renderer(),
-                       many(m.tiles()->size(), "region"), regions.empty() ? "" : ":", regions,
-                       many(instructions, "instruction"), many(cycles, "cycle"));
+                       counted(m.tiles()->size(), "region"), regions.empty() ? "" : ":", regions,
+                       counted(instructions, "instruction"), counted(cycles, "cycle"));
 }
 std::string text(const schema::FrameDone& m) {
     return fmt::format("frame {}: {} x {}, {}, {}", m.frame(), m.width(), m.height() * m.views(),
-                       many(m.instructions(), "instruction"),
+                       counted(m.instructions(), "instruction"),
                        count_of(m.pixels()) == 0 ? "without pixels" : "with pixels");
 }
 std::string text(const schema::TraceSaved& m) {
-    return fmt::format("{}, {}{}", many(m.messages(), "message"), many(m.bytes(), "byte"),
+    return fmt::format("{}, {}{}", counted(m.messages(), "message"), counted(m.bytes(), "byte"),
                        if_any("; ", m.error()));
 }
 std::string text(const schema::SceneBegin& m) {
-    return fmt::format("scene {}: {}", m.scene(), many(m.surfaces()->size(), "surface"));
+    return fmt::format("scene {}: {}", m.scene(), counted(m.surfaces()->size(), "surface"));
 }
 std::string text(const schema::ScenePart& m) {
     return fmt::format("scene {}, surface {} slab {}: {}, {}, {}", m.scene(), m.surface(), m.slab(),
-                       many(m.indices()->size() / 3, "triangle"),
-                       many(m.spheres()->size(), "sphere"), many(m.lines()->size(), "line"));
+                       counted(m.indices()->size() / 3, "triangle"),
+                       counted(m.spheres()->size(), "sphere"), counted(m.lines()->size(), "line"));
 }
 std::string text(const schema::SceneEnd& m) {
     return fmt::format("scene {}", m.scene());
@@ -150,8 +147,8 @@ std::string text(const schema::FrameCounts& m) {
         primitives += slab->primitives();
     }
     return fmt::format("frame {}: {} in {}, {} of regions", m.frame(),
-                       many(primitives, "primitive"), many(m.drawn()->size(), "slab"),
-                       many(m.parts()->size(), "part"));
+                       counted(primitives, "primitive"), counted(m.drawn()->size(), "slab"),
+                       counted(m.parts()->size(), "part"));
 }
 
 /// The text of the first of these kinds that the message is.
@@ -168,15 +165,6 @@ std::string text_of_any(const bus::Message& message) {
 }
 
 }  // namespace
-
-std::string grouped(std::uint64_t number) {
-    std::string text = std::to_string(number);
-    for (std::size_t at = text.size(); at > 3;) {
-        at -= 3;
-        text.insert(at, ",");
-    }
-    return text;
-}
 
 std::string describe(const bus::Message& message) {
     using namespace schema;

@@ -18,7 +18,4 @@ std::optional<std::uint32_t> frame_of(const bus::Message& message);
 /// True if messages of this kind belong to a frame.
 bool is_of_frame(bus::Body kind);
 
-/// 1234567 as "1,234,567".
-std::string grouped(std::uint64_t number);
-
 }  // namespace pxpl5::host::inspect

@@ -16,7 +16,7 @@ namespace schema = bus::schema;
 
 constexpr int size_px = isa::region::size_px;
 constexpr std::size_t tile_pixels = isa::region_pixels;
-constexpr std::uint32_t colour_mask = 0xFFFFFF;
+constexpr std::uint32_t color_mask = 0xFFFFFF;
 
 std::size_t in_tile(int x, int y) {
     return static_cast<std::size_t>(y * size_px + x);
@@ -97,8 +97,8 @@ std::optional<PixelDifference> compare_tiles(const RecordedFrame& frame, std::ui
                                              std::span<const std::uint32_t> expected) {
     std::optional<PixelDifference> difference;
     each_pixel(frame, region, [&](int x, int y, int px, int py) {
-        const std::uint32_t p = tile[in_tile(x, y)] & colour_mask,
-                            q = expected[in_tile(x, y)] & colour_mask;
+        const std::uint32_t p = tile[in_tile(x, y)] & color_mask,
+                            q = expected[in_tile(x, y)] & color_mask;
         if (p != q) {
             difference = PixelDifference{px, py, p, q};
         }
@@ -107,12 +107,12 @@ std::optional<PixelDifference> compare_tiles(const RecordedFrame& frame, std::ui
     return difference;
 }
 
-std::string colour_text(std::uint32_t pixel) {
+std::string color_text(std::uint32_t pixel) {
     return fmt::format("#{:02x}{:02x}{:02x}", pixel & 0xFF, pixel >> 8 & 0xFF, pixel >> 16 & 0xFF);
 }
 
-std::string colour_difference(const PixelDifference& pixel, std::string_view found_in,
-                              std::string_view expected_in) {
+std::string color_difference(const PixelDifference& pixel, std::string_view found_in,
+                             std::string_view expected_in) {
     constexpr std::array<const char*, 3> names = {"red", "green", "blue"};
     std::string text;
     for (unsigned k = 0; k < 3; ++k) {

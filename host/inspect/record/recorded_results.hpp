@@ -1,4 +1,4 @@
-// What a recorded frame came to: the pixels that Renderers sent and that the host got.
+// The results of a recorded frame: the pixels that Renderers sent and that the host received.
 #pragma once
 
 #include <optional>
@@ -20,19 +20,19 @@ struct RecordedTile {
     isa::RunCounts counts;
 };
 
-/// Nothing if the frame buffer's trace does not have it.
+/// Empty if the frame buffer's trace does not have the region.
 std::optional<RecordedTile> tile_of(const RecordedFrame& frame, std::uint32_t region);
 
 FrameShape shape_of(const RecordedFrame& frame);
 
-/// The frame as the host got it, shape_of() pixels; empty if it was not recorded or not read back.
+/// The frame that the host received, shape_of() pixels; empty if not recorded or not read back.
 std::span<const std::uint32_t> picture_of(const RecordedFrame& frame);
 
 /// A region of a picture, 128 * 128 pixels; 0 where it reaches beyond.
 std::vector<std::uint32_t> cut_out(const RecordedFrame& frame, std::uint32_t region,
                                    std::span<const std::uint32_t> picture);
 
-/// As the `digest` command of a session prints it.
+/// The digest that the `digest` command of a session prints.
 std::uint64_t digest_of(std::span<const std::uint32_t> picture);
 
 /// A pixel of the whole picture that differs.
@@ -41,7 +41,7 @@ struct PixelDifference {
     std::uint32_t found = 0, expected = 0;  ///< Red in the low byte.
 };
 
-/// The first pixel, row by row, of a region that lies in the picture and differs in colour.
+/// The first pixel, row by row, of a region that lies in the picture and differs in color.
 ///
 /// tile      128 * 128 pixels.
 /// expected  128 * 128 pixels, too.
@@ -50,11 +50,11 @@ std::optional<PixelDifference> compare_tiles(const RecordedFrame& frame, std::ui
                                              std::span<const std::uint32_t> expected);
 
 /// "#8a372f": red, green, blue. A pixel's word has red in the low byte.
-std::string colour_text(std::uint32_t pixel);
+std::string color_text(std::uint32_t pixel);
 
 /// "red is 12 in A and 14 in B (bit 1), blue is 3 in A and 0 in B (bits 0, 1)"
-std::string colour_difference(const PixelDifference& pixel, std::string_view found_in,
-                              std::string_view expected_in);
+std::string color_difference(const PixelDifference& pixel, std::string_view found_in,
+                             std::string_view expected_in);
 
 /// "region 5 (column 1, row 1)", with the view if there are several.
 std::string region_name(const RecordedFrame& frame, std::uint32_t region);

@@ -101,9 +101,10 @@ RegionPlace RecordedFrame::region_at(int x, int y) const {
     const int width = static_cast<int>(draw().width()), height = static_cast<int>(draw().height());
     const int views = static_cast<int>(draw().views()->size());
     if (x < 0 || x >= width || y < 0 || y >= height * views) {
-        throw RequestError(ExitCode::usage,
-                           fmt::format("pixel ({}, {}) is outside of frame {}, which has {} x {}",
-                                       x, y, number, width, height * views));
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("pixel ({}, {}) is outside of frame {}, which has {} x {} pixels", x, y,
+                        number, width, height * views));
     }
     const int columns = regions_along(draw().width()), rows = regions_along(draw().height());
     const int view = y / height, row = y % height / size_px;
@@ -120,9 +121,9 @@ RecordedRun::RecordedRun(std::vector<NodeTrace> nodes) {
         index_node(id, node);
     }
     if (gp_count_ == 0 || renderer_count_ == 0) {
-        throw RequestError(
-            ExitCode::bad_data,
-            fmt::format("none of {} traces tells the machine (a Topology message)", nodes_.size()));
+        throw RequestError(ExitCode::bad_data,
+                           fmt::format("none of {} traces describes the machine (Topology message)",
+                                       nodes_.size()));
     }
 }
 
@@ -250,7 +251,7 @@ RecordedFrame RecordedRun::frame(std::uint32_t number) const {
     return frame;
 }
 
-/// Of a pass, the frame before it, if that is the pass before it.
+/// Adds the frame before a pass, if that frame is the pass before it.
 void RecordedRun::add_earlier(RecordedFrame& frame) const {
     const schema::DrawFrame& draw = frame.draw();
     const auto found = frames_.find(frame.number - 1);

@@ -40,10 +40,10 @@ struct RecordedRegion {
     RegionPlace place;
     std::uint32_t renderer = 0;
     renderer::RegionPlan plan;  ///< Points into the frame's messages.
-    /// Of a pass: what the backing store holds at its begin is what the region's parts of the
-    /// passes before, one behind the other, leave there. See prepare() in executors.hpp.
+    /// Only in a pass: the backing store at its begin holds the results of the region's parts of
+    /// the earlier passes, executed one after the other. See prepare() in executors.hpp.
     renderer::RegionPlan before;
-    std::vector<std::uint32_t> end_of_region;  ///< Of a pass: the plan's, for the region's slot.
+    std::vector<std::uint32_t> end_of_region;  ///< Only in a pass: the plan's, for the slot.
 };
 
 /// One frame. Keeps the messages that its regions point into.
@@ -57,8 +57,8 @@ struct RecordedFrame {
     std::map<std::uint32_t, renderer::FrameMessages> inputs;  ///< By Renderer.
     std::map<std::uint32_t, renderer::FramePlan> plans;       ///< By Renderer.
     std::map<std::uint32_t, RecordedRegion> regions;  ///< By number; those that can be executed.
-    std::vector<std::string> missing;        ///< Why other regions are not there, a sentence each.
-    std::unique_ptr<RecordedFrame> earlier;  ///< Of a pass: the one before it, if it is recorded.
+    std::vector<std::string> missing;        ///< Why other regions are missing, a sentence each.
+    std::unique_ptr<RecordedFrame> earlier;  ///< Only in a pass: the pass before, if recorded.
     std::optional<bus::Message> done;        ///< FrameDone, if the host's trace has it.
     std::map<std::uint32_t, bus::Message> pixels;  ///< RegionPixels by Renderer, if they came.
 

@@ -69,24 +69,45 @@ void add_primitives(const RecordedFrame& frame, const RecordedRegion& region, st
 
 }  // namespace
 
-std::string to_text(const renderer::RegionPlan& plan, Address address) {
-    const renderer::RegionPlan::Part& part = plan.parts[address.part];
-    switch (part.kind) {
+const char* kind_name(Kind kind) {
+    switch (kind) {
         case Kind::prologue:
-            return fmt::format("prologue+{}", address.word);
+            return "prologue";
         case Kind::shut_door:
-            return fmt::format("shut-door surface {}+{}", part.segment.surface, address.word);
+            return "shut-door";
         case Kind::open_door:
-            return fmt::format("open-door surface {}+{}", part.segment.surface, address.word);
+            return "open-door";
         case Kind::depths:
-            return fmt::format("depths+{}", address.word);
+            return "depths";
         case Kind::end_of_region:
-            return fmt::format("end+{}", address.word);
+            return "end";
         case Kind::segment:
             break;
     }
+    return "segment";
+}
+
+std::vector<const RecordedRegion*> selected_regions(const RecordedFrame& frame,
+                                                    const Selection& selection) {
+    std::vector<const RecordedRegion*> regions;
+    for (const auto& [number, region] : frame.regions) {
+        if (selection.has_region(number, region.place.column, region.place.row) &&
+            selection.has_renderer(region.renderer)) {
+            regions.push_back(&region);
+        }
+    }
+    return regions;
+}
+
+std::string to_text(const renderer::RegionPlan& plan, Address address) {
+    const renderer::RegionPlan::Part& part = plan.parts[address.part];
     const renderer::Segment& s = part.segment;
-    return fmt::format("gp-{} surface {} slab {}+{}", s.gp, s.surface, s.slab, address.word);
+    if (part.kind == Kind::segment) {
+        return fmt::format("gp-{} surface {} slab {}+{}", s.gp, s.surface, s.slab, address.word);
+    }
+    const bool is_door = part.kind == Kind::shut_door || part.kind == Kind::open_door;
+    return fmt::format("{}{}+{}", kind_name(part.kind),
+                       is_door ? fmt::format(" surface {}", s.surface) : "", address.word);
 }
 
 std::vector<Primitive> primitives_of(const RecordedFrame& frame, const RecordedRegion& region) {
@@ -111,6 +132,12 @@ const Primitive* primitive_at(std::span<const Primitive> primitives, Address add
                    address.word < candidate.first_word + candidate.word_count
                ? &candidate
                : nullptr;
+}
+
+isa::Coefficients coefficients_behind(std::span<const std::uint32_t> words, std::size_t word) {
+    const auto behind = words.subspan(word + 1, isa::instruction_words(words[word]) - 1);
+    // int32_t is the signed type of uint32_t, so that reading one as the other is defined.
+    return {reinterpret_cast<const std::int32_t*>(behind.data()), behind.size()};
 }
 
 RegionWalk::RegionWalk(const renderer::RegionPlan& plan, isa::Executor& executor)
@@ -160,11 +187,7 @@ isa::Instruction RegionWalk::next() const {
 }
 
 isa::Coefficients RegionWalk::coefficients() const {
-    const renderer::Words words = plan_.parts[part_].segment.words;
-    const std::size_t at = sequencer_->at();
-    const renderer::Words coefficients =
-        words.subspan(at + 1, isa::instruction_words(words[at]) - 1);
-    return {reinterpret_cast<const std::int32_t*>(coefficients.data()), coefficients.size()};
+    return coefficients_behind(plan_.parts[part_].segment.words, sequencer_->at());
 }
 
 void RegionWalk::step() {

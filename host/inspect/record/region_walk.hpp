@@ -9,9 +9,16 @@
 #include <vector>
 
 #include "host/inspect/record/recorded_run.hpp"
+#include "host/inspect/record/selection.hpp"
 #include "isa/sequencer.hpp"
 
 namespace pxpl5::host::inspect {
+
+/// A pixel of a region, 0..127 each.
+struct RegionPixel {
+    int x = 0, y = 0;
+    friend bool operator==(const RegionPixel&, const RegionPixel&) = default;
+};
 
 /// Address of an instruction in a region's programs.
 struct Address {
@@ -19,6 +26,13 @@ struct Address {
     std::size_t word = 0;  ///< Within the part's words.
     auto operator<=>(const Address&) const = default;
 };
+
+/// "prologue", "shut-door", "open-door", "depths", "end"; "segment".
+const char* kind_name(renderer::RegionPlan::Kind kind);
+
+/// The regions of a frame that a selection names by region and by Renderer.
+std::vector<const RecordedRegion*> selected_regions(const RecordedFrame& frame,
+                                                    const Selection& selection);
 
 /// "prologue+4", "gp-3 surface 0 slab 17+34", "shut-door surface 1+2", "open-door surface 1+0",
 /// "depths+0", "end+12".
@@ -30,7 +44,7 @@ struct Primitive {
     std::size_t number = 0;                      ///< In the region, over all segments, from 0.
     std::size_t first_word = 0, word_count = 0;  ///< Within the part.
     std::optional<bus::schema::Origin> origin;   ///< If it was recorded and there is a cell.
-    bool is_of_scene = false;                    ///< Of an archive: it has no voxel cell.
+    bool is_of_scene = false;  ///< True for a primitive of an archive: it has no voxel cell.
     Address address() const { return {part, first_word}; }
 };
 
@@ -40,6 +54,9 @@ std::vector<Primitive> primitives_of(const RecordedFrame& frame, const RecordedR
 /// The primitive that holds the address; null for the Renderer's own programs.
 const Primitive* primitive_at(std::span<const Primitive> primitives, Address address);
 
+/// The coefficients of the instruction at `word`.
+isa::Coefficients coefficients_behind(std::span<const std::uint32_t> words, std::size_t word);
+
 class RegionWalk {
   public:
     /// Both outlive the walk; `executor` is as new.
@@ -47,7 +64,7 @@ class RegionWalk {
 
     const renderer::RegionPlan& plan() const { return plan_; }
     bool done() const { return part_ == plan_.parts.size(); }
-    /// Of the next instruction. Not when done().
+    /// Address of the next instruction. Not when done().
     Address at() const;
     bool is_part_begin() const;  ///< The next instruction is its part's first that runs.
     isa::Instruction next() const;
@@ -59,7 +76,9 @@ class RegionWalk {
     /// Runs to the end of the part under way, letting the executor run ahead.
     void run_part();
 
-    const isa::RunCounts& counts() const { return counts_; }  ///< Of all that ran.
+    const isa::RunCounts& counts() const {
+        return counts_;
+    }  ///< Counts of all instructions so far.
 
     /// Where the walk stands. The executor's pixels are kept apart.
     struct State {
@@ -79,7 +98,7 @@ class RegionWalk {
     isa::Executor& executor_;
     isa::Controller controller_;
     std::size_t part_ = 0;
-    std::optional<isa::Sequencer> sequencer_;  ///< Of the part under way.
+    std::optional<isa::Sequencer> sequencer_;  ///< Runs the current part.
     isa::RunCounts counts_;
 };
 

@@ -1,6 +1,10 @@
 #include "host/inspect/record/run_table.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "host/inspect/record/message_text.hpp"
 #include "ringbus/trace/trace_info.hpp"
@@ -144,6 +148,130 @@ RunTable table_of(const RecordedRun& run) {
         table.volumes.push_back(volume);
     }
     return table;
+}
+
+namespace {
+
+constexpr std::size_t hash_digits = 16;  ///< Digits of a longer hash in the text; JSON has all.
+
+/// "; 8 MiB for each GP; ring of 8 channels of 80 MB/s": the values that the topology states.
+std::string machine_text(const std::string& topology) {
+    const auto json = nlohmann::json::parse(topology, nullptr, false);
+    const auto number = [&](const char* path) {
+        const nlohmann::json::json_pointer place(path);
+        const bool is_there =
+            json.is_object() && json.contains(place) && json.at(place).is_number_integer();
+        return is_there ? std::optional(json.at(place).get<std::int64_t>()) : std::nullopt;
+    };
+    std::string text;
+    if (const auto memory = number("/roles/gp/memory_mib")) {
+        text += fmt::format("; {} MiB for each GP", *memory);
+    }
+    const auto channels = number("/ring/channels"), speed = number("/ring/channel_mb_s");
+    if (channels && speed) {
+        text += fmt::format("; ring of {} channels of {} MB/s", *channels, *speed);
+    }
+    return text;
+}
+
+Table nodes_table(const std::vector<NodeRow>& nodes) {
+    Table table{"nodes",
+                {{"name", "node"},
+                 {"messages", "messages"},
+                 {"bytes", "bytes"},
+                 {"first_clock", "from clock"},
+                 {"last_clock", "to clock"},
+                 {"recording", "recording"},
+                 {"dropped", "dropped"},
+                 {"complete", ""},
+                 {"cut", ""},
+                 {"", "trace"}}};
+    for (const NodeRow& node : nodes) {
+        const bool complete = node.cut.empty();
+        table.rows.push_back({node.name, grouped_cell(node.messages), grouped_cell(node.bytes),
+                              node.first_clock, node.last_clock, node.recording,
+                              grouped_cell(node.dropped), complete, node.cut,
+                              complete ? "complete" : "cut: " + node.cut});
+    }
+    return table;
+}
+
+Table frames_table(const std::vector<FrameRow>& frames) {
+    Table table{"frames",
+                {{"frame", "frame"},
+                 {"width", ""},
+                 {"height", ""},
+                 {"views", ""},
+                 {"", "size"},
+                 {"surfaces", "surfaces"},
+                 {"triangles", "triangles"},
+                 {"triangles_drawn", "drawn"},
+                 {"words", "words"},
+                 {"regions", "regions"},
+                 {"executable", "executable"},
+                 {"instructions", "instructions"},
+                 {"done", "done"}},
+                {},
+                0};
+    for (const FrameRow& frame : frames) {
+        table.rows.push_back(
+            {frame.number, frame.width, frame.height, frame.views,
+             fmt::format("{}x{}{}", frame.width, frame.height, frame.views > 1 ? "x2" : ""),
+             frame.surfaces, grouped_cell(frame.triangles), grouped_cell(frame.triangles_drawn),
+             grouped_cell(frame.words), frame.regions, frame.executable,
+             grouped_cell(frame.instructions), frame.done});
+    }
+    return table;
+}
+
+Table volumes_table(const std::vector<VolumeRow>& volumes) {
+    Table table{"volumes",
+                {{"volume", "volume"},
+                 {"name", "name"},
+                 {"source", "read from"},
+                 {"nx", ""},
+                 {"ny", ""},
+                 {"nz", ""},
+                 {"", "size"},
+                 {"type", "type"},
+                 {"digest", "digest"}},
+                {},
+                3};
+    for (const VolumeRow& volume : volumes) {
+        table.rows.push_back({volume.id, volume.name, volume.source, volume.nx, volume.ny,
+                              volume.nz, fmt::format("{}x{}x{}", volume.nx, volume.ny, volume.nz),
+                              volume.type, hex_cell(volume.digest)});
+    }
+    return table;
+}
+
+}  // namespace
+
+Answer answer_of(const RunTable& run) {
+    std::string versions =
+        fmt::format("recorded by {}; message schemas {}", run.build, run.schema_hash);
+    Fields more;
+    for (const auto& [key, value] : run.more) {
+        versions += fmt::format("; {} {}", key, value.substr(0, hash_digits));
+        more.push_back({key, value});
+    }
+    Answer answer;
+    answer.line(versions)
+        .line(fmt::format("machine: GPs {}, Renderers {}{}", run.gps, run.renderers,
+                          machine_text(run.topology)))
+        .data("build", run.build)
+        .data("schema_hash", run.schema_hash)
+        .data("more", more)
+        .data("topology", run.topology)
+        .data("gps", run.gps)
+        .data("renderers", run.renderers)
+        .line("")
+        .table(volumes_table(run.volumes))
+        .line("")
+        .table(nodes_table(run.nodes))
+        .line("")
+        .table(frames_table(run.frames));
+    return answer;
 }
 
 }  // namespace pxpl5::host::inspect

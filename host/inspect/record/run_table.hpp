@@ -1,4 +1,4 @@
-// What a recorded run holds: its nodes, volumes and frames, for `trace ls`.
+// The contents of a recorded run: its nodes, volumes and frames, for `trace ls`.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/reply.hpp"
+#include "host/base/answer.hpp"
 #include "host/inspect/record/recorded_run.hpp"
 
 namespace pxpl5::host::inspect {
@@ -31,11 +31,11 @@ struct VolumeRow {
 struct FrameRow {
     std::uint32_t number = 0, width = 0, height = 0, views = 0;
     std::size_t surfaces = 0;
-    std::uint64_t triangles = 0, triangles_drawn = 0;  ///< Of all surfaces; in front of the viewer.
-    std::uint64_t words = 0;                           ///< Of all streams.
-    std::size_t regions = 0, executable = 0;           ///< Executable: all that it needs is there.
-    std::uint64_t instructions = 0;                    ///< As Renderers told; 0 if that is missing.
-    bool done = false;                                 ///< FrameDone came.
+    std::uint64_t triangles = 0, triangles_drawn = 0;  ///< On all surfaces; after culling.
+    std::uint64_t words = 0;                           ///< In all streams.
+    std::size_t regions = 0, executable = 0;  ///< Executable: all its messages are recorded.
+    std::uint64_t instructions = 0;           ///< Reported by the Renderers; 0 if missing.
+    bool done = false;                        ///< FrameDone came.
 };
 
 struct RunTable {
@@ -50,8 +50,6 @@ struct RunTable {
 
 RunTable table_of(const RecordedRun& run);
 
-/// For people; lines end with a newline.
-std::string to_text(const RunTable& table);
-Fields to_fields(const RunTable& table);
+Answer answer_of(const RunTable& table);
 
 }  // namespace pxpl5::host::inspect

@@ -7,6 +7,7 @@
 #include <limits>
 #include <tuple>
 
+#include "host/base/answer.hpp"
 #include "host/inspect/record/message_text.hpp"
 
 namespace pxpl5::host::inspect {

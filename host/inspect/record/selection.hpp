@@ -17,7 +17,7 @@ struct Range {
     bool contains(std::uint32_t n) const { return n >= from && n <= to; }
 };
 
-/// As given: --frame 3-5 --region 2,1 --gp 7 --renderer 0 --surface 1 --slab 10-12 --op 'TREE*'.
+/// Given texts: --frame 3-5 --region 2,1 --gp 7 --renderer 0 --surface 1 --slab 10-12 --op 'TREE*'.
 /// An empty option selects all; several ranges are separated by blanks or repeated options.
 struct SelectionText {
     std::vector<std::string> frame, region, gp, renderer, surface, slab, op, kind;
@@ -41,6 +41,13 @@ struct Selection {
     bool has_surface(std::uint32_t n) const { return has(surfaces, n); }
     bool has_slab(std::uint32_t n) const { return has(slabs, n); }
     bool has_region(std::uint32_t number, int column, int row) const;
+    /// True if a part of a region is selected: a segment by its GP, surface and slab; any other
+    /// part if the selection names none of the three.
+    bool has_part(bool is_segment, std::uint32_t gp, std::uint32_t surface,
+                  std::uint32_t slab) const {
+        return is_segment ? has_gp(gp) && has_surface(surface) && has_slab(slab)
+                          : gps.empty() && surfaces.empty() && slabs.empty();
+    }
     bool has_op(isa::Op op) const;
     bool has_kind(std::string_view kind) const;
 

@@ -1,4 +1,4 @@
-// What a region can be executed on again, by name.
+// The executors on which a region can be executed again, by name.
 #pragma once
 
 #include <memory>
@@ -24,9 +24,9 @@ std::vector<ExecutorKind> parse_executors(std::string_view text);
 /// A new one, its pixels cleared and disabled. This machine has it.
 std::unique_ptr<isa::Executor> make_executor(ExecutorKind kind);
 
-/// What executing a region gave.
+/// The result of executing a region.
 struct RegionRun {
-    std::vector<std::uint32_t> pixels;  ///< As read out: 128 * 128, row by row, if it was once.
+    std::vector<std::uint32_t> pixels;  ///< Pixels read out: 128 * 128, row by row.
     std::vector<std::uint32_t> depths;  ///< Likewise, if the frame wanted them.
     isa::RunCounts counts;
 };

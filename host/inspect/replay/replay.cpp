@@ -20,12 +20,12 @@ struct Replayed {
 };
 
 std::string pixel_text(const PixelDifference& p, std::string_view recorded_by) {
-    return fmt::format("pixel ({}, {}): {} here, {} in {}; {}", p.x, p.y, colour_text(p.found),
-                       colour_text(p.expected), recorded_by,
-                       colour_difference(p, "the replay", "the recording"));
+    return fmt::format("pixel ({}, {}): {} here, {} in {}; {}", p.x, p.y, color_text(p.found),
+                       color_text(p.expected), recorded_by,
+                       color_difference(p, "the replay", "the recording"));
 }
 
-/// What differs from the recording, if anything.
+/// The difference from the recording, if any.
 std::optional<std::string> difference(const RecordedFrame& frame, std::uint32_t region,
                                       const RegionRun& run, const RegionReplay& report) {
     const std::string sender = fmt::format("renderer-{}'s RegionPixels", report.renderer);
@@ -44,16 +44,17 @@ std::optional<std::string> difference(const RecordedFrame& frame, std::uint32_t 
             }
         }
         if (!std::ranges::equal(run.pixels, tile->pixels)) {
-            return "a pixel outside of the picture, or an alpha, is not as " + sender + " has it";
+            return "a pixel outside of the picture, or an alpha value, differs from " + sender;
         }
         if (!std::ranges::equal(run.depths, tile->depths)) {
-            return "what a pixel shows, or its depth, is not as " + sender + " has it";
+            return "the provenance or the depth of a pixel differs from " + sender;
         }
         const auto counts = [](const isa::RunCounts& c) {
             return fmt::format("{} instructions, {} modelled cycles", c.instructions, c.cycles);
         };
         if (counts(run.counts) != counts(tile->counts)) {
-            return fmt::format("{}; {} says {}", counts(run.counts), sender, counts(tile->counts));
+            return fmt::format("{}; {} states {}", counts(run.counts), sender,
+                               counts(tile->counts));
         }
     }
     const auto picture = picture_of(frame);
@@ -80,7 +81,7 @@ Replayed replay_region(const RecordedFrame& frame, const RecordedRegion& region,
     return replayed;
 }
 
-/// Calls work(i) for i in 0..count-1 from several threads, and passes on what one of them throws.
+/// Calls work(i) for i in 0..count-1 from several threads. Rethrows the first exception.
 void in_parallel(std::size_t count, unsigned threads,
                  const std::function<void(std::size_t)>& work) {
     std::atomic<std::size_t> next{0};
@@ -106,18 +107,6 @@ void in_parallel(std::size_t count, unsigned threads,
             std::rethrow_exception(failure);
         }
     }
-}
-
-std::vector<const RecordedRegion*> selected(const RecordedFrame& frame,
-                                            const Selection& selection) {
-    std::vector<const RecordedRegion*> regions;
-    for (const auto& [number, region] : frame.regions) {
-        if (selection.has_region(number, region.place.column, region.place.row) &&
-            selection.has_renderer(region.renderer)) {
-            regions.push_back(&region);
-        }
-    }
-    return regions;
 }
 
 FrameReplay replay_frame(const RecordedFrame& frame,
@@ -146,25 +135,6 @@ FrameReplay replay_frame(const RecordedFrame& frame,
     return report;
 }
 
-Fields fields_of(const FrameReplay& frame) {
-    Fields fields = {{"frame", std::int64_t{frame.frame}},
-                     {"executor", std::string(name_of(frame.executor))},
-                     {"regions", static_cast<std::int64_t>(frame.regions.size())},
-                     {"compared", static_cast<std::int64_t>(frame.compared())},
-                     {"agrees", frame.agrees()}};
-    if (frame.digest) {
-        fields.push_back({"digest", fmt::format("{:016x}", *frame.digest)});
-    }
-    if (frame.recorded) {
-        fields.push_back({"recorded", fmt::format("{:016x}", *frame.recorded)});
-    }
-    if (const RegionReplay* region = frame.first_difference()) {
-        fields.push_back({"region", std::int64_t{region->region}});
-        fields.push_back({"difference", *region->difference});
-    }
-    return fields;
-}
-
 }  // namespace
 
 std::size_t FrameReplay::compared() const {
@@ -189,54 +159,61 @@ std::size_t ReplayReport::compared() const {
     return sum;
 }
 
-std::string to_text(const FrameReplay& frame) {
+Answer answer_of(const FrameReplay& frame) {
     std::uint64_t instructions = 0;
+    std::size_t differ = 0;
     for (const RegionReplay& region : frame.regions) {
         instructions += region.counts.instructions;
+        differ += region.difference ? 1 : 0;
     }
-    const auto differ = std::ranges::count_if(
-        frame.regions, [](const RegionReplay& r) { return r.difference.has_value(); });
-    std::string text = fmt::format(
-        "frame {:>4}  {:<9}  regions {:>3}, compared {:>3}, differ {:>3}  instructions {:>9}  "
-        "{:6.2f} s  {}{}digest {}{}",
-        frame.frame, name_of(frame.executor), frame.regions.size(), frame.compared(), differ,
-        instructions, frame.elapsed_s, frame.pass, frame.pass.empty() ? "" : ", ",
-        frame.digest ? fmt::format("{:016x}", *frame.digest) : "of the whole frame unknown",
-        !frame.digest || !frame.recorded   ? ""
-        : *frame.digest == *frame.recorded ? " as recorded"
-                                           : fmt::format(", recorded {:016x}", *frame.recorded));
+    const auto hex = [](std::uint64_t digest) { return fmt::format("{:016x}", digest); };
+    const std::string recorded = !frame.digest || !frame.recorded ? ""
+                                 : *frame.digest == *frame.recorded
+                                     ? " as recorded"
+                                     : ", recorded " + hex(*frame.recorded);
+    Answer answer;
+    answer
+        .line(fmt::format(
+            "frame {:>4}  {:<9}  regions {:>3}, compared {:>3}, differ {:>3}  "
+            "instructions {:>9}  {:6.2f} s  {}{}digest {}{}",
+            frame.frame, name_of(frame.executor), frame.regions.size(), frame.compared(), differ,
+            instructions, frame.elapsed_s, frame.pass, frame.pass.empty() ? "" : ", ",
+            frame.digest ? hex(*frame.digest) : "of the whole frame unknown", recorded))
+        .data("frame", frame.frame)
+        .data("executor", name_of(frame.executor))
+        .data("regions", frame.regions.size())
+        .data("compared", frame.compared())
+        .data("agrees", frame.agrees())
+        .data_if("digest", frame.digest ? hex(*frame.digest) : "")
+        .data_if("recorded", frame.recorded ? hex(*frame.recorded) : "");
     if (const RegionReplay* region = frame.first_difference()) {
-        text += fmt::format("\n    region {}: {}", region->region, *region->difference);
+        answer.line(fmt::format("    region {}: {}", region->region, *region->difference))
+            .data("region", region->region)
+            .data("difference", *region->difference);
     }
-    return text;
+    return answer;
 }
 
-std::string summary_of(const ReplayReport& report) {
-    std::string text;
-    for (const std::string& sentence : report.missing) {
-        text += "not there: " + sentence + "\n";
-    }
+Answer summary_of(const ReplayReport& report) {
     const std::size_t compared = report.compared();
-    if (!report.agrees()) {
-        return text + "the replay differs from the recording";
-    }
-    return text + (compared == 0 ? "nothing to compare with: the pixels were not recorded"
-                                 : fmt::format("all that could be compared agrees: {} region{}",
-                                               compared, compared == 1 ? "" : "s"));
+    return Answer()
+        .sentences("missing", "reason", "not recorded: ", report.missing)
+        .line(!report.agrees() ? "The replay differs from the recording."
+              : compared == 0
+                  ? "Nothing was compared: the pixels were not recorded."
+                  : fmt::format("All comparisons agree: {}.", counted(compared, "region")));
 }
 
-Fields to_fields(const ReplayReport& report) {
-    std::vector<Fields> frames, missing;
+Answer answer_of(const ReplayReport& report) {
+    std::vector<Answer> frames;
     for (const FrameReplay& frame : report.frames) {
-        frames.push_back(fields_of(frame));
+        frames.push_back(answer_of(frame));
     }
-    for (const std::string& sentence : report.missing) {
-        missing.push_back({{"reason", sentence}});
-    }
-    return {{"agrees", report.agrees()},
-            {"compared", static_cast<std::int64_t>(report.compared())},
-            {"frames", frames},
-            {"missing", missing}};
+    return Answer()
+        .data("agrees", report.agrees())
+        .data("compared", report.compared())
+        .list("frames", std::move(frames))
+        .append(summary_of(report));
 }
 
 ReplayReport replay(const RecordedRun& run, const ReplayOptions& options,
@@ -255,7 +232,7 @@ ReplayReport replay(const RecordedRun& run, const ReplayOptions& options,
         for (const std::string& reason : frame.missing) {
             report.missing.push_back(fmt::format("frame {}: {}", number, reason));
         }
-        const auto regions = selected(frame, options.selection);
+        const auto regions = selected_regions(frame, options.selection);
         for (const ExecutorKind kind : options.executors) {
             if (!regions.empty()) {
                 report.frames.push_back(replay_frame(frame, regions, kind, options.threads));
@@ -268,9 +245,9 @@ ReplayReport replay(const RecordedRun& run, const ReplayOptions& options,
     if (report.frames.empty()) {
         throw RequestError(
             ExitCode::bad_data,
-            fmt::format("nothing to replay: of {} frames no selected region was recorded whole{}",
-                        run.frames().size(),
-                        report.missing.empty() ? "" : "; " + report.missing.front()));
+            fmt::format(
+                "nothing to replay: no selected region of {} frames was recorded completely{}",
+                run.frames().size(), report.missing.empty() ? "" : "; " + report.missing.front()));
     }
     return report;
 }

@@ -1,4 +1,4 @@
-// Executes recorded regions again and compares what comes out with what was recorded.
+// Executes recorded regions again and compares the results with the recording.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/reply.hpp"
+#include "host/base/answer.hpp"
 #include "host/inspect/record/recorded_results.hpp"
 #include "host/inspect/record/selection.hpp"
 #include "host/inspect/replay/executors.hpp"
@@ -32,9 +32,9 @@ struct RegionReplay {
 struct FrameReplay {
     std::uint32_t frame = 0;
     ExecutorKind executor = ExecutorKind::fast;
-    std::string pass;                               ///< As RecordedFrame::pass_text().
+    std::string pass;                               ///< See RecordedFrame::pass_text().
     std::vector<RegionReplay> regions;              ///< Ascending.
-    std::optional<std::uint64_t> digest, recorded;  ///< Of the whole picture, if known.
+    std::optional<std::uint64_t> digest, recorded;  ///< Digests of the whole picture, if known.
     double elapsed_s = 0;
 
     std::size_t compared() const;
@@ -44,20 +44,21 @@ struct FrameReplay {
 
 struct ReplayReport {
     std::vector<FrameReplay> frames;
-    std::vector<std::string> missing;  ///< What the traces lack, a sentence each.
+    std::vector<std::string> missing;  ///< Missing data, a sentence each.
 
     bool agrees() const;
     std::size_t compared() const;  ///< Regions, over frames and executors.
 };
 
-/// One line and, if something differs, one more.
-std::string to_text(const FrameReplay& frame);
-/// The lines behind those of the frames.
-std::string summary_of(const ReplayReport& report);
-Fields to_fields(const ReplayReport& report);
+/// One line, and a second line if a region differs.
+Answer answer_of(const FrameReplay& frame);
+/// Missing data, and whether all comparisons agree.
+Answer summary_of(const ReplayReport& report);
+/// All frames and the summary.
+Answer answer_of(const ReplayReport& report);
 
-/// Replays what is selected and recorded. `on_frame` is called with each frame and executor as it
-/// is done. Throws RequestError (bad_data) if nothing at all could be executed.
+/// Replays the selected regions that were recorded. Calls `on_frame` after each frame and executor.
+/// Throws RequestError (bad_data) if no region could be executed.
 ReplayReport replay(const RecordedRun& run, const ReplayOptions& options,
                     const std::function<void(const FrameReplay&)>& on_frame = {});
 

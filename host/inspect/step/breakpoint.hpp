@@ -56,7 +56,7 @@ using Break = std::variant<OpBreak, AddressBreak, PrimitiveBreak, PartBreak, Pix
 /// "op TREE*", "pixel 100 80", "z 100 80 < 5000".
 std::string to_text(const Break& breakpoint);
 
-/// Tells of every place in a region whether breakpoints hold there. The places where a breakpoint
+/// Decides for every place in a region whether breakpoints hold. The places where a breakpoint
 /// holds are the same whether the run goes forward or backward.
 class Watch {
   public:
@@ -67,7 +67,7 @@ class Watch {
     /// False if none of the breakpoints can hold in this region.
     bool possible() const { return !watched_.empty(); }
 
-    /// Told before each instruction.
+    /// Must be called before each instruction.
     void before(const RegionStepper& at);
     /// The first breakpoint that holds behind that instruction, or at the region's begin if
     /// `at` has executed none.
@@ -76,8 +76,8 @@ class Watch {
   private:
     struct Watched {
         std::size_t index;                      ///< Into the breakpoints.
-        int x = 0, y = 0;                       ///< Of a pixel, in the region.
-        std::array<bool, isa::op_count> ops{};  ///< Of an OpBreak.
+        int x = 0, y = 0;                       ///< A pixel of the region.
+        std::array<bool, isa::op_count> ops{};  ///< Set for an OpBreak.
         bool wrote = false;                     ///< The instruction under way writes the pixel.
         std::uint64_t z = 0;                    ///< Before the instruction.
     };

@@ -57,7 +57,7 @@ class RegionStepper {
     renderer::fast::Fast executor_;
     RegionWalk walk_;
     std::map<std::uint64_t, Snapshot> snapshots_;  ///< By instructions executed; 0 is always there.
-    std::size_t bytes_ = 0;                        ///< Of all snapshots.
+    std::size_t bytes_ = 0;                        ///< Size of all snapshots.
 };
 
 }  // namespace pxpl5::host::inspect

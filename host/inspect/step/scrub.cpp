@@ -13,8 +13,8 @@ namespace {
 constexpr std::uint32_t disabled_alpha = 254, alpha_shift = 24;
 constexpr int size_px = isa::region::size_px;
 
-/// Whether the region's colours are computed, or are being so.
-bool has_colours(const RegionWalk& walk) {
+/// True in and after the end-of-region program, which computes the colors.
+bool has_colors(const RegionWalk& walk) {
     return walk.done() ||
            walk.plan().parts[walk.at().part].kind == renderer::RegionPlan::Kind::end_of_region;
 }
@@ -26,7 +26,7 @@ RegionScrub::RegionScrub(const RecordedRegion& region) : region_(region), steppe
     count_ = stepper_.executed();
 }
 
-/// Executes one instruction, and tells what it is and does.
+/// Executes one instruction, and adds the instruction and its effect to the view.
 void RegionScrub::take_line(RegionPixel pixel, ScrubView& view) {
     const RegionWalk& walk = stepper_.walk();
     const isa::Instruction next = walk.next();
@@ -41,7 +41,7 @@ void RegionScrub::take_line(RegionPixel pixel, ScrubView& view) {
 }
 
 void RegionScrub::take_picture(const ScrubWish& wish, ScrubView& view) const {
-    view.field = !wish.field.empty() ? wish.field : has_colours(stepper_.walk()) ? "rgb" : "normal";
+    view.field = !wish.field.empty() ? wish.field : has_colors(stepper_.walk()) ? "rgb" : "normal";
     const renderer::fast::Fast& executor = stepper_.executor();
     view.rgba = picture_of(executor, field_of(view.field));
     view.enabled = enabled_count(executor.pixels());

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "host/base/error.hpp"
+#include "host/inspect/listing/enabled_pixels.hpp"
 #include "host/inspect/map/map_values.hpp"
 #include "isa/contract/region_layout.hpp"
 #include "isa/disassemble.hpp"
@@ -20,14 +21,6 @@ namespace {
 namespace hal = renderer::hal;
 namespace layout = isa::region;
 constexpr int size_px = layout::size_px;
-
-std::size_t enabled_count(const hal::PixelArray& pixels) {
-    std::size_t count = 0;
-    for (const std::uint8_t bits : pixels.enable) {
-        count += static_cast<std::size_t>(std::popcount(bits));
-    }
-    return count;
-}
 
 /// A stretch of pixel memory with a name.
 struct Stretch {
@@ -225,12 +218,10 @@ std::string list_text(const Stepper& stepper, int lines) {
     std::string text;
     for (std::size_t i = first; i < last; ++i) {
         const std::size_t at = starts[i];
-        const renderer::Words rest = words.subspan(at + 1, isa::instruction_words(words[at]) - 1);
-        text += fmt::format(
-            "{}{} {:<28} {}", i == first ? "" : "\n", i == index ? "=>" : "  ",
-            to_text(walk.plan(), {here.part, at}),
-            isa::disassemble(*isa::decode(words[at]),
-                             {reinterpret_cast<const std::int32_t*>(rest.data()), rest.size()}));
+        text +=
+            fmt::format("{}{} {:<28} {}", i == first ? "" : "\n", i == index ? "=>" : "  ",
+                        to_text(walk.plan(), {here.part, at}),
+                        isa::disassemble(*isa::decode(words[at]), coefficients_behind(words, at)));
     }
     return text;
 }
@@ -306,7 +297,7 @@ Address address_of(const renderer::RegionPlan& plan, std::string_view text) {
     }
     throw RequestError(
         ExitCode::usage,
-        fmt::format("this region has no instruction at '{}'; an address is like "
+        fmt::format("this region has no instruction at '{}'; addresses look like "
                     "prologue+0, end+12, '{}' or PART+WORD",
                     text, to_text(plan, {std::min<std::size_t>(1, plan.parts.size() - 1), 0})));
 }

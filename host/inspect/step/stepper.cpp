@@ -147,7 +147,7 @@ std::optional<std::size_t> Stepper::run_back_here(Watch& watch, std::uint64_t en
 
 std::optional<std::size_t> Stepper::run_to(std::span<const Break> breaks, Direction direction) {
     const bool forward = direction == Direction::forward;
-    bool entered = false;  // This region, from a neighbour: its first, or last, place counts, too.
+    bool entered = false;  // From a neighbor: the first, or last, place of this region counts.
     do {
         Watch watch(breaks, frame_, *region_, primitives_);
         if (watch.possible() && forward) {

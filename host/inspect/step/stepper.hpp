@@ -35,7 +35,7 @@ class Stepper {
     const RecordedFrame& frame() const { return frame_; }
     const RecordedRegion& region() const { return *region_; }
     const RegionStepper& here() const { return *here_; }
-    /// Of the region.
+    /// The primitives of the region.
     std::span<const Primitive> primitives() const { return primitives_; }
 
     /// One instruction on; from a region's end to the begin of the next one. False at the run's
@@ -52,7 +52,7 @@ class Stepper {
     /// To the begin of the next region; backward to the begin of this one, or of the one before if
     /// it stands there. False, and no move, if there is none.
     bool to_region(Direction direction);
-    bool to_frame(Direction direction);  ///< As to_region().
+    bool to_frame(Direction direction);  ///< See to_region().
 
     /// Throws RequestError (usage) if frame or region is not there. Stops at the region's end.
     void go_to(RunPlace place);
@@ -68,8 +68,8 @@ class Stepper {
     const RecordedRun& run_;
     StepLimits limits_;
     RecordedFrame frame_;
-    const RecordedRegion* region_ = nullptr;  ///< Of frame_.
-    std::vector<Primitive> primitives_;       ///< Of *region_.
+    const RecordedRegion* region_ = nullptr;  ///< Element of frame_.
+    std::vector<Primitive> primitives_;       ///< All primitives of *region_.
     std::unique_ptr<RegionStepper> here_;
 };
 

@@ -1,10 +1,10 @@
-#include "host/inspect/tools/exec.hpp"
-
+// pxpl5 exec: runs assembly on a pixel array and prints pixels.
 #include <fmt/format.h>
 
 #include <memory>
 #include <optional>
 
+#include "host/base/answer.hpp"
 #include "host/base/error.hpp"
 #include "host/base/text_output.hpp"
 #include "host/inspect/map/picture_file.hpp"
@@ -12,6 +12,7 @@
 #include "host/inspect/replay/executors.hpp"
 #include "host/inspect/tools/exec_fields.hpp"
 #include "host/inspect/tools/program_files.hpp"
+#include "host/inspect/tools/tools.hpp"
 #include "isa/conformance/conformance_run.hpp"
 #include "isa/sequencer.hpp"
 
@@ -195,6 +196,9 @@ void show(const ExecOptions& options, const Ran& ran, TextOutput& output) {
 
 void write_picture(const ExecOptions& options, const Ran& ran, TextOutput& output) {
     const FieldPicture picture = field_picture(ran.pixels(), parse_field(options.picture));
+    if (!picture.warning.empty()) {
+        fmt::print(stderr, "warning: {}\n", picture.warning);
+    }
     write_png(options.output, size_px, size_px, picture.rgba);
     output.line(fmt::format("{}: {}", options.output, picture.legend));
 }
@@ -214,7 +218,12 @@ bool check_case(const isa::ConformanceCase& test, const std::vector<Ran>& all, T
 
 void check_options(const ExecOptions& options) {
     if (options.picture.empty() != options.output.empty()) {
-        throw RequestError(ExitCode::usage, "--picture FIELD and -o FILE.png: one needs the other");
+        throw RequestError(ExitCode::usage,
+                           "give both --picture FIELD and -o FILE.png, or neither");
+    }
+    if (!options.picture.empty()) {
+        parse_field(options.picture);
+        check_png_name(options.output);
     }
     for (const std::string& name : options.prints) {
         parse_field(name);  // Before anything runs.

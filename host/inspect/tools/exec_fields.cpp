@@ -155,7 +155,7 @@ std::string field_table(const PixelsBehind& pixels, const ShownField& field,
 }
 
 FieldPicture field_picture(const PixelsBehind& pixels, const ShownField& field) {
-    constexpr std::uint32_t opaque = 0xFF00'0000, grey = 0x01'0101, colours = 0xFF'FFFF;
+    constexpr std::uint32_t opaque = 0xFF00'0000, gray = 0x01'0101, colors = 0xFF'FFFF;
     constexpr std::uint32_t white = 255;
     std::vector<std::uint64_t> values;
     for (int y = 0; y <= last_px; ++y) {
@@ -164,17 +164,27 @@ FieldPicture field_picture(const PixelsBehind& pixels, const ShownField& field) 
         }
     }
     const auto [low, high] = std::ranges::minmax(values);
-    const bool is_colour = field.column.kind == Kind::readout ||
-                           (field.column == isa::StateColumn{Kind::field, isa::region::rgb.address,
-                                                             isa::region::rgb.width});
+    const bool is_color = field.column.kind == Kind::readout ||
+                          (field.column == isa::StateColumn{Kind::field, isa::region::rgb.address,
+                                                            isa::region::rgb.width});
     FieldPicture picture;
-    picture.legend = is_colour ? field.name + " as colours"
-                               : fmt::format("{}: black is {}, white is {}", field.name, low, high);
+    picture.legend = is_color ? field.name + " as colors"
+                              : fmt::format("{}: black is {}, white is {}", field.name, low, high);
+    if (high == low) {
+        picture.warning =
+            fmt::format("{} is {} at every pixel{}", field.name, low,
+                        low != 0 ? ""
+                        : field.column.kind != Kind::field
+                            ? "; the picture is black"
+                            : fmt::format("; no instruction stored a value into "
+                                          "bits {} to {} of an enabled pixel",
+                                          field.column.a, field.column.a + field.column.n - 1));
+    }
     const double scale = high == low ? 0 : white / static_cast<double>(high - low);
     for (const std::uint64_t value : values) {
         const auto level = static_cast<std::uint32_t>(static_cast<double>(value - low) * scale);
         picture.rgba.push_back(
-            opaque | (is_colour ? static_cast<std::uint32_t>(value) & colours : level * grey));
+            opaque | (is_color ? static_cast<std::uint32_t>(value) & colors : level * gray));
     }
     return picture;
 }

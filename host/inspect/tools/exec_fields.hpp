@@ -1,4 +1,4 @@
-// What `pxpl5 exec` shows of pixels: a field by name, as a table and as a picture.
+// Fields of pixels in `pxpl5 exec`: by name, as a table and as a picture.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace pxpl5::host::inspect {
 
-/// A column of the pixels' state, and what the person called it.
+/// A column of the pixels' state, and its name on the command line.
 struct ShownField {
     std::string name;
     isa::StateColumn column;
@@ -27,10 +27,10 @@ isa::PixelRectangle parse_window(const std::string& text);
 /// What can be read when a program has run.
 struct PixelsBehind {
     const isa::Executor& executor;
-    std::span<const std::uint32_t> readout;  ///< Of the last PIXELSTOFB; empty if there was none.
+    std::span<const std::uint32_t> readout;  ///< Words of the last PIXELSTOFB; empty without one.
 };
 
-/// Throws RequestError (usage) for a readout that never was.
+/// Throws RequestError (usage) if no pixels were read out.
 std::uint64_t value_of(const PixelsBehind& pixels, const isa::StateColumn& column, int x, int y);
 
 struct NumberStyle {
@@ -42,10 +42,11 @@ std::string number_text(std::uint64_t value, const isa::StateColumn& column, Num
 std::string field_table(const PixelsBehind& pixels, const ShownField& field,
                         const isa::PixelRectangle& window, NumberStyle style);
 
-/// The region as a picture: readout and rgb in their colours, any other field in grey.
+/// The region as a picture: readout and rgb in color, any other field in gray.
 struct FieldPicture {
     std::vector<std::uint32_t> rgba;  ///< 128 * 128.
-    std::string legend;               ///< Which values are black and white.
+    std::string legend;               ///< The values of black and white.
+    std::string warning;              ///< Not empty if all pixels have the same value.
 };
 FieldPicture field_picture(const PixelsBehind& pixels, const ShownField& field);
 

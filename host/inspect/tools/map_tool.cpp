@@ -1,5 +1,4 @@
-#include "host/inspect/tools/map_tool.hpp"
-
+// pxpl5 trace map: the map of a frame, as a picture or as numbers.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,13 +10,14 @@
 #include "host/inspect/map/map_picture.hpp"
 #include "host/inspect/map/map_values.hpp"
 #include "host/inspect/record/find_run.hpp"
+#include "host/inspect/tools/tools.hpp"
 #include "host/session/pictures/write_picture.hpp"
 
 namespace pxpl5::host::inspect {
 
 namespace {
 
-/// One line that says what the numbers are.
+/// One line about the numbers.
 std::string summary(const MapValues& map) {
     const MapInfo& kind = info(map.kind);
     if (kind.scale == MapScale::direction) {
@@ -34,7 +34,7 @@ std::string summary(const MapValues& map) {
         }
     }
     if (count == 0) {
-        return fmt::format("{}: {}: no pixel has one\n", kind.title, kind.unit);
+        return fmt::format("{}: {}: no pixel has a value\n", kind.title, kind.unit);
     }
     std::string text = fmt::format("{}: {}: {} to {}, at {} of {} pixels", kind.title, kind.unit,
                                    range.least, range.most, count, map.values.size());
@@ -46,43 +46,20 @@ std::string summary(const MapValues& map) {
 
 }  // namespace
 
-std::uint32_t one_frame(const RecordedRun& run, const SelectionText& text) {
-    const Selection selection = parse_selection(text);
-    std::vector<std::uint32_t> selected;
-    for (const std::uint32_t frame : run.frames()) {
-        if (selection.has_frame(frame)) {
-            selected.push_back(frame);
-        }
-    }
-    if (selected.empty()) {
-        const std::vector<std::uint32_t> all = run.frames();
-        throw RequestError(ExitCode::usage,
-                           all.empty() ? std::string("the run has no frame")
-                                       : fmt::format("the run has no such frame; it has {} to {}",
-                                                     all.front(), all.back()));
-    }
-    if (selected.size() > 1 && !selection.frames.empty()) {
-        throw RequestError(ExitCode::usage, fmt::format("{} frames are selected; name one with "
-                                                        "--frame, e.g. --frame {}",
-                                                        selected.size(), selected.back()));
-    }
-    return selected.back();
-}
-
 int trace_map(const MapOptions& options) {
-    const MapKind kind = map_kind_of(options.words.back());
-    if (!options.raw && options.output.empty()) {
+    const bool has_run = !options.map.empty();
+    const MapKind kind = map_kind_of(has_run ? options.map : options.run);
+    if (options.output.empty() && !options.raw) {
         throw RequestError(ExitCode::usage,
-                           "a map is a picture: name its file with -o FILE.png, "
-                           "or ask for the numbers with --raw");
+                           "give the file of the map with -o FILE.png, or --raw to print numbers");
     }
     if (!options.raw) {
         check_picture_suffix("-o", options.output);
     }
-    const RecordedRun run = open_run(options.words.size() > 1 ? options.words.front() : "");
+    const RecordedRun run = open_run(has_run ? options.run : "");
     const RecordedFrame frame = run.frame(one_frame(run, options.selection));
     for (const std::string& reason : frame.missing) {
-        std::fputs(("note: " + reason + "; its regions stay dark\n").c_str(), stderr);
+        std::fputs(("note: " + reason + "; its regions are dark in the map\n").c_str(), stderr);
     }
     const MapValues map = map_values(frame, kind);
     if (options.raw) {

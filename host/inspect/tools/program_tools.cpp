@@ -1,10 +1,10 @@
-#include "host/inspect/tools/program_tools.hpp"
-
+// pxpl5 asm and pxpl5 dis.
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
 #include "host/base/text_output.hpp"
 #include "host/inspect/tools/program_files.hpp"
+#include "host/inspect/tools/tools.hpp"
 #include "isa/disassemble.hpp"
 
 namespace pxpl5::host::inspect {

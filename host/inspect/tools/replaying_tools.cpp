@@ -1,5 +1,5 @@
 // pxpl5 trace replay and diff.
-#include "host/inspect/tools/replaying_tools.hpp"
+#include "host/inspect/tools/tools.hpp"
 
 #include <fmt/format.h>
 
@@ -20,17 +20,17 @@ int trace_replay(const ReplayTool& tool) {
     TextOutput out(tool.output);
     const ReplayReport report = replay(run, options, [&](const FrameReplay& frame) {
         if (!tool.json) {
-            out.line(to_text(frame));
+            out.put(answer_of(frame).text());
             out.finish();  // A frame on the reference takes seconds.
         }
     });
-    out.line(tool.json ? json_text(to_fields(report)) : summary_of(report));
+    out.put(tool.json ? rendered(answer_of(report), Format::json) : summary_of(report).text());
     out.finish();
     return report.agrees() ? 0 : 1;
 }
 
 int trace_diff(const DiffTool& tool) {
-    if (tool.b.empty() && tool.executors.empty()) {
+    if (tool.other.empty() && tool.executors.empty()) {
         throw RequestError(ExitCode::usage,
                            "diff needs a second run, or --executors reference,fast");
     }
@@ -40,18 +40,16 @@ int trace_diff(const DiffTool& tool) {
         const std::vector<ExecutorKind> kinds = parse_executors(tool.executors);
         if (kinds.size() != 2) {
             throw RequestError(ExitCode::usage,
-                               fmt::format("--executors {}: two are compared, {} are given",
+                               fmt::format("--executors {}: give two executors, not {}",
                                            tool.executors, kinds.size()));
         }
         options.trusted = named(kinds[0]);
         options.other = named(kinds[1]);
     }
-    const RecordedRun a = open_run(tool.a);
-    const DiffReport report =
-        tool.b.empty() ? diff_executors(a, options) : diff_runs(a, open_run(tool.b), options);
-    TextOutput out(tool.output);
-    out.line(tool.json ? json_text(to_fields(report)) : to_text(report));
-    out.finish();
+    const RecordedRun a = open_run(tool.run);
+    const DiffReport report = tool.other.empty() ? diff_executors(a, options)
+                                                 : diff_runs(a, open_run(tool.other), options);
+    write(answer_of(report), tool.json ? Format::json : Format::text, tool.output);
     return report.difference ? 1 : 0;
 }
 

@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
+#include "host/base/command_line.hpp"
 #include "host/base/error.hpp"
 #include "host/base/text_output.hpp"
 #include "host/inspect/diff/shrink.hpp"
 #include "host/inspect/record/find_run.hpp"
-#include "host/inspect/tools/replaying_tools.hpp"
-#include "isa/assemble.hpp"
+#include "host/inspect/tools/exec_fields.hpp"
+#include "host/inspect/tools/program_files.hpp"
+#include "host/inspect/tools/tools.hpp"
 #include "isa/contract/region_layout.hpp"
 
 namespace pxpl5::host::inspect {
@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A program to shrink, and what it shows.
+/// A program to shrink, and the behavior to keep.
 struct Task {
     std::vector<std::uint32_t> words;
     ShrunkStory story;
@@ -40,78 +40,32 @@ std::uint64_t number(std::string_view text, std::string_view option) {
     const auto [end, error] =
         std::from_chars(digits.data(), digits.data() + digits.size(), value, hexadecimal ? 16 : 10);
     if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty()) {
-        refuse(fmt::format("{} '{}': a number is expected", option, text));
+        refuse(fmt::format("{} '{}' is not a number", option, text));
     }
     return value;
 }
 
 RegionPixel parse_pixel(const std::string& text) {
-    const std::size_t comma = text.find(',');
-    if (comma == std::string::npos) {
-        refuse(fmt::format("--pixel '{}' is not of the form X,Y", text));
-    }
-    constexpr std::uint64_t most = 1 << 20;
-    const std::uint64_t x = number(std::string_view(text).substr(0, comma), "--pixel"),
-                        y = number(std::string_view(text).substr(comma + 1), "--pixel");
-    if (x > most || y > most) {
-        refuse(fmt::format("--pixel '{}' is in no picture", text));
-    }
-    return {static_cast<int>(x), static_cast<int>(y)};
+    const auto [x, y] = parse_pair("--pixel", text);
+    return {x, y};
 }
 
-FieldValue64 parse_field(const std::string& text) {
-    using namespace isa::region;
-    const std::pair<const char*, isa::region::Field> fields[] = {
-        {"surface", surface},   {"z", z},    {"normal_x", normal_x}, {"normal_y", normal_y},
-        {"normal_z", normal_z}, {"rgb", rgb}};
-    for (const auto& [name, field] : fields) {
-        if (text == name) {
-            return {field.address, field.width, 0};
-        }
-    }
-    const std::size_t colon = text.find(':');
-    if (!text.starts_with("m") || colon == std::string::npos) {
+/// A field of pixel memory. Throws RequestError (usage) for any other state of a pixel.
+FieldValue64 memory_field(const std::string& text) {
+    const isa::StateColumn column = parse_field(text).column;
+    if (column.kind != isa::StateColumn::Kind::field) {
         refuse(
-            fmt::format("--field '{}' is neither surface, z, normal_x, normal_y, normal_z, rgb "
-                        "nor of the form m8:24",
+            fmt::format("--field '{}': only fields of pixel memory are supported, for example "
+                        "rgb or m8:24",
                         text));
     }
-    const std::uint64_t a = number(std::string_view(text).substr(1, colon - 1), "--field"),
-                        n = number(std::string_view(text).substr(colon + 1), "--field");
-    if (n < 1 || n > 64 || a >= isa::memory_bits || a + n > isa::memory_bits) {
-        refuse(fmt::format("--field '{}' is not 1..64 of the {} bits of a pixel", text,
-                           isa::memory_bits));
-    }
-    return {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(n), 0};
+    return {column.a, column.n, 0};
 }
 
-std::vector<std::uint32_t> read_program(const std::string& path) {
-    std::ifstream file(path);
-    std::stringstream text;
-    text << file.rdbuf();
-    if (!file) {
-        refuse(path + ": cannot be read");
-    }
-    try {
-        const std::vector<std::uint32_t> words = isa::assemble(text.str()).bind({});
-        const isa::CheckResult checked = isa::check(words);
-        if (!checked.ok()) {
-            throw RequestError(
-                ExitCode::bad_data,
-                fmt::format("{}: word {}: {}", path, checked.error->word, checked.error->text));
-        }
-        return words;
-    } catch (const isa::AssemblyError& error) {
-        throw RequestError(ExitCode::bad_data, path + ": " + error.what());
-    } catch (const isa::ParameterError& error) {
-        throw RequestError(ExitCode::bad_data, path + ": " + error.what());
-    }
-}
-
-/// Asked for: the pixel's field has the value that was given, or else that it has in the end.
+/// True if the field of the pixel has the value of --is, or else the value that it has at the end.
 Shows asked(const ShrinkTool& tool, RegionPixel pixel, std::span<const std::uint32_t> words,
             const NamedExecutor& trusted, std::string& title) {
-    FieldValue64 field = parse_field(tool.field);
+    FieldValue64 field = memory_field(tool.field);
     if (tool.is.empty()) {
         const auto executor = trusted.make();
         run_region(plan_of_program(words), *executor);
@@ -138,8 +92,8 @@ Task differing(const renderer::RegionPlan& plan, const Divergence& divergence,
 
 Task task_of_program(const ShrinkTool& tool, const DiffOptions& options) {
     Task task;
-    task.words = read_program(tool.input);
-    task.story.from = "from " + fs::path(tool.input).filename().string();
+    task.words = assemble_file(tool.run, read_file(tool.run), {});
+    task.story.from = "from " + fs::path(tool.run).filename().string();
     if (!tool.pixel.empty()) {
         task.story.pixel = parse_pixel(tool.pixel);
         if (task.story.pixel.x >= isa::region::size_px ||
@@ -153,8 +107,9 @@ Task task_of_program(const ShrinkTool& tool, const DiffOptions& options) {
     const renderer::RegionPlan plan = plan_of_program(task.words);
     const auto divergence = first_divergence(plan, options.trusted.make, options.other.make);
     if (!divergence) {
-        throw RequestError(ExitCode::failed, fmt::format("{}: {} and {} leave the same", tool.input,
-                                                         options.trusted.name, options.other.name));
+        throw RequestError(ExitCode::failed,
+                           fmt::format("{}: {} and {} leave the same state", tool.run,
+                                       options.trusted.name, options.other.name));
     }
     return differing(plan, *divergence, options, task.story.from);
 }
@@ -169,9 +124,9 @@ Task task_of_pixel(const ShrinkTool& tool, const RecordedRun& run, const DiffOpt
         const RegionPlace place = frame.region_at(asked_for.x, asked_for.y);
         const auto region = frame.regions.find(place.number);
         if (region == frame.regions.end()) {
-            throw RequestError(
-                ExitCode::bad_data,
-                fmt::format("frame {}: region {} was not recorded whole", number, place.number));
+            throw RequestError(ExitCode::bad_data,
+                               fmt::format("frame {}: region {} was not recorded completely",
+                                           number, place.number));
         }
         Task task;
         task.words = whole_program(region->second.plan);
@@ -184,17 +139,16 @@ Task task_of_pixel(const ShrinkTool& tool, const RecordedRun& run, const DiffOpt
 }
 
 Task task_of_run(const ShrinkTool& tool, const DiffOptions& options) {
-    const RecordedRun run = open_run(tool.input);
+    const RecordedRun run = open_run(tool.run);
     if (!tool.pixel.empty()) {
         return task_of_pixel(tool, run, options);
     }
     const DiffReport report = diff_executors(run, options);
     if (!report.difference) {
-        throw RequestError(
-            ExitCode::failed,
-            fmt::format("{} and {} leave the same in {} regions; --pixel X,Y shrinks "
-                        "to what makes one pixel",
-                        options.trusted.name, options.other.name, report.regions));
+        throw RequestError(ExitCode::failed,
+                           fmt::format("{} and {} leave the same state in {} regions; --pixel X,Y "
+                                       "shrinks to the instructions that draw one pixel",
+                                       options.trusted.name, options.other.name, report.regions));
     }
     const RecordedFrame frame = run.frame(report.difference->frame);
     const RecordedRegion& region = frame.regions.at(*report.difference->region);
@@ -214,7 +168,7 @@ void write(const fs::path& path, const std::string& text) {
 int trace_shrink(const ShrinkTool& tool) {
     const std::vector<ExecutorKind> kinds = parse_executors(tool.executors);
     if (kinds.size() != 2) {
-        refuse(fmt::format("--executors {}: two are compared, {} are given", tool.executors,
+        refuse(fmt::format("--executors {}: give two executors, not {}", tool.executors,
                            kinds.size()));
     }
     DiffOptions options;
@@ -222,11 +176,11 @@ int trace_shrink(const ShrinkTool& tool) {
     options.trusted = named(kinds[0]);
     options.other = named(kinds[1]);
     const bool is_program =
-        fs::is_regular_file(tool.input) && fs::path(tool.input).extension() != ".mcap";
+        fs::is_regular_file(tool.run) && fs::path(tool.run).extension() != ".mcap";
     const Task task = is_program ? task_of_program(tool, options) : task_of_run(tool, options);
     const Shrunk shrunk = shrink(task.words, task.shows);
     if (!isa::check(shrunk.words).ok() || !task.shows(shrunk.words)) {
-        throw std::logic_error("the shrunk program does not show what it should");
+        throw std::logic_error("the shrunk program does not reproduce the behavior");
     }
     TextOutput out("");
     if (tool.output.empty()) {

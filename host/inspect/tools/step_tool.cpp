@@ -1,5 +1,4 @@
-#include "host/inspect/tools/step_tool.hpp"
-
+// pxpl5 trace step: reads commands from the terminal, standard input or -c.
 #include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -12,7 +11,7 @@
 #include "host/base/text_output.hpp"
 #include "host/inspect/record/find_run.hpp"
 #include "host/inspect/step/step_program.hpp"
-#include "host/inspect/tools/map_tool.hpp"
+#include "host/inspect/tools/tools.hpp"
 
 namespace pxpl5::host::inspect {
 

@@ -1,41 +1,53 @@
-#include "host/inspect/tools/why_tools.hpp"
+// pxpl5 why and pxpl5 why-not.
+#include <fmt/format.h>
 
+#include "host/base/answer.hpp"
 #include "host/base/error.hpp"
-#include "host/base/text_output.hpp"
 #include "host/inspect/record/find_run.hpp"
+#include "host/inspect/tools/tools.hpp"
 #include "host/inspect/why/why_not.hpp"
 
 namespace pxpl5::host::inspect {
 
 namespace {
 
-void put(const PixelOptions& options, const Reply& reply) {
-    TextOutput output(options.output);
-    output.line(options.json ? json_text(reply.fields) : reply.text);
-    output.finish();
+/// The pixel of the command line.
+RegionPixel pixel_of(const PixelOptions& options) {
+    if (!options.x || !options.y) {
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("X and Y of the pixel are missing; give RUN, X and Y, for example: why "
+                        "latest 256 200 (RUN is '{}')",
+                        options.run));
+    }
+    return {*options.x, *options.y};
 }
 
 }  // namespace
 
 int run_why(const PixelOptions& options) {
+    const RegionPixel pixel = pixel_of(options);
     const RecordedRun run = open_run(options.run);
     FrameInquiry frame(run, options.frame);
-    put(options, why_reply(why(frame, options.x, options.y)));
+    write(answer_of(why(frame, pixel.x, pixel.y)), options.json ? Format::json : Format::text,
+          options.output);
     return 0;
 }
 
 int run_why_not(const WhyNotTool& tool) {
+    const RegionPixel pixel = pixel_of(tool);
     Expectation expected{std::nullopt, tool.surface, tool.triangle};
     if (!tool.cell.empty()) {
         expected.cell = parse_cell(tool.cell);
     }
     if (tool.triangle && !expected.cell) {
-        throw RequestError(ExitCode::usage, "--triangle needs --cell: it counts in a cell");
+        throw RequestError(ExitCode::usage,
+                           "--triangle needs --cell, because triangles are counted per cell");
     }
-    const RecordedRun run = open_run(tool.pixel.run);
-    FrameInquiry frame(run, tool.pixel.frame);
-    const WhyNotFinding finding = why_not(frame, tool.pixel.x, tool.pixel.y, expected);
-    put(tool.pixel, why_not_reply(finding));
+    const RecordedRun run = open_run(tool.run);
+    FrameInquiry frame(run, tool.frame);
+    const WhyNotFinding finding = why_not(frame, pixel.x, pixel.y, expected);
+    write(answer_of(finding), tool.json ? Format::json : Format::text, tool.output);
     return finding.verdict.verdict == Verdict::unknown ? static_cast<int>(ExitCode::failed) : 0;
 }
 

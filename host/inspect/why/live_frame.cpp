@@ -13,7 +13,7 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-/// Draws the session's scene with one sample a pixel, and has what was recorded of it written.
+/// Draws the session's scene with one sample per pixel, and saves the traces.
 std::pair<std::uint32_t, std::string> record_frame(Session& session) {
     session.draw_samples(1);
     const std::uint32_t frame = session.last_frame().frame;
@@ -29,7 +29,7 @@ void check_is_whole(const RecordedRun& run, std::uint32_t number) {
     if (!lacking.empty()) {
         throw RequestError(
             ExitCode::failed,
-            fmt::format("the recorders hold less than frame {} ({}): choose a smaller size, or "
+            fmt::format("the recorders do not have all of frame {} ({}): choose a smaller size, or "
                         "start the machine with --record full",
                         number, lacking));
     }
@@ -69,7 +69,7 @@ LiveFrame& LiveFrame::of(Session& session) {
 }
 
 Reply LiveFrame::why(int x, int y) {
-    return why_reply(inspect::why(*parts_->inquiry, x, y));
+    return answer_of(inspect::why(*parts_->inquiry, x, y)).reply();
 }
 
 ScrubView LiveFrame::scrub(int x, int y, const ScrubWish& wish) {

@@ -2,7 +2,7 @@
 //
 //   scene --draw--> frame --save_traces--> traces/*.mcap --RecordedRun--> why, scrub
 //
-// Nobody who includes this needs the firmware.
+// This header does not include the firmware.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ class LiveFrame {
     LiveFrame& operator=(const LiveFrame&) = delete;
     ~LiveFrame();
 
-    /// Why pixel (x, y) has its colour: as why_reply(). Throws RequestError for a pixel outside.
+    /// Explains the color of pixel (x, y). Throws RequestError if the pixel is outside.
     Reply why(int x, int y);
 
     /// The region that holds pixel (x, y) behind `wish.at` of its instructions. Its stepper is kept

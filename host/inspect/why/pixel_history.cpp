@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "host/inspect/listing/instruction_values.hpp"
+#include "host/inspect/record/recorded_results.hpp"
 #include "isa/contract/screen_door.hpp"
 #include "isa/disassemble.hpp"
 #include "isa/reference/reference.hpp"
@@ -13,62 +15,57 @@ namespace pxpl5::host::inspect {
 namespace {
 
 namespace layout = isa::region;
-namespace schema = bus::schema;
 using Kind = renderer::RegionPlan::Kind;
 
-/// The whole region on the fast executor, which notes what it answers to ANYENAB.
-class Answering final : public isa::Executor {
+/// An executor that passes everything on to another.
+template <typename Inner>
+class Passing : public isa::Executor {
   public:
+    explicit Passing(const auto&... arguments) : inner_(arguments...) {}
     void execute(isa::Instruction in, isa::Coefficients coefficients) override {
-        pixels_.execute(in, coefficients);
-    }
-    isa::Taken execute_ahead(std::span<const std::uint32_t> words) override {
-        return pixels_.execute_ahead(words);
-    }
-    bool any_enabled() const override {
-        answers.push_back(pixels_.any_enabled());
-        return answers.back();
+        inner_.execute(in, coefficients);
     }
     std::uint64_t field(int x, int y, std::uint32_t a, std::uint32_t n) const override {
-        return pixels_.field(x, y, a, n);
+        return inner_.field(x, y, a, n);
     }
-    bool enabled(int x, int y) const override { return pixels_.enabled(x, y); }
-    bool carry(int x, int y) const override { return pixels_.carry(x, y); }
+    bool enabled(int x, int y) const override { return inner_.enabled(x, y); }
+    bool carry(int x, int y) const override { return inner_.carry(x, y); }
     std::uint32_t backing_block(int x, int y, std::uint32_t block) const override {
-        return pixels_.backing_block(x, y, block);
+        return inner_.backing_block(x, y, block);
+    }
+
+  protected:
+    Inner inner_;
+};
+
+/// The whole region on the fast executor. Keeps the answers to ANYENAB.
+class Answering final : public Passing<renderer::fast::Fast> {
+  public:
+    isa::Taken execute_ahead(std::span<const std::uint32_t> words) override {
+        return inner_.execute_ahead(words);
+    }
+    bool any_enabled() const override {
+        answers.push_back(inner_.any_enabled());
+        return answers.back();
     }
 
     mutable std::vector<bool> answers;
-
-  private:
-    renderer::fast::Fast pixels_;
 };
 
-/// One pixel on the reference executor, in a region that answers as `answers`.
-class OnePixel final : public isa::Executor {
+/// One pixel on the reference executor, in a region with the given answers to ANYENAB.
+class OnePixel final : public Passing<isa::reference::Reference> {
   public:
     OnePixel(int x, int y, std::vector<bool> answers)
-        : x_(x), y_(y), pixel_({x, y, 1, 1}), answers_(std::move(answers)) {
-        pixel_.set_readout([this](std::span<const std::uint32_t> sent) {
-            colour = sent[static_cast<std::size_t>(y_ * layout::size_px + x_)];
+        : Passing(isa::reference::Window{x, y, 1, 1}), x_(x), y_(y), answers_(std::move(answers)) {
+        inner_.set_readout([this](std::span<const std::uint32_t> sent) {
+            color = sent[static_cast<std::size_t>(y_ * layout::size_px + x_)];
         });
-    }
-    void execute(isa::Instruction in, isa::Coefficients coefficients) override {
-        pixel_.execute(in, coefficients);
     }
     bool any_enabled() const override {
         assert(next_answer_ < answers_.size());
         return answers_[next_answer_++];
     }
-    std::uint64_t field(int x, int y, std::uint32_t a, std::uint32_t n) const override {
-        return pixel_.field(x, y, a, n);
-    }
-    bool enabled(int x, int y) const override { return pixel_.enabled(x, y); }
-    bool carry(int x, int y) const override { return pixel_.carry(x, y); }
-    std::uint32_t backing_block(int x, int y, std::uint32_t block) const override {
-        return pixel_.backing_block(x, y, block);
-    }
-
+    using Passing::enabled;
     bool enabled() const { return enabled(x_, y_); }
     PixelState state() const {
         const auto of = [this](layout::Field f) {
@@ -87,14 +84,13 @@ class OnePixel final : public isa::Executor {
     }
 
     std::uint32_t bits(std::uint32_t address, std::uint32_t width) const {
-        return static_cast<std::uint32_t>(pixel_.field(x_, y_, address, width));
+        return static_cast<std::uint32_t>(field(x_, y_, address, width));
     }
 
-    std::uint32_t colour = 0;  ///< As read out.
+    std::uint32_t color = 0;  ///< Word that was read out.
 
   private:
     int x_, y_;
-    isa::reference::Reference pixel_;
     std::vector<bool> answers_;
     mutable std::size_t next_answer_ = 0;
 };
@@ -128,7 +124,7 @@ class Historian {
             step();
         }
         leave_primitive();
-        history_.colour = pixel_.colour;
+        history_.color = pixel_.color;
         history_.instructions = walk_.counts().instructions;
     }
 
@@ -144,7 +140,7 @@ class Historian {
         }
         if (kind == Kind::segment && enabled && is_plane_depth_test(in)) {
             visit().z = static_cast<std::uint32_t>(
-                (form_at(walk_.coefficients(), history_.x_in_region(), history_.y_in_region()) >>
+                (form_of(walk_.coefficients(), {history_.x_in_region(), history_.y_in_region()}) >>
                  in.operands.b) &
                 layout::z_far);
         }
@@ -227,44 +223,11 @@ class Historian {
     OnePixel& pixel_;
     RegionWalk walk_;
     std::size_t next_ = 0, current_ = 0;  ///< Primitives: to come, under way.
-    PixelState before_;                   ///< Of the primitive under way.
+    PixelState before_;                   ///< State before the current primitive.
     bool visiting_ = false, drawn_ = false;
 };
 
-/// The pixel's colour in the picture that the Renderer sent.
-std::optional<std::uint32_t> sent_colour(const RecordedFrame& frame, const RecordedRegion& region,
-                                         int x, int y) {
-    const auto found = frame.pixels.find(region.renderer);
-    if (found == frame.pixels.end()) {
-        return std::nullopt;
-    }
-    const auto& pixels = *found->second.as<schema::RegionPixels>();
-    for (std::uint32_t tile = 0; tile < pixels.tiles()->size(); ++tile) {
-        if (pixels.tiles()->Get(tile)->region() == region.place.number) {
-            const auto at =
-                tile * isa::region_pixels + static_cast<std::size_t>(y * layout::size_px + x);
-            return at < pixels.pixels()->size()
-                       ? std::optional(pixels.pixels()->Get(static_cast<std::uint32_t>(at)))
-                       : std::nullopt;
-        }
-    }
-    return std::nullopt;
-}
-
 }  // namespace
-
-std::int64_t form_at(isa::Coefficients c, int x, int y) {
-    std::int64_t value = std::int64_t{c[0]} * x + std::int64_t{c[1]} * y + c[2];
-    if (c.size() == 6) {
-        value += (std::int64_t{c[3]} * x + std::int64_t{c[4]} * y) * x + std::int64_t{c[5]} * y * y;
-    }
-    return value;
-}
-
-isa::Coefficients coefficients_behind(std::span<const std::uint32_t> words, std::size_t word) {
-    const auto behind = words.subspan(word + 1, isa::instruction_words(words[word]) - 1);
-    return {reinterpret_cast<const std::int32_t*>(behind.data()), behind.size()};
-}
 
 const PixelVisit* PixelHistory::shown() const {
     for (std::size_t i = visits.size(); i-- > 0;) {
@@ -292,7 +255,11 @@ PixelHistory history_of(const RecordedFrame& frame, const RecordedRegion& region
     }
     OnePixel pixel(history.x_in_region(), history.y_in_region(), std::move(whole.answers));
     Historian(region, history, pixel).run();
-    history.sent = sent_colour(frame, region, history.x_in_region(), history.y_in_region());
+    const std::optional<RecordedTile> tile = tile_of(frame, region.place.number);
+    if (tile && !tile->pixels.empty()) {
+        history.sent = tile->pixels[static_cast<std::size_t>(
+            history.y_in_region() * layout::size_px + history.x_in_region())];
+    }
     return history;
 }
 

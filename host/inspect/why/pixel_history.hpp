@@ -27,7 +27,7 @@ struct PixelState {
 struct PixelWrite {
     Address address;
     std::uint64_t at = 0;  ///< Instructions of the region that are executed before it.
-    std::string text;      ///< As assembly.
+    std::string text;      ///< The instruction as assembly.
     PixelState before, after;
 };
 
@@ -41,18 +41,18 @@ struct PixelVisit {
 };
 
 struct PixelHistory {
-    int x = 0, y = 0;  ///< Of the whole picture.
+    int x = 0, y = 0;  ///< Pixel of the whole picture.
     RegionPlace place;
     std::vector<Primitive> primitives;  ///< All of the region, in the order in which they ran.
     std::vector<PixelWrite> prologue;
     std::vector<PixelVisit> visits;            ///< In order.
-    std::vector<PixelWrite> doors;             ///< Of screen doors that are shut at the pixel.
+    std::vector<PixelWrite> doors;             ///< Stores of stipple masks.
     std::vector<std::uint32_t> shut_surfaces;  ///< Whose doors these are: indices, ascending.
     std::vector<PixelWrite> end_of_region;
     PixelState drawn;                   ///< Before the end-of-region program.
-    std::uint32_t colour = 0;           ///< As read out; red in the low byte.
-    std::optional<std::uint32_t> sent;  ///< The colour in the recorded picture, if there is one.
-    std::uint64_t instructions = 0;     ///< Of the region.
+    std::uint32_t color = 0;            ///< Word read out; red in the low byte.
+    std::optional<std::uint32_t> sent;  ///< The color in the recorded picture, if there is one.
+    std::uint64_t instructions = 0;     ///< Count of the region.
 
     /// The visit that the pixel shows: the last that stored. Null for the background.
     const PixelVisit* shown() const;
@@ -67,11 +67,5 @@ struct PixelHistory {
 ///
 /// x, y     A pixel of the region, in the whole picture.
 PixelHistory history_of(const RecordedFrame& frame, const RecordedRegion& region, int x, int y);
-
-/// A x + B y + C (+ D xx + E xy + F yy) of an instruction's coefficients at a pixel of the region.
-std::int64_t form_at(isa::Coefficients coefficients, int x, int y);
-
-/// Coefficients that follow the instruction at `word`.
-isa::Coefficients coefficients_behind(std::span<const std::uint32_t> words, std::size_t word);
 
 }  // namespace pxpl5::host::inspect

@@ -36,8 +36,8 @@ CornerFacts corner_of(const KnownVolume& volume, double isovalue, std::uint64_t 
     corner.p_voxel = glm::dvec3(vertex.p_voxel);
     corner.p_mm = volume.to_mm(corner.p_voxel);
     const std::uint64_t axis = key & 3, voxel = key >> 2;
-    corner.is_centre = axis == 3;
-    if (corner.is_centre) {
+    corner.is_center = axis == 3;
+    if (corner.is_center) {
         return corner;
     }
     const auto nx = static_cast<std::uint64_t>(volume.shape().nx);
@@ -56,11 +56,11 @@ CornerFacts corner_of(const KnownVolume& volume, double isovalue, std::uint64_t 
 /// Fills in what the voxels tell.
 void look_at_voxels(PixelInquiry& inquiry, CellFacts& cell) {
     const auto [surface, i, j, k, triangle] = cell.name;
-    if (!inquiry.again) {
+    if (!inquiry.replayed) {
         cell.unknown = "no trace holds the volume's header";
         return;
     }
-    GpAgain& again = *inquiry.again;
+    ReplayedGp& again = *inquiry.replayed;
     cell.unknown = again.missing(surface, k);
     if (!cell.unknown.empty()) {
         return;
@@ -116,7 +116,7 @@ FrameInquiry::FrameInquiry(const RecordedRun& recorded, std::optional<std::uint3
       surfaces(surfaces_of(run, frame)),
       volume(run, frame.number, held) {
     if (volume.has_shape()) {
-        again.emplace(frame, surfaces, volume);
+        replayed.emplace(frame, surfaces, volume);
     }
 }
 
@@ -125,7 +125,7 @@ PixelInquiry::PixelInquiry(FrameInquiry& of, int px, int py)
       frame(of.frame),
       surfaces(of.surfaces),
       volume(of.volume),
-      again(of.again),
+      replayed(of.replayed),
       x(px),
       y(py),
       place(frame.region_at(x, y)) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/inspect/listing/instruction_values.hpp"
 #include "isa/contract/triangle_shape.hpp"
 
 namespace pxpl5::host::inspect {
@@ -108,10 +109,11 @@ std::string streams_missing(const PixelInquiry& inquiry, std::uint32_t surface) 
                 continue;
             }
             if (p.is_of_scene) {
-                return fmt::format("surface {} is of an archive: it has no voxel cells", surface);
+                return fmt::format("surface {} belongs to an archive, which has no voxel cells",
+                                   surface);
             }
             if (!p.origin) {
-                return fmt::format("{} was recorded without origins of its primitives",
+                return fmt::format("{} was recorded without the provenance of its primitives",
                                    to_text(region.plan, p.address()));
             }
         }
@@ -240,7 +242,7 @@ TriangleVerdict farthest_edge(const PixelInquiry& inquiry, const Primitive& prim
     for (std::size_t k = 0; k < isa::triangle::at_edge.size(); ++k) {
         const isa::Coefficients c = coefficients_behind(words, isa::triangle::at_edge[k]);
         const std::int64_t value =
-            form_at(c, inquiry.history.x_in_region(), inquiry.history.y_in_region());
+            form_of(c, {inquiry.history.x_in_region(), inquiry.history.y_in_region()});
         const double distance = static_cast<double>(-value) / std::hypot(c[0], c[1]);
         if (value < 0 && (verdict.edge < 0 || distance > verdict.distance_px)) {
             verdict.edge = static_cast<int>(k);

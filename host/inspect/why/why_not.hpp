@@ -1,8 +1,8 @@
-// Why something that is expected at a pixel is not there: a verdict, or which data it lacks.
+// Why an expected triangle or surface is not visible at a pixel: a verdict, or the missing data.
 //
-// The recorded streams are asked first. A triangle that was never emitted is followed through the
-// GP's own stages once more, so that the reason is exact; before that counts, the stages must give
-// every recorded word of its slab.
+// The recorded streams are examined first. A triangle that was never emitted is followed through
+// the replayed stages of its GP, so that the reason is exact. The stages are trusted only if they
+// reproduce every recorded word of the slab.
 #pragma once
 
 #include <array>
@@ -15,28 +15,28 @@
 
 namespace pxpl5::host::inspect {
 
-/// What is expected. With none of it, any surface.
+/// What is expected at the pixel. Any surface if all members are empty.
 struct Expectation {
     std::optional<std::array<int, 3>> cell;
     std::optional<std::uint32_t> surface;  ///< Index in the frame's list; 0 if a cell needs one.
-    std::optional<int> triangle;           ///< Of the cell.
+    std::optional<int> triangle;           ///< In the cell, from 0.
 };
 
-/// The nearer to being seen, the earlier.
+/// Ordered from nearest to visible to farthest from visible.
 enum class Verdict : std::uint8_t {
-    shown,            ///< It is there.
-    overwritten,      ///< Stored, then hidden by a nearer one.
-    lost_depth_test,  ///< A nearer one was there before.
-    shut_out,         ///< It is transparent, and the pixel is one that shows what is behind.
-    outside_edge,     ///< Emitted in this region; the pixel's centre lies outside.
+    shown,            ///< It is visible.
+    overwritten,      ///< Stored, then hidden by a nearer primitive.
+    lost_depth_test,  ///< A nearer primitive was stored before.
+    shut_out,         ///< It is transparent, and its stipple mask hides the pixel.
+    outside_edge,     ///< Emitted in this region; the center of the pixel lies outside.
     other_region,     ///< Emitted, but not in the pixel's region.
     left_out,         ///< Sent, but its Renderer refused the segment.
     masked,           ///< Hidden by a mask.
     clipped,
     back_face,
-    no_pixel_centre,  ///< So small that it covers no pixel's centre.
+    no_pixel_center,  ///< Too small to cover the center of a pixel.
     no_area,
-    not_sent,      ///< Its GP sent nothing of the slab, though the slab holds it.
+    not_sent,      ///< Its GP sent nothing of the slab, although the slab contains it.
     not_crossed,   ///< The surface does not pass through the cell.
     nothing,       ///< No triangle of the surface lies on the pixel's ray.
     not_in_frame,  ///< The frame does not show the surface.
@@ -53,12 +53,12 @@ struct TriangleVerdict {
 
     int edge = -1;                        ///< outside_edge: 0..2.
     std::int64_t edge_value = 0;          ///< At the pixel; negative is outside.
-    double distance_px = 0;               ///< From the pixel's centre to that edge.
+    double distance_px = 0;               ///< From the center of the pixel to that edge.
     std::uint32_t z = 0, rival_z = 0;     ///< overwritten, lost_depth_test.
     std::optional<PrimitiveFacts> rival;  ///< The triangle that hid it.
     std::vector<RegionPlace> regions;     ///< other_region: where it is.
     std::string plane;                    ///< clipped: which.
-    std::optional<CellAgain> cell;        ///< not_crossed.
+    std::optional<ReplayedCell> cell;     ///< not_crossed.
     std::string reason;                   ///< left_out, not_sent; unknown: what is missing.
 };
 
@@ -67,9 +67,9 @@ struct WhyNotFinding {
     int x = 0, y = 0;
     RegionPlace place;
     Expectation expected;
-    TriangleVerdict verdict;  ///< Of all, the one nearest to being seen; of unknown ones, unknown.
+    TriangleVerdict verdict;  ///< The verdict nearest to visible; unknown if it could be another.
     std::vector<TriangleVerdict> all;  ///< By triangle of the cell, or by surface.
-    WhyFinding shown;                  ///< What the pixel shows instead.
+    WhyFinding shown;                  ///< What the pixel shows.
 };
 
 /// Throws as PixelInquiry, and RequestError (usage) for a cell or triangle that cannot be.
@@ -79,15 +79,16 @@ WhyNotFinding why_not(FrameInquiry& frame, int x, int y, const Expectation& expe
 std::array<int, 3> parse_cell(const std::string& text);
 
 std::string sentence_of(const WhyNotFinding& finding, const TriangleVerdict& verdict);
-Reply why_not_reply(const WhyNotFinding& finding);
+Answer answer_of(const WhyNotFinding& finding);
 
-/// The stages' verdict on a triangle that is in no recorded stream, or of which `emitted` pieces
-/// are, none of them at the pixel: then nothing, unless the rest was clipped away.
-///
-/// Parts of why_not().
+// Parts of why_not():
+
+/// The verdict of the replayed stages on a triangle that is in no recorded stream. If `emitted`,
+/// pieces of the triangle are in the streams, but not at the pixel: the verdict is then empty
+/// unless the rest of the triangle was clipped away.
 std::optional<TriangleVerdict> verdict_of_stages(PixelInquiry& inquiry, const TriangleName& name,
                                                  bool emitted);
-/// How many triangles the cell has; an unknown or not_crossed verdict if that cannot be told.
+/// The number of triangles of the cell, or a verdict unknown or not_crossed.
 struct CellCount {
     int triangles = 0;
     std::optional<TriangleVerdict> verdict;
@@ -95,7 +96,7 @@ struct CellCount {
 CellCount triangles_of_cell(PixelInquiry& inquiry, const TriangleName& first);
 /// The verdict on a surface of which no emitted triangle covers the pixel.
 TriangleVerdict verdict_of_surface(PixelInquiry& inquiry, std::uint32_t surface);
-/// The edge of a primitive that is a triangle which the pixel is farthest outside of.
+/// The edge of a triangle from which the pixel is farthest outside.
 TriangleVerdict farthest_edge(const PixelInquiry& inquiry, const Primitive& primitive);
 
 }  // namespace pxpl5::host::inspect

@@ -41,7 +41,7 @@ struct Corners {
     }
 };
 
-Corners corners_of(const SlabAgain& slab, std::size_t triangle) {
+Corners corners_of(const ReplayedSlab& slab, std::size_t triangle) {
     Corners corners;
     for (std::size_t n = 0; n < 3; ++n) {
         const std::uint32_t vertex = slab.mesh.indices[3 * triangle + n];
@@ -91,7 +91,7 @@ TriangleVerdict clipped(const TriangleName& name, const gp::Camera& camera, std:
     return verdict;
 }
 
-/// Whether the whole triangle, cut by no plane, lies on the ray through the pixel's centre.
+/// Whether the whole triangle, cut by no plane, lies on the ray through the center of the pixel.
 bool on_ray(const PixelInquiry& inquiry, const gp::Projection& projection, const Corners& corners) {
     const glm::dvec3 w = ray_weights(projection, corners.points(), inquiry.x, inquiry.y_in_view());
     return w.x >= 0 && w.y >= 0 && w.z >= 0;
@@ -121,7 +121,7 @@ std::optional<Verdict> culled(const Corners& corners, const ShownSurface& surfac
     return std::nullopt;
 }
 
-/// Whether the screen's triangle, either way round, covers the pixel's centre.
+/// Whether the screen's triangle, of either orientation, covers the center of the pixel.
 bool covers(const PixelInquiry& inquiry, const Corners& corners) {
     const auto& [a, b, c] = corners.screen;
     const bool clockwise = gp::determinant(*a, *b, *c) > 0;
@@ -150,7 +150,7 @@ std::optional<TriangleVerdict> distrust(PixelInquiry& inquiry, const TriangleNam
     if (!inquiry.frame.missing.empty()) {
         return verdict_on(name, Verdict::unknown, inquiry.frame.missing.front());
     }
-    const std::string difference = inquiry.again->difference(name.surface, name.k);
+    const std::string difference = inquiry.replayed->difference(name.surface, name.k);
     if (difference.empty()) {
         return std::nullopt;
     }
@@ -165,7 +165,7 @@ std::optional<TriangleVerdict> distrust(PixelInquiry& inquiry, const TriangleNam
                       difference + "; so the stages cannot tell what this GP did");
 }
 
-/// Of a triangle in a slab that the frame leaves out.
+/// The verdict on a triangle in a slab that the frame omits.
 TriangleVerdict not_chosen(const PixelInquiry& inquiry, const TriangleName& name) {
     const bool in_gaps = inquiry.surfaces[name.surface].slabs == gp::SlabChoice::in_gaps;
     return verdict_on(
@@ -176,8 +176,8 @@ TriangleVerdict not_chosen(const PixelInquiry& inquiry, const TriangleName& name
 }
 
 std::optional<TriangleVerdict> missing_data(PixelInquiry& inquiry, const TriangleName& name) {
-    const std::string missing = inquiry.again ? inquiry.again->missing(name.surface, name.k)
-                                              : "no trace holds the volume's header";
+    const std::string missing = inquiry.replayed ? inquiry.replayed->missing(name.surface, name.k)
+                                                 : "no trace holds the volume's header";
     if (missing.empty()) {
         return std::nullopt;
     }
@@ -185,15 +185,15 @@ std::optional<TriangleVerdict> missing_data(PixelInquiry& inquiry, const Triangl
 }
 
 /// A triangle of the slab that would cover the pixel, had it not been culled or clipped.
-std::optional<TriangleVerdict> removed_from_ray(PixelInquiry& inquiry, const SlabAgain& slab,
+std::optional<TriangleVerdict> removed_from_ray(PixelInquiry& inquiry, const ReplayedSlab& slab,
                                                 std::uint32_t surface, int k) {
-    const gp::Projection& projection = inquiry.again->projection(inquiry.place.view);
-    const gp::Camera& camera = inquiry.again->camera(inquiry.place.view);
+    const gp::Projection& projection = inquiry.replayed->projection(inquiry.place.view);
+    const gp::Camera& camera = inquiry.replayed->camera(inquiry.place.view);
     for (std::size_t n = 0; n < slab.mesh.origins.size(); ++n) {
         const Corners corners = corners_of(slab, n);
         const gp::Origin& o = slab.mesh.origins[n];
         const TriangleName name{surface, o.i, o.j, k, o.triangle};
-        if (gp::is_hidden(inquiry.again->hidden(surface, k), n)) {
+        if (gp::is_hidden(inquiry.replayed->hidden(surface, k), n)) {
             if (on_ray(inquiry, projection, corners)) {
                 return verdict_on(name, Verdict::masked);
             }
@@ -219,13 +219,14 @@ CellCount triangles_of_cell(PixelInquiry& inquiry, const TriangleName& first) {
     if (count.verdict) {
         return count;
     }
-    const CellAgain cell = inquiry.again->cell(first.surface, first.i, first.j, first.k);
+    const ReplayedCell cell = inquiry.replayed->cell(first.surface, first.i, first.j, first.k);
     if (!cell.crossed()) {
         count.verdict = verdict_on(first, Verdict::not_crossed);
         count.verdict->cell = cell;
         return count;
     }
-    const gp::SlabMesh& mesh = inquiry.again->slab(first.surface, first.k, inquiry.place.view).mesh;
+    const gp::SlabMesh& mesh =
+        inquiry.replayed->slab(first.surface, first.k, inquiry.place.view).mesh;
     count.triangles = static_cast<int>(std::ranges::count_if(
         mesh.origins, [&](const gp::Origin& o) { return o.i == first.i && o.j == first.j; }));
     return count;
@@ -240,12 +241,12 @@ std::optional<TriangleVerdict> verdict_of_stages(PixelInquiry& inquiry, const Tr
     if (doubt) {
         return emitted ? std::nullopt : doubt;
     }
-    GpAgain& again = *inquiry.again;
+    ReplayedGp& again = *inquiry.replayed;
     if (!again.draws(name.surface, name.k)) {
         return not_chosen(inquiry, name);
     }
     const int view = inquiry.place.view;
-    const SlabAgain& slab = again.slab(name.surface, name.k, view);
+    const ReplayedSlab& slab = again.slab(name.surface, name.k, view);
     const std::size_t number = find_triangle(slab.mesh, name).value();
     if (gp::is_hidden(again.hidden(name.surface, name.k), number)) {
         return verdict_on(name, Verdict::masked);
@@ -269,7 +270,7 @@ std::optional<TriangleVerdict> verdict_of_stages(PixelInquiry& inquiry, const Tr
         return std::nullopt;
     }
     return verdict_on(
-        name, culled(corners, inquiry.surfaces[name.surface]).value_or(Verdict::no_pixel_centre));
+        name, culled(corners, inquiry.surfaces[name.surface]).value_or(Verdict::no_pixel_center));
 }
 
 TriangleVerdict verdict_of_surface(PixelInquiry& inquiry, std::uint32_t surface) {
@@ -280,8 +281,8 @@ TriangleVerdict verdict_of_surface(PixelInquiry& inquiry, std::uint32_t surface)
         if (!verdict) {
             verdict = distrust(inquiry, name);
         }
-        if (!verdict && inquiry.again->draws(surface, name.k)) {
-            const SlabAgain& slab = inquiry.again->slab(surface, name.k, inquiry.place.view);
+        if (!verdict && inquiry.replayed->draws(surface, name.k)) {
+            const ReplayedSlab& slab = inquiry.replayed->slab(surface, name.k, inquiry.place.view);
             verdict = removed_from_ray(inquiry, slab, surface, name.k);
         } else if (verdict) {
             verdict->name.reset();  // Not of a triangle but of all.

@@ -47,7 +47,7 @@ inline void check_cell(const inspect::CellFacts& cell, const host::Volume& volum
     CHECK(inside != 255);  // The values straddle the isovalue.
     CHECK(cell.origin.inside == inside);
     for (const inspect::CornerFacts& corner : cell.corners) {
-        if (!corner.is_centre) {
+        if (!corner.is_center) {
             CHECK((corner.value_0 < isovalue) != (corner.value_1 < isovalue));
             CHECK(corner.value_0 + corner.fraction * (corner.value_1 - corner.value_0) ==
                   doctest::Approx(isovalue));
@@ -70,7 +70,7 @@ inline void check_pixels(RecordedSurface& recorded, double isovalue, int count, 
         const OnRay ray = on_ray(truth, x, y);
         const inspect::WhyFinding finding = inspect::why(frame, x, y + view_y_px);
         INFO("pixel ", x, ", ", y);
-        CHECK(finding.history.sent.value() % (1U << 24) == finding.history.colour % (1U << 24));
+        CHECK(finding.history.sent.value() % (1U << 24) == finding.history.color % (1U << 24));
         if (finding.shown() == nullptr) {
             CHECK(ray.sure.empty());
             continue;

@@ -20,8 +20,8 @@ inspect::DiffReport diff(const Traces& a, const Traces& b) {
 }
 
 bool has(const inspect::DiffReport& report, const std::string& text) {
-    INFO(inspect::to_text(report));
-    const bool found = inspect::to_text(report).find(text) != std::string::npos;
+    INFO(inspect::answer_of(report).text());
+    const bool found = inspect::answer_of(report).text().find(text) != std::string::npos;
     CHECK(found);
     return found;
 }
@@ -74,8 +74,8 @@ TEST_CASE("a changed word of a program is found as an instruction, with its cell
     CHECK(report.difference->level == "instruction");
     CHECK(report.difference->region == region - 1);
     has(report, "TREEintoMEM m8:24 >>8");
-    has(report, "in A it is of cell (");
-    has(report, "in B it is of cell (");
+    has(report, "in A the instruction belongs to cell (");
+    has(report, "in B the instruction belongs to cell (");
 }
 
 TEST_CASE("a slab that one run lacks is found") {
@@ -88,8 +88,8 @@ TEST_CASE("a slab that one run lacks is found") {
     const inspect::DiffReport report = diff(a, b);
     REQUIRE(report.difference);
     CHECK(report.difference->level == "message");
-    has(report, "only A has a program of surface 0, slab ");
-    has(diff(b, a), "only B has a program of surface 0, slab ");
+    has(report, "only A has this program: surface 0, slab ");
+    has(diff(b, a), "only B has this program: surface 0, slab ");
 }
 
 TEST_CASE("pixels that differ are found to the bit, and the wrong run is named") {
@@ -167,7 +167,7 @@ TEST_CASE("equal machines that share the work otherwise are noted, and do not di
     });
     const inspect::DiffReport report = diff(a, b);
     CHECK_FALSE(report.difference);
-    has(report, "note: the same by other means: message ");
+    has(report, "note: equal results, but message ");
     has(report, "from host to gp-0 differs: DrawFrame in A, DrawFrame in B");
 }
 

@@ -52,20 +52,20 @@ TEST_CASE("a replay on the reference differs from what wrong Renderers drew") {
 TEST_CASE("executors of a wrong build are told apart at the triangle that goes wrong") {
     const inspect::DiffReport report = inspect::diff_executors(recorded().run());
     REQUIRE(report.difference);
-    INFO(report.difference->text);
-    CHECK(report.difference->text.find("instructions 10 from gp-") != std::string::npos);
-    CHECK(report.difference->text.find("SETENABS") != std::string::npos);
-    CHECK(report.difference->text.find("cell (") != std::string::npos);
+    INFO(report.difference->answer.text());
+    CHECK(report.difference->answer.text().find("instructions 10 from gp-") != std::string::npos);
+    CHECK(report.difference->answer.text().find("SETENABS") != std::string::npos);
+    CHECK(report.difference->answer.text().find("cell (") != std::string::npos);
 }
 
 TEST_CASE("a wrong run and a right one differ, and the wrong one is named") {
     const inspect::RecordedRun wrong = recorded().run(), right(healed());
     const inspect::DiffReport report = inspect::diff_runs(right, wrong);
     REQUIRE(report.difference);
-    INFO(report.difference->text);
+    INFO(report.difference->answer.text());
     CHECK(report.difference->level == "pixel");
-    CHECK(report.difference->text.find("B is wrong: renderer-") != std::string::npos);
-    CHECK(report.difference->text.find("this program makes a mistake") != std::string::npos);
+    CHECK(report.difference->answer.text().find("B is wrong: renderer-") != std::string::npos);
+    CHECK(report.difference->answer.text().find("this program also differs") != std::string::npos);
 }
 
 TEST_CASE("the mistake shrinks to one triangle") {

@@ -1,14 +1,15 @@
 #include <doctest/doctest.h>
 
+#include <filesystem>
+
 #include "host/base/error.hpp"
 #include "host/base/text_table.hpp"
 #include "host/inspect/map/picture_file.hpp"
 #include "host/inspect/record/selection.hpp"
 #include "host/inspect/replay/executors.hpp"
-#include "host/inspect/tools/exec.hpp"
 #include "host/inspect/tools/exec_fields.hpp"
 #include "host/inspect/tools/program_files.hpp"
-#include "host/inspect/tools/program_tools.hpp"
+#include "host/inspect/tools/tools.hpp"
 #include "isa/assemble.hpp"
 #include "tests/host/inspect/tool_files.hpp"
 
@@ -208,6 +209,29 @@ TEST_CASE("a picture of a field is black at its least value and white at its gre
     CHECK(picture.rgba.at(127) == 0xFFFFFFFF);
     CHECK(picture.rgba.at(128 * 127) == 0xFF000000);
     CHECK_THROWS_AS(field_picture({*executor, {}}, parse_field("readout")), RequestError);
+}
+
+TEST_CASE("a picture of a field that has one value everywhere comes with a warning") {
+    const auto executor = make_executor(ExecutorKind::fast);
+    CHECK(field_picture({*executor, {}}, parse_field("rgb")).warning ==
+          "rgb is 0 at every pixel; no instruction stored a value into bits 64 to 87 of an enabled "
+          "pixel");
+    executor->execute({isa::Op::set_enabs, {}}, {});
+    const std::int32_t plane[] = {1, 0, 10};
+    executor->execute({isa::Op::tree_into_mem, {64, 0, 24}}, plane);
+    CHECK(field_picture({*executor, {}}, parse_field("rgb")).warning.empty());
+}
+
+TEST_CASE("a picture is written under the name of a PNG file only, refused before anything runs") {
+    const Folder folder;
+    ExecOptions options;
+    options.programs = {folder.at("no-such-program.pxasm")};
+    options.picture = "rgb";
+    options.output = folder.at("r.jpg");
+    CHECK_THROWS_WITH_AS(executed(folder, options), doctest::Contains("only PNG files"),
+                         RequestError);
+    CHECK_THROWS_AS(write_png(options.output, 1, 1, std::vector<std::uint32_t>(1)), RequestError);
+    CHECK_FALSE(std::filesystem::exists(options.output));
 }
 
 TEST_CASE("a PNG file states its size, and names the reason if it cannot be written") {

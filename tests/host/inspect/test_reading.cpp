@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "host/inspect/listing/dump.hpp"
 #include "host/inspect/listing/enabled_pixels.hpp"
 #include "host/inspect/listing/region_listing.hpp"
 #include "host/inspect/listing/run_stats.hpp"
@@ -20,6 +19,7 @@
 #include "host/inspect/record/message_text.hpp"
 #include "host/inspect/record/run_table.hpp"
 #include "host/inspect/record/selected_messages.hpp"
+#include "host/inspect/tools/tools.hpp"
 #include "isa/assemble.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
@@ -282,19 +282,19 @@ TEST_CASE("the table of a run tells nodes, volume, and which regions can be exec
     CHECK(table.frames[0].regions == 2);
     CHECK(table.frames[0].executable == 2);
     CHECK(table.frames[0].done);
-    CHECK(Json::parse(host::json_text(to_fields(table)))["frames"][0]["width"] == 256);
+    CHECK(Json::parse(host::json_text(answer_of(table).fields()))["frames"][0]["width"] == 256);
 }
 
 TEST_CASE("the text of a run tells the machine as far as its topology was recorded") {
     RunTable table;
     table.gps = 36;
     table.renderers = 16;
-    CHECK(holds(to_text(table), "\nmachine: GPs 36, Renderers 16\n"));
+    CHECK(holds(answer_of(table).text(), "\nmachine: GPs 36, Renderers 16\n"));
     table.topology = R"({"roles": {"gp": {"memory_mib": 8}},
                          "ring": {"channels": 8, "channel_mb_s": 80}})";
-    CHECK(holds(to_text(table), "; 8 MiB for each GP; ring of 8 channels of 80 MB/s\n"));
+    CHECK(holds(answer_of(table).text(), "; 8 MiB for each GP; ring of 8 channels of 80 MB/s\n"));
     table.topology = "{\"roles\": 3";
-    CHECK(holds(to_text(table), "Renderers 16\n"));
+    CHECK(holds(answer_of(table).text(), "Renderers 16\n"));
 }
 
 TEST_CASE("a region cannot be executed without its Renderer's BeginFrame or any GP's programs") {
@@ -308,7 +308,7 @@ TEST_CASE("a region cannot be executed without its Renderer's BeginFrame or any 
             }
         }
         const RunTable table = table_of(RecordedRun(std::move(traces)));
-        CHECK(holds(to_text(table), "cut: at offset 77: cut off"));
+        CHECK(holds(answer_of(table).text(), "cut: at offset 77: cut off"));
         return table.frames.at(0).executable;
     };
     using bus::trace::Entry;

@@ -298,7 +298,7 @@ TEST_CASE("a surface that was given up for another is not counted, and that is s
     const RunWork work = inspect::recorded_work(inspect::RecordedRun(traces));
     CHECK(all<BuildWork>(work).empty());
     CHECK(all<FrameWork>(work).empty());  // Its slabs are not known either.
-    CHECK(holds(work.missing, "surface 0, revision 1: it was given up when "));
+    CHECK(holds(work.missing, "surface 0, revision 1: a newer revision replaced it after "));
     CHECK(holds(work.missing, "frame 0: GPs told of "));
 }
 

@@ -62,7 +62,7 @@ TEST_CASE("one wrong bit of a recorded pixel is found, and named in the picture'
     for (const inspect::FrameReplay& frame : report.frames) {
         REQUIRE(frame.first_difference() != nullptr);
         CHECK(frame.first_difference()->region == 3);
-        const std::string text = inspect::to_text(frame);
+        const std::string text = inspect::answer_of(frame).text();
         CHECK(text.find("pixel (137, 133): #") != std::string::npos);
         CHECK(text.find("in the recording (bit 2)") != std::string::npos);
     }
@@ -90,7 +90,8 @@ TEST_CASE("a wrong pixel that only the host got is a difference") {
         inspect::replay(inspect::RecordedRun(std::move(traces)), {});
     REQUIRE_FALSE(report.agrees());
     CHECK(report.frames[0].digest != report.frames[0].recorded);
-    CHECK(inspect::to_text(report.frames[0]).find("pixel (99, 99): #") != std::string::npos);
+    CHECK(inspect::answer_of(report.frames[0]).text().find("pixel (99, 99): #") !=
+          std::string::npos);
 }
 
 TEST_CASE("what a trace lacks is said, and the rest is replayed") {

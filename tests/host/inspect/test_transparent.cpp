@@ -145,10 +145,10 @@ TEST_SUITE("transparent surfaces") {
             CHECK(finding.shown()->surface == (is_shut ? 1 : 0));
             CHECK(finding.shown()->cell->name.surface == (is_shut ? 1 : 0));
             CHECK(h.shut_surfaces == (is_shut ? std::vector{0U} : std::vector<std::uint32_t>{}));
-            CHECK(h.sent.value() == h.colour);
+            CHECK(h.sent.value() == h.color);
             const std::string sentence = inspect::sentence_of(finding);
             CHECK(sentence.find(", the nearest of ") != std::string::npos);
-            CHECK((sentence.find("of transparent surfaces that leave this pixel") !=
+            CHECK((sentence.find("of transparent surfaces whose stipple masks hide") !=
                    std::string::npos) == is_shut);
             for (std::size_t v = 0; v < h.visits.size(); ++v) {
                 const bool is_outer = finding.facts[v].surface == 0;

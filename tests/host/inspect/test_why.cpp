@@ -64,7 +64,7 @@ TEST_SUITE("why") {
         const inspect::WhyFinding ring = inspect::why(frame, 100, 42);
         REQUIRE(ring.shown() != nullptr);
         const TriangleName& n = ring.shown()->cell.value().name;
-        const host::Reply reply = inspect::why_reply(ring);
+        const host::Reply reply = inspect::answer_of(ring).reply();
         CHECK(reply.text.starts_with(fmt::format(
             "Pixel (100, 42) of frame 0 shows surface 0 (isovalue 30000.5): triangle {} of cell "
             "({}, {}, {}), which gp-{} sent, the nearest of",
@@ -74,7 +74,7 @@ TEST_SUITE("why") {
         CHECK(json.find(fmt::format("\"cell\":[{}.0,{}.0,{}.0]", n.i, n.j, n.k)) !=
               std::string::npos);
 
-        const std::string hole = inspect::why_reply(inspect::why(frame, 100, 100)).text;
+        const std::string hole = inspect::answer_of(inspect::why(frame, 100, 100)).text();
         CHECK(hole.starts_with("Pixel (100, 100) of frame 0 shows the background, #010203: none "));
         CHECK_THROWS_AS(inspect::why(frame, 200, 0), host::RequestError);
         CHECK_THROWS_AS(inspect::parse_cell("1,2"), host::RequestError);

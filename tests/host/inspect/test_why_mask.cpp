@@ -56,7 +56,7 @@ TEST_SUITE("why/mask") {
         CHECK(inspect::why_not(before, 100, 42, cell).verdict.verdict == Verdict::shown);
         const inspect::WhyNotFinding hidden = inspect::why_not(after, 100, 42, cell);
         CHECK(hidden.verdict.verdict == Verdict::masked);
-        const std::string text = inspect::why_not_reply(hidden).text;
+        const std::string text = inspect::answer_of(hidden).text();
         CHECK_MESSAGE(text.find("is hidden by a mask") != std::string::npos, text);
         // What shows instead is whole, and its slab is drawn again word for word.
         REQUIRE(hidden.shown.shown() != nullptr);

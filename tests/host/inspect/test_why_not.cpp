@@ -150,8 +150,8 @@ void cut_in_two(bus::schema::DrawFrameT& draw) {
 std::string answer_on(std::vector<inspect::NodeTrace> traces) {
     const inspect::RecordedRun run(std::move(traces));
     inspect::FrameInquiry frame(run, std::nullopt);
-    return inspect::why_not_reply(inspect::why_not(frame, 150, 100, {std::array{0, 0, 0}, 0U, {}}))
-        .text;
+    return inspect::answer_of(inspect::why_not(frame, 150, 100, {std::array{0, 0, 0}, 0U, {}}))
+        .text();
 }
 std::vector<inspect::NodeTrace> without(std::vector<inspect::NodeTrace> traces, bus::Body kind) {
     for (inspect::NodeTrace& node : traces) {
@@ -250,8 +250,8 @@ TEST_SUITE("why-not") {
                 CHECK(finding.verdict.plane == "clip plane 0 (1, 0, 0, -25.5)");
             } else if (low < cut - 0.1 && high > cut + 0.1 && part < each / 3) {
                 // The pixel sees what is cut off, or what is left: by the point on its ray.
-                const glm::dvec3 w =
-                    inspect::ray_weights(asked.frame->again->projection(0), t.p_voxel, p->x, p->y);
+                const glm::dvec3 w = inspect::ray_weights(asked.frame->replayed->projection(0),
+                                                          t.p_voxel, p->x, p->y);
                 const double hit =
                     glm::dot(w, glm::dvec3(t.p_voxel[0].x, t.p_voxel[1].x, t.p_voxel[2].x));
                 if (std::abs(hit - cut) > 0.1) {
@@ -294,7 +294,7 @@ TEST_SUITE("why-not") {
             ++n;
             INFO(inspect::to_text(t.name));
             CHECK(asked.ask(asked.random(0, 74), asked.random(0, 49), t.name).verdict.verdict ==
-                  Verdict::no_pixel_centre);
+                  Verdict::no_pixel_center);
         }
     }
 
@@ -343,7 +343,7 @@ TEST_SUITE("why-not without data") {
               std::string::npos);
         CHECK(with_source("/scans/a.nrrd", 1).find("no verdict") != std::string::npos);
         CHECK(with_source("phantom:torus", 1).find("has digest") != std::string::npos);
-        CHECK(with_source("phantom:torus", digest.value()).find("does not pass through it") !=
+        CHECK(with_source("phantom:torus", digest.value()).find("does not pass through the cell") !=
               std::string::npos);
     }
     TEST_CASE("without the surface's isovalue there is no verdict") {

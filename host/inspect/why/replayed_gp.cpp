@@ -1,4 +1,4 @@
-#include "host/inspect/why/gp_again.hpp"
+#include "host/inspect/why/replayed_gp.hpp"
 
 #include <fmt/format.h>
 
@@ -79,7 +79,7 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
         s.index = static_cast<std::uint32_t>(surfaces.size() - 1);
         s.id = drawn->surface();
         s.revision = drawn->revision();
-        s.colour = {drawn->colour().r(), drawn->colour().g(), drawn->colour().b()};
+        s.color = {drawn->colour().r(), drawn->colour().g(), drawn->colour().b()};
         s.cull_back = drawn->cull_back();
         s.slabs = static_cast<gp::SlabChoice>(drawn->slabs());
         s.opacity = drawn->opacity();
@@ -97,7 +97,8 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
 
 // Of the share's other slabs, if the volume is so high that it has any, slices of zeros are enough:
 // nothing of a slab depends on them.
-gp::SlabMesh extract_again(const KnownVolume& volume, int k, double isovalue, gp::CaseRule rule) {
+gp::SlabMesh replay_extraction(const KnownVolume& volume, int k, double isovalue,
+                               gp::CaseRule rule) {
     const gp::Share share{k % gp::max_gp_count, gp::max_gp_count};
     gp::VolumeShape shape = volume.shape();
     shape.slabs_per_set = 1;  // A slab is the same in sets of any size: the smallest is cheapest.
@@ -113,15 +114,15 @@ gp::SlabMesh extract_again(const KnownVolume& volume, int k, double isovalue, gp
     return mesh;
 }
 
-GpAgain::GpAgain(const RecordedFrame& frame, const std::vector<ShownSurface>& surfaces,
-                 KnownVolume& volume)
+ReplayedGp::ReplayedGp(const RecordedFrame& frame, const std::vector<ShownSurface>& surfaces,
+                       KnownVolume& volume)
     : frame_(frame), surfaces_(surfaces), volume_(volume) {
     assert(volume.has_shape());
     cameras_ = gp::frame_request(frame.draw(), volume.shape()).views;
     std::ranges::transform(cameras_, std::back_inserter(projections_), gp::prepare);
 }
 
-std::string GpAgain::missing(std::uint32_t surface, int k) {
+std::string ReplayedGp::missing(std::uint32_t surface, int k) {
     if (!surfaces_.at(surface).isovalue) {
         return fmt::format("no trace holds the SetSurface of surface {} (id {}, revision {})",
                            surface, surfaces_.at(surface).id, surfaces_.at(surface).revision);
@@ -129,25 +130,25 @@ std::string GpAgain::missing(std::uint32_t surface, int k) {
     return volume_.need(k - slices_below, k + slices_above);
 }
 
-bool GpAgain::draws(std::uint32_t surface, int k) const {
+bool ReplayedGp::draws(std::uint32_t surface, int k) const {
     return gp::draws_slab(surfaces_.at(surface).slabs, k, volume_.shape().gap_slabs);
 }
 
-gp::RegionGrid GpAgain::grid(int view) const {
+gp::RegionGrid ReplayedGp::grid(int view) const {
     return gp::region_grid(camera(view).width_px, camera(view).height_px, view);
 }
 
-const gp::SlabMesh& GpAgain::mesh(std::uint32_t surface, int k) {
+const gp::SlabMesh& ReplayedGp::mesh(std::uint32_t surface, int k) {
     const auto found = meshes_.find({surface, k});
     if (found != meshes_.end()) {
         return found->second;
     }
-    return meshes_[{surface, k}] = extract_again(volume_, k, *surfaces_.at(surface).isovalue,
-                                                 surfaces_.at(surface).rule);
+    return meshes_[{surface, k}] = replay_extraction(volume_, k, *surfaces_.at(surface).isovalue,
+                                                     surfaces_.at(surface).rule);
 }
 
-const SlabAgain& GpAgain::slab(std::uint32_t surface, int k, int view) {
-    SlabAgain& again = slabs_[{{surface, k}, view}];
+const ReplayedSlab& ReplayedGp::slab(std::uint32_t surface, int k, int view) {
+    ReplayedSlab& again = slabs_[{{surface, k}, view}];
     if (again.mesh.origins.empty()) {
         again.mesh = mesh(surface, k);
         again.screen = gp::transformed(again.mesh.vertices, projection(view));
@@ -155,7 +156,7 @@ const SlabAgain& GpAgain::slab(std::uint32_t surface, int k, int view) {
     return again;
 }
 
-std::span<const std::uint8_t> GpAgain::hidden(std::uint32_t surface, int k) {
+std::span<const std::uint8_t> ReplayedGp::hidden(std::uint32_t surface, int k) {
     const auto found = surfaces_.at(surface).hidden.find(k);
     // A mask of a wrong size was refused.
     return found == surfaces_.at(surface).hidden.end() ||
@@ -164,7 +165,7 @@ std::span<const std::uint8_t> GpAgain::hidden(std::uint32_t surface, int k) {
                : found->second;
 }
 
-const gp::RegionPrograms& GpAgain::programs(std::uint32_t surface, int k) {
+const gp::RegionPrograms& ReplayedGp::programs(std::uint32_t surface, int k) {
     const auto [at, is_new] = programs_.try_emplace({surface, k});
     if (is_new) {
         const int views = static_cast<int>(cameras_.size());
@@ -182,7 +183,7 @@ const gp::RegionPrograms& GpAgain::programs(std::uint32_t surface, int k) {
     return at->second;
 }
 
-std::string GpAgain::difference(std::uint32_t surface, int k) {
+std::string ReplayedGp::difference(std::uint32_t surface, int k) {
     const gp::RegionPrograms& again = programs(surface, k);
     for (const auto& [number, region] : frame_.regions) {
         const renderer::Words recorded = recorded_words(region, surface, k);
@@ -199,8 +200,8 @@ std::string GpAgain::difference(std::uint32_t surface, int k) {
     return {};
 }
 
-CellAgain GpAgain::cell(std::uint32_t surface, int i, int j, int k) const {
-    CellAgain cell;
+ReplayedCell ReplayedGp::cell(std::uint32_t surface, int i, int j, int k) const {
+    ReplayedCell cell;
     for (int c = 0; c < 8; ++c) {
         const double value = volume_.value(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
         cell.values[static_cast<std::size_t>(c)] = value;

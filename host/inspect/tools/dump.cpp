@@ -1,21 +1,22 @@
-#include "host/inspect/listing/dump.hpp"
-
+// pxpl5 trace ls and trace dump.
 #include <fmt/format.h>
 
 #include <limits>
 
+#include "host/base/answer.hpp"
 #include "host/base/error.hpp"
 #include "host/base/text_output.hpp"
 #include "host/inspect/listing/region_listing.hpp"
 #include "host/inspect/record/find_run.hpp"
-#include "host/inspect/record/message_text.hpp"
+#include "host/inspect/record/run_table.hpp"
 #include "host/inspect/record/selected_messages.hpp"
+#include "host/inspect/tools/tools.hpp"
 
 namespace pxpl5::host::inspect {
 
 namespace {
 
-constexpr const char* how_to_see_more = "--all shows them, --lines N more of them";
+constexpr const char* how_to_see_more = "--all lists everything, --lines N lists more";
 
 std::uint64_t lines_of(const DumpOptions& options) {
     return options.all ? std::numeric_limits<std::uint64_t>::max() : options.lines;
@@ -25,7 +26,9 @@ void dump_messages(const RecordedRun& run, const Selection& selection, std::uint
                    TextOutput& output) {
     const std::vector<MessageRef> messages = select_messages(run, selection);
     const std::uint64_t start_ns = start_of(run);
-    output.line("; clock: logical time at the sender; ms: receipt, wall time since the first one");
+    output.line(
+        "; clock: logical time at the sender; ms: wall time of the receipt since the first "
+        "receipt");
     output.line(message_heading());
     std::uint64_t listed = 0;
     for (; listed < messages.size() && listed < max_lines; ++listed) {
@@ -60,17 +63,17 @@ class InstructionDump {
             }
         }
         if (left_out_ != 0 || regions_left_out_ != 0) {
-            output_.line(fmt::format(
-                "; left out: {} instructions{}; {}", grouped(left_out_),
-                regions_left_out_ == 0
-                    ? ""
-                    : fmt::format(", and {} regions not even begun", grouped(regions_left_out_)),
-                how_to_see_more));
+            output_.line(fmt::format("; left out: {} instructions{}; {}", grouped(left_out_),
+                                     regions_left_out_ == 0
+                                         ? ""
+                                         : fmt::format(", and {} regions that were not begun",
+                                                       grouped(regions_left_out_)),
+                                     how_to_see_more));
         }
         if (regions_ == 0) {
             throw RequestError(ExitCode::usage,
-                               "no region is selected that was recorded whole; 'pxpl5 trace ls' "
-                               "tells what there is");
+                               "no region is selected that was recorded completely; 'pxpl5 trace "
+                               "ls' lists the frames and regions");
         }
     }
 
@@ -80,14 +83,13 @@ class InstructionDump {
         if (!options_.pixel.empty()) {
             chosen = frame.region_at(options_.pixel[0], options_.pixel[1]);
         }
-        for (const auto& [number, region] : frame.regions) {
-            if (selection_.has_region(number, region.place.column, region.place.row) &&
-                selection_.has_renderer(region.renderer) && (!chosen || chosen->number == number)) {
-                put_region(frame, region);
+        for (const RecordedRegion* region : selected_regions(frame, selection_)) {
+            if (!chosen || chosen->number == region->place.number) {
+                put_region(frame, *region);
             }
         }
         for (const std::string& missing : frame.missing) {
-            output_.line(fmt::format("; frame {}: not there: {}", frame.number, missing));
+            output_.line(fmt::format("; frame {}: not recorded: {}", frame.number, missing));
         }
     }
 
@@ -114,7 +116,7 @@ class InstructionDump {
     std::uint64_t left_, left_out_ = 0, regions_left_out_ = 0, regions_ = 0;
 };
 
-/// True if what is asked for lies inside of regions.
+/// True if the options select instructions and not messages.
 bool asks_for_instructions(const DumpOptions& options) {
     const SelectionText& text = options.selection;
     return options.instructions || !options.pixel.empty() || !text.region.empty() ||
@@ -123,13 +125,19 @@ bool asks_for_instructions(const DumpOptions& options) {
 
 }  // namespace
 
+int trace_ls(const RunOptions& options) {
+    write(answer_of(table_of(open_run(options.run))), options.json ? Format::json : Format::text,
+          options.output);
+    return 0;
+}
+
 int trace_dump(const DumpOptions& options) {
     const Selection selection = parse_selection(options.selection);
     const bool instructions = asks_for_instructions(options);
     if (instructions && !selection.kinds.empty()) {
         throw RequestError(ExitCode::usage,
                            "--kind selects messages, and --region, --op, --slab, --surface, "
-                           "--pixel and --instructions select instructions: not both");
+                           "--pixel and --instructions select instructions: not both are possible");
     }
     const RecordedRun run = open_run(options.run);
     TextOutput output(options.output);

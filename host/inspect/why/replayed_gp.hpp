@@ -1,4 +1,4 @@
-// A GP's stages, run again for single slabs: what it extracted, where it put it, what it emitted.
+// The stages of a GP, replayed for single slabs: extraction, transform and emitted words.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct ShownSurface {
     std::uint32_t index = 0;  ///< In the frame's list; what streams and selections mean.
     std::uint16_t id = 0;     ///< On the ring.
     std::uint32_t revision = 0;
-    std::array<std::uint8_t, 3> colour{};  ///< Red, green, blue.
+    std::array<std::uint8_t, 3> color{};  ///< Red, green, blue.
     bool cull_back = false;
     gp::SlabChoice slabs{};          ///< Which of them the frame draws.
     std::uint32_t opacity = 0;       ///< Sixteenths.
@@ -43,13 +43,13 @@ struct TriangleName {
 };
 
 /// One slab of one surface: the triangles, and their corners on the screen of one view.
-struct SlabAgain {
-    gp::SlabMesh mesh;  ///< With origins.
+struct ReplayedSlab {
+    gp::SlabMesh mesh;  ///< With provenance.
     std::vector<gp::ScreenVertex> screen;
 };
 
-/// All of a cell that decides its triangles.
-struct CellAgain {
+/// The values of a cell, which determine its triangles.
+struct ReplayedCell {
     std::array<double, 8> values{};  ///< By corner, see gp_firmware/surface/case_tables.hpp.
     std::uint8_t inside = 0;
     bool crossed() const { return inside != 0 && inside != 0xFF; }
@@ -57,32 +57,34 @@ struct CellAgain {
 
 /// Extracts one slab, whose slices, and those that its gradients need, KnownVolume::need() has
 /// granted; see slices_below and slices_above.
-gp::SlabMesh extract_again(const KnownVolume& volume, int k, double isovalue, gp::CaseRule rule);
+gp::SlabMesh replay_extraction(const KnownVolume& volume, int k, double isovalue,
+                               gp::CaseRule rule);
 
 /// Slices on either side of a slab's lower one that its extraction looks at.
 inline constexpr int slices_below = 1, slices_above = 2;
 
-class GpAgain {
+class ReplayedGp {
   public:
     /// All outlive it. The volume has a shape.
-    GpAgain(const RecordedFrame& frame, const std::vector<ShownSurface>& surfaces,
-            KnownVolume& volume);
+    ReplayedGp(const RecordedFrame& frame, const std::vector<ShownSurface>& surfaces,
+               KnownVolume& volume);
 
-    /// Empty if slab k of the surface can be extracted again, else which data are missing.
+    /// Empty if slab k of the surface can be extracted, else the missing data.
     std::string missing(std::uint32_t surface, int k);
 
     // For slabs of which nothing is missing.
-    const SlabAgain& slab(std::uint32_t surface, int k, int view);
+    const ReplayedSlab& slab(std::uint32_t surface, int k, int view);
     /// Whether the frame draws slab k of the surface.
     bool draws(std::uint32_t surface, int k) const;
-    /// Of slab k, as gp::SurfaceStyle::hidden.
+    /// The mask of slab k, see gp::SurfaceStyle::hidden.
     std::span<const std::uint8_t> hidden(std::uint32_t surface, int k);
-    /// Every emitted word of the slab, by region, with origins; none of a slab that is not drawn.
+    /// Every emitted word of the slab, by region, with provenance; none of a slab that is not
+    /// drawn.
     const gp::RegionPrograms& programs(std::uint32_t surface, int k);
     /// Whether the recorded streams hold just those words in every region that is recorded.
     /// Returns  Empty, or a sentence that names the first region where they differ.
     std::string difference(std::uint32_t surface, int k);
-    CellAgain cell(std::uint32_t surface, int i, int j, int k) const;
+    ReplayedCell cell(std::uint32_t surface, int i, int j, int k) const;
 
     const gp::Projection& projection(int view) const { return projections_.at(index_of(view)); }
     const gp::Camera& camera(int view) const { return cameras_.at(index_of(view)); }
@@ -100,7 +102,7 @@ class GpAgain {
     std::vector<gp::Projection> projections_;
     using Slab = std::pair<std::uint32_t, int>;
     std::map<Slab, gp::SlabMesh> meshes_;
-    std::map<std::pair<Slab, int>, SlabAgain> slabs_;
+    std::map<std::pair<Slab, int>, ReplayedSlab> slabs_;
     std::map<Slab, gp::RegionPrograms> programs_;
 };
 

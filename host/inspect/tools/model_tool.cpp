@@ -1,4 +1,4 @@
-#include "host/inspect/model/model.hpp"
+// pxpl5 model: the time of a recorded run on the machine of 1993, or on another.
 
 #include <fmt/format.h>
 
@@ -7,24 +7,26 @@
 #include <optional>
 #include <utility>
 
+#include "host/base/answer.hpp"
 #include "host/base/error.hpp"
 #include "host/base/text_output.hpp"
 #include "host/inspect/model/model_run.hpp"
 #include "host/inspect/model/model_sweep.hpp"
 #include "host/inspect/model/recorded_work.hpp"
 #include "host/inspect/record/find_run.hpp"
+#include "host/inspect/tools/tools.hpp"
 #include "host/session/pictures/write_picture.hpp"
 
 namespace pxpl5::host::inspect {
 
 namespace {
 
-/// Throws RequestError (usage) that names the frames there are if none of these is there.
+/// Throws RequestError (usage) that lists the recorded frames if a range has none of them.
 void check_frames(const RecordedRun& run, const std::vector<Range>& ranges) {
     const std::vector<std::uint32_t> frames = run.frames();
     for (const Range& range : ranges) {
         if (std::ranges::none_of(frames, [&](std::uint32_t n) { return range.contains(n); })) {
-            run.frame(range.from);  // Says which frames there are.
+            run.frame(range.from);  // Lists the recorded frames.
         }
     }
 }
@@ -37,8 +39,8 @@ timing::RunWork work_of(const ModelOptions& options) {
     if (work.steps.empty()) {
         throw RequestError(ExitCode::bad_data,
                            work.missing.empty()
-                               ? "the run has loaded no volume, built no surface and drawn nothing"
-                               : fmt::format("nothing of the run could be counted: {}",
+                               ? "the run loaded no volume, built no surface and drew no frame"
+                               : fmt::format("no part of the run could be counted: {}",
                                              fmt::join(work.missing, "; ")));
     }
     return work;
@@ -49,18 +51,17 @@ struct Output {
     std::string path, text;
 };
 
-template <typename Result>
-std::vector<Output> outputs_of(const ModelOptions& options, const Result& result) {
+std::vector<Output> outputs_of(const ModelOptions& options, const Answer& answer) {
     std::vector<Output> outputs;
     if (!options.csv.empty()) {
-        outputs.push_back({options.csv, to_csv(result)});
+        outputs.push_back({options.csv, rendered(answer, Format::csv)});
     }
     outputs.push_back(
-        {options.output, options.json ? json_text(to_fields(result)) + "\n" : to_text(result)});
+        {options.output, rendered(answer, options.json ? Format::json : Format::text)});
     return outputs;
 }
 
-/// Writes all of them; what hinders one of them is thrown when the others are written.
+/// Writes all outputs, then throws the first error.
 void put(const std::vector<Output>& outputs) {
     std::exception_ptr failed;
     for (const auto& [path, text] : outputs) {
@@ -88,7 +89,8 @@ std::vector<timing::SweptKey> keys_of(const ModelOptions& options, const Topolog
     }
     if (!options.plot.empty()) {
         if (keys.empty()) {
-            throw RequestError(ExitCode::usage, "--plot needs --sweep: one machine is no curve");
+            throw RequestError(ExitCode::usage,
+                               "--plot needs --sweep: a curve needs several machines");
         }
         check_picture_suffix("--plot", options.plot);
         check_axis(keys.front());
@@ -99,7 +101,7 @@ std::vector<timing::SweptKey> keys_of(const ModelOptions& options, const Topolog
 }  // namespace
 
 int run_model(const ModelOptions& options) {
-    // What is asked wrongly is said before anything is read.
+    // Wrong options are refused before anything is read.
     const Topology plan = load_topology(options.topology, options.overrides);
     std::vector<timing::SweptKey> keys = keys_of(options, plan);
     timing::RunWork work = work_of(options);
@@ -107,10 +109,10 @@ int run_model(const ModelOptions& options) {
     std::vector<Output> outputs;
     std::optional<Chart> plot;
     if (keys.empty()) {
-        outputs = outputs_of(options, modelled(plan, std::move(work)));
+        outputs = outputs_of(options, answer_of(modelled(plan, std::move(work))));
     } else {
         const ModelledSweep sweep = swept(plan, std::move(keys), work);
-        outputs = outputs_of(options, sweep);
+        outputs = outputs_of(options, answer_of(sweep));
         if (!options.plot.empty()) {
             plot = plot_of(sweep);
         }

@@ -1,15 +1,15 @@
-#include "host/inspect/listing/export.hpp"
-
+// pxpl5 trace export: a run as a timeline, a table or assembly files.
 #include <fmt/format.h>
 
+#include "host/base/answer.hpp"
 #include "host/base/error.hpp"
-#include "host/base/reply.hpp"
 #include "host/base/text_output.hpp"
 #include "host/inspect/listing/stream_files.hpp"
 #include "host/inspect/listing/timeline.hpp"
 #include "host/inspect/record/find_run.hpp"
 #include "host/inspect/record/message_text.hpp"
 #include "host/inspect/record/selected_messages.hpp"
+#include "host/inspect/tools/tools.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -55,10 +55,11 @@ void check(const ExportOptions& options) {
     const int asked = (options.chrome.empty() ? 0 : 1) + (options.messages.empty() ? 0 : 1) +
                       (options.streams.empty() ? 0 : 1);
     if (asked != 1) {
-        throw RequestError(ExitCode::usage,
-                           fmt::format("export needs one of --chrome FILE, --messages json|csv "
-                                       "and --streams FOLDER; {} are given",
-                                       asked));
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("give one of --chrome FILE, --messages json|csv and --streams "
+                        "FOLDER, not {}",
+                        asked));
     }
     if (!options.messages.empty() && options.messages != "json" && options.messages != "csv") {
         throw RequestError(ExitCode::usage, fmt::format("--messages '{}'; it must be json or csv",
