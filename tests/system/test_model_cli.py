@@ -202,7 +202,7 @@ class ModelCli(unittest.TestCase):
         self.assertIn("--sweep times a frame, and none could be counted",
                       self.refusal(65, loaded, "--sweep", "gp.count=1,2"))
         idle = self.recorded("idle", 1, 1, "size 64x64")
-        self.assertIn("has loaded no volume, built no surface and drawn nothing",
+        self.assertIn("loaded no volume, built no surface and drew no frame",
                       self.refusal(65, idle))
 
 
