@@ -13,7 +13,7 @@ packages=(
     doctest-dev libbenchmark-dev
 )
 if [ "${1:-}" = tests ]; then
-    packages+=(chromium python3-jsonschema)
+    packages+=(chromium python3-jsonschema clang-format jq)
     # Node may have come from elsewhere than Debian, which then must not be asked for another.
     command -v node >/dev/null || packages+=(nodejs)
     command -v npm >/dev/null || packages+=(npm)
