@@ -110,7 +110,7 @@ class Cli(unittest.TestCase):
                 (["render", "phantom:sphere", "--opacty", "1", "-o", "x.png"],
                  "did you mean '--opacity'?"),
                 (["run", "-c", "help", "extra"], "unexpected argument 'extra'"),
-                (["why", "256", "200"], "usage: pxpl5 why run x y"),
+                (["why", "256", "200"], "X and Y of the pixel are missing"),
                 (["run", "-c", "surface a --iso 0"], "write iso=0, not --iso 0"),
                 (["run", "-c", "light 1"], "light 1: give azimuth and elevation, or off")):
             done = self.pxpl5(*arguments, machine=False)

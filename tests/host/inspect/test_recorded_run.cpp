@@ -145,5 +145,5 @@ TEST_CASE("what is not in a run is refused by name") {
     const inspect::RecordedFrame frame = run.frame(0);
     CHECK(frame.region_at(129, 19).number == 1);
     CHECK_THROWS_WITH(frame.region_at(130, 0),
-                      "pixel (130, 0) is outside of frame 0, which has 130 x 20");
+                      "pixel (130, 0) is outside of frame 0, which has 130 x 20 pixels");
 }

@@ -371,9 +371,10 @@ TEST_CASE("without the trace of GP 0 nobody knows what was asked for") {
         return node.info.role == schema::Role::gp && node.info.index == 0;
     });
     const std::size_t left = traces.size();
-    CHECK_THROWS_WITH_AS(inspect::recorded_work(inspect::RecordedRun(traces)),
-                         ("none of " + std::to_string(left) +
-                          " traces is that of gp-0, which is told all that the host asks for")
-                             .c_str(),
-                         host::RequestError);
+    CHECK_THROWS_WITH_AS(
+        inspect::recorded_work(inspect::RecordedRun(traces)),
+        ("the trace of gp-0, which receives all requests of the host, is not among " +
+         std::to_string(left) + " traces")
+            .c_str(),
+        host::RequestError);
 }

@@ -113,7 +113,7 @@ TEST_CASE("what a trace lacks is said, and the rest is replayed") {
     const std::string summary = inspect::summary_of(report).text();
     CHECK(summary.find("renderer-1: ends at byte 1234") != std::string::npos);
     CHECK(summary.find("programs of 0 of 2 GPs") != std::string::npos);
-    CHECK(summary.find("all that could be compared agrees: 1 region") != std::string::npos);
+    CHECK(summary.find("All comparisons agree: 1 region") != std::string::npos);
 
     inspect::ReplayOptions other;
     other.selection.renderers = {{1, 1}};
