@@ -29,7 +29,7 @@ class VolumeReceiver {
     void begin(const bus::schema::VolumeHeader& header);
     /// Throws RequestError for slices outside the volume or in the wrong order.
     void add(const bus::schema::Slices& slices);
-    /// As far as it has come.
+    /// The volume with the slices so far.
     Volume& volume() { return volume_; }
     int slices_there() const;
     /// The complete volume. Throws RequestError naming how many slices are missing.
@@ -39,7 +39,7 @@ class VolumeReceiver {
     void take_report(const bus::schema::VolumeHeader& header);
 
     Volume volume_;  ///< With the values of the slices so far.
-    Digest digest_;  ///< Of them.
+    Digest digest_;  ///< Digest of these values.
 };
 
 }  // namespace pxpl5::host
