@@ -122,8 +122,11 @@ void RendererNode::Drawing::note(FaultCode code, std::uint32_t gp, const std::st
     }
     schema::FaultT fault;
     fault.code = code;
+    fault.frame = plan.frame;
+    fault.request = static_cast<std::uint16_t>(schema::Body::BeginFrame);
     if (const auto from = inputs.programs.find(gp); from != inputs.programs.end()) {
         fault.source = from->second.source();
+        fault.request = from->second.header().kind();
         fault.sequence = from->second.header().sequence();
     }
     fault.reason =

@@ -67,6 +67,30 @@ Message::Message(const schema::Header& header, std::span<const std::uint8_t> bod
     }
 }
 
+bool is_of_frame(Body kind) {
+    return kind == Body::DrawFrame || kind == Body::BeginFrame || kind == Body::RegionPrograms ||
+           kind == Body::RegionPixels || kind == Body::FrameDone || kind == Body::FrameCounts;
+}
+
+std::optional<std::uint32_t> frame_of(const Message& message) {
+    switch (message.kind()) {
+        case Body::DrawFrame:
+            return message.as<schema::DrawFrame>()->frame();
+        case Body::BeginFrame:
+            return message.as<schema::BeginFrame>()->draw()->frame();
+        case Body::RegionPrograms:
+            return message.as<schema::RegionPrograms>()->frame();
+        case Body::RegionPixels:
+            return message.as<schema::RegionPixels>()->frame();
+        case Body::FrameDone:
+            return message.as<schema::FrameDone>()->frame();
+        case Body::FrameCounts:
+            return message.as<schema::FrameCounts>()->frame();
+        default:
+            return std::nullopt;
+    }
+}
+
 std::string kind_name(Body kind) {
     const char* name = schema::EnumNameBody(kind);
     return *name != 0 ? name : fmt::format("kind {}", static_cast<int>(kind));

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -55,14 +56,30 @@ Payload pack(const ObjectT& object) {
     return finish(builder, ObjectT::TableType::Pack(builder, &object));
 }
 
+/// The message that asked for work that failed, as a Fault names it.
+struct FaultCause {
+    Body request = Body::NONE;                ///< Kind of the message; NONE if unknown.
+    std::optional<std::uint32_t> frame = {};  ///< The frame that fails, if any.
+};
+
+/// The header's kind, or NONE if this build knows no such kind.
+inline Body known_kind(const schema::Header& header) {
+    return header.kind() <= static_cast<std::uint16_t>(Body::MAX) ? static_cast<Body>(header.kind())
+                                                                  : Body::NONE;
+}
+
 /// Thrown for bytes that are not a valid message: wrong size, magic, version, kind, or not a
 /// verifiable FlatBuffer. `what` names the sender, the field and both values.
 struct BadMessage : std::runtime_error {
     using std::runtime_error::runtime_error;
     BadMessage(const schema::Header& header, const std::string& reason)
-        : std::runtime_error(reason), source(header.source()), sequence(header.sequence()) {}
-    NodeId source = host_id;     ///< As far as the header says.
-    std::uint64_t sequence = 0;  ///< Likewise.
+        : std::runtime_error(reason),
+          cause{known_kind(header)},
+          source(header.source()),
+          sequence(header.sequence()) {}
+    FaultCause cause;            ///< Without a frame: the body is not trusted.
+    NodeId source = host_id;     ///< As the header states, which may be wrong.
+    std::uint64_t sequence = 0;  ///< As the header states, which may be wrong.
 };
 
 /// A received, verified message. Copies share the bytes.
@@ -89,6 +106,17 @@ class Message {
     std::span<const std::uint8_t> body_;
     std::shared_ptr<const void> owner_;
 };
+
+/// True if messages of this kind belong to a frame.
+bool is_of_frame(Body kind);
+
+/// The number of the frame that the message belongs to, if its kind belongs to frames.
+std::optional<std::uint32_t> frame_of(const Message& message);
+
+/// Names `message` as the cause of a fault.
+inline FaultCause cause_of(const Message& message) {
+    return {message.kind(), frame_of(message)};
+}
 
 /// "RegionPrograms", for error texts and logs.
 std::string kind_name(Body kind);

@@ -26,12 +26,16 @@ class Outbox {
     }
 };
 
+/// The reason of a Fault for std::bad_alloc.
+inline constexpr const char* memory_exhausted = "this computer's memory is exhausted";
+
 /// Thrown by a node for input that it cannot obey: the driver sends it to the host as Fault and the
 /// node goes on with the next message.
 struct NodeFault : std::runtime_error {
-    NodeFault(schema::FaultCode fault_code, const std::string& reason)
-        : std::runtime_error(reason), code(fault_code) {}
+    NodeFault(schema::FaultCode fault_code, const std::string& reason, FaultCause fault_cause = {})
+        : std::runtime_error(reason), code(fault_code), cause(fault_cause) {}
     schema::FaultCode code;
+    FaultCause cause;  ///< The driver adds the message that the node was receiving.
 };
 
 /// What a node tells of itself when it is asked.

@@ -13,35 +13,49 @@ constexpr int quiet_ms = 1000;
 
 using schema::FaultCode;
 
-/// Runs `act`; what it throws goes to the host.
+/// Where work that fails came from, as far as the driver knows.
+struct Origin {
+    NodeId source = host_id;
+    std::uint64_t sequence = 0;
+    FaultCause cause{};
+};
+
+/// Runs `act` and sends what it throws to the host as a Fault. A cause that the node names takes
+/// precedence over the driver's.
 template <typename Act>
-void guarded(NodeId self, NodeId source, std::uint64_t sequence, Outbox& out, const Act& act) {
+void guarded(NodeId self, const Origin& origin, Outbox& out, const Act& act) {
+    const auto report = [&](FaultCode code, const std::string& reason, const FaultCause& named) {
+        out.send(host_id, fault_message(self, origin.source, origin.sequence, code, reason,
+                                        named.request == Body::NONE ? origin.cause : named));
+    };
     try {
         act();
     } catch (const NodeFault& fault) {
-        out.send(host_id, fault_message(self, source, sequence, fault.code, fault.what()));
+        report(fault.code, fault.what(), fault.cause);
     } catch (const std::bad_alloc&) {
-        out.send(host_id, fault_message(self, source, sequence, FaultCode::out_of_memory,
-                                        "this computer's memory is exhausted"));
+        report(FaultCode::out_of_memory, memory_exhausted, {});
     }
 }
 
 }  // namespace
 
 Payload fault_message(NodeId node, NodeId source, std::uint64_t sequence, FaultCode code,
-                      const std::string& reason) {
+                      const std::string& reason, FaultCause cause) {
     schema::FaultT fault;
     fault.code = code;
     fault.node = node;
     fault.source = source;
     fault.sequence = sequence;
     fault.reason = reason;
+    fault.frame = cause.frame;
+    fault.request = static_cast<std::uint16_t>(cause.request);
     return pack(fault);
 }
 
 std::optional<Message> receive_or_report(Link& link, Outbox& out) {
     const auto report = [&](const auto& bad, FaultCode code) {
-        out.send(host_id, fault_message(link.id(), bad.source, bad.sequence, code, bad.what()));
+        out.send(host_id,
+                 fault_message(link.id(), bad.source, bad.sequence, code, bad.what(), bad.cause));
     };
     while (true) {
         try {
@@ -56,14 +70,14 @@ std::optional<Message> receive_or_report(Link& link, Outbox& out) {
 
 void deliver(Node& node, NodeId self, const Message& message, Outbox& out) {
     const StageClock::In receiving(out.clock(), stage::receive);
-    guarded(self, message.source(), message.header().sequence(), out,
+    guarded(self, {message.source(), message.header().sequence(), cause_of(message)}, out,
             [&] { node.receive(message, out); });
 }
 
 bool work_once(Node& node, NodeId self, Outbox& out) {
     const StageClock::In working(out.clock(), stage::work);
     bool more = true;  // After a fault there may be other work.
-    guarded(self, self, 0, out, [&] { more = node.work(out); });
+    guarded(self, {self}, out, [&] { more = node.work(out); });
     return more;
 }
 

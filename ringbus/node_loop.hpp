@@ -27,9 +27,9 @@ class LinkOutbox final : public Outbox {
     StageClock* clock_;
 };
 
-/// The Fault message that tells the host of `fault`, seen by `node` in a message of `source`.
+/// The Fault that `node` reports about message number `sequence` of `source`.
 Payload fault_message(NodeId node, NodeId source, std::uint64_t sequence, schema::FaultCode code,
-                      const std::string& reason);
+                      const std::string& reason, FaultCause cause = {});
 
 /// The next message, if one is here; those that cannot be trusted become Faults to the host.
 std::optional<Message> receive_or_report(Link& link, Outbox& out);

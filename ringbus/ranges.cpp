@@ -38,7 +38,10 @@ std::string range_of(const schema::Topology& topology) {
 }
 
 std::string range_of(const schema::Fault& fault) {
-    return Check().known("code", fault.code()).reason();
+    return Check()
+        .known("code", fault.code())
+        .at_most("request", fault.request(), static_cast<std::uint16_t>(Body::MAX))
+        .reason();
 }
 
 /// Of a frame that is one pass of a picture: only the last is read back, and none has depths, of

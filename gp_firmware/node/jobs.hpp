@@ -1,4 +1,5 @@
-// Jobs: the work that messages have asked for. A service does a job in pieces.
+// Jobs: the work that messages have asked for. A service does a job in pieces. `asked_by` is the
+// kind of message that asks for such a job.
 #pragma once
 
 #include <cstddef>
@@ -18,23 +19,30 @@ namespace pxpl5::gp {
 
 /// Stores the slices of a Slices message.
 struct SlicesJob {
+    static constexpr bus::Body asked_by = bus::Body::Slices;
     bus::Message message;
     std::uint32_t done = 0;  ///< Slices of the message that are stored.
 };
 
 /// Reports that the volume is complete.
-struct VolumeEndJob {};
+struct VolumeEndJob {
+    static constexpr bus::Body asked_by = bus::Body::VolumeEnd;
+};
 
 /// Stores a part of a scene.
 struct ScenePartJob {
+    static constexpr bus::Body asked_by = bus::Body::ScenePart;
     bus::Message message;
 };
 
 /// Reports that the scene is complete.
-struct SceneEndJob {};
+struct SceneEndJob {
+    static constexpr bus::Body asked_by = bus::Body::SceneEnd;
+};
 
 /// Extracts one revision of a surface from all slabs of this GP.
 struct ExtractJob {
+    static constexpr bus::Body asked_by = bus::Body::SetSurface;
     std::uint16_t surface = 0;
     std::uint32_t revision = 0;
     double isovalue = 0;
@@ -46,11 +54,13 @@ struct ExtractJob {
 
 /// Discards a surface.
 struct RemoveJob {
+    static constexpr bus::Body asked_by = bus::Body::RemoveSurface;
     std::uint16_t surface = 0;
 };
 
 /// Sends the mesh of a surface.
 struct FetchJob {
+    static constexpr bus::Body asked_by = bus::Body::FetchMesh;
     std::uint16_t surface = 0;
     bus::NodeId to = 0;
     bool origins = false;
@@ -60,11 +70,13 @@ struct FetchJob {
 
 /// Hides triangles of a surface.
 struct MaskJob {
+    static constexpr bus::Body asked_by = bus::Body::MaskSurface;
     bus::Message message;
 };
 
 /// Draws a frame and sends its region programs.
 struct DrawJob {
+    static constexpr bus::Body asked_by = bus::Body::BeginFrame;
     enum class Stage : std::uint8_t { waiting, drawing, sending };
     FrameRequest request;
     Stage stage = Stage::waiting;
@@ -72,6 +84,7 @@ struct DrawJob {
 
 /// Measures the surfaces at several isovalues, slab by slab.
 struct MeasureJob {
+    static constexpr bus::Body asked_by = bus::Body::MeasureIsovalues;
     std::vector<double> isovalues;
     CaseRule rule = CaseRule::watertight;
     bus::NodeId to = 0;

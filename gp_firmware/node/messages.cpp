@@ -10,7 +10,6 @@
 
 #include "gp_firmware/hal/local_memory.hpp"
 #include "gp_firmware/surface/case_tables.hpp"
-#include "ringbus/node.hpp"
 
 namespace pxpl5::gp {
 
@@ -55,13 +54,17 @@ flatbuffers::Offset<flatbuffers::Vector<const schema::Origin*>> origins_to_wire(
     return at;
 }
 
-void rethrow_as_fault() {
+void rethrow_as_fault(const bus::FaultCause& cause) {
     try {
         throw;
     } catch (const OutOfLocalMemory& e) {
-        throw bus::NodeFault(schema::FaultCode::out_of_memory, e.what());
+        throw bus::NodeFault(schema::FaultCode::out_of_memory, e.what(), cause);
     } catch (const std::invalid_argument& e) {
-        throw bus::NodeFault(schema::FaultCode::bad_input, e.what());
+        throw bus::NodeFault(schema::FaultCode::bad_input, e.what(), cause);
+    } catch (const bus::NodeFault& e) {
+        throw bus::NodeFault(e.code, e.what(), cause);
+    } catch (const std::bad_alloc&) {
+        throw bus::NodeFault(schema::FaultCode::out_of_memory, bus::memory_exhausted, cause);
     }
 }
 

@@ -9,12 +9,13 @@
 
 #include "gp_firmware/render/frame_drawing.hpp"
 #include "gp_firmware/volume/slice.hpp"
-#include "ringbus/message.hpp"
+#include "ringbus/node.hpp"
 
 namespace pxpl5::gp {
 
 /// Throws the exception that a stage has thrown as a NodeFault. Call it inside a catch block.
-[[noreturn]] void rethrow_as_fault();
+/// cause  The request that failed; empty while the node receives it, because the driver knows it.
+[[noreturn]] void rethrow_as_fault(const bus::FaultCause& cause = {});
 
 /// Returns a duration in the unit of messages.
 std::uint64_t to_us(std::chrono::steady_clock::duration elapsed);

@@ -18,6 +18,13 @@ namespace schema = bus::schema;
 using bus::NodeFault;
 using schema::FaultCode;
 
+/// Names the request of a job that fails.
+bus::FaultCause cause_of(const Job& job) {
+    const auto* draw = std::get_if<DrawJob>(&job);
+    return {std::visit([](const auto& kind) { return kind.asked_by; }, job),
+            draw != nullptr ? std::optional(draw->request.frame) : std::nullopt};
+}
+
 }  // namespace
 
 void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
@@ -91,12 +98,13 @@ bool GpNode::work(bus::Outbox& out) {
     if (job == nullptr) {
         return false;
     }
+    const bus::FaultCause cause = cause_of(*job);
     bool done = true;
     try {
         done = std::visit([&](auto& kind) { return step(kind, *board_, out); }, *job);
     } catch (...) {
         queue_.pop();  // The next job does not depend on the failed one.
-        rethrow_as_fault();
+        rethrow_as_fault(cause);
     }
     if (done) {
         queue_.pop();

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -11,18 +10,6 @@
 namespace pxpl5::host {
 
 namespace schema = bus::schema;
-
-/// The frame that a fault's text begins with, as the nodes write it: "frame 12: ...".
-std::optional<std::uint32_t> frame_of_fault(std::string_view reason) {
-    constexpr std::string_view word = "frame ";
-    std::uint32_t frame = 0;
-    if (!reason.starts_with(word)) {
-        return std::nullopt;
-    }
-    const auto [end, error] =
-        std::from_chars(reason.data() + word.size(), reason.data() + reason.size(), frame);
-    return error == std::errc{} ? std::optional(frame) : std::nullopt;
-}
 
 Session::Session(MachinePort& machine) : machine_(machine), activity_(machine.nodes()) {}
 
@@ -78,10 +65,10 @@ void Session::wait_for_gps(const std::string& what) {
     });
 }
 
-/// Whether the fault is of a frame that is not waited for any more: one that fails on several GPs
-/// is told by each of them, and only the first is news.
+/// Returns true if the fault names a frame that the session no longer waits for. Several GPs may
+/// report the same frame; only the first report counts.
 bool Session::is_stale(const schema::Fault& fault) const {
-    const std::optional<std::uint32_t> frame = frame_of_fault(fault.reason()->string_view());
+    const std::optional<std::uint32_t> frame = fault.frame();
     return frame && std::ranges::none_of(pending_, [&](const PendingFrame& pending) {
                return pending.frame == *frame;
            });
@@ -126,7 +113,7 @@ void Session::on_answer(const bus::Message& message) {
     // A fault is an answer too, so that none is left over for the next request; but not what is
     // wrong with a frame that is drawn meanwhile.
     const auto* fault = message.as<schema::Fault>();
-    const bool refused = fault != nullptr && !frame_of_fault(fault->reason()->string_view());
+    const bool refused = fault != nullptr && !fault->frame();
     if (refused || (answer_ && answer_(message))) {
         answered_.insert(message.source());
     }
@@ -135,7 +122,7 @@ void Session::on_answer(const bus::Message& message) {
 void Session::on_fault(const schema::Fault& fault) {
     if (!fault_) {  // The first cause is the one to tell.
         fault_ = fault.reason()->str();
-        fault_is_of_frame_ = frame_of_fault(*fault_).has_value();
+        fault_is_of_frame_ = fault.frame().has_value();
         fault_is_ours_ = fault.code() != schema::FaultCode::bad_input &&
                          fault.code() != schema::FaultCode::out_of_memory;
     }

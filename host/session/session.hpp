@@ -131,9 +131,6 @@ enum class AwaitAnswers : std::uint8_t { none, all };
 /// GPs prepare one frame while Renderers draw the other.
 inline constexpr int max_frames_in_flight = 2;
 
-/// The frame that a node's Fault is about, if its text begins with one.
-std::optional<std::uint32_t> frame_of_fault(std::string_view reason);
-
 /// Drives a machine. Every operation waits for its result; errors are RequestError (a request that
 /// cannot be obeyed, or a node's Fault) and MachineError (a process died).
 class Session {

@@ -179,16 +179,24 @@ struct Bench {
         }
         return found;
     }
-    std::vector<std::string> faults() const {
-        std::vector<std::string> found;
+    std::vector<const schema::Fault*> fault_messages() const {
+        std::vector<const schema::Fault*> found;
         for (const Outbox::Sent& s : out.sent) {
             if (s.payload.kind() == Body::Fault) {
                 CHECK(s.to == bus::host_id);
-                const auto* fault = schema::GetMessage(s.payload.bytes().data())->body_as_Fault();
-                CHECK(fault->node() == id);
-                found.push_back(std::string(schema::EnumNameFaultCode(fault->code())) + ": " +
-                                fault->reason()->str());
+                found.push_back(schema::GetMessage(s.payload.bytes().data())->body_as_Fault());
+                CHECK(found.back()->node() == id);
+                CHECK(found.back()->frame().has_value());
+                CHECK(found.back()->request() != 0);
             }
+        }
+        return found;
+    }
+    std::vector<std::string> faults() const {
+        std::vector<std::string> found;
+        for (const schema::Fault* fault : fault_messages()) {
+            found.push_back(std::string(schema::EnumNameFaultCode(fault->code())) + ": " +
+                            fault->reason()->str());
         }
         return found;
     }

@@ -156,6 +156,9 @@ TEST_CASE("a bad stream is a fault that names its place; the region is drawn wit
         CAPTURE(fault);
         CHECK(fault.find(part) != std::string::npos);
     }
+    CHECK(bench.fault_messages()[0]->frame() == 4);
+    CHECK(bench.fault_messages()[0]->request() ==
+          static_cast<std::uint16_t>(bus::Body::RegionPrograms));
 }
 
 TEST_CASE("segments that do not belong are faults, and the frame is finished") {

@@ -44,6 +44,8 @@ std::vector<Payload> control_examples() {
     fault.source = 2;
     fault.sequence = 77;
     fault.reason = "message 77 is missing";
+    fault.frame = 12;
+    fault.request = static_cast<std::uint16_t>(schema::Body::BeginFrame);
     schema::TraceSavedT saved;
     saved.messages = 12;
     saved.bytes = 34'567;

@@ -83,13 +83,19 @@ struct Diary final : Node {
     int pieces = 0;
 
     void receive(const Message& message, Outbox&) override {
-        const std::uint16_t number = message.as<schema::RemoveSurface>()->surface();
         text += 'r';
+        if (message.kind() == Body::RegionPrograms) {
+            throw NodeFault(schema::FaultCode::bad_input, "no sum for the picture");
+        }
+        const std::uint16_t number = message.as<schema::RemoveSurface>()->surface();
         if (number == 66) {
             throw NodeFault(schema::FaultCode::bad_input, "sixty-six");
         }
         if (number == 67) {
             throw std::bad_alloc();
+        }
+        if (number == 68) {
+            throw NodeFault(schema::FaultCode::internal, "sixty-eight", {Body::SetSurface, 9});
         }
         ++pieces;
     }
@@ -99,7 +105,8 @@ struct Diary final : Node {
         }
         text += 'w';
         if (--pieces == 41) {
-            throw NodeFault(schema::FaultCode::internal, "in the middle of work");
+            throw NodeFault(schema::FaultCode::internal, "in the middle of work",
+                            {Body::BeginFrame, 41});
         }
         return pieces > 0;
     }
@@ -212,6 +219,27 @@ TEST_SUITE("ringbus/node_loop") {
         CHECK(fault(link, 1).code() == schema::FaultCode::out_of_memory);
     }
 
+    TEST_CASE("a fault names the request and the frame at fault, whatever its text says") {
+        schema::RegionProgramsT programs;
+        programs.frame = 12;
+        ScriptedLink link({pack(programs), numbered(66), numbered(68), Bad{}, Quiet{}, shutdown()});
+        Diary node;
+        CHECK(run_node(node, link, always));
+        REQUIRE(link.sent.size() == 4);
+        const auto request = [&](std::size_t index) {
+            return static_cast<Body>(fault(link, index).request());
+        };
+        CHECK(fault(link, 0).reason()->str() == "no sum for the picture");
+        CHECK(fault(link, 0).frame() == 12);
+        CHECK(request(0) == Body::RegionPrograms);
+        CHECK_FALSE(fault(link, 1).frame().has_value());
+        CHECK(request(1) == Body::RemoveSurface);
+        CHECK(fault(link, 2).frame() == 9);  // A cause that the node names takes precedence.
+        CHECK(request(2) == Body::SetSurface);
+        CHECK_FALSE(fault(link, 3).frame().has_value());
+        CHECK(request(3) == Body::RemoveSurface);
+    }
+
     TEST_CASE("a fault in one piece of work does not stop the others") {
         std::deque<ScriptedLink::Event> events(42, numbered(1));
         events.push_back(Quiet{});
@@ -223,5 +251,7 @@ TEST_SUITE("ringbus/node_loop") {
         REQUIRE(link.sent.size() == 1);
         CHECK(fault(link, 0).reason()->str() == "in the middle of work");
         CHECK(fault(link, 0).source() == 5);
+        CHECK(fault(link, 0).request() == static_cast<std::uint16_t>(Body::BeginFrame));
+        CHECK(fault(link, 0).frame() == 41);
     }
 }

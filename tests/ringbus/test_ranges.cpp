@@ -48,6 +48,7 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(TopologyT, m.nodes[2]->role = static_cast<schema::Role>(99), "role is 99");
         CHECK_REFUSED(TopologyT, m.ring_channels = 0, "ring channels is 0, allowed are 1 .. 64");
         CHECK_REFUSED(FaultT, m.code = static_cast<schema::FaultCode>(99), "code is 99");
+        CHECK_REFUSED(FaultT, m.request = 999, "request is 999");
     }
 
     TEST_CASE("a volume") {

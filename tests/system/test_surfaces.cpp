@@ -115,13 +115,6 @@ TEST_CASE("a comparison ends when its surface changes, goes, or is hidden alread
     CHECK(bone.session.scene.surfaces.size() == 15);
 }
 
-TEST_CASE("a fault names its frame, or none") {
-    CHECK(frame_of_fault("frame 12: GP 3 has 9 bytes") == 12);
-    CHECK(frame_of_fault("frame 7 shows surface 1") == 7);
-    CHECK_FALSE(frame_of_fault("surface 3: no room").has_value());
-    CHECK_FALSE(frame_of_fault("frame x").has_value());
-}
-
 TEST_CASE("a hidden surface is as if it were not there") {
     Bone bone(machine_of(2, 2));
     const auto before = bone.draw();

@@ -91,7 +91,7 @@ class Timeline {
 
     /// Remembers what a message tells of its frame.
     void note(const MessageRef& ref) {
-        if (!is_of_frame(ref.at().kind())) {
+        if (!bus::is_of_frame(ref.at().kind())) {
             return;
         }
         const bus::Message message = ref.load();

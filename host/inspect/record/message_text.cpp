@@ -175,31 +175,4 @@ std::string describe(const bus::Message& message) {
                        FrameCounts>(message);
 }
 
-bool is_of_frame(Body kind) {
-    return kind == Body::DrawFrame || kind == Body::BeginFrame || kind == Body::RegionPrograms ||
-           kind == Body::RegionPixels || kind == Body::FrameDone || kind == Body::FrameCounts;
-}
-
-std::optional<std::uint32_t> frame_of(const bus::Message& message) {
-    if (const auto* draw = message.as<schema::DrawFrame>()) {
-        return draw->frame();
-    }
-    if (const auto* begin = message.as<schema::BeginFrame>()) {
-        return begin->draw()->frame();
-    }
-    if (const auto* programs = message.as<schema::RegionPrograms>()) {
-        return programs->frame();
-    }
-    if (const auto* pixels = message.as<schema::RegionPixels>()) {
-        return pixels->frame();
-    }
-    if (const auto* done = message.as<schema::FrameDone>()) {
-        return done->frame();
-    }
-    if (const auto* counts = message.as<schema::FrameCounts>()) {
-        return counts->frame();
-    }
-    return std::nullopt;
-}
-
 }  // namespace pxpl5::host::inspect

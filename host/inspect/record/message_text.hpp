@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "ringbus/message.hpp"
@@ -13,9 +12,5 @@ namespace pxpl5::host::inspect {
 /// for a message without fields.
 std::string describe(const bus::Message& message);
 
-/// The frame that the message belongs to; nothing for kinds that belong to none.
-std::optional<std::uint32_t> frame_of(const bus::Message& message);
-/// True if messages of this kind belong to a frame.
-bool is_of_frame(bus::Body kind);
 
 }  // namespace pxpl5::host::inspect

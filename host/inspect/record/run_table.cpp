@@ -120,7 +120,7 @@ void take_info(RunTable& table, const bus::trace::Info& info) {
 }
 
 bool tells(Body kind) {
-    return kind == Body::VolumeHeader || (is_of_frame(kind) && kind != Body::DrawFrame);
+    return kind == Body::VolumeHeader || (bus::is_of_frame(kind) && kind != Body::DrawFrame);
 }
 
 }  // namespace

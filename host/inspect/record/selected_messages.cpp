@@ -45,7 +45,7 @@ bool is_selected(const RecordedRun& run, const Selection& selection, const NodeT
         return false;
     }
     return selection.frames.empty() ||
-           (is_of_frame(entry.kind()) && selection.has_frame(*frame_of(node.load(entry))));
+           (bus::is_of_frame(entry.kind()) && selection.has_frame(*frame_of(node.load(entry))));
 }
 
 auto order_of(const MessageRef& message) {

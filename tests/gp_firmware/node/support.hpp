@@ -113,6 +113,7 @@ struct Gp {
             receive(payload);
         } catch (const bus::NodeFault& fault) {
             code = fault.code;
+            cause = fault.cause;
             return fault.what();
         }
         return {};
@@ -130,6 +131,7 @@ struct Gp {
             work();
         } catch (const bus::NodeFault& fault) {
             code = fault.code;
+            cause = fault.cause;
             return fault.what();
         }
         return {};
@@ -140,6 +142,7 @@ struct Gp {
     NodeId id;
     gp::Share share;
     schema::FaultCode code{};
+    bus::FaultCause cause;
 };
 
 inline gp::VolumeShape shape() {

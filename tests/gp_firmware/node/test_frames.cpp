@@ -137,6 +137,8 @@ TEST_SUITE("gp/node frames") {
         gp.receive(bus::pack(draw_frame(1, 1)));
         CHECK(gp.fault_of_work() == "frame 1 shows surface 4, which is not held");
         CHECK(gp.code == schema::FaultCode::bad_input);
+        CHECK(gp.cause.request == bus::Body::BeginFrame);
+        CHECK(gp.cause.frame == 1);
         gp.receive(set_surface(4, 2, 100));
         gp.receive(bus::pack(draw_frame(2, 1)));
         CHECK(gp.fault_of_work() == "frame 2 shows revision 1 of surface 4, held is revision 2");

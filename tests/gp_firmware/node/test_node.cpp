@@ -148,13 +148,17 @@ TEST_SUITE("gp/node") {
               std::string::npos);
         gp.receive(slices(3, 1));
         CHECK(gp.fault_of_work() == "slice 3 arrived, but slice 0 is next");
+        CHECK(gp.cause.request == bus::Body::Slices);
         gp.receive(slices(0, 5));
         schema::VolumeEndT end;
         end.volume = 1;
         gp.receive(bus::pack(end));
         CHECK(gp.fault_of_work() == "volume 1 ended, but slices are missing");
+        CHECK(gp.cause.request == bus::Body::VolumeEnd);
         gp.receive(set_surface(4, 1, 100));
         CHECK(gp.fault_of_work().find("before all slices of volume 1") != std::string::npos);
+        CHECK(gp.cause.request == bus::Body::SetSurface);
+        CHECK_FALSE(gp.cause.frame.has_value());
     }
 
     TEST_CASE("a volume beyond the memory is refused with the number of GPs that would do") {

@@ -32,11 +32,8 @@ class FaultyMachine final : public MachinePort {
                 take(test::WireBytes(bus::pack(ready)).read());
                 continue;
             }
-            schema::FaultT fault;
-            fault.code = code_;
-            fault.node = ids_[0];
-            fault.reason = "as ordered";
-            take(test::WireBytes(bus::pack(fault)).read());
+            report(take, stale_frame, "surface 3 has no triangles");
+            report(take, std::nullopt, reason);
         }
     }
     void wait_readable(int) override {}
@@ -54,8 +51,22 @@ class FaultyMachine final : public MachinePort {
 
     std::vector<std::string> missing;
     int saves = 0;
+    std::string reason = "as ordered";
+    std::optional<std::uint32_t> stale_frame;  ///< Frame of a Fault that precedes each other Fault.
 
   private:
+    void report(const std::function<void(const bus::Message&)>& take,
+                std::optional<std::uint32_t> frame, const std::string& text) const {
+        if (text == reason || frame) {
+            schema::FaultT fault;
+            fault.code = code_;
+            fault.node = ids_[0];
+            fault.frame = frame;
+            fault.reason = text;
+            take(test::WireBytes(bus::pack(fault)).read());
+        }
+    }
+
     schema::FaultCode code_;
     bool recording_;
     std::uint32_t scene_ = 0;             ///< The last one that was sent whole.
@@ -91,6 +102,15 @@ TEST_SUITE("host/session_traces") {
         CHECK(error_of(full) == "phantom:letters: as ordered");
         CHECK(error_of(unrecorded) == "phantom:letters: as ordered");
         CHECK(full.saves + unrecorded.saves == 0);
+    }
+
+    TEST_CASE("a fault is a frame's if it says so in its field, whatever its text says") {
+        FaultyMachine other_frame(schema::FaultCode::bad_input, false);
+        other_frame.stale_frame = 7;
+        CHECK(error_of(other_frame) == "phantom:letters: as ordered");
+        FaultyMachine no_frame(schema::FaultCode::bad_input, false);
+        no_frame.reason = "frame 7: the sum of a picture";
+        CHECK(error_of(no_frame) == "phantom:letters: frame 7: the sum of a picture");
     }
 
     TEST_CASE("a node that cannot write its trace is named with the reason") {
