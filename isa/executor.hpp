@@ -11,8 +11,8 @@
 #include <span>
 #include <utility>
 
+#include "generated/vocabulary.hpp"
 #include "isa/instruction.hpp"
-#include "isa/region.hpp"
 
 namespace pxpl5::isa {
 

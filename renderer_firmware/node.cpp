@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "isa/contract/sample_sums.hpp"
-#include "ringbus/ranges.hpp"
+#include "ringbus/rules/regions.hpp"
 
 namespace pxpl5::renderer {
 
@@ -36,13 +36,13 @@ struct RegionWords {
     RegionWords() = default;
     RegionWords(flatbuffers::FlatBufferBuilder& body, std::size_t regions) {
         std::uint32_t* first = nullptr;
-        const std::size_t count = regions * isa::region_pixels;
+        const std::size_t count = regions * region_pixels;
         offset = body.CreateUninitializedVector<std::uint32_t>(count, &first);
         words = {first, count};
     }
     /// Returns the words of the region at `place`.
     std::span<std::uint32_t> region(std::size_t place) const {
-        return words.subspan(place * isa::region_pixels, isa::region_pixels);
+        return words.subspan(place * region_pixels, region_pixels);
     }
 };
 
@@ -51,7 +51,7 @@ constexpr std::size_t body_margin_bytes = 1024;
 
 /// Returns the size of the body that sends `regions` regions to the frame buffer.
 std::size_t body_bytes(std::size_t regions, bool has_pixels, bool wants_depths) {
-    const std::size_t words = isa::region_pixels * ((has_pixels ? 1 : 0) + (wants_depths ? 1 : 0));
+    const std::size_t words = region_pixels * ((has_pixels ? 1 : 0) + (wants_depths ? 1 : 0));
     return regions * (words * sizeof(std::uint32_t) + sizeof(schema::RegionTile)) +
            body_margin_bytes;
 }
@@ -64,7 +64,7 @@ schema::PartCounts to_wire(std::uint32_t region, const PartCounts& part) {
     });
     return {static_cast<std::uint16_t>(region),
             static_cast<std::uint16_t>(part.surface),
-            static_cast<schema::PartKind>(part.kind),
+            part.kind,
             part.slab,
             part.primitives,
             part.words,
@@ -72,8 +72,6 @@ schema::PartCounts to_wire(std::uint32_t region, const PartCounts& part) {
             part.executed.backing_cycles,
             flatbuffers::make_span(classes)};
 }
-static_assert(static_cast<int>(schema::PartKind::MAX) ==
-              static_cast<int>(RegionPlan::Kind::end_of_region));
 
 std::uint64_t held_bytes(const FrameMessages& messages) {
     std::uint64_t bytes = messages.begin ? messages.begin->bytes().size() : 0;
@@ -201,8 +199,7 @@ FrameMessages& RendererNode::inputs_of(std::uint32_t frame) {
 void RendererNode::on_begin(const bus::Message& message) {
     const auto& begin = *message.as<schema::BeginFrame>();
     const schema::DrawFrame& draw = *begin.draw();
-    const std::size_t regions =
-        bus::region_count(draw.width(), draw.height(), draw.views()->size());
+    const std::size_t regions = region_count(draw.width(), draw.height(), draw.views()->size());
     if (begin.assignment()->size() != regions) {
         refuse(FaultCode::bad_message,
                fmt::format("frame {}: the assignment has {} regions, but the frame has {}",
@@ -314,11 +311,11 @@ void RendererNode::draw_next_region(bus::StageClock* clock) {
     const std::span<std::uint32_t> pixels =
         drawing_->has_pixels() ? drawing_->pixels.region(place) : std::span<std::uint32_t>();
     // Discards the readout of segments. Our GPs' segments read nothing out.
-    const auto route = [&](RegionPlan::Kind kind) {
-        drawing.enter(kind < RegionPlan::Kind::depths ? stage::primitives : stage::end_of_region);
-        executor_.read_out_into(kind == RegionPlan::Kind::end_of_region ? pixels
-                                : kind == RegionPlan::Kind::depths ? drawing_->depths.region(place)
-                                                                   : std::span<std::uint32_t>());
+    const auto route = [&](PartKind kind) {
+        drawing.enter(kind < PartKind::depths ? stage::primitives : stage::end_of_region);
+        executor_.read_out_into(kind == PartKind::end_of_region ? pixels
+                                : kind == PartKind::depths      ? drawing_->depths.region(place)
+                                                                : std::span<std::uint32_t>());
     };
     RegionFrame& programs = drawing_->programs;
     std::vector<std::uint32_t> end;  // The program of this region, if it has a slot.

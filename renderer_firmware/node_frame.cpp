@@ -6,8 +6,6 @@
 #include <cassert>
 #include <map>
 
-#include "ringbus/ranges.hpp"
-
 namespace pxpl5::renderer {
 
 namespace {
@@ -51,7 +49,7 @@ std::vector<Screen> screens_of(const schema::DrawFrame& draw) {
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
         Screen& screen = screens.emplace_back();
         screen.opacity = surface->opacity();
-        if (screen.opacity < bus::max_opacity) {
+        if (screen.opacity < full_opacity) {
             const auto next = static_cast<std::uint32_t>(patterns.size());
             screen.pattern = patterns.try_emplace(surface->surface(), next).first->second;
         }

@@ -11,6 +11,7 @@
 #include "renderer_firmware/igc/region.hpp"
 #include "renderer_firmware/igc/region_program.hpp"
 #include "ringbus/message.hpp"
+#include "ringbus/rules/pass.hpp"
 
 namespace pxpl5::renderer {
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint64_t ns_per_s = 1'000'000'000;
 
-/// Of all threads of this process.
+/// Processor time of all threads of this process.
 std::uint64_t processor_ns() {
     timespec time{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -24,10 +24,10 @@ Payload activity_message(StageClock& clock, const Traffic& traffic, const NodeSt
     for (const StageClock::Stage& stage : clock.stages()) {
         activity.wall_ns += stage.ns;
         if (stage.name != stage::wait) {
-            auto& told = activity.stages.emplace_back(std::make_unique<schema::StageTimeT>());
-            told->name = stage.name;
-            told->ns = stage.ns;
-            told->count = stage.count;
+            auto& entry = activity.stages.emplace_back(std::make_unique<schema::StageTimeT>());
+            entry->name = stage.name;
+            entry->ns = stage.ns;
+            entry->count = stage.count;
         }
     }
     for (const SentCount& sum : traffic.sent) {

@@ -1,4 +1,4 @@
-// How a node says what it has done: the answer to AskActivity.
+// Builds a node's answer to AskActivity.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace pxpl5::bus {
 /// Names of stages are short words.
 inline constexpr std::size_t max_stage_name = 32;
 
-/// clock    Of the node; its stages other than stage::wait are told.
+/// clock    The node's clock. The answer has all of its stages but stage::wait.
 /// held_up  Messages that wait at the node for credit.
 Payload activity_message(StageClock& clock, const Traffic& traffic, const NodeStatus& status,
                          std::size_t held_up);

@@ -28,7 +28,7 @@ std::uint64_t ChannelModel::occupancy_ns(std::uint64_t body_bytes) const {
 std::uint32_t ChannelModel::hops(NodeId from, NodeId to) const {
     const auto a = position_.find(from), b = position_.find(to);
     if (a == position_.end() || b == position_.end()) {
-        return 1;  // A node that is not on the machine's ring, such as the io process.
+        return 1;  // A node outside of the modelled ring, for example the io process.
     }
     const auto size = static_cast<std::uint32_t>(position_.size());
     return (b->second + size - a->second) % size;
@@ -43,7 +43,7 @@ Stamp ChannelModel::place(NodeId from, NodeId to, std::uint64_t body_bytes) {
 
     Stamp stamp;
     stamp.channel = static_cast<std::uint16_t>(channel - first);
-    // The first word must not arrive while the destination still takes an earlier message.
+    // The first word must not arrive before the destination has taken the earlier message.
     const std::uint64_t accepted =
         destination_free > travel ? destination_free - travel : std::uint64_t{0};
     stamp.departure_ns = std::max({now_ns_, *channel, accepted});

@@ -1,4 +1,4 @@
-// What a message would have cost on the machine's ring: channel, departure, arrival.
+// Models a message on the 1993 ring: channel, departure and arrival.
 #pragma once
 
 #include <array>
@@ -14,9 +14,9 @@ namespace pxpl5::bus {
 /// here, because no public text has them.
 struct RingParameters {
     std::uint32_t channels = 8;              ///< [S]
-    std::uint64_t bytes_per_s = 80'000'000;  ///< Of one channel. [S]
+    std::uint64_t bytes_per_s = 80'000'000;  ///< Rate of one channel. [S]
     std::uint32_t hop_ns = 50;               ///< From one ring interface to the next. [P]
-    std::uint32_t header_words = 2;          ///< Sent before the body's words. [P]
+    std::uint32_t header_words = 2;          ///< Words before the body. [P]
     std::uint32_t word_bytes = 4;            ///< [D]
 };
 
@@ -28,21 +28,21 @@ struct Stamp {
     std::uint64_t arrival_ns = 0;
 };
 
-/// One sender's view of the ring. It knows its own messages only: each takes the channel that is
-/// free first and holds it for its whole length; the destination takes one message at a time.
+/// One sender's view of the ring. The model knows only this sender's messages. Each message takes
+/// the channel that is free first, for its whole length. A destination takes one message at a time.
 class ChannelModel {
   public:
     ChannelModel() = default;
-    /// ring_order   Node ids in the order in which the ring passes them.
+    /// ring_order   Node ids in ring order.
     ChannelModel(const RingParameters& parameters, const std::vector<NodeId>& ring_order);
 
-    /// Time on a channel for a body of that size, header included.
+    /// Returns the time that a body of this size takes on a channel, header included.
     std::uint64_t occupancy_ns(std::uint64_t body_bytes) const;
-    /// Interfaces between two nodes along the ring's one direction.
+    /// Returns the number of interfaces between two nodes along the ring.
     std::uint32_t hops(NodeId from, NodeId to) const;
-    /// Places the next message of `from`. Messages are placed in the order of the calls.
+    /// Places the next message of `from`. The order of the calls is the order of the messages.
     Stamp place(NodeId from, NodeId to, std::uint64_t body_bytes);
-    /// The node has learned of this modelled time: nothing leaves earlier.
+    /// Advances the modelled time. No later message departs earlier.
     void advance_to(std::uint64_t time_ns);
 
   private:

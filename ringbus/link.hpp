@@ -1,4 +1,4 @@
-// How a node reaches the others: messages out, messages in, and nothing else.
+// The connection of a node to the other nodes: sends and receives messages.
 #pragma once
 
 #include <optional>
@@ -15,34 +15,33 @@ class Link {
     virtual ~Link() = default;
 
     virtual NodeId id() const = 0;
-    /// Where others reach this node.
+    /// The address of this node.
     virtual const std::string& endpoint() const = 0;
 
-    /// Makes `id`, which is no peer yet, reachable. Messages sent to it before it listens are kept.
+    /// Adds peer `id`, which must be new. Messages to it wait until it listens.
     virtual void add_peer(NodeId id, const std::string& endpoint) = 0;
-    /// Drops what has not left yet. A later peer of this id counts its messages from 0 again.
+    /// Drops messages that have not left. A later peer of this id counts messages from 0 again.
     virtual void remove_peer(NodeId id) = 0;
 
-    /// Sends, or queues while the peer has given no credit. Never blocks. `to` is a known peer.
-    /// Throws NodeFault if too much waits already or the payload is too large for any receiver.
+    /// Sends, or queues while the peer grants no credit. Never blocks. `to` must be a peer.
+    /// Throws NodeFault if the queue is full or the payload exceeds max_body_bytes.
     virtual void send(NodeId to, Payload payload) = 0;
 
-    /// Memory for builders of large bodies, from which they leave without being copied, or null for
-    /// the heap. Valid as long as the link; so are the bodies.
+    /// Memory for builders of large bodies, which then leave without a copy. Null means the heap.
+    /// The memory and the bodies are valid as long as the link.
     virtual flatbuffers::Allocator* body_allocator() { return nullptr; }
 
-    /// Messages queued here because their receivers have given no credit. receive() takes credit
-    /// and sends them.
+    /// Messages that wait here for their receivers' credit. receive() takes credit and sends them.
     virtual std::size_t queued() const = 0;
 
-    /// Counts since the beginning; of peers that were removed, not what was sent to them.
+    /// Counts since the start. Messages to removed peers are not included.
     virtual Traffic traffic() const { return {}; }
 
-    /// The next message, if one is here. Throws BadMessage for a message that cannot be trusted and
-    /// WireFault (wire.hpp) for a lost one; the link goes on with the next.
+    /// Returns the next message, if one has arrived. Throws BadMessage for an invalid message and
+    /// WireFault (wire.hpp) for a lost one. The next call continues with the next message.
     virtual std::optional<Message> receive() = 0;
 
-    /// Waits for input. Returns false after `timeout_ms` without any, or if a signal came first; a
+    /// Waits for input. Returns false after `timeout_ms` without input, or after a signal. A
     /// negative timeout never ends.
     virtual bool wait(int timeout_ms) = 0;
 };

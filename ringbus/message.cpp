@@ -20,7 +20,7 @@ void check(bool good, const schema::Header& header, std::string_view field, std:
     }
 }
 
-/// Everything that the header says about itself and the body's size.
+/// Checks all fields of the header, including the size of the body.
 void check_header(const schema::Header& header, std::size_t body_bytes) {
     constexpr auto last_kind = static_cast<std::uint16_t>(Body::MAX);
     check(header.magic() == header_magic, header, "magic", header.magic(), header_magic);
@@ -36,7 +36,7 @@ void check_header(const schema::Header& header, std::size_t body_bytes) {
     check(body_bytes <= max_body_bytes, header, "body size", body_bytes, max_body_bytes);
 }
 
-/// Whether the bytes are a message at all: nothing in them points outside them.
+/// Returns true if the bytes are a well-formed message: no offset leads outside.
 bool is_well_formed(std::span<const std::uint8_t> body) {
     flatbuffers::Verifier verifier(body.data(), body.size(), max_body_depth, max_body_tables);
     return body.size() >= 2 * sizeof(flatbuffers::uoffset_t) &&

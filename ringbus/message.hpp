@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "generated/vocabulary.hpp"
 #include "message_generated.h"
 
 namespace pxpl5::bus {
@@ -20,14 +21,14 @@ inline constexpr NodeId host_id = 0;  ///< The host is node 0 of every machine.
 inline constexpr std::uint32_t header_magic = 0x35505850;  ///< "PXP5", little endian.
 inline constexpr std::uint16_t protocol_version = 5;
 inline constexpr std::size_t max_body_bytes = std::size_t{1} << 30;
-/// Of a finished body, wherever it lies: no field of a message needs more.
+/// Alignment of a finished body. No field of a message needs more.
 inline constexpr std::size_t body_alignment = sizeof(std::uint64_t);
 inline constexpr std::size_t max_body_depth = 16;
 inline constexpr std::size_t max_body_tables = 1'000'000;
 
 using schema::Body;
 
-/// A finished body. Immutable and shared, so that a broadcast holds it once.
+/// A finished body. Immutable and shared, so that a broadcast stores it once.
 class Payload {
   public:
     Payload() = default;
@@ -43,13 +44,13 @@ class Payload {
 /// Finishes `builder` with `body` as the message and takes the buffer out of it.
 template <typename T>
 Payload finish(flatbuffers::FlatBufferBuilder& builder, flatbuffers::Offset<T> body) {
-    builder.TrackMinAlign(body_alignment);  // A receiver may read it where it lies.
+    builder.TrackMinAlign(body_alignment);  // A receiver may read the body in place.
     builder.Finish(schema::CreateMessage(builder, schema::BodyTraits<T>::enum_value, body.Union()),
                    schema::MessageIdentifier());
     return Payload(builder.Release());
 }
 
-/// Packs an object-API table, e.g. pack(schema::ShutdownT{...}): for small messages.
+/// Packs an object-API table, for example pack(schema::ShutdownT{...}). For small messages.
 template <typename ObjectT>
 Payload pack(const ObjectT& object) {
     flatbuffers::FlatBufferBuilder builder;
@@ -78,8 +79,8 @@ struct BadMessage : std::runtime_error {
           source(header.source()),
           sequence(header.sequence()) {}
     FaultCause cause;            ///< Without a frame: the body is not trusted.
-    NodeId source = host_id;     ///< As the header states, which may be wrong.
-    std::uint64_t sequence = 0;  ///< As the header states, which may be wrong.
+    NodeId source = host_id;     ///< From the header, which may be wrong.
+    std::uint64_t sequence = 0;  ///< From the header, which may be wrong.
 };
 
 /// A received, verified message. Copies share the bytes.

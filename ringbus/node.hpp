@@ -1,4 +1,4 @@
-// What every node of the machine is: a step function from messages to messages.
+// The interface of every node: a step function from messages to messages.
 #pragma once
 
 #include <span>
@@ -9,14 +9,14 @@
 
 namespace pxpl5::bus {
 
-/// Where a node puts the messages that it sends. They leave in this order, per destination.
+/// Takes the messages that a node sends. Messages to one destination leave in order.
 class Outbox {
   public:
     virtual ~Outbox() = default;
     virtual void send(NodeId to, Payload payload) = 0;
-    /// Link::body_allocator() of the link behind it.
+    /// The link's Link::body_allocator().
     virtual flatbuffers::Allocator* body_allocator() { return nullptr; }
-    /// Where the node says which stage of its work goes on; null if nobody times it.
+    /// The clock of the node's stages; null if the node is not timed.
     virtual StageClock* clock() { return nullptr; }
 
     void send(std::span<const NodeId> to, const Payload& payload) {
@@ -29,8 +29,8 @@ class Outbox {
 /// The reason of a Fault for std::bad_alloc.
 inline constexpr const char* memory_exhausted = "this computer's memory is exhausted";
 
-/// Thrown by a node for input that it cannot obey: the driver sends it to the host as Fault and the
-/// node goes on with the next message.
+/// Thrown by a node for a request that it cannot carry out. The driver sends it to the host as a
+/// Fault, and the node continues with the next message.
 struct NodeFault : std::runtime_error {
     NodeFault(schema::FaultCode fault_code, const std::string& reason, FaultCause fault_cause = {})
         : std::runtime_error(reason), code(fault_code), cause(fault_cause) {}
@@ -38,24 +38,24 @@ struct NodeFault : std::runtime_error {
     FaultCause cause;  ///< The driver adds the message that the node was receiving.
 };
 
-/// What a node tells of itself when it is asked.
+/// State of a node for its Activity message.
 struct NodeStatus {
-    std::uint64_t memory_bytes = 0;  ///< As of schema Activity, like the others.
+    std::uint64_t memory_bytes = 0;  ///< All three: see Activity in schema/activity.fbs.
     std::size_t queue = 0;
     std::uint64_t frames = 0;
 };
 
-/// Firmware. One thread drives it; it never blocks, sleeps or reads a clock to decide something.
+/// Firmware. One thread drives it. It never blocks or sleeps, and no decision depends on a clock.
 class Node {
   public:
     virtual ~Node() = default;
 
-    /// Takes one message. Long work is only noted here and done in work().
-    /// Called with Topology before anything else. Throws NodeFault.
+    /// Takes one message. Long work is queued here and done in work(). The first message is
+    /// Topology. Throws NodeFault.
     virtual void receive(const Message& message, Outbox& out) = 0;
 
-    /// Does one small piece (at most about 10 ms) of the noted work, newest wishes first.
-    /// Returns true while there is more; the driver looks for new messages between pieces.
+    /// Does one small piece (at most about 10 ms) of the queued work, the newest requests first.
+    /// Returns true while work remains. The driver receives messages between two pieces.
     virtual bool work(Outbox& out) = 0;
 
     virtual NodeStatus status() const { return {}; }

@@ -13,7 +13,7 @@ constexpr int quiet_ms = 1000;
 
 using schema::FaultCode;
 
-/// Where work that fails came from, as far as the driver knows.
+/// Source of the work that fails, as far as the driver knows it.
 struct Origin {
     NodeId source = host_id;
     std::uint64_t sequence = 0;
@@ -76,7 +76,7 @@ void deliver(Node& node, NodeId self, const Message& message, Outbox& out) {
 
 bool work_once(Node& node, NodeId self, Outbox& out) {
     const StageClock::In working(out.clock(), stage::work);
-    bool more = true;  // After a fault there may be other work.
+    bool more = true;  // Other work may remain after a fault.
     guarded(self, {self}, out, [&] { more = node.work(out); });
     return more;
 }
@@ -103,7 +103,7 @@ bool run_node(Node& node, Link& link, const std::function<bool()>& alive) {
             deliver(node, link.id(), *message, out);
             busy = true;
         }
-        // Who is not keeping up with this node's messages need not have more of them made.
+        // A receiver that is behind does not need more messages, so the node does no work.
         const bool held_up = link.queued() > 0;
         busy = busy && (held_up || work_once(node, link.id(), out));
         if ((!busy || held_up) && !rest() && !alive()) {

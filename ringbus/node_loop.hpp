@@ -13,7 +13,7 @@ namespace pxpl5::bus {
 class LinkOutbox final : public Outbox {
   public:
     using Outbox::send;
-    /// clock  Of the node; may be null.
+    /// clock  The node's clock; may be null.
     explicit LinkOutbox(Link& link, StageClock* clock = nullptr) : link_(link), clock_(clock) {}
     void send(NodeId to, Payload payload) override {
         const StageClock::In sending(clock_, stage::send);
@@ -31,20 +31,23 @@ class LinkOutbox final : public Outbox {
 Payload fault_message(NodeId node, NodeId source, std::uint64_t sequence, schema::FaultCode code,
                       const std::string& reason, FaultCause cause = {});
 
-/// The next message, if one is here; those that cannot be trusted become Faults to the host.
+/// Returns the next message, if one has arrived. Sends a Fault to the host for each invalid
+/// message.
 std::optional<Message> receive_or_report(Link& link, Outbox& out);
 
-/// Hands `message` to the node in stage::receive; what it throws goes to the host as a Fault.
+/// Passes `message` to the node in stage::receive. Sends what the node throws to the host as a
+/// Fault.
 void deliver(Node& node, NodeId self, const Message& message, Outbox& out);
 
-/// One piece of the node's work, likewise in stage::work. Returns true while there is more.
+/// Does one piece of the node's work in stage::work, with the same faults. Returns true while work
+/// remains.
 bool work_once(Node& node, NodeId self, Outbox& out);
 
-/// Delivers and works until Shutdown has come, and answers AskActivity by itself. Reads all waiting
-/// messages before each piece of work, and does none while messages are queued for want of credit.
+/// Delivers messages and works until Shutdown, and answers AskActivity itself. Receives all waiting
+/// messages before each piece of work. Does no work while sent messages wait for credit.
 ///
-/// alive   Asked after each quiet second; false ends the loop.
-/// Returns true after Shutdown, false if no longer alive.
+/// alive   Called after each quiet second; false ends the loop.
+/// Returns true after Shutdown, false if `alive` returned false.
 bool run_node(Node& node, Link& link, const std::function<bool()>& alive);
 
 }  // namespace pxpl5::bus

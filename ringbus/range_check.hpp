@@ -1,4 +1,4 @@
-// What checking ranges takes: a collector of the first thing that is wrong.
+// Range checks of message fields. Plain helpers of ranges.cpp and ranges_model.cpp.
 #pragma once
 
 #include <fmt/core.h>
@@ -6,17 +6,18 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <type_traits>
 
 #include "ringbus/message.hpp"
 
 namespace pxpl5::bus {
 
-/// Collects the first thing that is wrong.
+/// Collects the first field that is out of range.
 class Check {
   public:
-    template <typename Value, typename Limit>
-    Check& within(const char* field, Value value, Limit low, Limit high) {
-        if (!(value >= static_cast<Value>(low) && value <= static_cast<Value>(high))) {
+    template <typename Value, typename Low, typename High>
+    Check& within(const char* field, Value value, Low low, High high) {
+        if (!(is_at_most(low, value) && is_at_most(value, high))) {
             fail(fmt::format("{} is {}, allowed are {} .. {}", field, value, low, high));
         }
         return *this;
@@ -53,9 +54,9 @@ class Check {
         return within(field, static_cast<int>(value), static_cast<int>(Enum::MIN),
                       static_cast<int>(Enum::MAX));
     }
-    template <typename Value>
-    Check& at_most(const char* field, Value value, Value limit) {
-        if (!(value <= limit)) {
+    template <typename Value, typename Limit>
+    Check& at_most(const char* field, Value value, Limit limit) {
+        if (!is_at_most(value, limit)) {
             fail(fmt::format("{} is {}, allowed are at most {}", field, value, limit));
         }
         return *this;
@@ -63,6 +64,12 @@ class Check {
     const std::string& reason() const { return reason_; }
 
   private:
+    /// Compares in the common type. No limit is negative where the value is unsigned.
+    template <typename A, typename B>
+    static bool is_at_most(A a, B b) {
+        using Common = std::common_type_t<A, B>;
+        return static_cast<Common>(a) <= static_cast<Common>(b);
+    }
     void fail(const std::string& reason) {
         if (reason_.empty()) {
             reason_ = reason;
@@ -76,8 +83,8 @@ std::size_t size_of(const Vector* vector) {
     return vector == nullptr ? 0 : vector->size();
 }
 
-/// Empty if all is well with a message about volumes, surfaces, scenes, pictures or meshes, or if
-/// it is none.
+/// Checks messages about volumes, surfaces, scenes, pictures and meshes. Returns "" if all fields
+/// are in range, and for messages of other kinds.
 std::string model_out_of_range(const schema::Message& message);
 
 }  // namespace pxpl5::bus

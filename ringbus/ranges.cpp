@@ -11,6 +11,7 @@
 #include "ringbus/activity.hpp"
 #include "ringbus/channel_model.hpp"
 #include "ringbus/range_check.hpp"
+#include "ringbus/rules/regions.hpp"
 
 namespace pxpl5::bus {
 
@@ -22,10 +23,8 @@ std::string range_of(const schema::Hello& hello) {
 
 std::string range_of(const schema::Topology& topology) {
     Check check;
-    check
-        .within("number of nodes", std::size_t{topology.nodes()->size()}, std::size_t{1}, max_nodes)
-        .within("ring channels", std::size_t{topology.ring_channels()}, std::size_t{1},
-                max_channels);
+    check.within("number of nodes", topology.nodes()->size(), 1, max_nodes)
+        .within("ring channels", topology.ring_channels(), 1, max_channels);
     std::set<NodeId> seen;
     for (const auto* node : *topology.nodes()) {
         check.known("role", node->role());
@@ -40,20 +39,20 @@ std::string range_of(const schema::Topology& topology) {
 std::string range_of(const schema::Fault& fault) {
     return Check()
         .known("code", fault.code())
-        .at_most("request", fault.request(), static_cast<std::uint16_t>(Body::MAX))
+        .at_most("request", fault.request(), static_cast<std::size_t>(Body::MAX))
         .reason();
 }
 
-/// Of a frame that is one pass of a picture: only the last is read back, and none has depths, of
-/// which there is no mean.
+/// Checks a frame that is one pass of a picture. Only the last pass is read back. No pass has
+/// depths, because depths have no mean.
 std::string pass_range(const schema::DrawFrame& draw) {
-    const std::uint32_t sample = draw.sample(), samples = draw.samples();
+    const int sample = draw.sample(), samples = draw.samples();
     if (std::ranges::find(sample_counts, samples) == sample_counts.end()) {
         return fmt::format("samples is {}, allowed are {}", samples,
                            fmt::join(sample_counts, ", "));
     }
     Check check;
-    check.within("sample", sample, 0U, samples - 1);
+    check.within("sample", sample, 0, samples - 1);
     if (samples > 1) {
         check.equal("read_depths", draw.read_depths(), false);
         if (sample + 1 < samples) {
@@ -66,15 +65,13 @@ std::string pass_range(const schema::DrawFrame& draw) {
 std::string range_of(const schema::DrawFrame& draw) {
     Check check;
     check.add(pass_range(draw));
-    check.within("width", draw.width(), 1U, max_picture_px)
-        .within("height", draw.height(), 1U, max_picture_px)
-        .within("number of views", std::size_t{draw.views()->size()}, std::size_t{1}, max_views)
-        .within("number of lights", std::size_t{draw.lights()->size()}, std::size_t{0}, max_lights)
-        .within("number of surfaces", std::size_t{draw.surfaces()->size()}, std::size_t{0},
-                max_surfaces)
-        .within("number of clip planes", size_of(draw.clip_planes()), std::size_t{0},
-                max_clip_planes)
-        .within("specular_power", draw.specular_power(), 1U, max_specular_power)
+    check.within("width", draw.width(), 1, max_picture_px)
+        .within("height", draw.height(), 1, max_picture_px)
+        .within("number of views", draw.views()->size(), 1, max_views)
+        .within("number of lights", draw.lights()->size(), 0, max_lights)
+        .within("number of surfaces", draw.surfaces()->size(), 0, max_surfaces)
+        .within("number of clip planes", size_of(draw.clip_planes()), 0, max_clip_planes)
+        .within("specular_power", draw.specular_power(), 1, max_specular_power)
         .within("ambient", draw.ambient(), 0.0F, 1.0F)
         .within("specular", draw.specular(), 0.0F, 1.0F);
     for (const auto* view : *draw.views()) {
@@ -94,7 +91,7 @@ std::string range_of(const schema::DrawFrame& draw) {
     }
     for (const auto* surface : *draw.surfaces()) {
         check.known("slabs", surface->slabs())
-            .within("opacity", std::uint32_t{surface->opacity()}, 1U, max_opacity);
+            .within("opacity", surface->opacity(), 1, full_opacity);
     }
     return check.reason();
 }
@@ -106,7 +103,7 @@ std::string range_of(const schema::BeginFrame& begin) {
         .equal("size of assignment", std::size_t{begin.assignment()->size()},
                region_count(draw.width(), draw.height(), draw.views()->size()));
     for (const std::uint16_t renderer : *begin.assignment()) {
-        check.at_most("assigned Renderer", std::size_t{renderer}, max_nodes - 1);
+        check.at_most("assigned Renderer", renderer, max_nodes - 1);
     }
     return check.reason();
 }
@@ -127,9 +124,9 @@ std::string range_of(const schema::RegionProgram& program) {
 
 std::string range_of(const schema::RegionPrograms& programs) {
     Check check;
-    check.at_most("gp", std::size_t{programs.gp()}, max_nodes - 1);
+    check.at_most("gp", programs.gp(), max_nodes - 1);
     for (const auto* region : *programs.regions()) {
-        check.at_most("region", std::size_t{region->region()}, max_regions - 1);
+        check.at_most("region", region->region(), max_regions - 1);
         check.add(range_of(*region));
     }
     return check.reason();
@@ -138,14 +135,14 @@ std::string range_of(const schema::RegionPrograms& programs) {
 std::string range_of(const schema::RegionPixels& pixels) {
     const std::size_t wanted = std::size_t{pixels.tiles()->size()} * region_pixels;
     Check check;
-    check.at_most("renderer", std::size_t{pixels.renderer()}, max_nodes - 1)
+    check.at_most("renderer", pixels.renderer(), max_nodes - 1)
         .equal("number of pixels", std::size_t{pixels.pixels()->size()},
                pixels.pixels()->size() == 0 ? 0 : wanted);
     if (pixels.depths() != nullptr) {
         check.equal("number of depths", std::size_t{pixels.depths()->size()}, wanted);
     }
     for (const auto* tile : *pixels.tiles()) {
-        check.at_most("region", std::size_t{tile->region()}, max_regions - 1);
+        check.at_most("region", tile->region(), max_regions - 1);
     }
     return check.reason();
 }
@@ -153,13 +150,13 @@ std::string range_of(const schema::RegionPixels& pixels) {
 std::string range_of(const schema::FrameDone& done) {
     const std::size_t regions = region_count(done.width(), done.height(), done.views());
     Check check;
-    check.within("width", done.width(), 1U, max_picture_px)
-        .within("height", done.height(), 1U, max_picture_px)
-        .within("views", std::size_t{done.views()}, std::size_t{1}, max_views)
+    check.within("width", done.width(), 1, max_picture_px)
+        .within("height", done.height(), 1, max_picture_px)
+        .within("views", done.views(), 1, max_views)
         .equal("number of region_cycles", std::size_t{done.region_cycles()->size()}, regions)
         .equal("number of region_renderers", std::size_t{done.region_renderers()->size()}, regions);
     for (const std::uint16_t renderer : *done.region_renderers()) {
-        check.at_most("a region's Renderer", std::size_t{renderer}, max_nodes - 1);
+        check.at_most("a region's Renderer", renderer, max_nodes - 1);
     }
     const std::size_t wanted = std::size_t{done.width()} * done.height() * done.views();
     if (done.pixels() != nullptr) {
@@ -173,19 +170,16 @@ std::string range_of(const schema::FrameDone& done) {
 
 std::string range_of(const schema::Activity& activity) {
     Check check;
-    check.at_most("number of stages", std::size_t{activity.stages()->size()}, max_stages);
+    check.at_most("number of stages", activity.stages()->size(), max_stages);
     std::uint64_t left_ns = activity.wall_ns();
     for (const schema::StageTime* stage : *activity.stages()) {
-        check.at_most("length of a stage's name", std::size_t{stage->name()->size()},
-                      max_stage_name);
+        check.at_most("length of a stage's name", stage->name()->size(), max_stage_name);
         check.at_most("time of a stage beside the others", stage->ns(), left_ns);
         left_ns -= std::min(left_ns, stage->ns());
     }
     for (const schema::SentCount* sum : *activity.sent()) {
-        check
-            .within("kind", std::size_t{sum->kind()}, std::size_t{1},
-                    static_cast<std::size_t>(Body::MAX))
-            .at_most("channel", std::size_t{sum->channel()}, max_channels - 1);
+        check.within("kind", sum->kind(), 1, static_cast<std::size_t>(Body::MAX))
+            .at_most("channel", sum->channel(), max_channels - 1);
     }
     return check.reason();
 }
@@ -196,9 +190,9 @@ std::string range_of(const schema::PartCounts& part) {
         cycles += part.classes()->Get(i)->cycles();
     }
     return Check()
-        .at_most("region", std::size_t{part.region()}, max_regions - 1)
+        .at_most("region", part.region(), max_regions - 1)
         .known("kind", part.kind())
-        .at_most("surface", std::size_t{part.surface()}, max_surfaces - 1)
+        .at_most("surface", part.surface(), max_surfaces - 1)
         .at_most("slab", part.slab(), max_scene_slab)
         .at_most("primitives", part.primitives(), part.words())
         .at_most("port_cycles", part.port_cycles(), cycles)
@@ -211,7 +205,7 @@ std::string range_of(const schema::FrameCounts& counts) {
     Check check;
     const schema::DrawnSlab* before = nullptr;
     for (const schema::DrawnSlab* slab : *counts.drawn()) {
-        check.at_most("surface", std::size_t{slab->surface()}, max_surfaces - 1)
+        check.at_most("surface", slab->surface(), max_surfaces - 1)
             .at_most("slab", slab->slab(), max_scene_slab)
             .at_most("culled", slab->culled(), slab->primitives());
         if (before != nullptr && std::pair(before->surface(), before->slab()) >=
@@ -225,7 +219,7 @@ std::string range_of(const schema::FrameCounts& counts) {
     std::uint16_t region = 0;
     for (const schema::PartCounts* part : *counts.parts()) {
         check.add(range_of(*part));
-        check.within("region", part->region(), region, std::uint16_t{max_regions - 1});
+        check.within("region", part->region(), region, max_regions - 1);
         region = part->region();
     }
     return check.reason();

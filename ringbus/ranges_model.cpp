@@ -14,8 +14,8 @@ namespace pxpl5::bus {
 namespace {
 
 /// Three positive numbers, or none.
-template <typename Vector, typename Limit>
-void check_triple(Check& check, const char* field, const Vector* values, Limit low, Limit high) {
+template <typename Vector, typename Low, typename High>
+void check_triple(Check& check, const char* field, const Vector* values, Low low, High high) {
     if (values == nullptr) {
         return;
     }
@@ -28,18 +28,18 @@ void check_triple(Check& check, const char* field, const Vector* values, Limit l
 std::string range_of(const schema::ImportVolume& import) {
     Check check;
     check_triple(check, "spacing_mm", import.spacing_mm(), min_spacing_mm, max_spacing_mm);
-    check_triple(check, "crop_first", import.crop_first(), 0U, max_volume_voxels);
-    check_triple(check, "crop_size", import.crop_size(), 1U, max_volume_voxels);
-    check_triple(check, "resample_size", import.resample_size(), 1U, max_volume_voxels);
+    check_triple(check, "crop_first", import.crop_first(), 0, max_volume_voxels);
+    check_triple(check, "crop_size", import.crop_size(), 1, max_volume_voxels);
+    check_triple(check, "resample_size", import.resample_size(), 1, max_volume_voxels);
     check_triple(check, "resample_spacing_mm", import.resample_spacing_mm(), min_spacing_mm,
                  max_spacing_mm);
     check.within("smooth_mm", import.smooth_mm(), 0.0, max_smooth_mm)
         .equal("crop_first and crop_size together", import.crop_first() == nullptr,
                import.crop_size() == nullptr);
     if (const schema::RawLayout* raw = import.raw()) {
-        check.within("nx", raw->nx(), 1U, max_volume_voxels)
-            .within("ny", raw->ny(), 1U, max_volume_voxels)
-            .within("nz", raw->nz(), 1U, max_volume_voxels);
+        check.within("nx", raw->nx(), 1, max_volume_voxels)
+            .within("ny", raw->ny(), 1, max_volume_voxels)
+            .within("nz", raw->nz(), 1, max_volume_voxels);
     }
     return check.reason();
 }
@@ -67,13 +67,13 @@ std::string range_of(const schema::VolumeHeader& header) {
     Check check;
     check.within("nx", header.nx(), min_volume_voxels, max_volume_voxels)
         .within("ny", header.ny(), min_volume_voxels, max_volume_voxels)
-        .within("nz", header.nz(), 1U, max_volume_voxels)
+        .within("nz", header.nz(), 1, max_volume_voxels)
         .known("type", header.type())
         .finite("voxel_to_patient", *header.voxel_to_patient())
         .finite("minimum", header.minimum())
         .finite("maximum", header.maximum())
         .at_most("minimum", header.minimum(), header.maximum())
-        .within("slabs_per_set", std::uint32_t{header.slabs_per_set()}, 1U, max_volume_voxels);
+        .within("slabs_per_set", header.slabs_per_set(), 1, max_volume_voxels);
     check_slices(check, header);
     if (header.findings() != nullptr) {
         for (const auto* finding : *header.findings()) {
@@ -86,22 +86,22 @@ std::string range_of(const schema::VolumeHeader& header) {
 std::string range_of(const schema::Slices& slices) {
     const std::uint32_t count = slices.slice_count();
     Check check;
-    check.within("slice_count", count, 1U, max_volume_voxels);
+    check.within("slice_count", count, 1, max_volume_voxels);
     if (!check.reason().empty()) {
         return check.reason();  // What follows divides by it and subtracts it.
     }
-    return check.within("first_slice", slices.first_slice(), 0U, max_volume_voxels - count)
+    return check.within("first_slice", slices.first_slice(), 0, max_volume_voxels - count)
         .equal("bytes beyond whole slices", slices.values()->size() % count, 0U)
         .reason();
 }
 
 std::string range_of(const schema::Mark& mark) {
-    const std::size_t least = mark.kind() == schema::MarkKind::line   ? 2
-                              : mark.kind() == schema::MarkKind::area ? 3
-                                                                      : 1;
+    const std::size_t least = mark.kind() == MarkKind::line   ? 2
+                              : mark.kind() == MarkKind::area ? 3
+                                                              : 1;
     Check check;
     check.known("kind of mark", mark.kind())
-        .within("points of a mark", std::size_t{mark.points()->size()}, least, max_mark_points)
+        .within("points of a mark", mark.points()->size(), least, max_mark_points)
         .within("width_px", mark.width_px(), 0.0F, max_mark_px)
         .within("height_px", mark.height_px(), 0.0F, max_mark_px)
         .within("align_x", mark.align_x(), 0.0F, 1.0F)
@@ -115,13 +115,13 @@ std::string range_of(const schema::Mark& mark) {
 
 std::string range_of(const schema::ExportPicture& picture) {
     Check check;
-    check.within("width", picture.width(), 1U, 2 * max_picture_px)
-        .within("height", picture.height(), 1U, 2 * max_picture_px)
-        .within("count", picture.count(), 1U, max_animation_pictures)
-        .within("delay_ms", picture.delay_ms(), 1U, 60'000U)
+    check.within("width", picture.width(), 1, max_export_px)
+        .within("height", picture.height(), 1, max_export_px)
+        .within("count", picture.count(), 1, max_animation_pictures)
+        .within("delay_ms", picture.delay_ms(), 1, max_delay_ms)
         .equal("size of rgba", std::size_t{picture.rgba()->size()},
                std::size_t{picture.width()} * picture.height() * picture.count() * 4)
-        .within("number of marks", size_of(picture.marks()), std::size_t{0}, max_marks);
+        .within("number of marks", size_of(picture.marks()), 0, max_marks);
     if (check.reason().empty() && picture.marks() != nullptr) {
         for (const auto* mark : *picture.marks()) {
             check.add(range_of(*mark));
@@ -153,7 +153,7 @@ bool is_finite(const schema::MeshVertex& v) {
            std::isfinite(v.nx()) && std::isfinite(v.ny()) && std::isfinite(v.nz());
 }
 
-/// Of a SlabMesh or an ExportSurface.
+/// Checks the triangles of a SlabMesh or an ExportSurface.
 template <typename Table>
 void check_triangles(Check& check, const Table& mesh) {
     const auto& vertices = *mesh.vertices();
@@ -184,9 +184,7 @@ std::string range_of(const schema::SlabMesh& mesh) {
 
 std::string range_of(const schema::ExportMesh& mesh) {
     Check check;
-    check
-        .within("number of surfaces", std::size_t{mesh.surfaces()->size()}, std::size_t{1},
-                max_surfaces)
+    check.within("number of surfaces", mesh.surfaces()->size(), 1, max_surfaces)
         .known("axes", mesh.axes())
         .within("keep", mesh.keep(), 0.0F, 1.0F);
     for (const auto* surface : *mesh.surfaces()) {
@@ -206,8 +204,7 @@ std::string range_of(const schema::MaskSurface& mask) {
 std::string range_of(const schema::MeasureIsovalues& measure) {
     const auto& isovalues = *measure.isovalues();
     Check check;
-    check
-        .within("number of isovalues", std::size_t{isovalues.size()}, std::size_t{1}, max_isovalues)
+    check.within("number of isovalues", isovalues.size(), 1, max_isovalues)
         .known("table", measure.table());
     for (flatbuffers::uoffset_t i = 0; i < isovalues.size(); ++i) {
         check.finite("isovalue", isovalues.Get(i));
@@ -243,8 +240,7 @@ std::string range_of(const schema::MeshPart& part) {
 std::string range_of(const schema::SceneBegin& begin) {
     const auto& surfaces = *begin.surfaces();
     return Check()
-        .within("number of surfaces", std::size_t{surfaces.size()}, std::size_t{0},
-                max_scene_surfaces)
+        .within("number of surfaces", surfaces.size(), 0, max_surfaces)
         .equal("number of different surfaces",
                std::set<std::uint16_t>(surfaces.begin(), surfaces.end()).size(),
                std::size_t{surfaces.size()})

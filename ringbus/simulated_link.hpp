@@ -1,4 +1,4 @@
-// The whole machine in one thread: every message delayed and reordered by a seed.
+// The whole machine in one thread. A seed delays and reorders messages.
 #pragma once
 
 #include <cstdint>
@@ -16,46 +16,46 @@
 
 namespace pxpl5::bus {
 
-/// A fault that the simulated ring plants in one message, to show that it is noticed.
+/// A damage that the simulated ring plants in one message, to test its detection.
 enum class Damage : std::uint8_t { none, drop, repeat, flip_bit, flip_header_bit };
 
 struct SimulatedFault {
     Damage damage = Damage::none;
-    std::uint64_t message = 0;  ///< Which message to damage, counted over the whole ring.
+    std::uint64_t message = 0;  ///< Number of the damaged message, counted over the ring.
 };
 
-/// Thrown when the ring does not come to what was waited for.
+/// Thrown when the ring cannot reach the awaited state.
 struct SimulationStuck : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Nodes and the messages between them. The order between two nodes is kept, as on the wire;
-/// between different senders it is drawn from the seed, and so is when nodes do a piece of their
-/// work. AskActivity is answered for them. Messages cross as bytes: header and body are copied,
-/// verified, and numbered as between processes.
+/// Nodes and the messages between them. Messages between two nodes stay in order, as on the wire.
+/// The seed decides the order of different senders and when nodes do a piece of work. The ring
+/// answers AskActivity. Messages cross as bytes: header and body are copied, verified and numbered,
+/// as between processes.
 class SimulatedRing {
   public:
     explicit SimulatedRing(std::uint64_t seed, SimulatedFault fault = {});
 
-    /// The node is not owned and outlives the ring's run.
+    /// The caller owns the node, which must outlive the run.
     void add(NodeId id, Node& node);
-    /// Ring order and parameters for the stamps of every node added so far.
+    /// Sets ring order and parameters for the stamps of all nodes so far.
     void set_model(const ChannelModel& model);
-    /// From here on `tap` sees every message that is about to be handed to node `to`.
+    /// Calls `tap` with each message before node `to` receives it.
     using Tap = std::function<void(NodeId to, const Message&)>;
     void on_delivery(Tap tap) { tap_ = std::move(tap); }
-    /// Puts a message on the ring as if `from` had sent it.
+    /// Puts a message of `from` on the ring.
     void send(NodeId from, NodeId to, const Payload& payload);
 
-    /// One delivery, or one piece of one node's work. Returns false if there is nothing to do.
+    /// Does one delivery or one piece of one node's work. Returns false if nothing remains.
     bool step();
-    /// Steps until `done`. Throws SimulationStuck if nothing is left to do first, or after too many
+    /// Steps until `done`. Throws SimulationStuck if nothing remains before, or after too many
     /// steps.
     void run_until(const std::function<bool()>& done);
-    /// Steps until nothing is left to do. Throws SimulationStuck after too many steps.
+    /// Steps until nothing remains. Throws SimulationStuck after too many steps.
     void run_until_idle();
 
-    /// What `id` has sent and received.
+    /// Messages that `id` has sent and received.
     Traffic traffic(NodeId id) const { return members_.at(id).wire->traffic(); }
 
     /// Deliveries so far, as (source, destination).

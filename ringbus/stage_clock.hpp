@@ -1,4 +1,4 @@
-// Where a node's time goes: counted by the node itself, in one stage at a time.
+// Measures a node's time by stage. The node itself names its stages.
 #pragma once
 
 #include <chrono>
@@ -9,43 +9,43 @@
 
 namespace pxpl5::bus {
 
-/// Of one node; more is a bug of ours.
+/// Stages of one node.
 inline constexpr std::size_t max_stages = 16;
 
-/// Stages of every node. What a node tells apart itself is named in its node.hpp.
+/// Stages of every node. Further stages of a node are in its node.hpp.
 namespace stage {
-inline constexpr std::string_view wait = "wait";        ///< For messages or credit.
-inline constexpr std::string_view receive = "receive";  ///< Takes messages, and verifies them.
+inline constexpr std::string_view wait = "wait";        ///< Waits for messages or credit.
+inline constexpr std::string_view receive = "receive";  ///< Takes and verifies messages.
 inline constexpr std::string_view send = "send";
-inline constexpr std::string_view work = "work";  ///< All that the node does not tell apart.
+inline constexpr std::string_view work = "work";  ///< All other work.
 }  // namespace stage
 
-/// Its time is the sum over its stages: each ends when another begins. A change of stages costs
-/// one look at the clock (20 ns), so stages are whole pieces of work, never triangles.
+/// A stage ends when another begins, so that the stages add up to the node's time. A change reads
+/// the clock once (20 ns). So a stage is a whole piece of work, never a triangle.
 class StageClock {
   public:
     struct Stage {
         std::string_view name;
         std::uint64_t ns = 0;
-        std::uint64_t count = 0;  ///< How often it began.
+        std::uint64_t count = 0;  ///< Number of times that the stage began.
     };
 
     /// Begins in stage::wait.
     StageClock();
 
-    /// From here on, time is that of stage `name`, a literal. Does nothing if it is already.
+    /// Enters stage `name`, a string literal. Does nothing if that stage is current.
     void enter(std::string_view name);
-    /// `ns` of the time of stage `from`, which has begun, was spent in stage `to`.
+    /// Moves `ns` of stage `from`, which has begun, to stage `to`.
     void move(std::string_view from, std::string_view to, std::uint64_t ns);
 
-    /// All that have begun, counted up to now. wait is the first.
+    /// All stages that have begun, up to now. The first is stage::wait.
     const std::vector<Stage>& stages();
     std::string_view current() const { return stages_[current_].name; }
 
-    /// A stage that lasts as long as this does; then the one before goes on.
+    /// Enters a stage for its lifetime, then returns to the stage before.
     class In {
       public:
-        /// clock  Null for nodes that are not timed.
+        /// clock  Null for a node that is not timed.
         In(StageClock* clock, std::string_view name)
             : clock_(clock), before_(clock == nullptr ? name : clock->current()) {
             enter(name);

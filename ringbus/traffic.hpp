@@ -1,4 +1,4 @@
-// What a node has sent and received, counted where messages are numbered.
+// Counts the messages that a node sends and receives.
 #pragma once
 
 #include <algorithm>
@@ -17,22 +17,22 @@ struct SentCount {
     std::uint64_t messages = 0, bytes = 0;  ///< Bytes of bodies.
 };
 
-/// Since the node began.
+/// Counts since the node began.
 struct Traffic {
-    std::vector<SentCount> sent;  ///< One of each receiver, kind and channel.
+    std::vector<SentCount> sent;  ///< One entry per receiver, kind and channel.
     std::uint64_t received_messages = 0, received_bytes = 0;
 };
 
-/// Whether it belongs to looking at the machine, and not to the machine: such messages are neither
-/// counted nor recorded, and take no time on the modelled ring.
+/// Returns true for messages that only observe the machine. They are neither counted nor recorded,
+/// and take no time on the modelled ring.
 constexpr bool is_onlookers(Body kind) {
     return kind == Body::AskActivity || kind == Body::Activity;
 }
 
-/// What goes to one receiver: some kinds, each over all the channels.
+/// Messages to one receiver, by kind and channel.
 class Outgoing {
   public:
-    /// Counts a message. Returns its number.
+    /// Counts a message. Returns the message's number.
     std::uint64_t count(Body kind, std::uint16_t channel, std::size_t bytes) {
         if (!is_onlookers(kind)) {
             SentCount& sum = sum_of(kind, channel);
@@ -53,7 +53,7 @@ class Outgoing {
     }
 
     std::uint64_t next_ = 0;
-    std::vector<SentCount> sums_;  ///< `to` is left open.
+    std::vector<SentCount> sums_;  ///< Without the receiver `to`.
 };
 
 }  // namespace pxpl5::bus

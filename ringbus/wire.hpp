@@ -1,4 +1,4 @@
-// What both links do with a message: number it, stamp it, and watch that none is lost.
+// Numbers and stamps outgoing messages and detects lost ones, for both links.
 #pragma once
 
 #include <fmt/core.h>
@@ -12,7 +12,7 @@
 
 namespace pxpl5::bus {
 
-/// A message that did not come as its sender numbered it, or came to the wrong node.
+/// Thrown for a message out of sequence, or at the wrong node.
 struct WireFault : NodeFault {
     WireFault(const schema::Header& header, schema::FaultCode fault_code, const std::string& reason)
         : NodeFault(fault_code, reason), source(header.source()), sequence(header.sequence()) {}
@@ -27,7 +27,7 @@ class Wire {
 
     void set_model(const ChannelModel& model) { model_ = model; }
 
-    /// Throws NodeFault for a body that no receiver would take.
+    /// Throws NodeFault for a body that exceeds max_body_bytes.
     schema::Header header_for(NodeId to, Body kind, std::size_t body_bytes) {
         if (body_bytes > max_body_bytes) {
             throw NodeFault(schema::FaultCode::bad_input,
@@ -49,19 +49,19 @@ class Wire {
                 ++clock_};
     }
 
-    /// Whether the other fields can be believed; Message's constructor says why not.
+    /// Returns true if magic and version match. Otherwise Message's constructor names the reason.
     static bool is_ours(const schema::Header& header) {
         return header.magic() == header_magic && header.version() == protocol_version;
     }
 
-    /// Whether its number, if it can be believed, is none that its sender has used before.
+    /// Returns true if the sender has not used the number before. Requires is_ours().
     bool is_new(const schema::Header& header) const {
         const auto expected = received_.find(header.source());
         return expected == received_.end() || header.sequence() >= expected->second;
     }
 
-    /// Throws WireFault if messages from this sender are missing, repeated or meant for another
-    /// node.
+    /// Throws WireFault if messages from this sender are missing or repeated, or if the message is
+    /// for another node.
     void accept(const schema::Header& header) {
         if (!is_ours(header)) {
             return;
@@ -87,7 +87,7 @@ class Wire {
         model_.advance_to(header.arrival_ns());
     }
 
-    /// A new node will use this id: its numbers start at 0 again.
+    /// Resets the numbers of `peer`, because a new node will use this id.
     void forget(NodeId peer) {
         sent_.erase(peer);
         received_.erase(peer);
@@ -106,7 +106,7 @@ class Wire {
 
   private:
     NodeId self_;
-    std::uint64_t clock_ = 0;  ///< Lamport's: later than all that this node has seen.
+    std::uint64_t clock_ = 0;  ///< Lamport clock: later than every message that this node has seen.
     ChannelModel model_{RingParameters{}, {}};
     std::map<NodeId, Outgoing> sent_;
     std::map<NodeId, std::uint64_t> received_;  ///< Number of the next message.

@@ -9,7 +9,7 @@ namespace pxpl5::gp {
 
 /// A region's side as a power of two: pixel >> region_bits is its column or row.
 inline constexpr int region_bits = 7;
-static_assert(1 << region_bits == isa::region::size_px);
+static_assert(1 << region_bits == region_px);
 
 /// The regions of one view, counted row by row from the top left.
 struct RegionGrid {

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "gp_firmware/surface/mesh.hpp"
 #include "isa/contract/region_layout.hpp"
 #include "isa/contract/vector_target.hpp"
@@ -15,8 +16,6 @@
 namespace pxpl5::gp {
 
 inline constexpr int subpixels = 1 << isa::region::subpixel_bits;  ///< Grid steps in a pixel.
-inline constexpr int max_picture_px = 8192;                        ///< Width, height of one view.
-inline constexpr int max_clip_planes = 16;
 /// Maximal distance of drawn vertices from the picture's top left corner. Edge set-up relies on it.
 inline constexpr int guard_px = 16384;
 inline constexpr float w_min = 1e-3F;  ///< Least w; nearer to the eye's plane is clipped.
@@ -91,7 +90,7 @@ Projection prepare(const Camera& camera);
 /// Returns  The union of all Outside bits.
 std::uint32_t transform(std::span<const Vertex> vertices, const Projection& projection,
                         std::span<GridVertex> out, std::span<std::uint32_t> outside,
-                        isa::VectorTarget target = isa::process_target());
+                        VectorTarget target = isa::process_target());
 
 /// Calls transform() and returns the unpacked vertices.
 std::vector<ScreenVertex> transformed(std::span<const Vertex> vertices,

@@ -177,7 +177,7 @@ namespace pxpl5::gp {
 
 std::uint32_t transform(std::span<const Vertex> vertices, const Projection& projection,
                         std::span<GridVertex> out, std::span<std::uint32_t> outside,
-                        isa::VectorTarget target) {
+                        VectorTarget target) {
     assert(out.size() == vertices.size());
     assert(outside.size() == vertices.size());
     return PXPL5_PER_TARGET(transform_all)[target](vertices, projection, out.data(),

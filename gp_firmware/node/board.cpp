@@ -38,7 +38,7 @@ Machine machine_of(const bus::Message& message) {
     const auto& topology = *message.as<schema::Topology>();
     Machine machine;
     machine.memory_bytes = topology.gp_memory_bytes();
-    machine.keeps_origins = topology.recording() != schema::Recording::off;
+    machine.keeps_origins = topology.recording() != Recording::off;
     machine.gps = nodes_of(topology, schema::Role::gp);
     machine.renderers = nodes_of(topology, schema::Role::renderer);
     machine.frame_buffers = nodes_of(topology, schema::Role::frame_buffer);
@@ -49,10 +49,10 @@ Machine machine_of(const bus::Message& message) {
                         fmt::format("node {} is not one of the {} GPs in the topology", self,
                                     machine.gps.size()));
     }
-    if (machine.gps.size() > static_cast<std::size_t>(max_gp_count)) {
+    if (machine.gps.size() > static_cast<std::size_t>(max_nodes_per_role)) {
         throw NodeFault(FaultCode::bad_input,
                         fmt::format("the topology has {} GPs, but at most {} are possible",
-                                    machine.gps.size(), max_gp_count));
+                                    machine.gps.size(), max_nodes_per_role));
     }
     machine.share = {static_cast<int>(here - machine.gps.begin()),
                      static_cast<int>(machine.gps.size())};

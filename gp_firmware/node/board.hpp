@@ -32,7 +32,7 @@ struct Machine {
 };
 
 /// Throws bus::NodeFault if the receiver is not a GP of the topology, or if there are more than
-/// max_gp_count GPs.
+/// max_nodes_per_role GPs.
 Machine machine_of(const bus::Message& topology);
 
 /// The frame of the job in front. The buffers stay from frame to frame.

@@ -26,21 +26,20 @@ Share share_of(const schema::Topology& topology, bus::NodeId self) {
 bool CopiedSlices::operator()(const bus::Message& message) {
     if (const auto* topology = message.as<schema::Topology>()) {
         share_ = share_of(*topology, message.header().destination());
-        flight_ = topology->recording() == schema::Recording::flight;
+        flight_ = topology->recording() == Recording::flight;
     } else if (const auto* header = message.as<schema::VolumeHeader>()) {
         shape_.nz = static_cast<int>(header->nz());
         shape_.slabs_per_set = header->slabs_per_set();
         shape_.nx = static_cast<int>(header->nx());
         shape_.ny = static_cast<int>(header->ny());
-        shape_.type = static_cast<Scalar>(header->type());
+        shape_.type = header->type();
         too_large_ = flight_ && own_bytes() > bus::trace::Limits{}.setup_bytes;
     } else if (const auto* slices = message.as<schema::Slices>()) {
         const int first = static_cast<int>(slices->first_slice());
         const int end = std::min(first + static_cast<int>(slices->slice_count()), shape_.nz);
         bool has_own = first >= end || share_.gp_count == 0;  // Records unexpected messages.
         for (int z = first; z < end && !has_own; ++z) {
-            has_own =
-                owner_of(shape_, share_.gp_count, slab_that_records(shape_, z)) == share_.gp_index;
+            has_own = slab_sets(shape_, share_.gp_count).recorder(z) == share_.gp_index;
         }
         return !has_own || (too_large_ && first < end);
     }
@@ -50,7 +49,7 @@ bool CopiedSlices::operator()(const bus::Message& message) {
 std::size_t CopiedSlices::own_bytes() const {
     std::size_t bytes = 0;
     for (int z = 0; share_.gp_count > 0 && z < shape_.nz; ++z) {
-        const int owner = owner_of(shape_, share_.gp_count, slab_that_records(shape_, z));
+        const int owner = slab_sets(shape_, share_.gp_count).recorder(z);
         bytes += owner == share_.gp_index ? shape_.slice_voxels() * size_bytes(shape_.type) : 0;
     }
     return bytes;

@@ -36,7 +36,7 @@ void note_measure(const bus::Message& message, const Board& board, JobQueue& que
                         measure.isovalues()->size()));
     }
     queue.set_measurement({{measure.isovalues()->begin(), measure.isovalues()->end()},
-                           static_cast<CaseRule>(measure.table()),
+                           measure.table(),
                            message.source()});
 }
 

@@ -17,17 +17,6 @@ namespace {
 
 namespace schema = bus::schema;
 
-static_assert(static_cast<int>(Scalar::uint8) == static_cast<int>(schema::ScalarType::uint8));
-static_assert(static_cast<int>(Scalar::int16) == static_cast<int>(schema::ScalarType::int16));
-static_assert(static_cast<int>(Scalar::uint16) == static_cast<int>(schema::ScalarType::uint16));
-static_assert(static_cast<int>(Scalar::float32) == static_cast<int>(schema::ScalarType::float32));
-static_assert(static_cast<int>(CaseRule::watertight) ==
-              static_cast<int>(schema::CaseTable::watertight));
-static_assert(static_cast<int>(CaseRule::lorensen1987) ==
-              static_cast<int>(schema::CaseTable::lorensen1987));
-static_assert(static_cast<int>(CaseRule::asymptotic) ==
-              static_cast<int>(schema::CaseTable::asymptotic));
-
 glm::dmat4 matrix_of(const schema::Matrix& wire) {
     glm::dmat4 m;
     for (int column = 0; column < 4; ++column) {
@@ -78,7 +67,7 @@ VolumeShape shape_of(const schema::VolumeHeader& header) {
     shape.nx = static_cast<int>(header.nx());
     shape.ny = static_cast<int>(header.ny());
     shape.nz = static_cast<int>(header.nz());
-    shape.type = static_cast<Scalar>(header.type());
+    shape.type = header.type();
     shape.voxel_to_patient = matrix_of(*header.voxel_to_patient());
     shape.minimum = header.minimum();
     shape.maximum = header.maximum();
@@ -111,8 +100,8 @@ FrameRequest frame_request(const schema::DrawFrame& draw, const VolumeShape& sha
         }
     }
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
-        request.surfaces.push_back({surface->surface(), surface->revision(), surface->cull_back(),
-                                    static_cast<SlabChoice>(surface->slabs())});
+        request.surfaces.push_back(
+            {surface->surface(), surface->revision(), surface->cull_back(), surface->slabs()});
     }
     return request;
 }

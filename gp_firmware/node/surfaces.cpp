@@ -135,8 +135,8 @@ void note_surface(const schema::SetSurface& set, const Board& board, JobQueue& q
             FaultCode::bad_input,
             fmt::format("surface {} was requested, but no volume is stored", set.surface()));
     }
-    queue.add_extraction({set.surface(), set.revision(), set.isovalue(),
-                          static_cast<CaseRule>(set.table()), Clock::now(), 0, nullptr});
+    queue.add_extraction(
+        {set.surface(), set.revision(), set.isovalue(), set.table(), Clock::now(), 0, nullptr});
 }
 
 bool step(ExtractJob& job, Board& board, bus::Outbox& out) {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <optional>
 
+#include "generated/vocabulary.hpp"
 #include "gp_firmware/geometry/clip.hpp"
 #include "gp_firmware/render/plane_setup.hpp"
 #include "gp_firmware/render/select_triangles.hpp"
@@ -113,10 +114,10 @@ class SlabDrawing {
           hidden_(style.hidden),
           origins_(programs.keeps_origins() && !mesh.origins.empty()) {}
 
-    DrawCounts draw(isa::VectorTarget vectors);
+    DrawCounts draw(VectorTarget vectors);
 
   private:
-    ScreenSlab transformed(isa::VectorTarget vectors);
+    ScreenSlab transformed(VectorTarget vectors);
     std::uint32_t draw_one(std::size_t triangle, std::uint32_t region, const NamedTriangle& named);
     std::uint32_t add_to_many(const NamedTriangle& named);
     std::uint32_t draw_by_itself(std::size_t triangle);
@@ -130,7 +131,7 @@ class SlabDrawing {
     const GridVertex* vertices_ = nullptr;
 };
 
-ScreenSlab SlabDrawing::transformed(isa::VectorTarget vectors) {
+ScreenSlab SlabDrawing::transformed(VectorTarget vectors) {
     const std::size_t vertex_count = mesh_.vertices.size();
     scratch_.outside.resize(vertex_count);
     ScreenSlab slab;
@@ -146,7 +147,7 @@ ScreenSlab SlabDrawing::transformed(isa::VectorTarget vectors) {
     return slab;
 }
 
-DrawCounts SlabDrawing::draw(isa::VectorTarget vectors) {
+DrawCounts SlabDrawing::draw(VectorTarget vectors) {
     using Clock = std::chrono::steady_clock;
     const Clock::time_point start = Clock::now();
     const ScreenSlab slab = transformed(vectors);
@@ -228,7 +229,7 @@ std::uint32_t SlabDrawing::draw_by_itself(std::size_t triangle) {
 
 DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const RegionGrid& grid,
                      const SurfaceStyle& style, DrawScratch& scratch, RegionPrograms& programs,
-                     isa::VectorTarget vectors) {
+                     VectorTarget vectors) {
     assert(style.index < max_surfaces);
     return SlabDrawing(mesh, projection, grid, style, scratch, programs).draw(vectors);
 }

@@ -13,8 +13,6 @@
 
 namespace pxpl5::gp {
 
-inline constexpr std::size_t max_surfaces = 255;  ///< Limit of a frame, because a pixel has 8 bits.
-
 /// How a surface is drawn.
 struct SurfaceStyle {
     std::uint16_t index = 0;  ///< Index in the frame's list. A pixel stores index + 1.
@@ -44,7 +42,7 @@ struct DrawCounts {
 /// Draws one slab into one view's regions. The caller has called begin_slab().
 DrawCounts draw_slab(const SlabMesh& mesh, const Projection& projection, const RegionGrid& grid,
                      const SurfaceStyle& style, DrawScratch& scratch, RegionPrograms& programs,
-                     isa::VectorTarget vectors = isa::process_target());
+                     VectorTarget vectors = isa::process_target());
 
 /// Draws one triangle of the screen that has no corner outside. Returns the number of its regions.
 std::uint32_t draw_screen_triangle(const ScreenVertex& a, const ScreenVertex& b,

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "gp_firmware/geometry/bin.hpp"
 #include "gp_firmware/geometry/transform.hpp"
 #include "gp_firmware/render/draw_slab.hpp"
@@ -29,9 +30,6 @@ struct HeldSurface {
 };
 
 using Surfaces = std::map<std::uint16_t, HeldSurface>;
-
-/// Which of a surface's slabs a frame draws: all, or those in gaps between slices, or the others.
-enum class SlabChoice : std::uint8_t { all, outside_gaps, in_gaps };
 
 /// A surface that a frame shows. A frame may list a surface several times with different slabs.
 struct SurfaceWanted {

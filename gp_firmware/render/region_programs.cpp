@@ -85,8 +85,7 @@ void write_words(const RegionPrograms& programs, std::size_t region, const Regio
                  std::uint32_t* words) {
     const RegionProgram& program = programs.regions()[region];
     const int in_view = static_cast<int>(region) % grid.count();
-    const RegionPlace place{in_view % grid.columns * isa::region::size_px,
-                            in_view / grid.columns * isa::region::size_px};
+    const RegionPlace place{in_view % grid.columns * region_px, in_view / grid.columns * region_px};
     std::size_t done = 0;
     const auto set_up_until = [&](std::size_t end) {
         set_up_triangles(program.triangles.values().subspan(done, end - done), programs.corners(),

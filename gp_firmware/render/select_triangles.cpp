@@ -108,7 +108,7 @@ HWY_INLINE M covers_a_center(const EdgeHere (&e)[3], I width, I height) {
 
 /// Returns whether any pixel of the region of (x_px.low, y_px.low) is inside the edge.
 HWY_INLINE M enters(const EdgeHere& e, const Range& x_px, const Range& y_px) {
-    constexpr int last = isa::region::size_px - 1;
+    constexpr int last = region_px - 1;
     const I x_in = hn::And(x_px.low, splat(last)), y_in = hn::And(y_px.low, splat(last));
     const I zero = hn::Zero(DI());
     // The edge has its highest value at a corner of the region.
@@ -257,7 +257,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pxpl5::gp {
 
-SelectTriangles select_triangles(isa::VectorTarget target) {
+SelectTriangles select_triangles(VectorTarget target) {
     return PXPL5_PER_TARGET(select)[target];
 }
 

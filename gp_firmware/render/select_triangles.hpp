@@ -49,6 +49,6 @@ using SelectTriangles = void (*)(const ScreenSlab& slab, const RegionGrid& grid,
                                  Selection& selection);
 
 /// Returns the function for a target. All targets give the same bits.
-SelectTriangles select_triangles(isa::VectorTarget target = isa::process_target());
+SelectTriangles select_triangles(VectorTarget target = isa::process_target());
 
 }  // namespace pxpl5::gp

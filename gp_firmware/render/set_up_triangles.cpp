@@ -103,7 +103,7 @@ struct Setup {
 /// Returns the edge from p along (dx, dy), like region_edge(). `to_x` and `to_y` lead from p to the
 /// center of the region's first pixel.
 HWY_INLINE Instruction edge(I dx, I dy, I to_x, I to_y) {
-    constexpr int last = isa::region::size_px - 1;
+    constexpr int last = region_px - 1;
     const I zero = hn::Zero(DI());
     const I a = hn::Neg(dy), b = dx;
     const auto top_left = hn::Or(hn::Gt(a, zero), hn::And(hn::Eq(a, zero), hn::Gt(b, zero)));
@@ -254,7 +254,7 @@ HWY_AFTER_NAMESPACE();
 namespace pxpl5::gp {
 
 void set_up_triangles(std::span<const NamedTriangle> triangles, std::span<const GridVertex> corners,
-                      RegionPlace place, std::uint32_t* words, isa::VectorTarget target) {
+                      RegionPlace place, std::uint32_t* words, VectorTarget target) {
     PXPL5_PER_TARGET(set_up_all)[target](triangles, corners, place, words);
 }
 

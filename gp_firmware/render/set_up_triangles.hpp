@@ -28,6 +28,6 @@ inline constexpr int max_extent = 1 << 14;
 /// corners    The corners that the triangles refer to by number.
 void set_up_triangles(std::span<const NamedTriangle> triangles, std::span<const GridVertex> corners,
                       RegionPlace place, std::uint32_t* words,
-                      isa::VectorTarget target = isa::process_target());
+                      VectorTarget target = isa::process_target());
 
 }  // namespace pxpl5::gp

@@ -75,7 +75,7 @@ RegionForm region_form(const std::array<double, 6>& f, double u, double v) {
 
 /// Enables the pixels of the box in the region. Values are -127..127.
 void put_box(Writer& out, const PixelBox& box, int x0, int y0) {
-    constexpr int last = region::size_px - 1;
+    constexpr int last = region_px - 1;
     constexpr std::uint32_t sign_bits = 8;
     const auto side = [&out](int a, int b, int c) {
         out.put(Op::tree_ge_zero, {0, 0, sign_bits});

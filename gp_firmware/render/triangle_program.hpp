@@ -22,7 +22,7 @@ struct RegionEdge {
 /// Returns  Nothing if no pixel of the region is inside. If all pixels are inside, but values have
 ///          more than 32 bits, the edge becomes 0 >= 0.
 inline std::optional<RegionEdge> region_edge(const Edge& edge, int x0, int y0) {
-    constexpr std::int64_t last = isa::region::size_px - 1;
+    constexpr std::int64_t last = region_px - 1;
     constexpr std::uint32_t narrow = isa::triangle::edge_word(16),
                             middle = isa::triangle::edge_word(24),
                             wide = isa::triangle::edge_word(32);

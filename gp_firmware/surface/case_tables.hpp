@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "gp_firmware/surface/case_slots.hpp"
 
 namespace pxpl5::gp {
@@ -17,13 +18,6 @@ namespace pxpl5::gp {
 inline constexpr int cell_edge_count = 12;
 inline constexpr int cell_face_count = 6;
 inline constexpr std::uint8_t center_corner = 12;  ///< Triangle corner: the cell's own vertex.
-
-enum class CaseRule : std::uint8_t {
-    watertight,    ///< Inside corners apart on every ambiguous face: closed; VTK's counts.
-    lorensen1987,  ///< Decided within each cell, so neighbors may disagree: holes.
-    asymptotic,    ///< Ambiguous faces are decided from their four values: closed, and true to the
-                   ///< bilinear field on every face.
-};
 
 /// The triangles of one case.
 struct CaseEntry {

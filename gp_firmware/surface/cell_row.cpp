@@ -140,12 +140,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pxpl5::gp {
 
-std::size_t find_crossed_cells(isa::VectorTarget target, const CellMasks& masks,
-                               std::size_t cell_count, CrossedCell* out) {
+std::size_t find_crossed_cells(VectorTarget target, const CellMasks& masks, std::size_t cell_count,
+                               CrossedCell* out) {
     return PXPL5_PER_TARGET(find_in_vectors)[target](masks, cell_count, out);
 }
 
-CellsDone make_triangles(isa::VectorTarget target, std::span<const CrossedCell> cells,
+CellsDone make_triangles(VectorTarget target, std::span<const CrossedCell> cells,
                          const std::uint32_t* vertices, const CaseSlots& slots, int y,
                          TriangleRoom room) {
     return PXPL5_PER_TARGET(triangles_in_vectors)[target](cells, vertices, slots, y, room);

@@ -23,8 +23,8 @@ using CrossedCell = std::uint32_t;
 /// cell_count  One less than voxels.
 /// out         Room for cell_count.
 /// Returns     The number of crossed cells.
-std::size_t find_crossed_cells(isa::VectorTarget target, const CellMasks& masks,
-                               std::size_t cell_count, CrossedCell* out);
+std::size_t find_crossed_cells(VectorTarget target, const CellMasks& masks, std::size_t cell_count,
+                               CrossedCell* out);
 
 /// make_triangles() writes whole vectors. The next cell overwrites the excess.
 inline constexpr std::size_t max_listed_triangles = 8;
@@ -42,7 +42,7 @@ struct CellsDone {
 
 /// Writes the triangles of crossed cells between rows y and y + 1. Stops before the first cell
 /// whose case is unlisted. vertices  The slots of the row.
-CellsDone make_triangles(isa::VectorTarget target, std::span<const CrossedCell> cells,
+CellsDone make_triangles(VectorTarget target, std::span<const CrossedCell> cells,
                          const std::uint32_t* vertices, const CaseSlots& slots, int y,
                          TriangleRoom room);
 

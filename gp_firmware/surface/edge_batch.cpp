@@ -215,7 +215,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pxpl5::gp {
 
-void make_vertices(isa::VectorTarget target, const EdgeBatch& batch, const SlabFrame& frame,
+void make_vertices(VectorTarget target, const EdgeBatch& batch, const SlabFrame& frame,
                    bool normals, Vertex* out) {
     PXPL5_PER_TARGET(make_vertices_in_vectors)[target](batch, frame, normals, out);
 }

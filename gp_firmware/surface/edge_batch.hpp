@@ -56,7 +56,7 @@ struct SlabFrame {
 /// target   A resolved target.
 /// normals  Makes normals. Without them, normals and gradients are undefined.
 /// out      Receives batch.count vertices.
-void make_vertices(isa::VectorTarget target, const EdgeBatch& batch, const SlabFrame& frame,
+void make_vertices(VectorTarget target, const EdgeBatch& batch, const SlabFrame& frame,
                    bool normals, Vertex* out);
 
 }  // namespace pxpl5::gp

@@ -28,7 +28,7 @@ bool is_empty(const SliceStore& store, int slab, double isovalue) {
 
 SlabExtraction begin_walk(const SliceStore& store, int slab, double isovalue,
                           const CaseTable& table, SlabMesh& out, Wanted wanted,
-                          isa::VectorTarget target) {
+                          VectorTarget target) {
     if (!std::isfinite(isovalue)) {
         throw std::invalid_argument("an isovalue is a finite number, not " +
                                     std::to_string(isovalue));
@@ -63,7 +63,7 @@ SlabExtraction begin_walk(const SliceStore& store, int slab, double isovalue,
 }
 
 void walk_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-               SlabMesh& out, Wanted wanted, isa::VectorTarget target) {
+               SlabMesh& out, Wanted wanted, VectorTarget target) {
     const SlabExtraction extraction = begin_walk(store, slab, isovalue, table, out, wanted, target);
     while (extraction(all_triangles)) {
     }
@@ -72,7 +72,7 @@ void walk_slab(const SliceStore& store, int slab, double isovalue, const CaseTab
 }  // namespace
 
 void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-                  SlabMesh& out, bool origins, isa::VectorTarget target) {
+                  SlabMesh& out, bool origins, VectorTarget target) {
     walk_slab(store, slab, isovalue, table, out, origins ? Wanted::mesh_with_origins : Wanted::mesh,
               target);
 }

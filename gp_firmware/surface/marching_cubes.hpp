@@ -23,8 +23,7 @@ namespace pxpl5::gp {
 /// Throws    std::invalid_argument if isovalue is not finite.
 /// Source    Lorensen & Cline 1987; Yoo & Chen, section V. Masks of 64 voxels are ours.
 void extract_slab(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-                  SlabMesh& out, bool origins = false,
-                  isa::VectorTarget target = isa::process_target());
+                  SlabMesh& out, bool origins = false, VectorTarget target = isa::process_target());
 
 /// Extracts about `triangles` more. Returns false when the slab is done; then it must not be called
 /// again.

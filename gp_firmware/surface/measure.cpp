@@ -139,7 +139,7 @@ HWY_AFTER_NAMESPACE();
 namespace pxpl5::gp {
 
 void measure(const VolumeShape& shape, double inside_of_last_face, SlabMesh& mesh,
-             isa::VectorTarget target) {
+             VectorTarget target) {
     const glm::dmat3 m(shape.voxel_to_patient);
     // (M a) x (M b) = C (a x b) with the cofactors C, even if M mirrors.
     const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]),

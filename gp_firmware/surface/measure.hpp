@@ -21,6 +21,6 @@ struct TriangleSums {
 /// Vector code handles several triangles at a time, with the operations of a single triangle.
 /// inside_of_last_face  The result of the function of that name in border.hpp.
 void measure(const VolumeShape& shape, double inside_of_last_face, SlabMesh& mesh,
-             isa::VectorTarget target);
+             VectorTarget target);
 
 }  // namespace pxpl5::gp

@@ -29,7 +29,7 @@ template <class T>
 class SlabVertices {
   public:
     SlabVertices(const SliceStore& store, int slab, double isovalue, SlabMesh& out, bool normals,
-                 isa::VectorTarget target)
+                 VectorTarget target)
         : shape_(store.shape()), out_(out), slab_(slab), normals_(normals), target_(target) {
         frame_.isovalue = isovalue;
         frame_.height = shape_.height(slab);
@@ -244,7 +244,7 @@ class SlabVertices {
     SlabFrame frame_;
     int slab_;
     bool normals_;
-    isa::VectorTarget target_;
+    VectorTarget target_;
     std::array<const HeldSlice*, 2> slices_{};
     std::array<const T*, 2> values_{};
     std::array<VoxelGradients<T>, 2> estimates_;  ///< Used if gradients are not stored.

@@ -26,7 +26,7 @@ template <class T>
 class SlabWalk {
   public:
     SlabWalk(const SliceStore& store, int slab, double isovalue, const CaseTable& table,
-             SlabMesh& out, Wanted wanted, isa::VectorTarget target)
+             SlabMesh& out, Wanted wanted, VectorTarget target)
         : shape_(store.shape()),
           isovalue_(isovalue),
           table_(table),
@@ -172,7 +172,7 @@ class SlabWalk {
     const CaseTable& table_;
     const CaseSlots& slots_;
     SlabMesh& out_;
-    isa::VectorTarget target_;
+    VectorTarget target_;
     bool origins_;
     RowMasks masks_;
     SlabVertices<T> vertices_;

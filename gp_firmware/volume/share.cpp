@@ -9,24 +9,6 @@ namespace pxpl5::gp {
 
 namespace {
 
-bool owns(const VolumeShape& shape, Share share, int slab) {
-    return slab >= 0 && slab < shape.slab_count() &&
-           owner_of(shape, share.gp_count, slab) == share.gp_index;
-}
-
-template <class Predicate>
-std::vector<int> numbers_below(int end, Predicate predicate) {
-    std::vector<int> numbers;
-    for (int i = 0; i < end; ++i) {
-        if (predicate(i)) {
-            numbers.push_back(i);
-        }
-    }
-    return numbers;
-}
-
-constexpr int sets_per_gp = 2, max_slabs_per_set = 32;
-
 bool fits(VolumeShape shape, int gp_count, std::size_t memory_bytes, std::size_t surface_bytes) {
     shape.slabs_per_set = slabs_per_set_with(shape, gp_count);
     for (int i = 0; i < gp_count; ++i) {
@@ -43,47 +25,41 @@ bool fits(VolumeShape shape, int gp_count, std::size_t memory_bytes, std::size_t
 
 }  // namespace
 
-int owner_of(const VolumeShape& shape, int gp_count, int slab) {
-    return slab / shape.slabs_per_set % gp_count;
+SlabSets slab_sets(const VolumeShape& shape, int gp_count) {
+    return {shape.nz, shape.slabs_per_set, gp_count};
 }
 
 int slabs_per_set_with(const VolumeShape& shape, int gp_count) {
-    const int sets = gp_count * sets_per_gp;
-    return shape.slabs_per_set == 1
-               ? 1
-               : std::clamp((shape.slab_count() + sets - 1) / sets, 2, max_slabs_per_set);
-}
-
-int slab_that_records(const VolumeShape& shape, int z) {
-    return std::max(std::min(z, shape.nz - 2), 0);
+    return shape.slabs_per_set == 1 ? 1 : slabs_per_large_set(shape.slab_count(), gp_count);
 }
 
 std::vector<int> slabs_owned(const VolumeShape& shape, Share share) {
-    return numbers_below(shape.slab_count(), [&](int s) { return owns(shape, share, s); });
+    const SlabSets sets = slab_sets(shape, share.gp_count);
+    return SlabSets::numbers_below(shape.slab_count(),
+                                   [&](int s) { return sets.owns(share.gp_index, s); });
 }
 
 bool is_own(const VolumeShape& shape, Share share, int z) {
-    return owns(shape, share, z) || owns(shape, share, z - 1);
+    return slab_sets(shape, share.gp_count).bounds_own_slab(share.gp_index, z);
 }
 
 std::vector<int> slices_needed(const VolumeShape& shape, Share share) {
-    return numbers_below(shape.nz, [&](int z) {
-        return is_own(shape, share, z) || owns(shape, share, z + 1) || owns(shape, share, z - 2);
-    });
+    return slab_sets(shape, share.gp_count).slices_needed(share.gp_index);
 }
 
 std::vector<int> slices_kept(const VolumeShape& shape, Share share) {
     if (!shape.holds_gradients()) {
         return slices_needed(shape, share);
     }
-    return numbers_below(shape.nz, [&](int z) { return is_own(shape, share, z); });
+    return SlabSets::numbers_below(shape.nz, [&](int z) { return is_own(shape, share, z); });
 }
 
 int discarded_after(const VolumeShape& shape, Share share, int z) {
     if (is_own(shape, share, z) || !shape.holds_gradients()) {
         return shape.nz;
     }
-    return owns(shape, share, z + 1) ? std::min(z + 2, shape.nz - 1) : z;
+    const bool owns_next = slab_sets(shape, share.gp_count).owns(share.gp_index, z + 1);
+    return owns_next ? std::min(z + 2, shape.nz - 1) : z;
 }
 
 std::size_t peak_bytes(const VolumeShape& shape, Share share) {
@@ -107,7 +83,7 @@ std::size_t peak_bytes(const VolumeShape& shape, Share share) {
 
 int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,
                            std::size_t surface_bytes) {
-    for (int count = 1; count <= max_gp_count; ++count) {
+    for (int count = 1; count <= max_nodes_per_role; ++count) {
         if (fits(shape, count, memory_bytes, surface_bytes)) {
             return count;
         }
@@ -120,7 +96,7 @@ std::string gp_count_advice(const VolumeShape& shape, std::size_t memory_bytes,
     const int count = gp_count_that_would_do(shape, memory_bytes, surface_bytes);
     const std::string each = " with " + std::to_string(memory_bytes) + " bytes each would ";
     if (count == 0) {
-        return "even " + std::to_string(max_gp_count) + " GPs" + each + "not do";
+        return "even " + std::to_string(max_nodes_per_role) + " GPs" + each + "not do";
     }
     return std::to_string(count) + (count == 1 ? " GP" : " GPs") + each + "do";
 }

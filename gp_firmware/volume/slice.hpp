@@ -7,13 +7,9 @@
 #include <glm/mat4x4.hpp>
 #include <vector>
 
+#include "ringbus/rules/voxels.hpp"
+
 namespace pxpl5::gp {
-
-enum class Scalar : std::uint8_t { uint8, int16, uint16, float32 };
-
-constexpr std::size_t size_bytes(Scalar type) {
-    return type == Scalar::uint8 ? 1 : type == Scalar::float32 ? 4 : 2;
-}
 
 /// Shape, type and place of a volume. Voxel (x, y, z) lies at the grid position (x, y, place(z)).
 struct VolumeShape {

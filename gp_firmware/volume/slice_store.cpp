@@ -19,13 +19,13 @@ void check_shape(const VolumeShape& shape) {
 }
 
 void check_share(Share share) {
-    const bool count_ok = share.gp_count >= 1 && share.gp_count <= max_gp_count;
+    const bool count_ok = share.gp_count >= 1 && share.gp_count <= max_nodes_per_role;
     if (count_ok && share.gp_index >= 0 && share.gp_index < share.gp_count) {
         return;
     }
     throw std::invalid_argument("GP " + std::to_string(share.gp_index) + " of " +
                                 std::to_string(share.gp_count) + ": there are 1 to " +
-                                std::to_string(max_gp_count) + " GPs, counted from 0");
+                                std::to_string(max_nodes_per_role) + " GPs, counted from 0");
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ void take_style(const Arguments& arguments, Surface& wish) {
     if (arguments.has("opacity")) {
         // A stipple mask has sixteenths; less than one would show nothing.
         const double share = arguments.number("opacity", 1);
-        wish.opacity = std::max(1, static_cast<int>(std::lround(share * opaque)));
+        wish.opacity = std::max(1, static_cast<int>(std::lround(share * full_opacity)));
     }
 }
 
@@ -96,9 +96,7 @@ Surface wished_surface(const Session& session, const std::optional<Surface>& kno
     }
     wish.isovalue = arguments.number("iso", wish.isovalue);
     if (arguments.has("table")) {
-        wish.table = static_cast<CaseTable>(
-            std::ranges::find(case_table_names, arguments.text("table", "")) -
-            case_table_names.begin());
+        wish.table = enum_named<CaseRule>(arguments.text("table", "")).value();
     }
     take_style(arguments, wish);
     return wish;
@@ -109,7 +107,7 @@ Surface wished_surface(const Session& session, const std::optional<Surface>& kno
 Fields surface_fields(const Surface& surface, const SurfaceReport& report) {
     return {{"name", surface.name},
             {"isovalue", surface.isovalue},
-            {"table", std::string(case_table_names[static_cast<std::size_t>(surface.table)])},
+            {"table", enum_name(surface.table)},
             {"triangles", report.triangles},
             {"vertices", report.vertices},
             {"cells_active", report.cells_active},

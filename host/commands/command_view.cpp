@@ -205,7 +205,7 @@ Reply run_background(Session& session, const Arguments& arguments) {
 }
 
 Reply run_size(Session& session, const Arguments& arguments) {
-    session.scene.size = parse_size(arguments.words[0], 1, max_picture_px);
+    session.scene.size = parse_size(arguments.words[0], 1, max_user_picture_px);
     return {"size " + arguments.words[0],
             {{"width", std::int64_t{session.scene.size.width}},
              {"height", std::int64_t{session.scene.size.height}}}};
@@ -226,7 +226,7 @@ Reply run_clip(Session& session, const Arguments& arguments) {
     } else {
         add_plane(session, arguments);
     }
-    static_assert(6 + box_planes <= max_clips, "one plane of each letter, and a box");
+    static_assert(6 + box_planes <= max_clip_planes, "one plane of each letter, and a box");
     return describe_clips(session);
 }
 

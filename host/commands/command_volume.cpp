@@ -114,7 +114,7 @@ Reply run_atlas(Session& session, const Arguments& arguments) {
         refuse_command(fmt::format("atlas: from={} is not below to={}", low, high));
     }
     const std::vector<double> isovalues = even_isovalues(low, high, steps);
-    std::vector<AtlasRow> rows = session.measure_isovalues(isovalues, CaseTable::watertight);
+    std::vector<AtlasRow> rows = session.measure_isovalues(isovalues, CaseRule::watertight);
     const std::vector<ComponentCounts> components = count_components(volume, isovalues);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         rows[i].components = rows[i].triangles == 0 ? 0 : components[i].surface();

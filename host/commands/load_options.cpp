@@ -5,13 +5,13 @@
 #include <array>
 #include <cmath>
 
-#include "ringbus/ranges.hpp"
+#include "generated/vocabulary.hpp"
 
 namespace pxpl5::host {
 
 namespace {
 
-constexpr int max_voxels = static_cast<int>(bus::max_volume_voxels);
+constexpr int max_voxels = static_cast<int>(max_volume_voxels);
 
 std::vector<std::string> split(std::string_view text, char separator) {
     std::vector<std::string> parts(1);
@@ -27,7 +27,7 @@ std::vector<std::string> split(std::string_view text, char separator) {
 
 std::vector<double> spacing(const char* key, const Arguments& arguments) {
     const glm::dvec3 mm =
-        parse_triple(key, arguments.text(key, ""), bus::min_spacing_mm, bus::max_spacing_mm);
+        parse_triple(key, arguments.text(key, ""), min_spacing_mm, max_spacing_mm);
     return {mm.x, mm.y, mm.z};
 }
 
@@ -89,7 +89,7 @@ std::vector<Parameter> load_option_list() {
         {"crop", "A:B,C:D,E:F", "first and last voxel to keep along x, y and z"},
         {"resample", "XxYxZ", "new number of voxels"},
         {"resample_mm", "X,Y,Z", "new spacing in millimeters"},
-        number_value("smooth", "MM", 0, bus::max_smooth_mm, "standard deviation of a Gauss filter",
+        number_value("smooth", "MM", 0, max_smooth_mm, "standard deviation of a Gauss filter",
                      "mm"),
         {"spacing", "X,Y,Z", "spacing in millimeters, for a file that does not state it"},
         {"raw", "XxYxZ,TYPE[,be][,OFFSET]", "layout of a file without a header"},

@@ -4,29 +4,29 @@
 #include <cassert>
 #include <cstddef>
 
-#include "isa/contract/region_layout.hpp"
+#include "ringbus/rules/regions.hpp"
 
 namespace pxpl5::host {
 
 namespace {
 
-using isa::region::size_px;
-constexpr std::uint32_t opaque = 0xff000000;
+constexpr std::uint32_t full_alpha = 0xff000000;
 
 /// Copies one region into its place, cropped to the view, each word as `change` makes it.
 template <typename Change>
 void copy_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
                  std::span<std::uint32_t> picture, const Change& change) {
     assert(region >= 0 && region < shape.regions());
-    assert(tile.size() == size_px * size_px);
+    assert(tile.size() == region_pixels);
     assert(picture.size() == shape.pixels());
     const int per_view = shape.columns() * shape.rows();
     const int view = region / per_view, in_view = region % per_view;
-    const int left = in_view % shape.columns() * size_px, top = in_view / shape.columns() * size_px;
-    const int width = std::min(size_px, shape.width - left);
-    const int height = std::min(size_px, shape.height - top);
+    const int left = in_view % shape.columns() * region_px,
+              top = in_view / shape.columns() * region_px;
+    const int width = std::min(region_px, shape.width - left);
+    const int height = std::min(region_px, shape.height - top);
     for (int y = 0; y < height; ++y) {
-        const std::uint32_t* from = tile.data() + y * size_px;
+        const std::uint32_t* from = tile.data() + y * region_px;
         std::uint32_t* to =
             picture.data() +
             static_cast<std::ptrdiff_t>(view * shape.height + top + y) * shape.width + left;
@@ -37,10 +37,10 @@ void copy_region(const FrameShape& shape, int region, std::span<const std::uint3
 }  // namespace
 
 int FrameShape::columns() const {
-    return (width + size_px - 1) / size_px;
+    return static_cast<int>(regions_across(static_cast<std::uint32_t>(width)));
 }
 int FrameShape::rows() const {
-    return (height + size_px - 1) / size_px;
+    return static_cast<int>(regions_across(static_cast<std::uint32_t>(height)));
 }
 
 std::size_t FrameShape::pixels() const {
@@ -54,7 +54,7 @@ bool Frame::complete() const {
 
 void place_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
                   std::span<std::uint32_t> picture) {
-    copy_region(shape, region, tile, picture, [](std::uint32_t p) { return p | opaque; });
+    copy_region(shape, region, tile, picture, [](std::uint32_t p) { return p | full_alpha; });
 }
 
 void place_depths(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,

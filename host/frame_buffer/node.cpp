@@ -20,7 +20,6 @@ using bus::NodeFault;
 constexpr std::size_t max_in_flight = 4;
 /// Messages of each Renderer that may wait for their BeginFrame.
 constexpr std::size_t max_early = max_in_flight;
-constexpr std::size_t tile_pixels = isa::region::size_px * isa::region::size_px;
 
 [[noreturn]] void throw_fault(schema::FaultCode code, const std::string& reason) {
     throw NodeFault(code, reason);
@@ -100,14 +99,14 @@ void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
         frame.region_cycles[tile->region()] = tile->cycles();
         frame.instructions += tile->instructions();
         if (frame.read_back) {
-            place_region(frame.shape, tile->region(), words.subspan(at, tile_pixels),
+            place_region(frame.shape, tile->region(), words.subspan(at, region_pixels),
                          frame.picture);
         }
         if (frame.read_depths) {
-            place_depths(frame.shape, tile->region(), {pixels.depths()->data() + at, tile_pixels},
+            place_depths(frame.shape, tile->region(), {pixels.depths()->data() + at, region_pixels},
                          frame.depths);
         }
-        at += tile_pixels;
+        at += region_pixels;
     }
     frame.renderer_is_in[pixels.renderer()] = true;
 }

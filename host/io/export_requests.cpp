@@ -1,7 +1,5 @@
 #include "host/io/export_requests.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -10,6 +8,7 @@
 
 #include "host/io/mesh/mesh_export.hpp"
 #include "host/io/picture/picture.hpp"
+#include "host/scene/marks_messages.hpp"
 
 namespace pxpl5::host::io {
 
@@ -24,34 +23,6 @@ std::string text_of(const flatbuffers::String* text) {
 /// A number of the message as one that the writers check against their limits.
 int whole(std::uint32_t number) {
     return static_cast<int>(std::min<std::uint32_t>(number, INT32_MAX));
-}
-
-MarkKind kind_of(schema::MarkKind kind, std::size_t index) {
-    switch (kind) {
-        case schema::MarkKind::line:
-            return MarkKind::line;
-        case schema::MarkKind::area:
-            return MarkKind::area;
-        case schema::MarkKind::text:
-            return MarkKind::text;
-    }
-    throw PictureError(
-        fmt::format("mark {} is of kind {}, which is not known", index, static_cast<int>(kind)));
-}
-
-PictureMark mark_of(const schema::Mark& wire, std::size_t index) {
-    PictureMark mark;
-    mark.kind = kind_of(wire.kind(), index);
-    for (const schema::PicturePoint* p : *wire.points()) {
-        mark.points.emplace_back(p->x(), p->y());
-    }
-    mark.colour = {wire.colour()->r(), wire.colour()->g(), wire.colour()->b(), wire.colour()->a()};
-    mark.width_px = wire.width_px();
-    mark.text = text_of(wire.text());
-    mark.height_px = wire.height_px();
-    mark.align_x = wire.align_x();
-    mark.align_y = wire.align_y();
-    return mark;
 }
 
 Picture picture_of(const schema::ExportPicture& request) {
@@ -69,7 +40,7 @@ Picture picture_of(const schema::ExportPicture& request) {
     }
     if (request.marks() != nullptr) {
         for (const schema::Mark* mark : *request.marks()) {
-            picture.marks.push_back(mark_of(*mark, picture.marks.size()));
+            picture.marks.push_back(mark_of(*mark));
         }
     }
     return picture;
@@ -114,7 +85,7 @@ schema::IoDoneT export_mesh(const schema::ExportMesh& request) {
         for (const schema::ExportSurface* surface : *request.surfaces()) {
             mesh.surfaces.push_back(surface_of(*surface));
         }
-        mesh.axes = request.axes() == schema::PatientAxes::RAS ? MeshAxes::RAS : MeshAxes::LPS;
+        mesh.axes = request.axes();
         mesh.description = text_of(request.description());
         mesh.keep = static_cast<double>(request.keep());
         const MeshWritten written = write_mesh(request.path()->str(), mesh);

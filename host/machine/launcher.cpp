@@ -101,7 +101,7 @@ void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
     flags.index = static_cast<std::uint16_t>(node.index);
     flags.parent_pid = getpid();
     if (recorder_ && node.role != Role::io) {
-        flags.record = static_cast<schema::Recording>(topology_.record);
+        flags.record = static_cast<Recording>(topology_.record);
         flags.trace_file = trace_path(name).string();
         flags.flight_kib = flight_share_kib();
     }
@@ -111,8 +111,8 @@ void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
     const int core =
         cores.empty() ? -1 : cores[static_cast<std::size_t>(node.index) % cores.size()];
     std::vector<std::string> env = settings.env;
-    if (topology_.vector_target != isa::VectorTarget::best) {
-        env.push_back(fmt::format("PXPL5_TARGET={}", isa::target_name(topology_.vector_target)));
+    if (topology_.vector_target != VectorTarget::best) {
+        env.push_back(fmt::format("PXPL5_TARGET={}", enum_name(topology_.vector_target)));
     }
     node.pid = supervisor_.spawn({name, options_.binaries / node.binary(), std::move(arguments),
                                   std::move(env), core, folder_ / (name + ".log")});

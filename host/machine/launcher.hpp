@@ -18,7 +18,7 @@
 #include "host/machine/run_folder.hpp"
 #include "host/machine/supervisor.hpp"
 #include "ringbus/trace/recorder.hpp"
-#include "ringbus/zmq_link.hpp"
+#include "ringbus/zmq/zmq_link.hpp"
 
 namespace pxpl5::host {
 

@@ -32,7 +32,7 @@ int Launcher::flight_share_kib() const {
 }
 
 void Launcher::start_recording() {
-    if (topology_.record == Record::off) {
+    if (topology_.record == Recording::off) {
         return;
     }
     const std::filesystem::path folder = folder_ / "traces";
@@ -45,7 +45,7 @@ void Launcher::start_recording() {
     bus::trace::Info info;
     info.build = bus::build_id();
     info.schema_hash = bus::schema_hash();
-    info.recording = static_cast<schema::Recording>(topology_.record);
+    info.recording = static_cast<Recording>(topology_.record);
     info.more = {{"isa_hash", std::string(isa::table_hash())},
                  {"topology", resolved_json(topology_)}};
     try {

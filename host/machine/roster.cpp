@@ -92,7 +92,7 @@ bus::Payload topology_message(const Roster& roster, const Topology& topology) {
     message.ring_bytes_per_s =
         static_cast<std::uint64_t>(topology.ring.channel_mb_s) * bytes_per_mb;
     message.ring_hop_ns = static_cast<std::uint32_t>(topology.ring.hop_ns);
-    message.recording = static_cast<schema::Recording>(topology.record);
+    message.recording = static_cast<Recording>(topology.record);
     return bus::pack(message);
 }
 

@@ -30,8 +30,6 @@ struct NumberKey {
     int& (*in)(Topology&);
 };
 
-constexpr std::array<std::string_view, 2> transport_names = {"ipc", "tcp"};
-constexpr std::array<std::string_view, 3> record_names = {"off", "flight", "full"};
 // One view of a picture needs one frame buffer; both eyes of a stereo picture share it, stacked.
 constexpr int max_frame_buffers = 1;
 constexpr int max_memory_mib = 1 << 20;
@@ -48,13 +46,6 @@ constexpr std::array number_keys = {
     NumberKey{name, least, most, [](Topology& t) -> int& { return t.ring.field; }},
 #include "host/machine/timing_parameters.def"
 };
-
-/// In the order of their values.
-std::array<std::string_view, 4> target_names() {
-    using enum isa::VectorTarget;
-    return {isa::target_name(best), isa::target_name(sse4), isa::target_name(avx2),
-            isa::target_name(avx512)};
-}
 
 struct RoleKey {
     std::string_view cpu, env;
@@ -130,16 +121,15 @@ std::vector<int> core_list(std::string_view key, std::string_view text) {
     return cores;
 }
 
-/// The value of an enumeration whose values, in order, are called so.
-template <typename Enum, std::size_t count>
-Enum value_named(std::string_view key, std::string_view text,
-                 const std::array<std::string_view, count>& names) {
-    const auto name = std::find(names.begin(), names.end(), text);
-    if (name == names.end()) {
-        refuse(fmt::format("{} is '{}', must be {} or {}", key, text,
-                           fmt::join(names.begin(), names.end() - 1, ", "), names.back()));
+/// The value of this name.
+template <typename Enum>
+Enum value_named(std::string_view key, std::string_view text) {
+    if (const std::optional<Enum> value = enum_named<Enum>(text)) {
+        return *value;
     }
-    return static_cast<Enum>(name - names.begin());
+    constexpr auto& names = enum_names<Enum>;
+    refuse(fmt::format("{} is '{}', must be {} or {}", key, text,
+                       fmt::join(names.begin(), names.end() - 1, ", "), names.back()));
 }
 
 /// Returns false if `key` does not belong to a role's lists.
@@ -182,11 +172,11 @@ void set_value(Topology& topology, std::string_view key, std::string_view value)
     } else if (key == "seed") {
         topology.seed = whole_number<std::uint64_t>(key, value);
     } else if (key == "ring.transport") {
-        topology.ring.transport = value_named<Transport>(key, value, transport_names);
+        topology.ring.transport = value_named<Transport>(key, value);
     } else if (key == "record") {
-        topology.record = value_named<Record>(key, value, record_names);
+        topology.record = value_named<Recording>(key, value);
     } else if (key == "vector_target") {
-        topology.vector_target = value_named<isa::VectorTarget>(key, value, target_names());
+        topology.vector_target = value_named<VectorTarget>(key, value);
     } else if (!override_timing(topology.timing, key, value) &&
                !set_role_list(topology, key, value)) {
         refuse_key(key);

@@ -8,16 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "isa/contract/vector_target.hpp"
 
 namespace pxpl5::host {
-
-inline constexpr int max_nodes_per_role = 64;
-
-enum class Transport : std::uint8_t { ipc, tcp };
-
-/// What nodes keep of the messages that they receive: nothing, the newest, or all. As on the ring.
-enum class Record : std::uint8_t { off, flight, full };
 
 /// All nodes of one role.
 struct RoleSettings {
@@ -32,16 +26,6 @@ struct RingSettings {
     int channel_mb_s = 80;  ///< 10^6 bytes per second of one channel, modelled.
     int hop_ns = 50;        ///< From one node's ring interface to the next, modelled.
 };
-
-/// Where the value of a timing parameter comes from.
-enum class Provenance : std::uint8_t {
-    published,  ///< The paper or another public text.
-    recalled,   ///< From the literature, not read again.
-    derived,    ///< Arithmetic from these.
-    ours,       ///< No public source.
-    fitted      ///< To results of the paper.
-};
-std::string_view name_of(Provenance provenance);
 
 /// A parameter of the timing model, as a file gives it. timing_section.hpp has the names.
 struct TimingValue {
@@ -61,8 +45,8 @@ struct Topology {
     int gp_memory_mib = 4096;  ///< Local memory of each GP.
     RingSettings ring;
     std::vector<TimingValue> timing;  ///< All of them; those of paper-1993 if the file has none.
-    Record record = Record::off;
-    isa::VectorTarget vector_target = isa::VectorTarget::best;  ///< Of all nodes.
+    Recording record = Recording::off;
+    VectorTarget vector_target = VectorTarget::best;  ///< Of all nodes.
     std::uint64_t seed = 0;  ///< For everything that is random on purpose: simulated arrival order.
 };
 

@@ -90,8 +90,7 @@ std::vector<TimingValue> timing_of(const config::MachineT& machine, const std::s
         check_enum(file, entry->name + "'s provenance", *entry->provenance,
                    "published, recalled, derived, ours or fitted");
         timing.push_back({entry->name, entry->value ? std::optional(*entry->value) : std::nullopt,
-                          entry->word, entry->unit, static_cast<Provenance>(*entry->provenance),
-                          entry->note});
+                          entry->word, entry->unit, *entry->provenance, entry->note});
     }
     return timing;
 }
@@ -123,7 +122,7 @@ std::vector<std::unique_ptr<config::TimingValueT>> timing_table(
         }
         entry->word = value.word;
         entry->unit = value.unit;
-        entry->provenance = static_cast<config::Provenance>(value.provenance);
+        entry->provenance = value.provenance;
         entry->note = value.note;
         table.push_back(std::move(entry));
     }
@@ -139,11 +138,10 @@ Topology plan_of(const config::MachineT& machine) {
     copy_role(roles.renderer ? *roles.renderer : config::RendererT{}, plan.renderer);
     copy_role(roles.frame_buffer ? *roles.frame_buffer : config::FrameBufferT{}, plan.frame_buffer);
     const config::RingT ring = machine.ring ? *machine.ring : config::RingT{};
-    plan.ring = {ring.channels, static_cast<Transport>(ring.transport), ring.channel_mb_s,
-                 ring.hop_ns};
+    plan.ring = {ring.channels, ring.transport, ring.channel_mb_s, ring.hop_ns};
     plan.seed = machine.seed;
-    plan.record = static_cast<Record>(machine.record);
-    plan.vector_target = static_cast<isa::VectorTarget>(machine.vector_target);
+    plan.record = machine.record;
+    plan.vector_target = machine.vector_target;
     return plan;
 }
 
@@ -162,10 +160,6 @@ void learn_schema(flatbuffers::Parser& parser) {
 }
 
 }  // namespace
-
-std::string_view name_of(Provenance provenance) {
-    return config::EnumNameProvenance(static_cast<config::Provenance>(provenance));
-}
 
 std::vector<TimingValue> paper_timing() {
     return read_topology_file(paper_topology, "paper-1993.json").timing;
@@ -198,13 +192,13 @@ std::string resolved_json(const Topology& topology) {
     machine.roles->frame_buffer = role_table<config::FrameBufferT>(topology.frame_buffer);
     machine.ring = std::make_unique<config::RingT>();
     machine.ring->channels = topology.ring.channels;
-    machine.ring->transport = static_cast<config::Transport>(topology.ring.transport);
+    machine.ring->transport = topology.ring.transport;
     machine.ring->channel_mb_s = topology.ring.channel_mb_s;
     machine.ring->hop_ns = topology.ring.hop_ns;
     machine.timing = timing_table(topology.timing.empty() ? paper_timing() : topology.timing);
     machine.seed = topology.seed;
-    machine.record = static_cast<config::Record>(topology.record);
-    machine.vector_target = static_cast<config::VectorTarget>(topology.vector_target);
+    machine.record = topology.record;
+    machine.vector_target = topology.vector_target;
 
     flatbuffers::FlatBufferBuilder builder;
     builder.Finish(config::CreateMachine(builder, &machine));

@@ -19,7 +19,7 @@ int merge_colours(std::vector<Material>& materials, std::vector<Part>& parts) {
     int bits = 8;
     std::vector<Material> merged = materials;
     std::vector<std::size_t> new_index(materials.size());
-    while (merged.size() > max_materials) {
+    while (merged.size() > max_surfaces) {
         --bits;  // Two bits leave 64 colors, culled or not 128: this ends.
         std::map<std::tuple<int, int, int, bool>, std::size_t> index;
         merged.clear();

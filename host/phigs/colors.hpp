@@ -8,7 +8,7 @@
 namespace pxpl5::host::phigs {
 
 /// Makes one of materials that are alike in the upper bits of each channel, with as many bits as
-/// leave max_materials at most. Parts are told their new material; order of first use is kept.
+/// leave max_surfaces at most. Parts are told their new material; order of first use is kept.
 ///
 /// Returns  Bits kept: 8 if there were few enough, and then nothing is changed.
 int merge_colours(std::vector<Material>& materials, std::vector<Part>& parts);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "host/phigs/archive.hpp"
 
 namespace pxpl5::host::phigs {
@@ -15,7 +16,6 @@ namespace pxpl5::host::phigs {
 inline constexpr std::size_t max_execute_depth = 64;
 inline constexpr std::size_t max_visits = 8'000'000;      ///< Elements, each time it is executed.
 inline constexpr std::size_t max_primitives = 2'000'000;  ///< Triangles, spheres and lines.
-inline constexpr std::size_t max_materials = 255;         ///< A pixel has 8 bits for them.
 inline constexpr std::size_t primitives_per_part = 256;   ///< Parts are what GPs share.
 
 /// How a primitive looks: the frame's list of surfaces.
@@ -48,7 +48,7 @@ struct Part {
 
 struct Content {
     std::string file;
-    std::vector<Material> materials;  ///< In the order of first use; max_materials at most.
+    std::vector<Material> materials;  ///< In the order of first use; max_surfaces at most.
     std::vector<Part> parts;          ///< Ascending by material.
     glm::dvec3 low{0}, high{0};       ///< Box around all, in the archive's units.
     double radius = 0;                ///< Farthest from the box's middle.

@@ -15,7 +15,7 @@ namespace pxpl5::host::phigs {
 
 namespace {
 
-constexpr double max_specular_power = 1e6;
+constexpr double max_archive_power = 1e6;
 constexpr std::size_t flags_plain = 3;  ///< What both period writers write.
 constexpr std::size_t flag_cull_back = 128;
 constexpr std::string_view element_words =
@@ -230,7 +230,7 @@ class Parser {
         s.rgb = {lexer_.number("red", 0, 255), 0, 0};
         s.rgb[1] = lexer_.number("green", 0, 255);
         s.rgb[2] = lexer_.number("blue", 0, 255);
-        s.power = lexer_.number("power", 0, max_specular_power);
+        s.power = lexer_.number("power", 0, max_archive_power);
         return s;
     }
 

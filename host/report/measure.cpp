@@ -48,7 +48,7 @@ std::string write_picture(Session& session, const Source& source, const std::str
 MeasuredCase measured(Session& session, const Source& source, const MeasureOptions& options) {
     const Surface surface = surface_of(source);
     const SurfaceReport built =
-        session.set_surface(surface.name, surface.isovalue, CaseTable::watertight, surface.colour);
+        session.set_surface(surface.name, surface.isovalue, CaseRule::watertight, surface.colour);
     session.scene.camera = {{source.row.azimuth_deg, source.row.elevation_deg}, 1};
     MeasuredCase measured;
     measured.triangles = built.triangles;

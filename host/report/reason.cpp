@@ -114,7 +114,7 @@ std::vector<Load> frame_loads(const Machine& machine, const FrameWork& frame, co
                                });
     };
     const double words = sum([](const PartWork& part) { return part.words; });
-    const double pixels = static_cast<double>(frame.regions()) * 128 * 128;
+    const double pixels = static_cast<double>(frame.regions() * region_pixels);
     switch (use.unit) {
         case Unit::gp:
             return {draw_load(machine, frame, use.index), emit_load(machine, frame, use.index)};

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
+
 namespace pxpl5::host {
 
 struct MarkColour {
@@ -13,8 +15,6 @@ struct MarkColour {
     std::uint8_t a = 255;  ///< 255 hides what is below.
     friend bool operator==(const MarkColour&, const MarkColour&) = default;
 };
-
-enum class MarkKind : std::uint8_t { line, area, text };
 
 /// One mark, as the io process draws it. Points are pixels from the picture's top left corner, x to
 /// the right and y downwards; the middle of the first pixel is (0.5, 0.5).

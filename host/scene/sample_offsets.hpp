@@ -6,17 +6,9 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 
+#include "ringbus/rules/pass.hpp"
+
 namespace pxpl5::host {
-
-/// How many samples a pixel may have.
-inline constexpr std::array<int, 3> sample_counts = {1, 4, 16};
-
-/// One of the frames whose mean a picture is; by default the only one.
-struct Pass {
-    int sample = 0;   ///< From 0.
-    int samples = 1;  ///< One of sample_counts.
-    bool is_last() const { return sample + 1 == samples; }
-};
 
 /// Where the pass samples each pixel, seen from its center, in sixteenths of a pixel: x to the
 /// right, y down. Over all passes of a picture the offsets sum up to 0. No two have a coordinate in

@@ -11,21 +11,15 @@
 #include <string_view>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "host/base/command_line.hpp"
 #include "host/scene/camera.hpp"
 
 namespace pxpl5::host {
 
-inline constexpr std::size_t max_surfaces = 16;
-inline constexpr std::size_t max_lights = 4;
-inline constexpr int max_picture_px = 4096;
-inline constexpr double max_specular_power = 128;
-inline constexpr std::size_t max_clips = 16;
-inline constexpr int opaque = 16;  ///< Sixteenths.
-
-enum class CaseTable : std::uint8_t { watertight, lorensen1987, asymptotic };
-inline constexpr std::array<std::string_view, 3> case_table_names = {"watertight", "lorensen1987",
-                                                                     "asymptotic"};
+#define LIMIT(type, name, value, meaning) inline constexpr type name = value;
+#include "host/scene/limits.def"
+#undef LIMIT
 
 /// Which connected components of a surface are drawn.
 struct ComponentFilter {
@@ -41,11 +35,11 @@ struct Surface {
     std::uint16_t id = 0;        ///< Number on the ring; never used twice in a session.
     std::uint32_t revision = 0;  ///< Counts the isovalues that it has had.
     double isovalue = 0;
-    CaseTable table = CaseTable::watertight;
+    CaseRule table = CaseRule::watertight;
     Colour colour{236, 226, 200};
     bool cull_back = false;  ///< Triangles that turn their back are not drawn.
     bool visible = true;
-    int opacity = opaque;  ///< Sixteenths of the pixels that show it; 1..16.
+    int opacity = full_opacity;  ///< Sixteenths of the pixels that show it; 1..16.
     ComponentFilter components;
     std::string compared_with;  ///< For a surface made by `compare`: the compared surface.
 };

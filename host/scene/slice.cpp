@@ -184,8 +184,8 @@ std::vector<double> numbers_of(const Slice& slice) {
     return numbers;
 }
 
-SaddleRule saddle_rule(CaseTable table) {
-    return table == CaseTable::asymptotic ? SaddleRule::asymptotic : SaddleRule::apart;
+SaddleRule saddle_rule(CaseRule table) {
+    return table == CaseRule::asymptotic ? SaddleRule::asymptotic : SaddleRule::apart;
 }
 
 std::vector<ContourPiece> slice_contour(const SliceFrame& frame, const std::vector<double>& numbers,

@@ -71,7 +71,7 @@ enum class SaddleRule : std::uint8_t {
 };
 /// That of a surface: a slice lies on faces of cells, and these are decided so. Where the cells on
 /// both sides disagree, as lorensen1987 lets them, inside corners are parted.
-SaddleRule saddle_rule(CaseTable table);
+SaddleRule saddle_rule(CaseRule table);
 
 /// Where the isovalue cuts the slice, by marching squares: inside is value >= isovalue, and between
 /// two voxels the value is linear, as in extraction (gp_firmware/surface). The inside is on the

@@ -72,11 +72,11 @@ std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage)
             continue;
         }
         if (!scene.tint_gaps || !stage.has_gaps) {
-            drawn.push_back({&surface, schema::SlabChoice::all, surface.colour});
+            drawn.push_back({&surface, SlabChoice::all, surface.colour});
             continue;
         }
-        drawn.push_back({&surface, schema::SlabChoice::outside_gaps, surface.colour});
-        drawn.push_back({&surface, schema::SlabChoice::in_gaps, scene.gap_colour});
+        drawn.push_back({&surface, SlabChoice::outside_gaps, surface.colour});
+        drawn.push_back({&surface, SlabChoice::in_gaps, scene.gap_colour});
     }
     return drawn;
 }

@@ -21,7 +21,7 @@ struct Stage {
 /// One entry of a frame's list of surfaces; a pixel's surface field is its index + 1.
 struct DrawnSurface {
     const Surface* surface = nullptr;
-    bus::schema::SlabChoice slabs = bus::schema::SlabChoice::all;
+    SlabChoice slabs = SlabChoice::all;
     Colour colour;
 };
 

@@ -16,12 +16,10 @@ namespace {
 namespace schema = bus::schema;
 using namespace timing;
 
-static_assert(static_cast<int>(schema::PartKind::MAX) == static_cast<int>(PartKind::end_of_region));
-
 PartWork part_of(const schema::PartCounts& told) {
     PartWork part;
     part.region = told.region();
-    part.kind = static_cast<PartKind>(told.kind());
+    part.kind = told.kind();
     part.surface = told.surface();
     part.slab = told.slab();
     part.primitives = told.primitives();

@@ -166,7 +166,7 @@ class Session {
     const Volume& volume() const;
 
     /// Adds the surface, or gives it a new isovalue, and extracts it on all GPs.
-    SurfaceReport set_surface(const std::string& name, double isovalue, CaseTable table,
+    SurfaceReport set_surface(const std::string& name, double isovalue, CaseRule table,
                               Colour colour);
     void remove_surface(const std::string& name);
     /// The surface of that name, if there is one.
@@ -240,7 +240,7 @@ class Session {
     bool end_comparison(const std::string& name);
 
     /// What extraction would give at each isovalue (ascending); without components.
-    std::vector<AtlasRow> measure_isovalues(std::span<const double> isovalues, CaseTable table);
+    std::vector<AtlasRow> measure_isovalues(std::span<const double> isovalues, CaseRule table);
 
     /// Has every node write what it has recorded. Throws RequestError if not all of them can.
     SavedTraces save_traces();
@@ -304,8 +304,8 @@ class Session {
     Surface& find_surface(const std::string& name);
     Surface& put_surface(const std::string& name);
     struct Building;
-    void begin_surface(Building& building, const std::string& name, double isovalue,
-                       CaseTable table, Colour colour);
+    void begin_surface(Building& building, const std::string& name, double isovalue, CaseRule table,
+                       Colour colour);
     SurfaceReport finish_surface(Building& building);
     /// Hands each GP's part of the surface's mesh to `take`, in any order.
     void fetch_mesh(const std::string& name, bool origins,

@@ -17,8 +17,8 @@ void take_gloss(const phigs::Content& content, Material& material) {
     }
     const auto& [r, g, b] = content.specular.rgb;
     material.specular = (r + g + b) / 3 / 255;
-    material.specular_power =
-        static_cast<std::uint32_t>(std::clamp(content.specular.power, 1.0, max_specular_power));
+    material.specular_power = static_cast<std::uint32_t>(
+        std::clamp(content.specular.power, 1.0, double{max_specular_power}));
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "host/base/error.hpp"
-#include "host/session/marks_transfer.hpp"
+#include "host/scene/marks_messages.hpp"
 #include "host/session/session.hpp"
 
 namespace pxpl5::host {
@@ -102,7 +102,7 @@ MeshExportReport Session::export_mesh(const std::string& path, const MeshExport&
     const auto list = builder.CreateVector(surfaces);
     const auto path_at = builder.CreateString(path);
     const auto description_at = builder.CreateString(wish.description);
-    const auto axes = wish.ras ? schema::PatientAxes::RAS : schema::PatientAxes::LPS;
+    const auto axes = wish.ras ? PatientAxes::RAS : PatientAxes::LPS;
     with_io(
         path, ExitCode::failed,
         bus::finish(builder, schema::CreateExportMesh(builder, path_at, list, axes, description_at,

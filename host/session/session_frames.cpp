@@ -11,7 +11,7 @@
 #include "host/session/scene_transfer.hpp"
 #include "host/session/session.hpp"
 #include "isa/contract/sample_sums.hpp"
-#include "ringbus/ranges.hpp"
+#include "ringbus/rules/regions.hpp"
 
 namespace pxpl5::host {
 
@@ -23,7 +23,7 @@ namespace schema = bus::schema;
 /// share the regions out alike.
 void add_pass(const schema::FrameDone& done, FrameReport& report) {
     const auto regions_across = [](std::uint32_t px) {
-        return static_cast<int>(bus::region_count(px, 1, 1));
+        return static_cast<int>(region_count(px, 1, 1));
     };
     report.frame = done.frame();
     report.instructions += static_cast<std::int64_t>(done.instructions());
@@ -133,7 +133,7 @@ std::optional<Picture> Session::draw_samples(int samples, const std::function<bo
 
 int Session::max_samples() const {
     const auto px = [](int length) { return static_cast<std::uint32_t>(length); };
-    const std::size_t regions = bus::region_count(px(scene.size.width), px(scene.size.height), 1);
+    const std::size_t regions = region_count(px(scene.size.width), px(scene.size.height), 1);
     int most = 1;
     for (const int samples : sample_counts) {
         const std::size_t each = isa::max_summed_regions(px(samples));

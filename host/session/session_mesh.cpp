@@ -133,11 +133,11 @@ std::pair<std::size_t, std::size_t> Session::set_components(const std::string& n
 }
 
 std::vector<AtlasRow> Session::measure_isovalues(std::span<const double> isovalues,
-                                                 CaseTable table) {
+                                                 CaseRule table) {
     volume();
     schema::MeasureIsovaluesT request;
     request.isovalues.assign(isovalues.begin(), isovalues.end());
-    request.table = static_cast<schema::CaseTable>(table);
+    request.table = static_cast<CaseRule>(table);
     // Sums in slab order, so that rounding does not depend on which GP held which slab.
     std::map<std::uint32_t, std::vector<schema::IsovalueCounts>> slabs;
     ask_gps("isovalues", bus::pack(request), [&](const bus::Message& message) {
@@ -173,11 +173,11 @@ MeshComparison Session::compare(const std::string& name) {
     if (!whole.compared_with.empty()) {
         throw RequestError(ExitCode::usage, fmt::format("{} is a comparison itself", name));
     }
-    if (scene.surfaces.size() + 2 > max_surfaces) {
+    if (scene.surfaces.size() + 2 > max_user_surfaces) {
         throw RequestError(
             ExitCode::usage,
             fmt::format("compare: {} surfaces and two more are {}, {} are the most",
-                        scene.surfaces.size(), scene.surfaces.size() + 2, max_surfaces));
+                        scene.surfaces.size(), scene.surfaces.size() + 2, max_user_surfaces));
     }
     const std::string ours = name + ":watertight", theirs = name + ":lorensen1987";
     for (const std::string& made : {ours, theirs}) {
@@ -187,9 +187,9 @@ MeshComparison Session::compare(const std::string& name) {
         }
     }
     constexpr Colour only_ours{64, 180, 166}, only_theirs{232, 128, 64};
-    set_surface(ours, whole.isovalue, CaseTable::watertight, only_ours);
+    set_surface(ours, whole.isovalue, CaseRule::watertight, only_ours);
     find_surface(ours).compared_with = name;
-    set_surface(theirs, whole.isovalue, CaseTable::lorensen1987, only_theirs);
+    set_surface(theirs, whole.isovalue, CaseRule::lorensen1987, only_theirs);
     find_surface(theirs).compared_with = name;
     const WeldedMesh a = mesh(ours, true), b = mesh(theirs, true);
     MeshComparison comparison = compare_meshes(a, b, grid());

@@ -104,10 +104,10 @@ Surface& Session::put_surface(const std::string& name) {
     if (found != scene.surfaces.end()) {
         return *found;
     }
-    if (scene.surfaces.size() == max_surfaces) {
+    if (scene.surfaces.size() == max_user_surfaces) {
         throw RequestError(ExitCode::usage, fmt::format("{} surfaces are the most; remove one "
                                                         "before adding '{}'",
-                                                        max_surfaces, name));
+                                                        max_user_surfaces, name));
     }
     Surface added;
     added.name = name;
@@ -117,7 +117,7 @@ Surface& Session::put_surface(const std::string& name) {
 
 /// Has the GPs extract the surface's new revision; finish_surface() must follow.
 void Session::begin_surface(Building& building, const std::string& name, double isovalue,
-                            CaseTable table, Colour colour) {
+                            CaseRule table, Colour colour) {
     volume();
     Surface& surface = put_surface(name);
     surface.isovalue = isovalue;
@@ -130,7 +130,7 @@ void Session::begin_surface(Building& building, const std::string& name, double 
     building.request.surface = surface.id;
     building.request.revision = surface.revision;
     building.request.isovalue = isovalue;
-    building.request.table = static_cast<schema::CaseTable>(table);
+    building.request.table = static_cast<CaseRule>(table);
     begin_request([&building](const bus::Message& message) { return building.take(message); });
     send_to_gps(bus::pack(building.request));
 }
@@ -157,7 +157,7 @@ SurfaceReport Session::finish_surface(Building& building) {
     return report;
 }
 
-SurfaceReport Session::set_surface(const std::string& name, double isovalue, CaseTable table,
+SurfaceReport Session::set_surface(const std::string& name, double isovalue, CaseRule table,
                                    Colour colour) {
     Building building(*this);
     begin_surface(building, name, isovalue, table, colour);

@@ -1,7 +1,8 @@
 #include "host/session/volume_transfer.hpp"
 
-#include <algorithm>
 #include <utility>
+
+#include "ringbus/rules/slabs.hpp"
 
 namespace pxpl5::host {
 
@@ -9,8 +10,8 @@ namespace {
 
 namespace schema = bus::schema;
 
-int owner_of(const Volume& volume, int gp_count, int slab) {
-    return slab / volume.slabs_per_set % gp_count;
+SlabSets slab_sets(const Volume& volume, int gp_count) {
+    return {volume.nz, volume.slabs_per_set, gp_count};
 }
 
 }  // namespace
@@ -20,27 +21,15 @@ int slabs_per_set_for(const Volume& volume, int gp_count) {
     if (bytes <= max_paper_bytes) {
         return 1;
     }
-    const int sets = gp_count * sets_per_gp;
-    return std::clamp((volume.nz - 1 + sets - 1) / sets, 2, max_slabs_per_set);
+    return slabs_per_large_set(volume.nz - 1, gp_count);
 }
 
 std::vector<int> slices_for_gp(const Volume& volume, int gp_index, int gp_count) {
-    std::vector<int> slices;
-    for (int slab = 0; slab < volume.nz - 1; ++slab) {
-        if (owner_of(volume, gp_count, slab) == gp_index) {
-            const int first = std::max({slab - 1, 0, slices.empty() ? 0 : slices.back() + 1});
-            for (int z = first; z <= std::min(slab + 2, volume.nz - 1); ++z) {
-                slices.push_back(z);
-            }
-        }
-    }
-    return slices;
+    return slab_sets(volume, gp_count).slices_needed(gp_index);
 }
 
 std::vector<SliceBatch> batches_for_gp(const Volume& volume, int gp_index, int gp_count) {
-    const auto is_own = [&](int z) {
-        return owner_of(volume, gp_count, std::max(std::min(z, volume.nz - 2), 0)) == gp_index;
-    };
+    const auto is_own = [&](int z) { return slab_sets(volume, gp_count).recorder(z) == gp_index; };
     const int most = slices_per_batch(volume);
     std::vector<SliceBatch> batches;
     for (const int z : slices_for_gp(volume, gp_index, gp_count)) {

@@ -12,13 +12,10 @@ namespace pxpl5::host {
 
 /// Up to this size a volume is distributed as in the paper, which balances best: sets of one slab.
 /// A slice then goes to up to four GPs, two of them keep it, and each holds 6 bytes of gradients
-/// with every voxel: up to 16 times 32 MiB on two GPs.
+/// with every voxel: up to 16 times 32 MiB on two GPs. Larger volumes have larger sets
+/// (ringbus/rules/slabs.hpp): the GP then stores s + 3 slices for a set of s slabs, without
+/// gradients.
 inline constexpr std::size_t max_paper_bytes = std::size_t{32} << 20;
-/// Beyond it, sets are so large that a set of s slabs holds s + 3 slices for them, without
-/// gradients, but each GP has at least two, so that a dense part of the volume is nobody's alone.
-/// 32 make the slices of all sets 9 % more than the volume; larger sets would save little.
-inline constexpr int sets_per_gp = 2, max_slabs_per_set = 32;
-
 /// Volume::slabs_per_set for a machine of `gp_count` GPs. It changes no surface and no picture.
 int slabs_per_set_for(const Volume& volume, int gp_count);
 

@@ -8,29 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "ringbus/rules/voxels.hpp"
+
 namespace pxpl5::host {
-
-enum class Scalar : std::uint8_t { uint8, int16, uint16, float32 };
-
-constexpr std::size_t size_bytes(Scalar type) {
-    return type == Scalar::uint8 ? 1 : type == Scalar::float32 ? 4 : 2;
-}
-
-/// What is odd about a volume, or was done to it; numbered as on the ring.
-enum class FindingKind : std::uint8_t {
-    note,
-    conversion,
-    assumption,
-    reflection,
-    gantry_tilt,
-    missing_slices,
-    uneven_slices,
-    duplicate_slices,
-    mixed_orientations,
-    thickness_differs,
-    other_series,
-    processed
-};
 
 struct Finding {
     FindingKind kind = FindingKind::note;

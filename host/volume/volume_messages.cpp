@@ -20,11 +20,6 @@ constexpr std::size_t batch_bytes = std::size_t{4} << 20;
 /// What the host takes into its memory.
 constexpr std::size_t max_volume_bytes = std::size_t{8} << 30;
 
-static_assert(static_cast<int>(Scalar::float32) == static_cast<int>(schema::ScalarType::float32));
-static_assert(static_cast<int>(FindingKind::processed) ==
-              static_cast<int>(schema::FindingKind::processed));
-static_assert(static_cast<int>(Scalar::uint16) == static_cast<int>(schema::ScalarType::uint16));
-
 }  // namespace
 
 std::size_t slice_bytes(const Volume& volume) {
@@ -39,7 +34,7 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
     header.nx = static_cast<std::uint32_t>(volume.nx);
     header.ny = static_cast<std::uint32_t>(volume.ny);
     header.nz = static_cast<std::uint32_t>(volume.nz);
-    header.type = static_cast<schema::ScalarType>(volume.type);
+    header.type = volume.type;
     std::array<double, 16> affine{};
     std::memcpy(affine.data(), &volume.voxel_to_patient, sizeof affine);
     header.voxel_to_patient = std::make_unique<schema::Matrix>(flatbuffers::make_span(affine));
@@ -51,7 +46,7 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
     header.slabs_per_set = static_cast<std::uint16_t>(volume.slabs_per_set);
     for (const Finding& finding : volume.findings) {
         auto wire = std::make_unique<schema::FindingT>();
-        wire->kind = static_cast<schema::FindingKind>(finding.kind);
+        wire->kind = finding.kind;
         wire->text = finding.text;
         header.findings.push_back(std::move(wire));
     }
@@ -89,8 +84,7 @@ void VolumeReceiver::take_report(const schema::VolumeHeader& header) {
     volume_.slabs_per_set = header.slabs_per_set();
     if (header.findings() != nullptr) {
         for (const auto* finding : *header.findings()) {
-            volume_.findings.push_back(
-                {static_cast<FindingKind>(finding->kind()), finding->text()->str()});
+            volume_.findings.push_back({finding->kind(), finding->text()->str()});
         }
     }
 }
@@ -102,7 +96,7 @@ void VolumeReceiver::begin(const schema::VolumeHeader& header) {
     volume_.nx = static_cast<int>(header.nx());
     volume_.ny = static_cast<int>(header.ny());
     volume_.nz = static_cast<int>(header.nz());
-    volume_.type = static_cast<Scalar>(header.type());
+    volume_.type = header.type();
     std::memcpy(&volume_.voxel_to_patient, header.voxel_to_patient()->m()->Data(),
                 sizeof volume_.voxel_to_patient);
     volume_.minimum = header.minimum();

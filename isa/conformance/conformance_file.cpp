@@ -136,9 +136,9 @@ class Reader {
 
 /// Reads a..b, one number, or * for 0..127.
 std::pair<int, int> range(Reader& reader) {
-    constexpr std::uint64_t last = region::size_px - 1;
+    constexpr std::uint64_t last = region_px - 1;
     if (reader.accept("*")) {
-        return {0, region::size_px - 1};
+        return {0, region_px - 1};
     }
     const auto from = static_cast<int>(reader.number(last));
     const int to = reader.accept("..") ? static_cast<int>(reader.number(last)) : from;

@@ -23,8 +23,8 @@
 #include <string_view>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "isa/program.hpp"
-#include "isa/region.hpp"
 
 namespace pxpl5::isa {
 
@@ -53,7 +53,7 @@ struct Quadratic {
 /// Pixels x0..x1, y0..y1, ends included.
 struct PixelRectangle {
     int x0 = 0, y0 = 0;
-    int x1 = region::size_px - 1, y1 = region::size_px - 1;
+    int x1 = region_px - 1, y1 = region_px - 1;
     bool contains(int x, int y) const { return x >= x0 && x <= x1 && y >= y0 && y <= y1; }
     friend bool operator==(const PixelRectangle&, const PixelRectangle&) = default;
 };

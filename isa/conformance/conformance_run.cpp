@@ -221,7 +221,7 @@ class Comparison {
                                    want.blocks[block]);
             }
         }
-        const auto index = static_cast<std::size_t>(y * region::size_px + x);
+        const auto index = static_cast<std::size_t>(y * region_px + x);
         if (after && !readout_.empty() && readout_[index] != want.readout) {
             return fmt::format("readout is 0x{:x}, expected 0x{:x}", readout_[index], want.readout);
         }

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include "isa/region.hpp"
+#include "generated/vocabulary.hpp"
 
 namespace pxpl5::isa::region {
 

@@ -9,12 +9,10 @@
 #include <cstdint>
 #include <limits>
 
+#include "generated/vocabulary.hpp"
 #include "isa/executor.hpp"
 
 namespace pxpl5::isa {
-
-/// Numbers of passes per antialiased picture.
-inline constexpr std::uint32_t few_samples = 4, many_samples = 16;
 
 /// Returns the blocks per region; 0 for a picture of one frame.
 constexpr std::uint32_t sum_blocks(std::uint32_t samples) {

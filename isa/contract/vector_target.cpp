@@ -11,8 +11,6 @@ namespace pxpl5::isa {
 
 namespace {
 
-constexpr std::array<std::string_view, 4> names = {"best", "sse4", "avx2", "avx512"};
-
 /// True if this computer has all instructions that Highway's code for the target may use.
 bool has(VectorTarget target) {
 #ifdef __x86_64__
@@ -42,7 +40,7 @@ bool has(VectorTarget target) {
 [[noreturn]] void refuse(std::string_view name) {
     std::string available = "best";
     for (const VectorTarget target : available_targets()) {
-        available += ", " + std::string(target_name(target));
+        available += ", " + std::string(enum_name(target));
     }
     throw std::invalid_argument(fmt::format(
         "vector target \"{}\" is not available on this computer; PXPL5_TARGET may be {}", name,
@@ -50,10 +48,6 @@ bool has(VectorTarget target) {
 }
 
 }  // namespace
-
-std::string_view target_name(VectorTarget target) {
-    return names[static_cast<std::size_t>(target)];
-}
 
 std::vector<VectorTarget> available_targets() {
     std::vector<VectorTarget> targets;
@@ -69,11 +63,11 @@ std::vector<VectorTarget> available_targets() {
 VectorTarget target_from_environment() {
     const char* value = std::getenv("PXPL5_TARGET");
     const std::string_view name = value == nullptr ? "" : value;
-    if (name.empty() || name == target_name(VectorTarget::best)) {
+    if (name.empty() || name == enum_name(VectorTarget::best)) {
         return VectorTarget::best;
     }
     for (const VectorTarget target : available_targets()) {
-        if (name == target_name(target)) {
+        if (name == enum_name(target)) {
             return target;
         }
     }
@@ -82,7 +76,7 @@ VectorTarget target_from_environment() {
 
 VectorTarget resolve(VectorTarget target) {
     if (!has(target)) {
-        refuse(target_name(target));
+        refuse(enum_name(target));
     }
     if (target != VectorTarget::best) {
         return target;

@@ -11,13 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
+
 namespace pxpl5::isa {
-
-/// Vector instruction sets. `best` means the widest one of this computer.
-enum class VectorTarget : std::uint8_t { best, sse4, avx2, avx512 };
-
-/// Returns the name in PXPL5_TARGET, for example "sse4".
-std::string_view target_name(VectorTarget target);
 
 /// Returns the targets of this computer among sse4, avx2, avx512, narrowest first.
 std::vector<VectorTarget> available_targets();

@@ -16,7 +16,7 @@ namespace pxpl5::isa::reference {
 /// A rectangle of a region, in pixels.
 struct Window {
     int x0 = 0, y0 = 0;
-    int width = region::size_px, height = region::size_px;
+    int width = region_px, height = region_px;
     bool contains(int x, int y) const {
         return x >= x0 && x < x0 + width && y >= y0 && y < y0 + height;
     }
@@ -33,8 +33,8 @@ struct Pixel {
 /// The pixels of a window, row by row.
 struct PixelArray {
     explicit PixelArray(Window w) : window(w), scope(w) {
-        assert(w.width > 0 && w.x0 >= 0 && w.x0 + w.width <= region::size_px);
-        assert(w.height > 0 && w.y0 >= 0 && w.y0 + w.height <= region::size_px);
+        assert(w.width > 0 && w.x0 >= 0 && w.x0 + w.width <= region_px);
+        assert(w.height > 0 && w.y0 >= 0 && w.y0 + w.height <= region_px);
         pixels.resize(static_cast<std::size_t>(w.width) * static_cast<std::size_t>(w.height));
         for (std::size_t i = 0; i < pixels.size(); ++i) {
             pixels[i].x = w.x0 + static_cast<int>(i) % w.width;

@@ -7,7 +7,7 @@ namespace pxpl5::renderer::fast {
 namespace {
 
 std::size_t index_of(int x, int y) {
-    assert(x >= 0 && x < isa::region::size_px && y >= 0 && y < isa::region::size_px);
+    assert(x >= 0 && x < region_px && y >= 0 && y < region_px);
     return hal::pixel_index({static_cast<std::size_t>(x), static_cast<std::size_t>(y)});
 }
 

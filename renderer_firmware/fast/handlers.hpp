@@ -52,7 +52,7 @@ struct Backend {
     std::span<const Fused> fused;
 };
 
-using Target = isa::VectorTarget;
+using Target = VectorTarget;
 
 /// Returns the code of `target`.
 /// Throws std::invalid_argument if this computer does not have `target`.

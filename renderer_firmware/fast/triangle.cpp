@@ -45,7 +45,7 @@ struct Covered {
 /// The vectors that the newest triangles cover.
 struct Cover {
     /// A triangle may cover the whole region.
-    static constexpr std::size_t whole = isa::region_pixels / lanes;
+    static constexpr std::size_t whole = region_pixels / lanes;
     static constexpr std::size_t spare = 512;
 
     std::size_t count = 0, drawn = 0;

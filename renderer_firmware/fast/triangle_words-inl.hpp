@@ -20,7 +20,7 @@ namespace shape = isa::triangle;
 
 inline constexpr std::uint32_t surface_bits = 0xFF;
 inline constexpr std::uint32_t width_bits = 0xFF;
-inline constexpr int last_px = isa::region::size_px - 1;
+inline constexpr int last_px = region_px - 1;
 
 /// Number of triangles that are read together.
 inline constexpr std::size_t batch_size = lanes;

@@ -13,7 +13,7 @@ class BackingStore {
   public:
     /// One word per pixel, in the order of pixel_index().
     struct alignas(64) Words {
-        std::array<std::uint32_t, isa::region_pixels> at{};
+        std::array<std::uint32_t, region_pixels> at{};
     };
 
     /// Returns block `number`, 0..127, or null if it was never written and therefore is 0.

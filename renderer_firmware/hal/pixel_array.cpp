@@ -13,7 +13,7 @@ void PixelArray::clear() {
 }
 
 std::uint64_t field(const PixelArray& pixels, std::size_t index, std::uint32_t a, std::uint32_t n) {
-    assert(index < isa::region_pixels && n >= 1 && n <= 64 && a + n <= isa::memory_bits);
+    assert(index < region_pixels && n >= 1 && n <= 64 && a + n <= isa::memory_bits);
     const Block& block = pixels.blocks[index / block_pixels];
     std::uint64_t value = 0;
     std::uint32_t taken = 0;

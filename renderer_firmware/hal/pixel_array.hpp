@@ -27,7 +27,7 @@ inline constexpr std::size_t block_width = 16;
 inline constexpr std::size_t block_height = 8;
 inline constexpr std::size_t block_pixels = block_width * block_height;
 inline constexpr std::size_t blocks_across = 8;
-inline constexpr std::size_t block_count = isa::region_pixels / block_pixels;
+inline constexpr std::size_t block_count = region_pixels / block_pixels;
 static_assert(column_count * 32 >= isa::memory_bits);
 
 /// The position of a pixel in the region, 0..127 each.
@@ -58,7 +58,7 @@ struct alignas(64) Block {
 };
 
 /// One bit per pixel, bit i of the region in byte i / 8.
-using PixelBits = std::array<std::uint8_t, isa::region_pixels / 8>;
+using PixelBits = std::array<std::uint8_t, region_pixels / 8>;
 
 struct PixelArray {
     std::array<Block, block_count> blocks{};

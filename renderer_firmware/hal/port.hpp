@@ -23,7 +23,7 @@ class Port {
     std::span<const std::uint32_t> rows() const { return rows_; }
 
   private:
-    alignas(64) std::array<std::uint32_t, isa::region_pixels> own_{};
+    alignas(64) std::array<std::uint32_t, region_pixels> own_{};
     std::span<std::uint32_t> rows_ = own_;
 };
 

@@ -51,7 +51,7 @@ PartCounts counts_of(const RegionPlan::Part& part) {
     counts.kind = part.kind;
     counts.surface = part.segment.surface;
     counts.slab = part.segment.slab;
-    if (part.kind == RegionPlan::Kind::segment) {
+    if (part.kind == PartKind::segment) {
         counts.primitives = count_primitives(part.segment.words);
         counts.words = static_cast<std::uint32_t>(part.segment.words.size());
     }
@@ -64,7 +64,7 @@ class Planner {
     explicit Planner(const RegionFrame& frame) : frame_(frame) {}
 
     RegionPlan plan(std::span<const Segment> segments) {
-        add(Kind::prologue, frame_.prologue);
+        add(PartKind::prologue, frame_.prologue);
         for (std::size_t i = 0; i < segments.size(); ++i) {
             const Segment& s = segments[i];
             if (i > 0 && place(segments[i - 1]) == place(s)) {
@@ -83,17 +83,15 @@ class Planner {
         }
         leave_door();
         if (!frame_.depths.empty()) {
-            add(Kind::depths, frame_.depths);
+            add(PartKind::depths, frame_.depths);
         }
-        add(Kind::end_of_region, frame_.end_of_region);
+        add(PartKind::end_of_region, frame_.end_of_region);
         return std::move(plan_);
     }
 
   private:
-    using Kind = RegionPlan::Kind;
-
     /// Adds one of the Renderer's own programs.
-    void add(Kind kind, Words words, std::uint32_t surface = 0) {
+    void add(PartKind kind, Words words, std::uint32_t surface = 0) {
         RegionPlan::Part part;
         part.kind = kind;
         part.segment.surface = surface;
@@ -109,15 +107,15 @@ class Planner {
             const auto found = std::ranges::find(frame_.doors, s.surface, &Door::surface);
             if (found != frame_.doors.end()) {
                 door_ = &*found;
-                add(Kind::shut_door, door_->shut, s.surface);
+                add(PartKind::shut_door, door_->shut, s.surface);
             }
         }
-        plan_.parts.push_back({Kind::segment, s});
+        plan_.parts.push_back({PartKind::segment, s});
     }
 
     void leave_door() {
         if (door_ != nullptr) {
-            add(Kind::open_door, door_->open, door_->surface);
+            add(PartKind::open_door, door_->open, door_->surface);
         }
         door_ = nullptr;
     }

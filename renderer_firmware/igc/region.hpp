@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "renderer_firmware/igc/igc.hpp"
 
 namespace pxpl5::renderer {
@@ -52,17 +53,8 @@ void check_own(const RegionFrame& frame);
 /// The parts of a region in order: prologue, the segments by surface and between the programs of
 /// the door, depths, end-of-region program.
 struct RegionPlan {
-    /// In order of execution. The three in the middle repeat for each surface.
-    enum class Kind : std::uint8_t {
-        prologue,
-        shut_door,
-        segment,
-        open_door,
-        depths,
-        end_of_region
-    };
     struct Part {
-        Kind kind = Kind::segment;
+        PartKind kind = PartKind::segment;
         Segment segment;  ///< Doors use words and surface; segments use all; other kinds use words.
     };
     std::vector<Part> parts;           ///< All of them are valid programs.
@@ -76,7 +68,7 @@ RegionPlan plan_region(const RegionFrame& frame, std::vector<Segment> segments);
 
 /// The executed instructions of one part of a region.
 struct PartCounts {
-    RegionPlan::Kind kind = RegionPlan::Kind::segment;
+    PartKind kind = PartKind::segment;
     std::uint32_t surface = 0;  ///< For segments and doors.
     std::uint32_t slab = 0;     ///< For segments, like the next two.
     std::uint32_t primitives = 0, words = 0;
@@ -92,7 +84,7 @@ struct RegionResult {
 enum class Counting : std::uint8_t { whole_region, each_part };
 
 /// Called before each part. The next readout belongs to this part.
-using PartWatcher = std::function<void(RegionPlan::Kind)>;
+using PartWatcher = std::function<void(PartKind)>;
 
 /// Draws a planned region on `executor` with a new controller. If a segment stops with an error,
 /// its effects so far remain, and the rest of the region is drawn. The executor's readout receives

@@ -77,7 +77,7 @@ class Writer {
         add(programs::finish);
         words_[skip] = static_cast<std::uint32_t>(words_.size());
         if (shading_.pass.samples > 1) {
-            shading_.pass.samples == isa::few_samples ? sum_4() : sum_16();
+            shading_.pass.samples == few_samples ? sum_4() : sum_16();
         }
         if (shading_.pass.is_last()) {
             add(programs::readout);
@@ -224,14 +224,13 @@ void verify(const Shading& s) {
     require(s.screens.size() <= s.surfaces.size(),
             fmt::format("{} screens of {} surfaces", s.screens.size(), s.surfaces.size()));
     for (const Screen& screen : s.screens) {
-        require(screen.opacity >= 1 && screen.opacity <= isa::door::levels,
-                fmt::format("opacity {}; must be 1..{}", screen.opacity, isa::door::levels));
+        require(screen.opacity >= 1 && screen.opacity <= full_opacity,
+                fmt::format("opacity {}; must be 1..{}", screen.opacity, full_opacity));
     }
     const Pass pass = s.pass;
     require(
-        pass.samples == 1 || pass.samples == isa::few_samples || pass.samples == isa::many_samples,
-        fmt::format("{} samples; must be 1, {} or {}", pass.samples, isa::few_samples,
-                    isa::many_samples));
+        pass.samples == 1 || pass.samples == few_samples || pass.samples == many_samples,
+        fmt::format("{} samples; must be 1, {} or {}", pass.samples, few_samples, many_samples));
     require(pass.sample < pass.samples,
             fmt::format("sample {} of {}, counted from 0", pass.sample, pass.samples));
     require(s.specular_power >= 1 && s.specular_power <= max_specular_power,
@@ -318,7 +317,7 @@ std::vector<DoorPrograms> doors(const Shading& shading) {
     verify(shading);
     std::vector<DoorPrograms> all;
     for (std::uint32_t s = 0; s < shading.screens.size(); ++s) {
-        if (shading.screens[s].opacity < isa::door::levels) {
+        if (shading.screens[s].opacity < full_opacity) {
             all.push_back(
                 {s, shut(shading.screens[s], shading.pass.sample),
                  bound(programs::open_door, {{"background", packed(shading.background)}})});

@@ -9,11 +9,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
+#include "ringbus/rules/pass.hpp"
+
 namespace pxpl5::renderer {
 
-inline constexpr std::size_t max_lights = 4;
-inline constexpr std::size_t max_surfaces = 255;
-inline constexpr std::uint32_t max_specular_power = 128;
 inline constexpr float max_light_sum = 3.9F;  ///< Limit of ambient + all intensities; 1 is white.
 
 /// Directional light in eye space: x right, y up, z toward the viewer.
@@ -31,17 +31,10 @@ struct Rgb {
 
 /// The stipple mask of a surface: how many pixels of each 4 x 4 group show the surface, and which.
 struct Screen {
-    std::uint32_t opacity = 16;  ///< 1..16 (isa::door::levels).
+    std::uint32_t opacity = full_opacity;  ///< 1 .. full_opacity.
     /// Surfaces with the same pattern cover the same pixels. Any two of the patterns 0, 1 and 2
     /// leave evenly distributed pixels uncovered. The patterns repeat from 12 on.
     std::uint32_t pattern = 0;
-};
-
-/// One of the frames whose mean is the picture; by default the only frame.
-struct Pass {
-    std::uint32_t sample = 0;   ///< From 0.
-    std::uint32_t samples = 1;  ///< 1, 4 or 16.
-    bool is_last() const { return sample + 1 == samples; }
 };
 
 /// The lighting of a frame. The color of a pixel is

@@ -14,7 +14,7 @@
 
 #include "ringbus/node_loop.hpp"
 #include "ringbus/trace/recorder.hpp"
-#include "ringbus/zmq_link.hpp"
+#include "ringbus/zmq/zmq_link.hpp"
 
 namespace pxpl5::bus {
 
@@ -23,7 +23,7 @@ namespace {
 enum ExitCode : int { done = 0, usage = 64, unavailable = 69, internal = 70 };
 
 constexpr int handshake_quiet_ms = 1000;
-constexpr int last_words_ms = 500;  ///< For what a node still has to say to the host at its end.
+constexpr int last_words_ms = 500;  ///< Time for the last messages of a node to the host.
 
 int parse_whole(std::string_view flag, std::string_view text, int low, int high) {
     int value = 0;
@@ -35,26 +35,24 @@ int parse_whole(std::string_view flag, std::string_view text, int low, int high)
     return value;
 }
 
-schema::Recording parse_recording(std::string_view flag, std::string_view text) {
-    for (const schema::Recording value : schema::EnumValuesRecording()) {
-        if (text == schema::EnumNameRecording(value)) {
-            return value;
-        }
+Recording parse_recording(std::string_view flag, std::string_view text) {
+    if (const std::optional<Recording> recording = enum_named<Recording>(text)) {
+        return *recording;
     }
     throw std::invalid_argument(
         fmt::format("{} is '{}', expected off, flight or full", flag, text));
 }
 
-/// Children must not outlive their launcher, however it ends.
+/// Ends the process when its launcher ends, even by a signal.
 bool tie_to_parent(int parent_pid) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     return parent_pid == 0 || getppid() == parent_pid;
 }
 
-/// A message does not interrupt who works, be it the sender or another node: with more threads than
-/// cores, most of what a frame brings then waits for its receiver at once, and wakes it once.
+/// Prevents that a message interrupts a working node. With more threads than cores, most messages
+/// of a frame then wait together for their receiver and wake it once.
 void work_without_preemption() {
-    if (sched_getscheduler(0) == SCHED_OTHER) {  // Else who started it has chosen.
+    if (sched_getscheduler(0) == SCHED_OTHER) {  // Otherwise the launcher has chosen a policy.
         const sched_param none{};
         sched_setscheduler(0, SCHED_BATCH, &none);
     }
@@ -71,8 +69,8 @@ Payload hello_message(schema::Role role, const ProcessFlags& flags, const std::s
     return pack(hello);
 }
 
-/// Takes the addresses of all others and the ring's order and parameters from the topology. Sockets
-/// come with the first message.
+/// Takes the addresses of all nodes and the ring's order and parameters from the topology. Sockets
+/// are opened by the first message.
 void learn_ring(ZmqLink& link, const schema::Topology& topology) {
     std::vector<NodeId> order;
     for (const auto* node : *topology.nodes()) {
@@ -90,8 +88,8 @@ void learn_ring(ZmqLink& link, const schema::Topology& topology) {
     link.set_model(ChannelModel(parameters, order));
 }
 
-/// Hello, Topology, Connected, Go. What others send before Go comes into `early`, in order.
-/// Returns false after Shutdown or when the parent is gone.
+/// Runs the handshake: Hello, Topology, Connected, Go. Appends messages that precede Go to `early`.
+/// Returns false after Shutdown or when the parent has ended.
 bool join(ZmqLink& ring, Link& link, Node& node, LinkOutbox& out,
           const std::function<bool()>& alive, std::deque<Message>& early) {
     while (true) {
@@ -145,7 +143,7 @@ void save_at_failure(trace::Recorder& recorder) {
     try {
         recorder.save();
     } catch (const trace::TraceError& error) {
-        fmt::print(stderr, "error: {}\n", error.what());  // The cause itself comes after it.
+        fmt::print(stderr, "error: {}\n", error.what());  // The caller prints the cause.
     }
 }
 
@@ -174,7 +172,7 @@ int run(const ProcessFlags& flags, schema::Role role, const NodeFactory& make_no
     link.linger(host_id, last_words_ms);
     const std::unique_ptr<Node> node = make_node();
     link.send(host_id, hello_message(role, flags, link.endpoint()));
-    return flags.record == schema::Recording::off
+    return flags.record == Recording::off
                ? drive(link, link, *node, alive)
                : drive_recorded(link, flags, role, *node, alive, leave_out);
 }
@@ -187,10 +185,10 @@ std::vector<std::string> to_arguments(const ProcessFlags& flags) {
                                           "--node-id",       std::to_string(flags.node_id),
                                           "--index",         std::to_string(flags.index),
                                           "--parent-pid",    std::to_string(flags.parent_pid)};
-    if (flags.record != schema::Recording::off) {
+    if (flags.record != Recording::off) {
         arguments.insert(arguments.end(),
-                         {"--record", schema::EnumNameRecording(flags.record), "--trace-file",
-                          flags.trace_file, "--flight-kib", std::to_string(flags.flight_kib)});
+                         {"--record", enum_name(flags.record), "--trace-file", flags.trace_file,
+                          "--flight-kib", std::to_string(flags.flight_kib)});
     }
     return arguments;
 }
@@ -227,7 +225,7 @@ ProcessFlags parse_flags(int argc, char** argv) {
         throw std::invalid_argument(
             "--host-endpoint, --bind and --node-id are needed; pxpl5 starts this program itself");
     }
-    if (flags.record != schema::Recording::off && flags.trace_file.empty()) {
+    if (flags.record != Recording::off && flags.trace_file.empty()) {
         throw std::invalid_argument("--record needs --trace-file: where the recording goes");
     }
     return flags;

@@ -1,4 +1,4 @@
-// What goes wrong with trace files.
+// The error of trace files.
 #pragma once
 
 #include <stdexcept>

@@ -8,15 +8,15 @@ namespace pxpl5::bus::trace {
 
 namespace {
 
-/// What replaces what: groups are given up as a whole when one of them begins anew.
+/// Groups of messages. A group is dropped as a whole when a new one begins.
 enum class Group : std::uint8_t { machine, model, surfaces };
 
 enum class Does : std::uint8_t {
-    stays,     ///< Besides all others of its kind.
-    replaces,  ///< The former of its kind and key.
-    begins,    ///< Gives up model and surfaces, then stays.
-    removes,   ///< Those of its group with its key, and itself.
-    drops,     ///< Model and surfaces, and itself.
+    stays,     ///< Kept beside all others of its kind.
+    replaces,  ///< Replaces the earlier message of its kind and key.
+    begins,    ///< Drops model and surfaces, then stays.
+    removes,   ///< Drops the messages of its group with its key, and itself.
+    drops,     ///< Drops model and surfaces, and itself.
 };
 
 struct Rule {
@@ -24,7 +24,7 @@ struct Rule {
     Group group;
     Does does;
     bool bulk;                             ///< Counts against the limit.
-    std::uint32_t (*key)(const Message&);  ///< Null if there is only one.
+    std::uint32_t (*key)(const Message&);  ///< Null if only one message applies.
 };
 
 std::uint32_t source_of(const Message& message) {
@@ -35,7 +35,7 @@ std::uint32_t surface_of(const Message& message) {
     return message.as<Table>()->surface();
 }
 
-/// All that a node goes by until it is told otherwise. Of other kinds nothing is held.
+/// The kinds of messages that apply until a later message. Other kinds are not kept.
 constexpr std::array rules = {
     Rule{Body::Hello, Group::machine, Does::replaces, false, source_of},
     Rule{Body::Topology, Group::machine, Does::replaces, false, nullptr},
@@ -48,7 +48,7 @@ constexpr std::array rules = {
     Rule{Body::SetSurface, Group::surfaces, Does::replaces, false, surface_of<schema::SetSurface>},
     Rule{Body::RemoveSurface, Group::surfaces, Does::removes, false,
          surface_of<schema::RemoveSurface>},
-    // One of an older revision does no harm: the GP passes it over.
+    // A mask of an older revision is harmless: the GP ignores it.
     Rule{Body::MaskSurface, Group::surfaces, Does::replaces, false,
          surface_of<schema::MaskSurface>},
     Rule{Body::DropVolume, Group::model, Does::drops, false, nullptr},
@@ -64,7 +64,7 @@ std::uint32_t key_of(const Rule& rule, const Message& message) {
     return rule.key == nullptr ? 0 : rule.key(message);
 }
 
-/// Whether `older` no longer holds once `message` has come.
+/// Returns true if `older` no longer applies after `message`.
 bool ends(const Rule& rule, const Message& message, const Message& older) {
     const Rule& its = *rule_of(older.kind());
     switch (rule.does) {
@@ -106,7 +106,7 @@ std::uint64_t HeldSetup::take(Held held) {
         bulk_bytes_ += held.message.bytes().size();
         held_.push_back(std::move(held));
         if (bulk_refused_ || bulk_bytes_ > limit_bytes_) {
-            bulk_refused_ = true;  // A part of it would be of no use.
+            bulk_refused_ = true;  // A part of the volume would be useless.
             drop([](const Held& older) { return rule_of(older.message.kind())->bulk; });
         }
     } else if (rule->does != Does::removes && rule->does != Does::drops) {

@@ -1,4 +1,4 @@
-// Messages that a flight recorder holds: what a node was told once and still goes by.
+// The set-up messages that still apply to a node. A flight recorder keeps them.
 #pragma once
 
 #include <cstddef>
@@ -9,24 +9,24 @@
 
 namespace pxpl5::bus::trace {
 
-/// A message and when it came.
+/// A message and the time of its receipt.
 struct Held {
     Message message;
     std::uint64_t wall_ns = 0;
 };
 
-/// The set-up of a node. What enters it takes the place of what no longer holds; the rules are one
-/// table, in held.cpp.
+/// The set-up of a node. A new message replaces the messages that no longer apply. The table in
+/// held.cpp has the rules.
 class HeldSetup {
   public:
-    /// No more than `limit_bytes` of bulk (slices and the like) is held; of more, none is.
+    /// Keeps at most `limit_bytes` of bulk messages such as slices. Beyond the limit it keeps none.
     explicit HeldSetup(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
 
-    /// Takes the next message that the node received. Returns how many messages were given up,
-    /// which may be this one.
+    /// Takes the next message that the node received. Returns the number of dropped messages, which
+    /// may include this message.
     std::uint64_t take(Held held);
 
-    /// In the order of receipt.
+    /// Messages in the order of receipt.
     const std::vector<Held>& messages() const { return held_; }
 
   private:
@@ -35,7 +35,7 @@ class HeldSetup {
 
     std::size_t limit_bytes_;
     std::size_t bulk_bytes_ = 0;
-    bool bulk_refused_ = false;  ///< Until the next one begins.
+    bool bulk_refused_ = false;  ///< Until the next volume or scene begins.
     std::vector<Held> held_;
 };
 

@@ -1,4 +1,4 @@
-// MCAP container files: the records, their fields, and how both are put into bytes.
+// MCAP container files: records, fields and their encoding.
 //
 // A file is <magic> Header Metadata (Chunk MessageIndex...)... DataEnd
 //           <summary> <summary offsets> Footer <magic>
@@ -36,19 +36,20 @@ enum class Op : std::uint8_t {
     data_end = 15,
 };
 
-inline constexpr std::size_t record_head_bytes = 9;    ///< Opcode and length.
-inline constexpr std::size_t message_head_bytes = 22;  ///< Of a message's content, before its data.
-inline constexpr std::size_t footer_bytes = 20;        ///< Of the footer's content.
-/// A chunk holds whole messages, and a message is at most 1 GiB with some bytes around it.
+inline constexpr std::size_t record_head_bytes = 9;  ///< Opcode and length.
+inline constexpr std::size_t message_head_bytes =
+    22;                                          ///< Content of a message record before its data.
+inline constexpr std::size_t footer_bytes = 20;  ///< Content of the footer.
+/// Limit of a chunk. A chunk has whole messages, and a message has at most 1 GiB and a head.
 inline constexpr std::uint64_t max_chunk_bytes =
     (std::uint64_t{1} << 30) + (std::uint64_t{8} << 20);
-/// Of every other record.
+/// Limit of every other record.
 inline constexpr std::uint64_t max_record_bytes = std::uint64_t{64} << 20;
 
 using Bytes = std::vector<std::uint8_t>;
 using Metadata = std::map<std::string, std::string>;
 
-/// CRC-32 of what came before, whose CRC is `before`, and of `bytes`.
+/// Extends the CRC-32 `before` by `bytes`.
 std::uint32_t crc_of(std::span<const std::uint8_t> bytes, std::uint32_t before = 0);
 
 /// Appends fields to `to`.
@@ -95,12 +96,12 @@ class Out {
     Bytes& to_;
 };
 
-/// Thrown for bytes that are not what they should be. `what` is for behind "at offset N: ".
+/// Thrown for damaged bytes. `what` continues "at offset N: ".
 struct Damage : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Takes fields from the front of bytes. Throws Damage if a field is not there.
+/// Takes fields from the front of bytes. Throws Damage if the bytes end before a field.
 class In {
   public:
     explicit In(std::span<const std::uint8_t> bytes) : left_(bytes) {}

@@ -17,11 +17,11 @@ namespace pxpl5::bus::trace::mcap {
 namespace {
 
 constexpr std::size_t tail_bytes = record_head_bytes + footer_bytes + magic.size();
-constexpr std::size_t piece_bytes = std::size_t{1} << 20;  ///< Of the summary, read at a time.
+constexpr std::size_t piece_bytes = std::size_t{1} << 20;  ///< Bytes of the summary per read.
 
 struct Record {
     Op op{};
-    std::uint64_t offset = 0;  ///< In the file, of the opcode.
+    std::uint64_t offset = 0;  ///< Offset of the opcode in the file.
     Bytes bytes;               ///< Opcode and length included.
     std::span<const std::uint8_t> content() const {
         return std::span(bytes).subspan(record_head_bytes);
@@ -34,7 +34,7 @@ std::uint64_t limit_of(Op op) {
 }
 
 void check_crc(const char* of, std::uint32_t got, std::uint32_t wanted) {
-    if (wanted != 0 && got != wanted) {  // 0 says that there is none.
+    if (wanted != 0 && got != wanted) {  // 0 means: no checksum.
         throw Damage(fmt::format("the CRC of {} is {:08x}, recorded is {:08x}", of, got, wanted));
     }
 }
@@ -43,7 +43,7 @@ Bytes uncompressed(std::span<const std::uint8_t> bytes, std::uint64_t size) {
     if (size > max_chunk_bytes) {
         throw Damage(fmt::format("a chunk of {} bytes, the limit is {}", size, max_chunk_bytes));
     }
-    // Asked before room is made, so that a few damaged bytes do not claim a gigabyte.
+    // Checked before allocation, so that a few damaged bytes cannot claim a gigabyte.
     const std::uint64_t stated = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
     if (stated != size) {
         throw Damage(fmt::format("compressed data that does not hold {} bytes", size));
@@ -58,7 +58,7 @@ Bytes uncompressed(std::span<const std::uint8_t> bytes, std::uint64_t size) {
     return out;
 }
 
-/// The records in the content of a chunk record.
+/// Returns the records in the content of a chunk record.
 Bytes chunk_records(std::span<const std::uint8_t> content) {
     In in(content);
     in.raw(2 * sizeof(std::uint64_t));  // First and last time.
@@ -75,8 +75,8 @@ Bytes chunk_records(std::span<const std::uint8_t> content) {
     return records;
 }
 
-/// Records that need not be understood to read messages. Each is seen to be what it says, so that
-/// no chunk is passed over because its kind is damaged.
+/// Checks records that reading does not need. A chunk with a damaged opcode is then not mistaken
+/// for such a record.
 void check_unused(const Record& record) {
     In in(record.content());
     const auto skip_list = [&in] { in.raw(in.number<std::uint32_t>()); };
@@ -160,7 +160,7 @@ Record Reader::Parts::record(std::uint64_t offset) const {
     return {op, offset, read(offset, record_head_bytes + length)};
 }
 
-/// Visits records from `offset` on, and moves it. Returns where DataEnd ends.
+/// Visits records from `offset` on and advances `offset`. Returns the end of DataEnd.
 std::uint64_t Reader::Parts::visit(const Visitor& visitor, std::uint64_t& offset) const {
     std::uint32_t crc = crc_of(read(0, offset));
     while (true) {
@@ -182,7 +182,8 @@ std::uint64_t Reader::Parts::visit(const Visitor& visitor, std::uint64_t& offset
     }
 }
 
-/// The summary from `start` on is not needed to read the file, but it tells that all is there.
+/// Checks the summary from `start` on. Reading does not need it, but it proves that the file is
+/// complete.
 void Reader::Parts::check_tail(std::uint64_t start) const {
     if (size < start + tail_bytes) {
         throw Damage("the summary is cut; no message is missing");

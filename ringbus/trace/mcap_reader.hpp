@@ -1,4 +1,4 @@
-// Reads an MCAP file from the front, as far as it is whole.
+// Reads an MCAP file from the front, up to the first damage.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,11 @@
 
 namespace pxpl5::bus::trace::mcap {
 
-/// What a walk meets. Each may throw Damage for what it cannot use.
+/// Called by walk(). Each function may throw Damage for content that it cannot use.
 struct Visitor {
     std::function<void(const std::string& name, const Metadata&)> metadata;
-    /// `offset` is the chunk record's in the file, `records` what it holds.
+    /// offset   Offset of the chunk record in the file.
+    /// records  Content of the chunk.
     std::function<void(std::uint64_t offset, std::span<const std::uint8_t> records)> chunk;
 };
 
@@ -29,9 +30,9 @@ class Reader {
     const std::filesystem::path& path() const;
 
     /// Visits metadata and chunks in the order of the file, up to its end or the first damage.
-    /// Returns "" for a whole file, checksums included, else why there is no more.
+    /// Returns "" for a complete file with valid checksums, else the reason for the early end.
     std::string walk(const Visitor& visitor) const;
-    /// What the chunk record at `offset` holds. Throws Damage.
+    /// Returns the content of the chunk record at `offset`. Throws Damage.
     Bytes chunk(std::uint64_t offset) const;
 
   private:
@@ -41,15 +42,15 @@ class Reader {
 
 /// A message record.
 struct MessageRecord {
-    std::uint64_t offset = 0;  ///< In the chunk's records.
+    std::uint64_t offset = 0;  ///< In the content of the chunk.
     std::uint64_t log_time = 0;
     std::span<const std::uint8_t> data;
 };
 
-/// The message record at `offset` of a chunk's records. Throws Damage if there is none.
+/// Returns the message record at `offset` of a chunk's content. Throws Damage if none is there.
 MessageRecord message_at(std::span<const std::uint8_t> records, std::uint64_t offset);
 
-/// Hands on the messages of a chunk, in order. Throws Damage.
+/// Calls back for each message of a chunk, in order. Throws Damage.
 void for_each_message(std::span<const std::uint8_t> records,
                       const std::function<void(const MessageRecord&)>& take);
 

@@ -18,9 +18,9 @@ namespace pxpl5::bus::trace::mcap {
 
 namespace {
 
-/// A chunk ends when it holds this much. Larger ones compress no better (measured, README).
+/// Size of a full chunk. Larger chunks compress no better (measured, README).
 constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
-/// A buffer that a large message has made larger than this is given back.
+/// A buffer that a large message enlarged beyond this size is freed.
 constexpr std::size_t kept_buffer_bytes = std::size_t{16} << 20;
 constexpr int compression_level = 1;
 constexpr std::uint16_t schema_id = 1;
@@ -35,7 +35,7 @@ struct Times {
     }
 };
 
-/// What the summary says of a chunk.
+/// Entry of a chunk in the summary.
 struct ChunkPlace {
     Times times;
     std::uint64_t offset = 0, length = 0;
@@ -57,18 +57,19 @@ struct Writer::Parts {
     std::filesystem::path path;
     int file = -1;
     std::uint64_t offset = 0;
-    std::uint32_t crc = 0;  ///< Of all that is written.
-    std::string failure;    ///< Why nothing more can be written.
+    std::uint32_t crc = 0;  ///< CRC of all written bytes.
+    std::string failure;    ///< Reason of the failure that ended writing.
     std::unique_ptr<ZSTD_CCtx, FreeContext> context{ZSTD_createCCtx()};
 
-    Bytes schema_record, channel_records;  ///< Again in the summary.
+    Bytes schema_record, channel_records;  ///< Repeated in the summary.
     std::uint16_t channels = 0;
     std::string encoding, metadata_name;
     std::uint64_t metadata_offset = 0, metadata_length = 0;
 
     Bytes chunk, compressed, records;
     Times chunk_times, times;
-    std::map<std::uint16_t, std::vector<IndexEntry>> index;  ///< Of the chunk, by channel.
+    std::map<std::uint16_t, std::vector<IndexEntry>>
+        index;  ///< Entries of the current chunk, by channel.
     std::vector<ChunkPlace> places;
     std::map<std::uint16_t, std::uint64_t> counts;  ///< Messages by channel.
     std::uint64_t messages = 0;

@@ -1,4 +1,4 @@
-// Writes an MCAP file: chunks of messages as they come, the summary at the end.
+// Writes an MCAP file: chunks of messages, then the summary.
 #pragma once
 
 #include <cstdint>
@@ -10,32 +10,32 @@
 
 namespace pxpl5::bus::trace::mcap {
 
-/// What the file says about itself before the first message.
+/// Content of the file before the first message.
 struct Preamble {
-    std::string library;        ///< Who wrote it.
-    std::string metadata_name;  ///< Of the only metadata record.
+    std::string library;        ///< Name of the writing library.
+    std::string metadata_name;  ///< Name of the only metadata record.
     Metadata metadata;
-    std::string schema_name, encoding;       ///< Of the only schema, and of all messages.
-    std::span<const std::uint8_t> schema{};  ///< Outlives the writer's construction.
+    std::string schema_name, encoding;       ///< Name of the only schema; encoding of all messages.
+    std::span<const std::uint8_t> schema{};  ///< Used only by the constructor.
 };
 
-/// One file. After a failure it ends on the border of the last record that was written whole, and
-/// every further call fails with the same words.
+/// One file. After a failure the file ends behind the last complete record, and every further call
+/// fails with the same text.
 class Writer {
   public:
     /// Creates or replaces the file and writes the preamble. Throws TraceError.
     Writer(const std::filesystem::path& path, const Preamble& preamble);
-    /// Leaves the file as it is: without its end unless close() was called.
+    /// Leaves the file without its end unless close() was called.
     ~Writer();
     Writer(const Writer&) = delete;
     Writer& operator=(const Writer&) = delete;
 
-    /// A new channel; its record goes into the chunk under way. Returns its id.
+    /// Adds a channel to the current chunk. Returns the channel's id.
     std::uint16_t channel(const std::string& topic, const Metadata& metadata);
-    /// Appends to the chunk under way; a full chunk goes to the file. Throws TraceError.
+    /// Appends to the current chunk and writes a full chunk. Throws TraceError.
     void message(std::uint16_t channel, std::uint32_t sequence, std::uint64_t log_time,
                  std::span<const std::uint8_t> data);
-    /// Sends the chunk under way to the file. Throws TraceError.
+    /// Writes the current chunk. Throws TraceError.
     void end_chunk();
     /// Ends the chunk, then the file. Throws TraceError.
     void close();

@@ -44,7 +44,7 @@ struct Recorder::Parts {
     Info info;
     Limits limits;
 
-    std::optional<TraceWriter> file;                                     ///< Of a full recording.
+    std::optional<TraceWriter> file;  ///< File of a full recording.
     std::optional<std::chrono::steady_clock::time_point> waiting_since;  ///< For the file.
     std::string failure;  ///< Why nothing is noted any more.
 
@@ -96,8 +96,8 @@ void Recorder::Parts::note_in_window(const Message& message, const Instant& when
         older_frame = std::exchange(newest_frame, noted);
     }
     const auto is_over = [&](const Timed& oldest) {
-        // What is on the screen stays, however long ago it was drawn. Its streams may have come
-        // before its beginning, but not before that of the frame before it.
+        // The displayed frame stays, however old it is. Its streams may have arrived before its
+        // BeginFrame, but not before the BeginFrame of the preceding frame.
         const std::uint64_t number = noted - window.size() + 1;
         return (newest_frame == 0 || number < older_frame) &&
                (window_bytes > limits.share_bytes || when.steady - oldest.came > limits.span);
@@ -131,7 +131,7 @@ Recorder::Saved Recorder::Parts::write_flight() const {
 
 Recorder::Recorder(std::filesystem::path path, const Info& info, Limits limits)
     : parts_(std::make_unique<Parts>(std::move(path), info, limits)) {
-    if (info.recording == schema::Recording::full) {
+    if (info.recording == Recording::full) {
         parts_->file.emplace(parts_->path, info);
     }
 }

@@ -1,4 +1,4 @@
-// The flight recorder of one node: keeps what the node receives, and writes it when asked.
+// Records the messages that one node receives and writes them to a file.
 #pragma once
 
 #include <chrono>
@@ -16,57 +16,57 @@
 
 namespace pxpl5::bus::trace {
 
-/// How much a recorder keeps.
+/// Limits of a recorder.
 struct Limits {
     std::chrono::nanoseconds span = std::chrono::seconds(10);
-    std::size_t share_bytes = std::size_t{64} << 20;     ///< Of messages, the newest.
-    std::size_t window_bytes = std::size_t{64} << 20;    ///< With all of the last two frames.
-    std::size_t setup_bytes = std::size_t{64} << 20;     ///< Of what came before and still holds.
-    std::uint64_t file_bytes = std::uint64_t{16} << 30;  ///< Of a full recording, which ends then.
+    std::size_t share_bytes = std::size_t{64} << 20;   ///< Newest messages.
+    std::size_t window_bytes = std::size_t{64} << 20;  ///< Including the last two frames.
+    std::size_t setup_bytes = std::size_t{64} << 20;  ///< Earlier set-up messages that still apply.
+    std::uint64_t file_bytes = std::uint64_t{16} << 30;  ///< A full recording ends at this size.
 };
 
-/// When something happened: by the calendar, and by a clock that is never set.
+/// A time by the calendar and by a clock that is never set.
 struct Instant {
     std::uint64_t wall_ns = 0;
     std::chrono::steady_clock::time_point steady;
     static Instant now();
 };
 
-/// Keeps received messages by the mode: the newest, or all (straight into the file).
+/// Keeps the newest messages in memory (flight), or writes all messages to the file (full).
 ///
-/// A flight recorder keeps beside the newest messages those of set-up that still hold: Topology,
-/// the current volume or scene, the newest SetSurface of each surface (held.cpp). So its file can
-/// be replayed from its first whole frame. Slices beyond `setup_bytes` are given up; VolumeHeader
-/// says where they came from.
+/// A flight recorder also keeps the set-up messages that still apply: Topology, the current volume
+/// or scene, the newest SetSurface of each surface (held.cpp). So its file can be replayed from its
+/// first complete frame. Slices beyond `setup_bytes` are dropped; VolumeHeader has the source of
+/// the volume.
 class Recorder {
   public:
-    /// How long messages of a full recording may wait for their file.
+    /// Time that messages of a full recording may wait for their file.
     static constexpr std::chrono::milliseconds patience{250};
 
-    /// `info.recording` is flight or full. A full recording creates `path` at once, in a folder
-    /// that is there, a flight at save(). Throws TraceError.
+    /// `info.recording` is flight or full. A full recording creates `path` at once, in an existing
+    /// folder. A flight creates it at save(). Throws TraceError.
     Recorder(std::filesystem::path path, const Info& info, Limits limits = {});
     ~Recorder();
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
 
-    /// Notes a received message. Costs no copy of its body while flying.
+    /// Records a received message. A flight does not copy the body.
     ///
-    /// Throws TraceError when the file takes no more, or has reached its limit: once, and nothing
-    /// is noted from then on.
+    /// Throws TraceError once when the file cannot grow or has reached its limit. Later messages
+    /// are not recorded.
     void note(const Message& message, Instant when = Instant::now());
-    /// Whether messages wait for their file, so that idle() has something to do.
+    /// Returns true if messages wait for their file, so that idle() has work.
     bool has_unwritten() const;
-    /// Nothing has come for a while: writes what waits. Throws TraceError as note() does.
+    /// Writes waiting messages after a quiet time. Throws TraceError like note().
     void idle();
 
     struct Saved {
         std::uint64_t messages = 0, bytes = 0;
     };
-    /// Writes what is held, a flight under a temporary name first. The recorder goes on.
-    /// Throws TraceError, also for a recording that had to stop.
+    /// Writes the recorded messages; a flight writes to a temporary name first. Recording
+    /// continues. Throws TraceError, also for a recording that has stopped.
     Saved save();
-    /// Ends a full recording in order; a flight is not saved. Throws TraceError.
+    /// Closes the file of a full recording. Does not save a flight. Throws TraceError.
     void close();
 
   private:
@@ -74,14 +74,16 @@ class Recorder {
     std::unique_ptr<Parts> parts_;
 };
 
-/// A link that records what it hands on, but for what onlookers say (traffic.hpp), and obeys
-/// SaveTrace by itself. When recording fails, the host gets a Fault, and the node goes on.
+/// A link that records the messages that it delivers, except those of observers (traffic.hpp). It
+/// answers SaveTrace itself. When recording fails, it sends a Fault to the host, and the node goes
+/// on.
 class RecordingLink final : public Link {
   public:
-    /// Told of every received message, in order: whether the trace shall do without it.
+    /// Called for every received message, in order. Returns true if the trace shall omit the
+    /// message.
     using LeaveOut = std::function<bool(const Message&)>;
 
-    /// Both outlive it.
+    /// `link` and `recorder` must outlive this link.
     RecordingLink(Link& link, Recorder& recorder, LeaveOut leave_out = {})
         : link_(link), recorder_(recorder), leave_out_(std::move(leave_out)) {}
 

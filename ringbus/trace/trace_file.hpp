@@ -19,21 +19,21 @@
 
 namespace pxpl5::bus::trace {
 
-/// What makes a trace self-contained; an MCAP metadata record named "pxpl5".
+/// Describes a trace. Stored as an MCAP metadata record named "pxpl5".
 struct Info {
     std::string build;              ///< build_id() of the program that recorded.
-    std::uint64_t schema_hash = 0;  ///< Of the message schemas.
-    NodeId node = 0;                ///< Whose messages these are.
+    std::uint64_t schema_hash = 0;  ///< Hash of the message schemas.
+    NodeId node = 0;                ///< The receiver of the messages.
     schema::Role role = schema::Role::host;
     std::uint16_t index = 0;  ///< Within the role.
-    schema::Recording recording = schema::Recording::full;
-    std::uint64_t dropped = 0;  ///< Messages that the flight recorder had given up before the save.
-    std::map<std::string, std::string> more;  ///< E.g. isa_hash, topology (resolved JSON).
+    Recording recording = Recording::full;
+    std::uint64_t dropped = 0;  ///< Messages that the flight recorder had dropped before the save.
+    std::map<std::string, std::string> more;  ///< For example isa_hash, topology (resolved JSON).
     std::string node_name() const;            ///< "gp-3".
 };
 
-/// Writes one trace file, in zstd chunks that end on message borders: what has been flushed stays
-/// readable whatever happens to the process.
+/// Writes one trace file in zstd chunks of whole messages. Flushed chunks stay readable after a
+/// kill.
 class TraceWriter {
   public:
     /// Creates or replaces `path`. Throws TraceError.
@@ -43,37 +43,36 @@ class TraceWriter {
     TraceWriter(const TraceWriter&) = delete;
     TraceWriter& operator=(const TraceWriter&) = delete;
 
-    /// Appends; a full chunk goes to the file. Throws TraceError.
+    /// Appends a message and writes a full chunk. Throws TraceError.
     void add(const Message& message, std::uint64_t wall_ns);
-    /// Ends the chunk under way and hands it to the system. Throws TraceError.
+    /// Writes the current chunk. Throws TraceError.
     void flush();
-    /// Flushes, writes index, statistics and footer. Nothing can be added afterwards.
+    /// Flushes, then writes index, statistics and footer. add() must not follow.
     void close();
 
-    std::uint64_t messages() const;  ///< Added so far.
-    std::uint64_t bytes() const;     ///< Of the file so far.
+    std::uint64_t messages() const;  ///< Number of added messages.
+    std::uint64_t bytes() const;     ///< Size of the file.
 
   private:
     struct Parts;
     std::unique_ptr<Parts> parts_;
 };
 
-/// What is known of a recorded message without loading its body again.
+/// A recorded message without its body.
 struct Entry {
     schema::Header header;
     std::uint64_t wall_ns = 0;
     std::uint64_t chunk = 0;   ///< File offset of its chunk record.
-    std::uint64_t offset = 0;  ///< Of the message record within the uncompressed chunk.
+    std::uint64_t offset = 0;  ///< Offset of the message record in the uncompressed chunk.
 
     Body kind() const { return static_cast<Body>(header.kind()); }
 };
 
-/// Reads a trace file. A file that ends early, or is damaged, is read up to there.
+/// Reads a trace file, up to its end or the first damage.
 class TraceFile {
   public:
-    /// Reads everything once and keeps the entries, not the bodies.
-    /// Throws TraceError if `path` is no MCAP file of ours, or of another schema hash, or ends
-    /// before it says what it is.
+    /// Reads the file once and keeps the entries without their bodies. Throws TraceError if `path`
+    /// is no trace of this program, has another schema hash, or ends before its metadata.
     explicit TraceFile(const std::filesystem::path& path);
     ~TraceFile();
     TraceFile(TraceFile&&) noexcept;
@@ -81,10 +80,10 @@ class TraceFile {
 
     const Info& info() const;
     const std::vector<Entry>& entries() const;  ///< In the order of receipt.
-    /// Empty for a file that was closed; else why the rest is not there, with the offset.
+    /// Returns "" for a complete file, else the reason for the early end, with its offset.
     const std::string& cut() const;
-    /// The message of an entry, verified. The newest chunk is kept, so order is speed.
-    /// Throws TraceError, BadMessage.
+    /// Returns the verified message of an entry. Caches the newest chunk, so reading in order is
+    /// fast. Throws TraceError, BadMessage.
     Message load(const Entry& entry) const;
 
   private:

@@ -28,17 +28,24 @@ Number take_number(mcap::Metadata& left, const char* key, int base = 10) {
     return value;
 }
 
-/// The value whose name the key has.
-template <typename Enum, std::size_t count>
-Enum take_named(mcap::Metadata& left, const char* key, const Enum (&values)[count],
-                const char* (*name)(Enum)) {
-    const std::string text = take(left, key);
-    for (const Enum value : values) {
-        if (text == name(value)) {
-            return value;
+[[noreturn]] void refuse_name(const char* key, const std::string& text) {
+    throw mcap::Damage(fmt::format("'{}' is '{}', which is none", key, text));
+}
+
+schema::Role take_role(mcap::Metadata& left) {
+    const std::string text = take(left, "role");
+    for (const schema::Role role : schema::EnumValuesRole()) {
+        if (text == schema::EnumNameRole(role)) {
+            return role;
         }
     }
-    throw mcap::Damage(fmt::format("'{}' is '{}', which is none", key, text));
+    refuse_name("role", text);
+}
+
+Recording take_recording(mcap::Metadata& left) {
+    const std::string text = take(left, "recording");
+    const std::optional<Recording> recording = enum_named<Recording>(text);
+    return recording ? *recording : (refuse_name("recording", text), Recording::off);
 }
 
 }  // namespace
@@ -64,7 +71,7 @@ mcap::Metadata to_metadata(const Info& info) {
     metadata["node"] = fmt::format("{}", info.node);
     metadata["role"] = schema::EnumNameRole(info.role);
     metadata["index"] = fmt::format("{}", info.index);
-    metadata["recording"] = schema::EnumNameRecording(info.recording);
+    metadata["recording"] = enum_name(info.recording);
     metadata["dropped"] = fmt::format("{}", info.dropped);
     return metadata;
 }
@@ -75,10 +82,9 @@ Info to_info(const mcap::Metadata& metadata) {
     info.build = take(info.more, "build");
     info.schema_hash = take_number<std::uint64_t>(info.more, "schema_hash", 16);
     info.node = take_number<NodeId>(info.more, "node");
-    info.role = take_named(info.more, "role", schema::EnumValuesRole(), schema::EnumNameRole);
+    info.role = take_role(info.more);
     info.index = take_number<std::uint16_t>(info.more, "index");
-    info.recording = take_named(info.more, "recording", schema::EnumValuesRecording(),
-                                schema::EnumNameRecording);
+    info.recording = take_recording(info.more);
     info.dropped = take_number<std::uint64_t>(info.more, "dropped");
     return info;
 }

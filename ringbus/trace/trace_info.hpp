@@ -1,4 +1,4 @@
-// What a trace file says about itself, as MCAP metadata.
+// The description of a trace as MCAP metadata.
 #pragma once
 
 #include "ringbus/trace/mcap.hpp"
@@ -11,10 +11,10 @@ inline constexpr const char* schema_name = "pxpl5.bus.schema.TraceEntry";
 inline constexpr const char* encoding = "flatbuffer";
 
 mcap::Metadata to_metadata(const Info& info);
-/// Throws mcap::Damage naming the key that is missing or has a value that it cannot have.
+/// Throws mcap::Damage, which names the key that is missing or has an invalid value.
 Info to_info(const mcap::Metadata& metadata);
 
-/// "gp-3", as files and logs are named; "host" and not "host-0".
+/// The node's name in files and logs, for example "gp-3". The host's name is "host".
 std::string name_of(schema::Role role, std::uint16_t index);
 
 }  // namespace pxpl5::bus::trace

@@ -29,7 +29,7 @@ struct TraceWriter::Parts {
     std::map<std::pair<NodeId, Body>, std::uint16_t> channels;
     flatbuffers::FlatBufferBuilder builder{};
 
-    /// Learns what nodes are called from what they are told.
+    /// Takes the names of nodes from a Topology.
     void learn_names(const Message& message) {
         if (const auto* hello = message.as<schema::Hello>()) {
             names[message.source()] = name_of(hello->role(), hello->index());

@@ -68,7 +68,7 @@ void march(benchmark::State& state) {
         triangles = 0;
         for (const int slab : loaded.gp.store.slabs()) {
             gp::extract_slab(loaded.gp.store, slab, loaded.isovalue(),
-                             gp::case_table(gp::CaseRule::watertight), mesh);
+                             gp::case_table(CaseRule::watertight), mesh);
             triangles += mesh.counts.triangles;
         }
     }

@@ -3,6 +3,7 @@
 
 #include "host/timing/simulate.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 
 namespace {
@@ -30,7 +31,7 @@ timing::FrameWork heavy_frame() {
         }
         timing::PartWork end;
         end.region = region;
-        end.kind = timing::PartKind::end_of_region;
+        end.kind = PartKind::end_of_region;
         end.port_cycles = 16'400;
         end.classes[5] = {70, 16'400 + 10'000};
         frame.parts.push_back(end);

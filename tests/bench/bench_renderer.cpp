@@ -14,7 +14,7 @@
 #include "tests/renderer_firmware/triangles.hpp"
 
 using namespace pxpl5;
-using isa::VectorTarget;
+using VectorTarget;
 using renderer::Igc;
 using renderer::fast::Fast;
 using Words = std::vector<std::uint32_t>;
@@ -156,7 +156,7 @@ constexpr Row rows[] = {
 /// Which targets there are is known only when the program runs.
 void register_renderer_benches() {
     for (const VectorTarget target : isa::available_targets()) {
-        const std::string at = fmt::format("/{}", isa::target_name(target));
+        const std::string at = fmt::format("/{}", enum_name(target));
         for (const int area_px : {2, 8, 30, 100}) {
             benchmark::RegisterBenchmark(fmt::format("triangles/{}px{}", area_px, at).c_str(),
                                          triangle_stream, target, area_px);

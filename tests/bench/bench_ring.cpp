@@ -4,8 +4,8 @@
 #include <cstring>
 #include <thread>
 
-#include "ringbus/arena.hpp"
-#include "ringbus/zmq_link.hpp"
+#include "ringbus/zmq/arena.hpp"
+#include "ringbus/zmq/zmq_link.hpp"
 #include "tests/ringbus/ipc_address.hpp"
 
 using namespace pxpl5;

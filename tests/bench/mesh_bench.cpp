@@ -71,7 +71,7 @@ int main() {
     bench_mesh("phantom:head skin", test::for_gps(head), 70.5);
     std::mt19937 random(1);
     const auto noise = [&](int n) {
-        return test::random_volume({n, n, n}, gp::Scalar::int16, 1000, random);
+        return test::random_volume({n, n, n}, Scalar::int16, 1000, random);
     };
     const test::Volume rough = noise(100);
     bench_mesh("noise", noise(116), 500);

@@ -35,7 +35,7 @@ struct Size {
 
 /// A volume whose voxel (x, y, z) is field(x, y, z), rounded to nearest for integer types.
 template <class Field>
-Volume make_volume(Size size, gp::Scalar type, Field field) {
+Volume make_volume(Size size, Scalar type, Field field) {
     Volume volume;
     volume.shape = {size.nx, size.ny, size.nz, type, glm::dmat4(1.0), 0, 0};
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -73,7 +73,7 @@ struct Gp {
 
 /// The meshes of all slabs, in slab order, as `gp_count` GPs extract them.
 inline std::vector<gp::SlabMesh> extract_all(const Volume& volume, double isovalue,
-                                             gp::CaseRule rule = gp::CaseRule::watertight,
+                                             CaseRule rule = CaseRule::watertight,
                                              int gp_count = 1) {
     std::vector<gp::SlabMesh> meshes(static_cast<std::size_t>(volume.shape.slab_count()));
     for (int i = 0; i < gp_count; ++i) {

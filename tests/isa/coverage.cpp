@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<std::string_view, 4> enables_names = {"none", "inside", "edge", "all"};
 constexpr std::array<char, 4> enables_letters = {'n', 'i', 'e', 'a'};
 constexpr std::array<std::uint32_t, 5> last_of_class = {1, 8, 16, 32, 64};
-constexpr int last = isa::region::size_px - 1;
+constexpr int last = region_px - 1;
 
 template <typename Action>
 void each_cell(const Action& action) {

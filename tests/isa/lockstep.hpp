@@ -81,7 +81,7 @@ class Lockstep final : public isa::Executor {
                 compare_block(text, x, y, in.operands.b);
             }
             if (in.op == isa::Op::pixels_to_fb) {
-                const auto at = static_cast<std::size_t>(y * isa::region::size_px + x);
+                const auto at = static_cast<std::size_t>(y * region_px + x);
                 same(text, x, y, "readout", trusted_pixels_.at(at), tested_pixels_.at(at));
             }
         });

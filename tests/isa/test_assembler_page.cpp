@@ -78,8 +78,8 @@ TEST_CASE("every program of ASSEMBLER.md draws the picture that its first line n
         isa::Controller controller;
         isa::run(words, pixels, controller);
         int wrong = 0;
-        for (int y = 0; y < isa::region::size_px; ++y) {
-            for (int x = 0; x < isa::region::size_px; ++x) {
+        for (int y = 0; y < region_px; ++y) {
+            for (int x = 0; x < region_px; ++x) {
                 const isa::region::Field rgb = isa::region::rgb;
                 wrong += pixels.field(x, y, rgb.address, rgb.width) !=
                          static_cast<std::uint64_t>(picture(x, y));

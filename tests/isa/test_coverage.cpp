@@ -41,7 +41,7 @@ test::Coverage coverage_of_phantoms() {
         recorded.session.load(phantom);
         const host::Volume& volume = recorded.session.volume();
         recorded.session.set_surface("surface", (volume.minimum + volume.maximum) / 2,
-                                     host::CaseTable::watertight, {200, 180, 160});
+                                     CaseRule::watertight, {200, 180, 160});
         recorded.session.draw();
         note_frame(recorded.run(), coverage);
     }

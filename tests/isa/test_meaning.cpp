@@ -363,7 +363,7 @@ TEST_CASE("PIXELSTOFB sends a field of every pixel, enabled or not, row by row")
     pixels.execute({Op::tree_into_mem, {64, 0, 24}}, place);
     pixels.execute({Op::clr_enabs, {}}, {});
     pixels.execute({Op::pixels_to_fb, {64, 0, 12}}, {});
-    REQUIRE(sent.size() == isa::region_pixels);
+    REQUIRE(sent.size() == region_pixels);
     for (std::uint32_t i = 0; i < sent.size(); ++i) {
         REQUIRE(sent[i] == (i & 0xfffU));
     }

@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "generated/vocabulary.hpp"
 #include "renderer_firmware/node.hpp"
-#include "ringbus/ranges.hpp"
 #include "tests/renderer_firmware/triangles.hpp"
 
 namespace pxpl5::test {
@@ -67,7 +67,7 @@ inline bus::Payload programs(std::uint32_t frame, int gp, const std::vector<Regi
 
 /// Options of a frame.
 struct Wishes {
-    std::uint8_t opacity = bus::max_opacity;  ///< Opacity of the second surface.
+    std::uint8_t opacity = full_opacity;  ///< Opacity of the second surface.
     bool read_depths = false;
     std::uint8_t sample = 0, samples = 1;
 };
@@ -87,8 +87,8 @@ inline bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>&
     body.draw->specular_power = 1;
     body.draw->background = std::make_unique<schema::Rgb>(10, 20, 30);
     // No lights and full ambient light: a pixel shows its surface's color.
-    constexpr auto all = schema::SlabChoice::all;
-    body.draw->surfaces = {{0, 1, schema::Rgb(200, 100, 50), false, all, bus::max_opacity},
+    constexpr auto all = SlabChoice::all;
+    body.draw->surfaces = {{0, 1, schema::Rgb(200, 100, 50), false, all, full_opacity},
                            {1, 1, schema::Rgb(1, 2, 3), false, all, wishes.opacity}};
     body.draw->read_depths = wishes.read_depths;
     body.draw->sample = wishes.sample;

@@ -13,7 +13,7 @@ namespace pxpl5::test {
 template <typename Check>
 void on_every_target(const Check& check) {
     for (const renderer::fast::Target target : isa::available_targets()) {
-        CAPTURE(std::string(isa::target_name(target)));
+        CAPTURE(std::string(enum_name(target)));
         renderer::fast::Fast fast(target);
         check(fast);
     }

@@ -51,8 +51,8 @@ void check_programs(std::uint64_t begin, std::uint64_t end) {
 
 int pixels_that_differ(const Fast& p, const Fast& q) {
     int count = 0;
-    for (int y = 0; y < isa::region::size_px; ++y) {
-        for (int x = 0; x < isa::region::size_px; ++x) {
+    for (int y = 0; y < region_px; ++y) {
+        for (int x = 0; x < region_px; ++x) {
             bool same = p.enabled(x, y) == q.enabled(x, y) && p.carry(x, y) == q.carry(x, y);
             for (std::uint32_t a = 0; a < isa::memory_bits; a += 52) {
                 same = same && p.field(x, y, a, 52) == q.field(x, y, a, 52);
@@ -155,7 +155,7 @@ TEST_CASE("a target that this machine lacks is refused by name") {
     for (const Target target : {Target::sse4, Target::avx2, Target::avx512}) {
         if (std::find(targets.begin(), targets.end(), target) == targets.end()) {
             CHECK_THROWS_WITH_AS(renderer::fast::backend(target),
-                                 doctest::Contains(std::string(target_name(target)).c_str()),
+                                 doctest::Contains(std::string(enum_name(target)).c_str()),
                                  std::invalid_argument);
         } else {
             CHECK_NOTHROW(renderer::fast::backend(target));

@@ -28,9 +28,9 @@ std::uint64_t integer_root(std::uint64_t v) {
 
 template <typename Check>
 void each_pixel(const Check& check) {
-    for (int y = 0; y < isa::region::size_px; ++y) {
-        for (int x = 0; x < isa::region::size_px; ++x) {
-            check(x, y, static_cast<std::uint32_t>(y * isa::region::size_px + x));
+    for (int y = 0; y < region_px; ++y) {
+        for (int x = 0; x < region_px; ++x) {
+            check(x, y, static_cast<std::uint32_t>(y * region_px + x));
         }
     }
 }

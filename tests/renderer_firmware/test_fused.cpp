@@ -44,7 +44,7 @@ std::unique_ptr<PixelArray> random_pixels(RandomPrograms& random, Coverage cover
             .columns[0][index % renderer::hal::block_pixels];
     };
     const std::size_t lone = renderer::hal::pixel_index({63, 31});
-    for (std::size_t i = 0; i < isa::region_pixels; ++i) {
+    for (std::size_t i = 0; i < region_pixels; ++i) {
         const bool is_covered =
             coverage == Coverage::all || (coverage == Coverage::one_pixel && i == lone) ||
             (coverage == Coverage::some && i / 256 % 2 == 0 && random.below(3) != 0);

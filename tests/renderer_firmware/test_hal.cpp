@@ -6,15 +6,16 @@
 #include "renderer_firmware/hal/board.hpp"
 #include "tests/renderer_firmware/targets.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::renderer::hal;
 namespace isa = pxpl5::isa;
 
 TEST_CASE("every pixel has a place of its own, and 4 x 4 pixels share 64 bytes of a column") {
-    std::vector<bool> taken(isa::region_pixels);
+    std::vector<bool> taken(region_pixels);
     for (std::size_t y = 0; y < 128; ++y) {
         for (std::size_t x = 0; x < 128; ++x) {
             const std::size_t index = pixel_index({x, y});
-            REQUIRE(index < isa::region_pixels);
+            REQUIRE(index < region_pixels);
             CHECK_FALSE(taken[index]);
             taken[index] = true;
             REQUIRE(place_of(index) == Place{x, y});
@@ -49,30 +50,30 @@ TEST_CASE("a field of any width at any bit is read across columns") {
 }
 
 TEST_CASE("the port turns storage order into rows, its own or those it is given") {
-    std::vector<std::uint32_t> stored(isa::region_pixels);
-    for (std::size_t i = 0; i < isa::region_pixels; ++i) {
+    std::vector<std::uint32_t> stored(region_pixels);
+    for (std::size_t i = 0; i < region_pixels; ++i) {
         const Place p = place_of(i);
         stored[i] = static_cast<std::uint32_t>(p.y * 128 + p.x);
     }
     const auto port = std::make_unique<Port>();
-    std::vector<std::uint32_t> given(isa::region_pixels);
+    std::vector<std::uint32_t> given(region_pixels);
     for (const bool is_own : {true, false, true}) {
         port->aim(is_own ? std::span<std::uint32_t>() : std::span(given));
         for (std::size_t b = 0; b < block_count; ++b) {
             port->put(b, std::span(stored).subspan(b * block_pixels).first<block_pixels>());
         }
         CHECK((port->rows().data() == given.data()) != is_own);
-        for (std::uint32_t i = 0; i < isa::region_pixels; ++i) {
+        for (std::uint32_t i = 0; i < region_pixels; ++i) {
             REQUIRE(port->rows()[i] == i);
         }
-        given.assign(isa::region_pixels, 0);
+        given.assign(region_pixels, 0);
     }
-    CHECK(given == std::vector<std::uint32_t>(isa::region_pixels));
+    CHECK(given == std::vector<std::uint32_t>(region_pixels));
 }
 
 TEST_CASE("PIXELSTOFB writes where it was told to, and the sink sees it there") {
     pxpl5::test::on_every_target([](pxpl5::renderer::fast::Fast& fast) {
-        std::vector<std::uint32_t> given(isa::region_pixels);
+        std::vector<std::uint32_t> given(region_pixels);
         const std::uint32_t* seen = nullptr;
         fast.set_readout([&](auto words) { seen = words.data(); });
         const std::int32_t place[] = {1, 128, 0};
@@ -81,7 +82,7 @@ TEST_CASE("PIXELSTOFB writes where it was told to, and the sink sees it there") 
         fast.read_out_into(given);
         fast.execute({isa::Op::pixels_to_fb, {77, 0, 13}}, {});
         CHECK(seen == given.data());
-        for (std::uint32_t i = 0; i < isa::region_pixels; ++i) {
+        for (std::uint32_t i = 0; i < region_pixels; ++i) {
             REQUIRE(given[i] == i % 8192);
         }
         const std::vector<std::uint32_t> before = given;

@@ -12,7 +12,7 @@ using isa::InstructionClass;
 using renderer::Counting;
 using renderer::PartCounts;
 using test::WordList;
-using Kind = renderer::RegionPlan::Kind;
+using Kind = PartKind;
 namespace schema = bus::schema;
 
 namespace {
@@ -167,10 +167,10 @@ TEST_CASE("a Renderer tells the host each part of its regions, and their sums ar
     const schema::FrameCountsT told = counts_of(*counted);
     CHECK(told.frame == 3);
     CHECK(told.drawn.empty());
-    using enum schema::PartKind;
+    using enum PartKind;
     struct Expected {
         int region;
-        schema::PartKind kind;
+        PartKind kind;
         std::uint32_t surface, slab, primitives;
     };
     const std::vector<Expected> expected = {
@@ -210,8 +210,7 @@ TEST_CASE("a pass tells what it waits for the backing store") {
     for (std::uint8_t sample = 0; sample < 2; ++sample) {
         bench.out.sent.clear();
         schema::BeginFrameT begin;
-        const bus::Payload packed =
-            test::begin(1U + sample, {0}, {bus::max_opacity, false, sample, 4});
+        const bus::Payload packed = test::begin(1U + sample, {0}, {full_opacity, false, sample, 4});
         schema::GetMessage(packed.bytes().data())->body_as_BeginFrame()->UnPackTo(&begin);
         begin.draw->counts = true;
         bench.take(test::first_gp, bus::pack(begin));

@@ -214,7 +214,7 @@ TEST_CASE("shaded pixels are within 2 of 255 of Phong's formula, the background 
 TEST_CASE("every specular power follows the formula around the highlight") {
     Random random(test::seed_or(52));
     double worst = 0;
-    for (std::uint32_t power = 1; power <= renderer::max_specular_power; ++power) {
+    for (std::uint32_t power = 1; power <= max_specular_power; ++power) {
         Shading shading = white_lamp({0.3F, -0.2F, 0.9F});
         shading.specular = 1;
         shading.specular_power = power;

@@ -88,7 +88,7 @@ bus::Payload pass(std::uint32_t frame, std::uint8_t sample,
 }  // namespace
 
 TEST_CASE("the last of several passes reads out the mean of what each alone would, halves up") {
-    for (const std::uint32_t samples : {isa::few_samples, isa::many_samples}) {
+    for (const std::uint32_t samples : {few_samples, many_samples}) {
         CAPTURE(samples);
         const auto expected = singles(samples);
         test::on_every_target([&](renderer::fast::Fast& fast) {
@@ -113,7 +113,7 @@ TEST_CASE("the last of several passes reads out the mean of what each alone woul
 }
 
 TEST_CASE("the reference executor sums as the fast one does") {
-    for (const std::uint32_t samples : {isa::few_samples, isa::many_samples}) {
+    for (const std::uint32_t samples : {few_samples, many_samples}) {
         isa::reference::Reference trusted({62, 62, 4, 4});
         const auto expected = singles(samples);
         WordList pixels;
@@ -133,7 +133,7 @@ TEST_CASE("over 16 passes a transparent surface has its share of every pixel") {
         for (const std::uint32_t opacity : {1U, 4U, 7U, 12U, 15U}) {
             CAPTURE(pattern);
             CAPTURE(opacity);
-            for (const std::uint32_t samples : {isa::few_samples, isa::many_samples}) {
+            for (const std::uint32_t samples : {few_samples, many_samples}) {
                 if (opacity % (16 / samples) != 0) {
                     continue;  // Four passes give only quarters.
                 }

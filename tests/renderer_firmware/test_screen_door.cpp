@@ -121,7 +121,7 @@ std::uint32_t expected_at(const Scene& scene, int x, int y) {
 struct Drawn {
     renderer::RegionResult result;
     WordList pixels, depths;
-    std::vector<RegionPlan::Kind> parts;
+    std::vector<PartKind> parts;
 };
 
 Drawn draw(isa::Executor& executor, const renderer::RegionPrograms& programs,
@@ -133,11 +133,11 @@ Drawn draw(isa::Executor& executor, const renderer::RegionPrograms& programs,
     frame.depths = programs.depths;
     Drawn drawn;
     executor.set_readout([&](renderer::Words words) {
-        WordList& to = drawn.parts.back() == RegionPlan::Kind::depths ? drawn.depths : drawn.pixels;
+        WordList& to = drawn.parts.back() == PartKind::depths ? drawn.depths : drawn.pixels;
         to.assign(words.begin(), words.end());
     });
     drawn.result = draw_region(executor, frame, std::move(segments),
-                               [&](RegionPlan::Kind kind) { drawn.parts.push_back(kind); });
+                               [&](PartKind kind) { drawn.parts.push_back(kind); });
     executor.set_readout({});
     return drawn;
 }
@@ -181,7 +181,7 @@ TEST_CASE("transparent surfaces show in their pixels of the pattern, as the dept
             fast.reset();
             const Drawn drawn = draw(fast, programs, scene.segments());
             REQUIRE(drawn.result.faults.empty());
-            REQUIRE(drawn.depths.size() == isa::region_pixels);
+            REQUIRE(drawn.depths.size() == region_pixels);
             int wrong = 0, covered = 0;
             for (int i = 0; i < side * side; ++i) {
                 const std::uint32_t expected = expected_at(scene, i % side, i / side);
@@ -304,7 +304,7 @@ TEST_CASE("only surfaces that are in a region have doors there; a bad segment op
     const renderer::RegionPrograms programs = region_programs(scene.shading);
     const WordList bad = {0xEE000000};
     renderer::fast::Fast fast;
-    using enum RegionPlan::Kind;
+    using enum PartKind;
     const Drawn drawn = draw(fast, programs,
                              {{5, 1, 0, scene.words[0], 0},
                               {5, 0, 0, scene.words[1], 0},

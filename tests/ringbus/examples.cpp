@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "ringbus/ranges.hpp"
+#include "generated/vocabulary.hpp"
 
 namespace pxpl5::test {
 
@@ -32,7 +32,7 @@ std::vector<Payload> control_examples() {
     topology.gp_memory_bytes = 8 << 20;
     topology.ring_bytes_per_s = 80'000'000;
     topology.ring_hop_ns = 50;
-    topology.recording = schema::Recording::flight;
+    topology.recording = Recording::flight;
     schema::ShutdownT shutdown;
     shutdown.reason = "the user said quit";
     schema::CreditT credit;
@@ -70,7 +70,7 @@ schema::ExportMeshT example_mesh() {
     surface->vertices.assign(3, schema::MeshVertex(1, 2, 3, 0, 0, 1));
     surface->indices = {0, 1, 2};
     mesh.surfaces.push_back(std::move(surface));
-    mesh.axes = schema::PatientAxes::RAS;
+    mesh.axes = PatientAxes::RAS;
     return mesh;
 }
 
@@ -112,7 +112,7 @@ std::vector<Payload> volume_examples() {
     attribute->value = "300";
     picture.attributes.push_back(std::move(attribute));
     auto mark = std::make_unique<schema::MarkT>();
-    mark->kind = schema::MarkKind::text;
+    mark->kind = MarkKind::text;
     mark->points = {schema::PicturePoint(1, 0.5F)};
     mark->colour = std::make_unique<schema::Rgba>(255, 255, 255, 128);
     mark->text = "L";
@@ -132,7 +132,7 @@ std::vector<Payload> surface_examples() {
     set.surface = 2;
     set.revision = 8;
     set.isovalue = 300.5;
-    set.table = schema::CaseTable::lorensen1987;
+    set.table = CaseRule::lorensen1987;
     schema::RemoveSurfaceT remove;
     remove.surface = 2;
     schema::SurfaceBuiltT built;
@@ -178,8 +178,8 @@ std::vector<Payload> frame_examples() {
     pixels.frame = 4;
     pixels.renderer = 1;
     pixels.tiles = {schema::RegionTile(3, 20'000, 1500)};
-    pixels.pixels.assign(bus::region_pixels, 0xff336699);
-    pixels.depths.assign(bus::region_pixels, 0xffffff00);
+    pixels.pixels.assign(region_pixels, 0xff336699);
+    pixels.depths.assign(region_pixels, 0xffffff00);
     schema::FrameDoneT done;
     done.frame = 4;
     done.width = 4;
@@ -229,7 +229,7 @@ std::vector<Payload> activity_examples() {
     return {pack(schema::AskActivityT{}), pack(activity)};
 }
 
-schema::PartCounts example_part(std::uint16_t region, schema::PartKind kind) {
+schema::PartCounts example_part(std::uint16_t region, PartKind kind) {
     std::array<schema::ClassCounts, 6> classes{};
     for (std::uint64_t i = 0; i < classes.size(); ++i) {
         classes.at(i) = schema::ClassCounts(i, 10 * i);
@@ -242,8 +242,7 @@ std::vector<Payload> counts_examples() {
     counts.frame = 4;
     counts.drawn = {schema::DrawnSlab(0, 7, 100, 40), schema::DrawnSlab(1, 3, 50, 50)};
     counts.words = 2400;
-    counts.parts = {example_part(3, schema::PartKind::segment),
-                    example_part(5, schema::PartKind::end_of_region)};
+    counts.parts = {example_part(3, PartKind::segment), example_part(5, PartKind::end_of_region)};
     return {pack(counts)};
 }
 
@@ -288,8 +287,8 @@ schema::DrawFrameT example_draw() {
     draw.specular = 0.5F;
     draw.specular_power = 20;
     draw.background = std::make_unique<schema::Rgb>(1, 2, 3);
-    draw.surfaces.push_back(schema::SurfaceDraw(
-        1, 2, schema::Rgb(9, 8, 7), true, schema::SlabChoice::outside_gaps, bus::max_opacity));
+    draw.surfaces.push_back(schema::SurfaceDraw(1, 2, schema::Rgb(9, 8, 7), true,
+                                                SlabChoice::outside_gaps, full_opacity));
     draw.clip_planes.push_back(schema::ClipPlane(1, 0, 0, -5));
     draw.read_back = true;
     draw.read_depths = true;
@@ -305,7 +304,7 @@ schema::VolumeHeaderT example_header() {
     header.nx = 4;
     header.ny = 5;
     header.nz = 6;
-    header.type = schema::ScalarType::float32;
+    header.type = Scalar::float32;
     header.voxel_to_patient = std::make_unique<schema::Matrix>(identity());
     header.minimum = -1000;
     header.maximum = 3000;
@@ -313,7 +312,7 @@ schema::VolumeHeaderT example_header() {
     header.gap_slabs = {3};
     header.modality = "CT";
     header.findings.push_back(std::make_unique<schema::FindingT>());
-    header.findings[0]->kind = schema::FindingKind::missing_slices;
+    header.findings[0]->kind = FindingKind::missing_slices;
     header.findings[0]->text = "one slice is missing";
     return header;
 }

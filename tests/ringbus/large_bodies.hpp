@@ -1,14 +1,14 @@
-// What tests of shared memory send: bodies built where the link says.
+// Large bodies for tests of shared memory.
 #pragma once
 
 #include <string>
 
-#include "ringbus/zmq_link.hpp"
+#include "ringbus/zmq/zmq_link.hpp"
 #include "tests/ringbus/random_seed.hpp"
 
 namespace pxpl5::test {
 
-/// Slices whose values follow from `number`, built in `memory`, which has room for all of it.
+/// Slices whose values follow from `number`, built in `memory`, which must have room.
 inline bus::Payload large_slices(flatbuffers::Allocator* memory, std::size_t bytes,
                                  std::uint32_t number) {
     flatbuffers::FlatBufferBuilder builder(bytes + 256, memory);
@@ -20,7 +20,7 @@ inline bus::Payload large_slices(flatbuffers::Allocator* memory, std::size_t byt
     return bus::finish(builder, bus::schema::CreateSlices(builder, 0, number % 4096, 1, values_at));
 }
 
-/// Whether `message` is large_slices(bytes, number), to the last byte.
+/// Returns true if `message` equals large_slices(bytes, number).
 inline bool is_whole(const bus::Message& message, std::size_t bytes, std::uint32_t number) {
     const auto* slices = message.as<bus::schema::Slices>();
     bool whole = slices != nullptr && slices->first_slice() == number % 4096 &&

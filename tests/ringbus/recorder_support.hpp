@@ -1,4 +1,4 @@
-// What tests of recorders share: messages, what a trace holds, and a disk that is full.
+// Helpers for tests of recorders: messages, contents of traces, and a full disk.
 #pragma once
 
 #include <sys/resource.h>
@@ -13,7 +13,7 @@
 
 namespace pxpl5::test {
 
-inline bus::trace::Info info_for(bus::schema::Recording mode) {
+inline bus::trace::Info info_for(Recording mode) {
     bus::trace::Info info;
     info.build = "pxpl5 test";
     info.schema_hash = bus::schema_hash();
@@ -45,7 +45,7 @@ inline bus::Payload topology_with(std::uint16_t nodes) {
     return bus::pack(body);
 }
 
-/// The kinds in a trace, e.g. "Topology SetSurface".
+/// The kinds in a trace, for example "Topology SetSurface".
 inline std::string kinds_in(const std::filesystem::path& path) {
     std::string kinds;
     const bus::trace::TraceFile file(path);

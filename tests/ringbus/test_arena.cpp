@@ -1,4 +1,4 @@
-#include "ringbus/arena.hpp"
+#include "ringbus/zmq/arena.hpp"
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
@@ -61,7 +61,7 @@ std::size_t memory_bytes(const Arena& arena) {
 }  // namespace
 
 TEST_SUITE("ringbus/arena") {
-    TEST_CASE("a body is lent where it lies, and its place is free when the last reader is done") {
+    TEST_CASE("a body is lent in place, and its block is free after the last reader") {
         Lent lent;
         REQUIRE(lent.view);
         const auto second_view = ArenaView::open(lent.arena.offer(), 3);
@@ -88,7 +88,7 @@ TEST_SUITE("ringbus/arena") {
         CHECK(large_slices(&lent.arena, body_bytes, 4).bytes().data() == body);
     }
 
-    TEST_CASE("small bodies, bodies from elsewhere and unknown readers are not lent to") {
+    TEST_CASE("small bodies, bodies outside the arena and unknown readers are not lent to") {
         Lent lent;
         CHECK(lent.arena.lend(2, lent.payload));
         CHECK(!lent.arena.lend(3, lent.payload));
@@ -98,7 +98,7 @@ TEST_SUITE("ringbus/arena") {
         CHECK(!lent.arena.lend(2, large_slices(&lent.arena, 1000, 1)));
     }
 
-    TEST_CASE("a place outside the arena is refused with both values, and its ticket comes back") {
+    TEST_CASE("a place outside the arena is refused with both values, and its ticket returns") {
         Lent lent;
         const auto place = lent.arena.lend(2, lent.payload);
         REQUIRE(place);
@@ -135,7 +135,7 @@ TEST_SUITE("ringbus/arena") {
         CHECK(large_slices(&lent.arena, body_bytes, 3).bytes().data() == body);
     }
 
-    TEST_CASE("what a forgotten reader gives back late is not what another was lent since") {
+    TEST_CASE("a late return by a forgotten reader does not free another reader's body") {
         Lent lent;
         const auto other_view = ArenaView::open(lent.arena.offer(), 3);
         const auto place = lent.arena.lend(2, lent.payload);
@@ -152,7 +152,7 @@ TEST_SUITE("ringbus/arena") {
     }
 
     TEST_CASE("a small body may be dropped by another thread while the first large one is made") {
-        // The thread sanitizer sees the race, if there is one.
+        // The thread sanitizer detects a race.
         Arena arena;
         std::uint8_t* const small = arena.allocate(min_arena_body_bytes - 1);
         std::thread other([&] { arena.deallocate(small, min_arena_body_bytes - 1); });
@@ -171,7 +171,7 @@ TEST_SUITE("ringbus/arena") {
         CHECK(!arena.can_lend(large_slices(&arena, body_bytes, 1)));
     }
 
-    TEST_CASE("without tickets nothing is lent, and with one that came back it is again") {
+    TEST_CASE("without tickets nothing is lent, and a returned ticket is lent again") {
         Lent lent;
         std::optional<ArenaPlace> place;
         for (std::uint32_t i = 0; i < max_tickets; ++i) {
@@ -184,7 +184,7 @@ TEST_SUITE("ringbus/arena") {
         CHECK(!lent.arena.lend(2, lent.payload));
     }
 
-    TEST_CASE("what a reader that has ended was lent is free again") {
+    TEST_CASE("bodies lent to a reader that has ended are free again") {
         Lent lent;
         const std::uint8_t* const body = lent.payload.bytes().data();
         REQUIRE(lent.arena.lend(2, lent.payload));
@@ -195,7 +195,7 @@ TEST_SUITE("ringbus/arena") {
         CHECK(!lent.arena.lend(2, large_slices(&lent.arena, body_bytes, 3)));
     }
 
-    TEST_CASE("a list of tickets that is nonsense comes to an end") {
+    TEST_CASE("a damaged list of tickets ends") {
         Lent lent;
         const auto first = lent.arena.lend(2, lent.payload);
         const auto second = lent.arena.lend(2, lent.payload);
@@ -221,7 +221,7 @@ TEST_SUITE("ringbus/arena") {
         arena.deallocate(arena.allocate(0), 0);
     }
 
-    TEST_CASE("memory that is used no more goes back to the system") {
+    TEST_CASE("unused memory returns to the system") {
         constexpr std::size_t much = 64 << 20;
         Arena arena;
         arena.deallocate(arena.allocate(much), much);
@@ -234,7 +234,7 @@ TEST_SUITE("ringbus/arena") {
         CHECK(test::is_whole(test::WireBytes(after).read(), 8 << 20, 5));
     }
 
-    TEST_CASE("an offer that leads to something else is not taken") {
+    TEST_CASE("an offer of a file that is no arena is refused") {
         const Lent lent;
         ArenaOffer offer = lent.arena.offer();
         CHECK(ArenaView::open(offer, 2));
@@ -247,7 +247,7 @@ TEST_SUITE("ringbus/arena") {
         offer = lent.arena.offer();
         offer.pid = 0;
         CHECK(!ArenaView::open(offer, 2));
-        // As large as an arena, but it could be made shorter.
+        // As large as an arena, but without a seal against shrinking.
         const int file = memfd_create("unsealed", MFD_CLOEXEC | MFD_ALLOW_SEALING);
         REQUIRE(ftruncate(file, static_cast<off_t>(arena_file_bytes)) == 0);
         struct stat facts {};
@@ -258,7 +258,7 @@ TEST_SUITE("ringbus/arena") {
         close(file);
     }
 
-    TEST_CASE("what an offer leads to is opened only if it is the file that is meant") {
+    TEST_CASE("an offered file is opened only if its identity matches") {
         const Lent lent;
         ArenaOffer offer = lent.arena.offer();
         const int events = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);

@@ -2,13 +2,13 @@
 
 #include <map>
 
-#include "ringbus/arena_blocks.hpp"
+#include "ringbus/zmq/arena_blocks.hpp"
 #include "tests/ringbus/random_seed.hpp"
 
 using pxpl5::bus::ArenaBlocks;
 
 TEST_SUITE("ringbus/arena_blocks") {
-    TEST_CASE("the lowest block that fits is given, in whole cache lines") {
+    TEST_CASE("the lowest fitting block is allocated, in whole cache lines") {
         ArenaBlocks blocks(640);
         CHECK(blocks.take(1) == 0);
         CHECK(blocks.take(65) == 64);
@@ -19,7 +19,7 @@ TEST_SUITE("ringbus/arena_blocks") {
         CHECK(blocks.end_in_use() == 448);
     }
 
-    TEST_CASE("what does not fit is refused, and nothing changes") {
+    TEST_CASE("a block that does not fit is refused without a change") {
         ArenaBlocks blocks(256);
         CHECK(!blocks.take(257));
         CHECK(!blocks.take(~std::size_t{0}));
@@ -31,7 +31,7 @@ TEST_SUITE("ringbus/arena_blocks") {
         CHECK(blocks.take(256) == 0);
     }
 
-    TEST_CASE("blocks in use never overlap, and all that came back is one again") {
+    TEST_CASE("blocks in use never overlap, and released blocks merge") {
         constexpr std::size_t size = 1 << 20;
         const std::uint64_t seed = pxpl5::test::ring_seed();
         INFO("PXPL5_SEED=", seed);

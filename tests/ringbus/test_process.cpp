@@ -11,11 +11,12 @@
 #include <filesystem>
 
 #include "ringbus/trace/trace_file.hpp"
-#include "ringbus/zmq_link.hpp"
+#include "ringbus/zmq/zmq_link.hpp"
 #include "tests/ringbus/ipc_address.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::bus;
 using pxpl5::test::contains;
 using pxpl5::test::ipc_address;
@@ -33,7 +34,7 @@ std::vector<char*> pointers(std::vector<std::string>& words) {
     return argv;
 }
 
-/// Starts the echo node; its exit code comes from wait_for.
+/// Starts the echo node. wait_for() returns its exit code.
 pid_t start(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), PXPL5_ECHO_NODE);
     pid_t pid = 0;
@@ -66,15 +67,14 @@ Payload order(std::uint16_t number) {
     return pack(body);
 }
 
-/// The host's side of one echo node's handshake. Node 2 is this test as well.
+/// The host's side of an echo node's handshake. This test is also node 2.
 struct EchoMachine {
     ZmqLink host{host_id, ipc_address("host")};
     ZmqLink other{2, ipc_address("other")};
     pid_t pid = 0;
     std::string endpoint;
 
-    explicit EchoMachine(schema::Recording record = schema::Recording::off,
-                         const std::string& trace_file = "") {
+    explicit EchoMachine(Recording record = Recording::off, const std::string& trace_file = "") {
         ProcessFlags flags{host.endpoint(), ipc_address("echo"), 1, 4, getpid(),
                            record,          trace_file};
         pid = start(to_arguments(flags));
@@ -89,7 +89,7 @@ struct EchoMachine {
         endpoint = hello->endpoint()->str();
     }
 
-    /// Topology, and Connected in answer.
+    /// Sends Topology and expects Connected.
     void connect() {
         schema::TopologyT topology;
         const std::string endpoints[] = {host.endpoint(), endpoint, other.endpoint()};
@@ -126,7 +126,7 @@ TEST_SUITE("ringbus/process") {
         CHECK(wait_for(machine.pid) == 0);
     }
 
-    TEST_CASE("what peers send before Go is kept, in order") {
+    TEST_CASE("messages of peers before Go are kept in order") {
         EchoMachine machine;
         machine.other.add_peer(1, machine.endpoint);
         machine.other.send(1, order(10));
@@ -149,14 +149,14 @@ TEST_SUITE("ringbus/process") {
         machine.host.send(1, order(3));
         const Message message = next(machine.host);
         const schema::Header& header = message.header();
-        // Two hops from node 1 over node 2 to the host, and a nanosecond a byte.
+        // Two hops from node 1 over node 2 to the host, and a nanosecond per byte.
         const std::uint64_t bytes = 8 + (message.bytes().size() + 3) / 4 * 4;
         CHECK(header.arrival_ns() - header.departure_ns() == 2 * 7 + bytes);
         machine.host.send(1, pack(schema::ShutdownT{}));
         CHECK(wait_for(machine.pid) == 0);
     }
 
-    TEST_CASE("no thread of a node interrupts who works") {
+    TEST_CASE("no thread of a node interrupts a working node") {
         EchoMachine machine;
         machine.connect();
         int threads = 0;
@@ -177,7 +177,7 @@ TEST_SUITE("ringbus/process") {
         CHECK(wait_for(machine.pid) == 0);
     }
 
-    TEST_CASE("a bad message during the handshake is told to the host") {
+    TEST_CASE("a bad message during the handshake is reported to the host") {
         EchoMachine machine;
         machine.host.add_peer(1, machine.endpoint);
         machine.host.send(1, pack(schema::TopologyT{}));
@@ -188,7 +188,7 @@ TEST_SUITE("ringbus/process") {
         CHECK(wait_for(machine.pid) == 0);
     }
 
-    TEST_CASE("an error that is no fault of the input ends the node with code 70") {
+    TEST_CASE("an internal error ends the node with code 70") {
         EchoMachine machine;
         machine.connect();
         machine.host.send(1, pack(schema::GoT{}));
@@ -196,10 +196,10 @@ TEST_SUITE("ringbus/process") {
         CHECK(wait_for(machine.pid) == 70);
     }
 
-    TEST_CASE("a node that ends by such an error leaves what its flight recorder holds") {
+    TEST_CASE("a node that ends by an internal error writes its flight recorder") {
         const pxpl5::test::ScratchFolder folder;
         const std::string path = folder / "gp-4.mcap";
-        EchoMachine machine(schema::Recording::flight, path);
+        EchoMachine machine(Recording::flight, path);
         machine.connect();
         machine.host.send(1, pack(schema::GoT{}));
         machine.host.send(1, order(0xffff));
@@ -212,9 +212,9 @@ TEST_SUITE("ringbus/process") {
         CHECK(file.load(file.entries()[2]).as<schema::RemoveSurface>()->surface() == 0xffff);
     }
 
-    TEST_CASE("a trace that cannot be made ends the node by name before it joins") {
+    TEST_CASE("a trace that cannot be created ends the node before it joins, with the reason") {
         const pxpl5::test::ScratchFolder folder;
-        EchoMachine machine(schema::Recording::full, folder / "no/such/folder.mcap");
+        EchoMachine machine(Recording::full, folder / "no/such/folder.mcap");
         CHECK(wait_for(machine.pid) == 70);
     }
 
@@ -259,13 +259,13 @@ TEST_SUITE("ringbus/process") {
         kill(launcher, SIGKILL);
         CHECK(wait_for(launcher) == 128 + SIGKILL);
         char byte = 0;
-        CHECK(read(alive[0], &byte, 1) == 0);  // Returns when nobody holds it any more.
+        CHECK(read(alive[0], &byte, 1) == 0);  // Returns when no process has it open.
         close(alive[0]);
     }
 
     TEST_CASE("flags survive the command line") {
-        const ProcessFlags flags{"ipc://h",     "ipc://b", 7, 3, 4242, schema::Recording::full,
-                                 "t/gp-3.mcap", 1234};
+        const ProcessFlags flags{"ipc://h",       "ipc://b",     7,   3, 4242,
+                                 Recording::full, "t/gp-3.mcap", 1234};
         std::vector<std::string> words = to_arguments(flags);
         words.insert(words.begin(), "program");
         words.emplace_back("--memory-mib");  // For the program's own main.
@@ -280,7 +280,7 @@ TEST_SUITE("ringbus/process") {
         CHECK(back.node_id == 7);
         CHECK(back.index == 3);
         CHECK(back.parent_pid == 4242);
-        CHECK(back.record == schema::Recording::full);
+        CHECK(back.record == Recording::full);
         CHECK(back.trace_file == "t/gp-3.mcap");
         CHECK(back.flight_kib == 1234);
     }

@@ -1,4 +1,4 @@
-#include "ringbus/ranges.hpp"
+#include "ringbus/rules/regions.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,6 +8,7 @@
 #include "tests/ringbus/examples.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::bus;
 using namespace pxpl5::test;
 
@@ -15,7 +16,7 @@ namespace {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
-/// The refusal of an otherwise valid T after `spoil` changed it. The valid one must be accepted.
+/// The refusal of a T after `spoil` changed it. The unchanged T must be accepted.
 template <typename T, typename Spoil>
 std::string refusal_of(const Spoil& spoil) {
     for (const Payload& payload : one_of_each_kind()) {
@@ -55,7 +56,7 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(VolumeHeaderT, m.nx = 1, "nx is 1, allowed are 2 .. 4096");
         CHECK_REFUSED(VolumeHeaderT, m.ny = 4097, "ny is 4097");
         CHECK_REFUSED(VolumeHeaderT, m.nz = 0, "nz is 0");
-        CHECK_REFUSED(VolumeHeaderT, m.type = static_cast<schema::ScalarType>(99), "type is 99");
+        CHECK_REFUSED(VolumeHeaderT, m.type = static_cast<Scalar>(99), "type is 99");
         CHECK_REFUSED(VolumeHeaderT, m.minimum = 3001, "minimum is 3001, allowed are at most 3000");
         CHECK_REFUSED(VolumeHeaderT, m.maximum = nan_value, "maximum is nan");
         CHECK_REFUSED(VolumeHeaderT, m.voxel_to_patient->mutable_m()->Mutate(7, nan_value),
@@ -67,7 +68,7 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(VolumeHeaderT, m.slice_places[2] = 1, "slice_places 2 is 1, after 1");
         CHECK_REFUSED(VolumeHeaderT, m.gap_slabs.push_back(3), "gap_slabs is 3, allowed are 4");
         CHECK_REFUSED(VolumeHeaderT, m.slabs_per_set = 0, "slabs_per_set is 0");
-        CHECK_REFUSED(VolumeHeaderT, m.findings[0]->kind = static_cast<schema::FindingKind>(99),
+        CHECK_REFUSED(VolumeHeaderT, m.findings[0]->kind = static_cast<FindingKind>(99),
                       "kind of finding is 99");
         CHECK_REFUSED(ImportVolumeT, m.spacing_mm[1] = 0, "spacing_mm is 0");
         CHECK_REFUSED(ImportVolumeT, m.crop_size.pop_back(), "crop_size is 2, expected 3");
@@ -88,7 +89,7 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(ExportMeshT, m.surfaces.clear(), "number of surfaces is 0");
         CHECK_REFUSED(ExportMeshT, m.surfaces[0]->indices[0] = 3, "index 3 of 3 vertices");
         CHECK_REFUSED(ExportMeshT, m.keep = 1.5F, "keep is 1.5");
-        CHECK_REFUSED(ExportMeshT, m.axes = static_cast<schema::PatientAxes>(9), "axes is 9");
+        CHECK_REFUSED(ExportMeshT, m.axes = static_cast<PatientAxes>(9), "axes is 9");
     }
 
     TEST_CASE("masks and measurements") {
@@ -103,7 +104,7 @@ TEST_SUITE("ringbus/ranges") {
 
     TEST_CASE("a surface and its mesh") {
         CHECK_REFUSED(SetSurfaceT, m.isovalue = nan_value, "isovalue is nan");
-        CHECK_REFUSED(SetSurfaceT, m.table = static_cast<schema::CaseTable>(99), "table is 99");
+        CHECK_REFUSED(SetSurfaceT, m.table = static_cast<CaseRule>(99), "table is 99");
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_slab(0), "slab is 0, allowed are 1 .. 4094");
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_slab(4095), "slab is 4095");
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[0].mutate_area_mm2(nan_value), "area_mm2 is nan");
@@ -134,7 +135,7 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(ScenePartT, m.lines[0].mutate_bz(INFINITY), "a line's coordinate is inf");
     }
 
-    TEST_CASE("what shall be drawn") {
+    TEST_CASE("a request for a frame") {
         CHECK_REFUSED(DrawFrameT, m.width = 0, "width is 0, allowed are 1 .. 8192");
         CHECK_REFUSED(DrawFrameT, m.height = 8193, "height is 8193");
         CHECK_REFUSED(DrawFrameT, m.views.clear(), "number of views is 0, allowed are 1 .. 2");
@@ -146,7 +147,7 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(DrawFrameT, m.clip_planes[0] = schema::ClipPlane(0, 0, INFINITY, 0),
                       "clip plane is inf");
         CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_opacity(17), "opacity is 17");
-        CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_slabs(static_cast<schema::SlabChoice>(9)),
+        CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_slabs(static_cast<SlabChoice>(9)),
                       "slabs is 9");
         CHECK_REFUSED(DrawFrameT, m.specular_power = 129, "specular_power is 129");
         CHECK_REFUSED(DrawFrameT, m.ambient = NAN, "ambient is nan");
@@ -181,7 +182,7 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(FrameDoneT, m.region_renderers[0] = 256, "a region's Renderer is 256");
     }
 
-    TEST_CASE("what a frame asked of a node") {
+    TEST_CASE("the counts of a frame") {
         CHECK_REFUSED(FrameCountsT, m.drawn[1].mutate_surface(255), "surface is 255");
         CHECK_REFUSED(FrameCountsT, m.drawn[0].mutate_slab(max_scene_slab + 1), "slab is 1048577");
         CHECK_REFUSED(FrameCountsT, m.drawn[1].mutate_culled(51),
@@ -190,8 +191,7 @@ TEST_SUITE("ringbus/ranges") {
                       "surface 0, slab 7 comes after surface 0, slab 7");
         CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_region(8192), "region is 8192");
         CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_region(6), "region is 5, allowed are 6 ..");
-        CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_kind(static_cast<schema::PartKind>(6)),
-                      "kind is 6");
+        CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_kind(static_cast<PartKind>(6)), "kind is 6");
         CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_surface(255), "surface is 255");
         CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_slab(max_scene_slab + 1), "slab is 1048577");
         CHECK_REFUSED(FrameCountsT, m.parts[0].mutate_primitives(41),
@@ -203,7 +203,7 @@ TEST_SUITE("ringbus/ranges") {
                       "backing_cycles beside the port's is 51, allowed are at most 50");
     }
 
-    TEST_CASE("what a node has done") {
+    TEST_CASE("the activity of a node") {
         CHECK_REFUSED(ActivityT, m.wall_ns = 599, "time of a stage beside the others is 600");
         CHECK_REFUSED(ActivityT, m.stages[0]->name = std::string(33, 'x'),
                       "length of a stage's name is 33, allowed are at most 32");

@@ -72,7 +72,7 @@ Payload frame_done(std::uint32_t frame) {
     return pack(body);
 }
 
-/// What a node would know after these messages.
+/// The set-up of a node after these messages.
 struct Knowledge {
     std::size_t nodes = 0;
     std::uint32_t volume = 0;  ///< Or scene.
@@ -120,9 +120,9 @@ std::uint64_t seed() {
 }  // namespace
 
 TEST_SUITE("ringbus/recorder") {
-    TEST_CASE("a flight holds what it was handed, without a copy") {
+    TEST_CASE("a flight keeps received messages without a copy") {
         const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight));
+        Recorder recorder(folder / "a.mcap", info_for(Recording::flight));
         WireBytes wire(frame_done(1));
         const Message message = wire.read();
         const long owners = wire.body.use_count();
@@ -131,14 +131,14 @@ TEST_SUITE("ringbus/recorder") {
         CHECK(!std::filesystem::exists(folder / "a.mcap"));
     }
 
-    TEST_CASE("a flight holds the newest messages: so many bytes, and so long") {
+    TEST_CASE("a flight keeps the newest messages, limited in bytes and in time") {
         const test::ScratchFolder folder;
         const std::size_t size = frame_done(1).bytes().size();
         for (const bool by_bytes : {true, false}) {
             trace::Limits limits;
             limits.share_bytes = by_bytes ? 10 * size : 1000 * size;
             limits.span = std::chrono::seconds(by_bytes ? 1000 : 9);
-            Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight), limits);
+            Recorder recorder(folder / "a.mcap", info_for(Recording::flight), limits);
             trace::Instant when = trace::Instant::now();
             for (std::uint32_t frame = 1; frame <= 30; ++frame) {
                 recorder.note(from(2, frame_done(frame)), when);
@@ -155,11 +155,11 @@ TEST_SUITE("ringbus/recorder") {
         }
     }
 
-    TEST_CASE("a flight holds the frame on the screen, however long ago it was drawn") {
+    TEST_CASE("a flight keeps the displayed frame, however old it is") {
         const test::ScratchFolder folder;
         trace::Limits limits;
         limits.span = std::chrono::seconds(9);
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight), limits);
+        Recorder recorder(folder / "a.mcap", info_for(Recording::flight), limits);
         trace::Instant when = trace::Instant::now();
         const auto note_after = [&](int seconds, const Payload& payload) {
             when.steady += std::chrono::seconds(seconds);
@@ -178,13 +178,13 @@ TEST_SUITE("ringbus/recorder") {
         CHECK(recorder.save().messages == 2);
     }
 
-    TEST_CASE("a flight holds the last two frames beyond its share, and all else within it") {
+    TEST_CASE("a flight keeps the last two frames beyond its share, and all else within it") {
         const test::ScratchFolder folder;
         const std::size_t size = frame_done(1).bytes().size();
         trace::Limits limits;
         limits.share_bytes = 6 * size;
         limits.window_bytes = 11 * size;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight), limits);
+        Recorder recorder(folder / "a.mcap", info_for(Recording::flight), limits);
         for (std::uint32_t frame = 1; frame <= 30; ++frame) {
             recorder.note(from(2, frame_done(frame)));
         }
@@ -201,14 +201,14 @@ TEST_SUITE("ringbus/recorder") {
         CHECK(note_others(20 * beyond_share) <= 11 * size / other);
     }
 
-    TEST_CASE("whatever a flight has forgotten, its node would know the same again") {
+    TEST_CASE("replaying a flight restores the node's set-up, whatever was dropped") {
         const test::ScratchFolder folder;
         std::mt19937_64 random(seed());
         for (int round = 0; round < 40; ++round) {
             CAPTURE(round);
             trace::Limits limits;
             limits.window_bytes = random() % 3000;
-            Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight), limits);
+            Recorder recorder(folder / "a.mcap", info_for(Recording::flight), limits);
             Knowledge all;
             std::uint32_t volume = 0, revision = 0;
             const auto say = [&](const Payload& payload) {
@@ -253,12 +253,12 @@ TEST_SUITE("ringbus/recorder") {
         }
     }
 
-    TEST_CASE("slices beyond the limit are given up, all of them, and their header stays") {
+    TEST_CASE("slices beyond the limit are all dropped, and their header stays") {
         const test::ScratchFolder folder;
         trace::Limits limits;
         limits.window_bytes = 1;  // The newest message alone.
         limits.setup_bytes = 3000;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight), limits);
+        Recorder recorder(folder / "a.mcap", info_for(Recording::flight), limits);
         const auto note = [&](const Payload& payload) { recorder.note(from(0, payload)); };
         note(header_of(1));
         for (std::uint32_t z = 0; z < 5; ++z) {
@@ -278,9 +278,9 @@ TEST_SUITE("ringbus/recorder") {
         CHECK(kinds_in(folder / "a.mcap") == "VolumeHeader Slices VolumeEnd FrameDone");
     }
 
-    TEST_CASE("saving disturbs nothing: again it gives the same, and later more") {
+    TEST_CASE("saving changes nothing: a second save is equal, a later one has more") {
         const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight));
+        Recorder recorder(folder / "a.mcap", info_for(Recording::flight));
         recorder.note(from(0, topology_with(3)));
         recorder.note(from(0, surface(1, 1)));
         const Recorder::Saved first = recorder.save(), again = recorder.save();
@@ -293,9 +293,9 @@ TEST_SUITE("ringbus/recorder") {
         CHECK(!std::filesystem::exists(folder / "a.mcap.part"));
     }
 
-    TEST_CASE("a save that fails leaves the former file, and may be tried again") {
+    TEST_CASE("a failed save leaves the former file, and can be repeated") {
         const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight));
+        Recorder recorder(folder / "a.mcap", info_for(Recording::flight));
         recorder.note(from(0, surface(1, 1)));
         recorder.save();
         recorder.note(from(0, surface(2, 1)));
@@ -308,9 +308,9 @@ TEST_SUITE("ringbus/recorder") {
         CHECK(recorder.save().messages == 2);
     }
 
-    TEST_CASE("a full recording is in its file once the node has been idle, or for its patience") {
+    TEST_CASE("a full recording is in its file after idle time, or after a delay at most") {
         const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::full));
+        Recorder recorder(folder / "a.mcap", info_for(Recording::full));
         const auto count = [&] { return TraceFile(folder / "a.mcap").entries().size(); };
         trace::Instant when = trace::Instant::now();
         CHECK(!recorder.has_unwritten());
@@ -334,11 +334,11 @@ TEST_SUITE("ringbus/recorder") {
         CHECK(TraceFile(folder / "a.mcap").cut() == "");
     }
 
-    TEST_CASE("a full recording ends in order at its limit, and says so once") {
+    TEST_CASE("a full recording closes at its limit, and reports it once") {
         const test::ScratchFolder folder;
         trace::Limits limits;
         limits.file_bytes = 20'000;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::full), limits);
+        Recorder recorder(folder / "a.mcap", info_for(Recording::full), limits);
         std::size_t noted = 0;
         std::string error;
         while (error.empty()) {
@@ -359,9 +359,9 @@ TEST_SUITE("ringbus/recorder") {
         CHECK(file.entries().size() == noted);
     }
 
-    TEST_CASE("a recording that takes no more fails once by name, and again when it is saved") {
+    TEST_CASE("a recording that cannot grow fails once with the reason, and again when saved") {
         const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::full));
+        Recorder recorder(folder / "a.mcap", info_for(Recording::full));
         recorder.note(from(0, surface(1, 1)));
         const std::uint64_t bytes = recorder.save().bytes;
         recorder.note(from(0, surface(2, 1)));

@@ -15,7 +15,7 @@ using trace::TraceFile;
 
 namespace {
 
-/// Gives the messages it was filled with; an empty place is a quiet moment. Keeps what is sent.
+/// Returns scripted messages; an empty entry is a quiet moment. Keeps sent messages.
 class QueueLink final : public Link {
   public:
     NodeId id() const override { return 5; }
@@ -55,9 +55,9 @@ class QueueLink final : public Link {
 }  // namespace
 
 TEST_SUITE("ringbus/recording_link") {
-    TEST_CASE("a question about the node's activity is handed on and not recorded") {
+    TEST_CASE("a question about the node's activity is delivered and not recorded") {
         const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight));
+        Recorder recorder(folder / "a.mcap", info_for(Recording::flight));
         QueueLink queue;
         queue.input = {from(0, topology_with(2)), from(0, pack(schema::AskActivityT{})),
                        from(1, surface(7, 1))};
@@ -68,9 +68,9 @@ TEST_SUITE("ringbus/recording_link") {
         CHECK(recorder.save().messages == 2);
     }
 
-    TEST_CASE("what a link hands on is recorded; SaveTrace is answered and not handed on") {
+    TEST_CASE("delivered messages are recorded; SaveTrace is answered and not delivered") {
         const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight));
+        Recorder recorder(folder / "a.mcap", info_for(Recording::flight));
         QueueLink queue;
         queue.input = {from(0, topology_with(2)), from(0, pack(schema::SaveTraceT{})),
                        from(1, surface(7, 1))};
@@ -91,9 +91,9 @@ TEST_SUITE("ringbus/recording_link") {
         CHECK(kinds_in(folder / "a.mcap") == "Topology");
     }
 
-    TEST_CASE("what the trace shall do without is handed on all the same") {
+    TEST_CASE("messages that the trace omits are still delivered") {
         const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::flight));
+        Recorder recorder(folder / "a.mcap", info_for(Recording::flight));
         QueueLink queue;
         queue.input = {from(0, surface(1, 1)), from(0, topology_with(2)), from(0, surface(2, 1))};
         trace::RecordingLink link(queue, recorder, [](const Message& message) {
@@ -108,9 +108,9 @@ TEST_SUITE("ringbus/recording_link") {
         CHECK(kinds_in(folder / "a.mcap") == "SetSurface SetSurface");
     }
 
-    TEST_CASE("a link that waits in vain writes what waits for the file") {
+    TEST_CASE("a link that waits in vain writes the pending messages") {
         const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::full));
+        Recorder recorder(folder / "a.mcap", info_for(Recording::full));
         QueueLink queue;
         queue.input = {from(0, surface(1, 1))};
         trace::RecordingLink link(queue, recorder);
@@ -123,9 +123,9 @@ TEST_SUITE("ringbus/recording_link") {
         CHECK(queue.waits_ms.back() == 1000);  // Nothing waits any more.
     }
 
-    TEST_CASE("the host is told when recording fails, once, and the node's messages still come") {
+    TEST_CASE("the host receives one Fault when recording fails, and messages still arrive") {
         const test::ScratchFolder folder;
-        Recorder recorder(folder / "a.mcap", info_for(schema::Recording::full));
+        Recorder recorder(folder / "a.mcap", info_for(Recording::full));
         QueueLink queue;
         queue.input = {from(0, surface(1, 1)), std::nullopt};
         trace::RecordingLink link(queue, recorder);

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <utility>
 
-#include "ringbus/arena.hpp"
+#include "ringbus/zmq/arena.hpp"
 #include "tests/ringbus/ipc_address.hpp"
 #include "tests/ringbus/large_bodies.hpp"
 
@@ -31,7 +31,7 @@ std::ptrdiff_t count_of(const char* folder) {
     return std::distance(std::filesystem::directory_iterator(folder), {});
 }
 
-/// What the system says of how much shared memory this process has mapped and touched.
+/// Shared memory that this process has mapped and touched, as the system reports it.
 std::string shared_memory() {
     std::ifstream rollup("/proc/self/smaps_rollup");
     std::string line;
@@ -40,7 +40,7 @@ std::string shared_memory() {
     return line;
 }
 
-/// Runs `act` in a process of its own, which never returns from here.
+/// Runs `act` in a child process, which never returns.
 template <typename Act>
 pid_t run_apart(const Act& act) {
     const pid_t child = fork();
@@ -128,7 +128,7 @@ TEST_SUITE("ringbus/shared_bodies") {
         CHECK(arena.can_lend(slices_from(a, body_bytes, 3)));
     }
 
-    TEST_CASE("what a receiver that was killed had borrowed is free when its peer is removed") {
+    TEST_CASE("bodies that a killed receiver had borrowed are free when its peer is removed") {
         const std::string to_child = ipc_address("killed-child"), to_us = ipc_address("killed-us");
         const pid_t child = run_apart([&] {
             static ZmqLink link(2, to_child);
@@ -155,7 +155,7 @@ TEST_SUITE("ringbus/shared_bodies") {
         CHECK(slices_from(link, body_bytes, 3).bytes().data() == places[1]);
     }
 
-    TEST_CASE("what a sender that was killed has sent can be read") {
+    TEST_CASE("messages of a killed sender can be read") {
         const std::string to_us = ipc_address("widow");
         const pid_t child = run_apart([&] {
             static ZmqLink link(2, ipc_address("dead-sender"));
@@ -179,7 +179,7 @@ TEST_SUITE("ringbus/shared_bodies") {
         }
     }
 
-    TEST_CASE("nothing is left of shared memory when links have ended") {
+    TEST_CASE("no shared memory remains when links have ended") {
         const auto open_before = count_of("/proc/self/fd");
         const std::string shared_before = shared_memory();
         {

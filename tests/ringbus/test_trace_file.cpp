@@ -89,8 +89,8 @@ bool same_message(const Message& a, const Message& b) {
            std::equal(a.bytes().begin(), a.bytes().end(), b.bytes().begin(), b.bytes().end());
 }
 
-/// How many messages the file still gives: they are the first of `messages`, and a file that is
-/// not whole says so. -1 if it cannot be opened.
+/// Number of readable messages, which must be the first of `messages`; an incomplete file must
+/// report its end. -1 if the file cannot be opened.
 int readable(const std::filesystem::path& path, const std::vector<Message>& messages) {
     try {
         const TraceFile file(path);
@@ -106,7 +106,7 @@ int readable(const std::filesystem::path& path, const std::vector<Message>& mess
     }
 }
 
-/// All places in a whole file, but of the schema, which it has twice, only every 31st.
+/// All offsets of a file, but only every 31st of the two copies of the schema.
 std::vector<std::size_t> places_in(const Bytes& whole) {
     const std::string schema = "pxpl5.bus.schema.TraceEntry";
     std::vector<std::size_t> places;
@@ -126,7 +126,7 @@ std::vector<std::size_t> places_in(const Bytes& whole) {
     return places;
 }
 
-/// Changes one byte of a file in its place.
+/// Changes one byte of a file in place.
 void set_byte(const std::filesystem::path& path, std::size_t at, char value) {
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
     file.seekp(static_cast<long>(at)).put(value);
@@ -142,7 +142,7 @@ std::uint64_t seed() {
 }  // namespace
 
 TEST_SUITE("ringbus/trace_file") {
-    TEST_CASE("what was written is read, every kind of message, byte for byte") {
+    TEST_CASE("every kind of message is read back byte for byte") {
         const test::ScratchFolder folder;
         const std::vector<Message> messages = example_messages();
         write_example(folder / "a.mcap", messages);
@@ -157,7 +157,7 @@ TEST_SUITE("ringbus/trace_file") {
         }
     }
 
-    TEST_CASE("a file says what it is") {
+    TEST_CASE("a file describes itself") {
         const test::ScratchFolder folder;
         write_example(folder / "a.mcap", {});
         const TraceFile file(folder / "a.mcap");
@@ -167,7 +167,7 @@ TEST_SUITE("ringbus/trace_file") {
         CHECK(info.build == wanted.build);
         CHECK(info.node == 7);
         CHECK(info.node_name() == "renderer-3");
-        CHECK(info.recording == schema::Recording::full);
+        CHECK(info.recording == Recording::full);
         CHECK(info.dropped == 12);
         CHECK(info.more == wanted.more);
     }
@@ -193,7 +193,7 @@ TEST_SUITE("ringbus/trace_file") {
         }
     }
 
-    TEST_CASE("a file cut anywhere gives the messages of its whole chunks") {
+    TEST_CASE("a file that is cut anywhere gives the messages of its complete chunks") {
         const test::ScratchFolder folder;
         const auto path = folder / "a.mcap";
         std::vector<Message> messages = example_messages();
@@ -213,7 +213,7 @@ TEST_SUITE("ringbus/trace_file") {
             const int count = readable(path, messages);
             REQUIRE(count <= before);  // Fewer bytes never give more messages.
             REQUIRE((count <= 0 || chunks[static_cast<std::size_t>(count) - 1] < size));
-            // A chunk that lies whole in the file is there.
+            // A complete chunk is readable.
             const auto next = static_cast<std::size_t>(std::max(count, 0));
             REQUIRE((next + 3 >= chunks.size() || chunks[next + 3] >= size));
             before = count;
@@ -221,7 +221,7 @@ TEST_SUITE("ringbus/trace_file") {
         CHECK(before == -1);
     }
 
-    TEST_CASE("what was flushed is there although the file was never closed") {
+    TEST_CASE("flushed messages are readable although the file was never closed") {
         const test::ScratchFolder folder;
         const std::vector<Message> messages = example_messages();
         TraceWriter writer(folder / "a.mcap", example_info());
@@ -238,7 +238,7 @@ TEST_SUITE("ringbus/trace_file") {
         CHECK(same_message(file.load(file.entries()[1]), messages[1]));
     }
 
-    TEST_CASE("no flipped bit goes unnoticed, and none gives a message that was not written") {
+    TEST_CASE("every flipped bit is detected, and none makes a message that was not written") {
         const test::ScratchFolder folder;
         const auto path = folder / "a.mcap";
         std::vector<Message> messages = example_messages();
@@ -291,7 +291,7 @@ TEST_SUITE("ringbus/trace_file") {
         }
     }
 
-    TEST_CASE("what is no trace of this program is refused by name") {
+    TEST_CASE("a file that is no trace of this program is refused by name") {
         const test::ScratchFolder folder;
         const auto path = folder / "a.mcap";
         const auto said = [&path] {
@@ -316,7 +316,7 @@ TEST_SUITE("ringbus/trace_file") {
                                     path.string(), schema_hash()));
     }
 
-    TEST_CASE("a disk that takes no more is an error by name, and what it took is readable") {
+    TEST_CASE("a full disk is an error by name, and the written messages are readable") {
         const test::ScratchFolder folder;
         const std::vector<Message> messages = example_messages();
         CHECK_THROWS_WITH_AS(TraceWriter("/dev/full", example_info()),

@@ -9,10 +9,10 @@
 #include <thread>
 #include <zmq.hpp>
 
-#include "ringbus/arena.hpp"
 #include "ringbus/credit.hpp"
 #include "ringbus/wire.hpp"
-#include "ringbus/zmq_link.hpp"
+#include "ringbus/zmq/arena.hpp"
+#include "ringbus/zmq/zmq_link.hpp"
 #include "tests/ringbus/examples.hpp"
 #include "tests/ringbus/ipc_address.hpp"
 #include "tests/ringbus/large_bodies.hpp"
@@ -48,7 +48,7 @@ Message next(ZmqLink& link) {
     }
 }
 
-/// Sends a raw message: a header for node 2 and what follows it in the same part.
+/// Sends a raw message: a header for node 2 and bytes behind it in the same part.
 template <typename Extra>
 void send_raw(zmq::socket_t& socket, const schema::Header& header, const Extra& extra,
               const Payload* body) {
@@ -71,7 +71,7 @@ Payload slices(std::size_t bytes, std::uint32_t number) {
 
 }  // namespace
 
-TEST_SUITE("ringbus/zmq_link") {
+TEST_SUITE("ringbus/zmq/zmq_link") {
     TEST_CASE("messages arrive whole and in order over ipc and over tcp") {
         for (const bool tcp : {false, true}) {
             Pair pair = tcp ? Pair("tcp://127.0.0.1:*", "tcp://127.0.0.1:*") : ipc_pair();
@@ -99,7 +99,7 @@ TEST_SUITE("ringbus/zmq_link") {
         CHECK(next(late).as<schema::Slices>()->first_slice() == 7);
     }
 
-    TEST_CASE("addresses that others could reach are refused") {
+    TEST_CASE("addresses outside this computer are refused") {
         for (const std::string address :
              {"tcp://0.0.0.0:*", "tcp://*:5555", "ipc://@name", "inproc://x", ""}) {
             CHECK_THROWS_WITH_AS(ZmqLink(1, address),
@@ -229,7 +229,7 @@ TEST_SUITE("ringbus/zmq_link") {
         CHECK(pair.a.queued() == 0);
     }
 
-    TEST_CASE("credit for what was never sent is refused") {
+    TEST_CASE("credit for messages that were never sent is refused") {
         Pair pair = ipc_pair();
         schema::CreditT credit;
         credit.messages = 1;
@@ -239,7 +239,7 @@ TEST_SUITE("ringbus/zmq_link") {
                              WireFault);
     }
 
-    TEST_CASE("more than a sender may keep for a receiver that takes nothing is a named fault") {
+    TEST_CASE("a full queue for a receiver without credit is a named fault") {
         Pair pair = ipc_pair();
         const Payload payload = slices(10, 1);
         for (std::size_t i = 0; i < window_messages + max_waiting_messages; ++i) {
@@ -255,7 +255,7 @@ TEST_SUITE("ringbus/zmq_link") {
         CHECK(pair.a.queued() == max_waiting_messages);
     }
 
-    TEST_CASE("what waits for a peer that is removed waits no more") {
+    TEST_CASE("messages for a removed peer are dropped") {
         Pair pair = ipc_pair();
         const Payload payload = slices(10, 1);
         for (std::size_t i = 0; i < window_messages + 5; ++i) {
@@ -266,7 +266,7 @@ TEST_SUITE("ringbus/zmq_link") {
         CHECK(pair.a.queued() == 0);
     }
 
-    TEST_CASE("a peer that is never sent anything costs no socket") {
+    TEST_CASE("a peer without messages costs no socket") {
         const auto open_files = [] {
             return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
         };
@@ -282,7 +282,7 @@ TEST_SUITE("ringbus/zmq_link") {
         CHECK(open_files() > before);
     }
 
-    TEST_CASE("what was sent last still leaves when the link is destroyed, if asked") {
+    TEST_CASE("the last messages still leave when the link is destroyed, with a linger time") {
         ZmqLink receiver(2, ipc_address("receiver"));
         const std::uint32_t count = 12;  // Within the window, and far more than a socket holds.
         {
@@ -298,7 +298,7 @@ TEST_SUITE("ringbus/zmq_link") {
         }
     }
 
-    TEST_CASE("signals between two messages disturb nothing") {
+    TEST_CASE("signals between two messages are harmless") {
         static std::atomic<int> signals;
         signals = 0;
         struct sigaction action {};
@@ -336,7 +336,7 @@ TEST_SUITE("ringbus/zmq_link") {
         CHECK(good == 2 * sent);
     }
 
-    TEST_CASE("places that no sender gave are refused, and the next message still comes") {
+    TEST_CASE("invalid places are refused, and the next message still arrives") {
         constexpr std::size_t body_bytes = 100'000;
         const std::uint64_t seed = pxpl5::test::ring_seed();
         INFO("PXPL5_SEED=", seed);

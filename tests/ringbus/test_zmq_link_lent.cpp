@@ -3,8 +3,8 @@
 #include <cstring>
 #include <zmq.hpp>
 
-#include "ringbus/arena.hpp"
 #include "ringbus/wire.hpp"
+#include "ringbus/zmq/arena.hpp"
 #include "tests/ringbus/ipc_address.hpp"
 #include "tests/ringbus/large_bodies.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t body_bytes = 100'000;
 
-/// A link, node 2, that has opened the arena of node 1, whose messages are made by hand here.
+/// Node 2, which has opened the arena of node 1. The test makes node 1's messages by hand.
 struct Borrower {
     ZmqLink link{2, test::ipc_address("borrower")};
     Arena arena;
@@ -54,8 +54,8 @@ struct Borrower {
 
 }  // namespace
 
-TEST_SUITE("ringbus/zmq_link_lent") {
-    TEST_CASE("a message that is repeated does not free the body that is being read") {
+TEST_SUITE("ringbus/zmq/zmq_link_lent") {
+    TEST_CASE("a repeated message does not free the body that is being read") {
         Borrower to;
         Payload payload = to.body(1);
         const std::uint8_t* const place_of_body = payload.bytes().data();
@@ -73,7 +73,7 @@ TEST_SUITE("ringbus/zmq_link_lent") {
         CHECK(to.body(3).bytes().data() == place_of_body);
     }
 
-    TEST_CASE("a message that is repeated does not free the body of one that is on its way") {
+    TEST_CASE("a repeated message does not free the body of a message in transit") {
         Borrower to;
         const schema::Header header = to.header_of(to.body(1));
         const ArenaPlace place = *to.arena.lend(2, to.body(1));
@@ -110,7 +110,7 @@ TEST_SUITE("ringbus/zmq_link_lent") {
         }
     }
 
-    TEST_CASE("a message that comes too early is refused, and its body is free") {
+    TEST_CASE("an early message is refused, and its body is free") {
         Borrower to;
         Payload payload = to.body(1);
         const std::uint8_t* const place_of_body = payload.bytes().data();

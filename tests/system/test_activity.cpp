@@ -40,7 +40,7 @@ struct Bench {
     Bench(int gps, int renderers) : machine(machine_of(gps, renderers)) {
         session.load("phantom:sphere");
         session.scene.size = {columns * 128 - 50, rows * 128};
-        session.set_surface("s", 0.5, CaseTable::watertight, {160, 160, 160});
+        session.set_surface("s", 0.5, CaseRule::watertight, {160, 160, 160});
     }
     void draw_frames() {
         for (int i = 0; i < frames; ++i) {
@@ -144,7 +144,7 @@ TEST_CASE("messages are seen on all channels that the model gave them") {
     session.load("phantom:sphere");
     session.activity(AwaitAnswers::all);
     counting = true;
-    session.set_surface("s", 0.5, CaseTable::watertight, {160, 160, 160});
+    session.set_surface("s", 0.5, CaseRule::watertight, {160, 160, 160});
     session.draw();
     const ActivityReport report = session.activity(AwaitAnswers::all);
     std::map<std::uint16_t, std::uint64_t> counted;

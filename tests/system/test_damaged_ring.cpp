@@ -33,7 +33,7 @@ Outcome run_with(const bus::SimulatedFault& fault) {
         Session session(machine);
         session.load("phantom:sphere");
         session.scene.size = {160, 140};
-        session.set_surface("s", 0.5, CaseTable::watertight, {200, 180, 160});
+        session.set_surface("s", 0.5, CaseRule::watertight, {200, 180, 160});
         session.draw();
         return {session.draw().rgba, {}};
     } catch (const RequestError& error) {
@@ -77,7 +77,7 @@ TEST_CASE("a sweep with a refused message leaves a machine that works") {
         test::SimulatedMachine machine(small_machine(), {bus::Damage::flip_bit, message});
         Session session(machine);
         const auto set_and_draw = [&session](const char* name) {
-            session.set_surface(name, 0.5, CaseTable::watertight, {200, 180, 160});
+            session.set_surface(name, 0.5, CaseRule::watertight, {200, 180, 160});
             session.draw();
         };
         bool sweeps = false;

@@ -25,7 +25,7 @@ std::string lines_of(Session& session, const PhantomInfo& phantom) {
     session.load(phantom.name);
     for (const PhantomSurface& surface : phantom.surfaces) {
         const SurfaceReport report = session.set_surface(
-            surface.name, surface.isovalue, CaseTable::watertight,
+            surface.name, surface.isovalue, CaseRule::watertight,
             {surface.colour_rgb[0], surface.colour_rgb[1], surface.colour_rgb[2]});
         lines += fmt::format("{} {}: {} triangles, mesh {:016x}, frame {:016x}\n", phantom.name,
                              surface.name, report.triangles, session.mesh_digest(surface.name),
@@ -48,7 +48,7 @@ TEST_CASE("meshes and frames of the built-in volumes and archives are what they 
         lines += lines_of(session, phantom);
     }
     session.load("phantom:pelvis");
-    session.set_surface("bone", 250.5, CaseTable::watertight, {236, 226, 200});
+    session.set_surface("bone", 250.5, CaseRule::watertight, {236, 226, 200});
     for (const int samples : {4, 16}) {
         lines += fmt::format("phantom:pelvis bone, {} samples: frame {:016x}\n", samples,
                              picture_digest(*session.draw_samples(samples)));

@@ -16,7 +16,7 @@ TEST_CASE("a scrubbed region ends as the frame shows it, and is kept until the s
     topology.gp.count = 2;
     topology.renderer.count = 2;
     topology.frame_buffer.count = 1;
-    topology.record = Record::flight;
+    topology.record = Recording::flight;
     MachineOptions options;
     options.binaries = PXPL5_BIN_DIR;
     options.run_base = folder / "run";
@@ -24,7 +24,7 @@ TEST_CASE("a scrubbed region ends as the frame shows it, and is kept until the s
     Session session(machine);
     session.load("phantom:sphere");
     session.scene.size = {256, 256};
-    session.set_surface("ball", 0.5, CaseTable::watertight, {200, 100, 50});
+    session.set_surface("ball", 0.5, CaseRule::watertight, {200, 100, 50});
     const Picture picture = session.draw();
 
     const inspect::ScrubView end = LiveFrame::of(session).scrub(140, 130, {});

@@ -44,8 +44,8 @@ Result result_of(MachinePort& machine) {
     session.scene.camera.angles = {30, 20};
     const double middle = (session.volume().minimum + session.volume().maximum) / 2;
     Result result;
-    result.outer = session.set_surface("outer", middle, CaseTable::watertight, {200, 180, 160});
-    session.set_surface("inner", middle * 1.2, CaseTable::lorensen1987, {90, 120, 160});
+    result.outer = session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
+    session.set_surface("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
     Surface outer = *session.surface("outer");
     outer.opacity = 8;
     session.set_style(outer);

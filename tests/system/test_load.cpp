@@ -76,7 +76,7 @@ struct Result {
 
 Result result_of(Session& session) {
     session.scene.size = {140, 130};
-    const SurfaceReport report = session.set_surface("s", isovalue, CaseTable::watertight, grey);
+    const SurfaceReport report = session.set_surface("s", isovalue, CaseRule::watertight, grey);
     return {session.mesh_digest("s"), session.volume().digest, report.triangles,
             report.area_mm2,          report.volume_mm3,       session.draw().rgba};
 }
@@ -175,7 +175,7 @@ TEST_CASE("Ctrl-C while a volume is read or handed out gives up the volume alone
     // Before anything of it has come, what was loaded stays.
     CHECK(cancel_at([](const LoadProgress& now) { return now.total == 0; }) == "cancelled");
     CHECK(session.volume().name == "phantom:sphere");
-    CHECK(session.set_surface("s", 100, CaseTable::watertight, grey).triangles > 0);
+    CHECK(session.set_surface("s", 100, CaseRule::watertight, grey).triangles > 0);
 
     using Phase = LoadProgress::Phase;
     const std::vector<std::function<bool(const LoadProgress&)>> later = {
@@ -242,6 +242,6 @@ TEST_CASE("a volume that no GP can hold is refused before all of it is read, and
     CHECK_MESSAGE(has(error, "GPs with 33554432 bytes each would do"), error);
     CHECK_FALSE(session.has_volume());
     session.load("phantom:sphere");
-    CHECK(session.set_surface("s", 100, CaseTable::watertight, grey).triangles > 0);
+    CHECK(session.set_surface("s", 100, CaseRule::watertight, grey).triangles > 0);
     machine.shutdown();
 }

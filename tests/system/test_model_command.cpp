@@ -20,8 +20,8 @@ struct Bench {
         session.load("phantom:letters");
         session.scene.size = {300, 200};
         const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-        session.set_surface("outer", middle, CaseTable::watertight, {200, 180, 160});
-        session.set_surface("inner", middle * 1.2, CaseTable::watertight, {90, 120, 160});
+        session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
+        session.set_surface("inner", middle * 1.2, CaseRule::watertight, {90, 120, 160});
     }
     static Topology plan(int gps, int renderers) {
         Topology topology;

@@ -21,7 +21,7 @@ Topology plan(int gps, int renderers) {
     topology.gp.count = gps;
     topology.renderer.count = renderers;
     topology.frame_buffer.count = 1;
-    topology.record = Record::full;
+    topology.record = Recording::full;
     return topology;
 }
 
@@ -44,8 +44,8 @@ timing::RunWork use(Session& session, int samples) {
     session.scene.camera.angles = {30, 20};
     session.scene.samples = samples;
     const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-    session.set_surface("outer", middle, CaseTable::watertight, {200, 180, 160});
-    session.set_surface("inner", middle * 1.2, CaseTable::lorensen1987, {90, 120, 160});
+    session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
+    session.set_surface("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
     Surface outer = *session.surface("outer");
     outer.opacity = 8;
     outer.cull_back = true;
@@ -100,7 +100,7 @@ TEST_CASE("surfaces in parts, and of which triangles are hidden: live and record
     session.scene.size = {150, 140};
     session.scene.tint_gaps = true;
     const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-    session.set_surface("letters", middle, CaseTable::watertight, {200, 180, 160});
+    session.set_surface("letters", middle, CaseRule::watertight, {200, 180, 160});
     ComponentFilter largest;
     largest.kind = ComponentFilter::Kind::largest;
     session.set_components("letters", largest);

@@ -23,7 +23,7 @@ namespace schema = bus::schema;
 
 namespace {
 
-Topology plan(Record record) {
+Topology plan(Recording record) {
     Topology topology;
     topology.gp.count = 3;
     topology.renderer.count = 2;
@@ -56,21 +56,21 @@ Results results_of(Session& session, bool with_saves) {
     save();
     session.scene.size = {200, 150};
     const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-    session.set_surface("outer", middle, CaseTable::watertight, {200, 180, 160});
-    session.set_surface("inner", middle * 1.2, CaseTable::lorensen1987, {90, 120, 160});
+    session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
+    session.set_surface("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
     results.push_back(session.mesh_digest("outer"));
     results.push_back(session.mesh_digest("inner"));
     add(session.draw());
     save();
     session.orbit(4, [&](int, const Picture& picture, const Camera&) { add(picture); });
     save();
-    session.set_surface("outer", middle * 0.9, CaseTable::watertight, {200, 180, 160});
+    session.set_surface("outer", middle * 0.9, CaseRule::watertight, {200, 180, 160});
     add(session.draw());
     return results;
 }
 
 /// The same on a machine of its own.
-Results results_with(Record record, bool with_saves = false) {
+Results results_with(Recording record, bool with_saves = false) {
     const test::ScratchFolder folder;
     Machine machine(plan(record), options_in(folder));
     Session session(machine);
@@ -90,24 +90,24 @@ std::map<std::string, int> kinds_in(const TraceFile& file) {
 }  // namespace
 
 TEST_CASE("what a machine computes is the same whether it records or not") {
-    const Results off = results_with(Record::off);
+    const Results off = results_with(Recording::off);
     REQUIRE(off.size() == 2 + 6 * 200 * 150);
-    CHECK(results_with(Record::flight) == off);
-    CHECK(results_with(Record::full) == off);
-    CHECK(results_with(Record::flight, true) == off);
-    CHECK(results_with(Record::full, true) == off);
+    CHECK(results_with(Recording::flight) == off);
+    CHECK(results_with(Recording::full) == off);
+    CHECK(results_with(Recording::flight, true) == off);
+    CHECK(results_with(Recording::full, true) == off);
 }
 
 TEST_CASE("a second run in the same place, after one without recording, records like the first") {
     const test::ScratchFolder folder;
     std::map<std::string, int> first;
-    for (const Record record : {Record::full, Record::off, Record::full}) {
+    for (const Recording record : {Recording::full, Recording::off, Recording::full}) {
         Machine machine(plan(record), options_in(folder));
         Session session(machine);
         results_of(session, false);
         machine.shutdown();
         const std::filesystem::path traces = machine.run_folder() / "traces";
-        if (record == Record::off) {
+        if (record == Recording::off) {
             CHECK(!std::filesystem::exists(traces));
             continue;
         }
@@ -121,7 +121,7 @@ TEST_CASE("a second run in the same place, after one without recording, records 
 
 TEST_CASE("a full recording has every message between the nodes") {
     const test::ScratchFolder folder;
-    Machine machine(plan(Record::full), options_in(folder));
+    Machine machine(plan(Recording::full), options_in(folder));
     Session session(machine);
     results_of(session, false);
     machine.shutdown();
@@ -143,7 +143,7 @@ TEST_CASE("a full recording has every message between the nodes") {
 
 TEST_CASE("the GPs' traces hold each slice once, and they are the volume that the header names") {
     const test::ScratchFolder folder;
-    Machine machine(plan(Record::full), options_in(folder));
+    Machine machine(plan(Recording::full), options_in(folder));
     Session session(machine);
     session.load("phantom:letters");
     machine.shutdown();
@@ -178,11 +178,11 @@ TEST_CASE("the GPs' traces hold each slice once, and they are the volume that th
 
 TEST_CASE("a Renderer that is killed at work leaves a trace that is read up to the cut") {
     const test::ScratchFolder folder;
-    Machine machine(plan(Record::full), options_in(folder));
+    Machine machine(plan(Recording::full), options_in(folder));
     Session session(machine);
     session.load("phantom:letters");
     const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-    session.set_surface("outer", middle, CaseTable::watertight, {200, 180, 160});
+    session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
     session.orbit(5, [](int, const Picture&, const Camera&) {});
     session.save_traces();  // What has come by now is in the file.
     int pid = 0;

@@ -35,8 +35,8 @@ Results results_of(MachinePort& machine) {
     const double middle = (session.volume().minimum + session.volume().maximum) / 2;
     Results results;
     results.triangles =
-        session.set_surface("outer", middle, CaseTable::watertight, {200, 180, 160}).triangles +
-        session.set_surface("inner", middle * 1.2, CaseTable::lorensen1987, {90, 120, 160})
+        session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160}).triangles +
+        session.set_surface("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160})
             .triangles;
     results.meshes = {session.mesh_digest("outer"), session.mesh_digest("inner")};
     results.pictures.push_back(session.draw().rgba);
@@ -122,7 +122,7 @@ TEST_CASE("a large picture from near by is the same for any machine") {
         session.scene.size = {700, 530};
         session.scene.camera = {{40, 25}, 3};
         session.scene.lights = {{-28, 32, 0.7}, {50, -10, 0.3}, {0, 80, 0.2}};
-        session.set_surface("bone", 250.5, CaseTable::asymptotic, {230, 220, 200});
+        session.set_surface("bone", 250.5, CaseRule::asymptotic, {230, 220, 200});
         return session.draw().rgba;
     };
     const auto least = picture_of(plan(1, 1, 0));

@@ -46,7 +46,7 @@ struct Bench {
         session.scene.size = {200, 150};
         session.scene.camera.angles = {30, 20};
         const Volume& volume = session.volume();
-        session.set_surface("letters", (volume.minimum + volume.maximum) / 2, CaseTable::watertight,
+        session.set_surface("letters", (volume.minimum + volume.maximum) / 2, CaseRule::watertight,
                             {200, 180, 160});
     }
 

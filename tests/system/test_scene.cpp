@@ -73,7 +73,7 @@ TEST_CASE("a scene has no surfaces, and says so") {
     const std::string said = file.path +
                              " is a scene of polygons, spheres and lines: it has no voxels and no "
                              "isosurfaces; load a volume for them";
-    CHECK(test::error_of([&] { session.set_surface("s", 1, CaseTable::watertight, {}); }) == said);
+    CHECK(test::error_of([&] { session.set_surface("s", 1, CaseRule::watertight, {}); }) == said);
     CHECK(test::error_of([&] { session.remove_surface("s"); }) == said);
     CHECK(test::error_of([&] { session.mesh_digest("s"); }) == said);
 }
@@ -83,7 +83,7 @@ TEST_CASE("volume and scene take each other's place") {
     test::SimulatedMachine machine(machine_of(3));
     Session session(machine);
     session.load("phantom:sphere");
-    session.set_surface("s", 0.5, CaseTable::watertight, {160, 160, 160});
+    session.set_surface("s", 0.5, CaseRule::watertight, {160, 160, 160});
     const auto first = session.draw().rgba;
     session.load(file.path);
     CHECK(session.scene.surfaces.empty());
@@ -92,7 +92,7 @@ TEST_CASE("volume and scene take each other's place") {
     CHECK(session.draw().rgba != first);
     session.load("phantom:sphere");
     CHECK(session.archive() == nullptr);
-    session.set_surface("s", 0.5, CaseTable::watertight, {160, 160, 160});
+    session.set_surface("s", 0.5, CaseRule::watertight, {160, 160, 160});
     CHECK(session.draw().rgba == first);
 }
 

@@ -29,7 +29,7 @@ Topology machine_of(int gps, int renderers, int gp_memory_mib = 64) {
 void show_sphere(Session& session, int width, int height, double isovalue) {
     session.load("phantom:sphere");
     session.scene.size = {width, height};
-    session.set_surface("s", isovalue, CaseTable::watertight, grey);
+    session.set_surface("s", isovalue, CaseRule::watertight, grey);
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ TEST_CASE("when all GPs refuse a volume, the next volume is not blamed for it") 
     CHECK(error.find("GPs") != std::string::npos);
     CHECK(!session.has_volume());
     CHECK_NOTHROW(session.load("phantom:sphere"));
-    CHECK_NOTHROW(session.set_surface("s", 0.5, CaseTable::watertight, grey));
+    CHECK_NOTHROW(session.set_surface("s", 0.5, CaseRule::watertight, grey));
     CHECK(session.draw().rgba.size() == 512 * 512);
 }
 
@@ -82,8 +82,7 @@ TEST_CASE("a surface that no GP has room for is gone, and the others stay") {
     int held = 0;
     for (; held < 16 && error.empty(); ++held) {
         error = test::error_of([&] {
-            session.set_surface("s" + std::to_string(held), 100 + held, CaseTable::watertight,
-                                grey);
+            session.set_surface("s" + std::to_string(held), 100 + held, CaseRule::watertight, grey);
         });
     }
     REQUIRE(!error.empty());
@@ -98,9 +97,9 @@ TEST_CASE("the newest isovalue of a surface is what is drawn") {
     Session session(machine);
     show_sphere(session, 100, 100, 0.5);
     const Picture large = session.draw();
-    session.set_surface("s", 1500.5, CaseTable::watertight, grey);
+    session.set_surface("s", 1500.5, CaseRule::watertight, grey);
     CHECK(session.draw().rgba != large.rgba);
-    session.set_surface("s", 0.5, CaseTable::watertight, grey);
+    session.set_surface("s", 0.5, CaseRule::watertight, grey);
     CHECK(session.draw().rgba == large.rgba);
 }
 
@@ -112,10 +111,10 @@ TEST_CASE("a sweep shows each isovalue and leaves the surface as it was") {
     const std::vector<double> isovalues = {0.5, 900.5, 1500.5};
     std::vector<std::vector<std::uint32_t>> wanted;
     for (const double isovalue : isovalues) {
-        session.set_surface("s", isovalue, CaseTable::watertight, grey);
+        session.set_surface("s", isovalue, CaseRule::watertight, grey);
         wanted.push_back(session.draw().rgba);
     }
-    session.set_surface("s", 300.5, CaseTable::watertight, grey);
+    session.set_surface("s", 300.5, CaseRule::watertight, grey);
     const Picture before = session.draw();
 
     std::vector<std::vector<std::uint32_t>> shown;

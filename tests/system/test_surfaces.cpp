@@ -33,7 +33,7 @@ struct Bone {
     explicit Bone(const Topology& topology) : machine(topology), session(machine) {
         session.load("phantom:pelvis");
         session.scene.size = {200, 170};
-        session.set_surface("bone", 250.5, CaseTable::watertight, grey);
+        session.set_surface("bone", 250.5, CaseRule::watertight, grey);
     }
     Reply run(const std::string& line) { return run_command(session, parse_line(line)); }
     std::vector<std::uint32_t> draw() { return session.draw().rgba; }
@@ -144,11 +144,11 @@ TEST_CASE("a picked point has the isovalue between its voxels") {
 TEST_CASE("the atlas tells what the surfaces would be") {
     Bone bone(machine_of(3, 1));
     const std::vector<double> isovalues = {-300.5, -20.5, 250.5, 700.5};
-    const auto rows = bone.session.measure_isovalues(isovalues, CaseTable::watertight);
+    const auto rows = bone.session.measure_isovalues(isovalues, CaseRule::watertight);
     const auto components = count_components(bone.session.volume(), isovalues);
     for (std::size_t i = 0; i < isovalues.size(); ++i) {
         const SurfaceReport report =
-            bone.session.set_surface("s", isovalues[i], CaseTable::watertight, grey);
+            bone.session.set_surface("s", isovalues[i], CaseRule::watertight, grey);
         CHECK(static_cast<std::int64_t>(rows[i].triangles) == report.triangles);
         CHECK(rows[i].area_mm2 == doctest::Approx(report.area_mm2).epsilon(1e-9));
         CHECK(rows[i].volume_mm3 == doctest::Approx(report.volume_mm3).epsilon(1e-9));

@@ -18,7 +18,8 @@ MAY_INCLUDE = {
 # the folder's own files. A room of a room has its own row: "host/inspect": {"record": ...}.
 ROOMS = {
     "isa": {".": set(), "reference": {"."}, "conformance": {"."}, "contract": {"."}},
-    "ringbus": {".": set(), "trace": {"."}, "process": {".", "trace"}},
+    "ringbus": {"rules": set(), ".": {"rules"}, "trace": {"."}, "zmq": {"."},
+                "process": {".", "trace", "zmq"}},
     "renderer_firmware": {
         "hal": set(),
         "programs": set(),
@@ -60,7 +61,7 @@ ROOMS = {
     },
     "host/timing": {"counts": set(), "replay": {"counts"}, ".": {"counts", "replay"}},
     "host/surface": {"atlas": set(), ".": set()},
-    "host/session": {".": set(), "pictures": {"."}},
+    "host/session": {"pictures": set(), ".": set()},
     "host/io": {
         "values": set(),
         "formats": {"values"},
@@ -98,7 +99,8 @@ ROOMS = {
         ".": {"link", "elements", "state", "picture", "panel", "surfaces", "volume", "shell"},
     },
 }
-GENERATED = re.compile(r"^(\w+_generated\.h|schema_hash\.hpp|\w+\.inc)$")  # By the build.
+# Files that the build writes. generated/vocabulary.hpp is plain: every folder may include it.
+GENERATED = re.compile(r"^(\w+_generated\.h|generated/\w+\.hpp|schema_hash\.hpp|\w+\.inc)$")
 FIRMWARE = {"gp_firmware", "renderer_firmware"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 # `import ... from 'x'` of an ES module, its last line if it has several, and import('x') of types.
@@ -123,9 +125,13 @@ def _is_node_or_main(path: pathlib.PurePath) -> bool:
 
 
 def may_use_messages(path: pathlib.PurePath) -> bool:
-    """Messages are for ringbus, nodes, mains, and the parts of the host that talk to nodes."""
+    """Messages are for ringbus, nodes, mains, and the parts of the host that talk to nodes.
+
+    A file called X_messages converts X to messages and back.
+    """
     parts = path.parts
-    if parts[0] in {"ringbus", "tests"} or _is_node_or_main(path):
+    if parts[0] in {"ringbus", "tests"} or _is_node_or_main(path) or \
+            path.stem.endswith("_messages"):
         return True
     return parts[0] == "host" and (
         parts[1] in {"volume", "machine", "io", "frame_buffer", "session", "surface", "inspect"})
@@ -136,7 +142,8 @@ def _layer_error(path: pathlib.PurePath, included: str) -> str:
     parts = path.parts
     if parts[0] not in FIRMWARE or len(parts) < 3 or parts[1] == "node":
         return ""
-    if included.startswith("ringbus/") or included.startswith(parts[0] + "/node"):
+    if included.startswith("ringbus/") and not included.startswith("ringbus/rules/") or \
+            included.startswith(parts[0] + "/node"):
         return f"a stage may not include {included}"
     if parts[1] == "hal" and included.startswith(parts[0] + "/"):
         if not included.startswith(parts[0] + "/hal/"):
@@ -173,9 +180,9 @@ def error_of(path: pathlib.PurePath, quote: str, included: str) -> str:
     is_rooted = "/" in included and target in MAY_INCLUDE
     if quote == '"' and not is_rooted and not GENERATED.match(included):
         return f'"{included}" is not a path from the top of the repository'
-    is_link = path.as_posix().startswith(("ringbus/zmq_link.", "tests/ringbus/test_zmq_link"))
+    is_link = path.as_posix().startswith(("ringbus/zmq/", "tests/ringbus/test_zmq_link"))
     if ZMQ.match(included) and not is_link:
-        return "only ringbus/zmq_link.* includes ZeroMQ"
+        return "only ringbus/zmq/* includes ZeroMQ"
     is_server = path.as_posix().startswith("host/serve/server/") and path.suffix == ".cpp"
     if SOCKETS.match(included) and not is_server:
         return "only host/serve/server/*.cpp includes libwebsockets"

@@ -6,7 +6,7 @@ import pathlib
 import sys
 
 CHECKS = ("includes", "lengths", "layout", "folders", "words", "english", "links", "unused",
-          "format")
+          "vocabulary", "format")
 
 
 def main(arguments) -> int:

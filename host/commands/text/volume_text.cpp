@@ -14,20 +14,6 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr std::array<std::string_view, 4> scalar_names = {"uint8", "int16", "uint16", "float32"};
-constexpr std::array<std::string_view, 12> finding_names = {"note",
-                                                            "conversion",
-                                                            "assumption",
-                                                            "reflection",
-                                                            "gantry tilt",
-                                                            "missing slices",
-                                                            "uneven slices",
-                                                            "duplicate slices",
-                                                            "mixed orientations",
-                                                            "thickness differs",
-                                                            "other series",
-                                                            "processed"};
-
 glm::dvec3 axis_mm(const Volume& volume, int axis) {
     return glm::dvec3(volume.voxel_to_patient[axis]);
 }
@@ -102,8 +88,10 @@ glm::dvec3 spacing_mm(const Volume& volume) {
             glm::length(axis_mm(volume, 2))};
 }
 
-std::string_view finding_name(FindingKind kind) {
-    return finding_names[static_cast<std::size_t>(kind)];
+std::string finding_name(FindingKind kind) {
+    std::string name = enum_name(kind);
+    std::ranges::replace(name, '_', ' ');
+    return name;
 }
 
 std::string orientation_letters(const Volume& volume) {
@@ -122,7 +110,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
                      extent =
                          spacing * glm::dvec3(volume.nx - 1, volume.ny - 1, last_place(volume));
     const glm::dvec3 origin(volume.voxel_to_patient[3]);
-    const std::string type(scalar_names[static_cast<std::size_t>(volume.type)]);
+    const std::string type = enum_name(volume.type);
     const std::string letters = orientation_letters(volume);
     Reply reply;
     reply.text = fmt::format(
@@ -146,7 +134,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     }
     std::vector<Fields> notes;
     for (const Finding& finding : volume.findings) {
-        const std::string kind(finding_name(finding.kind));
+        const std::string kind = finding_name(finding.kind);
         reply.text += fmt::format("\n{}: {}", kind, finding.text);
         if (is_warning(finding.kind)) {
             reply.warnings.push_back(fmt::format("{}: {}", kind, finding.text));

@@ -22,7 +22,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail = VolumeDetail::
 glm::dvec3 spacing_mm(const Volume& volume);
 
 /// "gantry tilt", "missing slices", ...
-std::string_view finding_name(FindingKind kind);
+std::string finding_name(FindingKind kind);
 
 /// Where the volume's axes point in the patient, nearest first letter per axis: "LPS", "RAS", ...
 std::string orientation_letters(const Volume& volume);

@@ -62,7 +62,7 @@ NamedValues values_of(const schema::DrawFrame& draw) {
 NamedValues setup_values_of(const bus::Message& message) {
     if (const auto* v = message.as<schema::VolumeHeader>()) {
         return {{"volume size", fmt::format("{} x {} x {}", v->nx(), v->ny(), v->nz())},
-                {"volume type", schema::EnumNameScalarType(v->type())},
+                {"volume type", enum_name(v->type())},
                 {"volume's place in the patient", text_of(*v->voxel_to_patient())},
                 {"volume's values", fmt::format("{} .. {}", v->minimum(), v->maximum())},
                 {"volume's digest", fmt::format("{:016x}", v->digest())}};
@@ -70,7 +70,7 @@ NamedValues setup_values_of(const bus::Message& message) {
     if (const auto* s = message.as<schema::SetSurface>()) {
         return {{"surface set", fmt::format("id {}, revision {}", s->surface(), s->revision())},
                 {"isovalue", fmt::format("{}", s->isovalue())},
-                {"case table", schema::EnumNameCaseTable(s->table())}};
+                {"case table", enum_name(s->table())}};
     }
     if (const auto* removed = message.as<schema::RemoveSurface>()) {
         return {{"surface removed", fmt::format("id {}", removed->surface())}};

@@ -14,7 +14,6 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-constexpr int size_px = isa::region::size_px;
 constexpr std::uint32_t step = 52;  ///< Bits compared at once; 208 are four steps.
 static_assert(isa::memory_bits % step == 0);
 
@@ -34,7 +33,7 @@ std::uint32_t lowest(std::uint64_t p, std::uint64_t q) {
 }
 
 std::uint32_t word_at(const std::vector<std::uint32_t>& words, int x, int y) {
-    const auto at = static_cast<std::size_t>(y * size_px + x);
+    const auto at = static_cast<std::size_t>(y * region_px + x);
     return at < words.size() ? words[at] : 0;
 }
 
@@ -85,8 +84,8 @@ std::optional<StateBit> ExecutorPair::pixel_difference(
 }
 
 std::optional<StateBit> ExecutorPair::difference(const std::vector<std::uint32_t>& blocks) const {
-    for (int y = 0; y < size_px; ++y) {
-        for (int x = 0; x < size_px; ++x) {
+    for (int y = 0; y < region_px; ++y) {
+        for (int x = 0; x < region_px; ++x) {
             if (const auto bit = pixel_difference(x, y, blocks)) {
                 return bit;
             }

@@ -125,8 +125,8 @@ void add_verdict(Difference& d, const RecordedRun& a, const RecordedRun& b,
                  const RecordedFrame& frame, const RecordedRegion& in_a, const RecordedRegion& in_b,
                  const PixelDifference& pixel, const DiffOptions& options) {
     const RegionRun again = run_region(in_a, *options.trusted.make());
-    const std::size_t at = static_cast<std::size_t>(
-        (pixel.y - in_a.place.y0_px) * isa::region::size_px + pixel.x - in_a.place.x0_px);
+    const std::size_t at = static_cast<std::size_t>((pixel.y - in_a.place.y0_px) * region_px +
+                                                    pixel.x - in_a.place.x0_px);
     const std::uint32_t right = again.pixels.at(at) & 0xFFFFFF;
     const bool a_wrong = right != pixel.found, b_wrong = right != pixel.expected;
     const auto recorder = [](const RecordedRun& run, const RecordedRegion& region) {

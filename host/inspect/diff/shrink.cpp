@@ -295,7 +295,7 @@ std::vector<std::uint32_t> whole_program(const renderer::RegionPlan& plan, const
 renderer::RegionPlan plan_of_program(std::span<const std::uint32_t> words) {
     renderer::RegionPlan plan;
     renderer::RegionPlan::Part part;
-    part.kind = renderer::RegionPlan::Kind::prologue;
+    part.kind = PartKind::prologue;
     part.segment.words = words;
     plan.parts.push_back(part);
     return plan;

@@ -12,7 +12,7 @@ namespace pxpl5::host::inspect {
 namespace {
 
 using Part = renderer::RegionPlan::Part;
-using Kind = renderer::RegionPlan::Kind;
+using Kind = PartKind;
 
 std::string stream_name(const Part& part) {
     switch (part.kind) {

@@ -28,7 +28,7 @@ bool is_before(hal::Place a, hal::Place b) {
 
 std::size_t enabled_count(const hal::PixelArray& pixels) {
     std::size_t count = 0;
-    for (std::size_t word = 0; word < isa::region_pixels / word_bits; ++word) {
+    for (std::size_t word = 0; word < region_pixels / word_bits; ++word) {
         count += static_cast<std::size_t>(std::popcount(word_at(pixels.enable, word)));
     }
     return count;
@@ -38,7 +38,7 @@ std::optional<RegionPixel> first_enabled(const hal::PixelArray& pixels) {
     // Blocks lie in rows: the first row of blocks that holds an enabled pixel holds the first one.
     std::optional<hal::Place> first;
     constexpr std::size_t words_of_row = hal::blocks_across * hal::block_pixels / word_bits;
-    for (std::size_t word = 0; word < isa::region_pixels / word_bits; ++word) {
+    for (std::size_t word = 0; word < region_pixels / word_bits; ++word) {
         if (first && word % words_of_row == 0) {
             break;
         }

@@ -13,7 +13,7 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-using Kind = renderer::RegionPlan::Kind;
+using Kind = PartKind;
 
 constexpr const char* no_part = "";
 

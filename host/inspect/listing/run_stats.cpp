@@ -15,7 +15,7 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-using Kind = renderer::RegionPlan::Kind;
+using Kind = PartKind;
 
 std::size_t index_of(isa::Op op) {
     return static_cast<std::size_t>(op);

@@ -22,12 +22,12 @@ struct OpCount {
 /// What one part of a region's programs did.
 struct PartCounts {
     std::uint32_t frame = 0, region = 0, renderer = 0;
-    renderer::RegionPlan::Kind kind{};
+    PartKind kind{};
     std::uint32_t gp = 0, surface = 0, slab = 0;  ///< Valid for a segment.
     std::uint64_t primitives = 0;
     std::array<OpCount, isa::op_count> ops{};
 
-    bool is_segment() const { return kind == renderer::RegionPlan::Kind::segment; }
+    bool is_segment() const { return kind == PartKind::segment; }
     OpCount total() const;
 };
 

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Part = renderer::RegionPlan::Part;
-using Kind = renderer::RegionPlan::Kind;
+using Kind = PartKind;
 
 /// A file under way.
 struct File {

@@ -189,10 +189,10 @@ Chart draw_legend(const MapValues& map, const std::string& subject, int width) {
 /// Draws the regions' borders. Views are stacked, and each begins with whole regions.
 void draw_grid(Chart& chart, const MapValues& map, double left) {
     const double right = left + map.width;
-    for (int x = isa::region::size_px; x < map.width; x += isa::region::size_px) {
+    for (int x = region_px; x < map.width; x += region_px) {
         chart.line({left + x + 0.5, 0}, {left + x + 0.5, double(map.height)}, grid_line);
     }
-    for (int y = isa::region::size_px; y < map.height; y += isa::region::size_px) {
+    for (int y = region_px; y < map.height; y += region_px) {
         chart.line({left, y + 0.5}, {right, y + 0.5}, grid_line);
     }
 }
@@ -200,9 +200,9 @@ void draw_grid(Chart& chart, const MapValues& map, double left) {
 /// Writes each region's number into its corner.
 void label_regions(Chart& chart, const MapValues& map, int left) {
     constexpr float inset_px = 5, halo_px = 2;
-    const float height_px = map.width >= 2 * isa::region::size_px ? 18 : 12;
-    for (int y = 0; y < map.height; y += isa::region::size_px) {
-        for (int x = 0; x < map.width; x += isa::region::size_px) {
+    const float height_px = map.width >= 2 * region_px ? 18 : 12;
+    for (int y = 0; y < map.height; y += region_px) {
+        for (int x = 0; x < map.width; x += region_px) {
             if (const std::int64_t value = map.values[at(x, y, map.width)]; value != no_value) {
                 chart.marks.push_back(text_mark(
                     {static_cast<float>(left + x) + inset_px, static_cast<float>(y) + inset_px},

@@ -12,8 +12,6 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-constexpr int size_px = isa::region::size_px;
-
 constexpr MapInfo kinds[] = {
     {MapKind::idle, "idle", MapScale::count, false, "Idle",
      "instructions run while the pixel is disabled"},
@@ -96,11 +94,11 @@ std::int64_t value_of(MapKind kind, const RegionView& view, std::size_t pixel) {
 void place_region(MapValues& map, const RecordedFrame& frame, const RegionView& view) {
     const RegionPlace& place = view.region.place;
     const int height = static_cast<int>(frame.draw().height());
-    const int rows = std::min(size_px, (place.view + 1) * height - place.y0_px);
-    const int columns = std::min(size_px, map.width - place.x0_px);
+    const int rows = std::min(region_px, (place.view + 1) * height - place.y0_px);
+    const int columns = std::min(region_px, map.width - place.x0_px);
     for (int y = 0; y < rows; ++y) {
         for (int x = 0; x < columns; ++x) {
-            const auto from = static_cast<std::size_t>(y * size_px + x);
+            const auto from = static_cast<std::size_t>(y * region_px + x);
             const auto to =
                 static_cast<std::size_t>((place.y0_px + y) * map.width + place.x0_px + x);
             map.values[to] = value_of(map.kind, view, from);

@@ -22,7 +22,7 @@ static_assert(std::endian::native == std::endian::little, "bit i of a map is bit
 /// Pixel of a bit: row by row.
 std::size_t pixel_of(std::size_t index) {
     const hal::Place place = hal::place_of(index);
-    return place.y * layout::size_px + place.x;
+    return place.y * region_px + place.x;
 }
 
 class Census {
@@ -32,7 +32,7 @@ class Census {
 
     RegionCensus take() {
         prepare(region_, executor_);
-        result_.visible.assign(isa::region_pixels, no_primitive);
+        result_.visible.assign(region_pixels, no_primitive);
         executor_.set_readout([this](std::span<const std::uint32_t> pixels) {
             result_.rgb.assign(pixels.begin(), pixels.end());
         });
@@ -51,8 +51,8 @@ class Census {
 
   private:
     static PerPixel counts(const BitMapCounter& counter) {
-        PerPixel counts(isa::region_pixels);
-        for (std::size_t i = 0; i < isa::region_pixels; ++i) {
+        PerPixel counts(region_pixels);
+        for (std::size_t i = 0; i < region_pixels; ++i) {
             counts[pixel_of(i)] = counter.count(i);
         }
         return counts;
@@ -67,7 +67,7 @@ class Census {
             used_ = false;
         }
         if (walk_.is_part_begin() &&
-            region_.plan.parts[walk_.at().part].kind == renderer::RegionPlan::Kind::end_of_region) {
+            region_.plan.parts[walk_.at().part].kind == PartKind::end_of_region) {
             keep_fields();
         }
     }
@@ -119,8 +119,8 @@ class Census {
 
     void keep_fields() {
         const auto keep = [&](PerPixel& values, std::uint32_t address, std::uint32_t width) {
-            values.resize(isa::region_pixels);
-            for (std::size_t i = 0; i < isa::region_pixels; ++i) {
+            values.resize(region_pixels);
+            for (std::size_t i = 0; i < region_pixels; ++i) {
                 values[pixel_of(i)] =
                     static_cast<std::uint32_t>(hal::field(executor_.pixels(), i, address, width));
             }

@@ -37,7 +37,7 @@ RegionCensus take_census(const RecordedRegion& region, std::span<const Primitive
 /// are kept together, so that adding a map costs two operations a word.
 class BitMapCounter {
   public:
-    static constexpr std::size_t words = isa::region_pixels / 64;
+    static constexpr std::size_t words = region_pixels / 64;
     using Map = std::array<std::uint64_t, words>;
 
     /// Adds words first .. first+count-1 of `map`.

@@ -15,7 +15,6 @@ namespace pxpl5::host::inspect {
 namespace {
 
 namespace layout = isa::region;
-constexpr int size_px = layout::size_px;
 constexpr Rgb8 black{}, white{255, 255, 255};
 
 const std::vector<NamedField>& names() {
@@ -168,11 +167,11 @@ NamedField field_of(std::string_view text) {
 }
 
 std::vector<std::uint32_t> picture_of(const isa::Executor& executor, const NamedField& field) {
-    std::vector<std::uint64_t> values(isa::region_pixels);
+    std::vector<std::uint64_t> values(region_pixels);
     ValueRange range;
     for (std::size_t i = 0; i < values.size(); ++i) {
         values[i] =
-            field.value(executor, static_cast<int>(i) % size_px, static_cast<int>(i) / size_px);
+            field.value(executor, static_cast<int>(i) % region_px, static_cast<int>(i) / region_px);
         if (field.name != "z" || values[i] != layout::z_far) {
             range.take(values[i]);
         }

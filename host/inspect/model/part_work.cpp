@@ -6,29 +6,10 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-timing::PartKind kind_of(renderer::RegionPlan::Kind kind) {
-    using Kind = renderer::RegionPlan::Kind;
-    switch (kind) {
-        case Kind::prologue:
-            return timing::PartKind::prologue;
-        case Kind::shut_door:
-            return timing::PartKind::shut_door;
-        case Kind::open_door:
-            return timing::PartKind::open_door;
-        case Kind::depths:
-            return timing::PartKind::depths;
-        case Kind::end_of_region:
-            return timing::PartKind::end_of_region;
-        case Kind::segment:
-            break;
-    }
-    return timing::PartKind::segment;
-}
-
 timing::PartWork work_of(const PartCounts& counts) {
     timing::PartWork part;
     part.region = counts.region;
-    part.kind = kind_of(counts.kind);
+    part.kind = counts.kind;
     part.surface = counts.surface;
     part.slab = counts.slab;
     part.primitives = counts.primitives;

@@ -71,7 +71,7 @@ Scenes recorded_scenes(const RecordedRun& run) {
 
 /// True if the node recorded everything that it received.
 bool has_all(const NodeTrace* node) {
-    return node != nullptr && node->info.recording == schema::Recording::full && node->cut.empty();
+    return node != nullptr && node->info.recording == Recording::full && node->cut.empty();
 }
 
 /// Follows the host's commands in the order in which GP 0 received them.
@@ -189,7 +189,7 @@ std::optional<Slabs> WorkReader::slabs_of(const schema::SetSurface& set) {
             return std::nullopt;
         }
         const gp::SlabCounts counts = replay_extraction(*volume_, slab, set.isovalue(),
-                                                        static_cast<gp::CaseRule>(set.table()))
+                                                        set.table())
                                           .counts;
         slabs[k] = {k, counts.cells_active, counts.vertices, counts.triangles};
     }
@@ -222,8 +222,7 @@ std::map<std::uint32_t, std::uint64_t> WorkReader::primitives_of(
     const auto found = surfaces_.find({surface.surface(), surface.revision()});
     for (const auto& [k, slab] : found == surfaces_.end() ? Slabs() : found->second) {
         if (slab.triangles != 0 &&
-            gp::draws_slab(static_cast<gp::SlabChoice>(surface.slabs()), static_cast<int>(k),
-                           volume_->shape().gap_slabs)) {
+            gp::draws_slab(surface.slabs(), static_cast<int>(k), volume_->shape().gap_slabs)) {
             primitives[k] = slab.triangles;
         }
     }

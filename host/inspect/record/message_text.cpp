@@ -28,7 +28,7 @@ std::string text(const schema::Hello& m) {
 }
 std::string text(const schema::Topology& m) {
     return fmt::format("{}, recording {}", counted(m.nodes()->size(), "node"),
-                       schema::EnumNameRecording(m.recording()));
+                       enum_name(m.recording()));
 }
 std::string text(const schema::Shutdown& m) {
     return m.reason() == nullptr ? "" : m.reason()->str();
@@ -44,8 +44,8 @@ std::string text(const schema::ImportVolume& m) {
 }
 std::string text(const schema::VolumeHeader& m) {
     return fmt::format("volume {} '{}': {}x{}x{} {}, values {} .. {}, digest {:016x}", m.volume(),
-                       m.name()->c_str(), m.nx(), m.ny(), m.nz(),
-                       schema::EnumNameScalarType(m.type()), m.minimum(), m.maximum(), m.digest());
+                       m.name()->c_str(), m.nx(), m.ny(), m.nz(), enum_name(m.type()), m.minimum(),
+                       m.maximum(), m.digest());
 }
 std::string text(const schema::Slices& m) {
     return fmt::format("volume {}, slices {} .. {}", m.volume(), m.first_slice(),
@@ -66,7 +66,7 @@ std::string text(const schema::IoDone& m) {
 }
 std::string text(const schema::SetSurface& m) {
     return fmt::format("surface {} revision {}: isovalue {}, table {}", m.surface(), m.revision(),
-                       m.isovalue(), schema::EnumNameCaseTable(m.table()));
+                       m.isovalue(), enum_name(m.table()));
 }
 std::string text(const schema::RemoveSurface& m) {
     return fmt::format("surface {}", m.surface());

@@ -14,12 +14,11 @@ namespace {
 
 namespace schema = bus::schema;
 
-constexpr int size_px = isa::region::size_px;
-constexpr std::size_t tile_pixels = isa::region_pixels;
+constexpr std::size_t tile_pixels = region_pixels;
 constexpr std::uint32_t color_mask = 0xFFFFFF;
 
 std::size_t in_tile(int x, int y) {
-    return static_cast<std::size_t>(y * size_px + x);
+    return static_cast<std::size_t>(y * region_px + x);
 }
 
 /// Calls visit(x, y in the region, x, y in the picture) row by row until it is false.
@@ -28,8 +27,8 @@ void each_pixel(const RecordedFrame& frame, std::uint32_t region, const Visit& v
     const RegionPlace place = frame.place(region);
     const int width = static_cast<int>(frame.draw().width());
     const int bottom = (place.view + 1) * static_cast<int>(frame.draw().height());
-    for (int y = 0; y < size_px && place.y0_px + y < bottom; ++y) {
-        for (int x = 0; x < size_px && place.x0_px + x < width; ++x) {
+    for (int y = 0; y < region_px && place.y0_px + y < bottom; ++y) {
+        for (int x = 0; x < region_px && place.x0_px + x < width; ++x) {
             if (!visit(x, y, place.x0_px + x, place.y0_px + y)) {
                 return;
             }
@@ -48,7 +47,7 @@ std::optional<RecordedTile> tile_of(const RecordedFrame& frame, std::uint32_t re
                 const auto part_of = [i](const flatbuffers::Vector<std::uint32_t>* words) {
                     return words == nullptr || words->size() == 0
                                ? std::span<const std::uint32_t>()
-                               : std::span(words->data() + i * tile_pixels, tile_pixels);
+                               : std::span(words->data() + i * region_pixels, region_pixels);
                 };
                 return RecordedTile{part_of(sent.pixels()),
                                     part_of(sent.depths()),
@@ -82,7 +81,7 @@ std::uint64_t digest_of(std::span<const std::uint32_t> picture) {
 
 std::vector<std::uint32_t> cut_out(const RecordedFrame& frame, std::uint32_t region,
                                    std::span<const std::uint32_t> picture) {
-    std::vector<std::uint32_t> tile(tile_pixels);
+    std::vector<std::uint32_t> tile(region_pixels);
     const auto width = static_cast<std::size_t>(frame.draw().width());
     each_pixel(frame, region, [&](int x, int y, int px, int py) {
         tile[in_tile(x, y)] =

@@ -7,6 +7,7 @@
 
 #include "host/base/error.hpp"
 #include "isa/contract/region_layout.hpp"
+#include "ringbus/rules/regions.hpp"
 #include "ringbus/trace/trace_info.hpp"
 
 namespace pxpl5::host::inspect {
@@ -16,11 +17,10 @@ namespace {
 namespace schema = bus::schema;
 using bus::Body;
 
-constexpr int size_px = isa::region::size_px;
 constexpr std::size_t frames_named = 8;  ///< In an error; then the last one.
 
 int regions_along(std::uint32_t length_px) {
-    return (static_cast<int>(length_px) + size_px - 1) / size_px;
+    return static_cast<int>(regions_across(length_px));
 }
 
 /// "3, 4, 5", the middle of a long list left out.
@@ -92,8 +92,8 @@ RegionPlace RecordedFrame::place(std::uint32_t region) const {
     place.view = at / (columns * rows);
     place.row = at % (columns * rows) / columns;
     place.column = at % columns;
-    place.x0_px = place.column * size_px;
-    place.y0_px = place.view * static_cast<int>(draw().height()) + place.row * size_px;
+    place.x0_px = place.column * region_px;
+    place.y0_px = place.view * static_cast<int>(draw().height()) + place.row * region_px;
     return place;
 }
 
@@ -107,8 +107,8 @@ RegionPlace RecordedFrame::region_at(int x, int y) const {
                         number, width, height * views));
     }
     const int columns = regions_along(draw().width()), rows = regions_along(draw().height());
-    const int view = y / height, row = y % height / size_px;
-    return place(static_cast<std::uint32_t>((view * rows + row) * columns + x / size_px));
+    const int view = y / height, row = y % height / region_px;
+    return place(static_cast<std::uint32_t>((view * rows + row) * columns + x / region_px));
 }
 
 RecordedRun::RecordedRun(std::vector<NodeTrace> nodes) {
@@ -340,13 +340,13 @@ std::optional<double> RecordedVolume::value(int x, int y, int z) const {
         return static_cast<double>(one);
     };
     switch (shape.type()) {
-        case schema::ScalarType::uint8:
+        case Scalar::uint8:
             return read(std::uint8_t{});
-        case schema::ScalarType::int16:
+        case Scalar::int16:
             return read(std::int16_t{});
-        case schema::ScalarType::uint16:
+        case Scalar::uint16:
             return read(std::uint16_t{});
-        case schema::ScalarType::float32:
+        case Scalar::float32:
             return read(float{});
     }
     return std::nullopt;

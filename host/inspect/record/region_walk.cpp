@@ -10,7 +10,7 @@ namespace pxpl5::host::inspect {
 namespace {
 
 namespace schema = bus::schema;
-using Kind = renderer::RegionPlan::Kind;
+using Kind = PartKind;
 
 constexpr std::uint32_t primitive_word = isa::encode({isa::Op::set_enabs, {}});
 

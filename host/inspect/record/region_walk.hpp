@@ -28,7 +28,7 @@ struct Address {
 };
 
 /// "prologue", "shut-door", "open-door", "depths", "end"; "segment".
-const char* kind_name(renderer::RegionPlan::Kind kind);
+const char* kind_name(PartKind kind);
 
 /// The regions of a frame that a selection names by region and by Renderer.
 std::vector<const RecordedRegion*> selected_regions(const RecordedFrame& frame,

@@ -44,7 +44,7 @@ struct Gatherer {
             volumes[volume->volume()] = {volume->volume(),
                                          volume->name()->str(),
                                          volume->source() == nullptr ? "" : volume->source()->str(),
-                                         schema::EnumNameScalarType(volume->type()),
+                                         enum_name(volume->type()),
                                          volume->nx(),
                                          volume->ny(),
                                          volume->nz(),
@@ -90,7 +90,7 @@ struct Gatherer {
 
 NodeRow row_of(const NodeTrace& node) {
     NodeRow row{bus::trace::name_of(node.info.role, node.info.index),
-                schema::EnumNameRecording(node.info.recording),
+                enum_name(node.info.recording),
                 node.entries.size(),
                 0,
                 0,

@@ -92,8 +92,7 @@ RegionRun run_region(const renderer::RegionPlan& plan, isa::Executor& executor) 
     });
     RegionWalk walk(plan, executor);
     while (!walk.done()) {
-        const bool is_depths =
-            plan.parts[walk.at().part].kind == renderer::RegionPlan::Kind::depths;
+        const bool is_depths = plan.parts[walk.at().part].kind == PartKind::depths;
         read_out = is_depths ? &run.depths : &run.pixels;
         walk.run_part();
     }

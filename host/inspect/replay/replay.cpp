@@ -29,7 +29,7 @@ std::string pixel_text(const PixelDifference& p, std::string_view recorded_by) {
 std::optional<std::string> difference(const RecordedFrame& frame, std::uint32_t region,
                                       const RegionRun& run, const RegionReplay& report) {
     const std::string sender = fmt::format("renderer-{}'s RegionPixels", report.renderer);
-    const std::size_t due = frame.has_pixels() ? isa::region_pixels : 0;
+    const std::size_t due = frame.has_pixels() ? region_pixels : 0;
     if (run.pixels.size() != due) {
         return fmt::format("{} pixels were read out, not {}", run.pixels.size(), due);
     }
@@ -120,7 +120,7 @@ FrameReplay replay_frame(const RecordedFrame& frame,
     const FrameShape shape = shape_of(frame);
     std::vector<std::uint32_t> picture(shape.pixels());
     for (Replayed& region : replayed) {
-        if (region.pixels.size() == isa::region_pixels) {
+        if (region.pixels.size() == region_pixels) {
             place_region(shape, static_cast<int>(region.report.region), region.pixels, picture);
         }
         report.regions.push_back(std::move(region.report));

@@ -14,7 +14,7 @@ namespace {
 namespace shape = isa::triangle;
 using isa::reference::Window;
 
-constexpr int last_px = isa::region::size_px - 1;
+constexpr int last_px = region_px - 1;
 
 /// A x + B y + C, of which one bit is tested.
 struct Edge {
@@ -73,7 +73,7 @@ struct BoxFinder {
 Window triangle_box(const std::uint32_t* words) {
     BoxFinder finder{{edge_at(words + shape::at_edge[0]), edge_at(words + shape::at_edge[1]),
                       edge_at(words + shape::at_edge[2])}};
-    finder.add(0, 0, isa::region::size_px);
+    finder.add(0, 0, region_px);
     if (finder.x1 < finder.x0) {
         return {0, 0, 0, 0};
     }

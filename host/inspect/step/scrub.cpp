@@ -11,12 +11,11 @@ namespace pxpl5::host::inspect {
 namespace {
 
 constexpr std::uint32_t disabled_alpha = 254, alpha_shift = 24;
-constexpr int size_px = isa::region::size_px;
 
 /// True in and after the end-of-region program, which computes the colors.
 bool has_colors(const RegionWalk& walk) {
     return walk.done() ||
-           walk.plan().parts[walk.at().part].kind == renderer::RegionPlan::Kind::end_of_region;
+           walk.plan().parts[walk.at().part].kind == PartKind::end_of_region;
 }
 
 }  // namespace
@@ -45,8 +44,8 @@ void RegionScrub::take_picture(const ScrubWish& wish, ScrubView& view) const {
     const renderer::fast::Fast& executor = stepper_.executor();
     view.rgba = picture_of(executor, field_of(view.field));
     view.enabled = enabled_count(executor.pixels());
-    for (int i = 0; i < size_px * size_px; ++i) {
-        if (!executor.enabled(i % size_px, i / size_px)) {
+    for (int i = 0; i < region_px * region_px; ++i) {
+        if (!executor.enabled(i % region_px, i / region_px)) {
             std::uint32_t& word = view.rgba[static_cast<std::size_t>(i)];
             word = (word & ((1U << alpha_shift) - 1)) | disabled_alpha << alpha_shift;
         }

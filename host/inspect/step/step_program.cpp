@@ -262,21 +262,21 @@ std::string StepProgram::print(const Words& words) {
 NamedField StepProgram::field_or_default(const Words& words, std::size_t index) const {
     const RegionStepper& here = stepper_.here();
     const bool shading = here.done() || here.walk().plan().parts[here.walk().at().part].kind ==
-                                            renderer::RegionPlan::Kind::end_of_region;
+                                            PartKind::end_of_region;
     return field_of(index < words.size() ? words[index] : shading ? "rgb" : "normal");
 }
 
 std::string StepProgram::show(const Words& words) {
     const NamedField field = field_or_default(words, 0);
     const std::string text =
-        terminal_text(picture_of(stepper_.here().executor(), field), isa::region::size_px, style_);
+        terminal_text(picture_of(stepper_.here().executor(), field), region_px, style_);
     return text + fmt::format("{} of region {}", field.name, stepper_.region().place.number);
 }
 
 std::string StepProgram::png(const Words& words) {
     const NamedField field = field_or_default(words, 1);
     const std::vector<std::uint32_t> small = picture_of(stepper_.here().executor(), field);
-    constexpr std::size_t side = isa::region::size_px, large = side * png_scale;
+    constexpr std::size_t side = region_px, large = side * png_scale;
     std::vector<std::uint32_t> picture(large * large);
     for (std::size_t i = 0; i < picture.size(); ++i) {
         picture[i] = small[i / large / png_scale * side + i % large / png_scale];

@@ -20,7 +20,6 @@ namespace {
 
 namespace hal = renderer::hal;
 namespace layout = isa::region;
-constexpr int size_px = layout::size_px;
 
 /// A stretch of pixel memory with a name.
 struct Stretch {
@@ -48,7 +47,7 @@ std::string changes(const hal::PixelArray& before, const hal::PixelArray& after)
     };
     for (const Stretch& s : stretches) {
         std::size_t count = 0;
-        for (std::size_t i = 0; i < isa::region_pixels; ++i) {
+        for (std::size_t i = 0; i < region_pixels; ++i) {
             count += hal::field(before, i, s.address, s.width) !=
                              hal::field(after, i, s.address, s.width)
                          ? 1
@@ -160,7 +159,7 @@ std::string where_text(const Stepper& stepper) {
     text += fmt::format("executed   {} instructions, {} cycles of this region\n", here.executed(),
                         here.walk().counts().cycles);
     text += fmt::format("enabled    {} of {} pixels\n", enabled_count(here.executor().pixels()),
-                        isa::region_pixels);
+                        region_pixels);
     text += primitive_text(stepper);
     text += "next       " + next_line(stepper);
     if (!here.done()) {
@@ -230,26 +229,26 @@ PictureWindow window_of_interest(const Stepper& stepper) {
     const RegionPlace& place = stepper.region().place;
     const isa::Executor& executor = stepper.here().executor();
     PictureWindow window;
-    int x = size_px / 2, y = size_px / 2;
-    for (int i = 0; i < size_px * size_px; ++i) {
-        if (executor.enabled(i % size_px, i / size_px)) {
-            x = i % size_px;
-            y = i / size_px;
+    int x = region_px / 2, y = region_px / 2;
+    for (int i = 0; i < region_px * region_px; ++i) {
+        if (executor.enabled(i % region_px, i / region_px)) {
+            x = i % region_px;
+            y = i / region_px;
             break;
         }
     }
-    window.x = place.x0_px + std::clamp(x - window.width / 3, 0, size_px - window.width);
-    window.y = place.y0_px + std::clamp(y - 1, 0, size_px - window.height);
+    window.x = place.x0_px + std::clamp(x - window.width / 3, 0, region_px - window.width);
+    window.y = place.y0_px + std::clamp(y - 1, 0, region_px - window.height);
     return window;
 }
 
 std::string print_text(const Stepper& stepper, const NamedField& field, PictureWindow window) {
     const RegionPlace& place = stepper.region().place;
     const isa::Executor& executor = stepper.here().executor();
-    const int x0 = std::clamp(window.x - place.x0_px, 0, size_px);
-    const int y0 = std::clamp(window.y - place.y0_px, 0, size_px);
-    const int x1 = std::clamp(window.x + window.width - place.x0_px, x0, size_px);
-    const int y1 = std::clamp(window.y + window.height - place.y0_px, y0, size_px);
+    const int x0 = std::clamp(window.x - place.x0_px, 0, region_px);
+    const int y0 = std::clamp(window.y - place.y0_px, 0, region_px);
+    const int x1 = std::clamp(window.x + window.width - place.x0_px, x0, region_px);
+    const int y1 = std::clamp(window.y + window.height - place.y0_px, y0, region_px);
     if (x0 == x1 || y0 == y1) {
         throw RequestError(ExitCode::usage,
                            fmt::format("no pixel of the window at ({}, {}) is in region {}",

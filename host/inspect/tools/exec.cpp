@@ -20,7 +20,6 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-constexpr int size_px = isa::region::size_px;
 constexpr std::uint32_t whole_word = 64;
 
 /// What is to be run.
@@ -130,15 +129,15 @@ Ran run(const Work& work, ExecutorKind kind) {
 
 std::string counts_text(const Ran& ran) {
     std::size_t enabled = 0;
-    for (int y = 0; y < size_px; ++y) {
-        for (int x = 0; x < size_px; ++x) {
+    for (int y = 0; y < region_px; ++y) {
+        for (int x = 0; x < region_px; ++x) {
             enabled += ran.executor->enabled(x, y) ? 1 : 0;
         }
     }
     std::string text =
         fmt::format("{}: {} instructions, {} cycles at 40 MHz; {} of {} pixels enabled at the end",
                     name_of(ran.kind), grouped(ran.counts.instructions), grouped(ran.counts.cycles),
-                    grouped(enabled), grouped(isa::region_pixels));
+                    grouped(enabled), grouped(region_pixels));
     for (const std::uint32_t number : ran.signals) {
         text += fmt::format("\nSIGNAL #{}", number);
     }
@@ -159,8 +158,8 @@ std::string first_difference(const Ran& a, const Ran& b) {
         fields.push_back(parse_field(
             fmt::format("m{}:{}", address, std::min(whole_word, isa::memory_bits - address))));
     }
-    for (int y = 0; y < size_px; ++y) {
-        for (int x = 0; x < size_px; ++x) {
+    for (int y = 0; y < region_px; ++y) {
+        for (int x = 0; x < region_px; ++x) {
             for (const ShownField& field : fields) {
                 if (const std::string text = differ(x, y, field); !text.empty()) {
                     return text;
@@ -199,7 +198,7 @@ void write_picture(const ExecOptions& options, const Ran& ran, TextOutput& outpu
     if (!picture.warning.empty()) {
         fmt::print(stderr, "warning: {}\n", picture.warning);
     }
-    write_png(options.output, size_px, size_px, picture.rgba);
+    write_png(options.output, region_px, region_px, picture.rgba);
     output.line(fmt::format("{}: {}", options.output, picture.legend));
 }
 

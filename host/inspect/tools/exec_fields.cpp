@@ -16,7 +16,7 @@ namespace {
 
 using Kind = isa::StateColumn::Kind;
 
-constexpr int last_px = isa::region::size_px - 1;
+constexpr int last_px = region_px - 1;
 constexpr std::uint32_t max_field_bits = 64;
 
 [[noreturn]] void refuse_field(const std::string& text) {
@@ -119,7 +119,7 @@ std::uint64_t value_of(const PixelsBehind& pixels, const isa::StateColumn& colum
                 throw RequestError(ExitCode::usage,
                                    "readout: the program read no pixels out (PIXELSTOFB)");
             }
-            value = pixels.readout[static_cast<std::size_t>(y * isa::region::size_px + x)];
+            value = pixels.readout[static_cast<std::size_t>(y * region_px + x)];
             break;
     }
     return column.n >= isa::backing_block_bits ? value

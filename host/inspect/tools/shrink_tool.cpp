@@ -96,10 +96,9 @@ Task task_of_program(const ShrinkTool& tool, const DiffOptions& options) {
     task.story.from = "from " + fs::path(tool.run).filename().string();
     if (!tool.pixel.empty()) {
         task.story.pixel = parse_pixel(tool.pixel);
-        if (task.story.pixel.x >= isa::region::size_px ||
-            task.story.pixel.y >= isa::region::size_px) {
+        if (task.story.pixel.x >= region_px || task.story.pixel.y >= region_px) {
             refuse(fmt::format("--pixel {}: a program has the pixels 0..{} of a region", tool.pixel,
-                               isa::region::size_px - 1));
+                               region_px - 1));
         }
         task.shows = asked(tool, task.story.pixel, task.words, options.trusted, task.story.title);
         return task;

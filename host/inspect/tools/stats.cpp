@@ -37,7 +37,7 @@ struct PartSum {
 };
 
 const char* group_of(const PartCounts& part) {
-    using Kind = renderer::RegionPlan::Kind;
+    using Kind = PartKind;
     switch (part.kind) {
         case Kind::shut_door:
         case Kind::open_door:

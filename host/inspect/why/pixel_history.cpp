@@ -15,7 +15,7 @@ namespace pxpl5::host::inspect {
 namespace {
 
 namespace layout = isa::region;
-using Kind = renderer::RegionPlan::Kind;
+using Kind = PartKind;
 
 /// An executor that passes everything on to another.
 template <typename Inner>
@@ -58,7 +58,7 @@ class OnePixel final : public Passing<isa::reference::Reference> {
     OnePixel(int x, int y, std::vector<bool> answers)
         : Passing(isa::reference::Window{x, y, 1, 1}), x_(x), y_(y), answers_(std::move(answers)) {
         inner_.set_readout([this](std::span<const std::uint32_t> sent) {
-            color = sent[static_cast<std::size_t>(y_ * layout::size_px + x_)];
+            color = sent[static_cast<std::size_t>(y_ * region_px + x_)];
         });
     }
     bool any_enabled() const override {
@@ -258,7 +258,7 @@ PixelHistory history_of(const RecordedFrame& frame, const RecordedRegion& region
     const std::optional<RecordedTile> tile = tile_of(frame, region.place.number);
     if (tile && !tile->pixels.empty()) {
         history.sent = tile->pixels[static_cast<std::size_t>(
-            history.y_in_region() * layout::size_px + history.x_in_region())];
+            history.y_in_region() * region_px + history.x_in_region())];
     }
     return history;
 }

@@ -20,7 +20,7 @@ namespace schema = bus::schema;
 /// The words that the GPs sent of a slab for a region; empty if there are none.
 renderer::Words recorded_words(const RecordedRegion& region, std::uint32_t surface, int k) {
     for (const renderer::RegionPlan::Part& part : region.plan.parts) {
-        if (part.kind == renderer::RegionPlan::Kind::segment && part.segment.surface == surface &&
+        if (part.kind == PartKind::segment && part.segment.surface == surface &&
             part.segment.slab == static_cast<std::uint32_t>(k)) {
             return part.segment.words;
         }
@@ -64,7 +64,8 @@ void take_masks(const RecordedRun& run, std::uint32_t frame, std::uint32_t gp, S
     const gp::VolumeShape shape = gp::shape_of(*header->as<schema::VolumeHeader>());
     for (const schema::SlabMask* slab : *mask->as<schema::MaskSurface>()->slabs()) {
         const int k = static_cast<int>(slab->slab());
-        if (gp::owner_of(shape, static_cast<int>(run.gp_count()), k) == static_cast<int>(gp)) {
+        if (gp::slab_sets(shape, static_cast<int>(run.gp_count())).owner(k) ==
+            static_cast<int>(gp)) {
             s.hidden[k].assign(slab->hidden()->begin(), slab->hidden()->end());
         }
     }
@@ -81,12 +82,12 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
         s.revision = drawn->revision();
         s.color = {drawn->colour().r(), drawn->colour().g(), drawn->colour().b()};
         s.cull_back = drawn->cull_back();
-        s.slabs = static_cast<gp::SlabChoice>(drawn->slabs());
+        s.slabs = drawn->slabs();
         s.opacity = drawn->opacity();
         if (const auto message = run.surface(s.id, s.revision)) {
             const auto& set = *message->as<schema::SetSurface>();
             s.isovalue = set.isovalue();
-            s.rule = static_cast<gp::CaseRule>(set.table());
+            s.rule = set.table();
         }
         for (std::uint32_t gp = 0; gp < run.gp_count(); ++gp) {
             take_masks(run, frame.number, gp, s);
@@ -98,8 +99,8 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
 // Of the share's other slabs, if the volume is so high that it has any, slices of zeros are enough:
 // nothing of a slab depends on them.
 gp::SlabMesh replay_extraction(const KnownVolume& volume, int k, double isovalue,
-                               gp::CaseRule rule) {
-    const gp::Share share{k % gp::max_gp_count, gp::max_gp_count};
+                               CaseRule rule) {
+    const gp::Share share{k % max_nodes_per_role, max_nodes_per_role};
     gp::VolumeShape shape = volume.shape();
     shape.slabs_per_set = 1;  // A slab is the same in sets of any size: the smallest is cheapest.
     gp::LocalMemory plenty(std::numeric_limits<std::size_t>::max());

@@ -25,10 +25,10 @@ struct ShownSurface {
     std::uint32_t revision = 0;
     std::array<std::uint8_t, 3> color{};  ///< Red, green, blue.
     bool cull_back = false;
-    gp::SlabChoice slabs{};          ///< Which of them the frame draws.
+    SlabChoice slabs{};              ///< Which of them the frame draws.
     std::uint32_t opacity = 0;       ///< Sixteenths.
     std::optional<double> isovalue;  ///< Nothing if its SetSurface is not recorded.
-    gp::CaseRule rule{};             ///< If the isovalue is known.
+    CaseRule rule{};                 ///< If the isovalue is known.
     /// By slab, which of its triangles a mask hides, as of MaskSurface.
     std::map<int, std::vector<std::uint8_t>> hidden;
 };
@@ -58,7 +58,7 @@ struct ReplayedCell {
 /// Extracts one slab, whose slices, and those that its gradients need, KnownVolume::need() has
 /// granted; see slices_below and slices_above.
 gp::SlabMesh replay_extraction(const KnownVolume& volume, int k, double isovalue,
-                               gp::CaseRule rule);
+                               CaseRule rule);
 
 /// Slices on either side of a slab's lower one that its extraction looks at.
 inline constexpr int slices_below = 1, slices_above = 2;

@@ -13,7 +13,7 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-using Kind = renderer::RegionPlan::Kind;
+using Kind = PartKind;
 
 bool is_from(const Primitive& p, const RecordedRegion& region, const TriangleName& name) {
     const renderer::Segment& s = region.plan.parts[p.part].segment;

@@ -135,8 +135,7 @@ bool covers(const PixelInquiry& inquiry, const Corners& corners) {
 bool anything_sent(const PixelInquiry& inquiry, std::uint32_t surface, int k) {
     for (const auto& [number, region] : inquiry.frame.regions) {
         for (const renderer::RegionPlan::Part& part : region.plan.parts) {
-            if (part.kind == renderer::RegionPlan::Kind::segment &&
-                part.segment.surface == surface &&
+            if (part.kind == PartKind::segment && part.segment.surface == surface &&
                 part.segment.slab == static_cast<std::uint32_t>(k)) {
                 return true;
             }
@@ -167,7 +166,7 @@ std::optional<TriangleVerdict> distrust(PixelInquiry& inquiry, const TriangleNam
 
 /// The verdict on a triangle in a slab that the frame omits.
 TriangleVerdict not_chosen(const PixelInquiry& inquiry, const TriangleName& name) {
-    const bool in_gaps = inquiry.surfaces[name.surface].slabs == gp::SlabChoice::in_gaps;
+    const bool in_gaps = inquiry.surfaces[name.surface].slabs == SlabChoice::in_gaps;
     return verdict_on(
         name, Verdict::not_sent,
         fmt::format("the frame draws this surface {} gaps between slices only, and "

@@ -291,9 +291,9 @@ void check_size(const std::string& file, const gdcm::Reader& reader, const Dicom
 void check_shape(const std::string& file, const DicomSlice& slice) {
     for (const auto& [size, name] : {std::pair{slice.columns, "columns (0028,0011)"},
                                      std::pair{slice.rows, "rows (0028,0010)"}}) {
-        if (size < min_dim || size > max_dim) {
-            throw ImportError(
-                fmt::format("{}: has {} {}, must be {} to {}", file, size, name, min_dim, max_dim));
+        if (size < min_volume_voxels || size > max_volume_voxels) {
+            throw ImportError(fmt::format("{}: has {} {}, must be {} to {}", file, size, name,
+                                          min_volume_voxels, max_volume_voxels));
         }
     }
 }

@@ -129,9 +129,9 @@ SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> 
     }
     const OrderedSlices ordered = order_slices(source, all[chosen], request, volume.findings);
     const DicomSlice& first = ordered.slices.front();
-    if (ordered.slices.size() > max_dim) {
+    if (ordered.slices.size() > max_volume_voxels) {
         throw ImportError(fmt::format("{}: {} voxels along z, must be 1 to {}", source,
-                                      ordered.slices.size(), max_dim));
+                                      ordered.slices.size(), max_volume_voxels));
     }
     volume.nx = first.columns;
     volume.ny = first.rows;

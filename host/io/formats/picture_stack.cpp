@@ -63,10 +63,11 @@ Page page_of(const std::string& file, const OIIO::ImageSpec& spec) {
             "{}: has {} channels, a slice has 1 (grey): colour and transparency are not read", file,
             spec.nchannels));
     }
-    if (spec.width < min_dim || spec.width > max_dim || spec.height < min_dim ||
-        spec.height > max_dim || spec.depth > 1) {
+    if (spec.width < min_volume_voxels || spec.width > max_volume_voxels ||
+        spec.height < min_volume_voxels || spec.height > max_volume_voxels || spec.depth > 1) {
         throw ImportError(fmt::format("{}: is {}x{} pixels, must be {} to {} each way", file,
-                                      spec.width, spec.height, min_dim, max_dim));
+                                      spec.width, spec.height, min_volume_voxels,
+                                      max_volume_voxels));
     }
     const std::optional<Component> component = component_of(spec.format);
     if (!component) {

@@ -87,8 +87,8 @@ std::array<int, 3> volume_dims(const std::string& file, const std::vector<std::u
     while (significant.size() > 3 && significant.back() == 1) {
         significant.pop_back();
     }
-    const bool has_empty =
-        sizes.size() > 3 && (significant[0] < min_dim || significant[1] < min_dim);
+    const bool has_empty = sizes.size() > 3 && (significant[0] < min_volume_voxels ||
+                                                significant[1] < min_volume_voxels);
     if (significant.size() < 2 || significant.size() > 3 || has_empty) {
         throw ImportError(fmt::format(
             "{}: has {} axes ({}), a volume has 3{}", file, sizes.size(), join_sizes(sizes),
@@ -97,10 +97,12 @@ std::array<int, 3> volume_dims(const std::string& file, const std::vector<std::u
     significant.resize(3, 1);
     std::array<int, 3> dims{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const int least = axis < 2 ? min_dim : 1;
-        if (significant[axis] < static_cast<std::uint64_t>(least) || significant[axis] > max_dim) {
+        const int least = axis < 2 ? min_volume_voxels : 1;
+        if (significant[axis] < static_cast<std::uint64_t>(least) ||
+            significant[axis] > max_volume_voxels) {
             throw ImportError(fmt::format("{}: {} voxels along {}, must be {} to {}", file,
-                                          significant[axis], "xyz"[axis], least, max_dim));
+                                          significant[axis], "xyz"[axis], least,
+                                          max_volume_voxels));
         }
         dims[axis] = static_cast<int>(significant[axis]);
     }
@@ -110,7 +112,7 @@ std::array<int, 3> volume_dims(const std::string& file, const std::vector<std::u
 std::uint64_t needed_bytes(const StoredHeader& header) {
     std::uint64_t bytes = component_bytes(header.component);
     for (const std::uint64_t size : header.sizes) {
-        bytes *= size;  // Cannot overflow: sizes have been checked against max_dim.
+        bytes *= size;  // Cannot overflow: sizes have been checked against max_volume_voxels.
     }
     return bytes;
 }

@@ -39,9 +39,9 @@ void check(const fs::path& path, const MeshExport& mesh) {
     if (const std::string missing = missing_folder(path); !missing.empty()) {
         throw MeshError(missing);
     }
-    if (mesh.surfaces.empty() || mesh.surfaces.size() > max_export_surfaces) {
+    if (mesh.surfaces.empty() || mesh.surfaces.size() > max_surfaces) {
         throw MeshError(fmt::format("{}: {} surfaces, must be 1 to {}", file, mesh.surfaces.size(),
-                                    max_export_surfaces));
+                                    max_surfaces));
     }
     if (!(mesh.keep > 0 && mesh.keep <= 1)) {
         throw MeshError(
@@ -143,13 +143,13 @@ MeshWritten write_mesh(const std::string& path, const MeshExport& mesh) {
     return {triangle_count(ready), sentence(path, ready, triangle_count(mesh), moved_mm)};
 }
 
-std::string_view axes_name(MeshAxes axes) {
-    return axes == MeshAxes::LPS ? "LPS" : "RAS";
+std::string_view axes_name(PatientAxes axes) {
+    return axes == PatientAxes::LPS ? "LPS" : "RAS";
 }
 
 std::vector<std::string> mesh_notes(const MeshExport& mesh) {
     std::vector<std::string> notes = {fmt::format("SPACE={} UNIT=mm", axes_name(mesh.axes)),
-                                      mesh.axes == MeshAxes::LPS
+                                      mesh.axes == PatientAxes::LPS
                                           ? "x to the patient's left, y posterior, z superior"
                                           : "x to the patient's right, y anterior, z superior"};
     if (!mesh.description.empty()) {

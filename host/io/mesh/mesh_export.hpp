@@ -9,11 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
+
 namespace pxpl5::host::io {
 
 /// Vertices, and corners of triangles: all formats count them in 31 bits.
 inline constexpr std::size_t max_export_count = 0x7FFFFFFF;
-inline constexpr std::size_t max_export_surfaces = 255;
 
 /// Thrown for a mesh that cannot be written. `what` names the file and the reason.
 struct MeshError : std::runtime_error {
@@ -32,14 +33,10 @@ struct MeshSurface {
     std::span<const std::uint32_t> indices;  ///< 3 per triangle, counter-clockwise from outside.
 };
 
-/// Where the axes of the written coordinates point: to the patient's left, posterior and superior,
-/// or right, anterior and superior. Half a turn about the third axis lies between them, so that
-/// triangles keep their winding.
-enum class MeshAxes : std::uint8_t { LPS, RAS };
-
 struct MeshExport {
-    std::vector<MeshSurface> surfaces;  ///< 1..max_export_surfaces; those without triangles: none.
-    MeshAxes axes = MeshAxes::LPS;
+    std::vector<MeshSurface> surfaces;  ///< 1..max_surfaces; those without triangles: none.
+    /// Half a turn about the third axis lies between LPS and RAS: triangles keep their winding.
+    PatientAxes axes = PatientAxes::LPS;
     std::string description;  ///< Goes into the file where its format has room.
     double keep = 1;          ///< Share of the triangles that decimation leaves, above 0; 1: all.
 };

@@ -25,11 +25,11 @@ void write_mtl(const MeshExport& mesh, PartFile& file);
 // What the writers share.
 
 /// A vector in LPS along the mesh's axes. 0 stays 0, never -0.
-inline glm::vec3 turned(const glm::vec3& v, MeshAxes axes) {
-    return axes == MeshAxes::LPS ? v : glm::vec3(0.0F - v.x, 0.0F - v.y, v.z);
+inline glm::vec3 turned(const glm::vec3& v, PatientAxes axes) {
+    return axes == PatientAxes::LPS ? v : glm::vec3(0.0F - v.x, 0.0F - v.y, v.z);
 }
 
-std::string_view axes_name(MeshAxes axes);  ///< "LPS" or "RAS".
+std::string_view axes_name(PatientAxes axes);  ///< "LPS" or "RAS".
 
 /// What a reader of the file must know, one line each: axes, unit, description. SPACE=LPS or
 /// SPACE=RAS is where 3D Slicer looks for the axes.

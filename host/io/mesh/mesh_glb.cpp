@@ -23,8 +23,8 @@ constexpr int type_float = 5126, type_uint32 = 5125, array_buffer = 34962,
 
 /// Columns of the matrix that takes millimeters along the axes to glTF's meters: X to the patient's
 /// left, Y up, Z to the front, where glTF's models look. No reflection.
-Json node_matrix(MeshAxes axes) {
-    const double mm = 0.001, front = axes == MeshAxes::LPS ? -mm : mm;
+Json node_matrix(PatientAxes axes) {
+    const double mm = 0.001, front = axes == PatientAxes::LPS ? -mm : mm;
     return {front * -1, 0, 0, 0, 0, 0, front, 0, 0, mm, 0, 0, 0, 0, 0, 1};
 }
 
@@ -51,7 +51,7 @@ Json material_of(const MeshSurface& surface) {
 }
 
 /// Smallest and largest coordinates, as the specification wants them of positions.
-std::array<Json, 2> bounds_of(const MeshSurface& surface, MeshAxes axes) {
+std::array<Json, 2> bounds_of(const MeshSurface& surface, PatientAxes axes) {
     constexpr float most = std::numeric_limits<float>::max();
     glm::vec3 low(most), high(-most);
     for (const MeshPoint& vertex : surface.vertices) {

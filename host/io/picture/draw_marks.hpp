@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "host/scene/marks.hpp"
 
 namespace pxpl5::host::io {
@@ -15,8 +16,6 @@ namespace pxpl5::host::io {
 /// Debian's fonts-dejavu-core. The file itself, so that no font configuration has a say.
 inline constexpr const char* mark_font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
-inline constexpr std::size_t max_marks = 100'000;
-inline constexpr float max_mark_px = 100'000;  ///< Limit of a coordinate, either sign.
 inline constexpr float max_font_px = 2'000;
 inline constexpr float max_line_px = 2'000;
 

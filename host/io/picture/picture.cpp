@@ -49,9 +49,9 @@ void check_attributes(const std::string& file, const Picture& picture) {
 }
 
 void check_animation(const std::string& file, const std::string& suffix, const Picture& picture) {
-    if (picture.count < 1 || picture.count > max_pictures) {
-        throw PictureError(
-            fmt::format("{}: {} pictures, must be 1 to {}", file, picture.count, max_pictures));
+    if (picture.count < 1 || picture.count > max_animation_pictures) {
+        throw PictureError(fmt::format("{}: {} pictures, must be 1 to {}", file, picture.count,
+                                       max_animation_pictures));
     }
     if (picture.count > 1 && suffix != ".gif") {
         throw PictureError(
@@ -73,10 +73,10 @@ void check(const fs::path& path, const Picture& picture) {
             fmt::format("{}: suffix is '{}', must be .png, .tif, .tiff, .exr, .gif, .svg or .pdf",
                         file, path.extension().string()));
     }
-    if (picture.width < 1 || picture.height < 1 || picture.width > max_picture_side_px ||
-        picture.height > max_picture_side_px) {
+    if (picture.width < 1 || picture.height < 1 || picture.width > max_export_px ||
+        picture.height > max_export_px) {
         throw PictureError(fmt::format("{}: picture of {}x{} pixels, each side must be 1 to {}",
-                                       file, picture.width, picture.height, max_picture_side_px));
+                                       file, picture.width, picture.height, max_export_px));
     }
     check_animation(file, suffix_of(path), picture);
     const std::size_t bytes = bytes_of_one(picture) * static_cast<std::size_t>(picture.count);

@@ -7,14 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "host/scene/marks.hpp"
 
 namespace pxpl5::host::io {
 
-inline constexpr int max_picture_side_px = 16384;
-inline constexpr int max_pictures = 10'000;  ///< Limit for an animation.
-inline constexpr int min_delay_ms = 20;      ///< Browsers show what is shorter at 100 ms.
-inline constexpr int max_delay_ms = 60'000;
+inline constexpr int min_delay_ms = 20;  ///< Browsers show what is shorter at 100 ms.
 inline constexpr std::size_t max_attributes = 1'000;
 inline constexpr std::size_t max_attribute_name = 73;  ///< Bytes; PNG has 79, of which we use 6.
 
@@ -32,12 +30,13 @@ struct PictureAttribute {
 /// A picture to write, or several of one size: display-coded (sRGB) values, alpha not multiplied
 /// in.
 struct Picture {
-    int width = 0, height = 0;                      ///< Pixels; 1..max_picture_side_px.
+    int width = 0, height = 0;                      ///< Pixels; 1..max_export_px.
     std::span<const std::uint8_t> rgba;             ///< count * width * height * 4, top row first.
     std::string description;                        ///< Goes into the file's metadata.
     std::vector<PictureAttribute> attributes = {};  ///< Likewise, as "pxpl5:NAME".
     std::vector<PictureMark> marks = {};            ///< Drawn over each picture, in order.
-    int count = 1;      ///< 1..max_pictures; more than one: an animation, which only GIF holds.
+    int count =
+        1;  ///< 1..max_animation_pictures; more than one: an animation, which only GIF holds.
     int delay_ms = 40;  ///< Between an animation's pictures; GIF has steps of 10 ms.
 };
 

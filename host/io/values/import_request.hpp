@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "generated/vocabulary.hpp"
+
 namespace pxpl5::host::io {
 
-inline constexpr int min_dim = 2;     ///< Voxels along x and y; along z a single slice may be read.
-inline constexpr int max_dim = 4096;  ///< Voxels along an axis.
 inline constexpr std::uint64_t max_volume_bytes = std::uint64_t{8} << 30;
 
 /// Thrown for input that cannot be imported. `what` names the file, the field and both values.

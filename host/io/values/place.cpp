@@ -16,17 +16,17 @@ constexpr double min_determinant = 1e-9;        // Share of a box of the same sp
 
 // From below the wavelength of light to more than a patient. Within these no area, volume or
 // distance of a surface overflows, and the ring takes what is derived from them.
-constexpr double min_spacing_mm = 1e-6, max_spacing_mm = 1e6;
+constexpr double min_file_spacing_mm = 1e-6, max_file_spacing_mm = 1e6;
 constexpr double max_corner_mm = 1e6;    // Limit of ringbus for places of a scene.
 constexpr double max_slice_place = 1e6;  // Limit of ringbus for slice_places.
 
 void check_spacings(const std::string& file, const glm::dmat3& linear) {
     for (int axis = 0; axis < 3; ++axis) {
         const double spacing = glm::length(linear[axis]);
-        if (!(spacing >= min_spacing_mm && spacing <= max_spacing_mm)) {
+        if (!(spacing >= min_file_spacing_mm && spacing <= max_file_spacing_mm)) {
             throw ImportError(fmt::format("{}: spacing along {} is {} mm, must be {} to {} mm",
-                                          file, "xyz"[axis], spacing, min_spacing_mm,
-                                          max_spacing_mm));
+                                          file, "xyz"[axis], spacing, min_file_spacing_mm,
+                                          max_file_spacing_mm));
         }
     }
 }

@@ -14,7 +14,6 @@ namespace pxpl5::host::io {
 namespace {
 
 constexpr double whole_rounding = 1e-9;  // Share of a voxel: 2.9999999999 voxels are 3.
-constexpr double max_smooth_mm = 1000;   // Wider than a patient.
 
 using Sizes = std::array<std::uint32_t, 3>;
 
@@ -94,22 +93,23 @@ NewAxis new_axis(const std::string& file, const ImportRequest& request, const Vo
     const int least = old_extent == 0 ? 1 : 2;
     if (request.resample_size) {
         const std::uint32_t size = (*request.resample_size)[axis];
-        if (size < static_cast<std::uint32_t>(least) || size > max_dim ||
+        if (size < static_cast<std::uint32_t>(least) || size > max_volume_voxels ||
             (least == 1 && size != 1)) {
             throw ImportError(fmt::format(
                 "{}: {} voxels along {} are asked for, must be {} to {} (it has {})", file, size,
-                name, least, least == 1 ? 1 : max_dim, sizes_of(volume)[axis]));
+                name, least, least == 1 ? 1 : max_volume_voxels, sizes_of(volume)[axis]));
         }
         return {static_cast<int>(size), size == 1 ? 1 : old_extent / (size - 1)};
     }
     const double spacing = (*request.resample_spacing_mm)[static_cast<int>(axis)];
     const double length_mm = old_extent * step_mm(volume, axis);
     const double steps = std::floor(length_mm / spacing + whole_rounding);
-    if (!std::isfinite(spacing) || !(spacing > 0) || steps + 1 < least || steps + 1 > max_dim) {
+    if (!std::isfinite(spacing) || !(spacing > 0) || steps + 1 < least ||
+        steps + 1 > max_volume_voxels) {
         throw ImportError(fmt::format(
             "{}: voxels every {} mm along {} are asked for, its {:.3f} mm would hold {}, must be "
             "{} to {}",
-            file, spacing, name, length_mm, steps + 1, least, max_dim));
+            file, spacing, name, length_mm, steps + 1, least, max_volume_voxels));
     }
     return {static_cast<int>(steps) + 1, spacing / step_mm(volume, axis)};
 }
@@ -179,7 +179,7 @@ void crop_as_asked(const ImportRequest& request, Volume& volume) {
 void crop(const std::string& file, const Sizes& first, const Sizes& size, Volume& volume) {
     const Sizes old = sizes_of(volume);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::uint32_t least = axis < 2 ? min_dim : 1;
+        const std::uint32_t least = axis < 2 ? min_volume_voxels : 1;
         if (size[axis] < least || std::uint64_t{first[axis]} + size[axis] > old[axis]) {
             throw ImportError(fmt::format(
                 "{}: a crop of {} voxels from {} on along {} is asked for, it has {} and at least "

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "generated/page_schema.hpp"
 #include "host/base/error.hpp"
 #include "host/commands/text/slice_picture.hpp"
 #include "host/inspect/why/live_frame.hpp"
@@ -16,7 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint32_t answer_magic = 0x4e413550;  // "P5AN"
 constexpr std::size_t alignment = 8;
 /// Pieces of contours in an answer, of all surfaces: 8 MiB. A page draws no more in a frame's time.
 constexpr std::size_t max_pieces = 524'288;
@@ -181,9 +181,10 @@ Answer answer(Session& session, std::string_view message) {
 }
 
 std::string answer_message(std::uint32_t id, const Answer& answer) {
-    const std::array header = {answer_magic, id, static_cast<std::uint32_t>(answer.json.size()),
-                               std::uint32_t{0}};
-    std::string message(reinterpret_cast<const char*>(header.data()), sizeof header);
+    AnswerHeader header;
+    header.id = id;
+    header.json_bytes = static_cast<std::uint32_t>(answer.json.size());
+    std::string message(reinterpret_cast<const char*>(&header), sizeof header);
     message += answer.json;
     pad(message);
     message.append(reinterpret_cast<const char*>(answer.bytes.data()), answer.bytes.size());

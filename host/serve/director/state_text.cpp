@@ -4,7 +4,7 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/base/reply.hpp"
+#include "generated/page_schema.hpp"
 #include "host/commands/text/volume_text.hpp"
 
 namespace pxpl5::host::serve {
@@ -40,122 +40,108 @@ std::string filter_text(const ComponentFilter& filter) {
     return "all";
 }
 
-Fields volume_fields(const Session& session) {
+VolumeState volume_state(const Session& session) {
     const Volume& volume = session.volume();
-    std::vector<Fields> findings;
-    for (const Finding& finding : volume.findings) {
-        findings.push_back(
-            {{"kind", std::string(finding_name(finding.kind))}, {"text", finding.text}});
-    }
     const Subject subject = session.subject();
-    return {
-        {"name", volume.name},
-        {"source", volume.source},
-        {"size", std::vector<double>{static_cast<double>(volume.nx), static_cast<double>(volume.ny),
-                                     static_cast<double>(volume.nz)}},
-        {"spacing_mm", numbers(spacing_mm(volume))},
-        {"modality", volume.modality},
-        {"unit", std::string(volume.modality == "CT" ? "HU" : "")},
-        {"minimum", volume.minimum},
-        {"maximum", volume.maximum},
-        {"gaps", static_cast<std::int64_t>(volume.gap_slabs.size())},
-        {"findings", findings},
-        {"centre_mm", numbers(subject.centre_mm)},
-        {"radius_mm", subject.radius_mm},
-        {"voxel_to_patient", numbers(volume.voxel_to_patient)},
-        {"slice_places", volume.slice_places}};
+    VolumeState state;
+    state.name = volume.name;
+    state.source = volume.source;
+    state.size = numbers(glm::dvec3(volume.nx, volume.ny, volume.nz));
+    state.spacing_mm = numbers(spacing_mm(volume));
+    state.modality = volume.modality;
+    state.unit = volume.modality == "CT" ? "HU" : "";
+    state.minimum = volume.minimum;
+    state.maximum = volume.maximum;
+    state.gaps = static_cast<std::int64_t>(volume.gap_slabs.size());
+    for (const Finding& finding : volume.findings) {
+        state.findings.push_back({finding_name(finding.kind), finding.text});
+    }
+    state.centre_mm = numbers(subject.centre_mm);
+    state.radius_mm = subject.radius_mm;
+    state.voxel_to_patient = numbers(volume.voxel_to_patient);
+    state.slice_places = volume.slice_places;
+    return state;
 }
 
-Fields camera_fields(const Session& session) {
+CameraState camera_state(const Session& session) {
     const Camera& camera = session.scene.camera;
     const Size& size = session.scene.size;
-    // With nothing loaded, as of something: the page has one form of state.
+    // With nothing loaded, the state has a camera of an assumed subject: its form never changes.
     const bool is_empty = !session.has_volume() && session.archive() == nullptr;
     const Subject subject = is_empty ? Subject{glm::dvec3(0), 100} : session.subject();
     const CameraMatrices m =
         camera_matrices(camera, subject, static_cast<double>(size.width) / size.height);
-    return {{"azimuth_deg", camera.angles.azimuth_deg},
-            {"elevation_deg", camera.angles.elevation_deg},
-            {"roll_deg", camera.roll_deg},
-            {"zoom", camera.zoom},
-            {"pan_mm", std::vector<double>{camera.pan_mm.x, camera.pan_mm.y}},
-            {"patient_to_eye", numbers(m.patient_to_eye)},
-            {"patient_to_clip", numbers(m.projection * m.patient_to_eye)}};
+    CameraState state;
+    state.azimuth_deg = camera.angles.azimuth_deg;
+    state.elevation_deg = camera.angles.elevation_deg;
+    state.roll_deg = camera.roll_deg;
+    state.zoom = camera.zoom;
+    state.pan_mm = {camera.pan_mm.x, camera.pan_mm.y};
+    state.patient_to_eye = numbers(m.patient_to_eye);
+    state.patient_to_clip = numbers(m.projection * m.patient_to_eye);
+    return state;
 }
 
-Fields surface_state(const Session& session, const Surface& surface) {
+SurfaceState surface_state(const Session& session, const Surface& surface) {
     const SurfaceReport& report = session.report_of(surface.name);
-    const auto table = static_cast<std::size_t>(surface.table);
-    return {{"name", surface.name},
-            {"isovalue", surface.isovalue},
-            {"color", colour_text(surface.colour)},
-            {"visible", surface.visible},
-            {"opacity", static_cast<double>(surface.opacity) / opaque},
-            {"table", std::string(case_table_names[table])},
-            {"components", filter_text(surface.components)},
-            {"triangles", report.triangles},
-            {"vertices", report.vertices},
-            {"area_mm2", report.area_mm2},
-            {"volume_ml", report.volume_mm3 / 1000},
-            {"extraction_ms", report.elapsed_ms},
-            {"compared_with", surface.compared_with}};
+    SurfaceState state;
+    state.name = surface.name;
+    state.isovalue = surface.isovalue;
+    state.color = colour_text(surface.colour);
+    state.visible = surface.visible;
+    state.opacity = static_cast<double>(surface.opacity) / full_opacity;
+    state.table = enum_name(surface.table);
+    state.components = filter_text(surface.components);
+    state.triangles = report.triangles;
+    state.vertices = report.vertices;
+    state.area_mm2 = report.area_mm2;
+    state.volume_ml = report.volume_mm3 / 1000;
+    state.extraction_ms = report.elapsed_ms;
+    state.compared_with = surface.compared_with;
+    return state;
 }
 
-void add_looks(const Scene& scene, Fields& state) {
-    std::vector<Fields> lights, clips;
+void add_looks(const Scene& scene, State& state) {
     for (const Light& light : scene.lights) {
-        lights.push_back({{"azimuth_deg", light.azimuth_deg},
-                          {"elevation_deg", light.elevation_deg},
-                          {"intensity", light.intensity}});
+        state.lights.push_back({light.azimuth_deg, light.elevation_deg, light.intensity});
     }
+    state.material = {scene.material.ambient, scene.material.specular,
+                      scene.material.specular_power};
+    state.background = colour_text(scene.background);
     for (const SceneClip& clip : scene.clips) {
         const glm::dvec4& plane = clip.plane;
-        clips.push_back({{"words", clip.words},
-                         {"plane", std::vector<double>{plane.x, plane.y, plane.z, plane.w}}});
+        state.clips.push_back({clip.words, {plane.x, plane.y, plane.z, plane.w}});
     }
-    state.push_back({"lights", lights});
-    state.push_back({"material", Fields{{"ambient", scene.material.ambient},
-                                        {"specular", scene.material.specular},
-                                        {"power", std::int64_t{scene.material.specular_power}}}});
-    state.push_back({"background", colour_text(scene.background)});
-    state.push_back({"clips", clips});
-    state.push_back({"tint_gaps", scene.tint_gaps});
-    state.push_back({"overlay", scene.overlay});
-}
-
-Field text_or_null(const char* name, const std::optional<std::string>& text) {
-    return text ? Field{name, *text} : Field{name, nullptr};
+    state.tint_gaps = scene.tint_gaps;
+    state.overlay = scene.overlay;
 }
 
 }  // namespace
 
 std::string state_text(const Session& session, const StateExtras& extras) {
     const Scene& scene = session.scene;
-    Fields state = {
-        {"revision", std::int64_t{extras.revision}},
-        text_or_null("busy", extras.busy.empty() ? std::nullopt : std::optional(extras.busy))};
-    state.push_back(session.has_volume() ? Field{"volume", volume_fields(session)}
-                                         : Field{"volume", nullptr});
-    const phigs::Content* archive = session.archive();
-    state.push_back(
-        text_or_null("archive", archive == nullptr ? std::nullopt : std::optional(archive->file)));
-    state.push_back({"camera", camera_fields(session)});
-    state.push_back({"size", std::vector<double>{static_cast<double>(scene.size.width),
-                                                 static_cast<double>(scene.size.height)}});
-    std::vector<Fields> surfaces;
-    for (const Surface& surface : scene.surfaces) {
-        surfaces.push_back(surface_state(session, surface));
+    State state;
+    state.revision = extras.revision;
+    if (!extras.busy.empty()) {
+        state.busy = extras.busy;
     }
-    state.push_back({"surfaces", surfaces});
+    if (session.has_volume()) {
+        state.volume = volume_state(session);
+    }
+    if (const phigs::Content* archive = session.archive()) {
+        state.archive = archive->file;
+    }
+    state.camera = camera_state(session);
+    state.size = {static_cast<double>(scene.size.width), static_cast<double>(scene.size.height)};
+    for (const Surface& surface : scene.surfaces) {
+        state.surfaces.push_back(surface_state(session, surface));
+    }
     add_looks(scene, state);
-    state.push_back(text_or_null("undo", session.history.undo_line()));
-    state.push_back(text_or_null("redo", session.history.redo_line()));
-    state.push_back(
-        {"machine", Fields{{"topology", extras.topology},
-                           {"gps", static_cast<std::int64_t>(session.gp_count())},
-                           {"renderers", static_cast<std::int64_t>(session.renderer_count())},
-                           {"recording", extras.is_recording}}});
-    return json_text({{"state", state}});
+    state.undo = session.history.undo_line();
+    state.redo = session.history.redo_line();
+    state.machine = {extras.topology, static_cast<std::int64_t>(session.gp_count()),
+                     static_cast<std::int64_t>(session.renderer_count()), extras.is_recording};
+    return json_text({{"state", fields_of(state)}});
 }
 
 }  // namespace pxpl5::host::serve

@@ -4,7 +4,6 @@
 #include <png.h>
 #include <turbojpeg.h>
 
-#include <bit>
 #include <cassert>
 #include <memory>
 #include <stdexcept>
@@ -13,17 +12,7 @@
 namespace pxpl5::host::serve {
 namespace {
 
-// Fields and pixels are handed over as they lie in memory.
-static_assert(std::endian::native == std::endian::little);
-
-constexpr std::uint32_t frame_magic = 0x46523550;  // "P5RF"
-constexpr std::size_t png_head_bytes = 4096;       // Signature, chunk heads and the end.
-
-template <typename T>
-void append(std::string& bytes, T value) {
-    const auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
-    bytes.append(raw.data(), raw.size());
-}
+constexpr std::size_t png_head_bytes = 4096;  // Signature, chunk heads and the end.
 
 void check_size(int width, int height, std::span<const std::uint32_t> rgba) {
     assert(width > 0 && height > 0);
@@ -47,21 +36,7 @@ std::vector<unsigned char> without_alpha(std::span<const std::uint32_t> rgba) {
 }  // namespace
 
 std::string frame_header(const FrameHeader& header) {
-    std::string bytes;
-    bytes.reserve(frame_header_bytes);
-    append(bytes, frame_magic);
-    append(bytes, header.number);
-    append(bytes, header.revision);
-    append(bytes, static_cast<std::uint16_t>(header.width));
-    append(bytes, static_cast<std::uint16_t>(header.height));
-    append(bytes, header.kind);
-    append(bytes, static_cast<std::uint8_t>(header.quality));
-    append(bytes, static_cast<std::uint8_t>(header.samples));
-    append(bytes, static_cast<std::uint8_t>((header.rests ? 1 : 0) | (header.last ? 2 : 0)));
-    append(bytes, header.machine_ms);
-    append(bytes, header.digest);
-    assert(bytes.size() == frame_header_bytes);
-    return bytes;
+    return {reinterpret_cast<const char*>(&header), sizeof header};
 }
 
 std::string png_of(int width, int height, std::span<const std::uint32_t> rgba) {

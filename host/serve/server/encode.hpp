@@ -5,26 +5,11 @@
 #include <span>
 #include <string>
 
+#include "generated/page_schema.hpp"
+
 namespace pxpl5::host::serve {
 
-enum class PictureKind : std::uint8_t { jpeg = 1, png = 2 };
-
-/// The header's fields, as host/serve/README.md lays them out.
-struct FrameHeader {
-    std::uint32_t number = 0;  ///< Counted from 1 for each viewer.
-    std::uint32_t revision = 0;
-    int width = 0, height = 0;
-    PictureKind kind = PictureKind::png;
-    int quality = 0;  ///< Of the JPEG, 1 to 100.
-    int samples = 1;
-    bool rests = false, last = false;
-    float machine_ms = 0;
-    std::uint64_t digest = 0;
-};
-
-inline constexpr std::size_t frame_header_bytes = 32;
-
-/// frame_header_bytes bytes, little-endian.
+/// The header as it precedes the picture in a message.
 std::string frame_header(const FrameHeader& header);
 
 /// The pixels without loss, as a PNG file. Alpha is left out: a frame is opaque.

@@ -192,16 +192,16 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     FrameHeader header;
     header.number = viewer.count_frame(frame);
     header.revision = shown.revision;
-    header.width = shown.width;
-    header.height = shown.height;
+    header.width = static_cast<std::uint16_t>(shown.width);
+    header.height = static_cast<std::uint16_t>(shown.height);
     header.kind = shown.rests ? PictureKind::png : PictureKind::jpeg;
-    header.quality = quality;
-    header.samples = shown.samples;
-    header.rests = shown.rests;
-    header.last = shown.last;
+    header.quality = static_cast<std::uint8_t>(quality);
+    header.samples = static_cast<std::uint8_t>(shown.samples);
+    header.flags = static_cast<std::uint8_t>((shown.rests ? FrameFlag::rests : 0) |
+                                             (shown.last ? FrameFlag::last : 0));
     header.machine_ms = shown.machine_ms;
     header.digest = shown.digest;
-    viewer.link.sent(header.number, frame_header_bytes + picture.size(), now_ms());
+    viewer.link.sent(header.number, sizeof(FrameHeader) + picture.size(), now_ms());
     return write_message(connection, frame_header(header), picture, LWS_WRITE_BINARY);
 }
 

@@ -15,7 +15,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/part_file.hpp"
-#include "host/session/marks_transfer.hpp"
+#include "host/scene/marks_messages.hpp"
 
 namespace pxpl5::host {
 

@@ -22,7 +22,7 @@ namespace {
 
 /// A voxel's level is the number of isovalues that it is inside of: those with a lower index.
 using Level = std::uint16_t;
-constexpr std::size_t max_isovalues = std::numeric_limits<Level>::max() - 1;
+constexpr std::size_t max_levels = std::numeric_limits<Level>::max() - 1;
 constexpr std::size_t max_voxels = std::numeric_limits<std::uint32_t>::max();
 
 Level level_of(double value, std::span<const double> isovalues) {
@@ -246,7 +246,7 @@ void count_outside(LevelGrid& grid, std::span<ComponentCounts> out) {
 std::vector<ComponentCounts> count_components(const Volume& volume,
                                               std::span<const double> isovalues) {
     assert(std::is_sorted(isovalues.begin(), isovalues.end()));
-    assert(isovalues.size() <= max_isovalues);
+    assert(isovalues.size() <= max_levels);
     if (std::min({volume.nx, volume.ny, volume.nz}) < 2) {
         throw RequestError(ExitCode::failed,
                            fmt::format("counting components: {}x{}x{} voxels have no cell, which "

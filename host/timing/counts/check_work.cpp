@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "generated/vocabulary.hpp"
 #include "host/base/error.hpp"
-#include "ringbus/ranges.hpp"
 
 namespace pxpl5::host::timing {
 
@@ -21,13 +21,13 @@ template <class... Values>
 }
 
 void check_size(const FrameWork& frame) {
-    if (std::clamp(frame.width, 1U, bus::max_picture_px) != frame.width ||
-        std::clamp(frame.height, 1U, bus::max_picture_px) != frame.height) {
+    if (std::clamp(frame.width, 1U, max_picture_px) != frame.width ||
+        std::clamp(frame.height, 1U, max_picture_px) != frame.height) {
         fail("frame {}: {} x {} pixels; 1..{} each way may be", frame.frame, frame.width,
-             frame.height, bus::max_picture_px);
+             frame.height, max_picture_px);
     }
-    if (frame.views < 1 || frame.views > bus::max_views) {
-        fail("frame {}: {} views; 1..{} may be", frame.frame, frame.views, bus::max_views);
+    if (frame.views < 1 || frame.views > max_views) {
+        fail("frame {}: {} views; 1..{} may be", frame.frame, frame.views, max_views);
     }
 }
 
@@ -35,9 +35,9 @@ void check_size(const FrameWork& frame) {
 std::uint32_t surfaces_of(const FrameWork& frame) {
     std::uint32_t surfaces = 0;
     for (const DrawnSlab& slab : frame.drawn) {
-        if (slab.surface >= bus::max_surfaces) {
+        if (slab.surface >= max_surfaces) {
             fail("frame {}: slab {} is of surface {}; at most {} may be", frame.frame, slab.slab,
-                 slab.surface, bus::max_surfaces);
+                 slab.surface, max_surfaces);
         }
         if (slab.primitives > max_count) {
             fail("frame {}: surface {}, slab {}: {} primitives; at most {} may be", frame.frame,
@@ -84,9 +84,9 @@ void check_frame(const FrameWork& frame) {
 
 void check_volume(const VolumeWork& volume) {
     const std::uint32_t greatest = std::max({volume.nx, volume.ny, volume.nz});
-    if (std::min({volume.nx, volume.ny, volume.nz}) < 1 || greatest > bus::max_volume_voxels) {
+    if (std::min({volume.nx, volume.ny, volume.nz}) < 1 || greatest > max_volume_voxels) {
         fail("{}: {} x {} x {} voxels; 1..{} each way may be", volume.name, volume.nx, volume.ny,
-             volume.nz, bus::max_volume_voxels);
+             volume.nz, max_volume_voxels);
     }
     if (volume.voxel_bytes < 1 || volume.voxel_bytes > max_voxel_bytes) {
         fail("{}: voxels of {} bytes; 1..{} may be", volume.name, volume.voxel_bytes,

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "ringbus/ranges.hpp"
+#include "ringbus/rules/regions.hpp"
 
 namespace pxpl5::host::timing {
 
@@ -13,7 +13,7 @@ std::uint64_t PartWork::cycles() const {
 }
 
 std::size_t FrameWork::regions() const {
-    return bus::region_count(width, height, views);
+    return region_count(width, height, views);
 }
 
 std::vector<std::uint64_t> FrameWork::region_cycles() const {

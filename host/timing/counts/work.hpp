@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "isa/instruction_counts.hpp"
 
 namespace pxpl5::host::timing {
@@ -52,16 +53,6 @@ struct DrawnSlab {
     std::uint64_t primitives =
         0;  ///< Triangles, spheres and lines, over all views; before culling.
     friend bool operator==(const DrawnSlab&, const DrawnSlab&) = default;
-};
-
-/// The parts of a region's programs, as of renderer::RegionPlan::Kind.
-enum class PartKind : std::uint8_t {
-    prologue,
-    shut_door,
-    segment,
-    open_door,
-    depths,
-    end_of_region
 };
 
 using isa::InstructionClass;

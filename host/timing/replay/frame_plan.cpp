@@ -5,9 +5,9 @@
 #include <functional>
 #include <numeric>
 
+#include "generated/vocabulary.hpp"
 #include "host/timing/counts/check_work.hpp"
 #include "host/timing/replay/deal.hpp"
-#include "ringbus/ranges.hpp"
 
 namespace pxpl5::host::timing {
 
@@ -115,7 +115,7 @@ FramePlan::FramePlan(const Machine& machine, const Costs& costs, const FrameWork
     const std::size_t of_view = regions_.size() / frame.views;
     for (std::size_t i = 0; i < regions_.size(); ++i) {
         regions_[i].view = static_cast<std::uint32_t>(i / of_view);
-        regions_[i].pixel_words = reads_out_ ? bus::region_pixels : 1;
+        regions_[i].pixel_words = reads_out_ ? region_pixels : 1;
     }
     add_parts(machine, costs, frame);
     add_draw_times(machine, costs, frame);
@@ -139,7 +139,7 @@ void FramePlan::add_parts(const Machine& machine, const Costs& costs, const Fram
         }
         add_own(region, own[part.region], part);
         if (part.kind == PartKind::depths && reads_out_) {
-            region.pixel_words = std::uint64_t{2} * bus::region_pixels;
+            region.pixel_words = std::uint64_t{2} * region_pixels;
         }
     }
     for (std::size_t i = 0; i < regions_.size(); ++i) {

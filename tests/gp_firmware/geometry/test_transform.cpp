@@ -147,7 +147,7 @@ TEST_SUITE("gp/transform") {
             }
             const Projection projection = prepare(c);
             for (const auto target : pxpl5::isa::available_targets()) {
-                INFO(std::string(pxpl5::isa::target_name(target)), ", ", count);
+                INFO(std::string(pxpl5::enum_name(target)), ", ", count);
                 std::vector<GridVertex> grid(count);
                 std::vector<std::uint32_t> outside(count);
                 const std::uint32_t any = transform(vertices, projection, grid, outside, target);

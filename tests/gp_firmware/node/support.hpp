@@ -14,7 +14,6 @@
 
 #include "gp_firmware/node/node.hpp"
 #include "gp_firmware/volume/share.hpp"
-#include "ringbus/ranges.hpp"
 
 namespace pxpl5::test {
 
@@ -72,7 +71,7 @@ inline schema::Matrix to_wire(const glm::dmat4& m) {
 struct MachineSize {
     int gps = 1, renderers = 1;
     std::uint64_t memory_bytes = plenty_bytes;
-    schema::Recording recording = schema::Recording::off;
+    Recording recording = Recording::off;
 };
 
 inline bus::Payload topology(MachineSize size) {
@@ -146,7 +145,7 @@ struct Gp {
 };
 
 inline gp::VolumeShape shape() {
-    return {n, n, n, gp::Scalar::uint8, glm::dmat4(1.0), 0, 255};
+    return {n, n, n, Scalar::uint8, glm::dmat4(1.0), 0, 255};
 }
 
 inline bus::Payload header(std::uint32_t volume = 1) {
@@ -154,7 +153,7 @@ inline bus::Payload header(std::uint32_t volume = 1) {
     h.volume = volume;
     h.name = "sphere";
     h.nx = h.ny = h.nz = n;
-    h.type = schema::ScalarType::uint8;
+    h.type = Scalar::uint8;
     h.voxel_to_patient = std::make_unique<schema::Matrix>(to_wire(glm::dmat4(1.0)));
     h.maximum = 255;
     return bus::pack(h);
@@ -210,8 +209,8 @@ inline schema::DrawFrameT draw_frame(std::uint32_t frame, std::uint32_t revision
     d.views.push_back(std::move(view));
     d.specular_power = 10;
     d.background = std::make_unique<schema::Rgb>();
-    d.surfaces.emplace_back(std::uint16_t{4}, revision, schema::Rgb(), false,
-                            schema::SlabChoice::all, bus::max_opacity);
+    d.surfaces.emplace_back(std::uint16_t{4}, revision, schema::Rgb(), false, SlabChoice::all,
+                            full_opacity);
     return d;
 }
 

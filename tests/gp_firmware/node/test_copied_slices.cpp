@@ -110,7 +110,7 @@ TEST_SUITE("gp_firmware/node/copied_slices") {
     }
 
     TEST_CASE("a flight recorder does without slices that it could not keep all of") {
-        for (const auto recording : {schema::Recording::flight, schema::Recording::full}) {
+        for (const auto recording : {Recording::flight, Recording::full}) {
             for (const unsigned nx : {1024U, 4096U}) {  // 14 of 56 slices: 14 or 224 MiB.
                 gp::CopiedSlices copied;
                 schema::TopologyT machine;
@@ -125,7 +125,7 @@ TEST_SUITE("gp_firmware/node/copied_slices") {
                 volume.nx = volume.ny = nx;
                 CHECK(!copied(received(bus::pack(machine), 2)));
                 CHECK(!copied(received(bus::pack(volume), 2)));
-                const bool does_without = recording == schema::Recording::flight && nx == 4096;
+                const bool does_without = recording == Recording::flight && nx == 4096;
                 CHECK(copied(received(slices(5, 1), 2)) == does_without);  // Its own.
                 CHECK(copied(received(slices(6, 1), 2)));                  // Another's.
             }

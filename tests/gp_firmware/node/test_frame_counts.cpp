@@ -68,8 +68,8 @@ TEST_SUITE("gp/node counts") {
     TEST_CASE("drawn are the slabs that hold triangles, whole; emitted is what is not culled") {
         for (const bool cull_back : {false, true}) {
             schema::DrawFrameT draw = counted_frame();
-            draw.surfaces[0] = schema::SurfaceDraw(4, 1, schema::Rgb(), cull_back,
-                                                   schema::SlabChoice::all, bus::max_opacity);
+            draw.surfaces[0] =
+                schema::SurfaceDraw(4, 1, schema::Rgb(), cull_back, SlabChoice::all, full_opacity);
             const auto gps = run_machine({3, 2}, draw);
             Sums all;
             std::uint32_t emitted = 0;
@@ -107,7 +107,7 @@ TEST_SUITE("gp/node counts") {
     TEST_CASE("a triangle in several regions is drawn once") {
         schema::DrawFrameT draw = draw_frame(9, 1);
         draw.counts = true;
-        const auto gps = run_machine({1, 1, plenty_bytes, schema::Recording::flight}, draw);
+        const auto gps = run_machine({1, 1, plenty_bytes, Recording::flight}, draw);
         std::set<std::tuple<std::uint32_t, int, int, int>> drawn;  // Slab, cell and triangle.
         std::size_t emitted = 0;
         for (const auto* region : *gps[0]->box.of<schema::RegionPrograms>()[0]->regions()) {

@@ -87,7 +87,7 @@ TEST_SUITE("gp/node frames") {
     }
 
     TEST_CASE("only while recording, programs tell where each primitive comes from") {
-        const MachineSize recorded{2, 2, plenty_bytes, schema::Recording::flight};
+        const MachineSize recorded{2, 2, plenty_bytes, Recording::flight};
         const auto plain = run_machine({2, 2}, draw_frame(9, 1));
         const auto gps = run_machine(recorded, draw_frame(9, 1));
         CHECK(streams(gps) == streams(plain));

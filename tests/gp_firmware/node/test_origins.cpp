@@ -20,7 +20,7 @@ namespace {
 /// Voxels that are noise, so that all cases occur, ambiguous ones too.
 Volume noise(Size size, std::mt19937& random) {
     std::uniform_int_distribution<int> value(0, 255);
-    return make_volume(size, gp::Scalar::uint8, [&](int, int, int) { return value(random); });
+    return make_volume(size, Scalar::uint8, [&](int, int, int) { return value(random); });
 }
 
 /// From a random side, with a clip plane through the middle; near enough that the frustum clips.
@@ -41,14 +41,14 @@ gp::Camera random_camera(Size size, std::mt19937& random) {
 struct Scene {
     Volume volume;
     double isovalue = 0;
-    gp::CaseRule rule{};
+    CaseRule rule{};
     gp::Camera camera;
     gp::RegionGrid grid;
     gp::RegionPrograms programs;
 };
 
 /// Extracts and draws all slabs with their origins.
-Scene drawn(Size size, gp::CaseRule rule, std::mt19937& random) {
+Scene drawn(Size size, CaseRule rule, std::mt19937& random) {
     Scene s{noise(size, random), 127.5, rule, random_camera(size, random), {}, {}};
     s.grid = gp::region_grid(s.camera.width_px, s.camera.height_px, 0);
     s.programs.begin_frame(static_cast<std::size_t>(s.grid.count()), true);
@@ -175,7 +175,7 @@ TEST_SUITE("gp/origins") {
         std::mt19937 random(seed);
         int primitives = 0, pieces = 0;
         for (const auto rule :
-             {gp::CaseRule::watertight, gp::CaseRule::lorensen1987, gp::CaseRule::asymptotic}) {
+             {CaseRule::watertight, CaseRule::lorensen1987, CaseRule::asymptotic}) {
             for (int n = 0; n < 4; ++n) {
                 // Rows of more than one mask word, too.
                 const Scene s = drawn(n == 3 ? Size{70, 4, 4} : Size{7, 6, 5}, rule, random);
@@ -193,7 +193,7 @@ TEST_SUITE("gp/origins") {
         const Gp gp(volume, {0, 1});
         gp::SlabMesh with, without;
         for (int slab = 0; slab < volume.shape.slab_count(); ++slab) {
-            const auto& table = gp::case_table(gp::CaseRule::watertight);
+            const auto& table = gp::case_table(CaseRule::watertight);
             gp::extract_slab(gp.store, slab, 99.5, table, with, true);
             gp::extract_slab(gp.store, slab, 99.5, table, without);
             CHECK(with.indices == without.indices);
@@ -202,7 +202,7 @@ TEST_SUITE("gp/origins") {
             CHECK(with.origins.size() == with.indices.size() / 3);
         }
         // Asked for and then not: what an earlier surface left is gone.
-        gp::extract_slab(gp.store, 0, 99.5, gp::case_table(gp::CaseRule::watertight), with);
+        gp::extract_slab(gp.store, 0, 99.5, gp::case_table(CaseRule::watertight), with);
         CHECK(with.origins.empty());
     }
 }

@@ -32,7 +32,7 @@ struct Frame {
         surfaces[5].slabs.push_back(slab_of(triangles, 3));
         request.frame = 9;
         request.views = {pixel_camera(256, 256)};
-        request.surfaces = {{5, 0, false, gp::SlabChoice::all}};
+        request.surfaces = {{5, 0, false, SlabChoice::all}};
         request.assignment = {0, 1, 1, 0};
         drawing.begin(request);
         REQUIRE(!drawing.draw(surfaces, 1000));

@@ -88,7 +88,7 @@ const schema::MeshPart& fetched(Gp& gp, bool origins) {
 
 TEST_SUITE("gp/node_surfaces") {
     TEST_CASE("origins of a mesh are the same whether they are kept or extracted again") {
-        Gp keeping({2, 1, plenty_bytes, schema::Recording::full}, 1), plain({2, 1}, 1);
+        Gp keeping({2, 1, plenty_bytes, Recording::full}, 1), plain({2, 1}, 1);
         for (Gp* gp : {&keeping, &plain}) {
             load(*gp);
             gp->receive(set_surface(4, 1, 60));

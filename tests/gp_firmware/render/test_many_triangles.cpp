@@ -51,7 +51,7 @@ Streams streams_of(const gp::RegionGrid& grid, const Draw& draw) {
     return streams;
 }
 
-Streams in_vectors(const Scene& scene, isa::VectorTarget target) {
+Streams in_vectors(const Scene& scene, VectorTarget target) {
     return streams_of(scene.grid, [&](gp::RegionPrograms& programs) {
         gp::DrawScratch scratch;
         return gp::draw_slab(scene.mesh, gp::prepare(scene.camera), scene.grid, scene.style,
@@ -149,8 +149,8 @@ Scene random_scene(int count, Random& random) {
 /// Compares all targets with the definition. Returns how many triangles were emitted.
 std::uint32_t check_all_targets(const Scene& scene) {
     const Streams expected = one_by_one(scene);
-    for (const isa::VectorTarget target : isa::available_targets()) {
-        INFO(std::string(isa::target_name(target)), ", seed ", seed());
+    for (const VectorTarget target : isa::available_targets()) {
+        INFO(std::string(enum_name(target)), ", seed ", seed());
         CHECK((in_vectors(scene, target) == expected));
     }
     return expected.emitted;

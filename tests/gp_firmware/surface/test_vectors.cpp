@@ -10,8 +10,9 @@
 #include "isa/contract/vector_target.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::gp;
-using pxpl5::isa::VectorTarget;
+using VectorTarget;
 using pxpl5::test::Gp;
 using pxpl5::test::make_volume;
 using pxpl5::test::Volume;
@@ -100,7 +101,7 @@ TEST_SUITE("gp/vectors") {
                         SlabMesh best;
                         extract_slab(gp.store, slab, 3.75, case_table(rule), best, true);
                         for (const VectorTarget target : pxpl5::isa::available_targets()) {
-                            CAPTURE(pxpl5::isa::target_name(target));
+                            CAPTURE(enum_name(target));
                             SlabMesh mesh;
                             extract_slab(gp.store, slab, 3.75, case_table(rule), mesh, true,
                                          target);

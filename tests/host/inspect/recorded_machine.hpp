@@ -68,7 +68,7 @@ struct RecordedMachine {
   private:
     /// GPs say where primitives come from.
     static host::Topology recording(host::Topology topology) {
-        topology.record = host::Record::full;
+        topology.record = Recording::full;
         return topology;
     }
 };

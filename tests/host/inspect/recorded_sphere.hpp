@@ -18,7 +18,7 @@ inline host::Topology machine_of(int gps, int renderers) {
 inline void set_up_sphere(host::Session& session, host::Size size) {
     session.scene.size = size;
     session.load("phantom:sphere");
-    session.set_surface("ball", 100, host::CaseTable::watertight, {200, 100, 50});
+    session.set_surface("ball", 100, CaseRule::watertight, {200, 100, 50});
 }
 
 /// One frame of a sphere, drawn by a simulated machine that is gone.

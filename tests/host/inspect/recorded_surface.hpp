@@ -3,9 +3,9 @@
 
 #include <functional>
 
+#include "generated/vocabulary.hpp"
 #include "host/scene/camera.hpp"
 #include "host/session/volume_transfer.hpp"
-#include "ringbus/ranges.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 #include "tests/host/inspect/surface_truth.hpp"
 
@@ -101,7 +101,7 @@ class RecordedSurface {
         draw.background = std::make_unique<bus::schema::Rgb>(1, 2, 3);
         for (const std::uint16_t id : surfaces_) {
             draw.surfaces.emplace_back(id, 1U, bus::schema::Rgb(200, 150, 100), false,
-                                       bus::schema::SlabChoice::all, bus::max_opacity);
+                                       SlabChoice::all, full_opacity);
         }
         if (change) {
             change(draw);

@@ -41,11 +41,11 @@ inline double voxel(const host::Volume& v, int x, int y, int z) {
         return static_cast<double>(one);
     };
     switch (v.type) {
-        case host::Scalar::uint8:
+        case Scalar::uint8:
             return read(std::uint8_t{});
-        case host::Scalar::int16:
+        case Scalar::int16:
             return read(std::int16_t{});
-        case host::Scalar::uint16:
+        case Scalar::uint16:
             return read(std::uint16_t{});
         default:
             return read(float{});
@@ -120,7 +120,7 @@ inline double grid_z(const host::Volume& volume, double z) {
 /// All triangles, in the order in which they are drawn: slab by slab, row by row.
 inline std::vector<TrueTriangle> true_triangles(const host::Volume& volume, double isovalue,
                                                 const TrueView& view, std::uint32_t surface = 0) {
-    const gp::CaseTable& table = gp::case_table(gp::CaseRule::watertight);
+    const CaseRule& table = gp::case_table(CaseRule::watertight);
     std::vector<TrueTriangle> all;
     for (int k = 0; k + 1 < volume.nz; ++k) {
         for (int j = 0; j + 1 < volume.ny; ++j) {

@@ -10,7 +10,7 @@
 using namespace pxpl5;
 namespace inspect = host::inspect;
 using Where = inspect::StateBit::Where;
-using Kind = renderer::RegionPlan::Kind;
+using Kind = PartKind;
 
 namespace {
 

@@ -23,7 +23,6 @@ using isa::reference::Window;
 
 namespace {
 
-constexpr int size_px = isa::region::size_px;
 constexpr int gps = 3;
 
 /// A ball over two regions, drawn by three GPs and two Renderers.
@@ -39,7 +38,7 @@ const Ball& ball() {
 }
 
 std::size_t at(int x, int y) {
-    return static_cast<std::size_t>(y * size_px + x);
+    return static_cast<std::size_t>(y * region_px + x);
 }
 
 /// What the census of one pixel must be, counted on the reference.
@@ -90,7 +89,7 @@ std::vector<Expected> count_on_reference(const inspect::RecordedRegion& region,
 struct OwnRegion {
     explicit OwnRegion(const std::string& prologue_text, const std::string& text)
         : prologue(isa::assemble(prologue_text).words), words(isa::assemble(text).words) {
-        using Kind = renderer::RegionPlan::Kind;
+        using Kind = PartKind;
         region.plan.parts = {{Kind::prologue, {}}, {Kind::segment, {}}, {Kind::end_of_region, {}}};
         region.plan.parts[0].segment.words = prologue;
         region.plan.parts[1].segment.words = words;
@@ -115,7 +114,7 @@ TEST_CASE("bit maps are counted bit by bit") {
     INFO("PXPL5_SEED=", seed);
     std::mt19937_64 random(seed);
     inspect::BitMapCounter counter;
-    std::vector<std::uint32_t> expected(isa::region_pixels);
+    std::vector<std::uint32_t> expected(region_pixels);
     for (int i = 0; i < 300; ++i) {
         inspect::BitMapCounter::Map map;
         std::ranges::generate(map, std::ref(random));
@@ -125,7 +124,7 @@ TEST_CASE("bit maps are counted bit by bit") {
             expected[bit] += (map[bit / 64] >> bit % 64 & 1) != 0 ? 1 : 0;
         }
     }
-    for (std::size_t bit = 0; bit < isa::region_pixels; ++bit) {
+    for (std::size_t bit = 0; bit < region_pixels; ++bit) {
         REQUIRE(counter.count(bit) == expected[bit]);
     }
 }
@@ -165,8 +164,8 @@ TEST_CASE("of one triangle the pixels inside are covered and written once, the o
                         "TREEintoMEM m8:24 >>0 0 0 5\nIMMintoMEM m0:8 #1\n");
     const inspect::RegionCensus census = inspect::take_census(own.region, own.primitives);
     CHECK(census.counts.instructions == 11);
-    for (int y = 0; y < size_px; ++y) {
-        for (int x = 0; x < size_px; ++x) {
+    for (int y = 0; y < region_px; ++y) {
+        for (int x = 0; x < region_px; ++x) {
             const bool first = x >= 10, second = first && y >= 20, inside = second && x + y <= 60;
             REQUIRE(census.covered[at(x, y)] == (inside ? 1 : 0));
             REQUIRE(census.written[at(x, y)] == (inside ? 1 : 0));
@@ -220,7 +219,7 @@ TEST_CASE("maps of a frame: idle and busy add up, cost is what the Renderer repo
                     static_cast<std::int64_t>(tile->instructions()));
             REQUIRE(cost.values[i] == static_cast<std::int64_t>(tile->cycles()));
             REQUIRE(renderer.values[i] == region.renderer);
-            const auto in_tile = static_cast<std::uint32_t>(y * size_px + x % size_px);
+            const auto in_tile = static_cast<std::uint32_t>(y * region_px + x % region_px);
             REQUIRE(idle.picture[i] == pixels->pixels()->Get(in_tile));
         }
     }

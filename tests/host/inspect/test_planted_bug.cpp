@@ -30,8 +30,8 @@ std::vector<inspect::NodeTrace> healed() {
             const auto pixels =
                 inspect::run_region(frame.regions.at(sent.tiles[i].region()).plan, *reference)
                     .pixels;
-            std::ranges::copy(
-                pixels, sent.pixels.begin() + static_cast<std::ptrdiff_t>(i * isa::region_pixels));
+            std::ranges::copy(pixels,
+                              sent.pixels.begin() + static_cast<std::ptrdiff_t>(i * region_pixels));
         }
     });
     test::change<schema::FrameDone>(traces, [](schema::FrameDoneT& done) { done.pixels.clear(); });

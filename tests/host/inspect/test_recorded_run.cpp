@@ -28,7 +28,7 @@ TEST_CASE("regions of a recorded frame, executed again, give the pixels that wer
     host::Session& session = recorded.session;
     session.scene.size = {300, 200};
     session.load("phantom:sphere");
-    session.set_surface("ball", 100, host::CaseTable::watertight, {200, 100, 50});
+    session.set_surface("ball", 100, CaseRule::watertight, {200, 100, 50});
     session.draw();
     const host::Picture picture = session.draw();
 
@@ -62,7 +62,7 @@ TEST_CASE("a walk of single steps ends where whole parts do") {
     host::Session& session = recorded.session;
     session.scene.size = {128, 128};
     session.load("phantom:sphere");
-    session.set_surface("ball", 100, host::CaseTable::watertight, {200, 100, 50});
+    session.set_surface("ball", 100, CaseRule::watertight, {200, 100, 50});
     session.draw();
     const inspect::RecordedFrame frame = recorded.run().frame(0);
     const inspect::RecordedRegion& region = frame.regions.at(0);
@@ -92,14 +92,14 @@ TEST_CASE("a primitive holds the addresses from its SETENABS to the next") {
     host::Session& session = recorded.session;
     session.scene.size = {128, 128};
     session.load("phantom:sphere");
-    session.set_surface("ball", 100, host::CaseTable::watertight, {200, 100, 50});
+    session.set_surface("ball", 100, CaseRule::watertight, {200, 100, 50});
     session.draw();
     const inspect::RecordedFrame frame = recorded.run().frame(0);
     const inspect::RecordedRegion& region = frame.regions.at(0);
     const std::vector<inspect::Primitive> primitives = inspect::primitives_of(frame, region);
     std::size_t words = 0;
     for (const auto& part : region.plan.parts) {
-        words += part.kind == renderer::RegionPlan::Kind::segment ? part.segment.words.size() : 0;
+        words += part.kind == PartKind::segment ? part.segment.words.size() : 0;
     }
     REQUIRE(primitives.size() == words / 34);
     const inspect::Primitive& one = primitives.at(primitives.size() / 2);
@@ -127,7 +127,7 @@ TEST_CASE("the volume of a frame is put together from the slices of all GPs") {
         std::int16_t expected = 0;
         const std::size_t voxel =
             static_cast<std::size_t>((z * held.ny + held.ny / 3) * held.nx + held.nx / 2);
-        REQUIRE(held.type == host::Scalar::int16);
+        REQUIRE(held.type == Scalar::int16);
         std::memcpy(&expected, held.values.data() + 2 * voxel, 2);
         CHECK(*value == expected);
     }

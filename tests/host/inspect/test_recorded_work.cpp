@@ -17,10 +17,10 @@
 using namespace pxpl5;
 namespace inspect = host::inspect;
 namespace schema = bus::schema;
+using PartKind;
 using bus::Body;
 using host::timing::BuildWork;
 using host::timing::FrameWork;
-using host::timing::PartKind;
 using host::timing::RunWork;
 using host::timing::VolumeWork;
 
@@ -81,9 +81,9 @@ void use(host::Session& session) {
     session.scene.size = {150, 140};
     session.load("phantom:letters");
     const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-    session.set_surface("outer", middle, host::CaseTable::watertight, {200, 180, 160});
+    session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
     session.draw();
-    session.set_surface("inner", middle * 1.2, host::CaseTable::lorensen1987, {90, 120, 160});
+    session.set_surface("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
     host::Surface thin = *session.surface("outer");
     thin.opacity = 6;
     thin.cull_back = true;
@@ -231,7 +231,7 @@ TEST_CASE("primitives count once a view, masked ones too, and only slabs that ar
     recorded.draw(camera, 100, 100, [](schema::DrawFrameT& draw) {
         draw.views.push_back(std::make_unique<schema::ViewT>(*draw.views.front()));
     });
-    for (const auto choice : {schema::SlabChoice::in_gaps, schema::SlabChoice::outside_gaps}) {
+    for (const auto choice : {SlabChoice::in_gaps, SlabChoice::outside_gaps}) {
         recorded.draw(camera, 100, 100, [choice](schema::DrawFrameT& draw) {
             draw.surfaces.front().mutate_slabs(choice);
         });
@@ -281,7 +281,7 @@ TEST_CASE("slabs that a flight recorder no longer has the counts of are extracte
     std::vector<inspect::NodeTrace> traces = sphere.traces();
     lose(traces, schema::Role::host, of_kind(Body::SurfaceBuilt));
     for (inspect::NodeTrace& node : traces) {
-        node.info.recording = schema::Recording::flight;
+        node.info.recording = Recording::flight;
     }
     const RunWork again = inspect::recorded_work(inspect::RecordedRun(traces));
     CHECK(again.missing.empty());

@@ -48,8 +48,8 @@ std::map<std::pair<int, int>, std::size_t> last_writers(const inspect::RecordedF
         if (op == isa::Op::set_enabs || walk.done()) {
             continue;
         }
-        for (int y = 0; y < layout::size_px; y += step_px) {
-            for (int x = 0; x < layout::size_px; x += step_px) {
+        for (int y = 0; y < region_px; y += step_px) {
+            for (int x = 0; x < region_px; x += step_px) {
                 const auto z = executor.field(x, y, layout::z.address, layout::z.width);
                 if (primitive != nullptr && z != depth[{x, y}]) {
                     writers[{x, y}] = primitive->number;
@@ -76,8 +76,8 @@ TEST_CASE("a pixel of an archive shows the primitive that stored its depth last"
         const auto writers = last_writers(frame, region);
         CHECK(writers.size() > 20);
         std::size_t lost = 0;
-        for (int y = 0; y < layout::size_px; y += step_px) {
-            for (int x = 0; x < layout::size_px; x += step_px) {
+        for (int y = 0; y < region_px; y += step_px) {
+            for (int x = 0; x < region_px; x += step_px) {
                 CAPTURE(x);
                 CAPTURE(y);
                 const inspect::PixelHistory history = inspect::history_of(frame, region, x, y);

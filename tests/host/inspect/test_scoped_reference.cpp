@@ -37,8 +37,8 @@ void run(const std::vector<std::uint32_t>& words, isa::Executor& executor, isa::
 
 /// The first pixel whose memory, enable or carry differs, as a text.
 std::string difference(const isa::Executor& p, const isa::Executor& q) {
-    for (int y = 0; y < isa::region::size_px; ++y) {
-        for (int x = 0; x < isa::region::size_px; ++x) {
+    for (int y = 0; y < region_px; ++y) {
+        for (int x = 0; x < region_px; ++x) {
             bool same = p.enabled(x, y) == q.enabled(x, y) && p.carry(x, y) == q.carry(x, y);
             for (std::uint32_t a = 0; a < isa::memory_bits; a += 52) {
                 same = same && p.field(x, y, a, 52) == q.field(x, y, a, 52);

@@ -25,7 +25,7 @@ struct Ball {
         host::Session& session = recorded.session;
         session.scene.size = {150, 140};
         session.load("phantom:sphere");
-        session.set_surface("ball", 100, host::CaseTable::watertight, {200, 100, 50});
+        session.set_surface("ball", 100, CaseRule::watertight, {200, 100, 50});
         session.draw();
         session.draw();
         run = std::make_unique<inspect::RecordedRun>(recorded.run());

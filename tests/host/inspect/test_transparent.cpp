@@ -174,8 +174,8 @@ TEST_SUITE("transparent surfaces") {
         int shut = 0;
         for (const auto& [number, region] : frame.regions) {
             const auto& parts = region.plan.parts;
-            const auto opens = std::ranges::find(parts, renderer::RegionPlan::Kind::open_door,
-                                                 &renderer::RegionPlan::Part::kind);
+            const auto opens =
+                std::ranges::find(parts, PartKind::open_door, &renderer::RegionPlan::Part::kind);
             if (opens == parts.end()) {
                 continue;
             }
@@ -204,9 +204,9 @@ TEST_SUITE("transparent surfaces") {
         volume.gap_slabs = {20, 21, 30};
         RecordedSurface recorded(volume, 3, 1);
         recorded.add_surface(outer);
-        using bus::schema::SlabChoice;
+        using SlabChoice;
         const auto draw = [&](std::vector<SlabChoice> choices,
-                              std::uint8_t opacity = bus::max_opacity) {
+                              std::uint8_t opacity = full_opacity) {
             recorded.draw({{30, 5}, 1.0}, width, height, [&](bus::schema::DrawFrameT& frame) {
                 frame.read_back = frame.read_depths = true;
                 const bus::schema::SurfaceDraw first = frame.surfaces[0];

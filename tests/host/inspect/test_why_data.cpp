@@ -21,7 +21,7 @@ host::Volume pelvis() {
     volume.name = "pelvis";
     volume.nx = volume.ny = 128;
     volume.nz = 56;
-    volume.type = host::Scalar::int16;
+    volume.type = Scalar::int16;
     volume.voxel_to_patient[0][0] = 2.85938;
     volume.voxel_to_patient[1][1] = 2.36719;
     volume.voxel_to_patient[2][2] = 3;

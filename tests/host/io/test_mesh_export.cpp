@@ -14,6 +14,7 @@
 #include "tests/host/io/mesh_solids.hpp"
 #include "tests/host/io/volume_files.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host::io;
 using namespace pxpl5::test;
 
@@ -27,7 +28,7 @@ struct TwoSolids {
     Solid bone = tetrahedron();
     Solid skin = sphere(centre, radius, 16, 24);
 
-    MeshExport mesh(MeshAxes axes) const {
+    MeshExport mesh(PatientAxes axes) const {
         MeshExport mesh;
         mesh.surfaces = {bone.view(), skin.view()};
         mesh.axes = axes;
@@ -85,11 +86,11 @@ ReadBack read_back(const std::string& path) {
 }
 
 /// Into the coordinates of the file: STL, PLY and OBJ as `axes` says, GLB in its own.
-glm::vec3 in_file(glm::vec3 v, MeshAxes axes, const std::string& suffix, bool is_place) {
+glm::vec3 in_file(glm::vec3 v, PatientAxes axes, const std::string& suffix, bool is_place) {
     if (suffix == ".glb") {
         return glm::vec3(v.x, v.z, -v.y) * (is_place ? 0.001F : 1.0F);
     }
-    return axes == MeshAxes::LPS ? v : glm::vec3(-v.x, -v.y, v.z);
+    return axes == PatientAxes::LPS ? v : glm::vec3(-v.x, -v.y, v.z);
 }
 
 /// The transfer function of the sRGB standard.
@@ -99,7 +100,7 @@ double linear(int value) {
 }
 
 /// What must be in the file, triangle by triangle.
-void check_solid(const ReadBack& read, std::size_t first, const Solid& solid, MeshAxes axes,
+void check_solid(const ReadBack& read, std::size_t first, const Solid& solid, PatientAxes axes,
                  const std::string& suffix) {
     const float tolerance = suffix == ".glb" ? 1e-7F : 0.0F;
     std::array<int, 3> colour = {solid.colour[0], solid.colour[1], solid.colour[2]};
@@ -142,7 +143,7 @@ TEST_SUITE("host/io/mesh_export") {
     TEST_CASE("assimp reads every triangle in its place, with its normals and colours") {
         const TemporaryFolder folder;
         const TwoSolids solids;
-        for (const MeshAxes axes : {MeshAxes::LPS, MeshAxes::RAS}) {
+        for (const PatientAxes axes : {PatientAxes::LPS, PatientAxes::RAS}) {
             for (const std::string suffix : {".stl", ".ply", ".obj", ".glb"}) {
                 CAPTURE(suffix);
                 const std::string path = folder.file("m" + suffix);
@@ -159,7 +160,7 @@ TEST_SUITE("host/io/mesh_export") {
     TEST_CASE("triangles turn the same way in both conventions, and facets point outwards") {
         const TemporaryFolder folder;
         const TwoSolids solids;
-        for (const MeshAxes axes : {MeshAxes::LPS, MeshAxes::RAS}) {
+        for (const PatientAxes axes : {PatientAxes::LPS, PatientAxes::RAS}) {
             const std::string path = folder.file("m.stl");
             write_mesh(path, solids.mesh(axes));
             const ReadBack read = read_back(path);
@@ -179,8 +180,8 @@ TEST_SUITE("host/io/mesh_export") {
     TEST_CASE("files state axes, unit and description where they have room") {
         const TemporaryFolder folder;
         const TwoSolids solids;
-        for (const MeshAxes axes : {MeshAxes::LPS, MeshAxes::RAS}) {
-            const std::string name = axes == MeshAxes::LPS ? "LPS" : "RAS";
+        for (const PatientAxes axes : {PatientAxes::LPS, PatientAxes::RAS}) {
+            const std::string name = axes == PatientAxes::LPS ? "LPS" : "RAS";
             const auto text = [&](const std::string& suffix) {
                 write_mesh(folder.file("m" + suffix), solids.mesh(axes));
                 return bytes_in(folder.file("m" + suffix));
@@ -212,7 +213,7 @@ TEST_SUITE("host/io/mesh_export") {
     TEST_CASE("the bounds that glTF asks for are those of its vertices") {
         const TemporaryFolder folder;
         const TwoSolids solids;
-        write_mesh(folder.file("m.glb"), solids.mesh(MeshAxes::RAS));
+        write_mesh(folder.file("m.glb"), solids.mesh(PatientAxes::RAS));
         const nlohmann::json root = json_of(bytes_in(folder.file("m.glb")));
         CHECK(root["accessors"][0]["min"] == nlohmann::json({-12, -23, -30}));
         CHECK(root["accessors"][0]["max"] == nlohmann::json({-10, -20, -26}));
@@ -230,7 +231,7 @@ TEST_SUITE("host/io/mesh_export") {
         const Solid empty{"nothing", {1, 2, 3}, {}, {}};
         for (const std::string suffix : {".stl", ".ply", ".obj", ".vtp", ".glb"}) {
             CAPTURE(suffix);
-            MeshExport mesh = solids.mesh(MeshAxes::LPS);
+            MeshExport mesh = solids.mesh(PatientAxes::LPS);
             write_mesh(folder.file("a" + suffix), mesh);
             const std::string once = bytes_in(folder.file("a" + suffix));
             mesh.surfaces.insert(mesh.surfaces.begin() + 1, empty.view());
@@ -242,7 +243,7 @@ TEST_SUITE("host/io/mesh_export") {
     TEST_CASE("groups of an OBJ file keep equal and blank names apart") {
         const TemporaryFolder folder;
         const TwoSolids solids;
-        MeshExport mesh = solids.mesh(MeshAxes::LPS);
+        MeshExport mesh = solids.mesh(PatientAxes::LPS);
         mesh.surfaces.push_back(solids.bone.view());
         mesh.surfaces.push_back(solids.bone.view());
         mesh.surfaces[3].name = "";
@@ -267,7 +268,7 @@ TEST_SUITE("host/io/mesh_export") {
             CAPTURE(suffix);
             setrlimit(RLIMIT_FSIZE, &small);
             const std::string error =
-                complaint(folder.file("m" + suffix), solids.mesh(MeshAxes::LPS));
+                complaint(folder.file("m" + suffix), solids.mesh(PatientAxes::LPS));
             setrlimit(RLIMIT_FSIZE, &before);
             CHECK(error == folder.file("m" + suffix) + ": cannot be written: File too large");
             CHECK(files_in(folder.file("")) == 0);
@@ -277,7 +278,7 @@ TEST_SUITE("host/io/mesh_export") {
     TEST_CASE("what cannot be written is refused with both values") {
         const TemporaryFolder folder;
         const TwoSolids solids;
-        const MeshExport mesh = solids.mesh(MeshAxes::LPS);
+        const MeshExport mesh = solids.mesh(PatientAxes::LPS);
         const std::string path = folder.file("m.stl");
         CHECK(complaint(folder.file("m.3mf"), mesh).find("suffix is '.3mf', meshes are .stl") !=
               std::string::npos);

@@ -80,7 +80,7 @@ TEST_SUITE("host/io/node") {
         CHECK(header->name()->str() == "large");
         CHECK(header->nx() == 1024);
         CHECK(header->nz() == 11);
-        CHECK(header->type() == schema::ScalarType::uint8);
+        CHECK(header->type() == Scalar::uint8);
         CHECK(header->minimum() == 'a');
         CHECK(header->maximum() == 'k');
         CHECK(header->voxel_to_patient()->m()->Get(0) == 0.5);
@@ -135,8 +135,8 @@ TEST_SUITE("host/io/node") {
         CHECK(header->minimum() == 256 + 30 + 6 + 1);
         // Two assumptions: spacing and place; two things done.
         REQUIRE(header->findings()->size() == 4);
-        CHECK(header->findings()->Get(1)->kind() == schema::FindingKind::assumption);
-        CHECK(header->findings()->Get(2)->kind() == schema::FindingKind::processed);
+        CHECK(header->findings()->Get(1)->kind() == FindingKind::assumption);
+        CHECK(header->findings()->Get(2)->kind() == FindingKind::processed);
         request.resample_size.clear();
         request.resample_spacing_mm = {2, 2, 3};
         request.smooth_mm = 1.5;
@@ -190,7 +190,7 @@ TEST_SUITE("host/io/node") {
             return answer[0].as<schema::IoDone>()->error()->str();
         };
         request.marks.push_back(std::make_unique<schema::MarkT>());
-        request.marks[0]->kind = schema::MarkKind::text;
+        request.marks[0]->kind = MarkKind::text;
         request.marks[0]->points = {{0, 0}};
         request.marks[0]->colour = std::make_unique<schema::Rgba>(1, 2, 3, 255);
         request.marks[0]->text = "\xff";
@@ -244,7 +244,7 @@ TEST_SUITE("host/io/node") {
         IoNode node({0, 0});
         schema::ExportMeshT request;
         request.path = folder.file("m.ply");
-        request.axes = schema::PatientAxes::RAS;
+        request.axes = PatientAxes::RAS;
         request.description = "one triangle";
         request.surfaces.push_back(std::make_unique<schema::ExportSurfaceT>());
         schema::ExportSurfaceT& surface = *request.surfaces[0];

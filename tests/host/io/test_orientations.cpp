@@ -73,13 +73,9 @@ struct Surface {
 
 Surface surface_of(const host::Volume& from) {
     Volume volume;
-    volume.shape = {from.nx,
-                    from.ny,
-                    from.nz,
-                    static_cast<gp::Scalar>(from.type),
-                    from.voxel_to_patient,
-                    from.minimum,
-                    from.maximum};
+    volume.shape = {
+        from.nx,      from.ny,     from.nz, static_cast<Scalar>(from.type), from.voxel_to_patient,
+        from.minimum, from.maximum};
     volume.values = from.values;
     std::map<std::uint64_t, glm::dvec3> by_key;  // Slabs share the vertices between them.
     Surface surface;

@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
     mesh.surfaces = {bone.view(), skin.view()};
     mesh.description = "two solids";
     for (const auto& [axes, name] :
-         {std::pair(host::io::MeshAxes::LPS, "LPS"), std::pair(host::io::MeshAxes::RAS, "RAS")}) {
+         {std::pair(PatientAxes::LPS, "LPS"), std::pair(PatientAxes::RAS, "RAS")}) {
         mesh.axes = axes;
         for (const char* suffix : {"stl", "ply", "obj", "vtp", "glb"}) {
             host::io::write_mesh(std::string(argv[1]) + "/" + name + "." + suffix, mesh);

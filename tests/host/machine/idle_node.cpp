@@ -11,7 +11,7 @@
 #include <string>
 
 #include "ringbus/process/process.hpp"
-#include "ringbus/zmq_link.hpp"
+#include "ringbus/zmq/zmq_link.hpp"
 #include "tests/host/machine/idle_node.hpp"
 
 namespace {

@@ -11,6 +11,7 @@
 #include "host/machine/timing_section.hpp"
 #include "host/machine/topology.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 
 namespace {
@@ -125,8 +126,8 @@ TEST_CASE("an override sets one value") {
         small, "small.json",
         {"gp.count=4", "gp.memory_mib=16", "ring.transport=ipc", "seed=18446744073709551615",
          "renderer.cpu=0,1", "frame_buffer.env=A=b=c", "record=full", "vector_target=avx2"});
-    CHECK(plan.vector_target == pxpl5::isa::VectorTarget::avx2);
-    CHECK(plan.record == Record::full);
+    CHECK(plan.vector_target == VectorTarget::avx2);
+    CHECK(plan.record == Recording::full);
     CHECK(plan.gp.count == 4);
     CHECK(plan.gp_memory_mib == 16);
     CHECK(plan.ring.transport == Transport::ipc);
@@ -183,8 +184,8 @@ TEST_CASE("every parameter of the machine of the paper says where it comes from"
     for (const TimingValue& entry : load_topology("paper-1993").timing) {
         CHECK_MESSAGE(!entry.note.empty(), entry.name);
     }
-    CHECK(name_of(Provenance::published) == "published");
-    CHECK(name_of(Provenance::fitted) == "fitted");
+    CHECK(enum_name(Provenance::published) == "published");
+    CHECK(enum_name(Provenance::fitted) == "fitted");
 }
 
 TEST_CASE("a parameter of the timing that cannot be is refused by name, value and range") {
@@ -227,9 +228,9 @@ TEST_CASE("the resolved plan, read again, is the same plan") {
     CHECK(again.gp_memory_mib == plan.gp_memory_mib);
     CHECK(again.renderer.env == plan.renderer.env);
     CHECK(again.seed == plan.seed);
-    CHECK(again.record == Record::off);
-    CHECK(again.vector_target == pxpl5::isa::VectorTarget::sse4);
-    CHECK(load_topology("default").record == Record::flight);
+    CHECK(again.record == Recording::off);
+    CHECK(again.vector_target == VectorTarget::sse4);
+    CHECK(load_topology("default").record == Recording::flight);
     CHECK(again.ring.transport == Transport::tcp);
     CHECK(again.ring.hop_ns == 0);
     CHECK(find_timing(again.timing, "gp.message_us")->value == 12.25);

@@ -80,8 +80,8 @@ class FullDisk {
 
 /// A machine that records.
 struct Recorded {
-    explicit Recorded(Record record) : machine(plan(bench, record), bench.options) {}
-    static const Topology& plan(Bench& bench, Record record) {
+    explicit Recorded(Recording record) : machine(plan(bench, record), bench.options) {}
+    static const Topology& plan(Bench& bench, Recording record) {
         bench.topology.record = record;
         return bench.topology;
     }
@@ -112,7 +112,7 @@ struct Recorded {
 
 TEST_SUITE("host/machine/traces") {
     TEST_CASE("a machine that records nothing says so when asked to save") {
-        Recorded run(Record::off);
+        Recorded run(Recording::off);
         CHECK(!run.machine.is_recording());
         try {
             run.machine.save_traces();
@@ -126,7 +126,7 @@ TEST_SUITE("host/machine/traces") {
     }
 
     TEST_CASE("every node and the host save what they have received, as often as asked") {
-        for (const Record record : {Record::flight, Record::full}) {
+        for (const Recording record : {Recording::flight, Recording::full}) {
             Recorded run(record);
             CHECK(run.machine.is_recording());
             ask(run.machine);
@@ -153,14 +153,14 @@ TEST_SUITE("host/machine/traces") {
     }
 
     TEST_CASE("a trace says who recorded it, and the host's what machine it was") {
-        Recorded run(Record::flight);
+        Recorded run(Recording::flight);
         run.machine.save_traces();
         const TraceFile renderer(run.traces() / "renderer-1.mcap"),
             host(run.traces() / "host-0.mcap");
         CHECK(renderer.info().node_name() == "renderer-1");
         CHECK(renderer.info().node == 4);
         CHECK(renderer.info().build == bus::build_id());
-        CHECK(renderer.info().recording == schema::Recording::flight);
+        CHECK(renderer.info().recording == Recording::flight);
         CHECK(host.info().node_name() == "host");
         CHECK(host.info().more.at("isa_hash") == isa::table_hash());
         CHECK(resolved_json(parse_topology(host.info().more.at("topology"), "x.json")) ==
@@ -168,19 +168,19 @@ TEST_SUITE("host/machine/traces") {
         CHECK(kinds_in(host).at("Hello") == 5);
         const auto told = renderer.load(renderer.entries().at(0));
         REQUIRE(told.kind() == bus::Body::Topology);
-        CHECK(told.as<schema::Topology>()->recording() == schema::Recording::flight);
+        CHECK(told.as<schema::Topology>()->recording() == Recording::flight);
         run.machine.shutdown();
     }
 
     TEST_CASE("a flight that nobody asks for is not written") {
-        Recorded run(Record::flight);
+        Recorded run(Recording::flight);
         ask(run.machine);
         run.machine.shutdown();
         CHECK(files_in(run.traces()).empty());
     }
 
     TEST_CASE("a full recording is closed at the end, and holds what the host received") {
-        Recorded run(Record::full);
+        Recorded run(Recording::full);
         ask(run.machine);
         run.machine.shutdown();
         CHECK(files_in(run.traces()) == all_files);
@@ -194,7 +194,7 @@ TEST_SUITE("host/machine/traces") {
     }
 
     TEST_CASE("when a node is killed the others' flights are saved, and the error says where") {
-        Recorded run(Record::flight);
+        Recorded run(Recording::flight);
         ask(run.machine);
         const std::string error = run.end_after_killing("gp-1");
         CHECK_MESSAGE(has(error, "gp-1 was killed by signal 9 (SIGKILL)"), error);
@@ -208,7 +208,7 @@ TEST_SUITE("host/machine/traces") {
     }
 
     TEST_CASE("a node whose disk is full says so once, and works on") {
-        Recorded run(Record::full);
+        Recorded run(Recording::full);
         const FullDisk full(run.pid_of("gp-0"));
         std::vector<std::string> faults;
         bool answered = false;
@@ -233,7 +233,7 @@ TEST_SUITE("host/machine/traces") {
     }
 
     TEST_CASE("a host whose disk is full says so once, and works on") {
-        Recorded run(Record::full);
+        Recorded run(Recording::full);
         std::string error;
         {
             const FullDisk full(getpid());
@@ -253,7 +253,7 @@ TEST_SUITE("host/machine/traces") {
     }
 
     TEST_CASE("a node that is killed while it records everything leaves what it had received") {
-        Recorded run(Record::full);
+        Recorded run(Recording::full);
         ask(run.machine);
         run.machine.save_traces();  // So that it is known what has reached the file.
         const std::string error = run.end_after_killing("gp-0");

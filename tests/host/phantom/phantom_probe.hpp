@@ -16,7 +16,7 @@ struct Probe {
     std::vector<double> voxels;
 
     explicit Probe(std::string_view name) : volume(host::make_phantom(name)) {
-        gp::with_scalar(static_cast<gp::Scalar>(volume.type), [&]<class T>(T) {
+        gp::with_scalar(static_cast<Scalar>(volume.type), [&]<class T>(T) {
             std::vector<T> typed(volume.values.size() / sizeof(T));
             std::memcpy(typed.data(), volume.values.data(), volume.values.size());
             voxels.assign(typed.begin(), typed.end());
@@ -49,9 +49,9 @@ struct Probe {
 
 /// The volume as GPs receive it.
 inline Volume for_gps(const host::Volume& v) {
-    return {{v.nx, v.ny, v.nz, static_cast<gp::Scalar>(v.type), v.voxel_to_patient, v.minimum,
-             v.maximum},
-            v.values};
+    return {
+        {v.nx, v.ny, v.nz, static_cast<Scalar>(v.type), v.voxel_to_patient, v.minimum, v.maximum},
+        v.values};
 }
 
 inline host::PhantomInfo info_of(std::string_view name) {

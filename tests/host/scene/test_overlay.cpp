@@ -5,9 +5,10 @@
 #include <glm/glm.hpp>
 #include <set>
 
+#include "host/scene/marks_messages.hpp"
 #include "host/scene/overlay.hpp"
-#include "host/session/marks_transfer.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 
 namespace {
@@ -190,15 +191,15 @@ TEST_SUITE("host/scene/overlay") {
             text_mark({7, 8}, "50 mm", {5, 6, 7, 8}, {20, 0.5F, 1, 3})};
         const auto wire = marks_message(marks);
         REQUIRE(wire.size() == 3);
-        CHECK(wire[0]->kind == pxpl5::bus::schema::MarkKind::line);
+        CHECK(wire[0]->kind == MarkKind::line);
         CHECK(wire[0]->width_px == 5);
         CHECK(wire[0]->points[1].x() == 3);
         CHECK(wire[0]->points[1].y() == 4);
-        CHECK(wire[1]->kind == pxpl5::bus::schema::MarkKind::area);
+        CHECK(wire[1]->kind == MarkKind::area);
         CHECK(wire[1]->points.size() == 3);
         CHECK(wire[1]->colour->r() == 9);
         CHECK(wire[1]->colour->a() == 6);
-        CHECK(wire[2]->kind == pxpl5::bus::schema::MarkKind::text);
+        CHECK(wire[2]->kind == MarkKind::text);
         CHECK(wire[2]->text == "50 mm");
         CHECK(wire[2]->height_px == 20);
         CHECK(wire[2]->align_x == 0.5F);

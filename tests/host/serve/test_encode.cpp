@@ -101,7 +101,7 @@ TEST_CASE("a frame's header has its fields where the protocol puts them") {
     header.kind = PictureKind::jpeg;
     header.quality = 80;
     header.samples = 16;
-    header.last = true;
+    header.flags = FrameFlag::last;
     header.machine_ms = 1.5F;
     header.digest = 0x1122334455667788U;
     const std::string bytes = frame_header(header);
@@ -110,7 +110,7 @@ TEST_CASE("a frame's header has its fields where the protocol puts them") {
                                       0xc0, 0x3f, 0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11};
     REQUIRE(bytes.size() == sizeof(expected));
     CHECK(std::memcmp(bytes.data(), expected, sizeof(expected)) == 0);
-    header.rests = true;
+    header.flags = FrameFlag::rests | FrameFlag::last;
     CHECK(frame_header(header)[19] == 3);
 }
 

@@ -72,7 +72,7 @@ TEST_SUITE("inspector") {
     TEST_CASE("a slice's bytes are the volume's values, then the contours") {
         Loaded shown("phantom:torus");
         const Volume& volume = shown.session.volume();
-        shown.session.set_surface("ring", 30000.5, CaseTable::watertight, {1, 2, 255});
+        shown.session.set_surface("ring", 30000.5, CaseRule::watertight, {1, 2, 255});
         const serve::Answer answer =
             serve::answer(shown.session, R"({"id":1,"ask":"slice","axis":"y","index":31})");
         const json told = json::parse(answer.json);
@@ -102,7 +102,7 @@ TEST_SUITE("inspector") {
     }
     TEST_CASE("contours are the edges of the surface that lie in the slice") {
         Loaded shown("phantom:pelvis");
-        for (const CaseTable table : {CaseTable::watertight, CaseTable::asymptotic}) {
+        for (const CaseRule table : {CaseRule::watertight, CaseRule::asymptotic}) {
             shown.session.set_surface("bone", 250.5, table, {1, 2, 3});
             const WeldedMesh mesh = shown.session.mesh("bone");
             const serve::Answer answer =
@@ -126,7 +126,7 @@ TEST_SUITE("inspector") {
     }
     TEST_CASE("hidden surfaces have no contours") {
         Loaded shown("phantom:torus");
-        shown.session.set_surface("ring", 30000.5, CaseTable::watertight, {1, 2, 3});
+        shown.session.set_surface("ring", 30000.5, CaseRule::watertight, {1, 2, 3});
         shown.session.scene.surfaces[0].visible = false;
         const serve::Answer answer =
             serve::answer(shown.session, R"({"ask":"slice","axis":"z","index":10})");

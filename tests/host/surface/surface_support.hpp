@@ -80,7 +80,7 @@ inline host::WeldedMesh gather(std::span<const bus::Message> messages,
 /// With the cells of triangles.
 /// store  Owns all slabs.
 inline Slabs extract_slabs(const gp::SliceStore& store, double isovalue,
-                           gp::CaseRule rule = gp::CaseRule::watertight) {
+                           CaseRule rule = CaseRule::watertight) {
     Slabs slabs(static_cast<std::size_t>(store.shape().slab_count()));
     for (const int slab : store.slabs())
         gp::extract_slab(store, slab, isovalue, gp::case_table(rule),
@@ -88,12 +88,12 @@ inline Slabs extract_slabs(const gp::SliceStore& store, double isovalue,
     return slabs;
 }
 inline Slabs extract_slabs(const Volume& volume, double isovalue,
-                           gp::CaseRule rule = gp::CaseRule::watertight) {
+                           CaseRule rule = CaseRule::watertight) {
     return extract_slabs(Gp(volume, {0, 1}).store, isovalue, rule);
 }
 
 inline host::WeldedMesh mesh_of(const Volume& volume, double isovalue,
-                                gp::CaseRule rule = gp::CaseRule::watertight) {
+                                CaseRule rule = CaseRule::watertight) {
     return gather(messages_of(extract_slabs(volume, isovalue, rule)), grid_of(volume.shape));
 }
 
@@ -103,7 +103,7 @@ inline host::Volume for_host(const Volume& volume) {
     out.nx = volume.shape.nx;
     out.ny = volume.shape.ny;
     out.nz = volume.shape.nz;
-    out.type = static_cast<host::Scalar>(volume.shape.type);
+    out.type = static_cast<Scalar>(volume.shape.type);
     out.voxel_to_patient = volume.shape.voxel_to_patient;
     out.minimum = volume.shape.minimum;
     out.maximum = volume.shape.maximum;
@@ -113,7 +113,7 @@ inline host::Volume for_host(const Volume& volume) {
 
 /// A field of whole numbers 0 .. levels - 1.
 template <class Random>
-Volume random_volume(Size size, gp::Scalar type, unsigned levels, Random& random) {
+Volume random_volume(Size size, Scalar type, unsigned levels, Random& random) {
     return make_volume(size, type, [&](int, int, int) { return double(random() % levels); });
 }
 
@@ -123,7 +123,7 @@ template <class Field>
 Volume placed_volume(Size size, const glm::dmat3& steps, Field field) {
     glm::dmat4 m(steps);
     m[3] = glm::dvec4(-(steps * glm::dvec3(size.nx / 2, size.ny / 2, size.nz / 2)), 1);
-    Volume volume = make_volume(size, gp::Scalar::float32, [&](int x, int y, int z) {
+    Volume volume = make_volume(size, Scalar::float32, [&](int x, int y, int z) {
         return field(glm::dvec3(m * glm::dvec4(x, y, z, 1)));
     });
     volume.shape.voxel_to_patient = m;
@@ -131,13 +131,13 @@ Volume placed_volume(Size size, const glm::dmat3& steps, Field field) {
 }
 
 inline host::Certificate certify_volume(const Volume& volume, double isovalue,
-                                        gp::CaseRule rule = gp::CaseRule::watertight) {
+                                        CaseRule rule = CaseRule::watertight) {
     return host::certify(mesh_of(volume, isovalue, rule), grid_of(volume.shape));
 }
 
 /// 3x3x3 voxels of nothing but the middle one.
 inline Volume one_voxel(double value) {
-    return make_volume({3, 3, 3}, gp::Scalar::int16, [&](int x, int y, int z) {
+    return make_volume({3, 3, 3}, Scalar::int16, [&](int x, int y, int z) {
         return x == 1 && y == 1 && z == 1 ? value : 0.0;
     });
 }

@@ -34,7 +34,7 @@ namespace {
 constexpr double pi = std::numbers::pi;
 
 /// Numbers that the tests' checker of GPs' slabs counts in its own way, with maps and sorting.
-void check_against_checker(const Volume& volume, double isovalue, gp::CaseRule rule) {
+void check_against_checker(const Volume& volume, double isovalue, CaseRule rule) {
     const Slabs slabs = extract_slabs(volume, isovalue, rule);
     const auto expected = test::certify(slabs, volume.shape);
     const auto found =
@@ -51,7 +51,7 @@ void check_against_checker(const Volume& volume, double isovalue, gp::CaseRule r
     CHECK(same(found.count(DefectKind::misoriented_edge), expected.misoriented_edges));
     CHECK(same(found.count(DefectKind::pinched_vertex), expected.nonmanifold_vertices));
     CHECK(found.area_mm2 == doctest::Approx(expected.area_mm2).epsilon(1e-9));
-    if (rule == gp::CaseRule::watertight)
+    if (rule == CaseRule::watertight)
         CHECK(std::abs(found.volume_mm3 - expected.volume_mm3) < 1e-4);
     // Triangles that only touch at a vertex are apart here, together there.
     if (expected.nonmanifold_vertices == 0) CHECK(same(found.components, expected.components));
@@ -154,11 +154,10 @@ TEST_SUITE("host/surface/certificate") {
             for (int axis = 0; axis < 3; ++axis) part *= relative[axis] == 0.5 ? 1 : 0.5;
             for (const double side : {1.0, -1.0}) {
                 for (const double x_step : {1.0, -1.0}) {
-                    Volume volume =
-                        make_volume(size, gp::Scalar::float32, [&](int x, int y, int z) {
-                            return side *
-                                   (radius - glm::distance(glm::dvec3(x, y, z), relative * last));
-                        });
+                    Volume volume = make_volume(size, Scalar::float32, [&](int x, int y, int z) {
+                        return side *
+                               (radius - glm::distance(glm::dvec3(x, y, z), relative * last));
+                    });
                     volume.shape.voxel_to_patient[0][0] = x_step;
                     const Slabs slabs = extract_slabs(volume, 0);
                     const host::VolumeGrid grid = grid_of(volume.shape);
@@ -179,7 +178,7 @@ TEST_SUITE("host/surface/certificate") {
     TEST_CASE("between uneven slices, volumes and bounds are those of the slices' places") {
         const std::vector<double> places = {0, 1, 2.5, 3, 7, 7.5};
         const auto shaped = [&](auto field) {
-            Volume volume = make_volume({7, 6, 6}, gp::Scalar::float32, [&](int x, int y, int z) {
+            Volume volume = make_volume({7, 6, 6}, Scalar::float32, [&](int x, int y, int z) {
                 return field(glm::dvec3(x, y, places[static_cast<std::size_t>(z)]));
             });
             volume.shape.slice_places = places;
@@ -227,7 +226,7 @@ TEST_SUITE("host/surface/certificate") {
             const double hair = std::pow(0.1, double(5 + random() % 4));
             for (const double side : {1.0, -1.0}) {
                 const Volume volume =
-                    make_volume({30, 10, 8}, gp::Scalar::float32, [&](int x, int y, int z) {
+                    make_volume({30, 10, 8}, Scalar::float32, [&](int x, int y, int z) {
                         return side * (glm::ivec3(x, y, z) == at ? hair : -1.0);
                     });
                 const double volume_mm3 = certify_volume(volume, 0).volume_mm3;
@@ -263,7 +262,7 @@ TEST_SUITE("host/surface/certificate") {
         std::size_t bad = 0, open = 0, bad_genus = 0, cut = 0;
         for (int i = 0; i < 10000; ++i) {
             const auto levels = static_cast<unsigned>(2 + random() % 6);
-            const Volume volume = random_volume({4, 4, 4}, gp::Scalar::int16, levels, random);
+            const Volume volume = random_volume({4, 4, 4}, Scalar::int16, levels, random);
             const double isovalue = double(random() % levels);
             const Certificate in_air = certify_volume(padded(volume, -1), isovalue);
             bad += in_air.good() ? 0 : 1;
@@ -283,10 +282,10 @@ TEST_SUITE("host/surface/certificate") {
         const unsigned seed = seed_or(42);
         CAPTURE(seed);
         std::mt19937 random(seed);
-        for (const auto type : {gp::Scalar::uint8, gp::Scalar::int16, gp::Scalar::float32})
+        for (const auto type : {Scalar::uint8, Scalar::int16, Scalar::float32})
             for (const double isovalue : {3.0, 4.5})
-                for (const auto rule : {gp::CaseRule::watertight, gp::CaseRule::asymptotic,
-                                        gp::CaseRule::lorensen1987}) {
+                for (const auto rule :
+                     {CaseRule::watertight, CaseRule::asymptotic, CaseRule::lorensen1987}) {
                     const Volume volume = random_volume({15, 11, 13}, type, 9, random);
                     check_against_checker(volume, isovalue, rule);
                     check_against_checker(padded(volume, 0), isovalue, rule);
@@ -298,10 +297,10 @@ TEST_SUITE("host/surface/certificate") {
         CAPTURE(seed);
         std::mt19937 random(seed);
         for (int i = 0; i < 20; ++i) {
-            const Volume volume = random_volume({8, 7, 6}, gp::Scalar::uint8, 2, random);
+            const Volume volume = random_volume({8, 7, 6}, Scalar::uint8, 2, random);
             const std::int64_t faces = faces_of_two_minds(volume, 1);
             REQUIRE(faces > 5);
-            const Certificate found = certify_volume(volume, 1, gp::CaseRule::lorensen1987);
+            const Certificate found = certify_volume(volume, 1, CaseRule::lorensen1987);
             CHECK(found.holes == faces);
             CHECK(found.count(DefectKind::open_edge) == 4 * faces);
         }

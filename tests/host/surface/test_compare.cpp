@@ -23,7 +23,7 @@ struct Pair {
 
 Pair compare(const Volume& volume, double isovalue) {
     Pair out{mesh_of(volume, isovalue),
-             mesh_of(volume, isovalue, gp::CaseRule::lorensen1987),
+             mesh_of(volume, isovalue, CaseRule::lorensen1987),
              grid_of(volume.shape),
              {}};
     out.comparison = compare_meshes(out.watertight, out.lorensen1987, out.grid);
@@ -46,7 +46,7 @@ bool differs(unsigned inside) {
 
 TEST_SUITE("host/surface/compare") {
     TEST_CASE("one cell of two differs, and only its triangles are shown") {
-        const Volume volume = make_volume({3, 2, 2}, gp::Scalar::int16, [](int x, int y, int z) {
+        const Volume volume = make_volume({3, 2, 2}, Scalar::int16, [](int x, int y, int z) {
             return x == 2 || (x == 1 && y == z) ? 1.0 : 0.0;
         });
         const Pair pair = compare(volume, 1);
@@ -71,7 +71,7 @@ TEST_SUITE("host/surface/compare") {
         const unsigned seed = seed_or(17);
         CAPTURE(seed);
         std::mt19937 random(seed);
-        const Volume volume = random_volume({12, 11, 10}, gp::Scalar::uint8, 4, random);
+        const Volume volume = random_volume({12, 11, 10}, Scalar::uint8, 4, random);
         const Pair pair = compare(volume, 2);
         const MeshComparison& c = pair.comparison;
         std::size_t cells = 0, differing = 0;

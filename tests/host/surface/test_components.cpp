@@ -111,10 +111,9 @@ TEST_SUITE("host/surface/components") {
     }
 
     TEST_CASE("a cavity that the border cuts has its own volume, negative") {
-        const Volume volume =
-            make_volume({20, 16, 14}, gp::Scalar::float32, [](int x, int y, int z) {
-                return glm::distance(glm::dvec3(x, y, z), glm::dvec3(19, 15, 13)) - 6;
-            });
+        const Volume volume = make_volume({20, 16, 14}, Scalar::float32, [](int x, int y, int z) {
+            return glm::distance(glm::dvec3(x, y, z), glm::dvec3(19, 15, 13)) - 6;
+        });
         const Parts p = parts_of(volume, 0);
         REQUIRE(p.parts.components.size() == 1);
         CHECK(p.parts.components[0].volume_mm3.value() ==
@@ -122,12 +121,11 @@ TEST_SUITE("host/surface/components") {
     }
 
     TEST_CASE("a component that the border cuts has the volume within; one with holes has none") {
-        const Volume volume =
-            make_volume({20, 16, 14}, gp::Scalar::float32, [](int x, int y, int z) {
-                const glm::dvec3 p(x, y, z);
-                return std::max(6 - glm::distance(p, glm::dvec3(19, 15, 13)),
-                                3 - glm::distance(p, glm::dvec3(5, 6, 7)));
-            });
+        const Volume volume = make_volume({20, 16, 14}, Scalar::float32, [](int x, int y, int z) {
+            const glm::dvec3 p(x, y, z);
+            return std::max(6 - glm::distance(p, glm::dvec3(19, 15, 13)),
+                            3 - glm::distance(p, glm::dvec3(5, 6, 7)));
+        });
         Parts p = parts_of(volume, 0);
         REQUIRE(p.parts.components.size() == 2);
         const MeshComponent& cut = p.parts.components[p.parts.components[0].closed ? 1 : 0];
@@ -146,7 +144,7 @@ TEST_SUITE("host/surface/components") {
     }
 
     TEST_CASE("equal components are numbered by their lowest triangle") {
-        const Volume volume = make_volume({9, 3, 9}, gp::Scalar::int16, [](int x, int y, int z) {
+        const Volume volume = make_volume({9, 3, 9}, Scalar::int16, [](int x, int y, int z) {
             return x % 2 == 1 && y == 1 && z % 2 == 1 ? 1.0 : 0.0;
         });
         const Parts p = parts_of(volume, 1);

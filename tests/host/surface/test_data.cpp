@@ -72,7 +72,7 @@ Volume for_gps(const host::Volume& volume) {
     out.shape.nx = volume.nx;
     out.shape.ny = volume.ny;
     out.shape.nz = volume.nz;
-    out.shape.type = static_cast<gp::Scalar>(volume.type);
+    out.shape.type = static_cast<Scalar>(volume.type);
     out.shape.voxel_to_patient = volume.voxel_to_patient;
     out.shape.minimum = volume.minimum;
     out.shape.maximum = volume.maximum;

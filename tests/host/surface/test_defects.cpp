@@ -28,11 +28,11 @@ TEST_SUITE("host/surface/defects") {
     TEST_CASE("the 1987 table leaves a hole between two cells, and both are named") {
         // The face at x = 1 has two inside corners across. Left of it all is outside, right of it
         // inside: 2 inside corners are kept apart, 6 are joined.
-        const Volume volume = make_volume({3, 2, 2}, gp::Scalar::int16, [](int x, int y, int z) {
+        const Volume volume = make_volume({3, 2, 2}, Scalar::int16, [](int x, int y, int z) {
             return x == 2 || (x == 1 && y == z) ? 1.0 : 0.0;
         });
         CHECK(certify_volume(volume, 1).good());
-        const Certificate found = certify_volume(volume, 1, gp::CaseRule::lorensen1987);
+        const Certificate found = certify_volume(volume, 1, CaseRule::lorensen1987);
         CHECK_FALSE(found.closed_but_for_border());
         CHECK_FALSE(found.good());
         CHECK(found.holes == 1);
@@ -121,7 +121,7 @@ TEST_SUITE("host/surface/defects") {
     }
 
     TEST_CASE("two octahedra joined at a tip are pinched there, and two components") {
-        const Volume volume = make_volume({5, 3, 3}, gp::Scalar::int16, [](int x, int y, int z) {
+        const Volume volume = make_volume({5, 3, 3}, Scalar::int16, [](int x, int y, int z) {
             return x % 2 == 1 && y == 1 && z == 1 ? 4.0 : 0.0;
         });
         WeldedMesh mesh = mesh_of(volume, 1);
@@ -144,8 +144,8 @@ TEST_SUITE("host/surface/defects") {
 
     TEST_CASE("defects are all counted and the first of each kind listed") {
         std::mt19937 random(44);
-        const Volume volume = random_volume({20, 20, 20}, gp::Scalar::uint8, 2, random);
-        WeldedMesh mesh = mesh_of(volume, 1, gp::CaseRule::lorensen1987);
+        const Volume volume = random_volume({20, 20, 20}, Scalar::uint8, 2, random);
+        WeldedMesh mesh = mesh_of(volume, 1, CaseRule::lorensen1987);
         mesh.triangles.push_back(mesh.triangles[0]);
         mesh.cells.push_back(mesh.cells[0]);
         const Certificate found = certify(mesh, grid_of(volume.shape));
@@ -159,31 +159,31 @@ TEST_SUITE("host/surface/defects") {
     }
 
     TEST_CASE("the text says what a person must know, the fields what a program must") {
-        const Volume volume = make_volume({3, 2, 2}, gp::Scalar::int16, [](int x, int y, int z) {
+        const Volume volume = make_volume({3, 2, 2}, Scalar::int16, [](int x, int y, int z) {
             return x == 2 || (x == 1 && y == z) ? 1.0 : 0.0;
         });
-        const auto text = [&](gp::CaseRule rule) {
+        const auto text = [&](CaseRule rule) {
             return host::certificate_reply(certify_volume(volume, 1, rule), "bone").text;
         };
         const auto has = [](const std::string& whole, const std::string& part) {
             INFO(whole);
             CHECK(whole.find(part) != std::string::npos);
         };
-        has(text(gp::CaseRule::lorensen1987),
+        has(text(CaseRule::lorensen1987),
             "bone: not closed: 1 hole (4 open edges off the volume's border), not manifold, "
             "oriented");
-        has(text(gp::CaseRule::lorensen1987), "not defined: the surface has holes");
-        has(text(gp::CaseRule::lorensen1987), "cell 0 0 0 case 130");
-        has(text(gp::CaseRule::lorensen1987), "cell 1 0 0 case 235");
-        has(text(gp::CaseRule::watertight), "bone: closed but for the volume's border");
-        has(text(gp::CaseRule::watertight), "(closed by the volume's faces)");
+        has(text(CaseRule::lorensen1987), "not defined: the surface has holes");
+        has(text(CaseRule::lorensen1987), "cell 0 0 0 case 130");
+        has(text(CaseRule::lorensen1987), "cell 1 0 0 case 235");
+        has(text(CaseRule::watertight), "bone: closed but for the volume's border");
+        has(text(CaseRule::watertight), "(closed by the volume's faces)");
         has(host::certificate_reply(certify_volume(one_voxel(4), 1), "dot").text,
             "dot: closed, manifold, oriented\n  8 triangles, 6 vertices, 12 edges; Euler number 2; "
             "1 component; genus 0");
         has(host::certificate_reply(certify_volume(one_voxel(4), 5), "dot").text,
             "dot: no triangles");
         const auto fields =
-            host::certificate_reply(certify_volume(volume, 1, gp::CaseRule::lorensen1987), "bone")
+            host::certificate_reply(certify_volume(volume, 1, CaseRule::lorensen1987), "bone")
                 .fields;
         CHECK(std::get<std::int64_t>(field(fields, "holes")) == 1);
         CHECK_FALSE(std::get<bool>(field(fields, "closed_but_for_border")));

@@ -43,7 +43,7 @@ TEST_SUITE("host/surface/isovalue_components") {
         for (int i = 0; i < 3000; ++i) {
             const Size size{int(2 + random() % 5), int(2 + random() % 5), int(2 + random() % 5)};
             const auto levels = static_cast<unsigned>(2 + random() % 7);
-            const auto type = static_cast<gp::Scalar>(random() % 4);
+            const auto type = static_cast<Scalar>(random() % 4);
             const Volume volume = random_volume(size, type, levels, random);
             std::vector<double> isovalues;
             for (unsigned level = 0; level <= levels; ++level)
@@ -61,7 +61,7 @@ TEST_SUITE("host/surface/isovalue_components") {
         std::size_t wrong = 0;
         for (int i = 0; i < 300; ++i) {
             const auto of_hundred = 5 + random() % 90;
-            const Volume volume = make_volume({9, 8, 7}, gp::Scalar::int16, [&](int, int, int) {
+            const Volume volume = make_volume({9, 8, 7}, Scalar::int16, [&](int, int, int) {
                 return random() % 100 < of_hundred ? 1.0 : 0.0;
             });
             wrong += disagreements(volume, {1});
@@ -73,7 +73,7 @@ TEST_SUITE("host/surface/isovalue_components") {
         const unsigned seed = seed_or(63);
         CAPTURE(seed);
         std::mt19937 random(seed);
-        Volume volume = random_volume({14, 13, 12}, gp::Scalar::float32, 1000, random);
+        Volume volume = random_volume({14, 13, 12}, Scalar::float32, 1000, random);
         std::vector<double> isovalues;
         for (int i = 0; i < 100; ++i) isovalues.push_back(10 * i);
         CHECK(disagreements(volume, isovalues) == 0);
@@ -82,10 +82,9 @@ TEST_SUITE("host/surface/isovalue_components") {
     TEST_CASE("diagonals join outside voxels in a face, not inside ones, and not through a cell") {
         // Values at the corners of a cell; corner c is at (c & 1, c >> 1 & 1, c >> 2).
         const auto counts = [](unsigned inside) {
-            const Volume volume =
-                make_volume({2, 2, 2}, gp::Scalar::uint8, [&](int x, int y, int z) {
-                    return (inside >> (x + 2 * y + 4 * z) & 1) != 0 ? 1.0 : 0.0;
-                });
+            const Volume volume = make_volume({2, 2, 2}, Scalar::uint8, [&](int x, int y, int z) {
+                return (inside >> (x + 2 * y + 4 * z) & 1) != 0 ? 1.0 : 0.0;
+            });
             const std::vector<double> isovalues{1};
             return count_components(for_host(volume), isovalues)[0];
         };
@@ -110,7 +109,7 @@ TEST_SUITE("host/surface/isovalue_components") {
         const double special[] = {std::nan(""), INFINITY, -INFINITY};
         std::size_t wrong = 0;
         for (int i = 0; i < 200; ++i) {
-            const Volume volume = make_volume({4, 5, 4}, gp::Scalar::float32, [&](int, int, int) {
+            const Volume volume = make_volume({4, 5, 4}, Scalar::float32, [&](int, int, int) {
                 return random() % 4 == 0 ? special[random() % 3] : double(random() % 5);
             });
             wrong += disagreements(volume, {-1, 0, 1, 2.5, 4, 5});
@@ -120,7 +119,7 @@ TEST_SUITE("host/surface/isovalue_components") {
 
     TEST_CASE("equal isovalues have equal counts, isovalues beyond all values none") {
         std::mt19937 random(65);
-        const Volume volume = random_volume({8, 8, 8}, gp::Scalar::uint16, 7, random);
+        const Volume volume = random_volume({8, 8, 8}, Scalar::uint16, 7, random);
         const auto counts =
             count_components(for_host(volume), std::vector<double>{-5, 0, 3, 3, 3, 100});
         CHECK(counts[2].surface() == counts[3].surface());
@@ -137,7 +136,7 @@ TEST_SUITE("host/surface/isovalue_components") {
 
     TEST_CASE("a single slice has no cells, and is refused") {
         host::Volume volume =
-            for_host(make_volume({3, 4, 2}, gp::Scalar::uint8, [](int, int, int) { return 1; }));
+            for_host(make_volume({3, 4, 2}, Scalar::uint8, [](int, int, int) { return 1; }));
         volume.nz = 1;
         volume.values.resize(volume.values.size() / 2);
         CHECK_THROWS_WITH_AS(count_components(volume, std::vector<double>{1}),

@@ -18,7 +18,7 @@ namespace {
 
 Volume noise(unsigned seed) {
     std::mt19937 random(seed);
-    return random_volume({9, 7, 8}, gp::Scalar::int16, 10, random);
+    return random_volume({9, 7, 8}, Scalar::int16, 10, random);
 }
 
 /// What gather() throws for these slabs, as one GP sends them.
@@ -68,7 +68,7 @@ TEST_SUITE("host/surface/mesh_gather") {
         const unsigned seed = seed_or(5);
         CAPTURE(seed);
         const Volume volume = noise(seed);
-        for (const auto rule : {gp::CaseRule::watertight, gp::CaseRule::asymptotic}) {
+        for (const auto rule : {CaseRule::watertight, CaseRule::asymptotic}) {
             const Slabs slabs = extract_slabs(volume, 5, rule);
             const WeldedMesh mesh = gather(messages_of(slabs), grid_of(volume.shape));
             REQUIRE(mesh.triangles.size() > 500);
@@ -84,7 +84,7 @@ TEST_SUITE("host/surface/mesh_gather") {
                 CHECK(mesh.p_grid[i] == known.at(mesh.keys[i]));
                 centres = centres || mesh.keys[i] % 4 == 3;
             }
-            CHECK(centres == (rule == gp::CaseRule::asymptotic));
+            CHECK(centres == (rule == CaseRule::asymptotic));
             std::size_t triangle = 0;
             for (const gp::SlabMesh& slab : slabs) {
                 const host::SlabTriangles& part = mesh.slabs[static_cast<std::size_t>(slab.slab)];
@@ -151,7 +151,7 @@ TEST_SUITE("host/surface/mesh_gather") {
 
     TEST_CASE("a shared vertex that one slab lacks, and a key twice, are named") {
         // One voxel inside: slabs 1 and 2 share the four edges around it in slice 2.
-        const Volume volume = make_volume({5, 5, 5}, gp::Scalar::int16, [](int x, int y, int z) {
+        const Volume volume = make_volume({5, 5, 5}, Scalar::int16, [](int x, int y, int z) {
             return x == 2 && y == 2 && z == 2 ? 4.0 : 0.0;
         });
         const host::VolumeGrid grid = grid_of(volume.shape);

@@ -2,6 +2,7 @@
 // disassembly.
 import {contextOf} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
+import {LIMITS} from '../link/vocabulary.js';
 
 /**
  * @typedef {object} Scrub              The answer to `ask scrub`.
@@ -16,7 +17,7 @@ import {h} from '../elements/dom.js';
  * @property {number} enabled           Number of enabled pixels.
  */
 
-const EDGE = 128;               // Edge of a region, pixels.
+const EDGE = LIMITS.region_px;
 const DIMMED = 0.35;            // Brightness of a disabled pixel.
 const STEP_MS = 80;             // Between steps during playback.
 const PLAY_STEPS = 150;         // Steps per playback.

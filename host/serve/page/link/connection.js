@@ -1,6 +1,7 @@
 // The WebSocket to the server: commands, questions, replies, events, reconnection.
-import {ANSWER_MAGIC, FRAME_MAGIC, magicOf, parseAnswer, parseFrame} from './messages.js';
+import {magicOf, parseAnswer, parseFrame} from './messages.js';
 import {subjectOf, toLine} from './lines.js';
+import {ANSWER_HEADER_MAGIC, FRAME_HEADER_MAGIC} from './vocabulary.js';
 
 /** @typedef {import('./types.js').Reply} Reply */
 /** @typedef {import('./types.js').Answer} Answer */
@@ -253,9 +254,9 @@ export class Connection {
   take_(data) {
     if (typeof data === 'string') {
       this.takeText_(JSON.parse(data));
-    } else if (magicOf(data) === FRAME_MAGIC) {
+    } else if (magicOf(data) === FRAME_HEADER_MAGIC) {
       this.takeFrame_(data);
-    } else if (magicOf(data) === ANSWER_MAGIC) {
+    } else if (magicOf(data) === ANSWER_HEADER_MAGIC) {
       const {id, json, bytes} = parseAnswer(data);
       this.waiting_.get(id)?.answer?.({json, bytes});
       this.waiting_.delete(id);

@@ -1,15 +1,12 @@
-// Binary messages of the server, taken apart. Pure functions; layout: host/serve/README.md.
+// Binary messages of the server, taken apart. Pure functions; layout: host/serve/page_schema.fbs.
+
+import {ANSWER_HEADER_BYTES, FRAME_FLAG, FRAME_HEADER_BYTES, PICTURE_KIND, readAnswerHeader,
+  readFrameHeader} from './vocabulary.js';
 
 /** @typedef {import('./types.js').FrameHeader} FrameHeader */
 
-export const FRAME_MAGIC = 0x46523550;
-export const ANSWER_MAGIC = 0x4e413550;
-const FRAME_HEADER_BYTES = 32;
-const ANSWER_HEADER_BYTES = 16;
-const KINDS = new Map([[1, 'jpeg'], [2, 'png']]);
-
 /**
- * What the first four bytes say that a message is; 0 if it is shorter.
+ * The magic number in the first four bytes of a message; 0 if the message is shorter.
  * @param {ArrayBuffer} message
  */
 export function magicOf(message) {
@@ -26,24 +23,15 @@ export function parseFrame(message) {
   if (message.byteLength < FRAME_HEADER_BYTES) {
     throw new Error(`frame: ${message.byteLength} bytes, its header has ${FRAME_HEADER_BYTES}`);
   }
-  const view = new DataView(message);
-  const kind = KINDS.get(view.getUint8(16));
-  if (kind === undefined) {
-    throw new Error(`frame: kind ${view.getUint8(16)} is neither JPEG (1) nor PNG (2)`);
+  const {flags, kind, digest, ...rest} = readFrameHeader(new DataView(message));
+  if (kind !== PICTURE_KIND.jpeg && kind !== PICTURE_KIND.png) {
+    throw new Error(`frame: kind ${kind} is neither JPEG (1) nor PNG (2)`);
   }
-  const flags = view.getUint8(19);
-  const digest = view.getBigUint64(24, true);
   const header = {
-    number: view.getUint32(4, true),
-    revision: view.getUint32(8, true),
-    width: view.getUint16(12, true),
-    height: view.getUint16(14, true),
-    kind: /** @type {'jpeg' | 'png'} */ (kind),
-    quality: view.getUint8(17),
-    samples: view.getUint8(18),
-    rests: (flags & 1) !== 0,
-    last: (flags & 2) !== 0,
-    machine_ms: view.getFloat32(20, true),
+    ...rest,
+    kind: /** @type {'jpeg' | 'png'} */ (kind === PICTURE_KIND.png ? 'png' : 'jpeg'),
+    rests: (flags & FRAME_FLAG.rests) !== 0,
+    last: (flags & FRAME_FLAG.last) !== 0,
     digest: digest === 0n ? '' : digest.toString(16).padStart(16, '0'),
   };
   return {header, picture: new Uint8Array(message, FRAME_HEADER_BYTES)};
@@ -59,13 +47,12 @@ export function parseAnswer(message) {
   if (message.byteLength < ANSWER_HEADER_BYTES) {
     throw new Error(`answer: ${message.byteLength} bytes, its header has ${ANSWER_HEADER_BYTES}`);
   }
-  const view = new DataView(message);
-  const jsonBytes = view.getUint32(8, true);
+  const {id, json_bytes: jsonBytes} = readAnswerHeader(new DataView(message));
   const end = ANSWER_HEADER_BYTES + jsonBytes;
   if (end > message.byteLength) {
     throw new Error(`answer: ${message.byteLength} bytes, its JSON ends at ${end}`);
   }
   const text = new TextDecoder().decode(new Uint8Array(message, ANSWER_HEADER_BYTES, jsonBytes));
   const first = Math.ceil(end / 8) * 8;
-  return {id: view.getUint32(4, true), json: JSON.parse(text), bytes: message.slice(first)};
+  return {id, json: JSON.parse(text), bytes: message.slice(first)};
 }

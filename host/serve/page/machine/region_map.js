@@ -1,10 +1,11 @@
 // A small copy of the picture with its regions: the Renderer and the cycles of each region.
 import {contextOf, fitted, onceAFrame, watchSize} from '../elements/canvas.js';
 import {byId, h} from '../elements/dom.js';
+import {LIMITS} from '../link/vocabulary.js';
 
 /** @typedef {{columns: number, rows: number, renderer: number[], cycles: number[]}} Regions */
 
-const REGION_PX = 128;          // A region's edge, pixels of the picture.
+const EDGE = LIMITS.region_px;
 const GOLDEN_DEG = 137.508;     // Multiples of this give distinct hues for any number of Renderers.
 const LABEL_PX = 22;            // Regions smaller than this have no number.
 
@@ -19,7 +20,7 @@ export function rendererHue(renderer) {
  * @param {{width: number, height: number}} picture  Pixels.
  */
 export function belongTo({columns, rows}, {width, height}) {
-  return columns === Math.ceil(width / REGION_PX) && rows === Math.ceil(height / REGION_PX);
+  return columns === Math.ceil(width / EDGE) && rows === Math.ceil(height / EDGE);
 }
 
 export class RegionMap {
@@ -81,7 +82,7 @@ export class RegionMap {
     context.textAlign = 'center';
     context.textBaseline = 'middle';
     context.font = `600 ${12 * unit}px system-ui, sans-serif`;
-    const edge = REGION_PX * scale;
+    const edge = EDGE * scale;
     for (let number = 0; number < regions.columns * regions.rows; ++number) {
       const renderer = regions.renderer[number];
       const share = (regions.cycles[number] ?? 0) / most;
@@ -116,7 +117,7 @@ export class RegionMap {
     if (!this.regions_ || px < 0 || py < 0 || px >= across || py >= down) {
       return null;
     }
-    return Math.floor(py / REGION_PX) * this.regions_.columns + Math.floor(px / REGION_PX);
+    return Math.floor(py / EDGE) * this.regions_.columns + Math.floor(px / EDGE);
   }
 
   /**

@@ -13,7 +13,7 @@ const KEPT = 256;  // Length of each list; older values are dropped.
  * @property {number[]} latency_ms      Latest inputs: from sending to the displayed frame with
  *                                      a revision at or after the reply's.
  * @property {number[]} frame_times_ms  When the last frames were displayed (performance.now()).
- * @property {import('../link/types.js').State | null} state
+ * @property {import('../link/vocabulary.js').State | null} state
  */
 
 /**

@@ -4,7 +4,7 @@ import {projectToPicture} from './projection.js';
 
 /** @typedef {import('../link/connection.js').Frame} Frame */
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
-/** @typedef {import('../link/types.js').CameraState} CameraState */
+/** @typedef {import('../link/vocabulary.js').CameraState} CameraState */
 /** @typedef {import('../link/types.js').Triple} Triple */
 
 const CAMERAS_KEPT = 64;

@@ -10,7 +10,7 @@ import {SliceView} from './slice_view.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {import('./slice_pixels.js').Window} Window */
-/** @typedef {import('../link/types.js').VolumeState} VolumeState */
+/** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
 
 const PLANES = ['Axial', 'Coronal', 'Sagittal'];
 const SELF = 'slices';

@@ -26,7 +26,7 @@ export class Selection {
 
   /**
    * Chooses the last surface if the chosen surface no longer exists.
-   * @param {import('../link/types.js').SurfaceState[]} surfaces
+   * @param {import('../link/vocabulary.js').SurfaceState[]} surfaces
    */
   keepTo(surfaces) {
     if (!surfaces.some(({name}) => name === this.name)) {

@@ -1,6 +1,6 @@
 // The newest state of the server, and the subscribers to its keys.
 
-/** @typedef {import('../link/types.js').State} State */
+/** @typedef {import('../link/vocabulary.js').State} State */
 /** @typedef {keyof State} Key */
 
 /**

@@ -5,7 +5,7 @@ import {SIDES} from '../picture/projection.js';
 import {show} from './surface_card.js';
 
 /** @typedef {import('../panel/app.js').App} App */
-/** @typedef {import('../link/types.js').ClipState} ClipState */
+/** @typedef {import('../link/vocabulary.js').ClipState} ClipState */
 
 const OPPOSITE = new Map([['L', 'R'], ['R', 'L'], ['A', 'P'], ['P', 'A'], ['S', 'I'], ['I', 'S']]);
 const SIDE_NAMES = new Map([['L', 'left'], ['R', 'right'], ['A', 'anterior'], ['P', 'posterior'],

@@ -3,8 +3,8 @@ import {h, s, update} from '../elements/dom.js';
 import {isoCommand, plain, roundIso} from '../link/lines.js';
 
 /** @typedef {import('../panel/app.js').App} App */
-/** @typedef {import('../link/types.js').SurfaceState} SurfaceState */
-/** @typedef {import('../link/types.js').VolumeState} VolumeState */
+/** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
+/** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
 /** @typedef {import('../state/selection.js').Selection} Selection */
 
 // Lengths in rem, so that they grow with the text on large screens.

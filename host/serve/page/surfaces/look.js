@@ -2,11 +2,11 @@
 import {h, s, update} from '../elements/dom.js';
 import {plain} from '../link/lines.js';
 import {show} from './surface_card.js';
+import {LIMITS} from '../link/vocabulary.js';
 
 /** @typedef {import('../panel/app.js').App} App */
-/** @typedef {import('../link/types.js').LightState} LightState */
+/** @typedef {import('../link/vocabulary.js').LightState} LightState */
 
-const MOST_LIGHTS = 4;
 const BALL = 34;              // Radius, in the drawing's units.
 const KEY_DEG = 5;
 const NEW_LIGHT = '0 45 intensity=0.4';
@@ -98,7 +98,7 @@ class LightBall {
     });
     this.intensity_.disabled = lights.length === 0;
     this.remove_.disabled = lights.length === 0;
-    this.add_.disabled = lights.length >= MOST_LIGHTS;
+    this.add_.disabled = lights.length >= LIMITS.max_lights;
     show(this.intensity_, String(lights[this.chosen_]?.intensity ?? 0));
   }
 
@@ -172,7 +172,7 @@ function createMaterial(root, app) {
   const rows = /** @type {const} */ ([
     ['ambient', 'Ambient', 0, 1, 0.01, 'Brightness without direct light'],
     ['specular', 'Gloss', 0, 1, 0.01, 'Strength of the highlights'],
-    ['power', 'Sharpness', 1, 128, 1, 'Larger values give smaller highlights'],
+    ['power', 'Sharpness', 1, LIMITS.max_specular_power, 1, 'Larger values give smaller highlights'],
   ]).map(([key, label, min, max, step, title]) => {
     const input = h('input', {type: 'range', min, max, step, 'data-testid': `material-${key}`,
       oninput: () => void app.connection.set({name: 'material',

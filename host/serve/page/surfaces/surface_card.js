@@ -3,7 +3,7 @@ import {h} from '../elements/dom.js';
 import {isoCommand, plain, word} from '../link/lines.js';
 
 /** @typedef {import('../panel/app.js').App} App */
-/** @typedef {import('../link/types.js').SurfaceState} SurfaceState */
+/** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
 /** @typedef {import('../state/selection.js').Selection} Selection */
 
 const TABLE_NAMES = new Map([['watertight', 'watertight'], ['lorensen1987', 'tables of 1987']]);
@@ -33,7 +33,7 @@ export function show(input, value) {
 /**
  * The range that an isovalue lies outside of, as words; '' if it lies inside.
  * @param {number} isovalue
- * @param {import('../link/types.js').VolumeState | null | undefined} volume
+ * @param {import('../link/vocabulary.js').VolumeState | null | undefined} volume
  */
 function outside(isovalue, volume) {
   if (!volume || isovalue >= volume.minimum && isovalue <= volume.maximum) {

@@ -2,13 +2,13 @@
 import {byId, h} from '../elements/dom.js';
 import {isoCommand, plain, roundIso, toLine, word} from '../link/lines.js';
 import {SurfaceCard} from './surface_card.js';
+import {LIMITS} from '../link/vocabulary.js';
 
 /** @typedef {import('../panel/app.js').App} App */
-/** @typedef {import('../link/types.js').State} State */
+/** @typedef {import('../link/vocabulary.js').State} State */
 /** @typedef {import('../state/selection.js').Selection} Selection */
 /** @typedef {{name: string, isovalue: number, help: string}} Tissue */
 
-const MOST = 16;  // Surfaces per scene.
 const ANNOUNCE_MS = 800;
 
 /**
@@ -31,7 +31,7 @@ export function createSurfaces(root, app, selection) {
     const own = state.surfaces.filter(each => each.compared_with === '');
     selection.keepTo(own);
     empty.hidden = own.length > 0 || !state.volume;
-    add.disabled = !state.volume || own.length >= MOST;
+    add.disabled = !state.volume || own.length >= LIMITS.max_user_surfaces;
     for (const [name, card] of cards) {
       if (!own.some(each => each.name === name)) {
         card.root.remove();
@@ -56,7 +56,7 @@ function announcer() {
   /** @type {Map<string, number>} */
   const told = new Map();
   let timer = 0;
-  return (/** @type {import('../link/types.js').SurfaceState[]} */ surfaces) => {
+  return (/** @type {import('../link/vocabulary.js').SurfaceState[]} */ surfaces) => {
     clearTimeout(timer);
     timer = window.setTimeout(() => {
       const changed = surfaces.filter(each => told.get(each.name) !== each.isovalue);
@@ -132,7 +132,7 @@ export function createTissues(root, app, selection) {
 /**
  * Whether the values are or may be Hounsfield units: CT, or a file without a modality and with
  * values from well below water to well above.
- * @param {import('../link/types.js').VolumeState} volume
+ * @param {import('../link/vocabulary.js').VolumeState} volume
  */
 function mayBeHounsfield({modality, minimum, maximum}) {
   return modality === 'CT' || modality === '' && minimum <= -200 && maximum >= 200;

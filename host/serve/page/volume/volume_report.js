@@ -2,7 +2,7 @@
 import {h} from '../elements/dom.js';
 import {intro, messageLine} from '../panel/panel_parts.js';
 
-/** @typedef {import('../link/types.js').VolumeState} VolumeState */
+/** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
 
 /** Kinds of findings that can make a picture misleading. They are marked. */
 const DOUBTFUL = new Set(['assumption', 'gantry tilt', 'missing slices', 'uneven slices',

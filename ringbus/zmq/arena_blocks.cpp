@@ -1,4 +1,4 @@
-#include "ringbus/arena_blocks.hpp"
+#include "ringbus/zmq/arena_blocks.hpp"
 
 #include <algorithm>
 #include <cassert>

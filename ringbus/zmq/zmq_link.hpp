@@ -4,22 +4,22 @@
 #include <memory>
 #include <string>
 
-#include "ringbus/arena_layout.hpp"
 #include "ringbus/channel_model.hpp"
 #include "ringbus/link.hpp"
+#include "ringbus/zmq/arena_layout.hpp"
 
 namespace pxpl5::bus {
 
-/// What was sent may take so long to leave when a socket is closed. Not 0: ZeroMQ aborts if it then
-/// loses the connection between two parts of a message (libzmq issue 3442).
+/// Time for sent messages to leave when a socket is closed. Not 0: ZeroMQ aborts if it then loses
+/// the connection between two parts of a message (libzmq issue 3442).
 inline constexpr int closing_ms = 100;
 
 class ZmqLink final : public Link {
   public:
     /// Binds the inbound socket of node `id`.
     ///
-    /// bind     "ipc:///path/name" or "tcp://127.0.0.1:*"; nothing here is encrypted.
-    /// lendable_bytes  Of its Arena.
+    /// bind     "ipc:///path/name" or "tcp://127.0.0.1:*". Messages are not encrypted.
+    /// lendable_bytes  See Arena.
     /// Throws   std::invalid_argument for any other address, std::runtime_error if it cannot be
     ///          bound.
     ZmqLink(NodeId id, const std::string& bind, std::size_t lendable_bytes = arena_bytes);
@@ -30,26 +30,26 @@ class ZmqLink final : public Link {
     NodeId id() const override;
     const std::string& endpoint() const override;
     void add_peer(NodeId id, const std::string& endpoint) override;
-    /// The process behind `id` has ended: what it was lent comes back.
+    /// Takes back the bodies lent to `id`, whose process has ended.
     void remove_peer(NodeId id) override;
     void send(NodeId to, Payload payload) override;
-    /// Bodies from here are read where they lie by nodes of this computer (arena.hpp).
+    /// Nodes on this computer read these bodies in place (arena.hpp).
     flatbuffers::Allocator* body_allocator() override;
     std::optional<Message> receive() override;
     bool wait(int timeout_ms) override;
 
-    /// What was sent to `peer` may take so long to leave when the link is destroyed; without this,
+    /// Sets the time for messages to `peer` to leave when the link is destroyed. Default:
     /// closing_ms.
     void linger(NodeId peer, int patience_ms);
 
-    /// Becomes readable when input may have come. Edge-triggered: call receive() until it has none
-    /// before waiting.
+    /// Becomes readable when input may have arrived. Edge-triggered: call receive() until it
+    /// returns nothing, then wait.
     int poll_fd() const;
     std::size_t queued() const override;
     Traffic traffic() const override;
-    /// Whether nothing is queued for `peer`.
+    /// Returns true if nothing is queued for `peer`.
     bool takes_more(NodeId peer) const;
-    /// Ring order and parameters for the stamps on messages.
+    /// Sets ring order and parameters for the stamps of messages.
     void set_model(const ChannelModel& model);
 
   private:

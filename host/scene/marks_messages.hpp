@@ -1,4 +1,4 @@
-// How marks cross the ring: into the message that asks the io process for a picture.
+// Conversion of marks to messages and back: the session asks the io process to draw them.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,10 @@
 
 namespace pxpl5::host {
 
-/// For ExportPictureT::marks, in the same order.
+/// Marks for ExportPictureT::marks, in the same order.
 std::vector<std::unique_ptr<bus::schema::MarkT>> marks_message(std::span<const PictureMark> marks);
+
+/// The mark of a verified message.
+PictureMark mark_of(const bus::schema::Mark& wire);
 
 }  // namespace pxpl5::host

@@ -1,4 +1,4 @@
-#include "ringbus/arena.hpp"
+#include "ringbus/zmq/arena.hpp"
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -16,9 +16,9 @@ namespace pxpl5::bus {
 
 namespace {
 
-/// Memory is taken in such steps, or an eighth of what there is: page by page costs twice as much.
+/// Memory grows by this step, or by an eighth. Growing page by page costs twice as much.
 constexpr std::size_t least_step_bytes = std::size_t{64} << 10;
-/// Memory above what so many bodies needed goes back to the system.
+/// After this many allocations, memory that they did not use is returned to the system.
 constexpr std::uint32_t allocations_per_trim = 4096;
 constexpr std::size_t worth_trimming_bytes = std::size_t{1} << 20;
 
@@ -26,7 +26,7 @@ constexpr std::size_t round_up(std::size_t bytes, std::size_t step) {
     return (bytes + step - 1) / step * step;
 }
 
-/// A process whose address space is limited has better use for it.
+/// Returns true if the process has unlimited address space. Otherwise the arena stays unused.
 bool has_address_space() {
     rlimit limit{};
     return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
@@ -44,7 +44,7 @@ void unmap(const void* memory, std::size_t bytes) {
     }
 }
 
-/// A closed file when it goes.
+/// Closes the file in the destructor.
 struct OpenFile {
     int number = -1;
 
@@ -59,8 +59,8 @@ struct OpenFile {
     }
 };
 
-/// The file that `offer` leads to, or none if it is no arena. Opening a device or a pipe can have
-/// effects, so it is only looked at (O_PATH) until it is known to be the file that is meant.
+/// Opens the file of `offer`; returns none if the file is no arena. Opening a device or a pipe can
+/// have effects, so the file is opened with O_PATH until its identity is checked.
 OpenFile open_arena(const ArenaOffer& offer) {
     const std::string path = fmt::format("/proc/{}/fd/{}", offer.pid, offer.descriptor);
     const OpenFile found{open(path.c_str(), O_PATH | O_CLOEXEC)};
@@ -72,7 +72,7 @@ OpenFile open_arena(const ArenaOffer& offer) {
     }
     const std::string same = fmt::format("/proc/self/fd/{}", found.number);
     OpenFile file{open(same.c_str(), O_RDWR | O_CLOEXEC)};
-    // Nobody can make it shorter, so reading in it cannot end a process.
+    // The seal prevents a shorter file, so that reading cannot raise SIGBUS.
     const int seals = file.number < 0 ? -1 : fcntl(file.number, F_GET_SEALS);
     return seals >= 0 && (seals & F_SEAL_SHRINK) != 0 ? std::move(file) : OpenFile{};
 }
@@ -91,7 +91,7 @@ Arena::~Arena() {
     }
 }
 
-/// The file has no name, so nothing is left of it when all who have it open have ended, however.
+/// The file has no name. The system removes it when the last process that has it open ends.
 bool Arena::open() {
     if (state_ != State::unopened) {
         return state_ == State::open;
@@ -110,7 +110,7 @@ bool Arena::open() {
     if (control_ == nullptr || bodies_ == nullptr) {
         return false;
     }
-    // All else begins as zero, as the new file's pages do.
+    // All other fields begin as zero, like the pages of a new file.
     control_->returned.store(no_ticket, std::memory_order_relaxed);
     offer_ = {facts.st_dev, facts.st_ino, static_cast<std::uint32_t>(getpid()),
               static_cast<std::uint32_t>(file_)};
@@ -143,8 +143,8 @@ std::uint8_t* Arena::allocate(std::size_t bytes) {
 }
 
 void Arena::deallocate(std::uint8_t* memory, std::size_t bytes) {
-    // Whoever drops a small body may do so during open(). A large one, also from the heap, was
-    // allocated after it.
+    // Another thread may drop a small body during open(). Every large body, on the heap or not, was
+    // allocated after open().
     if (bytes < min_arena_body_bytes || !contains(memory)) {
         delete[] memory;
         return;
@@ -153,8 +153,8 @@ void Arena::deallocate(std::uint8_t* memory, std::size_t bytes) {
     blocks_.give_back(static_cast<std::size_t>(memory - bodies_), bytes);
 }
 
-/// Has the system give memory up to `end`, all at once instead of page by page as it is written.
-/// Returns false if it has none.
+/// Makes the system allocate memory up to `end` at once, not page by page at the first write.
+/// Returns false if the system has no memory.
 bool Arena::touch(std::size_t end) {
     if (end <= touched_) {
         return true;
@@ -164,14 +164,14 @@ bool Arena::touch(std::size_t end) {
         std::min(arena_bytes, std::max(end, round_up(touched_ + step, arena_page_bytes)));
     const std::size_t new_end = round_up(wanted, arena_page_bytes);
     const bool good = madvise(bodies_ + touched_, new_end - touched_, MADV_POPULATE_WRITE) == 0;
-    if (!good && errno != EINVAL) {  // That is a kernel before 5.14: it will come page by page.
+    if (!good && errno != EINVAL) {  // EINVAL: a kernel before 5.14 allocates page by page.
         return false;
     }
     touched_ = new_end;
     return true;
 }
 
-/// Frames differ in size, so it takes many bodies to tell what is used no more.
+/// Frames differ in size, so that only many allocations show which memory is unused.
 void Arena::trim() {
     if (++allocations_ < allocations_per_trim) {
         return;
@@ -218,7 +218,7 @@ void Arena::collect() {
     if (ticket != no_ticket) {
         ticket = control_->returned.exchange(no_ticket, std::memory_order_acquire);
     }
-    // Receivers write this list: it may be nonsense, but it must end.
+    // Receivers write this list. It may be damaged, but the loop must end.
     for (std::uint32_t n = 0; n < max_tickets && ticket < max_tickets; ++n) {
         const TicketState state = control_->states[ticket].load(std::memory_order_relaxed);
         if (state == ticket_free && loans_[ticket]) {
@@ -304,7 +304,7 @@ void ArenaView::give_back(std::uint32_t ticket) {
     TicketState held = read_by(self_);
     if (!control_->states[ticket].compare_exchange_strong(
             held, ticket_free, std::memory_order_acq_rel, std::memory_order_relaxed)) {
-        return;  // The sender has forgotten this node, and may have lent it to another.
+        return;  // The sender forgot this node and may have lent the ticket to another node.
     }
     std::uint32_t first = control_->returned.load(std::memory_order_relaxed);
     do {

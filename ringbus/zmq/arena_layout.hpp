@@ -1,4 +1,4 @@
-// What a sender and its receivers on the same host agree on about the sender's shared memory.
+// Layout of a sender's shared memory, for the sender and its receivers on the same host.
 #pragma once
 
 #include <array>
@@ -10,20 +10,20 @@
 
 namespace pxpl5::bus {
 
-/// Of one sender, for its bodies. Address space; of memory it takes what is in use.
+/// Address space for the bodies of one sender. Only blocks in use take memory.
 inline constexpr std::size_t arena_bytes = std::size_t{512} << 20;
-/// Smaller bodies travel inside their messages: there, copying costs less than lending.
+/// Smaller bodies travel inside their messages, because copying them costs less than lending.
 inline constexpr std::size_t min_arena_body_bytes = 4096;
-/// Bodies of one sender that may be out at a time, counted once for each receiver.
+/// Lent bodies of one sender at a time, counted once per receiver.
 inline constexpr std::uint32_t max_tickets = 4096;
 inline constexpr std::uint32_t no_ticket = max_tickets;
 inline constexpr std::size_t arena_page_bytes = 4096;
-/// Nodes from this id on get their bodies inside the messages. What is left of the first page of
-/// ArenaControl, a byte for each: 75 times the nodes of `paper-1993`.
+/// Nodes from this id on receive bodies inside the messages. The rest of the first page of
+/// ArenaControl has one byte per node: 75 times the nodes of `paper-1993`.
 inline constexpr NodeId max_arena_readers = arena_page_bytes - 2 * sizeof(std::uint32_t);
 
-/// Where a ticket is. Only the sender lends, only the node it was lent to reads and gives back, and
-/// that once: nobody else can free a body that is being read.
+/// State of a ticket. Only the sender lends it. Only the borrower reads and returns it, and only
+/// once. So no other node can free a body that is being read.
 using TicketState = std::uint16_t;
 inline constexpr TicketState ticket_free = 0;
 inline constexpr TicketState being_read = 0x8000;
@@ -35,10 +35,10 @@ constexpr TicketState read_by(NodeId reader) {
 }
 static_assert(lent_to(max_arena_readers) < being_read);
 
-/// The only part of an arena that its receivers write. They give tickets back as a linked list:
-/// each adds its own in front, the sender takes them all at once.
+/// The only part of an arena that receivers write. They return tickets in a linked list: each
+/// receiver adds its tickets in front, and the sender takes the whole list.
 struct ArenaControl {
-    std::atomic<std::uint32_t> returned{no_ticket};  ///< First of the list.
+    std::atomic<std::uint32_t> returned{no_ticket};  ///< First ticket of the list.
     std::uint32_t reserved = 0;
     std::array<std::atomic<std::uint8_t>, max_arena_readers> is_read_by{};  ///< By node id.
     std::array<std::atomic<TicketState>, max_tickets> states{};             ///< By ticket.
@@ -49,19 +49,19 @@ static_assert(std::atomic<std::uint32_t>::is_always_lock_free, "processes share 
 
 inline constexpr std::size_t arena_file_bytes = sizeof(ArenaControl) + arena_bytes;
 
-/// Where a receiver finds a sender's arena. Follows the header of an ordinary message.
+/// Tells a receiver how to open the sender's arena. Follows the header of an ordinary message.
 struct ArenaOffer {
-    /// Of the file, so that a process id of elsewhere leads nowhere.
+    /// Identity of the file, so that a process id of another computer does not match.
     std::uint64_t device = 0;
     std::uint64_t inode = 0;
     std::uint32_t pid = 0;
     std::uint32_t descriptor = 0;  ///< The sender's open file.
 };
 
-/// Where in its sender's arena the body of a message lies. Follows the header in place of a body.
+/// Place of a message's body in the sender's arena. Follows the header instead of a body.
 struct ArenaPlace {
     std::uint64_t offset = 0;  ///< Bytes.
-    std::uint32_t ticket = 0;  ///< To be given back when the body has been used.
+    std::uint32_t ticket = 0;  ///< The receiver returns it after use.
     std::uint32_t reserved = 0;
 };
 static_assert(sizeof(ArenaOffer) != sizeof(ArenaPlace),

@@ -1,4 +1,4 @@
-// Which parts of an arena are in use: offsets and sizes only, no memory.
+// The blocks of an arena that are in use. Offsets and sizes only, no memory.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 namespace pxpl5::bus {
 
-/// Gives out blocks, always the lowest that fits: what was in use a moment ago is still in the
-/// cache, and the memory above is never touched.
+/// Allocates blocks, always the lowest that fits. A recently used block is still in the cache, and
+/// the memory above the blocks stays untouched.
 class ArenaBlocks {
   public:
-    /// Blocks are multiples of a cache line.
+    /// Sizes of blocks are multiples of a cache line.
     static constexpr std::size_t grain_bytes = 64;
 
     /// size_bytes  A multiple of the grain.
@@ -19,14 +19,15 @@ class ArenaBlocks {
 
     /// Returns the offset of a block of at least `bytes`, or nothing if none is left.
     std::optional<std::size_t> take(std::size_t bytes);
-    /// Ends a block that take(bytes) gave.
+    /// Releases a block that take(bytes) returned.
     void give_back(std::size_t offset, std::size_t bytes);
-    /// Where the last block in use ends.
+    /// Returns the end of the last block in use.
     std::size_t end_in_use() const;
 
   private:
     std::size_t size_bytes_;
-    std::map<std::size_t, std::size_t> free_;  ///< Sizes by offset; no two of them touch.
+    std::map<std::size_t, std::size_t>
+        free_;  ///< Sizes by offset. No two free blocks are adjacent.
 };
 
 }  // namespace pxpl5::bus

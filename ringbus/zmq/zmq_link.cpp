@@ -1,4 +1,4 @@
-#include "ringbus/zmq_link.hpp"
+#include "ringbus/zmq/zmq_link.hpp"
 
 #include <fmt/core.h>
 
@@ -12,122 +12,33 @@
 #include <vector>
 #include <zmq.hpp>
 
-#include "ringbus/arena.hpp"
 #include "ringbus/credit.hpp"
 #include "ringbus/wire.hpp"
+#include "ringbus/zmq/arena.hpp"
+#include "ringbus/zmq/zmq_parts.hpp"
 
 namespace pxpl5::bus {
 
 namespace {
 
-/// Option 10 of a context: without zero-copy receive, buffers come from malloc and are aligned.
-constexpr int zero_copy_receive = 10;
-constexpr std::string_view ipc_scheme = "ipc://";
-
-zmq::context_t make_context() {
-    zmq::context_t context(1);
-    zmq_ctx_set(context.handle(), zero_copy_receive, 0);
-    return context;
-}
-
-/// Linger 0 is set before anything else, or closing could hang; credit bounds the queues instead of
-/// the high-water mark, which would drop or block.
-void prepare(zmq::socket_t& socket) {
-    socket.set(zmq::sockopt::linger, 0);
-    socket.set(zmq::sockopt::sndhwm, 0);
-    socket.set(zmq::sockopt::rcvhwm, 0);
-    socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(max_body_bytes));
-}
-
-void check_address(const std::string& bind) {
-    const auto starts_with = [&](std::string_view prefix) {
-        return bind.compare(0, prefix.size(), prefix) == 0;
-    };
-    // The file system guards who reaches an ipc path; nobody guards an abstract name, ipc://@...
-    const bool is_private = starts_with("ipc:///") || starts_with("tcp://127.0.0.1:");
-    if (!is_private) {
-        throw std::invalid_argument(fmt::format(
-            "refusing to listen at {}: messages are not encrypted, so only ipc:///path and "
-            "tcp://127.0.0.1:port are allowed",
-            bind));
-    }
-}
-
-void release_payload(void*, void* hint) {
-    delete static_cast<Payload*>(hint);
-}
-
-/// A ZeroMQ part that shares the payload's bytes.
-zmq::message_t part_of(const Payload& payload) {
-    auto* hint = new Payload(payload);
-    const auto bytes = hint->bytes();
-    return zmq::message_t(const_cast<std::uint8_t*>(bytes.data()), bytes.size(), &release_payload,
-                          hint);
-}
-
-/// Calls ZeroMQ again if only a signal came between.
-template <typename Call>
-auto uninterrupted(const Call& call) {
-    while (true) {
-        try {
-            return call();
-        } catch (const zmq::error_t& error) {
-            if (error.num() != EINTR) {
-                throw;
-            }
-        }
-    }
-}
-
-/// The verified message. Very small parts live unaligned inside ZeroMQ's own struct: copied.
-Message message_of(const schema::Header& header, const std::shared_ptr<zmq::message_t>& body) {
-    const auto* bytes = static_cast<const std::uint8_t*>(body->data());
-    if (reinterpret_cast<std::uintptr_t>(bytes) % body_alignment == 0) {
-        return {header, {bytes, body->size()}, body};
-    }
-    auto copy = std::make_shared<std::vector<std::uint64_t>>(body->size() / body_alignment + 1);
-    std::memcpy(copy->data(), bytes, body->size());
-    return {header, {reinterpret_cast<const std::uint8_t*>(copy->data()), body->size()}, copy};
-}
-
-/// A ZeroMQ part of a header and what follows it.
-template <typename Extra>
-zmq::message_t part_of(const schema::Header& header, const Extra& extra) {
-    zmq::message_t part(sizeof header + sizeof extra);
-    std::memcpy(part.data(), &header, sizeof header);
-    std::memcpy(part.data<std::uint8_t>() + sizeof header, &extra, sizeof extra);
-    return part;
-}
-
-/// What follows the header in the first part of a message.
-template <typename Extra>
-std::optional<Extra> extra_of(const zmq::message_t& head) {
-    if (head.size() != sizeof(schema::Header) + sizeof(Extra)) {
-        return std::nullopt;
-    }
-    Extra extra;
-    std::memcpy(&extra, head.data<std::uint8_t>() + sizeof(schema::Header), sizeof extra);
-    return extra;
-}
-
-/// A message as it came.
+/// A received message before verification.
 struct Arrived {
     schema::Header header;
-    std::shared_ptr<zmq::message_t> body;  ///< Null if it lies in the sender's arena.
+    std::shared_ptr<zmq::message_t> body;  ///< Null if it is in the sender's arena.
     std::optional<ArenaPlace> place;
     std::optional<ArenaOffer> offer;
 };
 
 struct Peer {
     std::string endpoint;
-    zmq::socket_t socket;  ///< None until something is sent to it: most nodes are never sent to.
+    zmq::socket_t socket;  ///< Opened by the first message: most peers never get one.
     int linger_ms = closing_ms;
-    bool is_near = false;  ///< On this computer, so that it may be able to read in the arena.
+    bool is_near = false;  ///< On this computer, so that it may be able to open the arena.
     bool has_offer = false;
     Window window;
-    std::deque<Payload> waiting;  ///< For credit.
+    std::deque<Payload> waiting;  ///< Waits for credit.
     std::uint64_t waiting_bytes = 0;
-    Consumed consumed;  ///< Of what it sent, not yet given back.
+    Consumed consumed;  ///< Consumed messages of the peer without a credit yet.
 
     bool is_full() const {
         return waiting.size() >= max_waiting_messages || waiting_bytes >= max_waiting_bytes;
@@ -140,13 +51,13 @@ struct ZmqLink::Parts {
     Parts(NodeId own_id, std::size_t lendable_bytes) : id(own_id), arena(lendable_bytes) {}
 
     NodeId id;
-    Arena arena;  ///< Goes after the context, whose thread may be sending bodies from it.
+    Arena arena;  ///< Destroyed after the context, whose thread may send bodies from it.
     zmq::context_t context = make_context();
     zmq::socket_t inbound{context, zmq::socket_type::pull};
     std::string endpoint;
     std::map<NodeId, Peer> peers;
-    std::map<NodeId, std::shared_ptr<ArenaView>> views;  ///< Arenas of those who offered theirs.
-    std::size_t queued = 0;                              ///< Messages that wait, over all peers.
+    std::map<NodeId, std::shared_ptr<ArenaView>> views;  ///< Arenas that peers have offered.
+    std::size_t queued = 0;                              ///< Waiting messages of all peers.
     Wire wire{id};
 
     void transmit(NodeId to, Peer& peer, const Payload& payload) {
@@ -189,7 +100,7 @@ struct ZmqLink::Parts {
         }
     }
 
-    /// The message that begins with `head`. Whatever came, all its parts are taken.
+    /// Receives all parts of the message that begins with `head`, valid or not.
     Arrived receive_parts(const zmq::message_t& head) {
         Arrived arrived;
         std::size_t parts = 1;
@@ -213,13 +124,13 @@ struct ZmqLink::Parts {
         return arrived;
     }
 
-    /// The verified message, if it came as its sender numbered it.
+    /// Verifies the message and its sequence number.
     Message read(const Arrived& arrived) {
         const schema::Header& header = arrived.header;
         const auto found = arrived.place ? views.find(header.source()) : views.end();
         const bool is_known = found != views.end();
-        // Whatever is wrong with a new message, its memory is given back. A repeated one has none:
-        // its ticket may by now be that of a message on its way.
+        // An invalid new message must release its memory. A repeated message owns none: its ticket
+        // may already belong to a message in transit.
         auto owner =
             is_known && wire.is_new(header) ? found->second->hold(arrived.place->ticket) : nullptr;
         wire.accept(header);
@@ -244,8 +155,8 @@ struct ZmqLink::Parts {
         return message_of(header, arrived.body);
     }
 
-    /// Counts what `header` brought, whether it can be trusted or not: its sender's window would
-    /// shrink for ever otherwise. Nothing is owed to a node that is no peer yet.
+    /// Counts the received bytes, valid or not. Otherwise the sender's window would shrink forever.
+    /// A node that is not yet a peer gets no credit.
     void count_consumed(const Arrived& arrived) {
         const schema::Header& header = arrived.header;
         const auto found = peers.find(header.source());

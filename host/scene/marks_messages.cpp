@@ -1,31 +1,15 @@
-#include "host/session/marks_transfer.hpp"
+#include "host/scene/marks_messages.hpp"
 
 namespace pxpl5::host {
 
-namespace {
-
 namespace schema = bus::schema;
-
-schema::MarkKind kind_of(MarkKind kind) {
-    switch (kind) {
-        case MarkKind::line:
-            return schema::MarkKind::line;
-        case MarkKind::area:
-            return schema::MarkKind::area;
-        case MarkKind::text:
-            break;
-    }
-    return schema::MarkKind::text;
-}
-
-}  // namespace
 
 std::vector<std::unique_ptr<schema::MarkT>> marks_message(std::span<const PictureMark> marks) {
     std::vector<std::unique_ptr<schema::MarkT>> wire;
     wire.reserve(marks.size());
     for (const PictureMark& mark : marks) {
         auto one = std::make_unique<schema::MarkT>();
-        one->kind = kind_of(mark.kind);
+        one->kind = mark.kind;
         for (const glm::vec2& p : mark.points) {
             one->points.emplace_back(p.x, p.y);
         }
@@ -39,6 +23,22 @@ std::vector<std::unique_ptr<schema::MarkT>> marks_message(std::span<const Pictur
         wire.push_back(std::move(one));
     }
     return wire;
+}
+
+PictureMark mark_of(const schema::Mark& wire) {
+    const schema::Rgba& colour = *wire.colour();
+    PictureMark mark{wire.kind(),
+                     {},
+                     {colour.r(), colour.g(), colour.b(), colour.a()},
+                     wire.width_px(),
+                     wire.text() == nullptr ? "" : wire.text()->str(),
+                     wire.height_px(),
+                     wire.align_x(),
+                     wire.align_y()};
+    for (const schema::PicturePoint* p : *wire.points()) {
+        mark.points.emplace_back(p->x(), p->y());
+    }
+    return mark;
 }
 
 }  // namespace pxpl5::host

@@ -1,0 +1,199 @@
+// Generated from page_schema.fbs, ringbus/schema/vocabulary.fbs and limits.def.
+// Rewrite with: python3 host/serve/generate_page_schema.py --write
+
+/** Limits of the machine. */
+export const LIMITS = Object.freeze({
+  region_px: 128,
+  region_pixels: 16384,
+  max_surfaces: 255,
+  full_opacity: 16,
+  few_samples: 4,
+  many_samples: 16,
+  max_lights: 4,
+  max_specular_power: 128,
+  max_nodes: 256,
+  max_nodes_per_role: 64,
+  min_volume_voxels: 2,
+  max_volume_voxels: 4096,
+  min_spacing_mm: 0.0001,
+  max_spacing_mm: 1000,
+  max_smooth_mm: 100,
+  max_slab: 4094,
+  max_isovalues: 4096,
+  max_picture_px: 8192,
+  max_views: 2,
+  max_clip_planes: 16,
+  max_scene_slab: 1048576,
+  max_scene_mm: 1e+06,
+  max_export_px: 16384,
+  max_animation_pictures: 10000,
+  max_delay_ms: 60000,
+  max_marks: 100000,
+  max_mark_points: 100000,
+  max_mark_px: 100000,
+  max_user_surfaces: 16,
+  max_user_picture_px: 4096,
+});
+
+/** @typedef {'uint8' | 'int16' | 'uint16' | 'float32'} Scalar */
+
+/** @typedef {'watertight' | 'lorensen1987' | 'asymptotic'} CaseRule */
+
+/** @typedef {'all' | 'outside_gaps' | 'in_gaps'} SlabChoice */
+
+/** @typedef {'note' | 'conversion' | 'assumption' | 'reflection' | 'gantry_tilt' |
+ *   'missing_slices' | 'uneven_slices' | 'duplicate_slices' |
+ *   'mixed_orientations' | 'thickness_differs' | 'other_series' | 'processed'} FindingKind */
+
+/** @typedef {'line' | 'area' | 'text'} MarkKind */
+
+/** @typedef {'LPS' | 'RAS'} PatientAxes */
+
+/** @typedef {'prologue' | 'shut_door' | 'segment' | 'open_door' | 'depths' |
+ *   'end_of_region'} PartKind */
+
+/** @typedef {'off' | 'flight' | 'full'} Recording */
+
+/** @typedef {'ipc' | 'tcp'} Transport */
+
+/** @typedef {'published' | 'recalled' | 'derived' | 'ours' | 'fitted'} Provenance */
+
+/** @typedef {'best' | 'sse4' | 'avx2' | 'avx512'} VectorTarget */
+
+export const PICTURE_KIND = Object.freeze({jpeg: 1, png: 2});
+
+export const FRAME_FLAG = Object.freeze({rests: 1, last: 2});
+
+export const FRAME_HEADER_BYTES = 32;
+export const FRAME_HEADER_MAGIC = 0x46523550;
+/** Precedes the picture in the binary message of a frame. Numbers are little-endian.
+ * @param {DataView} view */
+export function readFrameHeader(view) {
+  return {
+    number: view.getUint32(4, true),
+    revision: view.getUint32(8, true),
+    width: view.getUint16(12, true),
+    height: view.getUint16(14, true),
+    kind: view.getUint8(16),
+    quality: view.getUint8(17),
+    samples: view.getUint8(18),
+    flags: view.getUint8(19),
+    machine_ms: view.getFloat32(20, true),
+    digest: view.getBigUint64(24, true),
+  };
+}
+
+export const ANSWER_HEADER_BYTES = 16;
+export const ANSWER_HEADER_MAGIC = 0x4e413550;
+/** Precedes the JSON and the bytes of an answer. Zeros fill up the JSON to a multiple of 8 bytes.
+ * @param {DataView} view */
+export function readAnswerHeader(view) {
+  return {
+    id: view.getUint32(4, true),
+    json_bytes: view.getUint32(8, true),
+    reserved: view.getUint32(12, true),
+  };
+}
+
+/**
+ * @typedef {object} FindingState
+ * @property {string} kind
+ * @property {string} text
+ */
+
+/**
+ * @typedef {object} VolumeState
+ * @property {string} name
+ * @property {string} source  file, folder or phantom:NAME
+ * @property {[number, number, number]} size  voxels
+ * @property {[number, number, number]} spacing_mm
+ * @property {string} modality  CT, MR, US, ...; empty if the file does not state it
+ * @property {string} unit  of the values: HU, or empty
+ * @property {number} minimum
+ * @property {number} maximum
+ * @property {number} gaps  places where slices are missing
+ * @property {FindingState[]} findings
+ * @property {[number, number, number]} centre_mm
+ * @property {number} radius_mm
+ * @property {number[]} voxel_to_patient  4 x 4, column-major
+ * @property {number[]} slice_places  z of each slice in the grid; empty if slice z is at z
+ */
+
+/**
+ * Matrices are column-major, as in WebGL.
+ * @typedef {object} CameraState
+ * @property {number} azimuth_deg
+ * @property {number} elevation_deg
+ * @property {number} roll_deg
+ * @property {number} zoom
+ * @property {[number, number]} pan_mm
+ * @property {number[]} patient_to_eye  4 x 4
+ * @property {number[]} patient_to_clip  4 x 4
+ */
+
+/**
+ * @typedef {object} SurfaceState
+ * @property {string} name
+ * @property {number} isovalue
+ * @property {string} color  #rrggbb
+ * @property {boolean} visible
+ * @property {number} opacity  0 .. 1
+ * @property {string} table  a CaseRule
+ * @property {string} components  the filter as `components` takes it
+ * @property {number} triangles
+ * @property {number} vertices
+ * @property {number} area_mm2
+ * @property {number} volume_ml
+ * @property {number} extraction_ms
+ * @property {string} compared_with  the surface that this surface is compared with, or empty
+ */
+
+/**
+ * Angles are relative to the viewer.
+ * @typedef {object} LightState
+ * @property {number} azimuth_deg
+ * @property {number} elevation_deg
+ * @property {number} intensity
+ */
+
+/**
+ * @typedef {object} MaterialState
+ * @property {number} ambient
+ * @property {number} specular
+ * @property {number} power
+ */
+
+/**
+ * Millimeters; kept where plane . (p, 1) >= 0.
+ * @typedef {object} ClipState
+ * @property {string} words
+ * @property {[number, number, number, number]} plane
+ */
+
+/**
+ * @typedef {object} MachineState
+ * @property {string} topology
+ * @property {number} gps
+ * @property {number} renderers
+ * @property {boolean} recording
+ */
+
+/**
+ * @typedef {object} State
+ * @property {number} revision  counts changes of the picture's content
+ * @property {string | null} busy  the work in progress
+ * @property {VolumeState | null} volume
+ * @property {string | null} archive  file of a scene of polygons, which replaces a volume
+ * @property {CameraState} camera
+ * @property {[number, number]} size  pixels of the picture
+ * @property {SurfaceState[]} surfaces
+ * @property {LightState[]} lights
+ * @property {MaterialState} material
+ * @property {string} background  #rrggbb
+ * @property {ClipState[]} clips
+ * @property {boolean} tint_gaps
+ * @property {boolean} overlay
+ * @property {string | null} undo  the line that `undo` reverts
+ * @property {string | null} redo
+ * @property {MachineState} machine
+ */

@@ -1,0 +1,68 @@
+#include "ringbus/zmq/zmq_parts.hpp"
+
+#include <fmt/core.h>
+
+#include <stdexcept>
+#include <vector>
+
+namespace pxpl5::bus {
+
+namespace {
+
+/// Option 10 of a context: without zero-copy receive, buffers come from malloc and are aligned.
+constexpr int zero_copy_receive = 10;
+
+void release_payload(void*, void* hint) {
+    delete static_cast<Payload*>(hint);
+}
+
+}  // namespace
+
+zmq::context_t make_context() {
+    zmq::context_t context(1);
+    zmq_ctx_set(context.handle(), zero_copy_receive, 0);
+    return context;
+}
+
+// Linger 0 comes first, because closing could hang otherwise. Credit bounds the queues instead of
+// the high-water mark, which would drop or block.
+void prepare(zmq::socket_t& socket) {
+    socket.set(zmq::sockopt::linger, 0);
+    socket.set(zmq::sockopt::sndhwm, 0);
+    socket.set(zmq::sockopt::rcvhwm, 0);
+    socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(max_body_bytes));
+}
+
+void check_address(const std::string& bind) {
+    const auto starts_with = [&](std::string_view prefix) {
+        return bind.compare(0, prefix.size(), prefix) == 0;
+    };
+    // The file system protects an ipc path. Nothing protects an abstract name, ipc://@...
+    const bool is_private = starts_with("ipc:///") || starts_with("tcp://127.0.0.1:");
+    if (!is_private) {
+        throw std::invalid_argument(fmt::format(
+            "refusing to listen at {}: messages are not encrypted, so only ipc:///path and "
+            "tcp://127.0.0.1:port are allowed",
+            bind));
+    }
+}
+
+zmq::message_t part_of(const Payload& payload) {
+    auto* hint = new Payload(payload);
+    const auto bytes = hint->bytes();
+    return zmq::message_t(const_cast<std::uint8_t*>(bytes.data()), bytes.size(), &release_payload,
+                          hint);
+}
+
+// Very small parts are unaligned inside ZeroMQ's own struct and are copied.
+Message message_of(const schema::Header& header, const std::shared_ptr<zmq::message_t>& body) {
+    const auto* bytes = static_cast<const std::uint8_t*>(body->data());
+    if (reinterpret_cast<std::uintptr_t>(bytes) % body_alignment == 0) {
+        return {header, {bytes, body->size()}, body};
+    }
+    auto copy = std::make_shared<std::vector<std::uint64_t>>(body->size() / body_alignment + 1);
+    std::memcpy(copy->data(), bytes, body->size());
+    return {header, {reinterpret_cast<const std::uint8_t*>(copy->data()), body->size()}, copy};
+}
+
+}  // namespace pxpl5::bus

@@ -1,0 +1,66 @@
+// ZeroMQ sockets of a link, and the parts of a message.
+#pragma once
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <zmq.hpp>
+
+#include "ringbus/message.hpp"
+
+namespace pxpl5::bus {
+
+inline constexpr std::string_view ipc_scheme = "ipc://";
+
+/// A context whose received buffers are aligned.
+zmq::context_t make_context();
+
+/// Sets the options of a new socket: linger 0 and no high-water mark.
+void prepare(zmq::socket_t& socket);
+
+/// Throws std::invalid_argument unless `bind` is private to this computer.
+void check_address(const std::string& bind);
+
+/// A ZeroMQ part that shares the payload's bytes.
+zmq::message_t part_of(const Payload& payload);
+
+/// The verified message.
+Message message_of(const schema::Header& header, const std::shared_ptr<zmq::message_t>& body);
+
+/// Calls ZeroMQ again after a signal.
+template <typename Call>
+auto uninterrupted(const Call& call) {
+    while (true) {
+        try {
+            return call();
+        } catch (const zmq::error_t& error) {
+            if (error.num() != EINTR) {
+                throw;
+            }
+        }
+    }
+}
+
+/// A ZeroMQ part with a header and `extra`.
+template <typename Extra>
+zmq::message_t part_of(const schema::Header& header, const Extra& extra) {
+    zmq::message_t part(sizeof header + sizeof extra);
+    std::memcpy(part.data(), &header, sizeof header);
+    std::memcpy(part.data<std::uint8_t>() + sizeof header, &extra, sizeof extra);
+    return part;
+}
+
+/// The bytes behind the header in the first part, if they have the size of an Extra.
+template <typename Extra>
+std::optional<Extra> extra_of(const zmq::message_t& head) {
+    if (head.size() != sizeof(schema::Header) + sizeof(Extra)) {
+        return std::nullopt;
+    }
+    Extra extra;
+    std::memcpy(&extra, head.data<std::uint8_t>() + sizeof(schema::Header), sizeof extra);
+    return extra;
+}
+
+}  // namespace pxpl5::bus
