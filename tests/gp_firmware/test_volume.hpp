@@ -24,7 +24,7 @@ struct Volume {
     std::vector<std::byte> values;
 
     std::span<const std::byte> slice(int z) const {
-        const std::size_t size_bytes = shape.slice_voxels() * gp::size_bytes(shape.type);
+        const std::size_t size_bytes = shape.slice_voxels() * pxpl5::size_bytes(shape.type);
         return std::span(values).subspan(static_cast<std::size_t>(z) * size_bytes, size_bytes);
     }
 };

@@ -12,10 +12,10 @@ bus::schema::DrawFrameT example_draw();
 bus::schema::VolumeHeaderT example_header();
 bus::schema::RegionProgramsT example_programs();
 
-/// In the order of their kinds.
+/// Ordered by kind.
 std::vector<bus::Payload> one_of_each_kind();
 
-/// The same message after everything in it went through the object API.
+/// The same message, unpacked and packed by the object API.
 bus::Payload repacked(const bus::Message& message);
 
 }  // namespace pxpl5::test

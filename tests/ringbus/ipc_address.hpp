@@ -1,4 +1,4 @@
-// Addresses for the links of tests, in a folder that goes when the tests end.
+// Addresses for the links of tests, in a folder that is removed when the tests end.
 #pragma once
 
 #include <unistd.h>

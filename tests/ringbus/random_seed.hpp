@@ -1,4 +1,4 @@
-// Where random tests of the ring get their numbers from.
+// Seed of random tests.
 #pragma once
 
 #include <doctest/doctest.h>

@@ -9,7 +9,7 @@
 
 namespace pxpl5::test {
 
-/// Made empty, and removed with all that is in it.
+/// Created empty, and removed with its content.
 class ScratchFolder {
   public:
     ScratchFolder() {

@@ -1,4 +1,4 @@
-// What a node counts of its time and its messages.
+// A node's counts of its time and its messages.
 #include "ringbus/activity.hpp"
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr NodeId peer = 4;
 
-/// Keeps the time that stages took, by name, and how often they began.
+/// Time and number of entries of each stage, by name.
 std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> told(StageClock& clock) {
     std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> told;
     for (const StageClock::Stage& stage : clock.stages()) {
@@ -25,7 +25,7 @@ std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> told(StageClock& 
     return told;
 }
 
-/// So long that the clock sees it, however coarse it is.
+/// Long enough for a coarse clock.
 void spend_time() {
     const auto start = std::chrono::steady_clock::now();
     while (std::chrono::steady_clock::now() - start < std::chrono::microseconds(50)) {
@@ -35,7 +35,7 @@ void spend_time() {
 }  // namespace
 
 TEST_SUITE("ringbus/activity") {
-    TEST_CASE("a stage within a stage takes its time from it, and then the outer one goes on") {
+    TEST_CASE("an inner stage interrupts the outer stage, which then continues") {
         StageClock clock;
         {
             const StageClock::In outer(&clock, "outer");
@@ -55,7 +55,7 @@ TEST_SUITE("ringbus/activity") {
         CHECK(stages.at("inner").first >= 50'000);
     }
 
-    TEST_CASE("what goes on in the same stage is not counted again") {
+    TEST_CASE("entering the current stage again is not counted") {
         StageClock clock;
         for (int i = 0; i < 5; ++i) {
             clock.enter("a");
@@ -75,7 +75,7 @@ TEST_SUITE("ringbus/activity") {
         auto stages = told(clock);
         CHECK(stages.at("b").first == 30'000);
         CHECK(stages.at("a").first >= before - 30'000);
-        // More than there is cannot be moved.
+        // No more time can be moved than the stage has.
         clock.enter("c");
         const std::uint64_t left = told(clock).at("a").first;
         clock.move("a", "b", 1'000'000'000'000);
@@ -84,7 +84,7 @@ TEST_SUITE("ringbus/activity") {
         CHECK(stages.at("b").first == 30'000 + left);
     }
 
-    TEST_CASE("an answer tells all stages but waiting, and no more time than there was") {
+    TEST_CASE("an answer has all stages but waiting, and no more time than the wall clock") {
         StageClock clock;
         {
             const StageClock::In working(&clock, "work");
@@ -134,7 +134,7 @@ TEST_SUITE("ringbus/activity") {
         CHECK(bytes == 20 * 1000 + 1 + 2);
     }
 
-    TEST_CASE("looking leaves no trace in the counts and takes no time on the modelled ring") {
+    TEST_CASE("observation changes no counts and takes no time on the modelled ring") {
         Wire looked_at(3), alone(3);
         for (Wire* wire : {&looked_at, &alone}) {
             wire->set_model(ChannelModel(RingParameters{}, {3, peer}));

@@ -52,7 +52,7 @@ TEST_SUITE("ringbus/channel_model") {
         CHECK(b.arrival_ns == a.arrival_ns + 100);
     }
 
-    TEST_CASE("nothing leaves before the sender knows of it") {
+    TEST_CASE("nothing departs before the sender's modelled time") {
         ChannelModel model(simple, ring);
         model.advance_to(5000);
         CHECK(model.place(0, 4, 0).departure_ns == 5000);

@@ -11,7 +11,7 @@
 using namespace pxpl5::bus;
 
 TEST_SUITE("ringbus/credit") {
-    TEST_CASE("bytes and messages on their way are bounded") {
+    TEST_CASE("bytes and messages in transit are limited") {
         Window bytes;
         bytes.take(batch_bytes);
         CHECK(bytes.has_room(window_bytes - batch_bytes, Body::RegionPrograms));
@@ -28,7 +28,7 @@ TEST_SUITE("ringbus/credit") {
         CHECK(messages.has_room(1, Body::Slices));
     }
 
-    TEST_CASE("no more comes back than was taken") {
+    TEST_CASE("no more credit returns than was taken") {
         Window window;
         window.take(10);
         CHECK(!window.give_back(2, 5));
@@ -36,7 +36,7 @@ TEST_SUITE("ringbus/credit") {
         CHECK(window.give_back(1, 10));
     }
 
-    TEST_CASE("a message of any size leaves in the end, whatever was consumed and not told") {
+    TEST_CASE("a message of any size leaves eventually, even if credit is withheld") {
         std::mt19937_64 random(7);
         for (int round = 0; round < 2000; ++round) {
             Window window;
@@ -44,7 +44,7 @@ TEST_SUITE("ringbus/credit") {
             std::uint64_t most = 0, on_its_way = 0;
             for (int i = 0; i < 300; ++i) {
                 const std::size_t size = random() % (max_body_bytes >> (random() % 31)) + 1;
-                // The receiver consumes all that has come.
+                // The receiver consumes all received messages.
                 REQUIRE(window.has_room(size, Body::Slices));
                 window.take(size);
                 on_its_way += size;
@@ -60,7 +60,7 @@ TEST_SUITE("ringbus/credit") {
         }
     }
 
-    TEST_CASE("what keeps the machine going needs no credit") {
+    TEST_CASE("control messages need no credit") {
         for (const Body kind : {Body::Hello, Body::Topology, Body::Connected, Body::Go,
                                 Body::Shutdown, Body::Credit, Body::Fault}) {
             CHECK(!needs_credit(kind));
@@ -69,7 +69,7 @@ TEST_SUITE("ringbus/credit") {
         CHECK(needs_credit(Body::RegionPrograms));
     }
 
-    TEST_CASE("a body that no receiver would take is refused before it leaves") {
+    TEST_CASE("a body beyond the limit is refused before it leaves") {
         Wire wire(3);
         CHECK(wire.header_for(4, Body::Slices, max_body_bytes).body_bytes() == max_body_bytes);
         CHECK_THROWS_WITH_AS(wire.header_for(4, Body::Slices, max_body_bytes + 1),

@@ -11,7 +11,7 @@ using namespace pxpl5::bus;
 using namespace pxpl5::test;
 
 TEST_SUITE("ringbus/message") {
-    TEST_CASE("what was packed is what is read") {
+    TEST_CASE("a packed message is read back unchanged") {
         const Message message = WireBytes(pack(example_draw())).read();
         CHECK(message.kind() == Body::DrawFrame);
         CHECK(message.source() == 3);
@@ -54,7 +54,7 @@ TEST_SUITE("ringbus/message") {
         CHECK(refusal(wire).empty());
     }
 
-    TEST_CASE("a refused message says whose it was and which") {
+    TEST_CASE("a refused message names its sender and its number") {
         WireBytes wire(pack(example_draw()));
         wire.bytes()[4] = 'X';  // In the file identifier.
         try {
@@ -70,7 +70,7 @@ TEST_SUITE("ringbus/message") {
 
     TEST_CASE("a body with more tables than the limit is refused") {
         flatbuffers::FlatBufferBuilder builder;
-        // One table that a million and one elements share: each counts when verified.
+        // A million and one elements share one table. The verifier counts each.
         schema::RegionProgramT region;
         const auto one = schema::RegionProgram::Pack(builder, &region);
         const std::vector<flatbuffers::Offset<schema::RegionProgram>> many(max_body_tables, one);
@@ -79,7 +79,7 @@ TEST_SUITE("ringbus/message") {
         CHECK(contains(refusal(finish(builder, programs)), "not a valid message"));
     }
 
-    TEST_CASE("there is a name and an example for each kind") {
+    TEST_CASE("each kind has a name and an example") {
         const std::vector<Payload> all = one_of_each_kind();
         REQUIRE(all.size() == static_cast<std::size_t>(Body::MAX));
         for (std::size_t i = 0; i < all.size(); ++i) {

@@ -24,7 +24,7 @@ Payload shutdown() {
     return pack(schema::ShutdownT{});
 }
 
-/// A link whose input is a script: messages, quiet moments, and messages that are refused.
+/// A link with scripted input: messages, quiet moments, and refused messages.
 class ScriptedLink final : public Link {
   public:
     struct Lost {};
@@ -77,7 +77,7 @@ class ScriptedLink final : public Link {
     std::string endpoint_ = "scripted";
 };
 
-/// Each message makes one piece of work; writes down in which order things happen.
+/// Each message makes one piece of work. Logs the order of events.
 struct Diary final : Node {
     std::string text;
     int pieces = 0;
@@ -121,7 +121,7 @@ const schema::Fault& fault(const ScriptedLink& link, std::size_t index) {
     return *link.sent[index].as<schema::Fault>();
 }
 
-/// How often a stage began.
+/// Number of times that a stage began.
 std::uint64_t count_of(const schema::Activity& activity, std::string_view name) {
     for (const schema::StageTime* stage : *activity.stages()) {
         if (stage->name()->string_view() == name) {
@@ -175,7 +175,7 @@ TEST_SUITE("ringbus/node_loop") {
         CHECK(after->wall_ns() > before->wall_ns());
     }
 
-    TEST_CASE("nothing after Shutdown is looked at") {
+    TEST_CASE("messages after Shutdown are ignored") {
         ScriptedLink link({shutdown(), numbered(1)});
         Diary node;
         CHECK(run_node(node, link, always));
@@ -189,7 +189,7 @@ TEST_SUITE("ringbus/node_loop") {
         CHECK(node.text == "rw");
     }
 
-    TEST_CASE("what the link refuses becomes a Fault that says whose message it was") {
+    TEST_CASE("a message that the link refuses becomes a Fault with its sender") {
         ScriptedLink link({Lost{}, Bad{}, numbered(1), shutdown()});
         Diary node;
         CHECK(run_node(node, link, always));
@@ -207,7 +207,7 @@ TEST_SUITE("ringbus/node_loop") {
         }
     }
 
-    TEST_CASE("what the node throws becomes a Fault, and the node goes on") {
+    TEST_CASE("an exception of the node becomes a Fault, and the node continues") {
         ScriptedLink link({numbered(66), numbered(67), numbered(1), Quiet{}, shutdown()});
         Diary node;
         CHECK(run_node(node, link, always));

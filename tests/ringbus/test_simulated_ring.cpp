@@ -9,11 +9,11 @@ using namespace pxpl5::bus;
 
 namespace {
 
-/// Remembers what comes.
+/// Remembers received messages.
 struct Recorder final : Node {
     std::vector<std::pair<NodeId, std::uint32_t>> got;
     std::vector<std::string> faults;
-    std::uint64_t arrival_ns = 0;  ///< Of the last message.
+    std::uint64_t arrival_ns = 0;  ///< Arrival of the last message.
 
     void receive(const Message& message, Outbox&) override {
         arrival_ns = message.header().arrival_ns();
@@ -81,7 +81,7 @@ TEST_SUITE("ringbus/simulated_ring") {
         CHECK(orders.size() > 15);
     }
 
-    TEST_CASE("each kind of damage to a message is noticed and named") {
+    TEST_CASE("each kind of damage to a message is detected and named") {
         for (const auto& [damage, text] :
              {std::pair{Damage::drop, "message 3 from node 1 came where 2 was due"},
               std::pair{Damage::repeat, "message 2 from node 1 came where 3 was due"},
@@ -102,16 +102,16 @@ TEST_SUITE("ringbus/simulated_ring") {
         CHECK(sound.host.faults.empty());
     }
 
-    TEST_CASE("stamps come from the model that the ring was given") {
+    TEST_CASE("stamps come from the ring's model") {
         Trio trio(1);
-        // One nanosecond a byte, one hop a second long: only the hops matter here.
+        // One nanosecond per byte and one second per hop: only the hops matter.
         trio.ring.set_model(ChannelModel({8, 1'000'000'000, 1'000'000'000, 2, 4}, {0, 1, 2}));
         trio.ring.send(0, 2, numbered(1));
         trio.ring.run_until_idle();
         CHECK(trio.b.arrival_ns / 1'000'000'000 == 2);
     }
 
-    TEST_CASE("a tap sees what each node is handed, in order, before the node") {
+    TEST_CASE("a tap receives each message before the node, in order") {
         Trio trio(5);
         std::vector<std::pair<NodeId, std::uint32_t>> seen;
         trio.ring.on_delivery([&](NodeId to, const Message& message) {
@@ -124,7 +124,7 @@ TEST_SUITE("ringbus/simulated_ring") {
         CHECK(seen == trio.host.got);
     }
 
-    TEST_CASE("what a node throws reaches the host as a fault") {
+    TEST_CASE("an exception of a node reaches the host as a Fault") {
         SimulatedRing ring(1);
         Recorder host;
         Thrower thrower;
@@ -135,7 +135,7 @@ TEST_SUITE("ringbus/simulated_ring") {
         CHECK(host.faults == std::vector<std::string>{"not today"});
     }
 
-    TEST_CASE("waiting for what never comes is an error") {
+    TEST_CASE("waiting for an impossible state is an error") {
         SimulatedRing ring(1);
         Recorder host;
         ring.add(0, host);

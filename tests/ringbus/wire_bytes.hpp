@@ -11,7 +11,7 @@
 
 namespace pxpl5::test {
 
-/// A message as a receiver gets it, with a chance to spoil header and body first.
+/// A message as received. A test may damage header and body first.
 struct WireBytes {
     bus::schema::Header header;
     std::shared_ptr<std::vector<std::uint64_t>> body;
@@ -29,7 +29,7 @@ struct WireBytes {
     bus::Message read() { return {header, {bytes(), size}, body}; }
 };
 
-/// The text with which the message is refused; empty if it is accepted.
+/// The text of the refusal; "" if the message is accepted.
 inline std::string refusal(WireBytes wire) {
     try {
         wire.read();

@@ -156,7 +156,7 @@ void WorkReader::take_volume() {
                             header.nx(),
                             header.ny(),
                             header.nz(),
-                            static_cast<std::uint32_t>(gp::size_bytes(shape.type)),
+                            static_cast<std::uint32_t>(size_bytes(shape.type)),
                             {}};
     for (int z = 0; z < shape.nz; ++z) {
         work.runs.push_back(

@@ -85,7 +85,7 @@ std::span<const std::byte> KnownVolume::slice(int z) const {
     const std::uint8_t* values = volume_->slice[static_cast<std::size_t>(z)];
     assert(values != nullptr);
     return {reinterpret_cast<const std::byte*>(values),
-            shape_.slice_voxels() * gp::size_bytes(shape_.type)};
+            shape_.slice_voxels() * size_bytes(shape_.type)};
 }
 
 }  // namespace pxpl5::host::inspect

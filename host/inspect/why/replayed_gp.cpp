@@ -105,7 +105,7 @@ gp::SlabMesh replay_extraction(const KnownVolume& volume, int k, double isovalue
     shape.slabs_per_set = 1;  // A slab is the same in sets of any size: the smallest is cheapest.
     gp::LocalMemory plenty(std::numeric_limits<std::size_t>::max());
     gp::SliceStore store(shape, share, plenty);
-    const std::vector<std::byte> zeros(shape.slice_voxels() * gp::size_bytes(shape.type));
+    const std::vector<std::byte> zeros(shape.slice_voxels() * size_bytes(shape.type));
     for (const int z : gp::slices_needed(shape, share)) {
         const bool ours = z >= k - slices_below && z <= k + slices_above;
         store.add_slice(z, ours ? volume.slice(z) : std::span<const std::byte>(zeros));

@@ -197,8 +197,8 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     header.kind = shown.rests ? PictureKind::png : PictureKind::jpeg;
     header.quality = static_cast<std::uint8_t>(quality);
     header.samples = static_cast<std::uint8_t>(shown.samples);
-    header.flags = static_cast<std::uint8_t>((shown.rests ? FrameFlag::rests : 0) |
-                                             (shown.last ? FrameFlag::last : 0));
+    header.flags = static_cast<std::uint8_t>((shown.rests ? +FrameFlag::rests : 0) |
+                                             (shown.last ? +FrameFlag::last : 0));
     header.machine_ms = shown.machine_ms;
     header.digest = shown.digest;
     viewer.link.sent(header.number, sizeof(FrameHeader) + picture.size(), now_ms());

@@ -43,7 +43,7 @@ TEST_SUITE("host/phantom/catalogue") {
             CHECK(v.type == info.type);
             const auto count = static_cast<std::size_t>(v.nx) * static_cast<std::size_t>(v.ny) *
                                static_cast<std::size_t>(v.nz);
-            CHECK(v.values.size() == count * host::size_bytes(v.type));
+            CHECK(v.values.size() == count * size_bytes(v.type));
             for (int i = 0; i < 3; ++i)
                 CHECK(v.voxel_to_patient[i][i] == info.spacing_mm[static_cast<std::size_t>(i)]);
         }

@@ -172,7 +172,8 @@ function createMaterial(root, app) {
   const rows = /** @type {const} */ ([
     ['ambient', 'Ambient', 0, 1, 0.01, 'Brightness without direct light'],
     ['specular', 'Gloss', 0, 1, 0.01, 'Strength of the highlights'],
-    ['power', 'Sharpness', 1, LIMITS.max_specular_power, 1, 'Larger values give smaller highlights'],
+    ['power', 'Sharpness', 1, LIMITS.max_specular_power, 1,
+      'Larger values give smaller highlights'],
   ]).map(([key, label, min, max, step, title]) => {
     const input = h('input', {type: 'range', min, max, step, 'data-testid': `material-${key}`,
       oninput: () => void app.connection.set({name: 'material',
