@@ -21,8 +21,8 @@ template <class... Values>
 }
 
 void check_size(const FrameWork& frame) {
-    if (std::clamp(frame.width, 1U, max_picture_px) != frame.width ||
-        std::clamp(frame.height, 1U, max_picture_px) != frame.height) {
+    if (std::clamp<std::uint32_t>(frame.width, 1, max_picture_px) != frame.width ||
+        std::clamp<std::uint32_t>(frame.height, 1, max_picture_px) != frame.height) {
         fail("frame {}: {} x {} pixels; 1..{} each way may be", frame.frame, frame.width,
              frame.height, max_picture_px);
     }

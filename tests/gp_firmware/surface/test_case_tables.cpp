@@ -9,6 +9,7 @@
 #include "gp_firmware/surface/case_tables.hpp"
 #include "gp_firmware/surface/loop_triangulation.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::gp;
 
 namespace {

@@ -3,6 +3,7 @@
 
 #include "tests/gp_firmware/test_volume.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::gp;
 using pxpl5::test::extract_all;
 using pxpl5::test::Gp;

@@ -12,7 +12,6 @@
 
 using namespace pxpl5;
 using namespace pxpl5::gp;
-using VectorTarget;
 using pxpl5::test::Gp;
 using pxpl5::test::make_volume;
 using pxpl5::test::Volume;

@@ -8,6 +8,7 @@
 #include "tests/gp_firmware/surface/mesh_check.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::gp;
 using pxpl5::test::Certificate;
 using pxpl5::test::certify;

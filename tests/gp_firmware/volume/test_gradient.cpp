@@ -4,6 +4,7 @@
 #include "gp_firmware/volume/voxel_gradient.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::gp;
 using pxpl5::test::Gp;
 using pxpl5::test::make_volume;

@@ -3,6 +3,7 @@
 #include "gp_firmware/hal/local_memory.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::gp;
 using pxpl5::test::Gp;
 using pxpl5::test::make_volume;

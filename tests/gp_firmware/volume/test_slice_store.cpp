@@ -5,6 +5,7 @@
 #include "gp_firmware/volume/slice_store.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::gp;
 using pxpl5::test::Gp;
 using pxpl5::test::make_volume;

@@ -10,6 +10,7 @@
 #include "host/base/error.hpp"
 #include "host/chart/plot.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 
 namespace {

@@ -6,6 +6,7 @@
 
 #include "host/commands/text/first_surfaces.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 
 namespace {

@@ -120,7 +120,7 @@ inline double grid_z(const host::Volume& volume, double z) {
 /// All triangles, in the order in which they are drawn: slab by slab, row by row.
 inline std::vector<TrueTriangle> true_triangles(const host::Volume& volume, double isovalue,
                                                 const TrueView& view, std::uint32_t surface = 0) {
-    const CaseRule& table = gp::case_table(CaseRule::watertight);
+    const gp::CaseTable& table = gp::case_table(CaseRule::watertight);
     std::vector<TrueTriangle> all;
     for (int k = 0; k + 1 < volume.nz; ++k) {
         for (int j = 0; j + 1 < volume.ny; ++j) {

@@ -17,7 +17,6 @@
 using namespace pxpl5;
 namespace inspect = host::inspect;
 namespace schema = bus::schema;
-using PartKind;
 using bus::Body;
 using host::timing::BuildWork;
 using host::timing::FrameWork;

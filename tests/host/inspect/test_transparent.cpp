@@ -204,7 +204,6 @@ TEST_SUITE("transparent surfaces") {
         volume.gap_slabs = {20, 21, 30};
         RecordedSurface recorded(volume, 3, 1);
         recorded.add_surface(outer);
-        using SlabChoice;
         const auto draw = [&](std::vector<SlabChoice> choices,
                               std::uint8_t opacity = full_opacity) {
             recorded.draw({{30, 5}, 1.0}, width, height, [&](bus::schema::DrawFrameT& frame) {

@@ -11,6 +11,7 @@
 
 #include "host/io/import.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 using namespace pxpl5::host::io;
 

@@ -10,6 +10,7 @@
 #include "host/io/import.hpp"
 #include "tests/host/io/volume_files.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 using namespace pxpl5::host::io;
 using namespace pxpl5::test;

@@ -7,6 +7,7 @@
 #include "host/io/dicom/dicom_series.hpp"
 #include "host/io/import.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 using namespace pxpl5::host::io;
 

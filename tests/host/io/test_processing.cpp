@@ -7,6 +7,7 @@
 
 #include "host/io/values/processing.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 using namespace pxpl5::host::io;
 

@@ -10,6 +10,7 @@
 #include "host/session/volume_transfer.hpp"
 #include "ringbus/message.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 namespace schema = pxpl5::bus::schema;
 

@@ -6,6 +6,7 @@
 #include "host/base/error.hpp"
 #include "host/surface/atlas/atlas_chart.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 
 namespace {

@@ -9,6 +9,7 @@
 #include "host/surface/atlas/histogram.hpp"
 #include "host/surface/atlas/plateaus.hpp"
 
+using namespace pxpl5;
 using namespace pxpl5::host;
 
 namespace {
