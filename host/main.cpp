@@ -179,7 +179,7 @@ int render(const Flags& flags) {
     const std::vector<Arguments> commands = render_commands(
         {flags.volume, flags.output, flags.load_words, flags.render_options->commands()});
     return flags.machine.with_session([&](Session& session, MachinePort&) {
-        session.will_write = true;
+        session.load_settings.will_write = true;
         return run_script(session, lines_of_commands(commands), script_options(flags));
     });
 }
@@ -233,7 +233,7 @@ int run_report(const Flags& flags, bool has_topology) {
     draws.topology = MachineFlags().topology;
     draws.overrides.clear();
     return draws.with_session([&](Session& session, MachinePort&) {
-        session.will_write = !flags.report.pictures.empty();
+        session.load_settings.will_write = !flags.report.pictures.empty();
         report::run_report(session, flags.report, modelled, size_text(draws.plan()));
         return 0;
     });

@@ -10,26 +10,26 @@ Reply run_stats(Session& session, const Arguments&) {
     Reply reply;
     std::vector<Fields> list;
     for (const Surface& surface : session.scene.surfaces) {
-        const SurfaceReport& report = session.report_of(surface.name);
+        const SurfaceReport& report = session.surfaces.report_of(surface.name);
         reply.text +=
             surface_text(surface, report) +
             fmt::format("\n  {} cells crossed, {} of them ambiguous; {} cell rows skipped\n",
                         report.cells_active, report.cells_ambiguous, report.rows_skipped);
         list.push_back(surface_fields(surface, report));
     }
-    if (const phigs::Content* archive = session.archive()) {
+    if (const phigs::Content* archive = session.volumes.archive()) {
         reply.text += fmt::format("{}: {} triangles, {} spheres, {} lines\n", archive->file,
                                   archive->triangles, archive->spheres, archive->lines);
     }
-    const FrameReport& frame = session.last_frame();
-    reply.text += fmt::format("machine: GPs {}, Renderers {}\n", session.gp_count(),
-                              session.renderer_count());
+    const FrameReport& frame = session.frames.last();
+    reply.text += fmt::format("machine: GPs {}, Renderers {}\n", session.conversation.gps().size(),
+                              session.conversation.renderer_count());
     reply.text +=
         fmt::format("last frame: {:.1f} ms, {} instructions, {} Renderer cycles (modelled)",
                     frame.elapsed_ms, frame.instructions, frame.renderer_cycles);
     reply.fields = {{"surfaces", list},
-                    {"gps", static_cast<std::int64_t>(session.gp_count())},
-                    {"renderers", static_cast<std::int64_t>(session.renderer_count())},
+                    {"gps", static_cast<std::int64_t>(session.conversation.gps().size())},
+                    {"renderers", static_cast<std::int64_t>(session.conversation.renderer_count())},
                     {"frame", Fields{{"elapsed_ms", frame.elapsed_ms},
                                      {"instructions", frame.instructions},
                                      {"renderer_cycles", frame.renderer_cycles}}}};
@@ -37,11 +37,11 @@ Reply run_stats(Session& session, const Arguments&) {
 }
 
 Reply run_digest(Session& session, const Arguments&) {
-    const std::string frame = fmt::format("{:016x}", picture_digest(session.draw()));
+    const std::string frame = fmt::format("{:016x}", picture_digest(session.frames.draw()));
     Reply reply{"frame " + frame, {{"frame", frame}}};
     Fields meshes;
     for (const Surface& surface : session.scene.surfaces) {
-        const std::string mesh = fmt::format("{:016x}", session.mesh_digest(surface.name));
+        const std::string mesh = fmt::format("{:016x}", session.meshes.digest(surface.name));
         reply.text += fmt::format("\nmesh {} {}", surface.name, mesh);
         meshes.push_back({surface.name, mesh});
     }
@@ -50,7 +50,7 @@ Reply run_digest(Session& session, const Arguments&) {
 }
 
 Reply run_trace(Session& session, const Arguments&) {
-    const SavedTraces saved = session.save_traces();
+    const SavedTraces saved = session.nodes.save_traces();
     return {fmt::format("{} messages of {} nodes, {:.1f} MB, in {}", saved.messages, saved.nodes,
                         static_cast<double>(saved.bytes) / 1e6, saved.folder),
             {{"folder", saved.folder},

@@ -66,21 +66,21 @@ std::string read_script(const std::string& path) {
 /// Counts scripts that play each other, so that a circle of them ends.
 class PlayDepth {
   public:
-    PlayDepth(int& depth, const std::string& path) : depth_(depth) {
-        if (depth_ == max_play_depth) {
+    PlayDepth(History& history, const std::string& path) : history_(history) {
+        if (history.plays() == max_play_depth) {
             throw RequestError(ExitCode::usage,
                                fmt::format("play: '{}' is played by {} scripts within each other, "
                                            "no more may",
                                            path, max_play_depth));
         }
-        ++depth_;
+        history_.begin_play();
     }
-    ~PlayDepth() { --depth_; }
+    ~PlayDepth() { history_.end_play(); }
     PlayDepth(const PlayDepth&) = delete;
     PlayDepth& operator=(const PlayDepth&) = delete;
 
   private:
-    int& depth_;
+    History& history_;
 };
 
 }  // namespace
@@ -114,7 +114,7 @@ Reply run_history(Session& session, const Arguments& arguments) {
 
 Reply run_play(Session& session, const Arguments& arguments) {
     const std::string& path = arguments.words[0];
-    const PlayDepth depth(session.play_depth, path);
+    const PlayDepth depth(session.history, path);
     std::istringstream script(read_script(path));
     std::int64_t done = 0;
     int number = 1;

@@ -7,13 +7,13 @@
 namespace pxpl5::host {
 
 Reply run_activity(Session& session, const Arguments&) {
-    const ActivityReport report = session.activity(AwaitAnswers::all);
-    return {activity_text(report), activity_fields(report, session.last_frame())};
+    const ActivityReport report = session.nodes.activity(AwaitAnswers::all);
+    return {activity_text(report), activity_fields(report, session.frames.last())};
 }
 
 Reply run_kill(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
-    session.kill_node(name);
+    session.nodes.kill(name);
     return {fmt::format("{} killed; the machine will stop at the next command", name),
             {{"node", name}}};
 }

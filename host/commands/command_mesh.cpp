@@ -30,7 +30,7 @@ std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& 
     }
     if (arguments.has("at")) {
         const auto [x, y] = parse_pair("at", arguments.text("at", ""));
-        const auto picked = session.pick(x, y);
+        const auto picked = session.frames.pick(x, y);
         if (!picked || picked->surface != arguments.words[0]) {
             refuse_command(fmt::format("at={},{}: the picture shows {} there, not {}", x, y,
                                        picked ? picked->surface : "the background",
@@ -82,9 +82,9 @@ Reply run_components(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
     const std::optional<ComponentFilter> filter = wished_filter(session, arguments);
     if (!filter) {
-        return list_components(find_components(session.mesh(name), session.grid()));
+        return list_components(find_components(session.meshes.fetch(name), session.meshes.grid()));
     }
-    const auto [all, drawn] = session.set_components(name, *filter);
+    const auto [all, drawn] = session.surfaces.set_components(name, *filter);
     return {fmt::format("{}: draws {} of {}", name, drawn, counted(all, "component")),
             {{"components", static_cast<std::int64_t>(all)},
              {"drawn", static_cast<std::int64_t>(drawn)}}};
@@ -103,11 +103,11 @@ Reply run_certificate(Session& session, const Arguments& arguments) {
     Reply reply;
     std::vector<Fields> list;
     for (const std::string& name : names) {
-        const Reply one =
-            certificate_reply(certify(session.mesh(name, true), session.grid()), name);
+        const Reply one = certificate_reply(
+            certify(session.meshes.fetch(name, true), session.meshes.grid()), name);
         reply.text += (reply.text.empty() ? "" : "\n") + one.text;
         list.push_back(one.fields);
-        if (session.surface(name)->components.kind != ComponentFilter::Kind::all) {
+        if (session.surfaces.find(name)->components.kind != ComponentFilter::Kind::all) {
             reply.text += "\n  of the whole surface; not all of its components are drawn";
         }
     }
@@ -117,14 +117,14 @@ Reply run_certificate(Session& session, const Arguments& arguments) {
 
 Reply run_compare(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
-    session.report_of(name);  // Throws if there is no such surface.
+    session.surfaces.report_of(name);  // Throws if there is no such surface.
     if (arguments.words.size() > 1) {
-        if (!session.end_comparison(name)) {
+        if (!session.surfaces.end_comparison(name)) {
             refuse_command(fmt::format("compare: {} is not compared", name));
         }
         return {name + " is drawn again", {{"name", name}}};
     }
-    const MeshComparison comparison = session.compare(name);
+    const MeshComparison comparison = session.surfaces.compare(name);
     Reply reply = comparison_reply(comparison, name + ":watertight", name + ":lorensen1987");
     reply.text += fmt::format("\nonly these cells of {0} are drawn until 'compare {0} off'", name);
     return reply;
@@ -141,7 +141,7 @@ Reply run_export(Session& session, const Arguments& arguments) {
         left.erase(0, comma + 1);
     }
     wish.description = picture_extras(session, session.scene.camera).description;
-    const MeshExportReport report = session.export_mesh(arguments.words[0], wish);
+    const MeshExportReport report = session.exports.mesh(arguments.words[0], wish);
     Reply reply{fmt::format("wrote {}: {}", arguments.words[0], report.text),
                 {{"file", arguments.words[0]}, {"triangles", report.triangles}, {"axes", axes}}};
     if (const std::size_t at = report.text.find("decimated from"); at != std::string::npos) {
@@ -150,7 +150,7 @@ Reply run_export(Session& session, const Arguments& arguments) {
     if (!session.scene.clips.empty()) {
         add_warning(reply, "clip planes cut the picture, not the mesh: crop= of load does");
     }
-    if (is_assumed(session.volume())) {
+    if (is_assumed(session.volumes.volume())) {
         add_warning(reply,
                     "place or spacing of the volume is assumed, so the mesh's is too: see info");
     }

@@ -42,7 +42,7 @@ class PictureFiles {
         } else if (!pattern_.empty()) {
             std::string path = pattern_;
             path.replace(path.find("{}"), 2, fmt::format("{:04}", index));
-            session_.export_pictures({&picture, 1}, path, picture_extras(session_, camera));
+            session_.exports.pictures({&picture, 1}, path, picture_extras(session_, camera));
             ++written_;
         }
     }
@@ -51,7 +51,7 @@ class PictureFiles {
         if (is_animation_) {
             PictureExtras extras = animation_extras(session_);
             extras.delay_ms = static_cast<int>(delay_ms_);
-            session_.export_pictures(pictures_, pattern_, extras);
+            session_.exports.pictures(pictures_, pattern_, extras);
             written_ = 1;
         }
     }
@@ -81,10 +81,10 @@ Fields to_fields(const Spread& spread) {
 }  // namespace
 
 Reply run_snapshot(Session& session, const Arguments& arguments) {
-    const Picture picture = session.draw();
-    const double draw_ms = session.last_frame().elapsed_ms;
-    session.export_pictures({&picture, 1}, arguments.words[0],
-                            picture_extras(session, session.scene.camera));
+    const Picture picture = session.frames.draw();
+    const double draw_ms = session.frames.last().elapsed_ms;
+    session.exports.pictures({&picture, 1}, arguments.words[0],
+                             picture_extras(session, session.scene.camera));
     const bool is_empty =
         std::ranges::count(picture.rgba, picture.rgba[0]) == std::ssize(picture.rgba);
     Reply reply{fmt::format("wrote {} ({}x{}, drawn in {:.1f} ms)", arguments.words[0],
@@ -103,7 +103,7 @@ Reply run_orbit(Session& session, const Arguments& arguments) {
     const int count = parse_whole("N", arguments.words[0]);
     const int in_flight = parse_whole("inflight", arguments.text("inflight", "2"));
     PictureFiles files(session, arguments, 1, count);
-    const OrbitReport report = session.orbit(
+    const OrbitReport report = session.frames.orbit(
         count,
         [&](int index, const Picture& picture, const Camera& camera) {
             files.take(index, picture, camera);
@@ -133,15 +133,15 @@ Reply run_sweep(Session& session, const Arguments& arguments) {
     const double last = parse_number("TO", arguments.words[2]);
     const int count = parse_whole("N", arguments.words[3]);
     PictureFiles files(session, arguments, 4, count);
-    if (const std::optional<Surface> known = session.surface(name)) {
-        session.end_comparison(known->compared_with.empty() ? name : known->compared_with);
+    if (const std::optional<Surface> known = session.surfaces.find(name)) {
+        session.surfaces.end_comparison(known->compared_with.empty() ? name : known->compared_with);
     }
     std::vector<double> isovalues;
     for (int i = 0; i < count; ++i) {
         isovalues.push_back(first + (last - first) * i / (count - 1));
     }
     std::int64_t empty = 0;
-    const SweepReport report = session.sweep(
+    const SweepReport report = session.surfaces.sweep(
         name, isovalues, [&](int index, const Picture& picture, const SurfaceReport& built) {
             empty += built.triangles == 0 ? 1 : 0;
             files.take(index, picture, session.scene.camera);
@@ -159,9 +159,10 @@ Reply run_sweep(Session& session, const Arguments& arguments) {
          {"empty", empty},
          {"written", files.written()}}};
     if (empty != 0) {
-        add_warning(reply,
-                    fmt::format("{} of them have no surface: the volume's values are {} .. {}",
-                                empty, session.volume().minimum, session.volume().maximum));
+        add_warning(
+            reply,
+            fmt::format("{} of them have no surface: the volume's values are {} .. {}", empty,
+                        session.volumes.volume().minimum, session.volumes.volume().maximum));
     }
     return reply;
 }

@@ -34,7 +34,7 @@ Pixel parse_pixel(const Session& session, const Arguments& arguments, std::size_
 GreyWindow parse_window(const Session& session, const Arguments& arguments) {
     GreyWindow window;
     if (!arguments.has("window") || !arguments.has("level")) {
-        window = usual_window(session.volume());
+        window = usual_window(session.volumes.volume());
     }
     return {arguments.number("window", window.width), arguments.number("level", window.level)};
 }
@@ -46,15 +46,15 @@ void write_slice(Session& session, const Arguments& arguments, const Slice& slic
         slice, contours, window, session.scene.size,
         fmt::format("{}, window {:.6g} level {:.6g}", title, window.width, window.level));
     PictureExtras extras;
-    extras.description = fmt::format("{} of {}", title, session.volume().name);
+    extras.description = fmt::format("{} of {}", title, session.volumes.volume().name);
     if (session.scene.overlay) {
         extras.marks = drawn.marks;
     }
-    session.export_pictures({&drawn.picture, 1}, arguments.words[2], extras);
+    session.exports.pictures({&drawn.picture, 1}, arguments.words[2], extras);
 }
 
-Session::Picked picked_at(Session& session, const Pixel& pixel) {
-    const auto picked = session.pick(pixel.x, pixel.y);
+Frames::Picked picked_at(Session& session, const Pixel& pixel) {
+    const auto picked = session.frames.pick(pixel.x, pixel.y);
     if (!picked) {
         refuse_command(
             fmt::format("measure: pixel ({}, {}) shows the background; both ends must "
@@ -68,7 +68,7 @@ Session::Picked picked_at(Session& session, const Pixel& pixel) {
 
 Reply run_histogram(Session& session, const Arguments& arguments) {
     const int bins = parse_whole("BINS", arguments.words.empty() ? usual_bins : arguments.words[0]);
-    const Volume& volume = session.volume();
+    const Volume& volume = session.volumes.volume();
     const Histogram counted = histogram(volume, bins);
     Reply reply{histogram_text(counted), histogram_fields(counted)};
     reply.fields.push_back({"minimum", volume.minimum});
@@ -78,7 +78,7 @@ Reply run_histogram(Session& session, const Arguments& arguments) {
 }
 
 Reply run_slice(Session& session, const Arguments& arguments) {
-    const Volume& volume = session.volume();
+    const Volume& volume = session.volumes.volume();
     const int axis = arguments.words[0][0] - 'x';
     const int count = axis == 0 ? volume.nx : axis == 1 ? volume.ny : volume.nz;
     const int index = parse_whole("INDEX", arguments.words[1], 0, count - 1);
@@ -121,8 +121,8 @@ Reply run_slice(Session& session, const Arguments& arguments) {
 }
 
 Reply run_measure(Session& session, const Arguments& arguments) {
-    const Session::Picked a = picked_at(session, parse_pixel(session, arguments, 0));
-    const Session::Picked b = picked_at(session, parse_pixel(session, arguments, 2));
+    const Frames::Picked a = picked_at(session, parse_pixel(session, arguments, 0));
+    const Frames::Picked b = picked_at(session, parse_pixel(session, arguments, 2));
     const glm::dvec3 &p = a.pick.p_mm, &q = b.pick.p_mm;
     const double distance_mm = glm::distance(p, q);
     return {fmt::format("{:.2f} mm in a straight line, from {} at ({:.2f}, {:.2f}, {:.2f}) to {} "

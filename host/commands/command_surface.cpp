@@ -72,7 +72,7 @@ void take_style(const Arguments& arguments, Surface& wish) {
 /// The surface as it was, or as its name suggests, changed by the arguments.
 Surface wished_surface(const Session& session, const std::optional<Surface>& known,
                        const Arguments& arguments) {
-    const Volume& volume = session.volume();
+    const Volume& volume = session.volumes.volume();
     Surface wish = known.value_or(Surface{});
     wish.name = arguments.words[0];
     if (!known) {
@@ -128,16 +128,19 @@ std::string surface_text(const Surface& surface, const SurfaceReport& report) {
 
 Reply run_surface(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
-    const Volume& volume = session.volume();
-    const std::optional<Surface> known = session.surface(name);
+    const Volume& volume = session.volumes.volume();
+    const std::optional<Surface> known = session.surfaces.find(name);
     const Surface wish = wished_surface(session, known, arguments);
     if (!known || arguments.has("iso") || arguments.has("preset") || arguments.has("table")) {
-        session.end_comparison(known && !known->compared_with.empty() ? known->compared_with
-                                                                      : name);
-        session.set_surface(name, wish.isovalue, wish.table, wish.colour);
+        session.surfaces.end_comparison(
+            known && !known->compared_with.empty() ? known->compared_with : name);
+        if (known) {
+            session.surfaces.set_style(wish);  // Before a frame is requested with the surface.
+        }
+        session.surfaces.set(name, wish.isovalue, wish.table, wish.colour);
     }
-    session.set_style(wish);
-    const SurfaceReport& report = session.report_of(name);
+    session.surfaces.set_style(wish);
+    const SurfaceReport& report = session.surfaces.report_of(name);
     Reply reply{surface_text(wish, report), surface_fields(wish, report)};
     if (report.triangles == 0) {
         add_warning(reply, fmt::format("no surface there: the volume's values are {} .. {}",
@@ -147,12 +150,12 @@ Reply run_surface(Session& session, const Arguments& arguments) {
 }
 
 Reply run_remove(Session& session, const Arguments& arguments) {
-    const std::optional<Surface> known = session.surface(arguments.words[0]);
+    const std::optional<Surface> known = session.surfaces.find(arguments.words[0]);
     if (known && !known->compared_with.empty()) {
-        session.end_comparison(known->compared_with);
+        session.surfaces.end_comparison(known->compared_with);
     } else {
-        session.end_comparison(arguments.words[0]);
-        session.remove_surface(arguments.words[0]);
+        session.surfaces.end_comparison(arguments.words[0]);
+        session.surfaces.remove(arguments.words[0]);
     }
     return {"removed " + arguments.words[0], {{"removed", arguments.words[0]}}};
 }

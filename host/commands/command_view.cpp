@@ -84,7 +84,7 @@ void add_plane(Session& session, const Arguments& arguments) {
     if (arguments.words.size() > 1) {
         at_mm = parse_number("place", arguments.words[1], -max_place_mm, max_place_mm);
     } else if (const auto unit = letter.size() == 1 ? axis_plane(letter[0], 1) : std::nullopt) {
-        at_mm = glm::dot(session.subject().centre_mm, glm::dvec3(*unit));
+        at_mm = glm::dot(session.frames.subject().centre_mm, glm::dvec3(*unit));
     }
     const auto plane = letter.size() == 1 ? axis_plane(letter[0], at_mm) : std::nullopt;
     if (!plane) {
@@ -98,7 +98,7 @@ void add_plane(Session& session, const Arguments& arguments) {
 }
 
 void add_box(Session& session, const Arguments& arguments) {
-    const Volume& volume = session.volume();
+    const Volume& volume = session.volumes.volume();
     if (arguments.words.size() != 3) {
         refuse_command("clip box: give two corner voxels, as clip box 10,10,0 90,90,40");
     }
@@ -247,7 +247,7 @@ Reply run_overlay(Session& session, const Arguments& arguments) {
 }
 
 Reply run_tint(Session& session, const Arguments& arguments) {
-    const std::size_t gaps = session.volume().gap_slabs.size();
+    const std::size_t gaps = session.volumes.volume().gap_slabs.size();
     if (arguments.has("color")) {
         session.scene.gap_colour = parse_colour(arguments.text("color", ""));
     }
@@ -261,7 +261,7 @@ Reply run_pick(Session& session, const Arguments& arguments) {
     const auto& size = session.scene.size;
     const int x = parse_whole("X", arguments.words[0], 0, size.width - 1);
     const int y = parse_whole("Y", arguments.words[1], 0, size.height - 1);
-    const auto picked = session.pick(x, y);
+    const auto picked = session.frames.pick(x, y);
     if (!picked) {
         return {fmt::format("nothing at ({}, {}): the background", x, y), {{"hit", false}}};
     }

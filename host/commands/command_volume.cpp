@@ -20,9 +20,9 @@ constexpr int atlas_bins = 256;
 constexpr const char* usual_steps = "256";
 
 Reply describe_loaded(const Session& session, VolumeDetail detail) {
-    const phigs::Content* archive = session.archive();
+    const phigs::Content* archive = session.volumes.archive();
     return archive != nullptr ? describe_archive(*archive)
-                              : describe_volume(session.volume(), detail);
+                              : describe_volume(session.volumes.volume(), detail);
 }
 
 /// `count` isovalues evenly between the volume's least and greatest value, neither of them.
@@ -59,7 +59,7 @@ void write_chart(Session& session, const AtlasContent& content, const std::strin
     PictureExtras extras;
     extras.description = "isovalue atlas of " + content.title;
     extras.marks = chart.marks;
-    session.export_pictures({&picture, 1}, path, extras);
+    session.exports.pictures({&picture, 1}, path, extras);
 }
 
 Fields atlas_fields(const std::vector<AtlasRow>& rows) {
@@ -83,7 +83,7 @@ Fields atlas_fields(const std::vector<AtlasRow>& rows) {
 Reply run_load(Session& session, const Arguments& arguments) {
     const LoadReport report = [&] {
         const ProgressBar bar(session);
-        return session.load(arguments.words[0], load_options(arguments));
+        return session.volumes.load(arguments.words[0], load_options(arguments));
     }();
     Reply reply = describe_loaded(session, VolumeDetail::brief);
     reply.text += fmt::format(
@@ -102,11 +102,11 @@ Reply run_info(Session& session, const Arguments& arguments) {
     const std::string& source = arguments.words[0];
     return phigs::is_archive(source)
                ? describe_archive(phigs::flatten(phigs::read_archive(source)))
-               : describe_volume(session.read(source, load_options(arguments)));
+               : describe_volume(session.volumes.read(source, load_options(arguments)));
 }
 
 Reply run_atlas(Session& session, const Arguments& arguments) {
-    const Volume& volume = session.volume();
+    const Volume& volume = session.volumes.volume();
     const double low = arguments.number("from", volume.minimum);
     const double high = arguments.number("to", volume.maximum);
     const int steps = parse_whole("steps", arguments.text("steps", usual_steps));
@@ -114,7 +114,7 @@ Reply run_atlas(Session& session, const Arguments& arguments) {
         refuse_command(fmt::format("atlas: from={} is not below to={}", low, high));
     }
     const std::vector<double> isovalues = even_isovalues(low, high, steps);
-    std::vector<AtlasRow> rows = session.measure_isovalues(isovalues, CaseRule::watertight);
+    std::vector<AtlasRow> rows = session.meshes.measure(isovalues, CaseRule::watertight);
     const std::vector<ComponentCounts> components = count_components(volume, isovalues);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         rows[i].components = rows[i].triangles == 0 ? 0 : components[i].surface();

@@ -14,7 +14,7 @@ const Command& find_command(std::string_view name, CommandTable table) {
 namespace {
 
 bool has_content(const Session& session) {
-    return session.has_volume() || session.archive() != nullptr;
+    return session.volumes.has_volume() || session.volumes.archive() != nullptr;
 }
 
 }  // namespace

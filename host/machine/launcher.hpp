@@ -68,6 +68,7 @@ class Launcher {
     /// The next message, if one is here; never one of the handshake. Throws MachineError.
     std::optional<bus::Message> receive();
     void send(bus::NodeId to, bus::Payload payload);
+    flatbuffers::Allocator* body_allocator() { return link_.body_allocator(); }
     bool takes_more(bus::NodeId to) const { return link_.takes_more(to); }
     bus::Traffic traffic() const { return link_.traffic(); }
     /// As MachinePort::kill().

@@ -77,6 +77,9 @@ bus::NodeId Machine::start_io(ExitCode on_death) {
 void Machine::release_io() {
     parts_->launcher.release_io();
 }
+flatbuffers::Allocator* Machine::body_allocator() {
+    return parts_->launcher.body_allocator();
+}
 bool Machine::takes_more(bus::NodeId to) const {
     return parts_->launcher.takes_more(to);
 }

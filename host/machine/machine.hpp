@@ -41,6 +41,7 @@ class Machine final : public MachinePort {
     bus::Traffic traffic() const override;
     void kill(bus::NodeId id) override;
     void send(bus::NodeId to, bus::Payload payload) override;
+    flatbuffers::Allocator* body_allocator() override;
     bool takes_more(bus::NodeId to) const override;
     void pump(const std::function<void(const bus::Message&)>& take,
               const std::function<bool()>& done) override;

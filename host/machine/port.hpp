@@ -62,6 +62,8 @@ class MachinePort {
     }
 
     virtual void send(bus::NodeId to, bus::Payload payload) = 0;
+    /// Memory for builders of large bodies (bus::Link::body_allocator), or null for the heap.
+    virtual flatbuffers::Allocator* body_allocator() { return nullptr; }
     /// Whether nothing that was sent to `to` waits here for its credit.
     virtual bool takes_more(bus::NodeId to) const = 0;
 

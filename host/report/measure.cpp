@@ -40,15 +40,15 @@ std::string write_picture(Session& session, const Source& source, const std::str
     std::string name = source.name;
     std::ranges::replace(name, '/', '-');
     const std::string path = (std::filesystem::path(folder) / (name + ".png")).string();
-    const Picture picture = session.draw();
-    session.export_pictures({&picture, 1}, path, picture_extras(session, session.scene.camera));
+    const Picture picture = session.frames.draw();
+    session.exports.pictures({&picture, 1}, path, picture_extras(session, session.scene.camera));
     return path;
 }
 
 MeasuredCase measured(Session& session, const Source& source, const MeasureOptions& options) {
     const Surface surface = surface_of(source);
     const SurfaceReport built =
-        session.set_surface(surface.name, surface.isovalue, CaseRule::watertight, surface.colour);
+        session.surfaces.set(surface.name, surface.isovalue, CaseRule::watertight, surface.colour);
     session.scene.camera = {{source.row.azimuth_deg, source.row.elevation_deg}, 1};
     MeasuredCase measured;
     measured.triangles = built.triangles;
@@ -57,7 +57,7 @@ MeasuredCase measured(Session& session, const Source& source, const MeasureOptio
     if (options.wall) {
         constexpr double ms_per_s = 1000;
         const OrbitReport orbit =
-            session.orbit(rate_frames, [](int, const Picture&, const Camera&) {});
+            session.frames.orbit(rate_frames, [](int, const Picture&, const Camera&) {});
         measured.wall_frames_per_s = orbit.frames * ms_per_s / orbit.elapsed_ms;
     }
     if (!options.pictures.empty()) {
@@ -67,7 +67,7 @@ MeasuredCase measured(Session& session, const Source& source, const MeasureOptio
     measured.work = {source.row, volume_work(session), build_work(session, surface.name),
                      std::move(frame_work(session).at(0))};
     session.scene.size = wall_size;
-    session.remove_surface(surface.name);
+    session.surfaces.remove(surface.name);
     return measured;
 }
 
@@ -82,7 +82,7 @@ std::vector<MeasuredCase> measure(Session& session, std::span<const Source> sour
             options.progress(cases.size(), source);
         }
         if (source.volume != loaded) {
-            session.load(source.volume);
+            session.volumes.load(source.volume);
             loaded = source.volume;
         }
         cases.push_back(measured(session, source, options));

@@ -13,7 +13,7 @@ namespace pxpl5::host::report {
 struct Source {
     timing::PaperRow row;
     std::string name;    ///< "pelvis/skin"; of a file "ct-knee/skin".
-    std::string volume;  ///< What Session::load() takes.
+    std::string volume;  ///< The argument of Volumes::load().
 };
 
 /// The phantoms' rows and, if a folder is given, those of its volumes; only those of `names` if

@@ -13,7 +13,7 @@ namespace pxpl5::host {
 
 /// A view as a frame showed it.
 struct PickView {
-    CameraMatrices camera;      ///< The frame's request (host/session/frame_request.cpp).
+    CameraMatrices camera;      ///< The frame's request (host/session/transfer/frame_request.cpp).
     int width = 0, height = 0;  ///< Pixels.
     std::span<const std::uint32_t> depths{};  ///< FrameDone's, of this view: width * height.
 };

@@ -117,7 +117,7 @@ bool ActivityMonitor::awaits() const {
 void ActivityMonitor::take(bus::NodeId from, const schema::Activity& activity) {
     const auto node = std::ranges::find(nodes_, from, &MachineNode::id);
     if (node == nodes_.end()) {
-        return;  // An io process, which nobody asked.
+        return;  // The host asks no io process.
     }
     Answers& answers = answers_[static_cast<std::size_t>(node - nodes_.begin())];
     answers.owes = false;

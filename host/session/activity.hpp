@@ -66,7 +66,7 @@ class ActivityMonitor {
     };
 
     std::vector<MachineNode> nodes_;
-    std::vector<Answers> answers_;  ///< Of nodes_.
+    std::vector<Answers> answers_;  ///< One per entry of nodes_.
     std::int64_t frames_ = 0, reported_frames_ = 0;
     std::int64_t reported_ns_;  ///< Wall time of the last report.
 };

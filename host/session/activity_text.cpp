@@ -10,8 +10,8 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr std::size_t machine_channels = 8;  ///< Of the ring of 1993; a topology may have more.
-constexpr double cycles_per_ms = 40'000;     ///< Of the pixel processors: 40 MHz.
+constexpr std::size_t machine_channels = 8;  ///< The ring of 1993 has 8; a topology may have more.
+constexpr double cycles_per_ms = 40'000;     ///< The pixel processors run at 40 MHz.
 constexpr double bytes_per_mb = 1e6;
 
 struct Sum {
@@ -152,6 +152,10 @@ Fields activity_fields(const ActivityReport& report, const FrameReport& frame) {
             {"frame", frame_fields(frame)},
             {"nodes", nodes},
             {"channels", channels}};
+}
+
+Fields activity_fields(Session& session) {
+    return activity_fields(session.nodes.activity(AwaitAnswers::none), session.frames.last());
 }
 
 }  // namespace pxpl5::host

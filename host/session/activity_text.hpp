@@ -12,7 +12,7 @@ namespace pxpl5::host {
 /// A line for each node, and one for the channels of the ring.
 std::string activity_text(const ActivityReport& report);
 
-/// As host/serve/README.md has the message `machine`.
+/// The fields of the message `machine` (host/serve/README.md).
 Fields activity_fields(const ActivityReport& report, const FrameReport& frame);
 
 /// The same of what has come without waiting: asks the nodes, so that the next call knows more.

@@ -16,8 +16,8 @@ inline constexpr std::size_t max_history_lines = 100'000;  ///< Later ones are n
 
 /// A command that was done.
 struct Deed {
-    std::string line;        ///< As parse_line() takes it.
-    std::string subject;     ///< As subject_of(); empty if it is no setting.
+    std::string line;        ///< In the form that parse_line() takes.
+    std::string subject;     ///< See subject_of(); empty if the command is no setting.
     bool is_action = false;  ///< Worth keeping even if it leaves the scene as it was.
 };
 
@@ -50,6 +50,11 @@ class History {
     void undone(const Scene& current);
     void redone(const Scene& current);
 
+    /// Counts the scripts that are being played, one by the other.
+    void begin_play() { ++plays_; }
+    void end_play() { --plays_; }
+    int plays() const { return plays_; }
+
     /// A script that repeats the session, a newline after each line.
     std::string script() const;
     /// The newest load, if there was one.
@@ -62,7 +67,7 @@ class History {
         std::string text, subject;
     };
     struct Step {
-        std::uint64_t number;  ///< Of its line.
+        std::uint64_t number;  ///< Number of its line.
         std::string line, subject;
         Scene scene;  ///< To restore.
     };
@@ -77,6 +82,7 @@ class History {
     std::vector<Step> redo_;
     std::optional<std::string> load_line_;
     int loads_ = 0;
+    int plays_ = 0;
 };
 
 }  // namespace pxpl5::host

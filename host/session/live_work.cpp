@@ -59,7 +59,7 @@ FrameWork work_of(const CountedFrame& counted) {
 }  // namespace
 
 VolumeWork volume_work(const Session& session) {
-    const Volume& volume = session.volume();
+    const Volume& volume = session.volumes.volume();
     VolumeWork work;
     work.name = volume.name;
     work.nx = static_cast<std::uint32_t>(volume.nx);
@@ -76,8 +76,8 @@ VolumeWork volume_work(const Session& session) {
 }
 
 BuildWork build_work(const Session& session, const std::string& surface) {
-    const SurfaceReport& report = session.report_of(surface);
-    const Surface built = *session.surface(surface);
+    const SurfaceReport& report = session.surfaces.report_of(surface);
+    const Surface built = *session.surfaces.find(surface);
     BuildWork work;
     work.surface = built.id;
     work.revision = built.revision;
@@ -90,13 +90,13 @@ BuildWork build_work(const Session& session, const std::string& surface) {
 
 std::vector<FrameWork> frame_work(Session& session) {
     std::vector<FrameWork> work;
-    std::ranges::transform(session.draw_counted(), std::back_inserter(work), work_of);
+    std::ranges::transform(session.frames.draw_counted(), std::back_inserter(work), work_of);
     return work;
 }
 
 RunWork live_work(Session& session) {
     RunWork run;
-    if (session.has_volume()) {
+    if (session.volumes.has_volume()) {
         run.steps.emplace_back(volume_work(session));
         for (const Surface& surface : session.scene.surfaces) {
             run.steps.emplace_back(build_work(session, surface.name));

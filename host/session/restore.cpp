@@ -19,26 +19,26 @@ void remove_unwanted(Session& session, const Scene& wanted) {
     const std::vector<Surface> there = session.scene.surfaces;
     for (const Surface& surface : there) {
         if (!wants(wanted, surface.name)) {
-            session.remove_surface(surface.name);
+            session.surfaces.remove(surface.name);
         }
     }
 }
 
 /// A surface, its components, and its comparison.
 void restore_surface(Session& session, const Scene& wanted, const Surface& like) {
-    const std::optional<Surface> there = session.surface(like.name);
+    const std::optional<Surface> there = session.surfaces.find(like.name);
     const bool is_new = !there || there->isovalue != like.isovalue || there->table != like.table;
     if (is_new) {
-        session.set_surface(like.name, like.isovalue, like.table, like.colour);
+        session.surfaces.set(like.name, like.isovalue, like.table, like.colour);
     }
-    if (session.surface(like.name)->components != like.components) {
-        session.set_components(like.name, like.components);
+    if (session.surfaces.find(like.name)->components != like.components) {
+        session.surfaces.set_components(like.name, like.components);
     }
-    session.set_style(like);
+    session.surfaces.set_style(like);
     if (!wants_comparison(wanted, like.name)) {
-        session.end_comparison(like.name);
+        session.surfaces.end_comparison(like.name);
     } else if (is_new || !is_compared(session.scene.surfaces, like)) {
-        session.compare(like.name);
+        session.surfaces.compare(like.name);
     }
 }
 
@@ -61,7 +61,7 @@ void restore(Session& session, const Scene& wanted) {
     }
     for (const Surface& surface : wanted.surfaces) {
         if (!surface.compared_with.empty()) {
-            session.set_style(surface);
+            session.surfaces.set_style(surface);
         }
     }
     Scene& scene = session.scene;

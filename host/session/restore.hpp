@@ -6,7 +6,7 @@
 namespace pxpl5::host {
 
 /// Gives the session the parameters of `wanted`: camera, lights, material, background, clips, tint
-/// and surfaces, of which only those are extracted anew whose isovalue or table differs. Size,
+/// and surfaces, of which only those are extracted again whose isovalue or table differs. Size,
 /// samples and overlay of the picture stay. Throws RequestError, MachineError; then some of it may
 /// be done.
 void restore(Session& session, const Scene& wanted);

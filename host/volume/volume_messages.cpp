@@ -59,9 +59,10 @@ int slices_per_batch(const Volume& volume) {
     return static_cast<int>(std::max<std::size_t>(1, batch_bytes / slice_bytes(volume)));
 }
 
-bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, int count) {
+bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, int count,
+                            flatbuffers::Allocator* allocator) {
     const std::size_t size = slice_bytes(volume);
-    flatbuffers::FlatBufferBuilder builder(static_cast<std::size_t>(count) * size + 256);
+    flatbuffers::FlatBufferBuilder builder(static_cast<std::size_t>(count) * size + 256, allocator);
     const auto values =
         builder.CreateVector(reinterpret_cast<const std::uint8_t*>(volume.values.data()) +
                                  static_cast<std::size_t>(first) * size,

@@ -20,7 +20,9 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id);
 int slices_per_batch(const Volume& volume);
 
 /// Slices with slices first .. first + count - 1 of the volume.
-bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, int count);
+/// allocator  Memory of the body; null for the heap.
+bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, int count,
+                            flatbuffers::Allocator* allocator = nullptr);
 
 /// Puts an incoming volume together. Its digest is made on the way, while more slices come.
 class VolumeReceiver {

@@ -4,8 +4,8 @@
 #include <stdexcept>
 
 #include "host/scene/camera.hpp"
-#include "host/session/frame_request.hpp"
-#include "host/session/volume_transfer.hpp"
+#include "host/session/transfer/frame_request.hpp"
+#include "host/session/transfer/volume_transfer.hpp"
 
 namespace pxpl5::bench {
 

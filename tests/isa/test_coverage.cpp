@@ -38,11 +38,11 @@ test::Coverage coverage_of_phantoms() {
         test::RecordedMachine recorded(topology);
         recorded.session.scene.size = {192, 128};
         recorded.session.scene.lights = {{-28, 32, 0.7}, {50, -10, 0.3}, {0, 80, 0.2}};
-        recorded.session.load(phantom);
-        const host::Volume& volume = recorded.session.volume();
-        recorded.session.set_surface("surface", (volume.minimum + volume.maximum) / 2,
-                                     CaseRule::watertight, {200, 180, 160});
-        recorded.session.draw();
+        recorded.session.volumes.load(phantom);
+        const host::Volume& volume = recorded.session.volumes.volume();
+        recorded.session.surfaces.set("surface", (volume.minimum + volume.maximum) / 2,
+                                      CaseRule::watertight, {200, 180, 160});
+        recorded.session.frames.draw();
         note_frame(recorded.run(), coverage);
     }
     return coverage;

@@ -38,14 +38,14 @@ struct Bench {
     Session session{machine};
 
     Bench(int gps, int renderers) : machine(machine_of(gps, renderers)) {
-        session.load("phantom:sphere");
+        session.volumes.load("phantom:sphere");
         session.scene.size = {columns * 128 - 50, rows * 128};
-        session.set_surface("s", 0.5, CaseRule::watertight, {160, 160, 160});
+        session.surfaces.set("s", 0.5, CaseRule::watertight, {160, 160, 160});
     }
     void draw_frames() {
         for (int i = 0; i < frames; ++i) {
             session.scene.camera.angles.azimuth_deg = 10.0 * i;
-            session.draw();
+            session.frames.draw();
         }
     }
 };
@@ -89,9 +89,9 @@ TEST_CASE("every node's counts are those of the frames that were drawn, on every
         CAPTURE(gps);
         CAPTURE(renderers);
         Bench bench(gps, renderers);
-        bench.session.activity(AwaitAnswers::all);
+        bench.session.nodes.activity(AwaitAnswers::all);
         bench.draw_frames();
-        const ActivityReport report = bench.session.activity(AwaitAnswers::all);
+        const ActivityReport report = bench.session.nodes.activity(AwaitAnswers::all);
         CHECK(report.frames == frames);
         REQUIRE(report.nodes.size() == static_cast<std::size_t>(1 + gps + renderers + 1));
         std::int64_t regions = 0;
@@ -141,12 +141,12 @@ TEST_CASE("messages are seen on all channels that the model gave them") {
         }
     });
     Session session(machine);
-    session.load("phantom:sphere");
-    session.activity(AwaitAnswers::all);
+    session.volumes.load("phantom:sphere");
+    session.nodes.activity(AwaitAnswers::all);
     counting = true;
-    session.set_surface("s", 0.5, CaseRule::watertight, {160, 160, 160});
-    session.draw();
-    const ActivityReport report = session.activity(AwaitAnswers::all);
+    session.surfaces.set("s", 0.5, CaseRule::watertight, {160, 160, 160});
+    session.frames.draw();
+    const ActivityReport report = session.nodes.activity(AwaitAnswers::all);
     std::map<std::uint16_t, std::uint64_t> counted;
     for (const NodeReport& node : report.nodes) {
         for (const bus::SentCount& each : node.sent) {
@@ -160,10 +160,10 @@ TEST_CASE("messages are seen on all channels that the model gave them") {
 TEST_CASE("what is reported once is not reported again, and what the stages took is all there is") {
     Bench bench(2, 2);
     bench.draw_frames();
-    const ActivityReport first = bench.session.activity(AwaitAnswers::all);
+    const ActivityReport first = bench.session.nodes.activity(AwaitAnswers::all);
     CHECK(of(first, "gp-1").frames == frames);
     CHECK(began(of(first, "gp-1"), "extract") > 0);
-    const ActivityReport second = bench.session.activity(AwaitAnswers::all);
+    const ActivityReport second = bench.session.nodes.activity(AwaitAnswers::all);
     for (const NodeReport& node : second.nodes) {
         CAPTURE(node.node.name);
         CHECK(node.sent.empty());
@@ -178,12 +178,12 @@ TEST_CASE("what is reported once is not reported again, and what the stages took
 
 TEST_CASE("who does not wait is told what came, and that others have not answered") {
     Bench bench(2, 1);
-    const ActivityReport first = bench.session.activity(AwaitAnswers::none);
+    const ActivityReport first = bench.session.nodes.activity(AwaitAnswers::none);
     // One step of the ring brings a question to its node, and no answer.
     CHECK(!of(first, "gp-0").answered);
     CHECK(of(first, "host").answered);
     bench.draw_frames();  // The answers come meanwhile.
-    const ActivityReport second = bench.session.activity(AwaitAnswers::none);
+    const ActivityReport second = bench.session.nodes.activity(AwaitAnswers::none);
     for (const NodeReport& node : second.nodes) {
         CHECK(node.answered);
     }
@@ -192,16 +192,16 @@ TEST_CASE("who does not wait is told what came, and that others have not answere
 TEST_CASE("looking changes no picture") {
     Bench looked_at(3, 2), alone(3, 2);
     for (int i = 0; i < 3; ++i) {
-        looked_at.session.activity(AwaitAnswers::none);
-        CHECK(looked_at.session.draw().rgba == alone.session.draw().rgba);
+        looked_at.session.nodes.activity(AwaitAnswers::none);
+        CHECK(looked_at.session.frames.draw().rgba == alone.session.frames.draw().rgba);
     }
 }
 
 TEST_CASE("programs are told the last frame's regions and all nodes in ring order") {
     Bench bench(2, 2);
-    bench.session.draw();
-    const ActivityReport report = bench.session.activity(AwaitAnswers::all);
-    const FrameReport& frame = bench.session.last_frame();
+    bench.session.frames.draw();
+    const ActivityReport report = bench.session.nodes.activity(AwaitAnswers::all);
+    const FrameReport& frame = bench.session.frames.last();
     CHECK(frame.region_columns == columns);
     CHECK(frame.region_rows == rows);
     CHECK(frame.region_cycles.size() == columns * rows);
@@ -226,13 +226,13 @@ TEST_CASE("programs are told the last frame's regions and all nodes in ring orde
 TEST_CASE("what cannot be killed is refused by name") {
     Bench bench(2, 1);
     CHECK(test::error_of([&] {
-              bench.session.kill_node("gp-7");
+              bench.session.nodes.kill("gp-7");
           }).find("there is no node 'gp-7'; did") == 0);
-    CHECK(test::error_of([&] { bench.session.kill_node("host"); }).find("host cannot be killed") ==
+    CHECK(test::error_of([&] { bench.session.nodes.kill("host"); }).find("host cannot be killed") ==
           0);
-    CHECK(test::error_of([&] { bench.session.kill_node("io-0"); }).find("io-0 cannot be killed") ==
+    CHECK(test::error_of([&] { bench.session.nodes.kill("io-0"); }).find("io-0 cannot be killed") ==
           0);
-    CHECK(test::error_of([&] { bench.session.kill_node("gp-1"); }) ==
+    CHECK(test::error_of([&] { bench.session.nodes.kill("gp-1"); }) ==
           "this machine has no processes to kill");
 }
 
@@ -241,11 +241,11 @@ TEST_CASE("a fault that comes unasked is told where it is taken, and not by the 
     bench.machine.send(bench.machine.gp_ids().front(), bus::pack(schema::SlicesT{}));
     std::string told;
     for (int look = 0; look < 100 && told.empty(); ++look) {  // Each look delivers a little.
-        told = test::error_of([&] { bench.session.activity(AwaitAnswers::none); });
+        told = test::error_of([&] { bench.session.nodes.activity(AwaitAnswers::none); });
     }
     CHECK(told.find("told unasked: ") == 0);
     CAPTURE(told);
     CHECK(told.find("slice_count is 0") != std::string::npos);
-    CHECK(test::error_of([&] { bench.session.draw(); }).empty());
-    CHECK(test::error_of([&] { bench.session.activity(AwaitAnswers::all); }).empty());
+    CHECK(test::error_of([&] { bench.session.frames.draw(); }).empty());
+    CHECK(test::error_of([&] { bench.session.nodes.activity(AwaitAnswers::all); }).empty());
 }

@@ -31,11 +31,11 @@ Outcome run_with(const bus::SimulatedFault& fault) {
     try {
         test::SimulatedMachine machine(small_machine(), fault);
         Session session(machine);
-        session.load("phantom:sphere");
+        session.volumes.load("phantom:sphere");
         session.scene.size = {160, 140};
-        session.set_surface("s", 0.5, CaseRule::watertight, {200, 180, 160});
-        session.draw();
-        return {session.draw().rgba, {}};
+        session.surfaces.set("s", 0.5, CaseRule::watertight, {200, 180, 160});
+        session.frames.draw();
+        return {session.frames.draw().rgba, {}};
     } catch (const RequestError& error) {
         return {{}, error.what()};
     } catch (const MachineError& error) {
@@ -77,23 +77,23 @@ TEST_CASE("a sweep with a refused message leaves a machine that works") {
         test::SimulatedMachine machine(small_machine(), {bus::Damage::flip_bit, message});
         Session session(machine);
         const auto set_and_draw = [&session](const char* name) {
-            session.set_surface(name, 0.5, CaseRule::watertight, {200, 180, 160});
-            session.draw();
+            session.surfaces.set(name, 0.5, CaseRule::watertight, {200, 180, 160});
+            session.frames.draw();
         };
         bool sweeps = false;
         try {
-            session.load("phantom:sphere");
+            session.volumes.load("phantom:sphere");
             session.scene.size = {100, 100};
             set_and_draw("s");
             sweeps = true;
-            session.sweep("s", std::vector<double>{0.5, 100.5, 200.5},
-                          [](int, const Picture&, const SurfaceReport&) {});
+            session.surfaces.sweep("s", std::vector<double>{0.5, 100.5, 200.5},
+                                   [](int, const Picture&, const SurfaceReport&) {});
         } catch (const RequestError&) {
             if (!sweeps) {
                 continue;
             }
             ++failed;
-            kept += session.surface("s") ? 1 : 0;
+            kept += session.surfaces.find("s") ? 1 : 0;
             // What was lost may be told once more, by the frame that comes behind it.
             try {
                 set_and_draw("t");

@@ -71,7 +71,7 @@ TEST_CASE("a flood of isovalues costs few extractions, and the newest is what re
     CHECK(resting.rests);
     CHECK(resting.revision == newest["revision"]);
     CHECK(resting.samples == 16);
-    CHECK(resting.digest == picture_digest(*stage.director.session().draw_samples(16)));
+    CHECK(resting.digest == picture_digest(*stage.director.session().frames.draw_samples(16)));
     CHECK(stage.watchers.last("state")["revision"] == newest["revision"]);
     CHECK(stage.director.due_ms() < 0);  // Nothing is left to do: nobody turns in circles.
 }
@@ -199,7 +199,7 @@ TEST_CASE("a load is given up when somebody says so, and leaves nothing") {
     CHECK(stage.watchers.reply(1)["ok"] == true);
     CHECK(stage.watchers.last("progress").is_null());
     // The second is under way when the word comes: it waits where pump() looks.
-    stage.director.session().progress = [&](const LoadProgress&) {
+    stage.director.session().load_settings.progress = [&](const LoadProgress&) {
         stage.watchers.says({{"cancel", true}});
     };
     stage.director.step();

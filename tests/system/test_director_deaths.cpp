@@ -16,7 +16,7 @@ TEST_CASE("after a load that was given up nothing leads back to the volume befor
     Theatre stage;
     stage.watchers.does(1, "surface sphere iso=0.25");
     stage.settle();
-    stage.director.session().progress = [&](const LoadProgress&) {
+    stage.director.session().load_settings.progress = [&](const LoadProgress&) {
         stage.watchers.says({{"cancel", true}});
     };
     stage.watchers.does(2, "load phantom:pelvis");
@@ -38,14 +38,14 @@ TEST_CASE("an error of another kind is one command's, and the program goes on") 
     stage.watchers.does(1, "load \"\"");
     stage.settle();
     CHECK(stage.watchers.reply(1)["error"] == "load: the name of the volume is empty");
-    stage.director.session().progress = [](const LoadProgress&) {
+    stage.director.session().load_settings.progress = [](const LoadProgress&) {
         throw std::system_error(std::make_error_code(std::errc::io_error), "a disk");
     };
     stage.watchers.does(2, "load phantom:pelvis");
     stage.settle();
     CHECK(stage.watchers.reply(2)["ok"] == false);
     CHECK(stage.watchers.reply(2)["error"].get<std::string>().starts_with("a disk"));
-    stage.director.session().progress = {};
+    stage.director.session().load_settings.progress = {};
     stage.watchers.does(3, "load phantom:pelvis");
     stage.settle();
     CHECK(stage.watchers.reply(3)["ok"] == true);

@@ -22,15 +22,15 @@ Topology least_machine() {
 /// One line for each surface of the phantom.
 std::string lines_of(Session& session, const PhantomInfo& phantom) {
     std::string lines;
-    session.load(phantom.name);
+    session.volumes.load(phantom.name);
     for (const PhantomSurface& surface : phantom.surfaces) {
-        const SurfaceReport report = session.set_surface(
+        const SurfaceReport report = session.surfaces.set(
             surface.name, surface.isovalue, CaseRule::watertight,
             {surface.colour_rgb[0], surface.colour_rgb[1], surface.colour_rgb[2]});
         lines += fmt::format("{} {}: {} triangles, mesh {:016x}, frame {:016x}\n", phantom.name,
-                             surface.name, report.triangles, session.mesh_digest(surface.name),
-                             picture_digest(session.draw()));
-        session.remove_surface(surface.name);
+                             surface.name, report.triangles, session.meshes.digest(surface.name),
+                             picture_digest(session.frames.draw()));
+        session.surfaces.remove(surface.name);
     }
     return lines;
 }
@@ -47,18 +47,19 @@ TEST_CASE("meshes and frames of the built-in volumes and archives are what they 
     for (const PhantomInfo& phantom : phantoms()) {
         lines += lines_of(session, phantom);
     }
-    session.load("phantom:pelvis");
-    session.set_surface("bone", 250.5, CaseRule::watertight, {236, 226, 200});
+    session.volumes.load("phantom:pelvis");
+    session.surfaces.set("bone", 250.5, CaseRule::watertight, {236, 226, 200});
     for (const int samples : {4, 16}) {
         lines += fmt::format("phantom:pelvis bone, {} samples: frame {:016x}\n", samples,
-                             picture_digest(*session.draw_samples(samples)));
+                             picture_digest(*session.frames.draw_samples(samples)));
     }
     for (const char* name : {"molecule", "room", "tree"}) {
-        session.load(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/" + name + ".phigs");
-        const phigs::Content& scene = *session.archive();
+        session.volumes.load(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/" + name +
+                             ".phigs");
+        const phigs::Content& scene = *session.volumes.archive();
         lines += fmt::format("{}.phigs: {} triangles, {} spheres, {} lines, frame {:016x}\n", name,
                              scene.triangles, scene.spheres, scene.lines,
-                             picture_digest(session.draw()));
+                             picture_digest(session.frames.draw()));
     }
     test::check_golden("frames.txt", lines, "ctest --preset release -R golden_frames");
 }

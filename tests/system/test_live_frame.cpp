@@ -22,13 +22,13 @@ TEST_CASE("a scrubbed region ends as the frame shows it, and is kept until the s
     options.run_base = folder / "run";
     Machine machine(topology, options);
     Session session(machine);
-    session.load("phantom:sphere");
+    session.volumes.load("phantom:sphere");
     session.scene.size = {256, 256};
-    session.set_surface("ball", 0.5, CaseRule::watertight, {200, 100, 50});
-    const Picture picture = session.draw();
+    session.surfaces.set("ball", 0.5, CaseRule::watertight, {200, 100, 50});
+    const Picture picture = session.frames.draw();
 
     const inspect::ScrubView end = LiveFrame::of(session).scrub(140, 130, {});
-    const std::uint32_t frame = session.last_frame().frame;
+    const std::uint32_t frame = session.frames.last().frame;
     CHECK(end.at == end.count);
     CHECK(end.field == "rgb");
     int differ = 0;
@@ -44,9 +44,9 @@ TEST_CASE("a scrubbed region ends as the frame shows it, and is kept until the s
     CHECK(begin.lines.front().at == 0);
     CHECK(begin.lines.front().address == "prologue+0");
     CHECK(LiveFrame::of(session).why(140, 130).text.find("triangle") != std::string::npos);
-    CHECK(session.last_frame().frame == frame);  // Nothing was drawn for these questions.
+    CHECK(session.frames.last().frame == frame);  // Nothing was drawn for these questions.
     session.scene.camera.angles.azimuth_deg += 10;
     LiveFrame::of(session).why(140, 130);
-    CHECK(session.last_frame().frame == frame + 1);
+    CHECK(session.frames.last().frame == frame + 1);
     machine.shutdown();
 }

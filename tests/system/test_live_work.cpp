@@ -39,21 +39,21 @@ struct Result {
 
 Result result_of(MachinePort& machine) {
     Session session(machine);
-    session.load("phantom:letters");
+    session.volumes.load("phantom:letters");
     session.scene.size = {300, 200};
     session.scene.camera.angles = {30, 20};
-    const double middle = (session.volume().minimum + session.volume().maximum) / 2;
+    const double middle = (session.volumes.volume().minimum + session.volumes.volume().maximum) / 2;
     Result result;
-    result.outer = session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
-    session.set_surface("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
-    Surface outer = *session.surface("outer");
+    result.outer = session.surfaces.set("outer", middle, CaseRule::watertight, {200, 180, 160});
+    session.surfaces.set("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
+    Surface outer = *session.surfaces.find("outer");
     outer.opacity = 8;
-    session.set_style(outer);
+    session.surfaces.set_style(outer);
     result.work = live_work(session);
-    result.frame = session.last_frame();
+    result.frame = session.frames.last();
     session.scene.samples = 4;
     result.passes = frame_work(session);
-    result.pass_instructions = session.last_frame().instructions;
+    result.pass_instructions = session.frames.last().instructions;
     return result;
 }
 
@@ -223,7 +223,7 @@ TEST_CASE("each pass of a picture is counted by itself; the last reads out") {
 TEST_CASE("a scene of an archive has a frame, and no volume") {
     test::SimulatedMachine machine(plan(2, 2));
     Session session(machine);
-    session.load(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/molecule.phigs");
+    session.volumes.load(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/molecule.phigs");
     session.scene.size = {300, 200};
     const RunWork run = live_work(session);
     REQUIRE(run.steps.size() == 1);
@@ -236,7 +236,7 @@ TEST_CASE("a scene of an archive has a frame, and no volume") {
 TEST_CASE("nothing is drawn of an empty scene but its regions") {
     test::SimulatedMachine machine(plan(2, 2));
     Session session(machine);
-    session.load("phantom:letters");
+    session.volumes.load("phantom:letters");
     session.scene.size = {130, 100};
     const RunWork run = live_work(session);
     REQUIRE(run.steps.size() == 2);

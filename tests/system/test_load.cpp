@@ -76,9 +76,10 @@ struct Result {
 
 Result result_of(Session& session) {
     session.scene.size = {140, 130};
-    const SurfaceReport report = session.set_surface("s", isovalue, CaseRule::watertight, grey);
-    return {session.mesh_digest("s"), session.volume().digest, report.triangles,
-            report.area_mm2,          report.volume_mm3,       session.draw().rgba};
+    const SurfaceReport report = session.surfaces.set("s", isovalue, CaseRule::watertight, grey);
+    return {session.meshes.digest("s"), session.volumes.volume().digest,
+            report.triangles,           report.area_mm2,
+            report.volume_mm3,          session.frames.draw().rgba};
 }
 
 /// The error that `act` ends with, which is of type E.
@@ -104,9 +105,9 @@ TEST_CASE("meshes, measures and pictures are the same in sets of any size, for a
         for (const int slabs_per_set : {0, 1, 2, 3, 5, 100}) {
             test::SimulatedMachine machine(machine_of(gps));
             Session session(machine);
-            session.slabs_per_set = slabs_per_set;
-            session.load("phantom:letters");
-            CHECK(session.volume().slabs_per_set == std::max(slabs_per_set, 1));
+            session.load_settings.slabs_per_set = slabs_per_set;
+            session.volumes.load("phantom:letters");
+            CHECK(session.volumes.volume().slabs_per_set == std::max(slabs_per_set, 1));
             const Result result = result_of(session);
             CHECK(result.triangles > 1000);
             first = first ? first : result;
@@ -120,8 +121,8 @@ TEST_CASE("larger sets need less memory, as GPs hold no gradients and share fewe
     for (const int slabs_per_set : {1, 8}) {
         test::SimulatedMachine machine(machine_of(2));
         Session session(machine);
-        session.slabs_per_set = slabs_per_set;
-        bytes.push_back(session.load("phantom:letters").memory_bytes);
+        session.load_settings.slabs_per_set = slabs_per_set;
+        bytes.push_back(session.volumes.load("phantom:letters").memory_bytes);
     }
     CHECK(bytes[1] * 4 < bytes[0]);
 }
@@ -131,9 +132,9 @@ TEST_CASE("slices go on to the GPs while they are read, and progress is told in 
     Machine machine(machine_of(2), bench.options);
     Session session(machine);
     std::vector<LoadProgress> told;
-    session.progress = [&](const LoadProgress& now) { told.push_back(now); };
-    session.load(bench.file);
-    const Volume& volume = session.volume();
+    session.load_settings.progress = [&](const LoadProgress& now) { told.push_back(now); };
+    session.volumes.load(bench.file);
+    const Volume& volume = session.volumes.volume();
     CHECK(volume.nz == Bench::nz);
     CHECK(volume.slabs_per_set == slabs_per_set_for(volume, 2));
     CHECK(volume.slabs_per_set > 1);
@@ -148,8 +149,8 @@ TEST_CASE("slices go on to the GPs while they are read, and progress is told in 
     }
     const Result whole = result_of(session);
 
-    session.slabs_per_set = 3;
-    session.load(bench.file);
+    session.load_settings.slabs_per_set = 3;
+    session.volumes.load(bench.file);
     CHECK(result_of(session) == whole);
     machine.shutdown();
 }
@@ -158,24 +159,24 @@ TEST_CASE("Ctrl-C while a volume is read or handed out gives up the volume alone
     Bench bench;
     Machine machine(machine_of(2), bench.options);
     Session session(machine);
-    session.load("phantom:sphere");
+    session.volumes.load("phantom:sphere");
     const auto cancel_at = [&](const std::function<bool(const LoadProgress&)>& here) {
         bool pressed = false;
-        session.progress = [&](const LoadProgress& now) {
+        session.load_settings.progress = [&](const LoadProgress& now) {
             if (!pressed && here(now)) {
                 pressed = true;
                 std::raise(SIGINT);
             }
         };
-        const std::string error = error_of<Cancelled>([&] { session.load(bench.file); });
-        session.progress = nullptr;
+        const std::string error = error_of<Cancelled>([&] { session.volumes.load(bench.file); });
+        session.load_settings.progress = nullptr;
         CHECK(pressed);
         return error;
     };
     // Before anything of it has come, what was loaded stays.
     CHECK(cancel_at([](const LoadProgress& now) { return now.total == 0; }) == "cancelled");
-    CHECK(session.volume().name == "phantom:sphere");
-    CHECK(session.set_surface("s", 100, CaseRule::watertight, grey).triangles > 0);
+    CHECK(session.volumes.volume().name == "phantom:sphere");
+    CHECK(session.surfaces.set("s", 100, CaseRule::watertight, grey).triangles > 0);
 
     using Phase = LoadProgress::Phase;
     const std::vector<std::function<bool(const LoadProgress&)>> later = {
@@ -184,13 +185,13 @@ TEST_CASE("Ctrl-C while a volume is read or handed out gives up the volume alone
         [](const LoadProgress& now) { return now.phase == Phase::distributing; }};
     for (const auto& here : later) {
         CHECK(cancel_at(here) == "cancelled");
-        CHECK_FALSE(session.has_volume());
-        CHECK(has(error_of<RequestError>([&] { session.draw(); }), "no volume is loaded"));
+        CHECK_FALSE(session.volumes.has_volume());
+        CHECK(has(error_of<RequestError>([&] { session.frames.draw(); }), "no volume is loaded"));
     }
     // The next load is as if nothing had been.
-    const std::int64_t bytes = session.load(bench.file).memory_bytes;
+    const std::int64_t bytes = session.volumes.load(bench.file).memory_bytes;
     const Result after = result_of(session);
-    CHECK(session.load(bench.file).memory_bytes == bytes);
+    CHECK(session.volumes.load(bench.file).memory_bytes == bytes);
     CHECK(result_of(session) == after);
     machine.shutdown();
 }
@@ -200,13 +201,13 @@ TEST_CASE("a machine whose last load was given up ends in order") {
     Machine machine(machine_of(2), bench.options);
     Session session(machine);
     bool pressed = false;
-    session.progress = [&](const LoadProgress& now) {
+    session.load_settings.progress = [&](const LoadProgress& now) {
         if (!pressed && now.phase == LoadProgress::Phase::reading && now.done > 0) {
             pressed = true;
             std::raise(SIGINT);
         }
     };
-    CHECK(error_of<Cancelled>([&] { session.load(bench.file); }) == "cancelled");
+    CHECK(error_of<Cancelled>([&] { session.volumes.load(bench.file); }) == "cancelled");
     // The io process dies of SIGKILL meanwhile, which was the machine's own doing.
     CHECK(error_of<MachineError>([&] { machine.shutdown(); }) == "none");
 }
@@ -216,18 +217,18 @@ TEST_CASE("a second Ctrl-C, and one outside of loading, ends the machine") {
     for (const bool outside : {false, true}) {
         Machine machine(machine_of(2), bench.options);
         Session session(machine);
-        session.progress = [&](const LoadProgress& now) {
+        session.load_settings.progress = [&](const LoadProgress& now) {
             for (int presses = now.total == 0 && !outside ? 2 : 0; presses > 0; --presses) {
                 std::raise(SIGINT);
             }
         };
         if (outside) {
-            session.load(bench.file);
+            session.volumes.load(bench.file);
             std::raise(SIGINT);
         } else {
-            CHECK(error_of<Cancelled>([&] { session.load(bench.file); }) == "cancelled");
+            CHECK(error_of<Cancelled>([&] { session.volumes.load(bench.file); }) == "cancelled");
         }
-        CHECK(has(error_of<MachineError>([&] { session.load("phantom:sphere"); }),
+        CHECK(has(error_of<MachineError>([&] { session.volumes.load("phantom:sphere"); }),
                   "interrupted by SIGINT"));  // The press came before, and is not this load's.
     }
 }
@@ -236,12 +237,12 @@ TEST_CASE("a volume that no GP can hold is refused before all of it is read, and
     Bench bench;
     Machine machine(machine_of(2, 32), bench.options);
     Session session(machine);
-    session.load("phantom:sphere");
-    const std::string error = error_of<RequestError>([&] { session.load(bench.file); });
+    session.volumes.load("phantom:sphere");
+    const std::string error = error_of<RequestError>([&] { session.volumes.load(bench.file); });
     CHECK_MESSAGE(has(error, "bytes of local memory"), error);
     CHECK_MESSAGE(has(error, "GPs with 33554432 bytes each would do"), error);
-    CHECK_FALSE(session.has_volume());
-    session.load("phantom:sphere");
-    CHECK(session.set_surface("s", 100, CaseRule::watertight, grey).triangles > 0);
+    CHECK_FALSE(session.volumes.has_volume());
+    session.volumes.load("phantom:sphere");
+    CHECK(session.surfaces.set("s", 100, CaseRule::watertight, grey).triangles > 0);
     machine.shutdown();
 }

@@ -17,11 +17,12 @@ namespace {
 /// Two surfaces of the letters.
 struct Bench {
     Bench(int gps, int renderers) : machine(plan(gps, renderers)), session(machine) {
-        session.load("phantom:letters");
+        session.volumes.load("phantom:letters");
         session.scene.size = {300, 200};
-        const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-        session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
-        session.set_surface("inner", middle * 1.2, CaseRule::watertight, {90, 120, 160});
+        const double middle =
+            (session.volumes.volume().minimum + session.volumes.volume().maximum) / 2;
+        session.surfaces.set("outer", middle, CaseRule::watertight, {200, 180, 160});
+        session.surfaces.set("inner", middle * 1.2, CaseRule::watertight, {90, 120, 160});
     }
     static Topology plan(int gps, int renderers) {
         Topology topology;
@@ -79,7 +80,7 @@ TEST_CASE("model tells what the replay of the session's work says, step by step"
         const std::string name = i == 0 ? "outer" : "inner";
         CHECK(std::get<std::string>(at(surfaces[i], "name")) == name);
         CHECK(std::get<std::int64_t>(at(surfaces[i], "triangles")) ==
-              bench.session.report_of(name).triangles);
+              bench.session.surfaces.report_of(name).triangles);
         CHECK(number(surfaces[i], "ms") == ms(time.steps[1 + i]));
     }
     const timing::Rate rate = frame_rate(machine, std::get<timing::FrameWork>(run.steps.back()));
@@ -127,13 +128,13 @@ TEST_CASE("a picture of several samples is all its passes, shown over and over")
 
 TEST_CASE("model refuses what it does not know, by name, before it draws") {
     Bench bench(1, 1);
-    const std::uint32_t before = bench.session.last_frame().frame;
+    const std::uint32_t before = bench.session.frames.last().frame;
     CHECK(bench.refusal("model nowhere").find("nowhere") != std::string::npos);
     CHECK(bench.refusal("model gp.edge_cycle=3").find("did you mean 'gp.edge_cycles'") !=
           std::string::npos);
     CHECK(bench.refusal("model gp.edge_cycles=much").find("gp.edge_cycles") != std::string::npos);
     CHECK(bench.refusal("model gp.count=1000").find("1000") != std::string::npos);
-    CHECK(bench.session.last_frame().frame == before);
+    CHECK(bench.session.frames.last().frame == before);
     // Of a run that another number of Renderers drew, nobody knows who would have drawn what.
     CHECK(bench.refusal("model assignment=recorded").find("Renderers") != std::string::npos);
 }

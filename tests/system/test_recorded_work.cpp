@@ -39,17 +39,17 @@ void check_same(const timing::RunWork& live, const timing::RunWork& recorded) {
 
 /// Two surfaces, one of them behind a screen door; `samples` passes.
 timing::RunWork use(Session& session, int samples) {
-    session.load("phantom:letters");
+    session.volumes.load("phantom:letters");
     session.scene.size = {300, 200};
     session.scene.camera.angles = {30, 20};
     session.scene.samples = samples;
-    const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-    session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
-    session.set_surface("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
-    Surface outer = *session.surface("outer");
+    const double middle = (session.volumes.volume().minimum + session.volumes.volume().maximum) / 2;
+    session.surfaces.set("outer", middle, CaseRule::watertight, {200, 180, 160});
+    session.surfaces.set("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
+    Surface outer = *session.surfaces.find("outer");
     outer.opacity = 8;
     outer.cull_back = true;
-    session.set_style(outer);
+    session.surfaces.set_style(outer);
     return live_work(session);
 }
 
@@ -88,7 +88,8 @@ TEST_CASE("passes of a picture, and a scene without a volume: live and recorded 
 
     test::RecordedMachine scene(plan(3, 1));
     scene.session.scene.size = {150, 140};
-    scene.session.load(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/molecule.phigs");
+    scene.session.volumes.load(std::string(PXPL5_SOURCE_DIR) +
+                               "/host/phigs/archives/molecule.phigs");
     const timing::RunWork shown = live_work(scene.session);
     check_same(shown, inspect::recorded_work(scene.run()));
 }
@@ -96,14 +97,14 @@ TEST_CASE("passes of a picture, and a scene without a volume: live and recorded 
 TEST_CASE("surfaces in parts, and of which triangles are hidden: live and recorded agree") {
     test::RecordedMachine recorded(plan(3, 2));
     Session& session = recorded.session;
-    session.load("phantom:letters");
+    session.volumes.load("phantom:letters");
     session.scene.size = {150, 140};
     session.scene.tint_gaps = true;
-    const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-    session.set_surface("letters", middle, CaseRule::watertight, {200, 180, 160});
+    const double middle = (session.volumes.volume().minimum + session.volumes.volume().maximum) / 2;
+    session.surfaces.set("letters", middle, CaseRule::watertight, {200, 180, 160});
     ComponentFilter largest;
     largest.kind = ComponentFilter::Kind::largest;
-    session.set_components("letters", largest);
+    session.surfaces.set_components("letters", largest);
     const timing::RunWork live = live_work(session);
     check_same(live, inspect::recorded_work(recorded.run()));
 }

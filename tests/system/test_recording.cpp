@@ -45,27 +45,27 @@ using Results = std::vector<std::uint64_t>;
 Results results_of(Session& session, bool with_saves) {
     const auto save = [&] {
         if (with_saves) {
-            session.save_traces();
+            session.nodes.save_traces();
         }
     };
     Results results;
     const auto add = [&results](const Picture& picture) {
         results.insert(results.end(), picture.rgba.begin(), picture.rgba.end());
     };
-    session.load("phantom:letters");
+    session.volumes.load("phantom:letters");
     save();
     session.scene.size = {200, 150};
-    const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-    session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
-    session.set_surface("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
-    results.push_back(session.mesh_digest("outer"));
-    results.push_back(session.mesh_digest("inner"));
-    add(session.draw());
+    const double middle = (session.volumes.volume().minimum + session.volumes.volume().maximum) / 2;
+    session.surfaces.set("outer", middle, CaseRule::watertight, {200, 180, 160});
+    session.surfaces.set("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
+    results.push_back(session.meshes.digest("outer"));
+    results.push_back(session.meshes.digest("inner"));
+    add(session.frames.draw());
     save();
-    session.orbit(4, [&](int, const Picture& picture, const Camera&) { add(picture); });
+    session.frames.orbit(4, [&](int, const Picture& picture, const Camera&) { add(picture); });
     save();
-    session.set_surface("outer", middle * 0.9, CaseRule::watertight, {200, 180, 160});
-    add(session.draw());
+    session.surfaces.set("outer", middle * 0.9, CaseRule::watertight, {200, 180, 160});
+    add(session.frames.draw());
     return results;
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("the GPs' traces hold each slice once, and they are the volume that th
     const test::ScratchFolder folder;
     Machine machine(plan(Recording::full), options_in(folder));
     Session session(machine);
-    session.load("phantom:letters");
+    session.volumes.load("phantom:letters");
     machine.shutdown();
     std::map<std::uint32_t, std::vector<std::byte>> slices;
     std::uint64_t digest = 0;
@@ -168,7 +168,7 @@ TEST_CASE("the GPs' traces hold each slice once, and they are the volume that th
             }
         }
     }
-    CHECK(slices.size() == static_cast<std::size_t>(session.volume().nz));
+    CHECK(slices.size() == static_cast<std::size_t>(session.volumes.volume().nz));
     Digest whole;
     for (const auto& [z, slice] : slices) {
         whole.add(slice);
@@ -180,11 +180,11 @@ TEST_CASE("a Renderer that is killed at work leaves a trace that is read up to t
     const test::ScratchFolder folder;
     Machine machine(plan(Recording::full), options_in(folder));
     Session session(machine);
-    session.load("phantom:letters");
-    const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-    session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
-    session.orbit(5, [](int, const Picture&, const Camera&) {});
-    session.save_traces();  // What has come by now is in the file.
+    session.volumes.load("phantom:letters");
+    const double middle = (session.volumes.volume().minimum + session.volumes.volume().maximum) / 2;
+    session.surfaces.set("outer", middle, CaseRule::watertight, {200, 180, 160});
+    session.frames.orbit(5, [](int, const Picture&, const Camera&) {});
+    session.nodes.save_traces();  // What has come by now is in the file.
     int pid = 0;
     for (const Machine::Process& process : machine.processes()) {
         pid = process.name == "renderer-0" ? process.pid : pid;
@@ -194,7 +194,7 @@ TEST_CASE("a Renderer that is killed at work leaves a trace that is read up to t
             ::kill(pid, SIGKILL);
         }
     };
-    CHECK_THROWS_AS(session.orbit(100'000, kill_it), MachineError);
+    CHECK_THROWS_AS(session.frames.orbit(100'000, kill_it), MachineError);
     const TraceFile file(machine.run_folder() / "traces" / "renderer-0.mcap");
     CHECK(!file.cut().empty());  // Between two records, or within one.
     CHECK(kinds_in(file).at("BeginFrame") >= 5);

@@ -30,20 +30,20 @@ struct Results {
 
 Results results_of(MachinePort& machine) {
     Session session(machine);
-    session.load("phantom:letters");
+    session.volumes.load("phantom:letters");
     session.scene.size = {200, 150};
-    const double middle = (session.volume().minimum + session.volume().maximum) / 2;
+    const double middle = (session.volumes.volume().minimum + session.volumes.volume().maximum) / 2;
     Results results;
     results.triangles =
-        session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160}).triangles +
-        session.set_surface("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160})
+        session.surfaces.set("outer", middle, CaseRule::watertight, {200, 180, 160}).triangles +
+        session.surfaces.set("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160})
             .triangles;
-    results.meshes = {session.mesh_digest("outer"), session.mesh_digest("inner")};
-    results.pictures.push_back(session.draw().rgba);
-    results.instructions = session.last_frame().instructions;
-    results.pictures.push_back(session.draw_samples(4)->rgba);
-    results.pictures.push_back(session.draw_samples(16)->rgba);
-    session.orbit(3, [&](int, const Picture& picture, const Camera&) {
+    results.meshes = {session.meshes.digest("outer"), session.meshes.digest("inner")};
+    results.pictures.push_back(session.frames.draw().rgba);
+    results.instructions = session.frames.last().instructions;
+    results.pictures.push_back(session.frames.draw_samples(4)->rgba);
+    results.pictures.push_back(session.frames.draw_samples(16)->rgba);
+    session.frames.orbit(3, [&](int, const Picture& picture, const Camera&) {
         results.pictures.push_back(picture.rgba);
     });
     return results;
@@ -118,12 +118,12 @@ TEST_CASE("a large picture from near by is the same for any machine") {
     const auto picture_of = [](const Topology& topology) {
         test::SimulatedMachine machine(topology);
         Session session(machine);
-        session.load("phantom:pelvis");
+        session.volumes.load("phantom:pelvis");
         session.scene.size = {700, 530};
         session.scene.camera = {{40, 25}, 3};
         session.scene.lights = {{-28, 32, 0.7}, {50, -10, 0.3}, {0, 80, 0.2}};
-        session.set_surface("bone", 250.5, CaseRule::asymptotic, {230, 220, 200});
-        return session.draw().rgba;
+        session.surfaces.set("bone", 250.5, CaseRule::asymptotic, {230, 220, 200});
+        return session.frames.draw().rgba;
     };
     const auto least = picture_of(plan(1, 1, 0));
     for (const auto& [gps, renderers] : {std::pair{2, 2}, {3, 5}, {36, 16}}) {
@@ -137,10 +137,11 @@ TEST_CASE("a scene is the same for any machine") {
         const auto picture_of = [name](const Topology& topology) {
             test::SimulatedMachine machine(topology);
             Session session(machine);
-            session.load(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/" + name + ".phigs");
+            session.volumes.load(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/" + name +
+                                 ".phigs");
             session.scene.size = {300, 200};
             session.scene.camera = {{25, 30}, 1.5};
-            return session.draw().rgba;
+            return session.frames.draw().rgba;
         };
         const auto least = picture_of(plan(1, 1, 0));
         CHECK(std::set<std::uint32_t>(least.begin(), least.end()).size() > 100);

@@ -42,12 +42,12 @@ struct Bench {
                       }
                   }),
           session(machine) {
-        session.load("phantom:letters");
+        session.volumes.load("phantom:letters");
         session.scene.size = {200, 150};
         session.scene.camera.angles = {30, 20};
-        const Volume& volume = session.volume();
-        session.set_surface("letters", (volume.minimum + volume.maximum) / 2, CaseRule::watertight,
-                            {200, 180, 160});
+        const Volume& volume = session.volumes.volume();
+        session.surfaces.set("letters", (volume.minimum + volume.maximum) / 2, CaseRule::watertight,
+                             {200, 180, 160});
     }
 
     /// The picture of one pass alone.
@@ -96,13 +96,13 @@ TEST_CASE("samples lie in all rows and columns of a pixel's grid, about its cent
 
 TEST_CASE("a picture of 4 or 16 samples is the mean of as many pictures, each moved a little") {
     Bench bench(2, 3);
-    const Pixels plain = bench.session.draw().rgba;
+    const Pixels plain = bench.session.frames.draw().rgba;
     for (const int samples : {4, 16}) {
         CAPTURE(samples);
         bench.asked.clear();
-        const auto picture = bench.session.draw_samples(samples);
+        const auto picture = bench.session.frames.draw_samples(samples);
         REQUIRE(picture.has_value());
-        const std::int64_t instructions = bench.session.last_frame().instructions;
+        const std::int64_t instructions = bench.session.frames.last().instructions;
         const std::vector<schema::DrawFrameT> asked = bench.asked;
         REQUIRE(std::ssize(asked) == samples);
         CHECK(picture->rgba != plain);
@@ -125,7 +125,7 @@ TEST_CASE("a picture of 4 or 16 samples is the mean of as many pictures, each mo
 
 TEST_CASE("a pass shows what lies at its offset: moving the samples moves the picture back") {
     Bench bench(1, 1);
-    bench.session.draw_samples(4);
+    bench.session.frames.draw_samples(4);
     const schema::DrawFrameT& first = bench.asked.at(0);
     const schema::DrawFrameT& third = bench.asked.at(2);  // Opposite: (-2, -6) and (2, 6).
     const auto at = [](const schema::DrawFrameT& draw, int row) {
@@ -142,50 +142,50 @@ TEST_CASE("a pass shows what lies at its offset: moving the samples moves the pi
 
 TEST_CASE("who says no between two passes gets no picture, and the next is as ever") {
     Bench bench(2, 2);
-    const Pixels plain = bench.session.draw().rgba;
-    const Pixels fine = bench.session.draw_samples(16)->rgba;
+    const Pixels plain = bench.session.frames.draw().rgba;
+    const Pixels fine = bench.session.frames.draw_samples(16)->rgba;
     for (const int asked_before : {0, 1, 3, 15}) {
         CAPTURE(asked_before);
         bench.asked.clear();
         int left = asked_before;
-        CHECK_FALSE(bench.session.draw_samples(16, [&] { return left-- > 0; }).has_value());
+        CHECK_FALSE(bench.session.frames.draw_samples(16, [&] { return left-- > 0; }).has_value());
         CHECK(std::ssize(bench.asked) == asked_before);
-        CHECK(bench.session.draw().rgba == plain);
-        CHECK(bench.session.draw_samples(16, [] { return true; })->rgba == fine);
+        CHECK(bench.session.frames.draw().rgba == plain);
+        CHECK(bench.session.frames.draw_samples(16, [] { return true; })->rgba == fine);
     }
 }
 
 TEST_CASE("antialias sets the samples of what is drawn, orbits too, but picks with one") {
     Bench bench(1, 2);
     Session& session = bench.session;
-    const Pixels plain = session.draw().rgba;
-    const auto pick = session.pick(100, 75);
+    const Pixels plain = session.frames.draw().rgba;
+    const auto pick = session.frames.pick(100, 75);
     REQUIRE(pick.has_value());
     run_command(session, parse_line("antialias 4"));
-    const Pixels fine = session.draw().rgba;
-    CHECK(fine == session.draw_samples(4)->rgba);
+    const Pixels fine = session.frames.draw().rgba;
+    CHECK(fine == session.frames.draw_samples(4)->rgba);
     CHECK(fine != plain);
-    const auto again = session.pick(100, 75);
+    const auto again = session.frames.pick(100, 75);
     REQUIRE(again.has_value());
     CHECK(again->pick.p_mm == pick->pick.p_mm);
-    session.orbit(2, [&](int index, const Picture& picture, const Camera&) {
+    session.frames.orbit(2, [&](int index, const Picture& picture, const Camera&) {
         CHECK((picture.rgba == fine) == (index == 0));
     });
     CHECK_THROWS_WITH_AS(run_command(session, parse_line("antialias 5")),
                          "antialias: 5 samples per pixel, must be 1, 4, 16", RequestError);
     run_command(session, parse_line("antialias 1"));
-    CHECK(session.draw().rgba == plain);
+    CHECK(session.frames.draw().rgba == plain);
 }
 
 TEST_CASE("the most samples are those that the Renderers have room to sum") {
     Bench bench(1, 2);
-    CHECK(bench.session.max_samples() == 16);
+    CHECK(bench.session.frames.max_samples() == 16);
     bench.session.scene.size = {1450, 1450};  // 144 regions; room for 128 and 256.
-    CHECK(bench.session.max_samples() == 4);
-    CHECK_THROWS_WITH_AS(bench.session.draw_samples(16), doctest::Contains("room for 128"),
+    CHECK(bench.session.frames.max_samples() == 4);
+    CHECK_THROWS_WITH_AS(bench.session.frames.draw_samples(16), doctest::Contains("room for 128"),
                          RequestError);
     bench.session.scene.size = {4096, 4096};
-    CHECK(bench.session.max_samples() == 1);
+    CHECK(bench.session.frames.max_samples() == 1);
     bench.session.scene.size = {200, 150};
-    CHECK(bench.session.draw_samples(16).has_value());
+    CHECK(bench.session.frames.draw_samples(16).has_value());
 }

@@ -52,13 +52,13 @@ TEST_CASE("a scene's colours, sides and gloss arrive in the picture") {
         "color sphere { diff 255 0 0 255 }; sphere 0 0 0 0.8;\n");
     test::SimulatedMachine machine(machine_of(2));
     Session session(machine);
-    session.load(file.path);
+    session.volumes.load(file.path);
     CHECK(session.scene.material.specular == doctest::Approx(0.2));
     CHECK(session.scene.material.specular_power == 40);
     session.scene.size = {200, 200};
     session.scene.material = {1, 0, 1};
     session.scene.lights.clear();
-    const Picture picture = session.draw();
+    const Picture picture = session.frames.draw();
     const Colour background = session.scene.background;
     CHECK(pixel(picture, 100, 100) == 0x0000FF);
     CHECK(pixel(picture, 40, 100) == 0xFF0000);
@@ -69,55 +69,55 @@ TEST_CASE("a scene has no surfaces, and says so") {
     const ArchiveFile file("sphere 0 0 0 1;\n");
     test::SimulatedMachine machine(machine_of(1));
     Session session(machine);
-    session.load(file.path);
+    session.volumes.load(file.path);
     const std::string said = file.path +
                              " is a scene of polygons, spheres and lines: it has no voxels and no "
                              "isosurfaces; load a volume for them";
-    CHECK(test::error_of([&] { session.set_surface("s", 1, CaseRule::watertight, {}); }) == said);
-    CHECK(test::error_of([&] { session.remove_surface("s"); }) == said);
-    CHECK(test::error_of([&] { session.mesh_digest("s"); }) == said);
+    CHECK(test::error_of([&] { session.surfaces.set("s", 1, CaseRule::watertight, {}); }) == said);
+    CHECK(test::error_of([&] { session.surfaces.remove("s"); }) == said);
+    CHECK(test::error_of([&] { session.meshes.digest("s"); }) == said);
 }
 
 TEST_CASE("volume and scene take each other's place") {
     const ArchiveFile file("sphere 0 0 0 1;\n");
     test::SimulatedMachine machine(machine_of(3));
     Session session(machine);
-    session.load("phantom:sphere");
-    session.set_surface("s", 0.5, CaseRule::watertight, {160, 160, 160});
-    const auto first = session.draw().rgba;
-    session.load(file.path);
+    session.volumes.load("phantom:sphere");
+    session.surfaces.set("s", 0.5, CaseRule::watertight, {160, 160, 160});
+    const auto first = session.frames.draw().rgba;
+    session.volumes.load(file.path);
     CHECK(session.scene.surfaces.empty());
-    CHECK(!session.has_volume());
-    REQUIRE(session.archive() != nullptr);
-    CHECK(session.draw().rgba != first);
-    session.load("phantom:sphere");
-    CHECK(session.archive() == nullptr);
-    session.set_surface("s", 0.5, CaseRule::watertight, {160, 160, 160});
-    CHECK(session.draw().rgba == first);
+    CHECK(!session.volumes.has_volume());
+    REQUIRE(session.volumes.archive() != nullptr);
+    CHECK(session.frames.draw().rgba != first);
+    session.volumes.load("phantom:sphere");
+    CHECK(session.volumes.archive() == nullptr);
+    session.surfaces.set("s", 0.5, CaseRule::watertight, {160, 160, 160});
+    CHECK(session.frames.draw().rgba == first);
 }
 
 TEST_CASE("a bad archive leaves what is loaded; one that does not fit leaves nothing") {
     test::SimulatedMachine machine(machine_of(4, 1));
     Session session(machine);
-    session.load("phantom:sphere");
+    session.volumes.load("phantom:sphere");
     {
         const ArchiveFile bad("sphere 0 0 0;\n");
-        CHECK(test::error_of([&] { session.load(bad.path); }) ==
+        CHECK(test::error_of([&] { session.volumes.load(bad.path); }) ==
               bad.path + ":2:13: found ';', expected radius, a number");
-        CHECK(session.has_volume());
+        CHECK(session.volumes.has_volume());
     }
     std::string many;
     for (int i = 0; i < 300'000; ++i) {
         many += fmt::format("sphere {} {} 0 1;\n", i % 400, i / 400);
     }
     const ArchiveFile large(many);
-    const std::string error = test::error_of([&] { session.load(large.path); });
+    const std::string error = test::error_of([&] { session.volumes.load(large.path); });
     CHECK(error.find(large.path) == 0);
     CHECK(error.find("bytes of local memory") != std::string::npos);
     CHECK(error.find("more GPs share a scene") != std::string::npos);
-    CHECK(!session.has_volume());
-    CHECK(session.archive() == nullptr);
+    CHECK(!session.volumes.has_volume());
+    CHECK(session.volumes.archive() == nullptr);
     const ArchiveFile small("sphere 0 0 0 1;\n");
-    CHECK_NOTHROW(session.load(small.path));
-    CHECK(session.draw().rgba.size() == 512 * 512);
+    CHECK_NOTHROW(session.volumes.load(small.path));
+    CHECK(session.frames.draw().rgba.size() == 512 * 512);
 }

@@ -27,9 +27,9 @@ Topology machine_of(int gps, int renderers, int gp_memory_mib = 64) {
 
 /// Loads a sphere and shows it in a picture of this size.
 void show_sphere(Session& session, int width, int height, double isovalue) {
-    session.load("phantom:sphere");
+    session.volumes.load("phantom:sphere");
     session.scene.size = {width, height};
-    session.set_surface("s", isovalue, CaseRule::watertight, grey);
+    session.surfaces.set("s", isovalue, CaseRule::watertight, grey);
 }
 
 }  // namespace
@@ -38,87 +38,88 @@ TEST_CASE("an orbit that is broken off leaves no frame and no turned camera behi
     test::SimulatedMachine machine(machine_of(2, 2));
     Session session(machine);
     show_sphere(session, 150, 130, 0.5);
-    const Picture before = session.draw();
-    CHECK_THROWS_AS(session.orbit(7,
-                                  [](int index, const Picture&, const Camera&) {
-                                      if (index == 2) {
-                                          throw std::runtime_error("the disk is full");
-                                      }
-                                  }),
+    const Picture before = session.frames.draw();
+    CHECK_THROWS_AS(session.frames.orbit(7,
+                                         [](int index, const Picture&, const Camera&) {
+                                             if (index == 2) {
+                                                 throw std::runtime_error("the disk is full");
+                                             }
+                                         }),
                     std::runtime_error);
-    CHECK(session.draw().rgba == before.rgba);
+    CHECK(session.frames.draw().rgba == before.rgba);
     session.scene.size = {64, 64};
-    CHECK(session.draw().rgba.size() == 64 * 64);
+    CHECK(session.frames.draw().rgba.size() == 64 * 64);
 }
 
 TEST_CASE("a frame asked for too early does not stand in the way of later ones") {
     test::SimulatedMachine machine(machine_of(1, 1));
     Session session(machine);
-    CHECK(test::error_of([&] { session.draw(); }).find("no volume is loaded") == 0);
+    CHECK(test::error_of([&] { session.frames.draw(); }).find("no volume is loaded") == 0);
     CHECK(test::error_of([&] {
-              session.orbit(3, [](int, const Picture&, const Camera&) {});
+              session.frames.orbit(3, [](int, const Picture&, const Camera&) {});
           }).find("no volume") == 0);
-    session.load("phantom:sphere");
-    CHECK(session.draw().rgba.size() == 512 * 512);
+    session.volumes.load("phantom:sphere");
+    CHECK(session.frames.draw().rgba.size() == 512 * 512);
 }
 
 TEST_CASE("when all GPs refuse a volume, the next volume is not blamed for it") {
     test::SimulatedMachine machine(machine_of(4, 1, 1));
     Session session(machine);
-    const std::string error = test::error_of([&] { session.load("phantom:head"); });
+    const std::string error = test::error_of([&] { session.volumes.load("phantom:head"); });
     CHECK(error.find("phantom:head") == 0);
     CHECK(error.find("GPs") != std::string::npos);
-    CHECK(!session.has_volume());
-    CHECK_NOTHROW(session.load("phantom:sphere"));
-    CHECK_NOTHROW(session.set_surface("s", 0.5, CaseRule::watertight, grey));
-    CHECK(session.draw().rgba.size() == 512 * 512);
+    CHECK(!session.volumes.has_volume());
+    CHECK_NOTHROW(session.volumes.load("phantom:sphere"));
+    CHECK_NOTHROW(session.surfaces.set("s", 0.5, CaseRule::watertight, grey));
+    CHECK(session.frames.draw().rgba.size() == 512 * 512);
 }
 
 TEST_CASE("a surface that no GP has room for is gone, and the others stay") {
     test::SimulatedMachine machine(machine_of(2, 1, 6));
     Session session(machine);
-    session.load("phantom:letters");
+    session.volumes.load("phantom:letters");
     std::string error;
     int held = 0;
     for (; held < 16 && error.empty(); ++held) {
         error = test::error_of([&] {
-            session.set_surface("s" + std::to_string(held), 100 + held, CaseRule::watertight, grey);
+            session.surfaces.set("s" + std::to_string(held), 100 + held, CaseRule::watertight,
+                                 grey);
         });
     }
     REQUIRE(!error.empty());
     CHECK(error.find("GPs") != std::string::npos);
     CHECK(session.scene.surfaces.size() == static_cast<std::size_t>(held - 1));
-    CHECK_NOTHROW(session.draw());
-    CHECK_NOTHROW(session.mesh_digest("s0"));
+    CHECK_NOTHROW(session.frames.draw());
+    CHECK_NOTHROW(session.meshes.digest("s0"));
 }
 
 TEST_CASE("the newest isovalue of a surface is what is drawn") {
     test::SimulatedMachine machine(machine_of(3, 2));
     Session session(machine);
     show_sphere(session, 100, 100, 0.5);
-    const Picture large = session.draw();
-    session.set_surface("s", 1500.5, CaseRule::watertight, grey);
-    CHECK(session.draw().rgba != large.rgba);
-    session.set_surface("s", 0.5, CaseRule::watertight, grey);
-    CHECK(session.draw().rgba == large.rgba);
+    const Picture large = session.frames.draw();
+    session.surfaces.set("s", 1500.5, CaseRule::watertight, grey);
+    CHECK(session.frames.draw().rgba != large.rgba);
+    session.surfaces.set("s", 0.5, CaseRule::watertight, grey);
+    CHECK(session.frames.draw().rgba == large.rgba);
 }
 
 TEST_CASE("a sweep shows each isovalue and leaves the surface as it was") {
     test::SimulatedMachine machine(machine_of(2, 2));
     Session session(machine);
-    session.load("phantom:sphere");
+    session.volumes.load("phantom:sphere");
     session.scene.size = {100, 100};
     const std::vector<double> isovalues = {0.5, 900.5, 1500.5};
     std::vector<std::vector<std::uint32_t>> wanted;
     for (const double isovalue : isovalues) {
-        session.set_surface("s", isovalue, CaseRule::watertight, grey);
-        wanted.push_back(session.draw().rgba);
+        session.surfaces.set("s", isovalue, CaseRule::watertight, grey);
+        wanted.push_back(session.frames.draw().rgba);
     }
-    session.set_surface("s", 300.5, CaseRule::watertight, grey);
-    const Picture before = session.draw();
+    session.surfaces.set("s", 300.5, CaseRule::watertight, grey);
+    const Picture before = session.frames.draw();
 
     std::vector<std::vector<std::uint32_t>> shown;
-    const SweepReport report = session.sweep(
+    const SweepReport report = session.surfaces.sweep(
         "s", isovalues, [&](int index, const Picture& picture, const SurfaceReport& built) {
             CHECK(index == static_cast<int>(shown.size()));
             CHECK(built.triangles > 0);
@@ -127,17 +128,19 @@ TEST_CASE("a sweep shows each isovalue and leaves the surface as it was") {
     CHECK(shown == wanted);
     CHECK(report.changes == 3);
     CHECK(report.picture_ms.median >= report.extraction_ms.median);
-    CHECK(session.surface("s")->isovalue == 300.5);
-    CHECK(session.draw().rgba == before.rgba);
+    CHECK(session.surfaces.find("s")->isovalue == 300.5);
+    CHECK(session.frames.draw().rgba == before.rgba);
 
-    CHECK_THROWS_AS(session.sweep("s", isovalues,
-                                  [](int, const Picture&, const SurfaceReport&) {
-                                      throw RequestError(ExitCode::failed, "the disk is full");
-                                  }),
+    CHECK_THROWS_AS(session.surfaces.sweep("s", isovalues,
+                                           [](int, const Picture&, const SurfaceReport&) {
+                                               throw RequestError(ExitCode::failed,
+                                                                  "the disk is full");
+                                           }),
                     RequestError);
-    CHECK(session.draw().rgba == before.rgba);
-    CHECK(test::error_of([&] { session.sweep("t", isovalues, {}); }).find("no surface 't'") !=
-          std::string::npos);
+    CHECK(session.frames.draw().rgba == before.rgba);
+    CHECK(test::error_of([&] {
+              session.surfaces.sweep("t", isovalues, {});
+          }).find("no surface 't'") != std::string::npos);
 }
 
 TEST_CASE("a frame waits for the isovalue that it shows, whichever comes first") {
@@ -151,9 +154,10 @@ TEST_CASE("a frame waits for the isovalue that it shows, whichever comes first")
         Session session(machine);
         show_sphere(session, 60, 50, 100.5);
         std::vector<std::vector<std::uint32_t>> shown;
-        session.sweep("s", isovalues, [&](int, const Picture& picture, const SurfaceReport&) {
-            shown.push_back(picture.rgba);
-        });
+        session.surfaces.sweep("s", isovalues,
+                               [&](int, const Picture& picture, const SurfaceReport&) {
+                                   shown.push_back(picture.rgba);
+                               });
         wanted = seed == 0 ? shown : wanted;
         REQUIRE(shown.size() == isovalues.size());
         CHECK(shown == wanted);
@@ -166,7 +170,7 @@ TEST_CASE("views drawn one at a time are those drawn two at a time") {
     show_sphere(session, 100, 100, 0.5);
     std::vector<std::vector<std::uint32_t>> drawn[max_frames_in_flight];
     for (int in_flight = 1; in_flight <= max_frames_in_flight; ++in_flight) {
-        const OrbitReport report = session.orbit(
+        const OrbitReport report = session.frames.orbit(
             4,
             [&](int, const Picture& picture, const Camera&) {
                 drawn[in_flight - 1].push_back(picture.rgba);

@@ -31,12 +31,12 @@ Topology machine_of(int gps, int renderers, std::uint64_t seed = 11) {
 /// A session of its own on a machine of its own, with the built-in pelvis' bone.
 struct Bone {
     explicit Bone(const Topology& topology) : machine(topology), session(machine) {
-        session.load("phantom:pelvis");
+        session.volumes.load("phantom:pelvis");
         session.scene.size = {200, 170};
-        session.set_surface("bone", 250.5, CaseRule::watertight, grey);
+        session.surfaces.set("bone", 250.5, CaseRule::watertight, grey);
     }
     Reply run(const std::string& line) { return run_command(session, parse_line(line)); }
-    std::vector<std::uint32_t> draw() { return session.draw().rgba; }
+    std::vector<std::uint32_t> draw() { return session.frames.draw().rgba; }
 
     test::SimulatedMachine machine;
     Session session;
@@ -104,7 +104,7 @@ TEST_CASE("a comparison ends when its surface changes, goes, or is hidden alread
     bone.run("surface bone visible=no");
     bone.run("compare bone");
     bone.run("compare bone off");
-    CHECK_FALSE(bone.session.surface("bone")->visible);
+    CHECK_FALSE(bone.session.surfaces.find("bone")->visible);
     bone.run("compare bone");
     bone.run("remove bone");
     CHECK(bone.session.scene.surfaces.empty());
@@ -129,7 +129,7 @@ TEST_CASE("a picked point has the isovalue between its voxels") {
     Bone bone(machine_of(2, 2));
     int hits = 0;
     for (int x = 20; x < 180; x += 8) {
-        if (const auto picked = bone.session.pick(x, 85)) {
+        if (const auto picked = bone.session.frames.pick(x, 85)) {
             ++hits;
             CHECK(picked->surface == "bone");
             // Trilinear between voxels, linear along the edges of a triangle: not the same, but
@@ -138,21 +138,22 @@ TEST_CASE("a picked point has the isovalue between its voxels") {
         }
     }
     CHECK(hits > 3);
-    CHECK_FALSE(bone.session.pick(0, 0).has_value());
+    CHECK_FALSE(bone.session.frames.pick(0, 0).has_value());
 }
 
 TEST_CASE("the atlas tells what the surfaces would be") {
     Bone bone(machine_of(3, 1));
     const std::vector<double> isovalues = {-300.5, -20.5, 250.5, 700.5};
-    const auto rows = bone.session.measure_isovalues(isovalues, CaseRule::watertight);
-    const auto components = count_components(bone.session.volume(), isovalues);
+    const auto rows = bone.session.meshes.measure(isovalues, CaseRule::watertight);
+    const auto components = count_components(bone.session.volumes.volume(), isovalues);
     for (std::size_t i = 0; i < isovalues.size(); ++i) {
         const SurfaceReport report =
-            bone.session.set_surface("s", isovalues[i], CaseRule::watertight, grey);
+            bone.session.surfaces.set("s", isovalues[i], CaseRule::watertight, grey);
         CHECK(static_cast<std::int64_t>(rows[i].triangles) == report.triangles);
         CHECK(rows[i].area_mm2 == doctest::Approx(report.area_mm2).epsilon(1e-9));
         CHECK(rows[i].volume_mm3 == doctest::Approx(report.volume_mm3).epsilon(1e-9));
-        const Certificate certificate = certify(bone.session.mesh("s"), bone.session.grid());
+        const Certificate certificate =
+            certify(bone.session.meshes.fetch("s"), bone.session.meshes.grid());
         CHECK(certificate.good());
         CHECK(certificate.components == components[i].surface());
     }

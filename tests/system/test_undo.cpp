@@ -36,7 +36,7 @@ struct Desk {
         does("surface bone");
     }
     Reply does(const std::string& line) { return run_command(session, parse_line(line)); }
-    std::uint64_t digest() { return picture_digest(session.draw()); }
+    std::uint64_t digest() { return picture_digest(session.frames.draw()); }
 };
 
 }  // namespace
@@ -70,16 +70,16 @@ TEST_CASE("a pick finds the same place after a roll and a pan") {
     Desk desk;
     Session& session = desk.session;
     desk.does("view 20 10");
-    const auto before = session.pick(80, 70);
+    const auto before = session.frames.pick(80, 70);
     REQUIRE(before);
     desk.does("view roll=40 pan=35,-20");
     const CameraMatrices m =
-        camera_matrices(session.scene.camera, session.subject(), 160.0 / 140.0);
+        camera_matrices(session.scene.camera, session.frames.subject(), 160.0 / 140.0);
     const glm::dvec4 clip = m.projection * m.patient_to_eye * glm::dvec4(before->pick.p_mm, 1);
     const int x = static_cast<int>((clip.x / clip.w + 1) / 2 * 160);
     const int y = static_cast<int>((1 - clip.y / clip.w) / 2 * 140);
     CHECK(glm::distance(glm::dvec2(x, y), glm::dvec2(80, 70)) > 10);
-    const auto after = session.pick(x, y);
+    const auto after = session.frames.pick(x, y);
     REQUIRE(after);
     // Half a pixel's diagonal, of a pixel of 5 mm on a surface that is seen aslant.
     CHECK(glm::distance(after->pick.p_mm, before->pick.p_mm) < 5);

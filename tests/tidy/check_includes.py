@@ -61,7 +61,7 @@ ROOMS = {
     },
     "host/timing": {"counts": set(), "replay": {"counts"}, ".": {"counts", "replay"}},
     "host/surface": {"atlas": set(), ".": set()},
-    "host/session": {"pictures": set(), ".": set()},
+    "host/session": {"transfer": set(), "pictures": set(), ".": {"transfer"}},
     "host/io": {
         "values": set(),
         "formats": {"values"},

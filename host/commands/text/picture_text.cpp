@@ -18,10 +18,10 @@ std::vector<PictureMark> archive_marks(const Session& session) {
     const Colour& back = session.scene.background;
     Overlay overlay;
     overlay.camera = session.scene.camera;
-    overlay.subject = session.subject();
+    overlay.subject = session.frames.subject();
     overlay.size = session.scene.size;
     overlay.background = {back.r, back.g, back.b};
-    overlay.title = session.archive()->file;
+    overlay.title = session.volumes.archive()->file;
     overlay.letters = overlay.directions = overlay.scale = false;
     return overlay_marks(overlay);
 }
@@ -29,10 +29,10 @@ std::vector<PictureMark> archive_marks(const Session& session) {
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 std::string title_of(const Session& session) {
-    if (session.archive() != nullptr) {
-        return session.archive()->file;
+    if (session.volumes.archive() != nullptr) {
+        return session.volumes.archive()->file;
     }
-    const Volume& volume = session.volume();
+    const Volume& volume = session.volumes.volume();
     return volume.name + (is_assumed(volume) ? "  (place or spacing ASSUMED: see info)" : "");
 }
 
@@ -56,11 +56,11 @@ std::string view_text(const Camera& camera) {
 
 Attributes attributes_of(const Session& session, const Camera& camera) {
     Attributes attributes = {{"view", view_text(camera)}};
-    if (session.archive() != nullptr) {
-        attributes.emplace_back("scene", session.archive()->file);
+    if (session.volumes.archive() != nullptr) {
+        attributes.emplace_back("scene", session.volumes.archive()->file);
         return attributes;
     }
-    const Volume& volume = session.volume();
+    const Volume& volume = session.volumes.volume();
     attributes.emplace_back("volume", volume.source);
     attributes.emplace_back("dims", fmt::format("{}x{}x{}", volume.nx, volume.ny, volume.nz));
     attributes.emplace_back("spacing_mm", spacing_text(volume));
@@ -78,11 +78,11 @@ Attributes attributes_of(const Session& session, const Camera& camera) {
 std::string describe_scene(const Session& session, const Camera& camera) {
     const Scene& scene = session.scene;
     std::string text;
-    if (const phigs::Content* archive = session.archive()) {
+    if (const phigs::Content* archive = session.volumes.archive()) {
         text = fmt::format("scene {}, {} triangles, {} spheres, {} lines", archive->file,
                            archive->triangles, archive->spheres, archive->lines);
     } else {
-        const Volume& volume = session.volume();
+        const Volume& volume = session.volumes.volume();
         text = fmt::format("volume {} {}x{}x{} spacing {} mm", volume.name, volume.nx, volume.ny,
                            volume.nz, spacing_text(volume));
     }
@@ -103,12 +103,12 @@ PictureExtras picture_extras(const Session& session, const Camera& camera) {
         for (Surface& surface : seen.surfaces) {
             surface.visible = surface.visible && !is_compared(session.scene.surfaces, surface);
         }
-        if (seen.surfaces.empty() && session.archive() == nullptr) {
+        if (seen.surfaces.empty() && session.volumes.archive() == nullptr) {
             return extras;  // Nothing to explain.
         }
-        extras.marks = session.archive() != nullptr
+        extras.marks = session.volumes.archive() != nullptr
                            ? archive_marks(session)
-                           : overlay_marks(seen, session.subject(), title_of(session));
+                           : overlay_marks(seen, session.frames.subject(), title_of(session));
     }
     return extras;
 }
@@ -119,7 +119,7 @@ PictureExtras animation_extras(const Session& session) {
     if (scene.overlay) {
         Overlay overlay;
         overlay.camera = scene.camera;
-        overlay.subject = session.subject();
+        overlay.subject = session.frames.subject();
         overlay.size = scene.size;
         overlay.background = {scene.background.r, scene.background.g, scene.background.b};
         overlay.title = title_of(session);

@@ -18,15 +18,15 @@ constexpr int bar_width = 40;
 }  // namespace
 
 ProgressBar::ProgressBar(Session& session) : session_(session), started_ns_(now_ns()) {
-    draws_ = !session_.progress && isatty(STDERR_FILENO) != 0;
+    draws_ = !session_.load_settings.progress && isatty(STDERR_FILENO) != 0;
     if (draws_) {
-        session_.progress = [this](const LoadProgress& progress) { show(progress); };
+        session_.load_settings.progress = [this](const LoadProgress& progress) { show(progress); };
     }
 }
 
 ProgressBar::~ProgressBar() {
     if (draws_) {
-        session_.progress = nullptr;
+        session_.load_settings.progress = nullptr;
     }
     if (drawn_) {
         fmt::print(stderr, "\r\x1b[K");

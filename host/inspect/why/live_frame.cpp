@@ -15,9 +15,9 @@ namespace {
 
 /// Draws the session's scene with one sample per pixel, and saves the traces.
 std::pair<std::uint32_t, std::string> record_frame(Session& session) {
-    session.draw_samples(1);
-    const std::uint32_t frame = session.last_frame().frame;
-    return {frame, session.save_traces().folder};
+    session.frames.draw_samples(1);
+    const std::uint32_t frame = session.frames.last().frame;
+    return {frame, session.nodes.save_traces().folder};
 }
 
 /// Throws RequestError (failed) if regions of the frame cannot be executed again.
@@ -53,19 +53,21 @@ struct LiveFrame::Parts {
 
 LiveFrame::LiveFrame(Session& session, std::uint64_t key) {
     const auto [frame, folder] = record_frame(session);
-    const Volume* volume = session.has_volume() ? &session.volume() : nullptr;
+    const Volume* volume = session.volumes.has_volume() ? &session.volumes.volume() : nullptr;
     parts_ = std::make_unique<Parts>(key, frame, folder, volume);
 }
 
 LiveFrame::~LiveFrame() = default;
 
 LiveFrame& LiveFrame::of(Session& session) {
-    const std::uint64_t key = session.frame_key();
-    if (!session.asked_frame || session.asked_frame->parts_->key != key) {
-        session.asked_frame.reset();  // Before the next one is opened: each may be large.
-        session.asked_frame.reset(new LiveFrame(session, key));
+    const std::uint64_t key = session.frames.key();
+    auto* kept = std::any_cast<std::shared_ptr<LiveFrame>>(&session.asked);
+    if (kept == nullptr || (*kept)->parts_->key != key) {
+        session.asked.reset();  // Before the next frame is opened, because each may be large.
+        session.asked = std::shared_ptr<LiveFrame>(new LiveFrame(session, key));
+        kept = std::any_cast<std::shared_ptr<LiveFrame>>(&session.asked);
     }
-    return *session.asked_frame;
+    return **kept;
 }
 
 Reply LiveFrame::why(int x, int y) {

@@ -17,10 +17,11 @@ namespace pxpl5::host::inspect {
 class LiveFrame {
   public:
     /// The frame of the session's scene as it is now. Drawn and saved if it is another than the one
-    /// that was asked about last, which is kept in Session::asked_frame; the files of an earlier
+    /// that was asked about last, which is kept in Session::asked; the files of an earlier
     /// frame are overwritten.
     /// Throws RequestError: usage if nothing is recorded; failed if the recorder holds less than
-    /// the frame, saying what to do; else as Session::draw() and save_traces().
+    /// the frame, saying what to do; else as Frames::draw() and
+    /// Nodes::save_traces().
     static LiveFrame& of(Session& session);
 
     LiveFrame(const LiveFrame&) = delete;

@@ -70,7 +70,7 @@ void Director::start() {
     machine_.reset();
     machine_ = parts_.launch();
     session_ = std::make_unique<Session>(*machine_);
-    session_->progress = [this](const LoadProgress& progress) {
+    session_->load_settings.progress = [this](const LoadProgress& progress) {
         const bool reads = progress.phase == LoadProgress::Phase::reading;
         tell_progress(reads ? "reading" : "handing to the GPs", progress.done, progress.total);
     };
@@ -94,7 +94,9 @@ bool Director::step() {
     take_events();
     if (inbox_.has_command()) {
         // Under a flood of input, too, pictures are seen at their rate.
-        const bool picture_is_due = shown_revision_ != revision_ && since_ms(frame_ns_) >= goal_ms;
+        const bool picture_is_due =
+            shown_revision_ != revision_ &&
+            (since_ms(frame_ns_) >= goal_ms || session_->frames.has_frame_ahead());
         if (!(picture_is_due && draw_moving())) {
             do_wish(inbox_.take());
         }

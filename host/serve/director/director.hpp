@@ -76,6 +76,7 @@ class Director {
 
     void do_wish(const Wish& wish);
     void do_command(const Wish& wish);
+    void announce_frame(const Arguments& command);
     Reply run(const Arguments& arguments);
     void tell_opened();
     void answer_ask(const Wish& wish);
@@ -91,6 +92,7 @@ class Director {
     std::string current_state() const;
     void tell_state();
 
+    Size moving_size() const;
     bool draw_moving();
     bool draw_resting();
     int most_samples() const;

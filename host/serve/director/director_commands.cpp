@@ -108,6 +108,7 @@ void Director::do_command(const Wish& wish) {
         }
     };
     try {
+        announce_frame(wish.arguments);
         const Reply reply = run(wish.arguments);
         if (wish.arguments.name == "load") {
             show_first_surfaces();
@@ -151,10 +152,10 @@ Reply Director::open(const std::string& line) {
 }
 
 void Director::show_first_surfaces() {
-    if (!session_->has_volume() || !session_->scene.surfaces.empty()) {
+    if (!session_->volumes.has_volume() || !session_->scene.surfaces.empty()) {
         return;
     }
-    for (const FirstSurface& each : first_surfaces(session_->volume())) {
+    for (const FirstSurface& each : first_surfaces(session_->volumes.volume())) {
         Arguments command{"surface", {each.name}, {}};
         if (each.isovalue) {
             command.options["iso"] = fmt::format("{}", *each.isovalue);

@@ -25,7 +25,7 @@ Size scaled(const Size& size, double scale) {
 }  // namespace
 
 bool Director::has_picture() const {
-    return session_->has_volume() || session_->archive() != nullptr;
+    return session_->volumes.has_volume() || session_->volumes.archive() != nullptr;
 }
 
 void Director::show(Picture picture, int samples, bool rests, bool last) {
@@ -38,8 +38,24 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
     frame.samples = samples;
     frame.rests = rests;
     frame.last = last;
-    frame.machine_ms = static_cast<float>(session_->last_frame().elapsed_ms);
+    frame.machine_ms = static_cast<float>(session_->frames.last().elapsed_ms);
     audience_.show(std::move(frame));
+}
+
+/// The size of pictures during interaction: as large as there is time for.
+Size Director::moving_size() const {
+    return scaled(session_->scene.size, std::min(pace_.scale(), audience_.advice().scale));
+}
+
+/// Has the picture of a new isovalue requested together with the surface.
+void Director::announce_frame(const Arguments& command) {
+    const bool draws = command.name == "surface" && !command.words.empty() && has_picture() &&
+                       audience_.wants_frame();
+    const std::optional<Surface> known =
+        draws ? session_->surfaces.find(command.words[0]) : std::nullopt;
+    // A filter of components decides only after the extraction which triangles are drawn.
+    const bool is_ahead = draws && (!known || known->components.kind == ComponentFilter::Kind::all);
+    session_->frames.announce(is_ahead ? std::optional(moving_size()) : std::nullopt);
 }
 
 /// Draws what has changed, as large as there is time for. Returns whether there was something.
@@ -62,8 +78,8 @@ bool Director::draw_moving() {
             ~Restore() { session.scene.size = size; }
         };
         const Restore restore{*session_, wished};
-        session_->scene.size = scaled(wished, std::min(pace_.scale(), audience_.advice().scale));
-        show(session_->draw_samples(1).value(), 1, false, false);
+        session_->scene.size = moving_size();
+        show(session_->frames.draw_samples(1).value(), 1, false, false);
     });
     pace_.drawn(since_ms(start_ns));
     frame_ns_ = parts_.clock_ns();
@@ -83,7 +99,7 @@ bool Director::draw_resting() {
     const int samples = is_first ? 1 : shown_samples_ * refinement;
     bool is_drawn = true;
     guard("drawing", [&] {
-        auto picture = session_->draw_samples(samples, [this] {
+        auto picture = session_->frames.draw_samples(samples, [this] {
             take_events();
             return !inbox_.changes_picture();
         });
@@ -102,7 +118,7 @@ bool Director::draw_resting() {
 
 /// With how many samples a pixel the picture ends.
 int Director::most_samples() const {
-    return session_->max_samples();
+    return session_->frames.max_samples();
 }
 
 /// Whether a better picture than the newest can be drawn.

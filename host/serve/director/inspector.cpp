@@ -102,7 +102,7 @@ Json json_of(const SliceFrame& frame, Scalar type) {
 }
 
 Answer answer_slice(Session& session, const Json& ask) {
-    const Volume& volume = session.volume();
+    const Volume& volume = session.volumes.volume();
     const std::string name = text_of(ask, "axis", "\"x\", \"y\" or \"z\"");
     const std::size_t axis = std::string_view("xyz").find(name);
     if (name.size() != 1 || axis == std::string_view::npos) {

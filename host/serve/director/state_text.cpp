@@ -41,8 +41,8 @@ std::string filter_text(const ComponentFilter& filter) {
 }
 
 VolumeState volume_state(const Session& session) {
-    const Volume& volume = session.volume();
-    const Subject subject = session.subject();
+    const Volume& volume = session.volumes.volume();
+    const Subject subject = session.frames.subject();
     VolumeState state;
     state.name = volume.name;
     state.source = volume.source;
@@ -67,8 +67,8 @@ CameraState camera_state(const Session& session) {
     const Camera& camera = session.scene.camera;
     const Size& size = session.scene.size;
     // With nothing loaded, the state has a camera of an assumed subject: its form never changes.
-    const bool is_empty = !session.has_volume() && session.archive() == nullptr;
-    const Subject subject = is_empty ? Subject{glm::dvec3(0), 100} : session.subject();
+    const bool is_empty = !session.volumes.has_volume() && session.volumes.archive() == nullptr;
+    const Subject subject = is_empty ? Subject{glm::dvec3(0), 100} : session.frames.subject();
     const CameraMatrices m =
         camera_matrices(camera, subject, static_cast<double>(size.width) / size.height);
     CameraState state;
@@ -83,7 +83,7 @@ CameraState camera_state(const Session& session) {
 }
 
 SurfaceState surface_state(const Session& session, const Surface& surface) {
-    const SurfaceReport& report = session.report_of(surface.name);
+    const SurfaceReport& report = session.surfaces.report_of(surface.name);
     SurfaceState state;
     state.name = surface.name;
     state.isovalue = surface.isovalue;
@@ -125,10 +125,10 @@ std::string state_text(const Session& session, const StateExtras& extras) {
     if (!extras.busy.empty()) {
         state.busy = extras.busy;
     }
-    if (session.has_volume()) {
+    if (session.volumes.has_volume()) {
         state.volume = volume_state(session);
     }
-    if (const phigs::Content* archive = session.archive()) {
+    if (const phigs::Content* archive = session.volumes.archive()) {
         state.archive = archive->file;
     }
     state.camera = camera_state(session);
@@ -139,8 +139,9 @@ std::string state_text(const Session& session, const StateExtras& extras) {
     add_looks(scene, state);
     state.undo = session.history.undo_line();
     state.redo = session.history.redo_line();
-    state.machine = {extras.topology, static_cast<std::int64_t>(session.gp_count()),
-                     static_cast<std::int64_t>(session.renderer_count()), extras.is_recording};
+    state.machine = {extras.topology, static_cast<std::int64_t>(session.conversation.gps().size()),
+                     static_cast<std::int64_t>(session.conversation.renderer_count()),
+                     extras.is_recording};
     return json_text({{"state", fields_of(state)}});
 }
 

@@ -17,8 +17,8 @@ inline host::Topology machine_of(int gps, int renderers) {
 
 inline void set_up_sphere(host::Session& session, host::Size size) {
     session.scene.size = size;
-    session.load("phantom:sphere");
-    session.set_surface("ball", 100, CaseRule::watertight, {200, 100, 50});
+    session.volumes.load("phantom:sphere");
+    session.surfaces.set("ball", 100, CaseRule::watertight, {200, 100, 50});
 }
 
 /// One frame of a sphere, drawn by a simulated machine that is gone.
@@ -27,7 +27,7 @@ class TracedSphere {
     TracedSphere(host::Size size, int gps, int renderers) {
         RecordedMachine recorded(machine_of(gps, renderers));
         set_up_sphere(recorded.session, size);
-        picture = recorded.session.draw();
+        picture = recorded.session.frames.draw();
         traces_ = recorded.traces.traces();
     }
     std::vector<host::inspect::NodeTrace> traces() const { return traces_; }

@@ -5,7 +5,7 @@
 
 #include "generated/vocabulary.hpp"
 #include "host/scene/camera.hpp"
-#include "host/session/volume_transfer.hpp"
+#include "host/session/transfer/volume_transfer.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 #include "tests/host/inspect/surface_truth.hpp"
 

@@ -30,10 +30,10 @@ bool has(const inspect::DiffReport& report, const std::string& text) {
 Traces two_frames(int gps, int renderers, double second_azimuth = 50, double isovalue = 100) {
     test::RecordedMachine recorded(test::machine_of(gps, renderers));
     test::set_up_sphere(recorded.session, {200, 150});
-    recorded.session.set_surface("ball", isovalue, CaseRule::watertight, {200, 100, 50});
-    recorded.session.draw();
+    recorded.session.surfaces.set("ball", isovalue, CaseRule::watertight, {200, 100, 50});
+    recorded.session.frames.draw();
     recorded.session.scene.camera.angles.azimuth_deg = second_azimuth;
-    recorded.session.draw();
+    recorded.session.frames.draw();
     return recorded.traces.traces();
 }
 

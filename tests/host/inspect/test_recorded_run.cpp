@@ -27,10 +27,10 @@ TEST_CASE("regions of a recorded frame, executed again, give the pixels that wer
     test::RecordedMachine recorded(machine_of(2, 3));
     host::Session& session = recorded.session;
     session.scene.size = {300, 200};
-    session.load("phantom:sphere");
-    session.set_surface("ball", 100, CaseRule::watertight, {200, 100, 50});
-    session.draw();
-    const host::Picture picture = session.draw();
+    session.volumes.load("phantom:sphere");
+    session.surfaces.set("ball", 100, CaseRule::watertight, {200, 100, 50});
+    session.frames.draw();
+    const host::Picture picture = session.frames.draw();
 
     const inspect::RecordedRun run = recorded.run();
     REQUIRE(run.frames().size() == 2);
@@ -61,9 +61,9 @@ TEST_CASE("a walk of single steps ends where whole parts do") {
     test::RecordedMachine recorded(machine_of(2, 1));
     host::Session& session = recorded.session;
     session.scene.size = {128, 128};
-    session.load("phantom:sphere");
-    session.set_surface("ball", 100, CaseRule::watertight, {200, 100, 50});
-    session.draw();
+    session.volumes.load("phantom:sphere");
+    session.surfaces.set("ball", 100, CaseRule::watertight, {200, 100, 50});
+    session.frames.draw();
     const inspect::RecordedFrame frame = recorded.run().frame(0);
     const inspect::RecordedRegion& region = frame.regions.at(0);
     renderer::fast::Fast stepped, whole;
@@ -91,9 +91,9 @@ TEST_CASE("a primitive holds the addresses from its SETENABS to the next") {
     test::RecordedMachine recorded(machine_of(3, 1));
     host::Session& session = recorded.session;
     session.scene.size = {128, 128};
-    session.load("phantom:sphere");
-    session.set_surface("ball", 100, CaseRule::watertight, {200, 100, 50});
-    session.draw();
+    session.volumes.load("phantom:sphere");
+    session.surfaces.set("ball", 100, CaseRule::watertight, {200, 100, 50});
+    session.frames.draw();
     const inspect::RecordedFrame frame = recorded.run().frame(0);
     const inspect::RecordedRegion& region = frame.regions.at(0);
     const std::vector<inspect::Primitive> primitives = inspect::primitives_of(frame, region);
@@ -113,14 +113,14 @@ TEST_CASE("the volume of a frame is put together from the slices of all GPs") {
     test::RecordedMachine recorded(machine_of(3, 1));
     host::Session& session = recorded.session;
     session.scene.size = {128, 128};
-    session.load("phantom:torus");
-    session.draw();
-    session.load("phantom:sphere");
-    session.draw();
+    session.volumes.load("phantom:torus");
+    session.frames.draw();
+    session.volumes.load("phantom:sphere");
+    session.frames.draw();
     const inspect::RecordedRun run = recorded.run();
     const auto volume = run.volume(1);
     REQUIRE(volume);
-    const host::Volume& held = session.volume();
+    const host::Volume& held = session.volumes.volume();
     for (int z = 0; z < held.nz; z += 5) {
         const auto value = volume->value(held.nx / 2, held.ny / 3, z);
         REQUIRE(value);
@@ -138,8 +138,8 @@ TEST_CASE("the volume of a frame is put together from the slices of all GPs") {
 TEST_CASE("what is not in a run is refused by name") {
     test::RecordedMachine recorded(machine_of(1, 1));
     recorded.session.scene.size = {130, 20};
-    recorded.session.load("phantom:sphere");
-    recorded.session.draw();
+    recorded.session.volumes.load("phantom:sphere");
+    recorded.session.frames.draw();
     const inspect::RecordedRun run = recorded.run();
     CHECK_THROWS_WITH(run.frame(7), "frame 7 is not in this run; it has 0");
     const inspect::RecordedFrame frame = run.frame(0);

@@ -78,20 +78,20 @@ bool holds(const std::vector<std::string>& sentences, const std::string& text) {
 /// Several volumes, surfaces and ways of drawing, one after the other.
 void use(host::Session& session) {
     session.scene.size = {150, 140};
-    session.load("phantom:letters");
-    const double middle = (session.volume().minimum + session.volume().maximum) / 2;
-    session.set_surface("outer", middle, CaseRule::watertight, {200, 180, 160});
-    session.draw();
-    session.set_surface("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
-    host::Surface thin = *session.surface("outer");
+    session.volumes.load("phantom:letters");
+    const double middle = (session.volumes.volume().minimum + session.volumes.volume().maximum) / 2;
+    session.surfaces.set("outer", middle, CaseRule::watertight, {200, 180, 160});
+    session.frames.draw();
+    session.surfaces.set("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160});
+    host::Surface thin = *session.surfaces.find("outer");
     thin.opacity = 6;
     thin.cull_back = true;
-    session.set_style(thin);
+    session.surfaces.set_style(thin);
     session.scene.samples = 4;
-    session.draw();
+    session.frames.draw();
     session.scene.samples = 1;
     test::set_up_sphere(session, {150, 140});
-    session.draw();
+    session.frames.draw();
 }
 
 RunWork work_with(int gps, int renderers) {
@@ -127,12 +127,12 @@ TEST_CASE("a volume is its shape and its slices' runs") {
 TEST_CASE("a build is what the surface's report tells, slab by slab") {
     test::RecordedMachine recorded(test::machine_of(3, 2));
     test::set_up_sphere(recorded.session, {130, 100});
-    const host::SurfaceReport report = recorded.session.report_of("ball");
+    const host::SurfaceReport report = recorded.session.surfaces.report_of("ball");
     const RunWork work = inspect::recorded_work(recorded.run());
     REQUIRE(work.steps.size() == 2);
     const auto& build = std::get<BuildWork>(work.steps[1]);
     CHECK(build.isovalue == 100);
-    CHECK(build.slabs.size() == static_cast<std::size_t>(recorded.session.volume().nz - 1));
+    CHECK(build.slabs.size() == static_cast<std::size_t>(recorded.session.volumes.volume().nz - 1));
     for (std::size_t k = 0; k < build.slabs.size(); ++k) {
         CHECK(build.slabs[k].slab == k);
     }
@@ -150,8 +150,8 @@ TEST_CASE("a build is what the surface's report tells, slab by slab") {
 TEST_CASE("a frame is what its Renderers told, region by region") {
     test::RecordedMachine recorded(test::machine_of(2, 3));
     test::set_up_sphere(recorded.session, {300, 140});
-    recorded.session.draw();
-    const host::FrameReport& told = recorded.session.last_frame();
+    recorded.session.frames.draw();
+    const host::FrameReport& told = recorded.session.frames.last();
     const RunWork work = inspect::recorded_work(recorded.run());
     const FrameWork frame = all<FrameWork>(work).at(0);
     CHECK(frame.frame == told.frame);
@@ -170,7 +170,7 @@ TEST_CASE("a frame is what its Renderers told, region by region") {
     CHECK(cycles == told.region_cycles);
     CHECK(instructions == static_cast<std::uint64_t>(told.instructions));
     CHECK(primitives_of(frame) ==
-          static_cast<std::uint64_t>(recorded.session.report_of("ball").triangles));
+          static_cast<std::uint64_t>(recorded.session.surfaces.report_of("ball").triangles));
 }
 
 TEST_CASE("a region begins with its prologue, ends by sending 24 bits of 16,384 pixels") {
@@ -261,9 +261,9 @@ TEST_CASE("a scene's frames are counted; there is nothing to build") {
     const auto work_of = [](int gps, int renderers) {
         test::RecordedMachine recorded(test::machine_of(gps, renderers));
         recorded.session.scene.size = {150, 140};
-        recorded.session.load(std::string(PXPL5_SOURCE_DIR) +
-                              "/host/phigs/archives/molecule.phigs");
-        recorded.session.draw();
+        recorded.session.volumes.load(std::string(PXPL5_SOURCE_DIR) +
+                                      "/host/phigs/archives/molecule.phigs");
+        recorded.session.frames.draw();
         return inspect::recorded_work(recorded.run());
     };
     const RunWork work = work_of(2, 1);
@@ -334,7 +334,7 @@ TEST_CASE("frames that are not selected are left out, silently") {
     test::RecordedMachine recorded(test::machine_of(1, 1));
     test::set_up_sphere(recorded.session, {100, 100});
     for (int i = 0; i < 3; ++i) {
-        recorded.session.draw();
+        recorded.session.frames.draw();
     }
     const RunWork work = inspect::recorded_work(recorded.run(), {{1, 1}});
     CHECK(work.missing.empty());
@@ -345,10 +345,10 @@ TEST_CASE("frames that are not selected are left out, silently") {
 TEST_CASE("a picture's passes are selected together") {
     test::RecordedMachine recorded(test::machine_of(1, 1));
     test::set_up_sphere(recorded.session, {100, 100});
-    recorded.session.draw();
+    recorded.session.frames.draw();
     recorded.session.scene.samples = 4;
-    recorded.session.draw();
-    recorded.session.draw();
+    recorded.session.frames.draw();
+    recorded.session.frames.draw();
     const inspect::RecordedRun run = recorded.run();
     for (const std::uint32_t named : {1, 2, 4}) {
         const std::vector<FrameWork> frames =

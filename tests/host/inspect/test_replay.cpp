@@ -28,7 +28,7 @@ TEST_CASE("a replay gives the frames again that the session saw, on both executo
     test::set_up_sphere(recorded.session, {300, 150});
     for (const double azimuth : {0.0, 50.0}) {
         recorded.session.scene.camera.angles.azimuth_deg = azimuth;
-        digests.push_back(host::picture_digest(recorded.session.draw()));
+        digests.push_back(host::picture_digest(recorded.session.frames.draw()));
     }
     REQUIRE(digests[0] != digests[1]);
     std::size_t told = 0;
@@ -133,8 +133,8 @@ TEST_CASE("executors are known by name") {
 TEST_CASE("a picture of several samples is replayed pass behind pass, on both executors") {
     test::RecordedMachine recorded(test::machine_of(2, 2));
     test::set_up_sphere(recorded.session, {300, 150});
-    recorded.session.draw();
-    const auto digest = host::picture_digest(*recorded.session.draw_samples(4));
+    recorded.session.frames.draw();
+    const auto digest = host::picture_digest(*recorded.session.frames.draw_samples(4));
     const inspect::RecordedRun run = recorded.run();
     const inspect::ReplayReport report = inspect::replay(run, on_both());
     CHECK(report.agrees());
@@ -163,7 +163,7 @@ TEST_CASE("a picture of several samples is replayed pass behind pass, on both ex
 TEST_CASE("a pass of which earlier ones are not recorded is named with the frames it needs") {
     test::RecordedMachine recorded(test::machine_of(1, 1));
     test::set_up_sphere(recorded.session, {100, 100});
-    recorded.session.draw_samples(4);
+    recorded.session.frames.draw_samples(4);
     std::vector<inspect::NodeTrace> traces = recorded.traces.traces();
     for (inspect::NodeTrace& node : traces) {
         std::erase_if(node.entries, [&](const bus::trace::Entry& entry) {

@@ -68,8 +68,8 @@ TEST_CASE("a pixel of an archive shows the primitive that stored its depth last"
         CAPTURE(name);
         test::RecordedMachine recorded(small_machine());
         recorded.session.scene.size = {128, 128};
-        recorded.session.load(archive(name));
-        recorded.session.draw();
+        recorded.session.volumes.load(archive(name));
+        recorded.session.frames.draw();
         const inspect::RecordedRun run = recorded.run();
         const inspect::RecordedFrame frame = run.frame(0);
         const inspect::RecordedRegion& region = frame.regions.at(0);
@@ -101,10 +101,10 @@ TEST_CASE("a pixel of an archive shows the primitive that stored its depth last"
 TEST_CASE("a frame of an archive has no volume, even if one was loaded before") {
     test::RecordedMachine recorded(small_machine());
     recorded.session.scene.size = {128, 128};
-    recorded.session.load("phantom:sphere");
-    recorded.session.draw();
-    recorded.session.load(archive("molecule"));
-    recorded.session.draw();
+    recorded.session.volumes.load("phantom:sphere");
+    recorded.session.frames.draw();
+    recorded.session.volumes.load(archive("molecule"));
+    recorded.session.frames.draw();
     const inspect::RecordedRun run = recorded.run();
     CHECK(run.volume(0).has_value());
     CHECK(!run.volume(1).has_value());

@@ -24,10 +24,10 @@ struct Ball {
     Ball() : recorded(machine()) {
         host::Session& session = recorded.session;
         session.scene.size = {150, 140};
-        session.load("phantom:sphere");
-        session.set_surface("ball", 100, CaseRule::watertight, {200, 100, 50});
-        session.draw();
-        session.draw();
+        session.volumes.load("phantom:sphere");
+        session.surfaces.set("ball", 100, CaseRule::watertight, {200, 100, 50});
+        session.frames.draw();
+        session.frames.draw();
         run = std::make_unique<inspect::RecordedRun>(recorded.run());
     }
     static host::Topology machine() {

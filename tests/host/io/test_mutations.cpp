@@ -19,7 +19,7 @@
 #include <random>
 
 #include "host/io/import.hpp"
-#include "host/session/volume_transfer.hpp"
+#include "host/session/transfer/volume_transfer.hpp"
 #include "ringbus/ranges.hpp"
 #include "tests/host/io/volume_writers.hpp"
 

@@ -30,7 +30,7 @@ Topology small_machine() {
 struct Loaded {
     test::SimulatedMachine machine{small_machine()};
     Session session{machine};
-    explicit Loaded(const std::string& phantom) { session.load(phantom); }
+    explicit Loaded(const std::string& phantom) { session.volumes.load(phantom); }
 };
 
 std::string refused(Session& session, const std::string& message) {
@@ -71,8 +71,8 @@ std::multiset<Line> edges_in_slice(const WeldedMesh& mesh, int k) {
 TEST_SUITE("inspector") {
     TEST_CASE("a slice's bytes are the volume's values, then the contours") {
         Loaded shown("phantom:torus");
-        const Volume& volume = shown.session.volume();
-        shown.session.set_surface("ring", 30000.5, CaseRule::watertight, {1, 2, 255});
+        const Volume& volume = shown.session.volumes.volume();
+        shown.session.surfaces.set("ring", 30000.5, CaseRule::watertight, {1, 2, 255});
         const serve::Answer answer =
             serve::answer(shown.session, R"({"id":1,"ask":"slice","axis":"y","index":31})");
         const json told = json::parse(answer.json);
@@ -103,8 +103,8 @@ TEST_SUITE("inspector") {
     TEST_CASE("contours are the edges of the surface that lie in the slice") {
         Loaded shown("phantom:pelvis");
         for (const CaseRule table : {CaseRule::watertight, CaseRule::asymptotic}) {
-            shown.session.set_surface("bone", 250.5, table, {1, 2, 3});
-            const WeldedMesh mesh = shown.session.mesh("bone");
+            shown.session.surfaces.set("bone", 250.5, table, {1, 2, 3});
+            const WeldedMesh mesh = shown.session.meshes.fetch("bone");
             const serve::Answer answer =
                 serve::answer(shown.session, R"({"ask":"slice","axis":"z","index":30})");
             const json told = json::parse(answer.json);
@@ -126,7 +126,7 @@ TEST_SUITE("inspector") {
     }
     TEST_CASE("hidden surfaces have no contours") {
         Loaded shown("phantom:torus");
-        shown.session.set_surface("ring", 30000.5, CaseRule::watertight, {1, 2, 3});
+        shown.session.surfaces.set("ring", 30000.5, CaseRule::watertight, {1, 2, 3});
         shown.session.scene.surfaces[0].visible = false;
         const serve::Answer answer =
             serve::answer(shown.session, R"({"ask":"slice","axis":"z","index":10})");

@@ -76,7 +76,7 @@ class FaultyMachine final : public MachinePort {
 std::string error_of(FaultyMachine& machine) {
     Session session(machine);
     try {
-        session.load("phantom:letters");
+        session.volumes.load("phantom:letters");
     } catch (const RequestError& error) {
         return error.what();
     }
@@ -116,9 +116,9 @@ TEST_SUITE("host/session_traces") {
     TEST_CASE("a node that cannot write its trace is named with the reason") {
         FaultyMachine machine(schema::FaultCode::internal, true);
         Session session(machine);
-        CHECK(session.save_traces().messages == 10);
+        CHECK(session.nodes.save_traces().messages == 10);
         machine.missing = {"gp-3: no space"};
-        CHECK_THROWS_WITH_AS(session.save_traces(),
+        CHECK_THROWS_WITH_AS(session.nodes.save_traces(),
                              "1 of 3 nodes have written no trace: gp-3: no space", RequestError);
     }
 }

@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <set>
 
 #include "gp_firmware/volume/share.hpp"
 #include "host/base/error.hpp"
-#include "host/session/volume_transfer.hpp"
+#include "host/session/transfer/volume_transfer.hpp"
 #include "ringbus/message.hpp"
 
 using namespace pxpl5;
@@ -173,7 +174,35 @@ TEST_SUITE("host/volume_transfer") {
         CHECK(batches_for_gp(volume, 0, 2) == std::vector<SliceBatch>{{0, 8}, {8, 8}, {16, 4}});
         volume.slabs_per_set = 9;  // GP 1 owns slices 9 .. 17, and needs 8, 18, 19 too.
         CHECK(batches_for_gp(volume, 1, 2) ==
-              std::vector<SliceBatch>{{8, 1}, {9, 8}, {17, 1}, {18, 2}});
+              std::vector<SliceBatch>{{8, 1}, {9, 2}, {11, 6}, {17, 1}, {18, 2}});
+    }
+
+    TEST_CASE("a batch is packed once, and all GPs that need it get the same bytes") {
+        Volume volume = numbered_volume(2, 2, 30);
+        for (const int slabs_per_set : {1, 3, 4, 9}) {
+            volume.slabs_per_set = slabs_per_set;
+            for (const int gp_count : {1, 2, 3, 5}) {
+                VolumeDistribution distribution(volume, 5, gp_count);
+                std::map<std::uint32_t, const std::uint8_t*> bytes;
+                std::vector<pxpl5::bus::Payload> alive;
+                const VolumeDistribution::Outlet outlet{
+                    [](std::size_t) { return true; },
+                    [&](std::size_t, const pxpl5::bus::Payload& payload) {
+                        if (const auto* slices = slices_of(payload)) {
+                            const auto* first = payload.bytes().data();
+                            CHECK(bytes.emplace(slices->first_slice(), first).first->second ==
+                                  first);
+                            alive.push_back(payload);
+                        }
+                    },
+                    nullptr};
+                for (int slices_there = 0; slices_there <= volume.nz; slices_there += 6) {
+                    distribution.send_more(volume, slices_there, outlet);
+                }
+                CHECK(bytes.size() == slice_batches(volume, gp_count).size());
+                CHECK(distribution.sent() == distribution.total());
+            }
+        }
     }
 
     TEST_CASE("slices go on as they come, and only where they are taken") {
@@ -185,29 +214,30 @@ TEST_SUITE("host/volume_transfer") {
         VolumeDistribution distribution(volume, 5, 2);
         std::vector<std::string> sent;
         std::set<std::size_t> full;
-        const VolumeDistribution::Road road{
+        const VolumeDistribution::Outlet outlet{
             [&](std::size_t gp) { return !full.contains(gp); },
             [&](std::size_t gp, const pxpl5::bus::Payload& payload) {
                 const auto* s = slices_of(payload);
                 sent.push_back(
                     s == nullptr ? fmt::format("{} end", gp)
                                  : fmt::format("{} {}+{}", gp, s->first_slice(), s->slice_count()));
-            }};
+            },
+            nullptr};
         const auto sends = [&](int slices_there) {
             sent.clear();
-            distribution.send_more(volume, slices_there, road);
+            distribution.send_more(volume, slices_there, outlet);
             return sent;
         };
         using Texts = std::vector<std::string>;
-        CHECK(sends(2) == Texts{});
-        CHECK(sends(4) == Texts{"0 0+3", "1 2+1"});
+        CHECK(sends(1) == Texts{});
+        CHECK(sends(4) == Texts{"0 0+2", "0 2+1", "1 2+1"});
         full = {1};
-        CHECK(sends(8) == Texts{"0 3+3"});
-        CHECK(distribution.sent() == 3);
+        CHECK(sends(8) == Texts{"0 3+3", "0 6+2"});
+        CHECK(distribution.sent() == 5);
         full = {};
         CHECK(sends(8) == Texts{"1 3+3", "1 6+2", "1 end"});
         CHECK(sends(8) == Texts{});
-        CHECK(sends(9) == Texts{"0 6+3", "0 end"});
+        CHECK(sends(9) == Texts{"0 8+1", "0 end"});
         CHECK(sends(9) == Texts{});
         CHECK(distribution.sent() == distribution.total());
     }

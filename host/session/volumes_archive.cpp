@@ -1,16 +1,15 @@
-// What a session does with a PPHIGS archive: hands it to the GPs as a scene.
+// Loads a PPHIGS archive: the GPs take its content as a scene.
 #include <algorithm>
 
-#include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
-#include "host/session/scene_transfer.hpp"
-#include "host/session/session.hpp"
+#include "host/session/transfer/scene_transfer.hpp"
+#include "host/session/volumes.hpp"
 
 namespace pxpl5::host {
 
 namespace {
 
-/// The frame has one gloss for all.
+/// Gives all materials of the archive one gloss, because a frame has one.
 void take_gloss(const phigs::Content& content, Material& material) {
     if (!content.has_specular) {
         return;
@@ -23,46 +22,40 @@ void take_gloss(const phigs::Content& content, Material& material) {
 
 }  // namespace
 
-LoadReport Session::load_archive(const std::string& source) {
+LoadReport Volumes::load_archive(const std::string& source) {
     LoadReport report{source};
     std::int64_t start_ns = now_ns();
     HeldArchive held{phigs::flatten(phigs::read_archive(source)), {}};
     report.read_ms = ms_since(start_ns);
 
     start_ns = now_ns();
-    scene.surfaces.clear();
-    scene.clips.clear();
-    reports_.clear();
-    region_costs_.clear();
-    volume_.reset();
-    archive_.reset();
+    replace_content();
     std::vector<std::uint16_t> ids;
     for (const phigs::Material& material : held.content.materials) {
         Surface surface;
-        surface.id = next_surface_id_++;
+        surface.id = new_surface_id();
         surface.revision = 1;
         surface.colour = material.colour;
         surface.cull_back = material.cull_back;
         held.surfaces.push_back(surface);
         ids.push_back(surface.id);
     }
-    ++volume_id_;
-    begin_volume_request();
-    const std::vector<bus::NodeId>& gps = machine_.gp_ids();
+    MachinePort& machine = conversation_.machine();
+    const std::vector<bus::NodeId>& gps = conversation_.gps();
     for (const bus::NodeId gp : gps) {
-        machine_.send(gp, phigs::scene_begin(volume_id_, ids));
+        machine.send(gp, phigs::scene_begin(id_, ids));
     }
     const std::vector<phigs::Part>& parts = held.content.parts;
     for (std::size_t slab = 0; slab < parts.size(); ++slab) {
-        machine_.send(gps[slab % gps.size()],
-                      phigs::scene_part(held.content, slab, volume_id_, ids[parts[slab].material]));
+        machine.send(gps[slab % gps.size()],
+                     phigs::scene_part(held.content, slab, id_, ids[parts[slab].material]));
     }
     for (const bus::NodeId gp : gps) {
-        machine_.send(gp, phigs::scene_end(volume_id_));
+        machine.send(gp, phigs::scene_end(id_));
     }
-    wait_for_gps(source);  // Throws if a GP could not hold its share: then nothing is loaded.
+    conversation_.wait_for_answers(source);  // Throws if a GP cannot hold its share.
     held.content.parts.clear();
-    take_gloss(held.content, scene.material);
+    take_gloss(held.content, scene_.material);
     archive_ = std::move(held);
     report.distribute_ms = ms_since(start_ns);
     report.memory_bytes = memory_bytes_;

@@ -19,7 +19,7 @@ inline constexpr double scene_radius_mm = 100;
 /// fills the picture with less than that.
 Subject scene_subject();
 
-/// Where a point of the archive is shown, in millimetres: the scene's middle at the origin. An
+/// Where a point of the archive is shown, in millimeters: the scene's middle at the origin. An
 /// archive's y is up and its viewer on the positive z axis; so they are seen from anterior.
 glm::dvec3 place_mm(const Content& content, const glm::dvec3& p);
 

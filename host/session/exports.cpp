@@ -1,11 +1,11 @@
-// What a session writes to files, by the io process: pictures and meshes.
+#include "host/session/exports.hpp"
+
 #include <fmt/core.h>
 
 #include <algorithm>
 
 #include "host/base/error.hpp"
 #include "host/scene/marks_messages.hpp"
-#include "host/session/session.hpp"
 
 namespace pxpl5::host {
 
@@ -16,7 +16,7 @@ namespace schema = bus::schema;
 /// Room in one message for an animation's pixels, or for meshes.
 constexpr std::size_t max_export_bytes = std::size_t{768} << 20;
 
-/// The mesh in millimetres.
+/// The mesh in millimeters.
 flatbuffers::Offset<schema::ExportSurface> to_wire(flatbuffers::FlatBufferBuilder& builder,
                                                    const Surface& surface, const WeldedMesh& mesh,
                                                    const VolumeGrid& grid) {
@@ -37,8 +37,8 @@ flatbuffers::Offset<schema::ExportSurface> to_wire(flatbuffers::FlatBufferBuilde
 
 }  // namespace
 
-void Session::export_pictures(std::span<const Picture> pictures, const std::string& path,
-                              const PictureExtras& extras) {
+void Exports::pictures(std::span<const Picture> pictures, const std::string& path,
+                       const PictureExtras& extras) {
     schema::ExportPictureT request;
     request.path = path;
     request.width = static_cast<std::uint32_t>(pictures[0].width);
@@ -67,20 +67,20 @@ void Session::export_pictures(std::span<const Picture> pictures, const std::stri
         const auto* bytes = reinterpret_cast<const std::uint8_t*>(picture.rgba.data());
         request.rgba.insert(request.rgba.end(), bytes, bytes + picture_bytes);
     }
-    with_io(path, ExitCode::failed, bus::pack(request), [this] { return io_done_; });
+    io_.write(path, bus::pack(request));
 }
 
-MeshExportReport Session::export_mesh(const std::string& path, const MeshExport& wish) {
+MeshExportReport Exports::mesh(const std::string& path, const MeshExport& wish) {
     flatbuffers::FlatBufferBuilder builder(1 << 20);
     std::vector<flatbuffers::Offset<schema::ExportSurface>> surfaces;
-    for (const Surface& surface : scene.surfaces) {
+    for (const Surface& surface : scene_.surfaces) {
         const bool wanted = wish.surfaces.empty()
                                 ? surface.visible && surface.compared_with.empty()
                                 : std::ranges::count(wish.surfaces, surface.name) != 0;
         if (!wanted) {
             continue;
         }
-        const WeldedMesh mesh = drawn_mesh(surface);
+        const WeldedMesh mesh = meshes_.fetch_drawn(surface);
         const std::size_t bytes = builder.GetSize() +
                                   mesh.keys.size() * sizeof(schema::MeshVertex) +
                                   mesh.triangles.size() * sizeof(mesh.triangles[0]);
@@ -91,10 +91,10 @@ MeshExportReport Session::export_mesh(const std::string& path, const MeshExport&
                             "name fewer, as surfaces={}, or load with crop= or resample=",
                             path, surface.name, bytes, max_export_bytes, surface.name));
         }
-        surfaces.push_back(to_wire(builder, surface, mesh, grid()));
+        surfaces.push_back(to_wire(builder, surface, mesh, meshes_.grid()));
     }
     for (const std::string& name : wish.surfaces) {
-        find_surface(name);  // Throws for a name that there is none of.
+        meshes_.surface(name);  // Throws for an unknown name.
     }
     if (surfaces.empty()) {
         throw RequestError(ExitCode::usage, path + ": there is no visible surface to write");
@@ -103,12 +103,11 @@ MeshExportReport Session::export_mesh(const std::string& path, const MeshExport&
     const auto path_at = builder.CreateString(path);
     const auto description_at = builder.CreateString(wish.description);
     const auto axes = wish.ras ? PatientAxes::RAS : PatientAxes::LPS;
-    with_io(
-        path, ExitCode::failed,
+    const IoOutcome written = io_.write(
+        path,
         bus::finish(builder, schema::CreateExportMesh(builder, path_at, list, axes, description_at,
-                                                      static_cast<float>(wish.keep))),
-        [this] { return io_done_; });
-    return io_report_;
+                                                      static_cast<float>(wish.keep))));
+    return {written.triangles, written.text};
 }
 
 }  // namespace pxpl5::host

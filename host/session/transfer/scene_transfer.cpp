@@ -1,4 +1,4 @@
-#include "host/session/scene_transfer.hpp"
+#include "host/session/transfer/scene_transfer.hpp"
 
 namespace pxpl5::host::phigs {
 

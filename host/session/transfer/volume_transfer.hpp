@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <vector>
 
 #include "host/volume/volume_messages.hpp"
@@ -31,38 +32,53 @@ struct SliceBatch {
     friend bool operator==(const SliceBatch&, const SliceBatch&) = default;
 };
 
-/// What goes to GP `gp_index` of `gp_count`, ascending, each of a few megabytes. Slices that it
-/// owns (slice s of each of its slabs) are in other messages than those that other GPs own too:
-/// traces hold a slice once.
+/// The messages of a volume, ascending, each of a few megabytes. All slices of a batch go to the
+/// same GPs, so that the GPs share the message. All slices of a batch have the same owner (the GP
+/// whose slabs begin with them), so that traces hold a slice once.
+std::vector<SliceBatch> slice_batches(const Volume& volume, int gp_count);
+
+/// The batches that GP `gp_index` of `gp_count` needs, ascending.
 std::vector<SliceBatch> batches_for_gp(const Volume& volume, int gp_index, int gp_count);
 
-/// Hands a volume's slices to the GPs: those that are there, as far as the GPs take them.
+/// Sends a volume's slices to the GPs: the slices that are there, as far as the GPs take them.
 class VolumeDistribution {
   public:
-    /// The ways to the GPs, by index.
-    struct Road {
+    /// How to reach the GPs, by index.
+    struct Outlet {
         std::function<bool(std::size_t gp)> takes_more;
-        std::function<void(std::size_t gp, bus::Payload)> send;
+        std::function<void(std::size_t gp, const bus::Payload&)> send;
+        flatbuffers::Allocator* allocator = nullptr;  ///< For bodies; null for the heap.
     };
 
-    /// volume  Its shape counts; slices may still be missing.
+    /// volume  Only its shape is read; slices may still be missing.
     VolumeDistribution(const Volume& volume, std::uint32_t id, int gp_count);
 
-    /// Sends what can go, and VolumeEnd after a GP's last slice.
-    /// slices_there  The first so many slices of `volume` are there.
-    void send_more(const Volume& volume, int slices_there, const Road& road);
+    /// Sends all messages that can go, and VolumeEnd after a GP's last slice.
+    /// slices_there  Number of slices of `volume` that are there.
+    void send_more(const Volume& volume, int slices_there, const Outlet& outlet);
 
-    int sent() const { return sent_; }    ///< Messages of slices.
-    int total() const { return total_; }  ///< Likewise, in the end.
+    int sent() const { return sent_; }    ///< Messages of slices so far.
+    int total() const { return total_; }  ///< Messages of slices in the end.
 
   private:
-    struct Way {
+    struct Queue {
         std::vector<SliceBatch> batches;
         std::size_t next = 0;
         bool ended = false;
     };
+    /// A packed batch, until all of its GPs have been sent it.
+    struct Packed {
+        bus::Payload payload;
+        int receivers = 0;  ///< Still to come.
+    };
+
+    bus::Payload pack(const Volume& volume, const SliceBatch& batch,
+                      flatbuffers::Allocator* allocator);
+
     std::uint32_t id_;
-    std::vector<Way> ways_;  ///< By GP.
+    std::vector<Queue> queues_;     ///< By GP.
+    std::map<int, int> receivers_;  ///< Number of GPs that need a batch, by its first slice.
+    std::map<int, Packed> packed_;  ///< By the first slice.
     int sent_ = 0, total_ = 0;
 };
 

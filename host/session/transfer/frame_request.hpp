@@ -14,7 +14,7 @@ namespace pxpl5::host {
 struct Stage {
     std::span<const Surface> surfaces;  ///< In drawing order.
     Subject subject;
-    glm::dmat4 voxel_to_patient{1.0};  ///< Grid to patient millimetres.
+    glm::dmat4 voxel_to_patient{1.0};  ///< Grid to patient millimeters.
     bool has_gaps = false;             ///< Some slabs lie across missing slices.
 };
 

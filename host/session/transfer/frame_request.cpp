@@ -1,4 +1,4 @@
-#include "host/session/frame_request.hpp"
+#include "host/session/transfer/frame_request.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,0 +1,122 @@
+#include "host/session/conversation.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "host/base/error.hpp"
+
+namespace pxpl5::host {
+
+namespace schema = bus::schema;
+
+void Conversation::handle(bus::Body kind, Handler handler) {
+    handlers_.insert_or_assign(kind, std::move(handler));
+}
+
+void Conversation::handle_frame_faults(std::function<bool(std::uint32_t)> takes_fault) {
+    takes_frame_fault_ = std::move(takes_fault);
+}
+
+void Conversation::broadcast(const bus::Payload& request) {
+    ++broadcasts_;
+    for (const bus::NodeId gp : gps()) {
+        machine_.send(gp, request);
+    }
+}
+
+void Conversation::ask(const std::string& what, const bus::Payload& request, Answer answer) {
+    struct Forget {
+        Conversation& conversation;
+        ~Forget() { conversation.forget(); }  // The answer may refer to the caller's variables.
+    };
+    expect(std::move(answer));
+    const Forget forget{*this};
+    broadcast(request);
+    wait_for_answers(what);
+}
+
+void Conversation::expect(Answer answer) {
+    answered_.clear();
+    answer_ = std::move(answer);
+}
+
+bool Conversation::is_answered() const {
+    return std::ranges::all_of(gps(), [this](bus::NodeId gp) { return answered_.contains(gp); });
+}
+
+void Conversation::wait_for_answers(const std::string& what) {
+    wait(what, [this] { return is_answered(); });
+}
+
+void Conversation::wait(const std::string& what, const std::function<bool()>& done) {
+    machine_.pump([this](const bus::Message& message) { take(message); }, done);
+    if (fault_) {
+        const Failure failure = *std::exchange(fault_, std::nullopt);
+        throw RequestError(ExitCode::failed,
+                           fmt::format("{}: {}{}", what, failure.reason, traces_of(failure)));
+    }
+}
+
+void Conversation::take_arrived() {
+    bool came = true;
+    machine_.pump(
+        [&](const bus::Message& message) {
+            came = true;
+            take(message);
+        },
+        [&] { return !std::exchange(came, false); });
+    wait("told unasked", [] { return true; });  // Throws the fault that has arrived.
+}
+
+void Conversation::discard_until(const Handler& take_one, const std::function<bool()>& done) {
+    machine_.pump(take_one, done);
+    fault_.reset();
+}
+
+void Conversation::take(const bus::Message& message) {
+    if (message.kind() == bus::Body::Fault) {
+        take_fault(message);
+        return;
+    }
+    if (answer_ && answer_(message)) {
+        answered_.insert(message.source());
+    }
+    if (const auto handler = handlers_.find(message.kind()); handler != handlers_.end()) {
+        handler->second(message);
+    }
+}
+
+void Conversation::take_fault(const bus::Message& message) {
+    const auto& fault = *message.as<schema::Fault>();
+    if (const auto frame = fault.frame()) {
+        if (!takes_frame_fault_ || !takes_frame_fault_(*frame)) {
+            return;
+        }
+    } else {
+        // A fault is an answer, too, so that the next request does not receive it.
+        answered_.insert(message.source());
+    }
+    if (!fault_) {  // The first fault is the cause of the others.
+        fault_ = {fault.reason()->str(), fault.code() != schema::FaultCode::bad_input &&
+                                             fault.code() != schema::FaultCode::out_of_memory};
+    }
+}
+
+/// Returns where the traces of a fault are, as a suffix of the fault's text.
+std::string Conversation::traces_of(const Failure& failure) const {
+    if (!failure.is_internal || !machine_.is_recording()) {
+        return {};
+    }
+    try {
+        const SavedTraces saved = machine_.save_traces();
+        return saved.nodes == 0
+                   ? ""
+                   : fmt::format("; traces of {} nodes: {}", saved.nodes, saved.folder);
+    } catch (const RequestError& error) {
+        return fmt::format("; no traces: {}", error.what());  // The fault matters more.
+    }
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,83 @@
+// One conversation with a machine: sends requests, hands messages on, reports faults.
+//
+//   part --broadcast, ask--> Conversation --> GPs
+//   part <--handle()-------- Conversation <-- GPs, Renderers, frame buffer, io process
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "host/machine/port.hpp"
+#include "ringbus/message.hpp"
+
+namespace pxpl5::host {
+
+/// The parts of a session share one conversation. One request to all GPs is under way at a time.
+class Conversation {
+  public:
+    using Handler = std::function<void(const bus::Message&)>;
+    /// Takes a GP's message. Returns whether the message answers the request under way.
+    using Answer = std::function<bool(const bus::Message&)>;
+
+    explicit Conversation(MachinePort& machine) : machine_(machine) {}
+    Conversation(const Conversation&) = delete;
+    Conversation& operator=(const Conversation&) = delete;
+
+    MachinePort& machine() const { return machine_; }
+    const std::vector<bus::NodeId>& gps() const { return machine_.gp_ids(); }
+    std::size_t renderer_count() const { return machine_.renderer_ids().size(); }
+
+    /// Hands every message of this kind to `handler`.
+    void handle(bus::Body kind, Handler handler);
+    /// Hands faults of frames to `takes_fault`, which returns whether wait() throws the fault.
+    void handle_frame_faults(std::function<bool(std::uint32_t frame)> takes_fault);
+
+    /// Sends a request to every GP.
+    void broadcast(const bus::Payload& request);
+    /// Number of broadcasts. A frame may change with each.
+    std::uint64_t broadcasts() const { return broadcasts_; }
+
+    /// Sends `request` to every GP and waits until each has answered.
+    void ask(const std::string& what, const bus::Payload& request, Answer answer);
+    /// Begins a request that the caller sends. forget() must follow before `answer` dangles.
+    void expect(Answer answer);
+    /// True if every GP has answered the request or refused it with a Fault.
+    bool is_answered() const;
+    void wait_for_answers(const std::string& what);
+    void forget() { answer_ = nullptr; }
+
+    /// Pumps messages until `done`. Then throws RequestError for the first fault since the last
+    /// wait, if any.
+    void wait(const std::string& what, const std::function<bool()>& done);
+    /// Handles the messages that have arrived, without waiting for others. Throws RequestError for
+    /// a fault, so that the next request is not blamed for it.
+    void take_arrived();
+    bool has_fault() const { return fault_.has_value(); }
+    /// Pumps until `done` and gives messages to `take` only. Drops the fault, if any.
+    void discard_until(const Handler& take, const std::function<bool()>& done);
+
+  private:
+    struct Failure {
+        std::string reason;
+        bool is_internal = false;  ///< Not caused by the user: its traces are of interest.
+    };
+
+    void take(const bus::Message& message);
+    void take_fault(const bus::Message& message);
+    std::string traces_of(const Failure& failure) const;
+
+    MachinePort& machine_;
+    std::map<bus::Body, Handler> handlers_;
+    std::function<bool(std::uint32_t)> takes_frame_fault_;
+    Answer answer_;
+    std::set<bus::NodeId> answered_;  ///< GPs that have answered the request under way.
+    std::optional<Failure> fault_;
+    std::uint64_t broadcasts_ = 0;
+};
+
+}  // namespace pxpl5::host

@@ -1,0 +1,308 @@
+#include "host/session/frames.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <span>
+#include <utility>
+
+#include "host/base/digest.hpp"
+#include "host/base/error.hpp"
+#include "host/base/stopwatch.hpp"
+#include "host/session/transfer/scene_transfer.hpp"
+#include "isa/contract/sample_sums.hpp"
+#include "ringbus/rules/regions.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+namespace schema = bus::schema;
+
+/// Adds one pass to the report of its picture, except the time. All passes assign the regions to
+/// the same Renderers.
+void add_pass(const schema::FrameDone& done, FrameReport& report) {
+    const auto regions_across = [](std::uint32_t px) {
+        return static_cast<int>(region_count(px, 1, 1));
+    };
+    report.frame = done.frame();
+    report.instructions += static_cast<std::int64_t>(done.instructions());
+    report.region_columns = regions_across(done.width());
+    report.region_rows = regions_across(done.height()) * done.views();
+    report.region_renderers.assign(done.region_renderers()->begin(),
+                                   done.region_renderers()->end());
+    report.region_cycles.resize(done.region_cycles()->size());
+    for (flatbuffers::uoffset_t region = 0; region < done.region_cycles()->size(); ++region) {
+        const std::uint64_t cycles = done.region_cycles()->Get(region);
+        report.region_cycles[region] += cycles;
+        report.renderer_cycles += static_cast<std::int64_t>(cycles);
+    }
+}
+
+}  // namespace
+
+Frames::Frames(Conversation& conversation, Scene& scene, const Volumes& volumes, Nodes& nodes)
+    : conversation_(conversation), scene_(scene), volumes_(volumes), nodes_(nodes) {
+    conversation_.handle(bus::Body::FrameDone, [this](const bus::Message& message) {
+        take_done(*message.as<schema::FrameDone>());
+    });
+    conversation_.handle(bus::Body::FrameCounts,
+                         [this](const bus::Message& message) { take_counts(message); });
+    conversation_.handle_frame_faults([this](std::uint32_t frame) { return take_fault(frame); });
+}
+
+Stage Frames::stage() const {
+    if (volumes_.archive() != nullptr) {
+        return {volumes_.archive_surfaces(), phigs::scene_subject(), glm::dmat4(1.0), false};
+    }
+    const Volume& held = volumes_.volume();
+    const glm::dvec3 last(held.nx - 1, held.ny - 1, last_place(held));
+    return {scene_.surfaces, subject_of(last, held.voxel_to_patient), held.voxel_to_patient,
+            !held.gap_slabs.empty()};
+}
+
+void Frames::request(const Scene& scene, ReadBack read_back, Pass pass, bool counts) {
+    if (pass.sample == 0) {
+        picture_costs_ = region_costs_;
+        picture_started_ns_ = now_ns();
+    }
+    const bus::Payload message =
+        frame_request(scene, stage(), next_frame_, picture_costs_, read_back, pass, counts);
+    pending_.push_back({next_frame_++, picture_started_ns_, pass});
+    conversation_.machine().send(conversation_.gps().front(), message);
+}
+
+/// Returns whether drawing fails. Each GP reports a failed frame, and only the first fault counts.
+bool Frames::take_fault(std::uint32_t frame) {
+    const bool is_pending = std::ranges::count(pending_, frame, &Pending::frame) != 0;
+    if (is_pending && ahead_ && ahead_->frame == frame) {
+        abandon();  // The next drawing requests the frame again, and reports its fault.
+        return false;
+    }
+    return is_pending;
+}
+
+void Frames::take_done(const schema::FrameDone& done) {
+    if (pending_.empty() || done.frame() != pending_.front().frame) {
+        return;  // The frame was abandoned.
+    }
+    nodes_.count_frame();
+    const Pending& pending = pending_.front();
+    if (pending.pass.sample == 0) {
+        last_ = {};
+    }
+    add_pass(done, last_);
+    if (const auto counted = std::ranges::find(counted_, done.frame(), &CountedFrame::frame);
+        counted != counted_.end()) {
+        counted->views = done.views();
+        counted->region_renderers.assign(done.region_renderers()->begin(),
+                                         done.region_renderers()->end());
+    }
+    last_.elapsed_ms = ms_since(pending.started_ns);
+    region_costs_.assign(done.region_cycles()->begin(), done.region_cycles()->end());
+    if (done.pixels() != nullptr) {
+        finished_.push_back({static_cast<int>(done.width()),
+                             static_cast<int>(done.height() * done.views()),
+                             {done.pixels()->begin(), done.pixels()->end()}});
+    }
+    if (done.depths() != nullptr) {
+        depths_.assign(done.depths()->begin(), done.depths()->end());
+    }
+    pending_.pop_front();
+}
+
+void Frames::abandon() {
+    pending_.clear();
+    finished_.clear();
+    ahead_.reset();
+}
+
+void Frames::forget_content() {
+    abandon();
+    region_costs_.clear();
+}
+
+void Frames::wait_until_pending(std::size_t count) {
+    try {
+        conversation_.wait("frame",
+                           [&] { return pending_.size() <= count || conversation_.has_fault(); });
+    } catch (...) {
+        abandon();
+        throw;
+    }
+}
+
+Picture Frames::take_oldest() {
+    if (finished_.empty()) {
+        wait_until_pending(pending_.size() - 1);
+    }
+    Picture picture = std::move(finished_.front());
+    finished_.pop_front();
+    return picture;
+}
+
+void Frames::announce(const std::optional<Size>& size) {
+    drop_ahead();
+    announced_ = size;
+}
+
+void Frames::request_announced() {
+    if (const std::optional<Size> size = std::exchange(announced_, std::nullopt)) {
+        Scene scene = scene_;
+        scene.size = *size;
+        ahead_ = {next_frame_, key_of(scene)};
+        request(scene);
+    }
+}
+
+std::optional<Picture> Frames::take_ahead(int samples) {
+    if (!ahead_) {
+        return std::nullopt;
+    }
+    const bool is_wanted = samples == 1 && ahead_->key == key();
+    wait_until_pending(0);
+    if (!std::exchange(ahead_, std::nullopt)) {  // It has failed.
+        return std::nullopt;
+    }
+    Picture picture = take_oldest();
+    return is_wanted ? std::optional(std::move(picture)) : std::nullopt;
+}
+
+Picture Frames::draw() {
+    return *draw_samples(scene_.samples);
+}
+
+std::optional<Picture> Frames::draw_samples(int samples, const std::function<bool()>& go_on) {
+    if (std::optional<Picture> picture = take_ahead(samples)) {
+        return picture;
+    }
+    for (Pass pass{0, samples}; pass.sample < samples; ++pass.sample) {
+        wait_until_pending(max_frames_in_flight - 1);
+        if (go_on && !go_on()) {
+            wait_until_pending(0);  // The machine holds two frames, not more.
+            return std::nullopt;
+        }
+        request(scene_, ReadBack::pixels, pass);
+    }
+    wait_until_pending(0);
+    return take_oldest();
+}
+
+int Frames::max_samples() const {
+    const auto px = [](int length) { return static_cast<std::uint32_t>(length); };
+    const std::size_t regions = region_count(px(scene_.size.width), px(scene_.size.height), 1);
+    const std::size_t renderers = conversation_.renderer_count();
+    int most = 1;
+    for (const int samples : sample_counts) {
+        if ((regions + renderers - 1) / renderers <= isa::max_summed_regions(px(samples))) {
+            most = samples;
+        }
+    }
+    return most;
+}
+
+std::uint64_t Frames::key_of(const Scene& scene) const {
+    Digest digest;
+    const bus::Payload message = frame_request(scene, stage(), 0, {});
+    digest.add(std::as_bytes(message.bytes()));
+    const std::array<std::uint64_t, 2> content = {volumes_.id(), conversation_.broadcasts()};
+    digest.add(std::as_bytes(std::span(content)));
+    return digest.value();
+}
+
+std::optional<Frames::Picked> Frames::pick(int x, int y) {
+    const Volume& held = volumes_.volume();  // Throws for archives.
+    drop_ahead();
+    depths_.clear();
+    request(scene_, ReadBack::pixels_and_depths);
+    const Picture picture = take_oldest();
+    const Stage shown = stage();
+    const std::optional<Pick> found = host::pick(
+        {matrices_of(scene_, shown), picture.width, picture.height, depths_}, x, y, held);
+    if (!found) {
+        return std::nullopt;
+    }
+    const std::vector<DrawnSurface> drawn = drawn_surfaces(scene_, shown);
+    return Picked{*found, drawn.at(static_cast<std::size_t>(found->surface)).surface->name};
+}
+
+OrbitReport Frames::orbit(int frames, const TakeFrame& take, int in_flight) {
+    assert(in_flight >= 1 && in_flight <= max_frames_in_flight);
+    drop_ahead();
+    // Restores the camera and leaves no frame of the orbit over, also if `take` throws.
+    struct Restore {
+        Frames& frames;
+        const Camera before = frames.scene_.camera;
+        ~Restore() {
+            frames.scene_.camera = before;
+            frames.abandon();
+        }
+    };
+    const Restore restore{*this};
+    const auto camera_of = [&](int index) {
+        Camera camera = restore.before;
+        camera.angles.azimuth_deg += 360.0 * index / frames;
+        return camera;
+    };
+    std::vector<double> latencies_ms;
+    const std::int64_t start_ns = now_ns();
+    for (int requested = 0, taken = 0; taken < frames; ++taken) {
+        // A picture of several samples already has two passes in flight.
+        const bool is_single = scene_.samples == 1;
+        for (; is_single && requested < frames && requested - taken < in_flight; ++requested) {
+            scene_.camera = camera_of(requested);
+            request(scene_);
+        }
+        if (!is_single) {
+            scene_.camera = camera_of(taken);
+        }
+        const Picture picture = is_single ? take_oldest() : draw();
+        latencies_ms.push_back(last_.elapsed_ms);
+        take(taken, picture, camera_of(taken));
+    }
+    return {frames, ms_since(start_ns), spread_of(std::move(latencies_ms))};
+}
+
+void Frames::take_counts(const bus::Message& message) {
+    const auto& counts = *message.as<schema::FrameCounts>();
+    const auto counted = std::ranges::find(counted_, counts.frame(), &CountedFrame::frame);
+    if (counted != counted_.end()) {
+        counts.UnPackTo(&counted->counts[message.source()]);
+    }
+}
+
+/// Returns whether all counts of the frame have arrived.
+bool Frames::is_counted(const CountedFrame& frame) const {
+    const auto has_reported = [&](bus::NodeId node) { return frame.counts.contains(node); };
+    return !frame.region_renderers.empty() &&
+           std::ranges::all_of(conversation_.gps(), has_reported) &&
+           std::ranges::all_of(conversation_.machine().renderer_ids(), has_reported);
+}
+
+std::vector<CountedFrame> Frames::draw_counted() {
+    struct Forget {
+        std::vector<CountedFrame>& counted;
+        ~Forget() { counted.clear(); }
+    };
+    const Forget forget{counted_};
+    drop_ahead();
+    for (Pass pass{0, scene_.samples}; pass.sample < scene_.samples; ++pass.sample) {
+        wait_until_pending(max_frames_in_flight - 1);
+        CountedFrame& frame = counted_.emplace_back();
+        frame.frame = next_frame_;
+        frame.width = static_cast<std::uint32_t>(scene_.size.width);
+        frame.height = static_cast<std::uint32_t>(scene_.size.height);
+        frame.pass = pass;
+        request(scene_, ReadBack::pixels, pass, true);
+    }
+    wait_until_pending(0);
+    take_oldest();
+    conversation_.wait("counts of the frame", [this] {
+        return conversation_.has_fault() ||
+               std::ranges::all_of(counted_,
+                                   [this](const CountedFrame& f) { return is_counted(f); });
+    });
+    return std::move(counted_);
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,148 @@
+// Frames of the scene: requested, at most two in flight, and taken in order.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/base/spread.hpp"
+#include "host/scene/pick.hpp"
+#include "host/session/nodes.hpp"
+#include "host/session/transfer/frame_request.hpp"
+#include "host/session/volumes.hpp"
+
+namespace pxpl5::host {
+
+/// A finished picture, top row first.
+struct Picture {
+    int width = 0, height = 0;
+    std::vector<std::uint32_t> rgba;  ///< width * height; red in the low byte.
+};
+
+/// Sums over all passes of a picture of several samples.
+struct FrameReport {
+    std::uint32_t frame = 0;                      ///< Number of the last pass.
+    std::int64_t instructions = 0;                ///< Executed by all Renderers.
+    std::int64_t renderer_cycles = 0;             ///< Modelled, summed over regions.
+    double elapsed_ms = 0;                        ///< Request to picture.
+    int region_columns = 0, region_rows = 0;      ///< Rows over all views.
+    std::vector<std::uint64_t> region_cycles;     ///< Modelled, by region.
+    std::vector<std::uint16_t> region_renderers;  ///< Index of the Renderer, by region.
+};
+
+/// A frame, and the counts that each GP and Renderer reports.
+struct CountedFrame {
+    std::uint32_t frame = 0;
+    std::uint32_t width = 0, height = 0, views = 1;  ///< Pixels per view.
+    Pass pass;
+    std::vector<std::uint16_t> region_renderers;  ///< Index of the Renderer, by region.
+    std::map<bus::NodeId, bus::schema::FrameCountsT> counts;
+};
+
+struct OrbitReport {
+    int frames = 0;
+    double elapsed_ms = 0;
+    Spread latency_ms;  ///< Request to picture.
+};
+
+/// GPs prepare one frame while Renderers draw the other.
+inline constexpr int max_frames_in_flight = 2;
+
+class Frames {
+  public:
+    Frames(Conversation& conversation, Scene& scene, const Volumes& volumes, Nodes& nodes);
+
+    /// Draws the scene with its number of samples per pixel.
+    Picture draw();
+    /// Draws the scene with 1, 4 or 16 samples per pixel (sample_offset()), two passes at a time.
+    /// Calls go_on, if any, before each pass. When go_on returns false, waits for the passes in
+    /// flight and returns nothing. Throws RequestError (failed) as drawing does, and if the
+    /// Renderers have no room for the sums: see max_samples().
+    std::optional<Picture> draw_samples(int samples, const std::function<bool()>& go_on = {});
+    /// Draws the scene, and drops the picture: one frame per sample, in the order of samples.
+    std::vector<CountedFrame> draw_counted();
+    /// The most samples that the machine can draw a picture of the scene's size with.
+    int max_samples() const;
+    /// Draws `frames` frames, the azimuth growing by 360/frames each, `in_flight` (1 or 2) at a
+    /// time. Gives each to `take` in order, with its camera. The scene's camera stays the same.
+    using TakeFrame = std::function<void(int, const Picture&, const Camera&)>;
+    OrbitReport orbit(int frames, const TakeFrame& take, int in_flight = max_frames_in_flight);
+
+    /// Announces that the next new surface is drawn once it is extracted, in this size and with one
+    /// sample. Surfaces::set() then requests the frame together with the surface. No size: no such
+    /// frame.
+    void announce(const std::optional<Size>& size);
+    /// Requests the announced frame, if any. The next drawing takes the frame if it shows what is
+    /// drawn, else drops the frame.
+    void request_announced();
+    /// True if a frame was requested ahead and not taken yet.
+    bool has_frame_ahead() const { return ahead_.has_value(); }
+
+    const FrameReport& last() const { return last_; }
+
+    /// Draws the scene once and returns what pixel (x, y) from the top left shows; nothing for the
+    /// background. Throws RequestError for archives.
+    struct Picked {
+        Pick pick;
+        std::string surface;
+    };
+    std::optional<Picked> pick(int x, int y);
+    /// The sphere that the camera looks at.
+    Subject subject() const { return stage().subject; }
+    /// A digest of a frame's request and of the GPs' content. Two moments have the same key only if
+    /// the frames drawn then are the same.
+    std::uint64_t key() const { return key_of(scene_); }
+    /// Waits for the frame ahead, if any, and drops it.
+    void drop_ahead() { take_ahead(0); }
+    /// Ignores the frames in flight, without waiting for them.
+    void abandon();
+    /// Forgets everything about the content of the GPs, because it is replaced.
+    void forget_content();
+
+  private:
+    struct Pending {
+        std::uint32_t frame = 0;
+        std::int64_t started_ns = 0;  ///< Start of the picture's first pass.
+        Pass pass;
+    };
+    struct Ahead {
+        std::uint32_t frame = 0;
+        std::uint64_t key = 0;
+    };
+
+    Stage stage() const;
+    std::uint64_t key_of(const Scene& scene) const;
+    void request(const Scene& scene, ReadBack read_back = ReadBack::pixels, Pass pass = {},
+                 bool counts = false);
+    bool take_fault(std::uint32_t frame);
+    void take_done(const bus::schema::FrameDone& done);
+    void take_counts(const bus::Message& message);
+    bool is_counted(const CountedFrame& frame) const;
+    /// Takes the frame ahead if its key is the scene's; else waits for the frame and drops it.
+    std::optional<Picture> take_ahead(int samples);
+    /// Waits until at most `count` frames are in flight.
+    void wait_until_pending(std::size_t count);
+    Picture take_oldest();
+
+    Conversation& conversation_;
+    Scene& scene_;
+    const Volumes& volumes_;
+    Nodes& nodes_;
+    std::uint32_t next_frame_ = 0;
+    std::optional<Size> announced_;
+    std::optional<Ahead> ahead_;
+    std::deque<Pending> pending_;
+    std::deque<Picture> finished_;
+    std::vector<CountedFrame> counted_;         ///< Being drawn.
+    std::vector<std::uint32_t> depths_;         ///< Depths of the newest frame that has them.
+    std::vector<std::uint64_t> region_costs_;   ///< Costs of the newest frame's regions.
+    std::vector<std::uint64_t> picture_costs_;  ///< Costs that the newest picture is shared by.
+    std::int64_t picture_started_ns_ = 0;
+    FrameReport last_;
+};
+
+}  // namespace pxpl5::host

@@ -1,0 +1,174 @@
+#include "host/session/meshes.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "host/base/digest.hpp"
+#include "host/base/error.hpp"
+#include "host/base/nearest.hpp"
+#include "host/surface/mesh_gather.hpp"
+#include "host/surface/mesh_mask.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+namespace schema = bus::schema;
+
+std::uint64_t digest_of(const schema::SlabMesh& mesh) {
+    Digest digest;
+    const auto add = [&digest](const auto& vector) {
+        digest.add({reinterpret_cast<const std::byte*>(vector.Data()),
+                    vector.size() * sizeof(*vector.data())});
+    };
+    add(*mesh.vertices());
+    add(*mesh.keys());
+    add(*mesh.indices());
+    return digest.value();
+}
+
+Shown shown_by(const ComponentFilter& filter, const WeldedMesh& mesh, const MeshComponents& parts,
+               const VolumeGrid& grid) {
+    switch (parts.components.empty() ? ComponentFilter::Kind::all : filter.kind) {
+        case ComponentFilter::Kind::largest:
+            return show_component(parts, 0);
+        case ComponentFilter::Kind::at_least_mm2:
+            return show_at_least(parts, ComponentMeasure::area_mm2, filter.least);
+        case ComponentFilter::Kind::at_least_ml:
+            return show_at_least(parts, ComponentMeasure::volume_ml, filter.least);
+        case ComponentFilter::Kind::at_point: {
+            const std::optional<SurfacePoint> nearest = nearest_point(mesh, grid, filter.p_mm);
+            return show_component(parts, parts.of_triangle[nearest.value().triangle]);
+        }
+        case ComponentFilter::Kind::all:
+            break;
+    }
+    return Shown(mesh.triangles.size(), 1);
+}
+
+}  // namespace
+
+Surface& Meshes::surface(const std::string& name) const {
+    if (volumes_.archive() != nullptr) {
+        volumes_.volume();  // Throws, because an archive has no surfaces with names.
+    }
+    std::vector<std::string_view> names;
+    for (Surface& surface : scene_.surfaces) {
+        if (surface.name == name) {
+            return surface;
+        }
+        names.push_back(surface.name);
+    }
+    throw RequestError(ExitCode::usage, fmt::format("there is no surface '{}'{}", name,
+                                                    names.empty() ? "; there is none yet"
+                                                                  : did_you_mean(name, names)));
+}
+
+void Meshes::fetch_parts(const Surface& surface, bool origins,
+                         const std::function<void(const bus::Message&)>& take) {
+    schema::FetchMeshT request;
+    request.surface = surface.id;
+    request.origins = origins;
+    conversation_.ask("mesh of " + surface.name, bus::pack(request), [&](const bus::Message& m) {
+        const auto* part = m.as<schema::MeshPart>();
+        if (part == nullptr || part->surface() != surface.id ||
+            part->revision() != surface.revision) {
+            return false;
+        }
+        take(m);
+        return true;
+    });
+}
+
+std::uint64_t Meshes::digest(const std::string& name) {
+    std::map<std::uint32_t, std::uint64_t> slab_digests;
+    fetch_parts(surface(name), false, [&](const bus::Message& message) {
+        for (const auto* mesh : *message.as<schema::MeshPart>()->slabs()) {
+            slab_digests[mesh->slab()] = digest_of(*mesh);
+        }
+    });
+    Digest digest;
+    for (const auto& [slab, value] : slab_digests) {
+        digest.add(std::as_bytes(std::span(&value, 1)));
+    }
+    return digest.value();
+}
+
+WeldedMesh Meshes::fetch(const std::string& name, bool cells) {
+    const Surface& known = surface(name);
+    MeshGather gather(grid(), known.id, known.revision);
+    fetch_parts(known, cells, [&gather](const bus::Message& part) { gather.add(part); });
+    return gather.finish();
+}
+
+void Meshes::show(const std::string& name, const WeldedMesh& mesh, const Shown& shown) {
+    const Surface& known = surface(name);
+    conversation_.ask("mask of " + name, mask_message(mesh, shown, known.id, known.revision),
+                      [&](const bus::Message& message) {
+                          const auto* taken = message.as<schema::SurfaceBuilt>();
+                          return taken != nullptr && taken->surface() == known.id &&
+                                 taken->revision() == known.revision;
+                      });
+}
+
+std::pair<std::size_t, std::size_t> Meshes::apply_filter(const Surface& surface) {
+    const WeldedMesh whole = fetch(surface.name);
+    const MeshComponents parts = find_components(whole, grid());
+    const Shown shown = shown_by(surface.components, whole, parts, grid());
+    show(surface.name, whole, shown);
+    std::set<std::uint32_t> drawn;
+    for (std::size_t t = 0; t < shown.size(); ++t) {
+        if (shown[t] != 0) {
+            drawn.insert(parts.of_triangle[t]);
+        }
+    }
+    return {parts.components.size(), drawn.size()};
+}
+
+WeldedMesh Meshes::fetch_drawn(const Surface& surface) {
+    WeldedMesh whole = fetch(surface.name);
+    if (surface.components.kind == ComponentFilter::Kind::all) {
+        return whole;
+    }
+    const MeshComponents parts = find_components(whole, grid());
+    return shown_part(whole, shown_by(surface.components, whole, parts, grid()));
+}
+
+std::vector<AtlasRow> Meshes::measure(std::span<const double> isovalues, CaseRule table) {
+    volumes_.volume();  // Throws if no volume is loaded.
+    schema::MeasureIsovaluesT request;
+    request.isovalues.assign(isovalues.begin(), isovalues.end());
+    request.table = table;
+    // Sums in slab order, so that rounding does not depend on the machine.
+    std::map<std::uint32_t, std::vector<schema::IsovalueCounts>> slabs;
+    conversation_.ask("isovalues", bus::pack(request), [&](const bus::Message& message) {
+        const auto* measured = message.as<schema::IsovaluesMeasured>();
+        if (measured == nullptr) {
+            return false;
+        }
+        for (const auto* slab : *measured->slabs()) {
+            auto& counts = slabs[slab->slab()];
+            for (const schema::IsovalueCounts* each : *slab->counts()) {
+                counts.push_back(*each);
+            }
+        }
+        return true;
+    });
+    std::vector<AtlasRow> rows;
+    for (const double isovalue : isovalues) {
+        rows.push_back({isovalue, 0, 0, 0, 0});
+    }
+    for (const auto& [slab, counts] : slabs) {
+        for (std::size_t i = 0; i < std::min(rows.size(), counts.size()); ++i) {
+            rows[i].triangles += counts[i].triangles();
+            rows[i].area_mm2 += counts[i].area_mm2();
+            rows[i].volume_mm3 += counts[i].volume_mm3();
+        }
+    }
+    return rows;
+}
+
+}  // namespace pxpl5::host

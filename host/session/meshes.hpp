@@ -1,0 +1,53 @@
+// Meshes of surfaces, read back from the GPs, and masks of their triangles.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/scene/scene.hpp"
+#include "host/session/volumes.hpp"
+#include "host/surface/atlas/atlas_chart.hpp"
+#include "host/surface/components.hpp"
+#include "host/surface/volume_grid.hpp"
+#include "host/surface/welded_mesh.hpp"
+
+namespace pxpl5::host {
+
+class Meshes {
+  public:
+    Meshes(Conversation& conversation, Scene& scene, const Volumes& volumes)
+        : conversation_(conversation), scene_(scene), volumes_(volumes) {}
+
+    /// The surface of that name in the scene. Throws RequestError.
+    Surface& surface(const std::string& name) const;
+    VolumeGrid grid() const { return grid_of(volumes_.volume()); }
+
+    /// The surface as one mesh. cells: with the cell of each triangle.
+    WeldedMesh fetch(const std::string& name, bool cells = false);
+    /// The surface's mesh without the components that are not drawn.
+    WeldedMesh fetch_drawn(const Surface& surface);
+    /// FNV-1a over the surface's triangles in slab order: equal for every size of machine.
+    std::uint64_t digest(const std::string& name);
+    /// Draws only the shown triangles of `mesh`, until the surface changes.
+    void show(const std::string& name, const WeldedMesh& mesh, const Shown& shown);
+    /// Draws only the components that the surface's filter selects. Returns the number of
+    /// components, and the number of components drawn.
+    std::pair<std::size_t, std::size_t> apply_filter(const Surface& surface);
+    /// The measures of the surface at each isovalue (ascending), without components.
+    std::vector<AtlasRow> measure(std::span<const double> isovalues, CaseRule table);
+
+  private:
+    /// Gives each GP's part of the surface's mesh to `take`, in any order.
+    void fetch_parts(const Surface& surface, bool origins,
+                     const std::function<void(const bus::Message&)>& take);
+
+    Conversation& conversation_;
+    Scene& scene_;
+    const Volumes& volumes_;
+};
+
+}  // namespace pxpl5::host

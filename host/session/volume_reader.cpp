@@ -1,0 +1,92 @@
+#include "host/session/volume_reader.hpp"
+
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include "host/base/digest.hpp"
+#include "host/base/error.hpp"
+#include "host/phantom/phantom.hpp"
+
+namespace pxpl5::host {
+
+namespace schema = bus::schema;
+
+namespace {
+
+/// True if the voxels are not processed.
+bool is_plain(const ImportOptions& options) {
+    return options.series.empty() && options.spacing_mm.empty() && !options.raw &&
+           options.crop_first.empty() && options.crop_size.empty() &&
+           options.resample_size.empty() && options.resample_spacing_mm.empty() &&
+           options.smooth_mm == 0;
+}
+
+}  // namespace
+
+VolumeReader::VolumeReader(Conversation& conversation, IoRequests& io, const LoadSettings& settings)
+    : conversation_(conversation), io_(io), settings_(settings) {
+    conversation_.handle(bus::Body::VolumeHeader, [this](const bus::Message& message) {
+        receiver_.emplace().begin(*message.as<schema::VolumeHeader>());
+    });
+    conversation_.handle(bus::Body::Slices, [this](const bus::Message& message) {
+        if (receiver_) {
+            receiver_->add(*message.as<schema::Slices>());
+        }
+    });
+    conversation_.handle(bus::Body::VolumeEnd, [this](const bus::Message&) {
+        if (receiver_) {
+            received_ = receiver_->finish();
+        }
+    });
+}
+
+Volume VolumeReader::read_phantom(const std::string& source) {
+    if (settings_.will_write) {
+        conversation_.machine().prepare_io();
+    }
+    try {
+        Volume volume = make_phantom(source);
+        Digest digest;
+        digest.add(volume.values);
+        volume.digest = digest.value();
+        volume.source = source;
+        return volume;
+    } catch (const std::invalid_argument& error) {
+        throw RequestError(ExitCode::usage, error.what());
+    }
+}
+
+Volume VolumeReader::read(const std::string& source, const ImportOptions& options,
+                          const OnSlices& on_slices) {
+    if (is_phantom(source) && is_plain(options)) {
+        return read_phantom(source);
+    }
+    struct Forget {
+        VolumeReader& reader;
+        ~Forget() {
+            reader.receiver_.reset();
+            reader.received_.reset();
+        }
+    };
+    const Forget forget{*this};
+    const std::string name =
+        is_phantom(source) ? source : std::filesystem::absolute(source).string();
+    ImportOptions request = options;
+    request.path = source;
+    io_.run(source, ExitCode::bad_data, bus::pack(request), [&] {
+        if (receiver_ && !received_) {
+            receiver_->volume().source = name;
+            if (on_slices) {
+                on_slices(receiver_->volume(), receiver_->slices_there());
+            }
+        }
+        return received_.has_value();
+    });
+    if (settings_.will_write) {
+        conversation_.machine().prepare_io();
+    }
+    return std::move(*received_);
+}
+
+}  // namespace pxpl5::host

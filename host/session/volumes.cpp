@@ -1,0 +1,193 @@
+#include "host/session/volumes.hpp"
+
+#include <fmt/core.h>
+
+#include <set>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "host/base/stopwatch.hpp"
+#include "host/session/transfer/scene_transfer.hpp"
+
+namespace pxpl5::host {
+
+namespace schema = bus::schema;
+
+Volumes::Volumes(Conversation& conversation, IoRequests& io, Scene& scene,
+                 const LoadSettings& settings, std::function<void()> on_replaced)
+    : conversation_(conversation),
+      scene_(scene),
+      settings_(settings),
+      on_replaced_(std::move(on_replaced)),
+      reader_(conversation, io, settings) {}
+
+const Volume& Volumes::volume() const {
+    if (archive_) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("{} is a scene of polygons, spheres and lines: it has no "
+                                       "voxels and no isosurfaces; load a volume for them",
+                                       archive_->content.file));
+    }
+    if (!volume_) {
+        throw RequestError(ExitCode::usage, "no volume is loaded; load one first: load VOLUME");
+    }
+    return *volume_;
+}
+
+Volume Volumes::read(const std::string& source, const ImportOptions& options) {
+    if (phigs::is_archive(source)) {
+        throw RequestError(ExitCode::usage, source + " is a scene, not a volume");
+    }
+    return reader_.read(source, options);
+}
+
+/// A volume on its way to the GPs. It may still be read meanwhile.
+struct Volumes::Loading {
+    std::string source;
+    std::optional<VolumeDistribution> distribution;  ///< None until the volume's shape is known.
+    LoadProgress reported;
+};
+
+LoadReport Volumes::load(const std::string& source, const ImportOptions& options) {
+    if (source.empty()) {
+        throw RequestError(ExitCode::usage, "load: the name of the volume is empty");
+    }
+    if (phigs::is_archive(source)) {
+        return load_archive(source);
+    }
+    struct Cancellable {
+        MachinePort& machine;
+        explicit Cancellable(MachinePort& port) : machine(port) { machine.allow_cancel(true); }
+        ~Cancellable() { machine.allow_cancel(false); }
+    };
+    const Cancellable cancellable(conversation_.machine());
+    Loading loading{source, {}, {}};
+    try {
+        return load_volume(loading, options);
+    } catch (const MachineError&) {
+        throw;
+    } catch (const std::exception&) {
+        if (loading.distribution) {
+            discard_volume();
+        }
+        throw;
+    }
+}
+
+LoadReport Volumes::load_volume(Loading& loading, const ImportOptions& options) {
+    LoadReport report{loading.source};
+    std::int64_t start_ns = now_ns();
+    report_progress({LoadProgress::Phase::reading, 0, 0}, loading);
+    Volume volume =
+        reader_.read(loading.source, options, [this, &loading](Volume& coming, int slices_there) {
+            distribute(coming, slices_there, loading);
+        });
+    report.read_ms = ms_since(start_ns);
+
+    start_ns = now_ns();
+    distribute(volume, volume.nz, loading);
+    volume_ = std::move(volume);
+    conversation_.wait(loading.source, [this, &loading] {
+        distribute(*volume_, volume_->nz, loading);
+        return conversation_.is_answered();
+    });
+    report.distribute_ms = ms_since(start_ns);
+    report.memory_bytes = memory_bytes_;
+    return report;
+}
+
+/// Drops the content of the GPs, and expects VolumeReady for the next content.
+void Volumes::replace_content() {
+    scene_.surfaces.clear();
+    scene_.clips.clear();
+    on_replaced_();
+    archive_.reset();
+    volume_.reset();
+    ++id_;
+    memory_bytes_ = 0;
+    conversation_.expect([this](const bus::Message& message) {
+        const auto* ready = message.as<schema::VolumeReady>();
+        if (ready == nullptr || ready->volume() != id_) {
+            return false;
+        }
+        memory_bytes_ += static_cast<std::int64_t>(ready->memory_bytes());
+        return true;
+    });
+}
+
+void Volumes::begin_distribution(Volume& volume, Loading& loading) {
+    if (volume.nz < 2) {
+        throw RequestError(
+            ExitCode::bad_data,
+            fmt::format("{}: {} x {} x {} voxels are a single slice, which has no surface; "
+                        "'info' tells of it",
+                        loading.source, volume.nx, volume.ny, volume.nz));
+    }
+    replace_content();  // Not earlier, because the new volume might have been unreadable.
+    const int gp_count = static_cast<int>(conversation_.gps().size());
+    volume.slabs_per_set = settings_.slabs_per_set != 0 ? settings_.slabs_per_set
+                                                        : slabs_per_set_for(volume, gp_count);
+    const bus::Payload header = volume_header(volume, id_);
+    for (const bus::NodeId gp : conversation_.gps()) {
+        conversation_.machine().send(gp, header);
+    }
+    loading.distribution.emplace(volume, id_, gp_count);
+}
+
+/// Sends the slices that are there to the GPs that take more.
+void Volumes::distribute(Volume& volume, int slices_there, Loading& loading) {
+    if (!loading.distribution) {
+        begin_distribution(volume, loading);
+    }
+    MachinePort& machine = conversation_.machine();
+    const std::vector<bus::NodeId>& gps = conversation_.gps();
+    VolumeDistribution& distribution = *loading.distribution;
+    distribution.send_more(
+        volume, slices_there,
+        {[&](std::size_t gp) { return machine.takes_more(gps[gp]); },
+         [&](std::size_t gp, const bus::Payload& payload) { machine.send(gps[gp], payload); },
+         machine.body_allocator()});
+    report_progress(slices_there < volume.nz
+                        ? LoadProgress{LoadProgress::Phase::reading, slices_there, volume.nz}
+                        : LoadProgress{LoadProgress::Phase::distributing, distribution.sent(),
+                                       distribution.total()},
+                    loading);
+}
+
+void Volumes::report_progress(const LoadProgress& now, Loading& loading) const {
+    if (settings_.progress && now != std::exchange(loading.reported, now)) {
+        settings_.progress(now);
+    }
+}
+
+/// Discards a volume that is not complete, on the GPs and in messages on their way.
+void Volumes::discard_volume() {
+    MachinePort& machine = conversation_.machine();
+    machine.allow_cancel(false);  // The rest is short, and must not stop half way.
+    volume_.reset();
+    schema::DropVolumeT drop;
+    drop.volume = id_;
+    // An empty scene replaces the volume. A GP that reports the scene ready has sent all of its
+    // messages about the volume before.
+    ++id_;
+    for (const bus::NodeId gp : conversation_.gps()) {
+        machine.send(gp, bus::pack(drop));
+        machine.send(gp, phigs::scene_begin(id_, {}));
+        machine.send(gp, phigs::scene_end(id_));
+    }
+    std::set<bus::NodeId> ready;
+    conversation_.discard_until(
+        [&](const bus::Message& message) {
+            const auto* reported = message.as<schema::VolumeReady>();
+            if (reported != nullptr && reported->volume() == id_) {
+                ready.insert(message.source());
+            }
+        },
+        [&] { return ready.size() == conversation_.gps().size(); });
+    drop.volume = id_;
+    for (const bus::NodeId gp : conversation_.gps()) {
+        machine.send(gp, bus::pack(drop));
+    }
+}
+
+}  // namespace pxpl5::host

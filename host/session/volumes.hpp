@@ -1,0 +1,78 @@
+// The volume or the scene of an archive that the GPs hold, and how it gets there.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/phigs/content.hpp"
+#include "host/scene/scene.hpp"
+#include "host/session/transfer/volume_transfer.hpp"
+#include "host/session/volume_reader.hpp"
+
+namespace pxpl5::host {
+
+struct LoadReport {
+    std::string source;
+    double read_ms = 0;        ///< Until the volume is decoded or built.
+    double distribute_ms = 0;  ///< From then on until the last GP has its slice sets.
+    std::int64_t memory_bytes = 0;
+};
+
+class Volumes {
+  public:
+    /// on_replaced  Called when the content of the GPs goes, before the next content is sent.
+    Volumes(Conversation& conversation, IoRequests& io, Scene& scene, const LoadSettings& settings,
+            std::function<void()> on_replaced);
+
+    /// Reads a file or folder, or builds "phantom:NAME", and distributes the volume while it is
+    /// read. Removes all surfaces. A volume that cannot be read leaves the previous volume loaded.
+    /// If a GP cannot hold its share, or on Ctrl-C (an exception of its own), nothing is loaded.
+    /// A PPHIGS archive is a scene instead of a volume.
+    LoadReport load(const std::string& source, const ImportOptions& options = {});
+    /// Reads a volume without distributing it.
+    Volume read(const std::string& source, const ImportOptions& options = {});
+
+    bool has_volume() const { return volume_.has_value(); }
+    /// Throws RequestError if no volume is loaded.
+    const Volume& volume() const;
+    /// The archive that is loaded, without its parts; null if none is.
+    const phigs::Content* archive() const { return archive_ ? &archive_->content : nullptr; }
+    /// The surfaces of the archive, one per material.
+    const std::vector<Surface>& archive_surfaces() const { return archive_.value().surfaces; }
+
+    /// Number of the volume or scene that the GPs hold.
+    std::uint32_t id() const { return id_; }
+    /// An id that no surface of this session has had.
+    std::uint16_t new_surface_id() { return next_surface_id_++; }
+
+  private:
+    struct HeldArchive {
+        phigs::Content content;  ///< The GPs hold its parts.
+        std::vector<Surface> surfaces;
+    };
+
+    struct Loading;
+    LoadReport load_archive(const std::string& source);
+    LoadReport load_volume(Loading& loading, const ImportOptions& options);
+    void begin_distribution(Volume& volume, Loading& loading);
+    void distribute(Volume& volume, int slices_there, Loading& loading);
+    void replace_content();
+    void report_progress(const LoadProgress& now, Loading& loading) const;
+    void discard_volume();
+
+    Conversation& conversation_;
+    Scene& scene_;
+    const LoadSettings& settings_;
+    std::function<void()> on_replaced_;
+    VolumeReader reader_;
+    std::optional<Volume> volume_;
+    std::optional<HeldArchive> archive_;  ///< Never together with a volume.
+    std::uint32_t id_ = 0;
+    std::uint16_t next_surface_id_ = 0;
+    std::int64_t memory_bytes_ = 0;  ///< In use over all GPs after the load.
+};
+
+}  // namespace pxpl5::host
