@@ -181,3 +181,46 @@ TEST_CASE("views drawn one at a time are those drawn two at a time") {
     }
     CHECK(drawn[0] == drawn[1]);
 }
+
+TEST_CASE("an announced frame is requested with the surface, and drawn once") {
+    test::SimulatedMachine machine(machine_of(2, 2));
+    Session session(machine);
+    show_sphere(session, 150, 130, 0.5);
+    const Picture plain = session.frames.draw();
+    const std::uint32_t before = session.frames.last().frame;
+    session.surfaces.set("s", 0.2, CaseRule::watertight, grey);
+    const Picture expected = session.frames.draw();
+    CHECK(expected.rgba != plain.rgba);
+    session.surfaces.set("s", 0.5, CaseRule::watertight, grey);
+    session.frames.announce(session.scene.size);
+    session.surfaces.set("s", 0.2, CaseRule::watertight, grey);
+    CHECK(session.frames.has_frame_ahead());
+    CHECK(session.frames.draw().rgba == expected.rgba);
+    CHECK(session.frames.last().frame == before + 2);
+    CHECK_FALSE(session.frames.has_frame_ahead());
+    CHECK(session.frames.draw().rgba == expected.rgba);
+    CHECK(session.frames.last().frame == before + 3);
+}
+
+TEST_CASE("an announced frame that does not show the scene is dropped") {
+    test::SimulatedMachine machine(machine_of(2, 2));
+    Session session(machine);
+    show_sphere(session, 150, 130, 0.5);
+    session.surfaces.set("t", 0.2, CaseRule::watertight, {20, 200, 20});
+    const Picture expected = session.frames.draw();
+    session.scene.camera.angles.azimuth_deg = 70;
+    session.frames.announce(session.scene.size);
+    session.surfaces.set("s", 0.5, CaseRule::watertight, grey);
+    session.scene.camera.angles.azimuth_deg = 0;
+    CHECK(session.frames.draw().rgba == expected.rgba);
+    session.frames.announce(session.scene.size);
+    session.surfaces.set("s", 0.5, CaseRule::watertight, grey);
+    session.surfaces.remove("t");
+    const Picture one = session.frames.draw();
+    CHECK(session.frames.draw().rgba == one.rgba);
+    session.frames.announce(session.scene.size);
+    session.surfaces.set("s", 0.2, CaseRule::watertight, grey);
+    session.volumes.load("phantom:sphere");
+    CHECK_FALSE(session.frames.has_frame_ahead());
+    CHECK(session.frames.draw().rgba.size() == 150 * 130);
+}
