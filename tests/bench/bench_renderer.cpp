@@ -14,7 +14,6 @@
 #include "tests/renderer_firmware/triangles.hpp"
 
 using namespace pxpl5;
-using VectorTarget;
 using renderer::Igc;
 using renderer::fast::Fast;
 using Words = std::vector<std::uint32_t>;

@@ -188,9 +188,8 @@ std::optional<Slabs> WorkReader::slabs_of(const schema::SetSurface& set) {
                 fmt::format("surface {}, revision {}: {}", set.surface(), set.revision(), lacking));
             return std::nullopt;
         }
-        const gp::SlabCounts counts = replay_extraction(*volume_, slab, set.isovalue(),
-                                                        set.table())
-                                          .counts;
+        const gp::SlabCounts counts =
+            replay_extraction(*volume_, slab, set.isovalue(), set.table()).counts;
         slabs[k] = {k, counts.cells_active, counts.vertices, counts.triangles};
     }
     return slabs;

@@ -12,5 +12,4 @@ namespace pxpl5::host::inspect {
 /// for a message without fields.
 std::string describe(const bus::Message& message);
 
-
 }  // namespace pxpl5::host::inspect

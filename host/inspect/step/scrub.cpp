@@ -14,8 +14,7 @@ constexpr std::uint32_t disabled_alpha = 254, alpha_shift = 24;
 
 /// True in and after the end-of-region program, which computes the colors.
 bool has_colors(const RegionWalk& walk) {
-    return walk.done() ||
-           walk.plan().parts[walk.at().part].kind == PartKind::end_of_region;
+    return walk.done() || walk.plan().parts[walk.at().part].kind == PartKind::end_of_region;
 }
 
 }  // namespace

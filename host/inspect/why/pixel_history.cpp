@@ -257,8 +257,8 @@ PixelHistory history_of(const RecordedFrame& frame, const RecordedRegion& region
     Historian(region, history, pixel).run();
     const std::optional<RecordedTile> tile = tile_of(frame, region.place.number);
     if (tile && !tile->pixels.empty()) {
-        history.sent = tile->pixels[static_cast<std::size_t>(
-            history.y_in_region() * region_px + history.x_in_region())];
+        history.sent = tile->pixels[static_cast<std::size_t>(history.y_in_region() * region_px +
+                                                             history.x_in_region())];
     }
     return history;
 }

@@ -98,8 +98,7 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
 
 // Of the share's other slabs, if the volume is so high that it has any, slices of zeros are enough:
 // nothing of a slab depends on them.
-gp::SlabMesh replay_extraction(const KnownVolume& volume, int k, double isovalue,
-                               CaseRule rule) {
+gp::SlabMesh replay_extraction(const KnownVolume& volume, int k, double isovalue, CaseRule rule) {
     const gp::Share share{k % max_nodes_per_role, max_nodes_per_role};
     gp::VolumeShape shape = volume.shape();
     shape.slabs_per_set = 1;  // A slab is the same in sets of any size: the smallest is cheapest.

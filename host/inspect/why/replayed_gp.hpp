@@ -57,8 +57,7 @@ struct ReplayedCell {
 
 /// Extracts one slab, whose slices, and those that its gradients need, KnownVolume::need() has
 /// granted; see slices_below and slices_above.
-gp::SlabMesh replay_extraction(const KnownVolume& volume, int k, double isovalue,
-                               CaseRule rule);
+gp::SlabMesh replay_extraction(const KnownVolume& volume, int k, double isovalue, CaseRule rule);
 
 /// Slices on either side of a slab's lower one that its extraction looks at.
 inline constexpr int slices_below = 1, slices_above = 2;

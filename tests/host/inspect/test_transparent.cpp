@@ -37,32 +37,33 @@ Shown shown_by(const inspect::RecordedRun& run, std::uint32_t number) {
 
 /// A ball in a ball: frame 0 the outer one alone, frame 1 the inner one alone, frame 2 both, the
 /// outer one in `opacity` sixteenths; frame 3 both with the list turned round.
-RecordedSurface balls(int gps, int renderers, std::uint8_t opacity) {
-    RecordedSurface recorded(host::make_phantom("phantom:sphere"), gps, renderers);
-    recorded.add_surface(outer);
-    recorded.add_surface(inner);
-    for (int frame = 0; frame < 4; ++frame) {
-        recorded.draw({{30, 25}, 1.0}, width, height, [&](bus::schema::DrawFrameT& draw) {
-            draw.read_back = draw.read_depths = true;
-            draw.surfaces[1].mutable_colour() = bus::schema::Rgb(10, 20, 240);
-            if (frame < 2) {
-                draw.surfaces.erase(draw.surfaces.begin() + (1 - frame));
-                return;
-            }
-            draw.surfaces[0].mutate_opacity(opacity);
-            if (frame == 3) {
-                std::swap(draw.surfaces[0], draw.surfaces[1]);
-            }
-        });
+struct Balls : RecordedSurface {
+    Balls(int gps, int renderers, std::uint8_t opacity)
+        : RecordedSurface(host::make_phantom("phantom:sphere"), gps, renderers) {
+        add_surface(outer);
+        add_surface(inner);
+        for (int frame = 0; frame < 4; ++frame) {
+            draw({{30, 25}, 1.0}, width, height, [&](bus::schema::DrawFrameT& draw) {
+                draw.read_back = draw.read_depths = true;
+                draw.surfaces[1].mutable_colour() = bus::schema::Rgb(10, 20, 240);
+                if (frame < 2) {
+                    draw.surfaces.erase(draw.surfaces.begin() + (1 - frame));
+                    return;
+                }
+                draw.surfaces[0].mutate_opacity(opacity);
+                if (frame == 3) {
+                    std::swap(draw.surfaces[0], draw.surfaces[1]);
+                }
+            });
+        }
     }
-    return recorded;
-}
+};
 
 }  // namespace
 
 TEST_SUITE("transparent surfaces") {
     TEST_CASE("a pixel shows the outer ball where the pattern says so, else the inner one") {
-        const RecordedSurface recorded = balls(3, 2, 6);
+        const Balls recorded(3, 2, 6);
         const inspect::RecordedRun run = recorded.run();
         const Shown skin = shown_by(run, 0), bone = shown_by(run, 1), both = shown_by(run, 2);
         int through = 0;
@@ -85,13 +86,13 @@ TEST_SUITE("transparent surfaces") {
         CHECK(through > 2000);
     }
     TEST_CASE("the picture does not depend on the machine") {
-        const RecordedSurface one = balls(1, 1, 11), many = balls(4, 3, 11);
+        const Balls one(1, 1, 11), many(4, 3, 11);
         for (const std::uint32_t frame : {2U, 3U}) {
             CHECK(shown_by(one.run(), frame) == shown_by(many.run(), frame));
         }
     }
     TEST_CASE("in the other order of the list the same pixels show the same") {
-        const inspect::RecordedRun run = balls(2, 1, 8).run();
+        const inspect::RecordedRun run = Balls(2, 1, 8).run();
         const Shown skin = shown_by(run, 0), turned = shown_by(run, 3);
         for (int y = 0; y < height; ++y) {
             for (int x = 0; x < width; ++x) {
@@ -103,7 +104,7 @@ TEST_SUITE("transparent surfaces") {
         }
     }
     TEST_CASE("replay agrees on both executors, and statistics with what Renderers told") {
-        const inspect::RecordedRun run = balls(2, 2, 8).run();
+        const inspect::RecordedRun run = Balls(2, 2, 8).run();
         inspect::ReplayOptions options;
         options.executors = inspect::parse_executors("both");
         inspect::SelectionText selection;
@@ -118,7 +119,7 @@ TEST_SUITE("transparent surfaces") {
         CHECK(stats.told == stats.regions);
     }
     TEST_CASE("doors and depths are parts with names of their own, which lead back to them") {
-        const inspect::RecordedRun run = balls(2, 1, 8).run();
+        const inspect::RecordedRun run = Balls(2, 1, 8).run();
         const inspect::RecordedFrame frame = run.frame(2);
         const renderer::RegionPlan& plan = frame.regions.at(1).plan;
         std::set<std::string> names;
@@ -132,7 +133,7 @@ TEST_SUITE("transparent surfaces") {
         }
     }
     TEST_CASE("why takes a door's stores for nobody's, and why-not knows a shut door") {
-        const inspect::RecordedRun run = balls(2, 1, 8).run();
+        const inspect::RecordedRun run = Balls(2, 1, 8).run();
         inspect::FrameInquiry frame(run, 2);
         int open = 0, shut = 0;
         for (int n = 0; n < 40; ++n) {
