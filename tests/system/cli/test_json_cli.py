@@ -17,7 +17,7 @@ except ImportError:
     sys.exit("SKIPPED: python3-jsonschema is not installed")
 
 BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin").resolve()
-COMMANDS = pathlib.Path(__file__).resolve().parents[2] / "host/commands"
+COMMANDS = pathlib.Path(__file__).resolve().parents[3] / "host/commands"
 SCHEMA = json.loads((COMMANDS / "reply.schema.json").read_text())
 PAGE = COMMANDS / "JSON.md"
 LIMIT_S = 120
@@ -58,7 +58,7 @@ def page_text():
 
 `pxpl5 run --json` and `pxpl5 render --json` print one JSON object per command on one line.
 [reply.schema.json](reply.schema.json) is its schema, and this page is made from the schema:
-`python3 tests/system/test_json_cli.py BIN_DIR --write-page`. Millimeters are LPS patient
+`python3 tests/system/cli/test_json_cli.py BIN_DIR --write-page`. Millimeters are LPS patient
 coordinates, times are in milliseconds, and whole numbers are JSON integers. A new field may appear
 in schema 1. If a field goes or changes its meaning, `schema` becomes 2.
 

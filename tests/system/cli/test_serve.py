@@ -13,7 +13,7 @@ import unittest
 import urllib.parse
 import urllib.request
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "host/serve"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "host/serve"))
 from websocket_client import Refused, WebSocket  # noqa: E402
 
 BINARIES = pathlib.Path()  # From the command line.
