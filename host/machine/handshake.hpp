@@ -1,4 +1,4 @@
-// Coming up, as the host sees it: all say Hello, all are told the topology, all connect, then Go.
+// The host's side of the start: Hello from all, topology to all, Connected from all, Go to all.
 #pragma once
 
 #include <cstdint>
@@ -10,29 +10,29 @@
 
 namespace pxpl5::host {
 
-/// What host and child must agree on.
+/// Values that must be equal in host and child.
 struct Identity {
     std::string build;
     std::uint64_t schema_hash = 0;
 };
 
-/// Which of `nodes` have said Hello, and which Connected.
+/// Records which nodes have sent Hello and Connected.
 class Handshake {
   public:
     /// nodes   Without the host; their pids are known.
     Handshake(Roster nodes, Identity own);
 
-    /// Notes who can be reached where. Throws MachineError (69) for a node that was not started,
-    /// said it before, or is of another build or schema: names the node and both values.
+    /// Stores the node's endpoint. Throws MachineError (69) if the node was not started, has sent
+    /// Hello before, or has another build or schema. The error names the node and both values.
     void hello(const bus::schema::Hello& hello);
-    /// Notes that `id` knows all others. Throws MachineError (69) if it is unknown.
+    /// Records that `id` knows all others. Throws MachineError (69) if `id` is unknown.
     void connected(bus::NodeId id);
 
-    /// Names of the nodes that have not said Hello, or not Connected.
+    /// Names of the nodes that have not sent Hello, or Connected.
     std::vector<std::string> without_hello() const;
     std::vector<std::string> unconnected() const;
 
-    /// The nodes, with the endpoints that they said.
+    /// The nodes with their endpoints.
     const Roster& nodes() const { return nodes_; }
 
   private:

@@ -19,7 +19,7 @@ using schema::Role;
 constexpr int failed_code = 1;
 constexpr int unavailable_code = 69;
 constexpr int timeout_code = 124;
-constexpr int quiet_ms = 50;  // A host that has heard nothing for so long writes its trace.
+constexpr int quiet_ms = 50;  // After this time without messages, the host writes its trace.
 constexpr std::uint64_t bytes_per_mb = 1'000'000;
 
 std::filesystem::path own_folder() {
@@ -70,11 +70,11 @@ Launcher::Launcher(const Topology& topology, const MachineOptions& options)
     std::iota(order.begin(), order.end(), bus::host_id);
     link_.set_model(bus::ChannelModel(ring, order));
     start_recording();
-    signals_.release();  // The supervisor has them now.
+    signals_.release();  // The supervisor takes over.
 }
 
 Launcher::~Launcher() {
-    signals_.hold();  // The supervisor gives them up before the sockets are gone.
+    signals_.hold();  // The supervisor ends before the sockets are removed.
 }
 
 void Launcher::launch() {
@@ -185,8 +185,8 @@ void Launcher::keep(const bus::Message& message) {
     backlog_.push_back(message);
 }
 
-/// Whether an io process of the past sent it, or one that is only prepared: its Hello is kept, and
-/// more it does not say unasked.
+/// Whether an earlier io process sent the message, or a prepared one, whose Hello is kept. A
+/// prepared process sends no other message on its own.
 bool Launcher::is_not_for_now(const bus::Message& message) {
     if (prepared_io_ && prepared_io_->id == message.source()) {
         note(message);
@@ -200,7 +200,7 @@ bool Launcher::is_not_for_now(const bus::Message& message) {
 
 std::optional<bus::Message> Launcher::take_from_link() {
     try {
-        if (early_hello_ && !prepared_io_) {  // The process is wanted now.
+        if (early_hello_ && !prepared_io_) {  // The process is in use now.
             return std::exchange(early_hello_, std::nullopt);
         }
         std::optional<bus::Message> message = link_.receive();
@@ -212,7 +212,7 @@ std::optional<bus::Message> Launcher::take_from_link() {
         }
         return message;
     } catch (
-        const std::runtime_error& error) {  // BadMessage, or a gap: nothing can be trusted now.
+        const std::runtime_error& error) {  // BadMessage, or a gap: no message can be trusted now.
         fail(failed_code, error.what());
     }
 }

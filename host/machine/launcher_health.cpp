@@ -18,14 +18,14 @@ namespace {
 
 namespace schema = bus::schema;
 
-constexpr int failed_drain_ms = 500;  // For nodes to end after Shutdown when one has failed.
+constexpr int failed_drain_ms = 500;  // From Shutdown to SIGTERM after a failure.
 constexpr int terminate_ms = 1000;    // From SIGTERM to SIGKILL.
 
-/// The last line that a process wrote: where it says why it gave up. Empty if it said nothing.
+/// The last line of a process's log, its reason for ending. Empty if the process wrote no line.
 std::string last_words(const std::filesystem::path& log) {
     std::ifstream file(log);
     std::string line, last;
-    std::getline(file, line);  // Says what was started.
+    std::getline(file, line);  // The first line names the program.
     while (std::getline(file, line)) {
         last = line.empty() ? last : line;
     }
@@ -38,10 +38,10 @@ bus::Payload shutdown_message() {
     return bus::pack(message);
 }
 
-/// The next step towards an end, when one took too long or somebody pressed Ctrl-C once more.
+/// The next step of the end, after a step took too long or the user pressed Ctrl-C again.
 struct Step {
     int signal;
-    int patience_ms;  ///< -1: nothing is left to try.
+    int patience_ms;  ///< -1: the last step.
 };
 constexpr std::array steps = {Step{SIGTERM, terminate_ms}, Step{SIGKILL, -1}};
 
@@ -77,14 +77,14 @@ void Launcher::prepare_io() {
 
 bus::NodeId Launcher::start_io(ExitCode on_death) {
     dismiss_io();
-    check_health();  // A prepared process that has died is nobody's bad data.
+    check_health();  // A prepared process that has died was not killed by bad data.
     io_ = prepared_io_ ? *std::exchange(prepared_io_, std::nullopt) : spawn_io();
     io_death_code_ = on_death;
     io_ = bring_up({*io_}).front();
     return io_->id;
 }
 
-/// Ends a prepared process that nobody has asked anything.
+/// Ends a prepared process that has no request.
 void Launcher::drop_prepared_io() {
     if (prepared_io_) {
         supervisor_.kill(prepared_io_->name(), SIGKILL);
@@ -117,7 +117,7 @@ void Launcher::dismiss_io() {
 void Launcher::allow_cancel(bool allowed) {
     can_be_cancelled_ = false;
     if (allowed) {
-        check_health();  // A signal that came before was not meant for what begins now.
+        check_health();  // An earlier signal does not cancel the operation that begins now.
     }
     can_be_cancelled_ = allowed;
 }
@@ -186,7 +186,7 @@ void Launcher::check_health() {
         if (io_ && io_->name() == death.name) {
             io_death = death;
         } else if (prepared_io_ && prepared_io_->name() == death.name) {
-            prepared_io_.reset();  // The next start_io() tries again, and tells.
+            prepared_io_.reset();  // The next start_io() tries again and reports the failure.
             early_hello_.reset();
         } else if (!was_dismissed(death)) {
             fail(death.code(), describe(death));
@@ -215,7 +215,7 @@ void Launcher::fail(int code, const std::string& text) {
 
 void Launcher::give_in(const MachineError& cause) {
     over_ = cause;
-    bring_down(launched_ ? failed_drain_ms : 0);  // Before Go, nobody has anything to finish.
+    bring_down(launched_ ? failed_drain_ms : 0);  // Before Go, no node has work to finish.
     throw cause;
 }
 
@@ -224,7 +224,7 @@ void Launcher::shutdown() {
         throw *over_;
     }
     dismiss_io();
-    check_health();  // What came before is a cause, and not a second press.
+    check_health();  // An earlier event is the cause, not a second Ctrl-C.
     over_.emplace(1, "the machine has been shut down");
     if (const std::optional<MachineError> cause = bring_down(options_.drain_ms)) {
         throw *cause;
@@ -257,7 +257,7 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
         const int signal = supervisor_.take_interrupt();
         if (!patient && !left.empty() && (signal != 0 || now_ms() >= deadline_ms)) {
             if (!cause && signal != 0) {
-                cause = interruption(signal);  // The deaths that it leads to are its consequences.
+                cause = interruption(signal);  // The signal causes the deaths that follow.
             }
             if (launched_ || step > 0) {
                 fmt::print(stderr, "still running: {}; sending SIG{}\n", fmt::join(left, ", "),
@@ -278,10 +278,10 @@ void Launcher::discard_messages() {
             const std::optional<bus::Message> message = link_.receive();
             more = message.has_value();
             if (message) {
-                note(*message);  // Last words are worth keeping.
+                note(*message);  // The last messages belong to the trace.
             }
         } catch (const std::runtime_error&) {
-            // Whatever it was, the machine is ending already.
+            // The machine is ending already.
         }
     }
 }

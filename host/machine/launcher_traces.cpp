@@ -18,8 +18,8 @@ namespace schema = bus::schema;
 using bus::trace::TraceError;
 
 constexpr int failed_code = 1;
-constexpr int save_ms = 60000;        // For nodes to write what they have, when asked to.
-constexpr int failed_save_ms = 1000;  // The same when one has failed and somebody waits to hear.
+constexpr int save_ms = 60000;        // Limit for nodes to write their traces on request.
+constexpr int failed_save_ms = 1000;  // Limit after a failure, while the user waits.
 
 }  // namespace
 
@@ -66,7 +66,7 @@ void Launcher::guard_recording(const std::function<void()>& act) {
 }
 
 void Launcher::note(const bus::Message& message) {
-    // A volume from the io process goes on to the GPs, whose traces have it.
+    // The host sends a volume of the io process to the GPs, whose traces have it.
     if (recorder_ && message.kind() != bus::Body::Slices && !bus::is_onlookers(message.kind())) {
         guard_recording([&] { recorder_->note(message); });
     }
@@ -100,7 +100,7 @@ std::set<bus::NodeId> Launcher::ask_for_traces(SavedTraces& saved) {
             asked.insert(node.id);
         }
     }
-    try {  // While the nodes write theirs.
+    try {  // The nodes write at the same time.
         const bus::trace::Recorder::Saved own = recorder_->save();
         ++saved.nodes;
         saved.messages += own.messages;
@@ -155,7 +155,7 @@ SavedTraces Launcher::save_traces() {
     return saved;
 }
 
-/// Nothing in here may fail: the machine is failing already, and that cause is the one to tell.
+/// Must not throw: the machine is failing already, and the first cause must be reported.
 std::string Launcher::traces_of_failure() {
     if (!launched_ || !recorder_) {
         return {};
@@ -173,7 +173,7 @@ std::string Launcher::traces_of_failure() {
                 }
             }
         } catch (const std::runtime_error&) {
-            continue;  // The message is gone; the next may be good.
+            continue;  // This message is lost. The next may be valid.
         }
         const std::vector<std::string> running = supervisor_.running();
         std::erase_if(awaited, [&](bus::NodeId id) {

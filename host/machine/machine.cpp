@@ -8,7 +8,7 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr int messages_per_check = 64;  // Handed on before deaths and signals are looked for.
+constexpr int messages_per_check = 64;  // Messages between two checks for deaths and signals.
 
 }  // namespace
 
@@ -56,7 +56,7 @@ void Machine::pump(const std::function<void(const bus::Message&)>& take,
             if (count % messages_per_check != 0 && !parts_->launcher.can_be_cancelled()) {
                 continue;
             }
-        } else if (done()) {  // Asked again: receive() has taken what credit there was.
+        } else if (done()) {  // Called again: receive() may have taken credit.
             return;
         } else {
             parts_->launcher.wait();

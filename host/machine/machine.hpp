@@ -11,26 +11,26 @@ namespace pxpl5::host {
 
 struct MachineOptions {
     std::filesystem::path binaries;  ///< Folder of pxpl5-gp and the others; empty: the host's own.
-    std::filesystem::path run_base = "run";  ///< The run folder is made in here.
-    int start_timeout_s = 60;                ///< For all nodes to say Hello, and again to connect.
-    int drain_ms = 5000;                     ///< For nodes to end by themselves in shutdown().
-    int io_memory_mib = 16384;               ///< Address space of the io process.
-    int io_cpu_s = 300;                      ///< CPU time of the io process.
+    std::filesystem::path run_base = "run";  ///< Parent of the run folder.
+    int start_timeout_s = 60;                ///< Limit for Hello from all nodes, and for Connected.
+    int drain_ms = 5000;        ///< Limit for nodes to end by themselves in shutdown().
+    int io_memory_mib = 16384;  ///< Address space of the io process.
+    int io_cpu_s = 300;         ///< CPU time of the io process.
 };
 
 /// Launches, supervises and ends the processes of one machine. Use it from the main thread: the
 /// kernel ends the children when the thread that started them ends.
 ///
-/// While it lives, SIGINT, SIGTERM and SIGHUP end the machine: pump() and wait_readable() throw
-/// MachineError (128 + signal), but see allow_cancel(). SIGPIPE and SIGXFSZ are ignored from then
-/// on: who writes sees the error.
+/// During its life, SIGINT, SIGTERM and SIGHUP end the machine: pump() and wait_readable() throw
+/// MachineError (128 + signal), but see allow_cancel(). SIGPIPE and SIGXFSZ stay ignored
+/// afterwards: write calls return the error.
 class Machine final : public MachinePort {
   public:
-    /// Returns when every node knows every other.
-    /// Throws MachineError naming the node that could not start, died, is of another build, or did
-    /// not answer in time; no process is left then.
+    /// Returns when every node knows every other node. Throws MachineError if a node could not
+    /// start, died, has another build or did not answer in time. The error names the node, and no
+    /// process is left.
     Machine(const Topology& topology, const MachineOptions& options);
-    /// Ends what still runs, without waiting for unfinished work.
+    /// Ends all processes, without waiting for unfinished work.
     ~Machine() override;
     Machine(const Machine&) = delete;
     Machine& operator=(const Machine&) = delete;
@@ -54,12 +54,12 @@ class Machine final : public MachinePort {
     bool is_recording() const override;
     SavedTraces save_traces() override;
 
-    /// Says Shutdown to every node and waits until all have ended. Throws MachineError naming the
-    /// first that ended badly. The machine cannot be used afterwards.
+    /// Sends Shutdown to every node and waits until all have ended. Throws MachineError with the
+    /// name of the first node that failed. The machine cannot be used afterwards.
     void shutdown();
 
-    /// Holds config.resolved.json, manifest.json, <role>-<index>.log of every process and, when
-    /// they are written, traces/<role>-<index>.mcap of every node.
+    /// The folder of config.resolved.json, manifest.json, <role>-<index>.log of every process and,
+    /// once they are written, traces/<role>-<index>.mcap of every node.
     const std::filesystem::path& run_folder() const;
 
     /// "gp-3", for messages about a node.
@@ -69,7 +69,7 @@ class Machine final : public MachinePort {
         std::string name;
         int pid = 0;
     };
-    /// The nodes in ring order, host included; not the io process.
+    /// The nodes in ring order with the host, without the io process.
     std::vector<Process> processes() const;
 
   private:

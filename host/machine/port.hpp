@@ -13,26 +13,25 @@
 
 namespace pxpl5::host {
 
-/// The machine is over: a process died or could not start. `what` names the first cause.
+/// The machine has ended: a process died or could not start. `what` names the first cause.
 struct MachineError : std::runtime_error {
     MachineError(int exit_code, const std::string& text)
         : std::runtime_error(text), code(exit_code) {}
     int code;  ///< The first failing child's exit code, 128 + signal, or 69 (unavailable).
-    bool is_interruption = false;  ///< A signal to this process asked for it: nobody's fault.
+    bool is_interruption = false;  ///< Caused by a signal to the host: not an error.
 };
 
-/// The person pressed Ctrl-C, or asked in another way, and what was under way can be given up by
-/// itself.
+/// The user canceled the operation under way, by Ctrl-C or in another way. The machine continues.
 struct Cancelled : RequestError {
     Cancelled() : RequestError(ExitCode::failed, "cancelled") {}
 };
 
-/// What the nodes, the host among them, have written of what they received.
+/// The traces that the nodes and the host have written.
 struct SavedTraces {
     std::string folder;
     int nodes = 0;
     std::uint64_t messages = 0, bytes = 0;
-    std::vector<std::string> missing;  ///< "gp-3: <reason>" for each node that could not.
+    std::vector<std::string> missing;  ///< "gp-3: <reason>" for each node that failed.
 };
 
 /// A node of the ring.
@@ -51,12 +50,12 @@ class MachinePort {
         const = 0;  ///< In order of index; [0] is the Master GP.
     virtual const std::vector<bus::NodeId>& renderer_ids() const = 0;
 
-    /// In ring order, the host first; not the io process.
+    /// All nodes in ring order, the host first, without the io process.
     virtual std::vector<MachineNode> nodes() const { return {}; }
-    /// What the host itself has sent and received.
+    /// Messages and bytes that the host has sent and received.
     virtual bus::Traffic traffic() const { return {}; }
-    /// Kills the process of a node other than the host; returns when it is dead. The machine ends
-    /// as of any death: pump() and the others throw MachineError.
+    /// Kills the process of a node other than the host, and waits for its end. The machine ends as
+    /// after any death: pump() and the other functions throw MachineError.
     virtual void kill(bus::NodeId) {
         throw RequestError(ExitCode::usage, "this machine has no processes to kill");
     }
@@ -64,43 +63,43 @@ class MachinePort {
     virtual void send(bus::NodeId to, bus::Payload payload) = 0;
     /// Memory for builders of large bodies (bus::Link::body_allocator), or null for the heap.
     virtual flatbuffers::Allocator* body_allocator() { return nullptr; }
-    /// Whether nothing that was sent to `to` waits here for its credit.
+    /// Whether all messages sent to `to` have had credit.
     virtual bool takes_more(bus::NodeId to) const = 0;
 
-    /// Hands every message that arrives to `take`, in order, until `done` returns true (it is asked
-    /// first, and again after each message and whenever credit may have come). Throws MachineError
-    /// when a node dies or the machine is interrupted.
+    /// Passes every message to `take`, in order of arrival, until `done` returns true. Calls `done`
+    /// first, then after each message and whenever credit may have come. Throws MachineError when a
+    /// node dies or the machine is interrupted.
     virtual void pump(const std::function<void(const bus::Message&)>& take,
                       const std::function<bool()>& done) = 0;
 
-    /// Waits until reading `fd` would not block; files on disk never do. Messages that come
-    /// meanwhile are kept for the next pump(). Throws MachineError as pump() does.
+    /// Waits until reading `fd` would not block. Files on disk never block. Keeps messages that
+    /// come meanwhile for the next pump(). Throws MachineError as pump() does.
     virtual void wait_readable(int fd) = 0;
 
-    /// Lets the next start_io() find its process started: it loads hundreds of libraries, while
-    /// something else goes on. Throws RequestError (unavailable) if it cannot be started.
+    /// Starts the process of the next start_io() ahead. The process loads hundreds of libraries
+    /// while the session works. Throws RequestError (unavailable) if it cannot be started.
     virtual void prepare_io() = 0;
 
-    /// Starts a pxpl5-io process and returns its id. Its death before release_io() is a
-    /// RequestError thrown by pump(), and leaves the machine running.
+    /// Starts a pxpl5-io process and returns its id. If it dies before release_io(), pump() throws
+    /// RequestError, and the machine continues.
     ///
-    /// on_death  The error's code: bad_data if the process is to decode what somebody else wrote,
-    ///           failed if it is to write.
+    /// on_death  The error's code: bad_data if the process decodes a file, failed if it writes one.
     virtual bus::NodeId start_io(ExitCode on_death = ExitCode::bad_data) = 0;
     /// Ends the io process.
     virtual void release_io() = 0;
 
-    /// While `allowed`, the first SIGINT ends only what is under way: pump() and start_io() throw
-    /// Cancelled, and an io process is killed. Any further one ends the machine, and so does one
-    /// that came before. Throws as pump().
+    /// While `allowed`, the first SIGINT cancels the operation under way: the io process is killed,
+    /// and pump() and start_io() throw the cancellation. A further or an earlier SIGINT ends the
+    /// machine. Throws as pump() does.
     virtual void allow_cancel(bool allowed) = 0;
 
-    /// Has `give_up` asked during pump() whenever `fd` is readable (-1: no longer); it must leave
-    /// `fd` unreadable. If it says yes while cancelling is allowed, that is as the first SIGINT.
+    /// Calls `give_up` during pump() whenever `fd` is readable (-1: stops calling it). `give_up`
+    /// must leave `fd` unreadable. If it returns true while canceling is allowed, it acts as the
+    /// first SIGINT.
     virtual void watch(int fd, std::function<bool()> give_up) = 0;
 
     virtual bool is_recording() const = 0;
-    /// Has every node write what it has recorded; recording goes on.
+    /// Orders every node to write its recording. Recording continues.
     /// Throws RequestError (usage) if nothing is recorded, MachineError as pump() does.
     virtual SavedTraces save_traces() = 0;
 };

@@ -1,4 +1,4 @@
-// Who is on the ring: every node of a machine with its id, name and address.
+// The nodes of a machine, each with id, name and address.
 #pragma once
 
 #include <string>
@@ -14,25 +14,24 @@ struct RosterEntry {
     bus::NodeId id = 0;
     bus::schema::Role role = bus::schema::Role::host;
     int index = 0;         ///< Within the role.
-    std::string endpoint;  ///< Empty until its Hello.
-    int pid = 0;           ///< 0 until it is started.
+    std::string endpoint;  ///< Empty before its Hello.
+    int pid = 0;           ///< 0 before its start.
 
     std::string name() const;    ///< "gp-3"; also names its log and its socket.
     std::string binary() const;  ///< "pxpl5-gp"; empty for the host.
 };
 using Roster = std::vector<RosterEntry>;
 
-/// The nodes in ring order: the host (id 0), the GPs, the Renderers, the frame buffers; ids count
-/// up.
+/// The nodes in ring order: the host (id 0), the GPs, the Renderers, the frame buffers. Ids ascend.
 Roster roster_of(const Topology& topology);
 
 /// The nodes of `role`, by index.
 std::vector<bus::NodeId> ids_of(const Roster& roster, bus::schema::Role role);
 
-/// All of them, as a session knows them.
+/// All nodes, in the form that a session uses.
 std::vector<MachineNode> nodes_of(const Roster& roster);
 
-/// What every node is told of the machine.
+/// The message that describes the machine to every node.
 bus::Payload topology_message(const Roster& roster, const Topology& topology);
 
 /// The settings of a role that is launched. `role` is gp, renderer or frame_buffer.

@@ -35,7 +35,7 @@ void write_file(const fs::path& path, const std::string& text) {
     }
 }
 
-/// The value of "key : value" in one of /proc's tables; empty if it is not there.
+/// The value of "key : value" in a table of /proc; empty if the key is missing.
 std::string proc_value(const char* path, const std::string& key) {
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {
@@ -60,7 +60,7 @@ std::string command_line() {
 std::string manifest(const Topology& topology, const std::string& started) {
     utsname system{};
     uname(&system);
-    // Bytes of the command line that are no text are replaced, not refused.
+    // Replaces bytes of the command line that are not UTF-8.
     return nlohmann::ordered_json{
         {"started", started},
         {"command_line", command_line()},

@@ -1,4 +1,4 @@
-// The folders of one run: what stays (logs, plan, facts) and what does not (sockets).
+// The folders of one run: one stays (logs, plan, facts), one is removed (sockets).
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ class SocketFolder {
     /// In XDG_RUNTIME_DIR, or the system's folder for temporary files.
     /// Throws RequestError (failed) naming the folder and the reason.
     SocketFolder();
-    /// Removes the folder with all that is in it.
+    /// Removes the folder and its contents.
     ~SocketFolder();
     SocketFolder(const SocketFolder&) = delete;
     SocketFolder& operator=(const SocketFolder&) = delete;

@@ -37,7 +37,7 @@ struct Child {
     bool running = false;
 };
 
-/// Pointers into `texts`, with the null at the end that exec wants.
+/// Pointers into `texts`, with the final null that exec needs.
 std::vector<char*> pointers(std::vector<std::string>& texts) {
     std::vector<char*> result;
     for (std::string& text : texts) {
@@ -47,7 +47,7 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
     return result;
 }
 
-/// This process's environment with `added` in front of what it replaces.
+/// This process's environment with `added`, which replaces entries of the same name.
 std::vector<std::string> environment(const std::vector<std::string>& added) {
     std::vector<std::string> all = added;
     for (char** variable = environ; *variable != nullptr; ++variable) {
@@ -63,7 +63,7 @@ std::vector<std::string> environment(const std::vector<std::string>& added) {
     return all;
 }
 
-/// An open log whose first line says what was started.
+/// An open log whose first line names the program.
 int open_log(const Command& command, const std::vector<std::string>& arguments) {
     const int fd = open(command.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
     if (fd < 0) {
@@ -95,13 +95,13 @@ struct Supervisor::Parts {
     uv_timer_t timer{};
     uv_poll_t poll{};
     int poll_fd = -1;
-    /// Holds the input that is waited for, and is watched in its place: libuv would make the input
-    /// itself non-blocking, and with it the terminal that stdout and other programs share.
+    /// An epoll set with the input. libuv polls the set, because libuv would make the input
+    /// non-blocking, and with it the terminal that stdout and other programs share.
     int input_set = epoll_create1(EPOLL_CLOEXEC);
     uv_poll_t input_poll{};
     std::vector<std::unique_ptr<Child>> children;
     std::vector<Death> deaths;
-    std::deque<int> interrupts;  ///< At most max_interrupts: nobody means more by more.
+    std::deque<int> interrupts;  ///< At most max_interrupts.
     bool timer_fired = false, fd_readable = false, input_readable = false;
 
     void watch(int fd);
@@ -114,7 +114,7 @@ void Supervisor::Parts::watch(int fd) {
     if (fd < 0 || fd == poll_fd) {
         return;
     }
-    assert(poll_fd == -1);  // One link for the whole life.
+    assert(poll_fd == -1);  // The supervisor has one link.
     poll_fd = fd;
     uv_poll_init(&loop, &poll, fd);
     poll.data = this;
@@ -131,7 +131,7 @@ void Supervisor::Parts::watch_signals() {
         struct sigaction before {};
         sigaction(numbers[i], nullptr, &before);
         if (numbers[i] == SIGHUP && before.sa_handler == SIG_IGN) {
-            continue;  // nohup: the run is to outlive its terminal.
+            continue;  // nohup: the run must outlive its terminal.
         }
         uv_signal_init(&loop, &signals[i]);
         signals[i].data = this;
@@ -214,7 +214,7 @@ int Supervisor::spawn(const Command& command) {
     options.file = arguments[0].c_str();
     options.args = argument_pointers.data();
     options.env = env_pointers.data();
-    options.flags = UV_PROCESS_DETACHED;  // Ctrl-C in the terminal reaches the host alone.
+    options.flags = UV_PROCESS_DETACHED;  // Ctrl-C in the terminal reaches only the host.
     options.stdio = streams.data();
     options.stdio_count = static_cast<int>(streams.size());
     options.exit_cb = [](uv_process_t* handle, std::int64_t exit_code, int signal) {
@@ -228,7 +228,7 @@ int Supervisor::spawn(const Command& command) {
     const int error = uv_spawn(&parts_->loop, &child->handle, &options);
     close(log);
     if (error != 0) {
-        // The handle is part of the loop even so, and leaves it in its own time.
+        // The handle is still part of the loop, which closes it later.
         Child& failed = *parts_->children.emplace_back(std::move(child));
         parts_->on_exit(failed, unavailable, 0);
         parts_->deaths.pop_back();
@@ -264,7 +264,7 @@ void Supervisor::wait(int fd, int timeout_ms) {
             &parts_->timer,
             [](uv_timer_t* handle) {
                 static_cast<Parts*>(handle->data)->timer_fired = true;
-                // A timer that is due at once fires before the loop polls, which must not block.
+                // A timer of 0 ms fires before the loop polls, so the poll does not block.
                 uv_stop(handle->loop);
             },
             static_cast<std::uint64_t>(timeout_ms), 0);
@@ -321,7 +321,7 @@ void Supervisor::kill_all(int signal) {
 void Supervisor::kill(const std::string& name, int signal) {
     for (const auto& child : parts_->children) {
         if (child->running && child->name == name) {
-            ::kill(-child->handle.pid, signal);  // The whole group; it may just have ended.
+            ::kill(-child->handle.pid, signal);  // The whole group, which may have ended.
         }
     }
 }

@@ -1,4 +1,4 @@
-// Child processes: started, watched, ended. Knows nothing of the ring.
+// Starts, watches and ends child processes. Does not use the ring.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct Death {
 
     /// "gp-3 was killed by signal 9 (SIGKILL)", "gp-3 ended with exit code 70".
     std::string text() const;
-    /// The exit code that this death leads to: the process's own, 128 + signal, or 69 if it ended
-    /// with 0 although nobody had told it to.
+    /// The exit code of the machine after this death: the process's own, 128 + signal, or 69 if the
+    /// process ended with 0 without an order.
     int code() const;
 };
 
@@ -32,41 +32,41 @@ struct Command {
     std::filesystem::path log;           ///< Takes stdout and stderr.
 };
 
-/// One thread uses it: the one that must outlive the children, since the kernel ends them with it.
+/// One thread uses the supervisor. The kernel ends the children with this thread.
 class Supervisor {
   public:
-    /// From here on SIGINT, SIGTERM and SIGHUP (unless it is ignored, as under nohup) to this
-    /// process are counted instead of ending it; SIGPIPE and SIGXFSZ are ignored for good.
+    /// Counts SIGINT, SIGTERM and SIGHUP from now on; they no longer end this process. An ignored
+    /// SIGHUP (nohup) stays ignored. Ignores SIGPIPE and SIGXFSZ for the rest of the process.
     Supervisor();
-    /// Kills what still runs, and waits for it.
+    /// Kills the running processes and waits for them.
     ~Supervisor();
     Supervisor(const Supervisor&) = delete;
     Supervisor& operator=(const Supervisor&) = delete;
 
-    /// Starts a process in a session and process group of its own, stdin empty.
+    /// Starts a process in a new session and process group, with an empty stdin.
     /// Returns its pid. Throws MachineError (69) naming program and reason.
     int spawn(const Command& command);
 
-    /// Waits until a process ends, a signal comes, `fd` is readable or `timeout_ms` is over (-1:
-    /// never). Returns at once if one of the first two has happened since the last call.
+    /// Waits until a process ends, a signal comes, `fd` is readable or `timeout_ms` is over (-1: no
+    /// limit). Returns at once if a process has ended or a signal has come since the last call.
     void wait(int fd, int timeout_ms);
 
-    /// As wait() without a limit, and until `input` is readable, whose flags are left alone: other
-    /// programs may share it. Returns whether it is; so are files on disk, always, and what is not
-    /// open, since reading it would not block.
+    /// Waits as wait() does without a limit, or until `input` is readable. Does not change the
+    /// flags of `input`, which other programs may share. Returns whether `input` is readable. Files
+    /// on disk and closed descriptors count as readable, because reading them would not block.
     bool wait_input(int fd, int input);
 
     /// Deaths since the last call, in the order in which they were noticed.
     std::vector<Death> take_deaths();
-    /// SIGINT, SIGTERM or SIGHUP, in the order in which they came; 0 if there is none left.
+    /// The oldest SIGINT, SIGTERM or SIGHUP that has not been taken; 0 if none is left.
     int take_interrupt();
 
     /// Names of the processes that have not ended.
     std::vector<std::string> running() const;
-    /// Sends `signal` to the process group of everyone that runs, or of `name` alone.
+    /// Sends `signal` to the process groups of all running processes, or of `name` alone.
     void kill_all(int signal);
     void kill(const std::string& name, int signal);
-    /// Kills `name` and waits until it is dead; take_deaths() tells of it.
+    /// Kills `name` and waits for its end. take_deaths() reports the death.
     void end(const std::string& name);
 
   private:

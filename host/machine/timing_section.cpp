@@ -68,7 +68,7 @@ void check_number(const TimingValue& entry, const TimingRow& row, const std::str
                            row.unit));
     }
     const double value = *entry.value;
-    const bool fits = value >= row.least && value <= row.most;  // False if it is not a number.
+    const bool fits = value >= row.least && value <= row.most;  // False for NaN.
     if (!fits || (row.whole && value != std::floor(value))) {
         refuse(fmt::format("{}: {} is {}, must be {}{}..{} {}", where, entry.name, value,
                            row.whole ? "a whole number, " : "", row.least, row.most, row.unit));

@@ -20,10 +20,10 @@ struct TimingRow {
     bool of_ring = false;  ///< Its value is in section `ring`.
 };
 
-/// All, in the order of reports.
+/// All numbers, in the order of reports.
 std::span<const TimingRow> timing_rows();
 
-/// A choice of the timing model, and what it may be.
+/// A choice of the timing model and its words.
 struct TimingChoice {
     std::string_view name;
     std::span<const std::string_view> words;
@@ -39,19 +39,19 @@ inline constexpr std::array timing_choices = {TimingChoice{"share", share_words}
 /// Every name of both, for messages.
 std::vector<std::string_view> timing_names();
 
-/// The entry called `name`; null if there is none.
+/// The entry called `name`; null if none exists.
 const TimingValue* find_timing(const std::vector<TimingValue>& timing, std::string_view name);
 
-/// Throws RequestError (usage), its text begun with `where`, if a parameter is missing, unknown,
-/// there twice, of another unit, not a number where it must be one, or out of range.
+/// Throws RequestError (usage) if a parameter is missing, unknown, given twice, not a number, out
+/// of range or in another unit. The text begins with `where`.
 void check_timing(const std::vector<TimingValue>& timing, const std::string& where);
 
-/// Sets one value of `timing` from text. Returns false if no parameter of section `timing` is
-/// called so. Throws RequestError (usage) if the text is not of the parameter's kind.
+/// Sets one value of `timing` from text. Returns false if section `timing` has no parameter `name`.
+/// Throws RequestError (usage) if the text does not fit the parameter.
 bool override_timing(std::vector<TimingValue>& timing, std::string_view name,
                      std::string_view text);
 
-/// Says of the entry called `name`, if there is one, that somebody has set it.
+/// Marks the entry called `name`, if it exists, as set by the user.
 void mark_overridden(std::vector<TimingValue>& timing, std::string_view name);
 
 }  // namespace pxpl5::host

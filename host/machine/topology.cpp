@@ -23,7 +23,7 @@ namespace {
     throw RequestError(ExitCode::usage, text);
 }
 
-/// A whole number of the plan, and what it may be.
+/// A whole number of the plan and its range.
 struct NumberKey {
     std::string_view name;
     int low, high;
@@ -183,7 +183,7 @@ void set_value(Topology& topology, std::string_view key, std::string_view value)
     }
 }
 
-/// A plan made by hand has the paper's timing, too.
+/// Gives a plan that was made by hand the paper's timing.
 void complete_timing(Topology& topology) {
     if (topology.timing.empty()) {
         topology.timing = paper_timing();

@@ -1,4 +1,4 @@
-// What machine to launch: how many nodes of each role, and the ring between them.
+// The plan of a machine: its nodes, and the ring between them.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace pxpl5::host {
 struct RoleSettings {
     int count = 0;                 ///< 1..64; in a file, 0 means as many as this process has cores.
     std::vector<std::string> env;  ///< "NAME=value", added to the host's environment.
-    std::vector<int> cpu;  ///< Node n runs on core cpu[n mod size]; empty: wherever it likes.
+    std::vector<int> cpu;          ///< Node n runs on core cpu[n mod size]; empty: any core.
 };
 
 struct RingSettings {
@@ -37,17 +37,17 @@ struct TimingValue {
     std::string note;
 };
 
-/// A resolved plan: every number is what will be launched.
+/// A resolved plan: counts are the numbers of processes.
 struct Topology {
     std::string name;  ///< The file's name without folder and suffix.
     RoleSettings gp, renderer, frame_buffer;
-    int fitted_to_cores = 0;   ///< What counts of 0 were resolved to; 0 if there were none.
+    int fitted_to_cores = 0;   ///< Value of the counts that were 0; 0 if none was 0.
     int gp_memory_mib = 4096;  ///< Local memory of each GP.
     RingSettings ring;
-    std::vector<TimingValue> timing;  ///< All of them; those of paper-1993 if the file has none.
+    std::vector<TimingValue> timing;  ///< All values; those of paper-1993 if the file has none.
     Recording record = Recording::off;
-    VectorTarget vector_target = VectorTarget::best;  ///< Of all nodes.
-    std::uint64_t seed = 0;  ///< For everything that is random on purpose: simulated arrival order.
+    VectorTarget vector_target = VectorTarget::best;  ///< The same for all nodes.
+    std::uint64_t seed = 0;  ///< Seed of random choices: the simulated order of arrival.
 };
 
 /// Reads a machine by name ("paper-1993": a file of the topologies folder) or by path, applies
@@ -68,14 +68,14 @@ Topology parse_topology(std::string_view text, const std::string& file,
 /// Throws RequestError (usage).
 void apply_override(Topology& topology, std::string_view assignment);
 
-/// "2 GPs, 2 Renderers, fitted to 2 cores": for people.
+/// The machine's size for messages: "2 GPs, 2 Renderers, fitted to 2 cores".
 std::string size_text(const Topology& topology);
 
 /// The plan as a topology file that load_topology reads back to the same plan.
 std::string resolved_json(const Topology& topology);
 
-/// Where named machines are looked for, in order: PXPL5_TOPOLOGIES if set, the folder in the source
-/// tree that this program was built from, ../share/pxpl5/topologies from the executable.
+/// Folders of named machines, in order of search: PXPL5_TOPOLOGIES if set, the folder in the source
+/// tree of this build, ../share/pxpl5/topologies from the executable.
 std::vector<std::filesystem::path> topology_folders();
 
 }  // namespace pxpl5::host

@@ -17,7 +17,7 @@ namespace pxpl5::host {
 
 namespace {
 
-/// Every key that the schema knows, for the nearest one to a misspelt key.
+/// Every key of the schema, to find the nearest to a misspelled key.
 std::vector<std::string_view> known_keys(const flatbuffers::Parser& parser) {
     std::vector<std::string_view> keys;
     for (const flatbuffers::StructDef* table : parser.structs_.vec) {
@@ -30,7 +30,7 @@ std::vector<std::string_view> known_keys(const flatbuffers::Parser& parser) {
     return keys;
 }
 
-/// "; it belongs in 'roles'" for a key that the schema knows in another place.
+/// "; it belongs in 'roles'" for a key that belongs in another place.
 std::string home_of(const flatbuffers::Parser& parser, const std::string& key) {
     for (const flatbuffers::StructDef* owner : parser.structs_.vec) {
         if (owner->fields.Lookup(key) == nullptr) {
@@ -95,7 +95,7 @@ std::vector<TimingValue> timing_of(const config::MachineT& machine, const std::s
     return timing;
 }
 
-/// The nearest to an unknown name, with the line where that stands.
+/// The nearest known name to an unknown one, with the unknown name's line.
 void check_timing_names(const std::vector<TimingValue>& timing, std::string_view text,
                         const std::string& file) {
     const std::vector<std::string_view> known = timing_names();

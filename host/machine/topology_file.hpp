@@ -9,12 +9,11 @@
 
 namespace pxpl5::host {
 
-/// The plan as the file states it: counts may be 0, ranges are unchecked.
+/// Reads the plan without resolving counts of 0 or checking ranges.
 /// Throws RequestError (usage) naming file, line and, for an unknown key, the nearest one.
 Topology read_topology_file(std::string_view text, const std::string& file);
 
-/// Section `timing` of host/topologies/paper-1993.json, as it was when this was compiled: it needs
-/// no folder of topologies.
+/// Section `timing` of host/topologies/paper-1993.json, compiled in: no file is read.
 std::vector<TimingValue> paper_timing();
 
 }  // namespace pxpl5::host
