@@ -17,7 +17,7 @@ namespace pxpl5::host::serve {
 
 namespace {
 
-/// This computer's name, as its neighbours may know it.
+/// This computer's name for other computers.
 std::string host_name() {
     std::array<char, 256> name{};
     return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "HOST";
@@ -33,7 +33,7 @@ void print_addresses(const Server& server, const ServerOptions& options, const T
             server.port(), host_name());
     }
     fmt::print("Ctrl-C ends it\n");
-    std::fflush(stdout);  // Into a pipe, too, at once.
+    std::fflush(stdout);  // Pipes are not line-buffered.
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ int serve(const ServeOptions& options) {
         parts.machine_text = [](Session& session) { return json_text(activity_fields(session)); };
         parts.launch = [&, is_first = true]() mutable {
             if (!std::exchange(is_first, false)) {
-                machine.reset();  // Ended before the next one begins.
+                machine.reset();  // Ends before the next machine starts.
                 machine = std::make_shared<Machine>(options.topology, machine_options);
             }
             return machine;

@@ -1,4 +1,4 @@
-// The subcommand `serve`: a machine, a session, and a web server before them.
+// The subcommand `serve`: a machine, a session and a web server.
 #pragma once
 
 #include <filesystem>
@@ -11,14 +11,14 @@
 namespace pxpl5::host::serve {
 
 struct ServeOptions {
-    ServerOptions server;  ///< Its folders but for `page` are made in the run's folder.
+    ServerOptions server;  ///< Its folders, except `page`, are created in the run folder.
     Topology topology;
-    std::filesystem::path run_base;   ///< As MachineOptions::run_base.
-    std::vector<Arguments> commands;  ///< Done before anybody looks: load, surfaces.
+    std::filesystem::path run_base;   ///< See MachineOptions::run_base.
+    std::vector<Arguments> commands;  ///< Run before viewers join: load, surfaces.
 };
 
-/// Prints where to look, and serves until Ctrl-C or SIGTERM, then returns 0. Throws RequestError if
-/// the commands fail or nobody can be served, MachineError if the machine dies for good.
+/// Prints the address and serves until Ctrl-C or SIGTERM, then returns 0. Throws RequestError if a
+/// command fails or the server cannot start, MachineError if the machine has died too often.
 int serve(const ServeOptions& options);
 
 }  // namespace pxpl5::host::serve

@@ -1,4 +1,4 @@
-// What the machine's nodes do: their answers to AskActivity, and what is new in them.
+// The work of the machine's nodes: their answers to AskActivity, and the differences.
 #pragma once
 
 #include <cstdint>
@@ -12,57 +12,56 @@
 
 namespace pxpl5::host {
 
-/// What one node has done between its two newest answers.
+/// The work of one node between its two newest answers.
 struct NodeReport {
     MachineNode node;
-    bool answered = false;  ///< Since the last report; else all counts are 0.
-    double wall_ms = 0;     ///< Between the answers.
-    double busy_ms = 0;     ///< Not waiting for messages. Of the host: as cpu_ms.
+    bool answered = false;  ///< False: no answer since the last report, and all counts are 0.
+    double wall_ms = 0;     ///< Time between the answers.
+    double busy_ms = 0;     ///< Time without waiting for messages. The host's is cpu_ms.
     double cpu_ms = 0;      ///< Processor time; less than busy_ms where cores are short.
     struct Stage {
         std::string name;
         double ms = 0;
         std::int64_t count = 0;
     };
-    std::vector<Stage> stages;         ///< Those that took time; they add up to busy_ms.
-    std::vector<bus::SentCount> sent;  ///< Without those of which there were none.
+    std::vector<Stage> stages;         ///< Stages that took time. Their sum is busy_ms.
+    std::vector<bus::SentCount> sent;  ///< Kinds of messages that were sent.
     std::uint64_t received_messages = 0, received_bytes = 0;
     std::int64_t frames = 0;
 
-    // As things stood at the newest answer.
+    // Values at the newest answer.
     std::uint64_t memory_bytes = 0;
     std::uint32_t queue = 0, held_up = 0;
 };
 
 struct ActivityReport {
-    double wall_ms = 0;             ///< Since the last report, or the beginning.
-    std::int64_t frames = 0;        ///< That came to the host in this time.
+    double wall_ms = 0;             ///< Time since the last report, or since the start.
+    std::int64_t frames = 0;        ///< Frames that came to the host in this time.
     std::vector<NodeReport> nodes;  ///< In ring order, the host first.
 };
 
-/// Keeps what each node has answered, and what it had answered when it was last reported. Whoever
-/// owns it sends the questions.
+/// Keeps each node's newest answer and its last reported answer. The owner sends the questions.
 class ActivityMonitor {
   public:
     explicit ActivityMonitor(std::vector<MachineNode> nodes);
 
     const std::vector<MachineNode>& nodes() const { return nodes_; }
-    /// The nodes that owe no answer; from now on they do, so that a busy one has one question to
-    /// answer and not a queue of them. Never the host.
+    /// Returns the nodes without an open question and marks them as asked. A busy node has at most
+    /// one question to answer. Never the host.
     std::vector<bus::NodeId> ask();
-    /// Whether a node owes an answer.
+    /// Whether a node has an open question.
     bool awaits() const;
     void take(bus::NodeId from, const bus::schema::Activity& activity);
     void count_frame() { ++frames_; }
 
-    /// What is new. own: what the host itself has sent and received so far.
+    /// The differences since the last report. own: the host's traffic so far.
     ActivityReport report(const bus::Traffic& own);
 
   private:
     struct Answers {
         bool owes = false;
         bool is_new = false;                          ///< `newest` has not been reported.
-        bus::schema::ActivityT newest{}, reported{};  ///< All 0 until one came.
+        bus::schema::ActivityT newest{}, reported{};  ///< All 0 before the first answer.
     };
 
     std::vector<MachineNode> nodes_;

@@ -1,4 +1,4 @@
-// What the nodes have done, for people and for programs.
+// The nodes' work as a table and as fields.
 #pragma once
 
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace pxpl5::host {
 
-/// A line for each node, and one for the channels of the ring.
+/// One line per node, and one line for the channels of the ring.
 std::string activity_text(const ActivityReport& report);
 
 /// The fields of the message `machine` (host/serve/README.md).
 Fields activity_fields(const ActivityReport& report, const FrameReport& frame);
 
-/// The same of what has come without waiting: asks the nodes, so that the next call knows more.
+/// The fields of the answers that have arrived. Asks the nodes without waiting, for the next call.
 Fields activity_fields(Session& session);
 
 }  // namespace pxpl5::host

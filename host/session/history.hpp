@@ -1,4 +1,4 @@
-// What was done in a session: a script that repeats it, and the steps that can be taken back.
+// The commands of a session: a script that repeats them, and the steps of undo.
 #pragma once
 
 #include <cstdint>
@@ -11,55 +11,55 @@
 
 namespace pxpl5::host {
 
-inline constexpr std::size_t max_undo_steps = 500;         ///< Older ones are forgotten.
-inline constexpr std::size_t max_history_lines = 100'000;  ///< Later ones are not kept.
+inline constexpr std::size_t max_undo_steps = 500;         ///< Older steps are dropped.
+inline constexpr std::size_t max_history_lines = 100'000;  ///< Later lines are dropped.
 
 /// A command that was done.
 struct Deed {
     std::string line;        ///< In the form that parse_line() takes.
     std::string subject;     ///< See subject_of(); empty if the command is no setting.
-    bool is_action = false;  ///< Worth keeping even if it leaves the scene as it was.
+    bool is_action = false;  ///< Belongs to the script even if the scene stays the same.
 };
 
-/// Whether what undo restores is the same in both: all but size and overlay of the picture, and
-/// what only numbers surfaces.
+/// Whether undo would restore the same. Ignores the size and overlay of the picture and the numbers
+/// of surfaces.
 bool same_parameters(const Scene& a, const Scene& b);
 
-/// Steps hold parameters, never pictures or meshes. Settings of one subject in a row are one line
-/// and one step, so that a drag is taken back at once; mark() ends it. No clock decides that: the
-/// script, run again, has the same steps.
+/// Steps have parameters, but no pictures and no meshes. Consecutive settings of one subject are
+/// one line and one step, so that one undo takes back a drag. mark() ends the step. No clock is
+/// involved, so that the script has the same steps when it runs again.
 class History {
   public:
-    /// After a command: `before` and `after` are the scene then.
+    /// Adds a command; `before` and `after` are the scenes around it.
     void note(const Deed& deed, const Scene& before, const Scene& after);
-    /// After a command that failed: what it lost all the same is lost in the script, too.
+    /// Adds a failed command, because the script must repeat its losses.
     void note_losses(const Scene& before, const Scene& after);
-    /// After a load: nothing before it can be taken back.
+    /// Adds a load. Undo does not go back beyond it.
     void begin_anew(const std::string& load_line);
-    /// After a load that left nothing of the volume before it: no step leads back to it.
+    /// Adds a failed load that removed the previous volume. Undo does not go back beyond it.
     void forget_load();
     void mark() { is_marked_ = true; }
 
-    /// The line that undo or redo would act on; nothing if there is none.
+    /// The line that undo or redo would act on, if any.
     std::optional<std::string> undo_line() const;
     std::optional<std::string> redo_line() const;
-    /// The parameters to restore. Throw RequestError (usage) if there is nothing.
+    /// The parameters to restore. Throw RequestError (usage) if no step exists.
     const Scene& before_last() const;
     const Scene& after_next() const;
-    /// That has been done; `current` is the scene before it.
+    /// Confirms that they were restored; `current` is the scene before.
     void undone(const Scene& current);
     void redone(const Scene& current);
 
-    /// Counts the scripts that are being played, one by the other.
+    /// Counts nested scripts that run.
     void begin_play() { ++plays_; }
     void end_play() { --plays_; }
     int plays() const { return plays_; }
 
     /// A script that repeats the session, a newline after each line.
     std::string script() const;
-    /// The newest load, if there was one.
+    /// The newest load, if any.
     const std::optional<std::string>& load_line() const { return load_line_; }
-    int loads() const { return loads_; }  ///< So many there were.
+    int loads() const { return loads_; }  ///< Number of loads.
 
   private:
     struct Line {
@@ -67,9 +67,9 @@ class History {
         std::string text, subject;
     };
     struct Step {
-        std::uint64_t number;  ///< Number of its line.
+        std::uint64_t number;  ///< Number of the line.
         std::string line, subject;
-        Scene scene;  ///< To restore.
+        Scene scene;  ///< The scene to restore.
     };
 
     std::uint64_t add_line(const std::string& text, const std::string& subject);
@@ -77,7 +77,7 @@ class History {
     std::vector<Line> lines_;
     std::uint64_t next_number_ = 1;
     bool is_full_ = false;
-    bool is_marked_ = false;  ///< The next setting begins a step.
+    bool is_marked_ = false;  ///< The next setting starts a step.
     std::deque<Step> undo_;
     std::vector<Step> redo_;
     std::optional<std::string> load_line_;

@@ -1,5 +1,5 @@
-// What a session asked of its machine, for the model. Counted by the nodes, told in messages and
-// put together in a fixed order: it does not depend on how many nodes there are.
+// The work of a session for the timing model. The nodes count it, and the host adds the counts in a
+// fixed order, so that the sums do not depend on the number of nodes.
 #pragma once
 
 #include <string>
@@ -10,17 +10,17 @@
 
 namespace pxpl5::host {
 
-/// The volume that is loaded. Throws RequestError if there is none.
+/// The loaded volume. Throws RequestError if no volume is loaded.
 timing::VolumeWork volume_work(const Session& session);
 
-/// The newest extraction of a surface. Throws RequestError if there is none of that name.
+/// The newest extraction of a surface. Throws RequestError if the surface does not exist.
 timing::BuildWork build_work(const Session& session, const std::string& surface);
 
-/// Draws the scene once and drops the picture: one frame for each sample a pixel.
+/// Draws the scene once and drops the picture: one frame per sample of a pixel.
 /// Throws RequestError (failed) as drawing does.
 std::vector<timing::FrameWork> frame_work(Session& session);
 
-/// The volume, if there is one, the builds of all surfaces in drawing order, the scene's frame.
+/// The loaded volume, if any, the builds of all surfaces in drawing order, and the scene's frame.
 /// Throws as frame_work().
 timing::RunWork live_work(Session& session);
 

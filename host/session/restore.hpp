@@ -1,4 +1,4 @@
-// Puts a session's scene back as it was.
+// Restores a session's scene.
 #pragma once
 
 #include "host/session/session.hpp"
@@ -6,12 +6,12 @@
 namespace pxpl5::host {
 
 /// Gives the session the parameters of `wanted`: camera, lights, material, background, clips, tint
-/// and surfaces, of which only those are extracted again whose isovalue or table differs. Size,
-/// samples and overlay of the picture stay. Throws RequestError, MachineError; then some of it may
-/// be done.
+/// and surfaces. Extracts only surfaces with a changed isovalue or table. Keeps the picture's size,
+/// samples and overlay. Throws RequestError, MachineError; some parameters may be set then.
 void restore(Session& session, const Scene& wanted);
 
-/// restore(), and size, samples and overlay of the picture: all of the scene, as after a death.
+/// Calls restore(), and restores size, samples and overlay of the picture, for example after a
+/// death.
 void restore_all(Session& session, const Scene& wanted);
 
 }  // namespace pxpl5::host

@@ -1,11 +1,11 @@
-// Who looks on, as the director sees it: the web server, or a test.
+// The director's view of the web server, which a test can replace.
 #pragma once
 
 #include "host/serve/server/server.hpp"
 
 namespace pxpl5::host::serve {
 
-/// The calls of Server that a director makes; see there.
+/// The functions of Server that a director calls; Server describes them.
 class Audience {
   public:
     virtual ~Audience() = default;

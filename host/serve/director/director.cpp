@@ -21,7 +21,7 @@ namespace {
 
 constexpr double ms_per_ns = 1e-6;
 
-/// Readable when `fd` is, or after a time.
+/// A descriptor that is readable when `fd` is readable, or after a time.
 class Alarm {
   public:
     explicit Alarm(int fd)
@@ -50,7 +50,7 @@ class Alarm {
             const auto ns = static_cast<std::int64_t>(std::max(1.0, ms / ms_per_ns));
             after.it_value = {ns / 1'000'000'000, ns % 1'000'000'000};
         }
-        timerfd_settime(timer_, 0, &after, nullptr);  // Also unreadable again.
+        timerfd_settime(timer_, 0, &after, nullptr);  // Also makes the timer unreadable.
     }
 
   private:
@@ -93,7 +93,7 @@ void Director::run() {
 bool Director::step() {
     take_events();
     if (inbox_.has_command()) {
-        // Under a flood of input, too, pictures are seen at their rate.
+        // Pictures keep their rate even while input floods in.
         const bool picture_is_due =
             shown_revision_ != revision_ &&
             (since_ms(frame_ns_) >= goal_ms || session_->frames.has_frame_ahead());
@@ -113,7 +113,7 @@ bool Director::step() {
     if (is_asked) {
         do_wish(inbox_.take());
     }
-    // A picture after each answer: who never ceases to ask keeps it from nobody.
+    // Draws after each answer, so that a viewer's constant questions do not delay pictures.
     return draw_moving() || draw_resting() || is_asked;
 }
 
@@ -147,7 +147,7 @@ void Director::take(const Joined& joined) {
                                     {"viewer", std::int64_t{joined.viewer}},
                                     {"topology", parts_.topology},
                                     {"commands", table_fields()}}}}));
-    // What is half done is no state: then the one before.
+    // During a command the scene is incomplete, so the last state is sent.
     audience_.send(joined.viewer, busy_.empty() ? current_state() : last_state_);
 }
 
@@ -156,7 +156,7 @@ void Director::take(const Left& left) {
     inbox_.forget_asks(left.viewer);
 }
 
-/// Whether a viewer of this role may say this.
+/// Whether the viewer's role allows the message.
 bool Director::may(const Said& said, const std::optional<std::string>& ask) const {
     return said.role == Role::driver || (ask && *ask == "slice");
 }
@@ -175,7 +175,7 @@ void Director::take(const Said& said) {
             refuse_command("you only watch: the address of this page may not change anything");
         }
         if (message.cancels) {
-            cancels_ = true;  // For what is being done; do_command() forgets it.
+            cancels_ = true;  // For the command under way; do_command() resets the flag.
             return;
         }
         wish.is_ask = message.ask.has_value();
@@ -235,7 +235,7 @@ void Director::note(const char* level, const std::string& text) {
 }
 
 void Director::tell_progress(const std::string& what, int done, int total) {
-    // The first at once, the others at a pace that can be read.
+    // Sends the first text at once, the others at a readable rate.
     constexpr double pause_ms = 50;
     if (busy_.empty() || (tells_progress_ && done != total && since_ms(progress_ns_) < pause_ms)) {
         return;
@@ -253,7 +253,7 @@ void Director::end_progress() {
     }
 }
 
-/// Those who have been greeted.
+/// Sends a text to all viewers that have received the greeting.
 void Director::tell_all(const std::string& text) {
     for (const auto& viewer : viewers_) {
         audience_.send(viewer.first, text);

@@ -1,4 +1,4 @@
-// The session's side of the viewer: does what viewers ask for, and shows what came of it.
+// The session's side of the viewer: runs the viewers' commands and shows the results.
 #pragma once
 
 #include <cstdint>
@@ -18,26 +18,27 @@
 
 namespace pxpl5::host::serve {
 
-inline constexpr double rest_ms = 150;  ///< Without input until the picture itself is drawn.
+inline constexpr double rest_ms = 150;  ///< Time without input before the resting picture is drawn.
 inline constexpr double machine_text_ms = 250;  ///< Between two `machine` messages.
-inline constexpr int max_deaths = 3;            ///< Of the machine in `death_window_ms`: too many.
+inline constexpr int max_deaths =
+    3;  ///< Deaths of the machine in `death_window_ms` that end the program.
 inline constexpr double death_window_ms = 60'000;
 
-/// What a director is given.
+/// Functions and settings of a director.
 struct DirectorParts {
-    /// Launches the machine; the one before is over by then. Throws MachineError.
+    /// Launches the machine, after the previous machine has ended. Throws MachineError.
     std::function<std::shared_ptr<MachinePort>()> launch;
-    std::string topology;             ///< Its name, for people.
-    std::filesystem::path downloads;  ///< Where "download:NAME" of a command is written.
-    /// Answers an `ask` message with a binary one. Empty: there are no such questions.
+    std::string topology;             ///< The topology's name for the page.
+    std::filesystem::path downloads;  ///< Folder of "download:NAME" in a command.
+    /// Answers an `ask` message with a binary message. Empty: the director answers no questions.
     std::function<std::string(Session&, std::uint32_t id, std::string_view message)> answer;
-    /// What the nodes do, as the object of the message `machine`. Empty: nobody tells.
+    /// Returns the object of the message `machine`, the nodes' work. Empty: no such messages.
     std::function<std::string(Session&)> machine_text;
-    std::function<std::int64_t()> clock_ns;  ///< Never goes back.
+    std::function<std::int64_t()> clock_ns;  ///< Monotonic clock.
 };
 
-/// One thread uses it: the machine's. Nothing queues up behind a slow viewer or a slow machine: of
-/// settings the newest is done, of frames the newest is shown.
+/// The machine's thread uses the director. No queue grows behind a slow viewer or a slow machine:
+/// only the newest setting is run, and only the newest frame is shown.
 class Director {
   public:
     Director(Audience& audience, DirectorParts parts);
@@ -45,17 +46,17 @@ class Director {
     Director(const Director&) = delete;
     Director& operator=(const Director&) = delete;
 
-    /// Does a command of the program's own, before anybody looks. Throws as run_command().
+    /// Runs a command of the program, before viewers join. Throws as run_command() does.
     Reply open(const std::string& line);
-    /// Shows something of what is loaded, if nothing is shown yet.
+    /// Adds the first surfaces of the loaded volume, if the scene has none.
     void show_first_surfaces();
 
-    /// Serves until the machine is interrupted, or has died too often: throws MachineError.
+    /// Serves until the machine is interrupted or has died too often. Then throws MachineError.
     void run();
-    /// One round: takes what came and does the most urgent thing, if there is one.
-    /// Returns whether there was one; if not, how long nothing is to do is due_ms().
+    /// Takes the messages that came and does the most urgent work. Returns false if there was no
+    /// work. Then due_ms() is the time until the next work.
     bool step();
-    /// Milliseconds until step() has something to do even if nothing comes; -1: never.
+    /// Milliseconds until step() has work even without a message; -1: never.
     double due_ms() const;
 
     Session& session() { return *session_; }
@@ -110,18 +111,18 @@ class Director {
     std::map<std::uint32_t, Viewer> viewers_;
     Inbox inbox_;
     Pace pace_;
-    std::string opened_;  ///< What the server was told is open.
+    std::string opened_;  ///< The open file or folder that the server knows.
     std::string busy_;
-    bool cancels_ = false;  ///< Somebody wants what is being done given up.
+    bool cancels_ = false;  ///< A viewer has canceled the command under way.
     bool tells_progress_ = false;
-    std::int64_t progress_ns_ = 0;  ///< When it was told last.
+    std::int64_t progress_ns_ = 0;  ///< Time of the last message about progress.
     std::uint32_t revision_ = 1;
-    std::uint32_t shown_revision_ = 0;  ///< Of the newest frame.
-    int shown_samples_ = 0;             ///< Of the newest frame; 0 if it moves.
+    std::uint32_t shown_revision_ = 0;  ///< Revision of the newest frame.
+    int shown_samples_ = 0;             ///< Samples of the newest frame; 0 for a moving picture.
     bool state_is_old_ = true;
-    std::string last_state_;     ///< As it was told last.
-    std::int64_t input_ns_ = 0;  ///< When the newest change came.
-    std::int64_t frame_ns_ = 0;  ///< When the newest frame was shown.
+    std::string last_state_;     ///< The last state sent.
+    std::int64_t input_ns_ = 0;  ///< Time of the newest change.
+    std::int64_t frame_ns_ = 0;  ///< Time of the newest frame.
     std::int64_t machine_text_ns_ = 0;
     std::deque<std::int64_t> deaths_ns_;
 };

@@ -1,4 +1,4 @@
-// Director: commands, questions, and machines that die.
+// Director: commands, questions, and restarts of dead machines.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view download_prefix = "download:";
 constexpr std::size_t max_name_bytes = 120;
-/// A surface around others is seen through, so that a first picture shows both.
+/// Opacity of a surface around others, so that the first picture shows both.
 constexpr const char* see_through = "0.35";
 
 /// A file's name without a path. Throws RequestError.
@@ -33,7 +33,7 @@ void check_name(const std::string& name) {
     }
 }
 
-/// Whether part of the picture has changed.
+/// Whether both scenes give the same picture.
 bool same_picture(const Scene& a, const Scene& b) {
     return same_parameters(a, b) && a.size == b.size;
 }
@@ -51,12 +51,12 @@ void Director::do_wish(const Wish& wish) {
             refuse(wish, RequestError(ExitCode::failed, death.what()));
         }
         start_again(death, before);
-    } catch (const std::exception& error) {  // As of a file system: one viewer's, not everybody's.
+    } catch (const std::exception& error) {  // For example a file system's error.
         refuse(wish, RequestError(ExitCode::failed, error.what()));
     }
 }
 
-/// Runs it, with what names a download put into the folder of downloads.
+/// Runs a command. "download:NAME" becomes a path in the folder of downloads.
 Reply Director::run(const Arguments& arguments) {
     Arguments placed = arguments, noted = arguments;
     std::string download;
@@ -65,7 +65,7 @@ Reply Director::run(const Arguments& arguments) {
             download = placed.words[i].substr(download_prefix.size());
             check_name(download);
             placed.words[i] = (parts_.downloads / download).string();
-            noted.words[i] = download;  // A script writes where it is run.
+            noted.words[i] = download;  // A script writes into its current folder.
         }
     }
     Reply reply = run_command(*session_, placed, &noted);
@@ -123,7 +123,7 @@ void Director::do_command(const Wish& wish) {
                                                    {"revision", std::int64_t{revision_}}}));
         }
     } catch (const MachineError&) {
-        throw;  // The machine's successor draws anew.
+        throw;  // The next machine draws again.
     } catch (const std::exception&) {
         note_change();
         throw;
@@ -165,7 +165,7 @@ void Director::show_first_surfaces() {
         }
         run_command(*session_, command);
     }
-    // They belong to the load: undo does not go back beyond them.
+    // The surfaces belong to the load: undo does not go back beyond them.
     History& history = session_->history;
     if (const std::optional<std::string> load = history.load_line()) {
         history.begin_anew(*load);
@@ -173,7 +173,7 @@ void Director::show_first_surfaces() {
     }
 }
 
-/// Does what is no command; if the machine dies of it, it is started again.
+/// Runs work that is no command. Starts the machine again if the machine dies.
 void Director::guard(const std::string& what, const std::function<void()>& act) {
     const Scene before = session_->scene;
     try {
@@ -185,7 +185,7 @@ void Director::guard(const std::string& what, const std::function<void()>& act) 
     }
 }
 
-/// Tells of the death, and throws it if nobody should try again.
+/// Reports the death. Throws it if the machine was interrupted or has died too often.
 void Director::count_death(const MachineError& death) {
     if (death.is_interruption) {
         throw death;
@@ -203,9 +203,9 @@ void Director::count_death(const MachineError& death) {
     note("error", fmt::format("The machine has died: {}. It is started again.", death.what()));
 }
 
-/// The volume is loaded and the scene put back; the history goes on.
+/// Loads the volume and restores the scene. The history continues.
 void Director::start_again(const MachineError& death, const Scene& scene) {
-    // Of the session nothing is left if the launch fails.
+    // If the launch fails, the session is gone.
     const History history = session_->history;
     const Scene kept = scene;
     busy_ = "starting the machine again";
@@ -221,7 +221,7 @@ void Director::start_again(const MachineError& death, const Scene& scene) {
     input_ns_ = parts_.clock_ns();
 }
 
-/// Returns what the new machine died of, if it did.
+/// Returns the error of the new machine, if it dies, too.
 std::optional<MachineError> Director::try_again(const History& history, const Scene& scene) {
     try {
         start();

@@ -1,4 +1,4 @@
-// Director: what is drawn, when, and how large.
+// Director: chooses when frames are drawn, and their size.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -12,7 +12,7 @@ namespace pxpl5::host::serve {
 namespace {
 
 constexpr int smallest_moving_px = 64;
-constexpr int refinement = 4;  // Times more samples at each step: 1, 4, 16.
+constexpr int refinement = 4;  // Factor of samples between steps: 1, 4, 16.
 
 Size scaled(const Size& size, double scale) {
     const auto side = [scale](int px) {
@@ -42,31 +42,30 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
     audience_.show(std::move(frame));
 }
 
-/// The size of pictures during interaction: as large as there is time for.
+/// The size of moving pictures, limited by the time of a frame.
 Size Director::moving_size() const {
     return scaled(session_->scene.size, std::min(pace_.scale(), audience_.advice().scale));
 }
 
-/// Has the picture of a new isovalue requested together with the surface.
+/// Requests the picture of a new isovalue together with the surface.
 void Director::announce_frame(const Arguments& command) {
     const bool draws = command.name == "surface" && !command.words.empty() && has_picture() &&
                        audience_.wants_frame();
     const std::optional<Surface> known =
         draws ? session_->surfaces.find(command.words[0]) : std::nullopt;
-    // A filter of components decides only after the extraction which triangles are drawn.
+    // A filter of components selects the triangles only after the extraction.
     const bool is_ahead = draws && (!known || known->components.kind == ComponentFilter::Kind::all);
     session_->frames.announce(is_ahead ? std::optional(moving_size()) : std::nullopt);
 }
 
-/// Draws what has changed, as large as there is time for. Returns whether there was something.
+/// Draws a moving picture after a change. Returns false if nothing has changed.
 bool Director::draw_moving() {
     if (!has_picture() || shown_revision_ == revision_ || !audience_.wants_frame() ||
-        (!inbox_.has_command() &&
-         since_ms(input_ns_) >= rest_ms)) {  // Then the picture itself is due.
+        (!inbox_.has_command() && since_ms(input_ns_) >= rest_ms)) {  // The resting picture is due.
         return false;
     }
     if (state_is_old_) {
-        tell_state();  // What lies over the picture follows the state.
+        tell_state();  // The overlay of the page follows the state.
     }
     const Size wished = session_->scene.size;
     const std::int64_t start_ns = parts_.clock_ns();
@@ -83,13 +82,13 @@ bool Director::draw_moving() {
     });
     pace_.drawn(since_ms(start_ns));
     frame_ns_ = parts_.clock_ns();
-    shown_revision_ = revision;  // Also if it failed: the next change tries again.
+    shown_revision_ = revision;  // Also after a failure: the next change tries again.
     shown_samples_ = 0;
     return true;
 }
 
-/// Draws the picture itself when nothing has come for a while, then with more samples, which is
-/// given up as soon as something comes that changes it.
+/// Draws the resting picture after a time without input, then with more samples. A command that
+/// changes the picture cancels the refinement.
 bool Director::draw_resting() {
     if (!has_picture() || since_ms(input_ns_) < rest_ms || !is_refinable()) {
         return false;
@@ -116,7 +115,7 @@ bool Director::draw_resting() {
     return true;
 }
 
-/// With how many samples a pixel the picture ends.
+/// Samples per pixel of the last refinement.
 int Director::most_samples() const {
     return session_->frames.max_samples();
 }

@@ -9,7 +9,7 @@ namespace pxpl5::host::serve {
 
 namespace {
 
-/// What the setting is of, if the command has several: a surface, a light.
+/// The surface or light that is set, if the command can set several.
 std::string thing_of(const Arguments& arguments) {
     const bool has_thing =
         find_command(arguments.name).subject_words > 0 && !arguments.words.empty();
@@ -24,7 +24,7 @@ Inbox::Outcome Inbox::add(Wish wish) {
 
 Inbox::Outcome Inbox::add_command(Wish wish) {
     const Arguments& arguments = wish.arguments;
-    // pick X Y set=NAME is the question that changes something.
+    // pick X Y set=NAME is the only question that changes the scene.
     const bool changes_picture =
         kind_of(arguments) != CommandKind::question || arguments.has("set");
     Command command{{}, subject_of(arguments), thing_of(arguments), changes_picture};
@@ -36,12 +36,12 @@ Inbox::Outcome Inbox::add_command(Wish wish) {
     if (commands_.size() == max_waiting) {
         return {Added::full, std::nullopt};
     }
-    // At the end: between the two another setting of the same parameter may lie.
+    // At the end, because another setting of the same parameter may lie between the two.
     commands_.push_back(std::move(command));
     return outcome;
 }
 
-/// Takes out the setting that `newer` makes superfluous, if there is one.
+/// Removes the setting that `newer` replaces, if any.
 std::optional<Wish> Inbox::supersede(const Command& newer) {
     const auto settings_end =
         std::find_if(commands_.rbegin(), commands_.rend(),
@@ -52,7 +52,7 @@ std::optional<Wish> Inbox::supersede(const Command& newer) {
     if (older == settings_end) {
         return std::nullopt;
     }
-    // The first setting of a thing may be what adds it: those that follow would fail without it.
+    // The first setting of a surface or light may add it: later settings would fail without it.
     const auto is_of_thing = [&](const Command& each) {
         return !newer.thing.empty() && each.thing == newer.thing;
     };

@@ -1,4 +1,4 @@
-// What viewers have asked for and has not been done yet.
+// The viewers' commands and questions that wait.
 #pragma once
 
 #include <cstddef>
@@ -11,48 +11,48 @@
 
 namespace pxpl5::host::serve {
 
-inline constexpr std::size_t max_waiting = 1000;        ///< Commands.
-inline constexpr std::size_t max_asks_of_a_viewer = 8;  ///< Each of another kind.
+inline constexpr std::size_t max_waiting = 1000;  ///< Limit of commands.
+inline constexpr std::size_t max_asks_of_a_viewer =
+    8;  ///< Limit of one viewer's questions, each of another kind.
 
 /// A command, or a question whose answer is bytes.
 struct Wish {
     std::uint32_t viewer = 0;
-    std::optional<std::uint32_t> id;  ///< Nobody waits for an answer without one.
+    std::optional<std::uint32_t> id;  ///< Empty: the viewer needs no reply.
     bool is_ask = false;
     std::string text;       ///< The command line, or the whole `ask` message.
-    Arguments arguments;    ///< Of the line.
-    std::string kind = {};  ///< Of an ask: a viewer needs the newest answer of each kind.
+    Arguments arguments;    ///< Words of the command line.
+    std::string kind = {};  ///< Kind of a question. A newer question of this kind replaces it.
 };
 
-/// Commands before asks, both in the order of arrival. A setting makes an older one of the same
-/// subject superfluous, if nothing but settings lies between: actions and commands that ask see
-/// what they would have seen. Of asks only the newest of a viewer and kind is left, in the place of
-/// the older.
+/// Gives commands before questions, both in the order of arrival. A setting replaces an older
+/// setting of the same subject if only settings lie between them, so that actions and questions see
+/// the same scene. A question replaces the viewer's older question of the same kind, at its place.
 class Inbox {
   public:
     enum class Added : std::uint8_t { waits, full };
     struct Outcome {
         Added added = Added::waits;
-        std::optional<Wish> superseded;  ///< Will not be done.
+        std::optional<Wish> superseded;  ///< The replaced command or question.
     };
 
-    /// Throws RequestError if there is no such command.
+    /// Throws RequestError if the command does not exist.
     Outcome add(Wish wish);
     bool empty() const { return commands_.empty() && asks_.empty(); }
     bool has_command() const { return !commands_.empty(); }
-    /// Whether a command waits that may change what is shown.
+    /// Whether a command waits that may change the picture.
     bool changes_picture() const;
     std::size_t size() const { return commands_.size() + asks_.size(); }
-    /// The oldest command, or else the oldest ask; not on an empty one (asserted).
+    /// The oldest command, or else the oldest question. The inbox must not be empty (asserted).
     Wish take();
-    /// Forgets what a viewer who left has asked; what it has set is done.
+    /// Drops the questions of a viewer that left. Its commands stay.
     void forget_asks(std::uint32_t viewer);
 
   private:
     struct Command {
         Wish wish;
-        std::string subject;  ///< As subject_of(); empty: what is before must be done before.
-        std::string thing;    ///< Whose setting it is, as a surface; empty: the scene's.
+        std::string subject;  ///< See subject_of(); empty: no newer command replaces older ones.
+        std::string thing;    ///< The surface or light that is set; empty: the scene.
         bool changes_picture = false;
     };
     Outcome add_command(Wish wish);

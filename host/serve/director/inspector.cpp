@@ -18,7 +18,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t alignment = 8;
-/// Pieces of contours in an answer, of all surfaces: 8 MiB. A page draws no more in a frame's time.
+/// Limit of contour pieces in an answer, over all surfaces: 8 MiB. A page can draw so many per
+/// frame.
 constexpr std::size_t max_pieces = 524'288;
 constexpr std::array<std::string_view, 4> type_names = {"uint8", "int16", "uint16", "float32"};
 
@@ -31,14 +32,14 @@ void pad(Bytes& bytes) {
     bytes.resize((bytes.size() + alignment - 1) / alignment * alignment);
 }
 
-/// Appends the object representation of `values`. Ours are little-endian machines (ringbus).
+/// Appends the bytes of `values`. All machines of the ring are little-endian.
 template <class T>
 void append(std::vector<std::byte>& bytes, const T* values, std::size_t count) {
     const auto* first = reinterpret_cast<const std::byte*>(values);
     bytes.insert(bytes.end(), first, first + count * sizeof(T));
 }
 
-/// What a value is, for an error: itself if it is short.
+/// A value in an error's text: the value itself if it is short.
 std::string shown(const Json& value) {
     constexpr std::size_t longest = 40;
     const std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
@@ -65,7 +66,7 @@ std::string text_of(const Json& ask, const char* key, const char* may_be) {
 /// A whole number in [low, high].
 std::int64_t whole_of(const Json& ask, const char* key, std::int64_t low, std::int64_t high) {
     const auto found = ask.find(key);
-    // What is beyond a signed number's range is none of ours.
+    // Numbers above the signed range are out of range here, too.
     const bool is_whole = found != ask.end() && found->is_number_integer() &&
                           !(found->is_number_unsigned() && found->get<std::uint64_t>() > INT64_MAX);
     const std::int64_t value = is_whole ? found->get<std::int64_t>() : 0;

@@ -1,5 +1,4 @@
-// Questions of the browser whose answers are bytes: slices of the volume, and a region's stream,
-// step by step.
+// Answers the browser's questions with bytes: slices of the volume and the steps of a region.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +11,7 @@
 
 namespace pxpl5::host::serve {
 
-/// As the page gets it, but for the id: see "Binary answers" in host/serve/README.md.
+/// A binary answer without its id: see "Binary answers" in host/serve/README.md.
 struct Answer {
     std::string json;  ///< One object.
     std::vector<std::byte> bytes;
@@ -20,16 +19,16 @@ struct Answer {
 
 /// Answers an `ask` message.
 ///
-/// session  Its scene is drawn if the question is about a frame; what is found out of that frame is
-///          kept there until the scene changes.
-/// message  The whole message as it came, a JSON object; its id is not looked at.
-/// Throws   RequestError: usage if the question is none, or none of this volume or picture, naming
-///          what was given and what may be; else as Session. MachineError as Session.
+/// session  Draws the scene if the question is about a frame. Keeps the frame's recording until the
+///          scene changes.
+/// message  The whole message, a JSON object. The id is ignored.
+/// Throws   RequestError (usage) for an invalid question; the text has the value and the allowed
+///          values. Throws RequestError and MachineError as Session does.
 Answer answer(Session& session, std::string_view message);
 
 /// The answer as a binary message.
 ///
-/// id       Of the question.
+/// id       The question's id.
 std::string answer_message(std::uint32_t id, const Answer& answer);
 
 }  // namespace pxpl5::host::serve

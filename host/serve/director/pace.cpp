@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array<double, 3> scales = {1, 0.75, 0.5};
 constexpr int enough_quick = 8;  // Frames: a third of a second.
-constexpr double room = 0.75;    // Of goal_ms that the next size may take.
+constexpr double room = 0.75;    // Share of goal_ms that the next size may take.
 
 }  // namespace
 

@@ -1,22 +1,22 @@
-// How large pictures are drawn while something moves.
+// Chooses the size of moving pictures.
 #pragma once
 
 namespace pxpl5::host::serve {
 
-inline constexpr double goal_ms = 40;  ///< A frame: 25 a second.
+inline constexpr double goal_ms = 40;  ///< Time per frame: 25 frames per second.
 
-/// Chooses 1, 3/4 or 1/2 of the wished size from what frames have cost. It goes down at once when a
-/// frame is late, and up only after several that would have been in time at the next size, so that
-/// the picture does not jump to and fro.
+/// Chooses 1, 3/4 or 1/2 of the requested size from the times of earlier frames. A late frame makes
+/// the size smaller at once. Only several frames that would be in time at the next size make it
+/// larger, so that the size does not oscillate.
 class Pace {
   public:
     double scale() const;
-    /// A frame at scale() took so long, all work for it included.
+    /// Reports the total time of a frame at scale().
     void drawn(double ms);
 
   private:
-    int step_ = 0;   ///< Into the list of scales.
-    int quick_ = 0;  ///< Frames in a row that let the next one be larger.
+    int step_ = 0;   ///< Index into the list of scales.
+    int quick_ = 0;  ///< Consecutive frames that allow a larger size.
 };
 
 }  // namespace pxpl5::host::serve

@@ -22,7 +22,7 @@ std::string colour_text(const Colour& colour) {
     return fmt::format("#{:02x}{:02x}{:02x}", colour.r, colour.g, colour.b);
 }
 
-/// As `components` takes it.
+/// The filter in the form that `components` reads.
 std::string filter_text(const ComponentFilter& filter) {
     switch (filter.kind) {
         case ComponentFilter::Kind::largest:
@@ -66,7 +66,7 @@ VolumeState volume_state(const Session& session) {
 CameraState camera_state(const Session& session) {
     const Camera& camera = session.scene.camera;
     const Size& size = session.scene.size;
-    // With nothing loaded, the state has a camera of an assumed subject: its form never changes.
+    // Without a volume, the state has a camera of an assumed subject, so that its form is the same.
     const bool is_empty = !session.volumes.has_volume() && session.volumes.archive() == nullptr;
     const Subject subject = is_empty ? Subject{glm::dvec3(0), 100} : session.frames.subject();
     const CameraMatrices m =

@@ -1,4 +1,4 @@
-// A session's state as the page gets it.
+// Writes a session's state for the page.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,15 @@
 
 namespace pxpl5::host::serve {
 
-/// What the session does not know of itself.
+/// Values of the state that the session does not have.
 struct StateExtras {
     std::uint32_t revision = 0;
-    std::string busy;  ///< What is being done; empty for nothing.
+    std::string busy;  ///< The work under way; empty for none.
     std::string topology;
     bool is_recording = false;
 };
 
-/// {"state": {..}} as host/serve/README.md says, in one line.
+/// {"state": {..}} in one line; host/serve/README.md describes the fields.
 std::string state_text(const Session& session, const StateExtras& extras);
 
 }  // namespace pxpl5::host::serve

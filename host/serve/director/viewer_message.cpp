@@ -14,10 +14,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t quoted_bytes = 80;  ///< Of a message that an error quotes.
-constexpr int max_depth = 16;             ///< Of lists and objects in each other.
+constexpr std::size_t quoted_bytes = 80;  ///< Bytes of a message that an error quotes.
+constexpr int max_depth = 16;             ///< Depth of nested lists and objects.
 
-/// The value of that key if it is there and of the right type. Throws RequestError if it is not.
+/// The value of a key, if it exists. Throws RequestError if the value has another type.
 template <typename T>
 std::optional<T> value(const Json& message, const char* key, Json::value_t type) {
     const auto found = message.find(key);
@@ -35,7 +35,7 @@ std::optional<T> value(const Json& message, const char* key, Json::value_t type)
     return found->get<T>();
 }
 
-/// Throws RequestError if lists or objects are too deep in each other for code that recurses.
+/// Throws RequestError if lists or objects are nested too deeply for recursive code.
 Json parse(std::string_view text) {
     int depth = 0;
     const auto note_depth = [&depth](int outer, Json::parse_event_t event, const Json&) {

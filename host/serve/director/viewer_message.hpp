@@ -1,4 +1,4 @@
-// What a viewer says, taken from its JSON.
+// Reads a viewer's JSON message.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,17 @@
 
 namespace pxpl5::host::serve {
 
-/// One of line, ask, cancel, panel is there.
+/// Exactly one of line, ask, cancels and panel is set.
 struct ViewerMessage {
     std::optional<std::uint32_t> id;
-    std::optional<std::string> line;  ///< Of "do".
-    std::optional<std::string> ask;   ///< What is asked: "slice".
-    std::optional<std::string> axis;  ///< Of an ask about one.
+    std::optional<std::string> line;  ///< The command of "do".
+    std::optional<std::string> ask;   ///< The kind of a question: "slice".
+    std::optional<std::string> axis;  ///< The axis of a question about a slice.
     bool cancels = false;
     std::optional<bool> panel;
 };
 
-/// Throws RequestError (usage) with a sentence if it is no message of host/serve/README.md.
+/// Throws RequestError (usage) if the text is no message of host/serve/README.md.
 ViewerMessage read_viewer_message(std::string_view text);
 
 }  // namespace pxpl5::host::serve
