@@ -35,7 +35,8 @@ def section(schema):
             out += paragraph(", ".join(f"`{value.name}`" for value in declared.values))
         elif declared.fields:
             out += ["| field | type | meaning |", "|---|---|---|"]
-            out += [f"| {f.name} | `{f.declared}` | {f.comment} |" for f in declared.fields] + [""]
+            out += [f"| `{f.name}` | `{f.declared}` | {f.comment} |" for f in declared.fields]
+            out += [""]
     return out
 
 
