@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up, builds and tests everything, optimised. Arguments go to ctest, e.g. tests/run.sh -L unit.
-# tests/run.sh --sanitizers runs unit and system tests with address and undefined-behaviour
+# Sets up, builds and tests everything, optimized. Arguments go to ctest, e.g. tests/run.sh -L unit.
+# tests/run.sh --sanitizers runs unit and system tests with address and undefined-behavior
 # sanitizers and warnings as errors instead.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)

@@ -54,7 +54,7 @@ Reply list_components(const MeshComponents& parts) {
                                        ? fmt::format("{:.3f} ml", *part.volume_mm3 / 1000)
                                        : "no volume (holes)";
         reply.text += fmt::format(
-            "\n{:>3}: {:>9} triangles, {:>10.2f} cm2, {}{}, centre ({:.1f}, {:.1f}, {:.1f}) mm",
+            "\n{:>3}: {:>9} triangles, {:>10.2f} cm2, {}{}, center ({:.1f}, {:.1f}, {:.1f}) mm",
             i + 1, part.triangles, part.area_mm2 / 100, volume, part.closed ? "" : ", open",
             part.centre_mm.x, part.centre_mm.y, part.centre_mm.z);
         Fields fields = {{"triangles", static_cast<std::int64_t>(part.triangles)},

@@ -135,7 +135,7 @@ Volume import_raw(const fs::path& path, const ImportRequest& request) {
     const StoredHeader header = read_raw_layout(path, *request.raw);
     if (!request.spacing_mm) {
         throw ImportError(path.string() +
-                          ": a raw file states no distances: give spacing=x,y,z in millimetres");
+                          ": a raw file states no distances: give spacing=x,y,z in millimeters");
     }
     return import_stored(path, header, request);
 }

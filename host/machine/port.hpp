@@ -23,7 +23,7 @@ struct MachineError : std::runtime_error {
 
 /// The user canceled the operation under way, by Ctrl-C or in another way. The machine continues.
 struct Cancelled : RequestError {
-    Cancelled() : RequestError(ExitCode::failed, "cancelled") {}
+    Cancelled() : RequestError(ExitCode::failed, "canceled") {}
 };
 
 /// The traces that the nodes and the host have written.

@@ -286,7 +286,7 @@ class Flattener {
         const int bits = merge_colours(content_.materials, parts_);
         if (bits < 8) {
             content_.notes.push_back(
-                fmt::format("{} colours are drawn as {}: {} bits of each channel are kept", colours,
+                fmt::format("{} colors are drawn as {}: {} bits of each channel are kept", colours,
                             content_.materials.size(), bits));
         }
         join_parts();
@@ -337,8 +337,8 @@ class Flattener {
                 content_.notes.push_back(fmt::format("{}: {}", text, count));
             }
         };
-        note(archive_.translucent, "translucent colours, drawn opaque");
-        note(averaged_, "polygons drawn in the mean of their corners' colours");
+        note(archive_.translucent, "translucent colors, drawn opaque");
+        note(averaged_, "polygons drawn in the mean of their corners' colors");
         note(flat_polygons_, "polygons left out, as they have no area");
     }
 

@@ -242,7 +242,7 @@ class Parser {
         }
         result.kind = static_cast<Kind>(kind - kind_names.begin());
         lexer_.next();
-        lexer_.expect("{", "before the colours");
+        lexer_.expect("{", "before the colors");
         while (!lexer_.take_if("}")) {
             if (lexer_.take_if("diff")) {
                 const Colour front = rgba();

@@ -74,7 +74,7 @@ struct Scene {
     Size size{512, 512};
     std::vector<Surface> surfaces;  ///< In drawing order.
     std::vector<SceneClip> clips;   ///< What is drawn lies on the kept side of all.
-    bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in gap_colour.
+    bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in `gap_colour`.
     Colour gap_colour{226, 84, 62};
     int samples = 1;      ///< Samples per pixel of a picture, one of sample_counts.
     bool overlay = true;  ///< Pictures in files carry orientation letters and a scale bar.

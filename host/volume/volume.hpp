@@ -20,26 +20,26 @@ struct Finding {
 
 /// Voxels with their place in the patient.
 ///
-/// A voxel (x, y, z) lies at the grid position (x, y, place of slice z), which voxel_to_patient
-/// takes to millimetres.
+/// A voxel (x, y, z) lies at the grid position (x, y, place of slice z). voxel_to_patient maps grid
+/// positions to millimeters.
 struct Volume {
     std::string name;
     int nx = 0, ny = 0, nz = 0;  ///< Voxels.
     Scalar type = Scalar::int16;
-    glm::dmat4 voxel_to_patient{1.0};  ///< Grid position (x, y, z) to millimetres, LPS.
-    /// Of each slice, ascending; empty if slice z lies at z, that is if slices are evenly spaced.
+    glm::dmat4 voxel_to_patient{1.0};  ///< Grid position (x, y, z) to millimeters, LPS.
+    /// Grid z of each slice, ascending. Empty if slices are evenly spaced: slice z lies at z.
     std::vector<double> slice_places;
-    std::vector<int> gap_slabs;       ///< Across missing slices, ascending.
+    std::vector<int> gap_slabs;       ///< Slabs across missing slices, ascending.
     double minimum = 0, maximum = 0;  ///< Over all voxels.
     std::string modality;             ///< CT, MR, US, ...; empty if the file does not state it.
-    std::vector<Finding> findings;    ///< What a reader should know.
-    int slabs_per_set = 1;  ///< Neighbouring slabs that go to one GP; the paper's sets hold one.
-    std::vector<std::byte> values;  ///< nx * ny * nz, x fastest, little endian, of `type`.
-    std::string source;             ///< File, folder or phantom:NAME that it was read from.
-    std::uint64_t digest = 0;       ///< FNV-1a over the values; 0 if not known.
+    std::vector<Finding> findings;    ///< Facts that the user must know.
+    int slabs_per_set = 1;            ///< Adjacent slabs that go to one GP; 1 in the paper.
+    std::vector<std::byte> values;    ///< nx * ny * nz, x fastest, little endian, of `type`.
+    std::string source;               ///< File, folder or phantom:NAME.
+    std::uint64_t digest = 0;         ///< FNV-1a over the values; 0 if unknown.
 };
 
-/// Whether something of its place or spacing is not stated by its file, but assumed.
+/// Whether the file does not state the whole position and spacing, so that a part is assumed.
 inline bool is_assumed(const Volume& volume) {
     return std::ranges::count(volume.findings, FindingKind::assumption, &Finding::kind) != 0;
 }

@@ -1,4 +1,4 @@
-// What a message between two nodes costs, by size: there by itself, back a short answer.
+// Measures messages between two nodes by size. The answer is short.
 #include <benchmark/benchmark.h>
 
 #include <cstring>
@@ -14,11 +14,12 @@ namespace schema = bus::schema;
 namespace {
 
 constexpr bus::NodeId near_id = 1, far_id = 2;
-constexpr std::uint32_t last_volume = 0xFFFFFFFF;  ///< Of the message that ends the answerer.
+constexpr std::uint32_t last_volume =
+    0xFFFFFFFF;  ///< Volume of the message that ends the answering thread.
 constexpr std::size_t line_bytes = 64;
 constexpr int patience_ms = 10'000;
 
-/// A message of about `bytes`, written anew as a sender does, in the memory that its link gives.
+/// A new message of about `bytes`, in the memory of the sender's link.
 bus::Payload message_of(std::size_t bytes, std::uint32_t volume, bus::ZmqLink& link) {
     flatbuffers::FlatBufferBuilder builder(bytes + 1024, link.body_allocator());
     std::uint8_t* values = nullptr;
@@ -27,7 +28,7 @@ bus::Payload message_of(std::size_t bytes, std::uint32_t volume, bus::ZmqLink& l
     return bus::finish(builder, schema::CreateSlices(builder, volume, 0, 1, vector));
 }
 
-/// Reads a byte of every cache line, as whoever uses a message does at least.
+/// Reads a byte of every cache line, the least that a receiver does.
 std::uint64_t read_lines(const flatbuffers::Vector<std::uint8_t>& values) {
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < values.size(); i += line_bytes) {
@@ -47,7 +48,7 @@ bus::Message next(bus::ZmqLink& link) {
     }
 }
 
-/// Reads what comes and answers with a short message, until it is told to end.
+/// Reads each message and answers with a short message, until the last volume arrives.
 void answer(bus::ZmqLink& link) {
     while (true) {
         const bus::Message message = next(link);

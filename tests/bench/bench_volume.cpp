@@ -1,4 +1,4 @@
-// Writes a volume of any size for measurements: a built-in one sampled anew, with seeded noise.
+// Writes a volume of any size for measurements: a built-in volume, resampled, with seeded noise.
 //
 // usage: bench_volume phantom:NAME NX NY NZ NOISE SEED FILE.mhd
 #include <fmt/core.h>

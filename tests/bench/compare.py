@@ -111,7 +111,7 @@ def require_same_work(name: str, ours: int, theirs: int):
 
 
 def sphere_around(info: dict) -> List[float]:
-    """Centre and radius, mm, of the sphere around a volume whose axes are the patient's."""
+    """Center and radius, mm, of the sphere around a volume whose axes are the patient's."""
     half = [(count - 1) * spacing / 2 for count, spacing in zip(info["dims"], info["spacing_mm"])]
     centre = [origin + side for origin, side in zip(info["origin_mm"], half)]
     return centre + [math.hypot(*half)]

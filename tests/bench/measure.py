@@ -168,7 +168,7 @@ def recorded(program: str, topology: str, load: loads.Load, record: str) -> Tupl
 
 
 def measure_recording(program: str, topology: str, load: loads.Load, runs: int, out: Figures):
-    """Ratios to no recording, each run against its neighbour in time; who goes first changes."""
+    """Ratios to no recording, each run against its neighbor in time; who goes first changes."""
     taken: Dict[str, List[Tuple[float, float]]] = collections.defaultdict(list)
     for run in range(runs):
         first = run % len(RECORDINGS)

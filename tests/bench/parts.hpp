@@ -1,4 +1,4 @@
-// One GP, one Renderer and one frame buffer without a ring between them, for measuring each alone.
+// One GP, one Renderer and one frame buffer without a ring, to measure each alone.
 #pragma once
 
 #include <memory>
@@ -21,19 +21,19 @@ class Wire final : public bus::Outbox {
   public:
     using bus::Outbox::send;
     void send(bus::NodeId, bus::Payload payload) override { sent.push_back(std::move(payload)); }
-    /// The first message of this kind among those sent; throws std::logic_error if there is none.
+    /// The first sent message of this kind. Throws std::logic_error if none exists.
     const bus::Payload& first(bus::Body kind) const;
 
     std::vector<bus::Payload> sent;
 };
 
-/// A message's bytes as they lie in a receiver, whose frame number may be changed.
+/// A message's bytes in a receiver's memory. The frame number can be changed.
 class Held {
   public:
     explicit Held(const bus::Payload& payload);
-    /// Of BeginFrame, RegionPrograms and RegionPixels.
+    /// Supports BeginFrame, RegionPrograms and RegionPixels.
     void set_frame(std::uint32_t frame);
-    /// As it reaches node `to`: verified anew, as a link does with every message.
+    /// The message at node `to`. Verifies the bytes, as a link does with every message.
     bus::Message message(bus::NodeId to) const;
     std::size_t size_bytes() const { return size_bytes_; }
 
@@ -48,12 +48,12 @@ class Parts {
   public:
     Parts(std::string_view phantom, host::Size size);
 
-    /// The GP makes the surface anew. Returns how many triangles it has.
+    /// Extracts the surface again. Returns its number of triangles.
     std::uint32_t extract();
     /// The GP draws view `frame`, counted from 1; BeginFrame and RegionPrograms are then in
     /// gp_wire.
     void draw(std::uint32_t frame);
-    /// Works until nothing is left to do.
+    /// Works until the node is idle.
     template <class Node>
     static void work(Node& node, Wire& wire) {
         while (node.work(wire)) {

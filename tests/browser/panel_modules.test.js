@@ -92,7 +92,7 @@ test('a pixel of a slice is a voxel, and back', () => {
   assert.deepEqual(pixelAt(slice, GRID.size, [2, 3, 3]), [2, 0]);
 });
 
-test('unevenly spaced rows stand at their places, millimetres alike across and down', () => {
+test('unevenly spaced rows keep their positions, with equal scales across and down', () => {
   const slice = sliceOf('y', 3, answer());
   const placed = placedIn(slice, 1000, 240);
   // 24 mm down: from 2 mm above the first row's middle to 2 below the last one's.

@@ -73,7 +73,7 @@ TEST_CASE("a flood of isovalues costs few extractions, and the newest is what re
     CHECK(resting.samples == 16);
     CHECK(resting.digest == picture_digest(*stage.director.session().frames.draw_samples(16)));
     CHECK(stage.watchers.last("state")["revision"] == newest["revision"]);
-    CHECK(stage.director.due_ms() < 0);  // Nothing is left to do: nobody turns in circles.
+    CHECK(stage.director.due_ms() < 0);  // No work is left, so the loop sleeps.
 }
 
 TEST_CASE("what moves is drawn at once, and itself 150 ms after the last input") {
@@ -204,7 +204,7 @@ TEST_CASE("a load is given up when somebody says so, and leaves nothing") {
     };
     stage.director.step();
     CHECK(stage.watchers.reply(2)["ok"] == false);
-    CHECK(stage.watchers.reply(2)["error"] == "cancelled");
+    CHECK(stage.watchers.reply(2)["error"] == "canceled");
     stage.settle();
     CHECK(stage.watchers.last("state")["volume"].is_null());
     CHECK(stage.watchers.last("state")["busy"].is_null());

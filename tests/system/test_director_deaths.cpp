@@ -21,7 +21,7 @@ TEST_CASE("after a load that was given up nothing leads back to the volume befor
     };
     stage.watchers.does(2, "load phantom:pelvis");
     stage.settle();
-    REQUIRE(stage.watchers.reply(2)["error"] == "cancelled");
+    REQUIRE(stage.watchers.reply(2)["error"] == "canceled");
     CHECK(stage.watchers.last("state")["undo"].is_null());
     stage.watchers.does(3, "undo");
     stage.settle();

@@ -31,9 +31,9 @@ Topology plan(int gps, int renderers, std::uint64_t seed = 1) {
 /// The letters from aside, one surface behind a screen door; and what the machine itself reports.
 struct Result {
     RunWork work;
-    std::vector<FrameWork> passes;  ///< Of a picture of 4 samples.
+    std::vector<FrameWork> passes;  ///< Passes of a picture with 4 samples.
     SurfaceReport outer;
-    FrameReport frame;  ///< Of `work`.
+    FrameReport frame;  ///< The frame in `work`.
     std::int64_t pass_instructions = 0;
 };
 

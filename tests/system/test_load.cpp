@@ -174,7 +174,7 @@ TEST_CASE("Ctrl-C while a volume is read or handed out gives up the volume alone
         return error;
     };
     // Before anything of it has come, what was loaded stays.
-    CHECK(cancel_at([](const LoadProgress& now) { return now.total == 0; }) == "cancelled");
+    CHECK(cancel_at([](const LoadProgress& now) { return now.total == 0; }) == "canceled");
     CHECK(session.volumes.volume().name == "phantom:sphere");
     CHECK(session.surfaces.set("s", 100, CaseRule::watertight, grey).triangles > 0);
 
@@ -184,7 +184,7 @@ TEST_CASE("Ctrl-C while a volume is read or handed out gives up the volume alone
         [](const LoadProgress& now) { return now.phase == Phase::reading && now.done > 20; },
         [](const LoadProgress& now) { return now.phase == Phase::distributing; }};
     for (const auto& here : later) {
-        CHECK(cancel_at(here) == "cancelled");
+        CHECK(cancel_at(here) == "canceled");
         CHECK_FALSE(session.volumes.has_volume());
         CHECK(has(error_of<RequestError>([&] { session.frames.draw(); }), "no volume is loaded"));
     }
@@ -207,7 +207,7 @@ TEST_CASE("a machine whose last load was given up ends in order") {
             std::raise(SIGINT);
         }
     };
-    CHECK(error_of<Cancelled>([&] { session.volumes.load(bench.file); }) == "cancelled");
+    CHECK(error_of<Cancelled>([&] { session.volumes.load(bench.file); }) == "canceled");
     // The io process dies of SIGKILL meanwhile, which was the machine's own doing.
     CHECK(error_of<MachineError>([&] { machine.shutdown(); }) == "none");
 }
@@ -226,7 +226,7 @@ TEST_CASE("a second Ctrl-C, and one outside of loading, ends the machine") {
             session.volumes.load(bench.file);
             std::raise(SIGINT);
         } else {
-            CHECK(error_of<Cancelled>([&] { session.volumes.load(bench.file); }) == "cancelled");
+            CHECK(error_of<Cancelled>([&] { session.volumes.load(bench.file); }) == "canceled");
         }
         CHECK(has(error_of<MachineError>([&] { session.volumes.load("phantom:sphere"); }),
                   "interrupted by SIGINT"));  // The press came before, and is not this load's.

@@ -75,7 +75,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("samples lie in all rows and columns of a pixel's grid, about its centre") {
+TEST_CASE("samples lie in all rows and columns of a pixel's grid, about its center") {
     CHECK(sample_offset({0, 1}) == glm::ivec2(0));
     for (const int samples : {4, 16}) {
         CAPTURE(samples);

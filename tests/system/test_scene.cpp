@@ -43,7 +43,7 @@ std::uint32_t pixel(const Picture& picture, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("a scene's colours, sides and gloss arrive in the picture") {
+TEST_CASE("a scene's colors, sides and gloss arrive in the picture") {
     // Left a square seen from its blue back, right one that is culled; a red sphere in the middle.
     const ArchiveFile file(
         "color polygon { diff 0 255 0 255  0 0 255 255 spec 51 51 51 40 51 51 51 40 };\n"

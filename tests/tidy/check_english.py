@@ -6,6 +6,9 @@ from typing import List
 import tree
 
 MAX_COLUMNS = 100
+# Names in code keep their spelling: text in backticks, and code before a comment.
+NAMES = re.compile(r"`[^`]*`|@\w+ \{.*?\} (?:\[?\w+)?")
+CODE = re.compile(r"^.*?(?=//)")
 # Lines that may be longer: tables, drawings, and links that do not break.
 LONG = re.compile(r"^\s*\||https?:|^(?: {4}|\t)|\]\(")
 COMMENT = re.compile(r"^\s*(?:///?<?|\*|/\*\*|#|;)\s|///<|\s//\s")
@@ -36,7 +39,7 @@ def errors_of(path: pathlib.PurePath, text: str) -> List[str]:
         for pattern, advice in RULES.items():
             for match in re.finditer(pattern, line):
                 errors.append(f"{place}: '{match[0].strip()}': {advice}")
-        match = BRITISH.search(line)
+        match = BRITISH.search(NAMES.sub("", line if is_document else CODE.sub("", line)))
         if match:
             errors.append(f"{place}: '{match[0]}': American spelling")
     return errors

@@ -49,7 +49,7 @@ NamedValues values_of(const schema::DrawFrame& draw) {
     add_each(values, "surface", draw.surfaces(),
              [&](const std::string& name, const schema::SurfaceDraw& s) {
                  add(name,
-                     fmt::format("id {}, revision {}, colour {}, {}", s.surface(), s.revision(),
+                     fmt::format("id {}, revision {}, color {}, {}", s.surface(), s.revision(),
                                  text_of(s.colour()), s.cull_back() ? "front only" : "both sides"));
              });
     add_each(values, "clip plane", draw.clip_planes(),

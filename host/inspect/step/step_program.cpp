@@ -257,8 +257,8 @@ std::string StepProgram::print(const Words& words) {
     return print_text(stepper_, field_of(words[0]), window);
 }
 
-/// The field that word `index` names. Else what is there to be seen: normals while primitives are
-/// drawn; colours once the end-of-region program, which uses up the normals, runs.
+/// The field that word `index` names. Without that word: normals while primitives are drawn, and
+/// colors once the end-of-region program runs, because it overwrites the normals.
 NamedField StepProgram::field_or_default(const Words& words, std::size_t index) const {
     const RegionStepper& here = stepper_.here();
     const bool shading = here.done() || here.walk().plan().parts[here.walk().at().part].kind ==

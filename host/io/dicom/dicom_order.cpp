@@ -78,7 +78,7 @@ void place_frames(const std::string& source, std::vector<DicomSlice>& slices,
     if (!first.frame_step_mm && !wished) {
         throw ImportError(fmt::format(
             "{}: its {} frames state neither positions (0020,0032) nor a distance (0018,0088): "
-            "give spacing=x,y,z in millimetres",
+            "give spacing=x,y,z in millimeters",
             source, slices.size()));
     }
     const double step = first.frame_step_mm ? *first.frame_step_mm : request.spacing_mm->z;

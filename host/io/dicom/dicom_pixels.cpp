@@ -50,7 +50,7 @@ Component component_of(const std::string& file, const gdcm::PixelFormat& format)
 void check_grey(const std::string& file, const DicomSlice& slice) {
     if (slice.samples != 1) {
         throw ImportError(
-            fmt::format("{}: samples per pixel (0028,0002) are {}, must be 1: colour is not read",
+            fmt::format("{}: samples per pixel (0028,0002) are {}, must be 1: color is not read",
                         file, slice.samples));
     }
 }
@@ -75,7 +75,7 @@ void check_pixels(const std::string& file, const DicomSlice& slice, const gdcm::
         image.GetPhotometricInterpretation() == gdcm::PhotometricInterpretation::PALETTE_COLOR) {
         throw ImportError(fmt::format(
             "{}: samples per pixel (0028,0002) are {}, photometric interpretation "
-            "(0028,0004) is {}: colour is not read",
+            "(0028,0004) is {}: color is not read",
             file, format.GetSamplesPerPixel(), image.GetPhotometricInterpretation().GetString()));
     }
     const unsigned frames = image.GetNumberOfDimensions() > 2 ? image.GetDimension(2) : 1;

@@ -72,7 +72,7 @@ glm::dvec3 read_spacing(const std::string& file, const NiftiFields& fields, doub
         }
         if (!std::isfinite(stated) || stated == 0) {
             throw ImportError(
-                fmt::format("{}: pixdim[{}] is {}, must be the distance of voxels in millimetres",
+                fmt::format("{}: pixdim[{}] is {}, must be the distance of voxels in millimeters",
                             file, axis, stated));
         }
         if (stated < 0) {
@@ -88,13 +88,13 @@ double read_unit(const NiftiFields& fields, StoredHeader& header) {
     const int unit = fields.xyzt_units & 7;
     if (unit == 1 || unit == 3) {
         header.find(FindingKind::conversion,
-                    fmt::format("lengths in {} are converted to millimetres",
-                                unit == 1 ? "metres" : "micrometres"));
+                    fmt::format("lengths in {} are converted to millimeters",
+                                unit == 1 ? "meters" : "micrometers"));
         return unit == 1 ? 1000 : 1e-3;
     }
     if (unit != 2 && fields.version != 0) {
         header.find(FindingKind::assumption,
-                    "xyzt_units states no unit of length: read as millimetres");
+                    "xyzt_units states no unit of length: read as millimeters");
     }
     return 1;
 }

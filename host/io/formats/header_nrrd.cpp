@@ -198,12 +198,12 @@ double unit_factor(const Header& text, StoredHeader& header) {
     if (factor == 0 || !alike) {
         header.find(
             FindingKind::assumption,
-            fmt::format("space units are '{}': read as millimetres", shown(trimmed(units))));
+            fmt::format("space units are '{}': read as millimeters", shown(trimmed(units))));
         return 1;
     }
     if (factor != 1) {
         header.find(FindingKind::conversion,
-                    fmt::format("lengths in {} are converted to millimetres", words[0]));
+                    fmt::format("lengths in {} are converted to millimeters", words[0]));
     }
     return factor;
 }

@@ -60,7 +60,7 @@ OIIO::TypeDesc type_of(Component component) {
 Page page_of(const std::string& file, const OIIO::ImageSpec& spec) {
     if (spec.nchannels != 1) {
         throw ImportError(fmt::format(
-            "{}: has {} channels, a slice has 1 (grey): colour and transparency are not read", file,
+            "{}: has {} channels, a slice has 1 (gray): color and transparency are not read", file,
             spec.nchannels));
     }
     if (spec.width < min_volume_voxels || spec.width > max_volume_voxels ||
@@ -165,7 +165,7 @@ Volume read_pictures(const std::string& source, const std::vector<fs::path>& fil
                      const ImportRequest& request) {
     if (!request.spacing_mm) {
         throw ImportError(source +
-                          ": pictures state no distances: give spacing=x,y,z in millimetres");
+                          ": pictures state no distances: give spacing=x,y,z in millimeters");
     }
     OIIO::attribute("threads", 1);
     std::optional<Page> page;

@@ -92,7 +92,7 @@ std::array<int, 3> volume_dims(const std::string& file, const std::vector<std::u
     if (significant.size() < 2 || significant.size() > 3 || has_empty) {
         throw ImportError(fmt::format(
             "{}: has {} axes ({}), a volume has 3{}", file, sizes.size(), join_sizes(sizes),
-            sizes.size() < 2 ? "" : ": time series, vectors and colour are not read"));
+            sizes.size() < 2 ? "" : ": time series, vectors and color are not read"));
     }
     significant.resize(3, 1);
     std::array<int, 3> dims{};

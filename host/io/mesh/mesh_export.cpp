@@ -92,7 +92,7 @@ std::string written(const fs::path& path, const MeshExport& mesh) {
 
 std::string sentence(const fs::path& path, const MeshExport& mesh, std::size_t before,
                      double moved_mm) {
-    std::string text = fmt::format("{} triangles, {} vertices, {} millimetres",
+    std::string text = fmt::format("{} triangles, {} vertices, {} millimeters",
                                    triangle_count(mesh), vertex_count(mesh), axes_name(mesh.axes));
     if (mesh.keep < 1) {
         text +=
@@ -100,11 +100,11 @@ std::string sentence(const fs::path& path, const MeshExport& mesh, std::size_t b
     }
     const std::string suffix = suffix_of(path);
     if (suffix == ".stl") {
-        text += "; STL holds no colours and no names";
+        text += "; STL holds no colors and no names";
     } else if (suffix == ".glb") {
-        text += ", which its node turns to glTF's metres, Y up";
+        text += ", which its node turns to glTF's meters, Y up";
     } else if (suffix == ".obj") {
-        text += fmt::format("; colours in {}",
+        text += fmt::format("; colors in {}",
                             fs::path(path).replace_extension(".mtl").filename().string());
     }
     return text;

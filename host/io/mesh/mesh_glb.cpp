@@ -116,11 +116,11 @@ std::string description_of(const MeshExport& mesh, std::uint64_t& bytes) {
           {"extras",
            {{"axes", axes_name(mesh.axes)},
             {"unit", "millimetre"},
-            {"of", "vertices; the node above them turns them to metres, Y up, facing +Z"},
+            {"of", "vertices; the node above them turns them to meters, Y up, facing +Z"},
             {"description", valid_utf8(mesh.description)}}}}},
         {"scene", 0},
         {"scenes", Json::array({{{"nodes", Json::array({0})}}})},
-        {"nodes", Json::array({{{"name", fmt::format("patient, {} millimetres to metres, Y up",
+        {"nodes", Json::array({{{"name", fmt::format("patient, {} millimeters to meters, Y up",
                                                      axes_name(mesh.axes))},
                                 {"matrix", node_matrix(mesh.axes)},
                                 {"children", Json::array()}}})}};

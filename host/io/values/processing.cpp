@@ -138,7 +138,7 @@ void resample_as_asked(const ImportRequest& request, Volume& volume) {
     resample(axes, volume);
     report(volume,
            fmt::format("resampled from {} to {} voxels, trilinear, over the same extent of voxel "
-                       "centres: {:.4g} x {:.4g} x {:.4g} mm apart{}",
+                       "centers: {:.4g} x {:.4g} x {:.4g} mm apart{}",
                        text_of(before), text_of(sizes_of(volume)), step_mm(volume, 0),
                        step_mm(volume, 1), step_mm(volume, 2),
                        was_uneven ? "; uneven slices have become even" : ""));

@@ -17,7 +17,7 @@ def numbers(values):
 
 
 def color(kind, rgb, spec=(255, 255, 255, 30), back=None):
-    """One colour block: front and back, diffuse and specular."""
+    """One color block: front and back, diffuse and specular."""
     front, behind = numbers(rgb), numbers(back or rgb)
     gloss = numbers(spec)
     return (f"  color {kind} {{ diff {front} 255  {behind} 255   "
@@ -39,7 +39,7 @@ def polygon(corners, normals=None):
 
 # --- molecule: caffeine ----------------------------------------------------------------------
 
-ELEMENTS = {  # colour; van der Waals radius in angstrom (Bondi 1964), drawn at RADIUS_SCALE
+ELEMENTS = {  # color; van der Waals radius in angstrom (Bondi 1964), drawn at RADIUS_SCALE
     "C": ((92, 96, 104), 1.70),
     "N": ((62, 98, 232), 1.55),
     "O": ((226, 48, 40), 1.52),
@@ -121,7 +121,7 @@ def execute(name, *matrices):
 
 
 def floor_tiles(size, count):
-    """A chequered floor, one block of colour for each of two colours."""
+    """A chequered floor, one block of color for each of two colors."""
     lines, step = [], size / count
     for colour, odd in (((206, 190, 160), 0), ((150, 120, 90), 1)):
         lines.append(color("polygon", colour, (60, 60, 60, 20)))
@@ -221,7 +221,7 @@ PLACES = (("table", "table", "translate 2.1 0 1.9"),
 def room():
     parts = {"floor": floor_tiles(4, 8), "walls": walls(), "table": table(), "chair": chair(),
              "shelf": shelf(), "lamp": lamp(), "picture": picture()}
-    text = "/* A room in metres; walls are seen from inside only (polygon5, flags 131). */\n"
+    text = "/* A room in meters; walls are seen from inside only (polygon5, flags 131). */\n"
     text += "".join(structure(name, lines) for name, lines in parts.items())
     text += "".join(execute(place[:2], *place[2:]) for place in PLACES)
     names = ["floor", "walls"] + ["place_" + place[0] for place in PLACES]

@@ -16,7 +16,7 @@ inline constexpr std::uint32_t face_neighbours = 63;
 
 const std::array<std::array<int, 3>, neighbour_count>& neighbour_steps();
 
-/// Neighbours that a voxel of that side is joined to: inside the 6, outside all 18.
+/// Neighbors that a voxel of that side is joined to: inside the 6, outside all 18.
 constexpr std::uint32_t joining_links(Side side) {
     return side == Side::inside ? face_neighbours : (1U << neighbour_count) - 1;
 }

@@ -103,7 +103,7 @@ void open_context() {
     require(get_display != nullptr, "EGL knows no platforms");
     const EGLDisplay display =
         get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
-    require(eglInitialize(display, nullptr, nullptr) == EGL_TRUE, "EGL cannot be initialised");
+    require(eglInitialize(display, nullptr, nullptr) == EGL_TRUE, "EGL cannot be initialized");
     require(eglBindAPI(EGL_OPENGL_API) == EGL_TRUE, "EGL has no OpenGL");
     const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
                              EGL_NONE};
@@ -193,10 +193,10 @@ void draw(const Wish& wish, const View& view, double azimuth_deg, std::size_t in
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(indices), GL_UNSIGNED_INT, nullptr);
 }
 
-/// Of each view but those of the warm-up, ms.
+/// Times of all views after the warm-up, ms.
 struct Samples {
     std::vector<double> wall;
-    double cpu_mean = 0;  ///< Of all threads.
+    double cpu_mean = 0;  ///< Sum over all threads.
 };
 
 Samples measure(const Wish& wish, const peer::Mesh& mesh, std::vector<std::uint8_t>& pixels) {

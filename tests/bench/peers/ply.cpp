@@ -16,7 +16,7 @@ constexpr std::size_t corners = 3;
 
 struct Element {
     std::size_t count = 0;
-    std::size_t fixed_bytes = 0;  ///< Of all properties that are no lists.
+    std::size_t fixed_bytes = 0;  ///< Size of all properties that are no lists.
 };
 
 struct Head {

@@ -17,7 +17,7 @@ void put(std::string& data, T value) {
     data.append(bytes, sizeof value);
 }
 
-/// One triangle over three vertices with a colour each, as `export` writes them.
+/// One triangle over three vertices with a color each, in the form that `export` writes.
 std::string one_triangle(std::int32_t last_index,
                          const std::string& format = "binary_little_endian",
                          unsigned char corners = 3) {

@@ -72,7 +72,7 @@ TEST_SUITE("host/command_line") {
         CHECK(contains(range, "zoom: 21 is outside 0 .. 20"));
     }
 
-    TEST_CASE("sizes and colours") {
+    TEST_CASE("sizes and colors") {
         CHECK(parse_size("640x480", 1, 4096).width == 640);
         CHECK(parse_size("640x480", 1, 4096).height == 480);
         CHECK(contains(error_of([] { parse_size("640", 1, 4096); }), "'640'"));

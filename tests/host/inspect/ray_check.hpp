@@ -81,7 +81,7 @@ inline void check_pixels(RecordedSurface& recorded, double isovalue, int count, 
         CAPTURE(inspect::to_text(cell.name));
         CHECK(may_be_nearest(ray, cell.name, centre_of(x, y)));
         check_cell(cell, recorded.volume(), isovalue);
-        // Where the ray meets the triangle projects back to the pixel's centre.
+        // The point where the ray meets the triangle projects to the pixel's center.
         const glm::dvec3 px = view.to_px(cell.hit_voxel);
         CHECK(px.x == doctest::Approx(x + 0.5).epsilon(1e-6));
         CHECK(px.y == doctest::Approx(y + 0.5).epsilon(1e-6));

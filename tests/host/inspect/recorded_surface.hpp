@@ -120,7 +120,7 @@ class RecordedSurface {
     host::inspect::RecordedRun run() const { return recorded_.run(); }
     std::vector<host::inspect::NodeTrace> traces() const { return recorded_.traces.traces(); }
     const host::Volume& volume() const { return volume_; }
-    const TrueView& view() const { return view_; }  ///< Of the last frame's last eye.
+    const TrueView& view() const { return view_; }  ///< View of the last frame's last eye.
 
   private:
     static host::Topology machine_of(int gps, int renderers) {

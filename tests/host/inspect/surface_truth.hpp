@@ -2,7 +2,7 @@
 // doubles, projected by the frame's matrices, and nothing but the corners snapped to 1/16 pixel.
 //
 // Of the firmware only the table of cases is used. The firmware transforms in floats, so a corner
-// may be snapped to the neighbouring 1/16 pixel, and depths be off by some steps: what lies so near
+// may be snapped to the adjacent 1/16 pixel, and depths be off by some steps: what lies so near
 // to an edge, or to another triangle, is reported as possible but not as sure.
 #pragma once
 

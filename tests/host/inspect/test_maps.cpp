@@ -282,7 +282,7 @@ TEST_CASE("the scale of counts grows lighter all the way") {
     }
 }
 
-TEST_CASE("categories have colours of their own, as far as a paper's machine has GPs") {
+TEST_CASE("categories have colors of their own, as far as a paper's machine has GPs") {
     std::set<std::uint32_t> colours;
     for (std::uint32_t i = 0; i < 36; ++i) {
         colours.insert(inspect::categorical(i).opaque());
@@ -347,7 +347,7 @@ TEST_CASE("a drawn map holds its picture, larger numbers lighter, and a legend b
     CHECK(green(0) < green(200));
     CHECK(green(200) < green(399));
     CHECK((picture.rgba[0] >> 24) == 0xFF);
-    // The same numbers over the same grey have the same colour, row by row.
+    // Equal numbers over equal gray have the same color, row by row.
     CHECK(picture.rgba[5] == picture.rgba[400 * 7 + 5]);
     // A picture too narrow for the legend stands in the middle of a wider one.
     map = {MapKind::overdraw, 2, 1, {1, 1}, {0, 0}};

@@ -50,7 +50,7 @@ RecordedRun run_of(const std::vector<std::uint32_t>& words) {
     return RecordedRun(std::move(traces));
 }
 
-/// As GPs write triangles, with edges of 24 bits.
+/// A triangle with edges of 24 bits, in the form that GPs write.
 std::string triangle_text() {
     const std::string plane = " 1 2 3\n";
     std::string text = "SETENABS\n";

@@ -200,7 +200,7 @@ TEST_SUITE("transparent surfaces") {
         }
         CHECK(shut > 0);
     }
-    TEST_CASE("slabs in gaps are drawn by the choice that names them, with a colour of their own") {
+    TEST_CASE("slabs in gaps are drawn by the choice that names them, with a color of their own") {
         host::Volume volume = host::make_phantom("phantom:sphere");
         volume.gap_slabs = {20, 21, 30};
         RecordedSurface recorded(volume, 3, 1);

@@ -61,7 +61,7 @@ Box box_of(const TrueTriangle& t) {
     return box;
 }
 
-/// Pixels whose centres lie in the box.
+/// Pixels whose centers lie in the box.
 std::vector<glm::ivec2> centres_in(const Box& box) {
     std::vector<glm::ivec2> all;
     for (int y = static_cast<int>(std::ceil(box.y0 - 0.5)); y + 0.5 <= box.y1; ++y) {
@@ -280,7 +280,7 @@ TEST_SUITE("why-not") {
         }
     }
 
-    TEST_CASE("a triangle between the pixels' centres was culled") {
+    TEST_CASE("a triangle between the pixels' centers was culled") {
         Asked asked({}, {{30, 25}, 1.0}, 75, 50);
         for (int n = 0; n < each;) {
             const TrueTriangle& t = asked.random_triangle();

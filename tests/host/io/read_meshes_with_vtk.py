@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""VTK's readers see what was written: counts, bounds, orientation, normals, colours, texts.
+"""VTK's readers see what was written: counts, bounds, orientation, normals, colors, texts.
 
 read_meshes_with_vtk.py WRITE_MESHES
 """
@@ -136,7 +136,7 @@ class Read(unittest.TestCase):
             self.assertEqual([names.GetValue(i) for i in range(2)], ["bone", "skin of a ball"])
 
     def test_glb(self):
-        """In metres, Y up, the patient's left along X and front along Z, whatever the axes."""
+        """In meters, Y up, the patient's left along X and front along Z, whatever the axes."""
         x0, x1, y0, y1, z0, z1 = (v / 1000 for v in BOUNDS)
         for axes in ("LPS", "RAS"):
             mesh = read_gltf(self.path(axes, "glb"))

@@ -128,10 +128,10 @@ TEST_SUITE("host/io/bad_files") {
         series.put_dims({4, 2, 2, 2, 5, 1, 1, 1});
         CHECK(complaint(folder.write("series.nii", series.bytes() + std::string(80, 'x'))) ==
               "series.nii: has 4 axes (2x2x2x5), a volume has 3: time series, vectors and "
-              "colour are not read");
+              "color are not read");
     }
 
-    TEST_CASE("a colour NRRD is refused") {
+    TEST_CASE("a color NRRD is refused") {
         const TemporaryFolder folder;
         CHECK(complaint(folder.write(
                   "rgb.nrrd",
@@ -139,7 +139,7 @@ TEST_SUITE("host/io/bad_files") {
                   "domain domain\nencoding: raw\n\n" +
                       std::string(24, 'x'))) ==
               "rgb.nrrd: has 4 axes (3x2x2x2), a volume has 3: time series, vectors and "
-              "colour are not read");
+              "color are not read");
     }
 
     TEST_CASE("broken NRRD headers are refused") {
@@ -172,9 +172,9 @@ TEST_SUITE("host/io/bad_files") {
         CHECK(nifti(NiftiHeader().put<std::int16_t>(70, 9999)).find("n.nii: datatype is 9999") ==
               0);
         CHECK(nifti(NiftiHeader().put<float>(80, std::numeric_limits<float>::quiet_NaN())) ==
-              "n.nii: pixdim[1] is nan, must be the distance of voxels in millimetres");
+              "n.nii: pixdim[1] is nan, must be the distance of voxels in millimeters");
         CHECK(nifti(NiftiHeader().put<float>(88, 0.0F)) ==
-              "n.nii: pixdim[3] is 0, must be the distance of voxels in millimetres");
+              "n.nii: pixdim[3] is 0, must be the distance of voxels in millimeters");
         CHECK(nifti(NiftiHeader().put<float>(108, 1e6F)) ==
               "n.nii: 4x3x2 of int16 need 48 bytes, n.nii has 0");
         CHECK(nifti(NiftiHeader().put<float>(108, -1.0F)) ==

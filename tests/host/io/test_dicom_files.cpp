@@ -124,7 +124,7 @@ TEST_SUITE("host/io/dicom_files") {
         const TemporaryFolder folder;
         DicomSet set = enhanced({0, 1, 2});
         set.remove(0x5200, 0x9230);
-        CHECK(complaint(folder, set.file()).find("give spacing=x,y,z in millimetres") !=
+        CHECK(complaint(folder, set.file()).find("give spacing=x,y,z in millimeters") !=
               std::string::npos);
         set.text(0x18, 0x88, "DS", "2.5");
         const Volume volume = import_volume(folder.write("x.dcm", set.file()));
@@ -256,7 +256,7 @@ TEST_SUITE("host/io/dicom_files") {
         set.number(0x28, 2, 3).text(0x28, 4, "CS", "RGB");
         set.put(0x7fe0, 0x10, "OW", std::string(3 * 48, 'x'));
         CHECK(complaint(folder, set.file()) ==
-              "samples per pixel (0028,0002) are 3, must be 1: colour is not read");
+              "samples per pixel (0028,0002) are 3, must be 1: color is not read");
     }
 
     TEST_CASE("elements that do not fit into the file are refused before GDCM sees them") {

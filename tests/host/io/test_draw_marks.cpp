@@ -38,7 +38,7 @@ std::vector<std::uint8_t> drawn(const std::vector<PictureMark>& marks,
     return rgba;
 }
 
-/// Where the picture differs from `grey`: left, top, right, bottom, the latter two behind the last.
+/// The box in which the picture differs from `grey`. Right and bottom are exclusive.
 struct Extent {
     int left = side, top = side, right = 0, bottom = 0;
 };

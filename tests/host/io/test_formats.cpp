@@ -145,7 +145,7 @@ TEST_SUITE("host/io/formats") {
             doctest::Contains("gone.raw cannot be read"), ImportError);
     }
 
-    TEST_CASE("spaces and units of a NRRD become LPS millimetres") {
+    TEST_CASE("spaces and units of a NRRD become LPS millimeters") {
         const TemporaryFolder folder;
         const auto nrrd = [&](const std::string& space) {
             return import_volume(folder.write(
@@ -242,7 +242,7 @@ TEST_SUITE("host/io/formats") {
             import_volume(folder.write("v.nii", header.bytes() + bytes_of(small_grid().values)));
         CHECK(volume.voxel_to_patient[2].z == doctest::Approx(0.003));
         CHECK(volume.voxel_to_patient[3].z == doctest::Approx(0.030));
-        CHECK(reports(volume, FindingKind::conversion, "micrometres"));
+        CHECK(reports(volume, FindingKind::conversion, "micrometers"));
     }
 
     TEST_CASE("fourth axes of size 1 are no time series") {

@@ -51,7 +51,8 @@ std::size_t files_in(const std::string& folder) {
 /// What assimp's reader makes of a file: all corners of all triangles, one after the other.
 struct ReadBack {
     std::vector<glm::vec3> corners, normals;
-    std::vector<std::array<int, 3>> colours;  ///< One per corner, from its vertex or its material.
+    std::vector<std::array<int, 3>>
+        colours;  ///< One entry per corner, from its vertex or its material.
 };
 
 std::array<int, 3> bytes_of_colour(float r, float g, float b) {
@@ -140,7 +141,7 @@ std::string complaint(const std::string& path, const MeshExport& mesh) {
 }  // namespace
 
 TEST_SUITE("host/io/mesh_export") {
-    TEST_CASE("assimp reads every triangle in its place, with its normals and colours") {
+    TEST_CASE("assimp reads every triangle in its place, with its normals and colors") {
         const TemporaryFolder folder;
         const TwoSolids solids;
         for (const PatientAxes axes : {PatientAxes::LPS, PatientAxes::RAS}) {

@@ -133,7 +133,7 @@ TEST_SUITE("host/io/mesh_simplify") {
         }
     }
 
-    TEST_CASE("a written mesh tells how many triangles there were and are, with their colours") {
+    TEST_CASE("a written mesh tells how many triangles there were and are, with their colors") {
         const TemporaryFolder folder;
         const Solid bone = tetrahedron(), skin = sphere({0, 0, 0}, 50, 60, 90);
         MeshExport mesh;
@@ -152,7 +152,7 @@ TEST_SUITE("host/io/mesh_simplify") {
         }();
         CHECK(once.find("element face " + std::to_string(written.triangles) + "\n") !=
               std::string::npos);
-        // The last vertex is the ball's: its colour ends the list before the faces.
+        // The ball's color is the last vertex's. It ends the list before the faces.
         const std::size_t faces = 14 * written.triangles;
         const std::string colour = once.substr(once.size() - faces - 3, 3);
         CHECK(colour ==

@@ -258,7 +258,7 @@ TEST_SUITE("host/io/node") {
         REQUIRE(done != nullptr);
         CHECK(done->ok());
         CHECK(done->triangles() == 1);
-        CHECK(done->text()->str() == "1 triangles, 3 vertices, RAS millimetres");
+        CHECK(done->text()->str() == "1 triangles, 3 vertices, RAS millimeters");
         std::ifstream stream(folder.file("m.ply"), std::ios::binary);
         const std::string bytes(std::istreambuf_iterator<char>(stream), {});
         const std::size_t body = bytes.find("end_header\n") + 11;

@@ -95,7 +95,7 @@ TEST_SUITE("host/io/picture") {
         CHECK(written("a.png") == written("b.png"));
     }
 
-    TEST_CASE("transparency is kept as it is, colours not multiplied") {
+    TEST_CASE("transparency is kept as it is, colors not multiplied") {
         const TemporaryFolder folder;
         const std::vector<std::uint8_t> rgba = pattern(100);
         write_picture(folder.file("t.png"), {width, height, rgba, ""});

@@ -99,13 +99,13 @@ TEST_SUITE("host/io/picture_stack") {
         check_pages(import_volume(request_of(path)), 3);
     }
 
-    TEST_CASE("without spacing, in colour, of two sizes or broken, pictures are refused by name") {
+    TEST_CASE("without spacing, in color, of two sizes or broken, pictures are refused by name") {
         const TemporaryFolder folder;
         write_page(folder.file("a.png"), page(0), width);
         ImportRequest request = request_of(folder.file(""));
         request.spacing_mm.reset();
         CHECK_THROWS_WITH_AS(import_volume(request),
-                             doctest::Contains("give spacing=x,y,z in millimetres"), ImportError);
+                             doctest::Contains("give spacing=x,y,z in millimeters"), ImportError);
         std::vector<std::uint16_t> wide(2 * width * height, 7);
         write_page(folder.file("b.png"), wide, 2 * width);
         CHECK_THROWS_WITH_AS(

@@ -135,7 +135,7 @@ TEST_SUITE("host/io/processing") {
         CHECK_THROWS_AS(process_volume(request, volume), ImportError);
     }
 
-    TEST_CASE("a linear density resampled is itself at every new voxel centre") {
+    TEST_CASE("a linear density resampled is itself at every new voxel center") {
         Volume volume = volume_of<float>(7, 5, 4, linear);
         volume.voxel_to_patient = {{1.5, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 4, 0}, {9, 8, 7, 1}};
         const glm::dvec4 corner = volume.voxel_to_patient * glm::dvec4(6, 4, 3, 1);
@@ -205,7 +205,7 @@ TEST_SUITE("host/io/processing") {
         CHECK_THROWS_AS(process_volume(request, volume), ImportError);
     }
 
-    TEST_CASE("a point smoothed is a Gaussian of the width asked for, in millimetres") {
+    TEST_CASE("a point smoothed is a Gaussian of the width asked for, in millimeters") {
         constexpr int size = 41, middle = size / 2;
         Volume volume = volume_of<float>(size, size, size, [](int x, int y, int z) {
             return x == middle && y == middle && z == middle ? 1e6 : 0;

@@ -282,14 +282,14 @@ TEST_CASE("a prepared io process is the next one that is started, or ends with t
     machine.shutdown();  // Throws if the third is in its way.
 }
 
-TEST_CASE("Ctrl-C ends what may be cancelled, with its io process; the next one ends the machine") {
+TEST_CASE("Ctrl-C ends what may be canceled, with its io process; the next one ends the machine") {
     Bench bench;
     Machine machine(bench.topology, bench.options);
     machine.start_io();
     machine.allow_cancel(true);
     ::kill(getpid(), SIGINT);
-    CHECK_THROWS_WITH_AS(machine.pump(ignore, never), "cancelled", Cancelled);
-    ask_all(machine);  // Nobody counts the io process's death as somebody's failure.
+    CHECK_THROWS_WITH_AS(machine.pump(ignore, never), "canceled", Cancelled);
+    ask_all(machine);  // The io process's death is not an error.
     machine.allow_cancel(true);
     ::kill(getpid(), SIGINT);
     CHECK_THROWS_AS(machine.start_io(), Cancelled);
@@ -298,7 +298,7 @@ TEST_CASE("Ctrl-C ends what may be cancelled, with its io process; the next one 
     CHECK(end_of(machine).code == 130);
 }
 
-TEST_CASE("SIGTERM ends the machine, whatever may be cancelled") {
+TEST_CASE("SIGTERM ends the machine, whatever may be canceled") {
     Bench bench;
     Machine machine(bench.topology, bench.options);
     machine.allow_cancel(true);

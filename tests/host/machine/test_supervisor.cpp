@@ -64,7 +64,7 @@ TEST_CASE("a process that ends is reported by name and exit code") {
 
 TEST_CASE("a process that is killed is reported by name and signal") {
     Bench bench;
-    const int pid = bench.shell("gp-3", "kill -STOP $$");  // It stays until somebody ends it.
+    const int pid = bench.shell("gp-3", "kill -STOP $$");  // Runs until the supervisor ends it.
     CHECK(bench.supervisor.running() == std::vector<std::string>{"gp-3"});
     ::kill(pid, SIGKILL);
     const Death death = bench.next_death();

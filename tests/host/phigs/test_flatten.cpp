@@ -48,7 +48,7 @@ TEST_SUITE("phigs/flatten") {
         CHECK(c.radius == 3);
     }
 
-    TEST_CASE("colours are inherited by what is executed, and end with their structure") {
+    TEST_CASE("colors are inherited by what is executed, and end with their structure") {
         const phigs::Content c = content_of(
             "structure in { sphere 0 0 0 1; color sphere { diff 9 9 9 255 }; sphere 1 0 0 1; };"
             "structure out posted { color sphere { diff 1 2 3 255 }; execute in; "
@@ -87,7 +87,7 @@ TEST_SUITE("phigs/flatten") {
         CHECK(glm::distance(c.parts[0].vertices[1].normal, expected) < 1e-12);
     }
 
-    TEST_CASE("a polygon of two colours is drawn once for each side") {
+    TEST_CASE("a polygon of two colors is drawn once for each side") {
         const phigs::Content c =
             content_of(posted("color polygon { diff 1 1 1 255 2 2 2 255 };" + triangle));
         REQUIRE(c.materials.size() == 2);
@@ -98,7 +98,7 @@ TEST_SUITE("phigs/flatten") {
         CHECK(c.materials[1].colour.r == 2);
     }
 
-    TEST_CASE("polygon5 culls where it says so, and has the mean of its corners' colours") {
+    TEST_CASE("polygon5 culls where it says so, and has the mean of its corners' colors") {
         const phigs::Content c = content_of(
             posted("polygon5 3 131 diff 9 9 9 255 { 0 0 0 diff 10 0 0 255; 1 0 0 diff 21 0 0 255; "
                    "0 1 0; }; polygon5 3 3 diff 9 9 9 255 { 0 0 0; 1 0 0; 0 1 0; };"));
@@ -108,7 +108,7 @@ TEST_SUITE("phigs/flatten") {
         CHECK(!c.materials[1].cull_back);
         CHECK(c.materials[1].colour.r == 9);
         REQUIRE(c.notes.size() == 1);
-        CHECK(c.notes[0] == "polygons drawn in the mean of their corners' colours: 1");
+        CHECK(c.notes[0] == "polygons drawn in the mean of their corners' colors: 1");
     }
 
     TEST_CASE("polygons without area are left out and told of") {
@@ -131,13 +131,13 @@ TEST_SUITE("phigs/flatten") {
         CHECK(!content_of(posted("sphere 0 0 0 1;")).has_specular);
     }
 
-    TEST_CASE("translucent colours are told of") {
+    TEST_CASE("translucent colors are told of") {
         CHECK(
             content_of(posted("color line { diff 1 1 1 128 }; line 2 { 0 0 0; 1 0 0; };")).notes ==
-            std::vector<std::string>{"translucent colours, drawn opaque: 1"});
+            std::vector<std::string>{"translucent colors, drawn opaque: 1"});
     }
 
-    TEST_CASE("255 colours stay as they are, more lose lower bits") {
+    TEST_CASE("255 colors stay as they are, more lose lower bits") {
         const auto greys = [](int count) {
             std::string text;
             for (int i = 0; i < count; ++i) {
@@ -153,7 +153,7 @@ TEST_SUITE("phigs/flatten") {
         // 200 reds of which 7 bits leave 100, green 0 and 1 become one.
         CHECK(many.materials.size() == 100);
         CHECK(primitives(many) == 256);
-        CHECK(many.notes == std::vector<std::string>{"256 colours are drawn as 100: 7 bits of each "
+        CHECK(many.notes == std::vector<std::string>{"256 colors are drawn as 100: 7 bits of each "
                                                      "channel are kept"});
         for (std::size_t i = 1; i < many.parts.size(); ++i) {
             CHECK(many.parts[i - 1].material <= many.parts[i].material);
@@ -161,7 +161,7 @@ TEST_SUITE("phigs/flatten") {
         CHECK(many.parts.size() == 100);
     }
 
-    TEST_CASE("parts are of limited size, whatever the colours") {
+    TEST_CASE("parts are of limited size, whatever the colors") {
         std::string text;
         for (std::size_t i = 0; i < 3 * phigs::primitives_per_part + 1; ++i) {
             text += fmt::format("sphere {} 0 0 1;", i);

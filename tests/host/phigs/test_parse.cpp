@@ -65,7 +65,7 @@ TEST_SUITE("phigs/parse") {
         CHECK(smooth.corners[1].normal == glm::dvec3(0, 1, 0));
     }
 
-    TEST_CASE("polygon5: flags, a colour of the polygon's, colours of corners") {
+    TEST_CASE("polygon5: flags, a color of the polygon's, colors of corners") {
         const auto plain =
             only_element<phigs::PolygonElement>("polygon5 3 3 { 0 0 0; 1 0 0; 0 1 0; };");
         CHECK(!plain.cull_back);
@@ -104,7 +104,7 @@ TEST_SUITE("phigs/parse") {
         CHECK(glm::distance(image("rotate z 90"), glm::dvec3(-2, 1, 3)) < 1e-12);
     }
 
-    TEST_CASE("colours of each kind: front and back, gloss; the back may be left out") {
+    TEST_CASE("colors of each kind: front and back, gloss; the back may be left out") {
         const auto full = only_element<phigs::ColorElement>(
             "color polygon { diff 1 2 3 255  4 5 6 255   spec 7 8 9 20  1 1 1 1 };");
         CHECK(full.kind == phigs::Kind::polygon);

@@ -11,7 +11,7 @@ namespace {
 
 const Subject subject{{10, -20, 30}, 100};
 
-/// Normalized device coordinates of a point in patient millimetres.
+/// Normalized device coordinates of a point in patient millimeters.
 glm::dvec3 project(const Camera& camera, glm::dvec3 p_mm, double aspect = 1) {
     const CameraMatrices m = camera_matrices(camera, subject, aspect);
     const glm::dvec4 clip = m.projection * m.patient_to_eye * glm::dvec4(p_mm, 1);
@@ -28,7 +28,7 @@ const glm::dvec3 left{50, 0, 0}, back{0, 50, 0}, head{0, 0, 50};
 }  // namespace
 
 TEST_SUITE("host/camera") {
-    TEST_CASE("the subject's centre is in the middle of every view") {
+    TEST_CASE("the subject's center is in the middle of every view") {
         for (const NamedView& view : named_views()) {
             const glm::dvec3 p = seen(view.name.data(), {0, 0, 0});
             CHECK(p.x == doctest::Approx(0));
@@ -98,7 +98,7 @@ TEST_SUITE("host/camera") {
         CHECK(p_head.y == doctest::Approx(0));
     }
 
-    TEST_CASE("a pan moves the centre by so many millimetres, at any roll, zoom and aspect") {
+    TEST_CASE("a pan moves the center by so many millimeters, at any roll, zoom and aspect") {
         for (const double roll_deg : {0.0, 33.0, 180.0}) {
             const Camera camera{{20, 10}, 2, roll_deg, {12, -7}};
             const CameraMatrices m = camera_matrices(camera, subject, 1.5);

@@ -88,7 +88,7 @@ TEST_CASE("a letter keeps what lies farther that way") {
     }
 }
 
-TEST_CASE("a box keeps what lies in it, in millimetres and in voxels") {
+TEST_CASE("a box keeps what lies in it, in millimeters and in voxels") {
     const glm::dmat4 to_patient = oblique(-0.1 * pi, 0.3, true);
     const BoxPlanes in_mm = box_planes_voxels({-50, 10, 300}, {-20, 40, 330}, {});
     const std::vector<double> places = {0, 1, 4, 5, 5.5, 9};

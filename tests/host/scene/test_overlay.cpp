@@ -84,7 +84,7 @@ TEST_SUITE("host/scene/overlay") {
         CHECK(direction_letters({0, 0, 0}).empty());
     }
 
-    TEST_CASE("the scale bar is a round length and as long as that at the subject's centre") {
+    TEST_CASE("the scale bar is a round length and as long as that at the subject's center") {
         const glm::dvec3 c = subject.centre_mm;
         for (const double zoom : {0.2, 0.37, 1.0, 3.3, 40.0}) {
             for (const Size size : {Size{512, 512}, Size{1600, 1200}, Size{300, 900}}) {

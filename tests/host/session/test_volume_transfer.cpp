@@ -41,7 +41,7 @@ const schema::Slices* slices_of(const pxpl5::bus::Payload& payload) {
 }  // namespace
 
 TEST_SUITE("host/volume_transfer") {
-    TEST_CASE("each GP gets exactly the slices of its slabs and their neighbours") {
+    TEST_CASE("each GP gets exactly the slices of its slabs and their neighbors") {
         Volume volume;
         for (const int slice_count : {2, 3, 4, 5, 56}) {
             for (const int gp_count : {1, 2, 3, 36, 64}) {

@@ -237,7 +237,7 @@ TEST_SUITE("host/surface/certificate") {
         CHECK(wrong == 0);
     }
 
-    TEST_CASE("slivers are triangles with an angle below 1 degree, in millimetres") {
+    TEST_CASE("slivers are triangles with an angle below 1 degree, in millimeters") {
         host::VolumeGrid grid{9, 9, 9, glm::dmat4(1.0), {}};
         WeldedMesh mesh;
         mesh.keys = {400, 401, 402};

@@ -68,7 +68,7 @@ std::size_t count(const Shown& shown) {
 }  // namespace
 
 TEST_SUITE("host/surface/components") {
-    TEST_CASE("three balls are three components with their areas, volumes, boxes and centres") {
+    TEST_CASE("three balls are three components with their areas, volumes, boxes and centers") {
         const Parts p = three_balls();
         REQUIRE(p.parts.components.size() == 3);
         std::size_t triangles = 0;

@@ -37,7 +37,7 @@ def operand(rng, n):
 
 
 def near(rng, value, n):
-    """value, its neighbours, or any number, in n bits."""
+    """value, its neighbors, or any number, in n bits."""
     return rng.choice([value, value, value - 1, value + 1, operand(rng, n)]) % (1 << n)
 
 

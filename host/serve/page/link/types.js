@@ -1,6 +1,6 @@
 // Types of the page. vocabulary.js has the types of the server's frame header and state.
 
-/** @typedef {[number, number, number]} Triple   Patient coordinates in millimetres, LPS. */
+/** @typedef {[number, number, number]} Triple   Patient coordinates in millimeters, LPS. */
 
 /**
  * @typedef {object} Reply
