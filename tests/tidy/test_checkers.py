@@ -5,6 +5,7 @@ import shutil
 import tempfile
 import unittest
 
+import check_decisions
 import check_english
 import check_folders
 import check_format
@@ -177,7 +178,7 @@ class Planted(unittest.TestCase):
         self.finds(check_lengths, "isa/a.cpp", "int x;\n" * 401, "401 lines")
         self.finds(check_lengths, "isa/a.cpp", "//" + "x" * 99 + "\n", "101 columns")
         self.finds(check_lengths, "isa/CMakeLists.txt", "#" + "x" * 100 + "\n", "101 columns")
-        self.finds(check_lengths, "README.md", "x\n" * 151, "151 lines")
+        self.finds(check_lengths, "README.md", "x\n" * 121, "121 lines")
         self.finds(check_lengths, "isa/a.cpp", "void f() {\n" + LONG + "}\n",
                    ":1: function of 73 lines")
         self.finds(check_lengths, "isa/a.cpp", "namespace a {\n\nbool operator==(A a,\n"
@@ -214,10 +215,29 @@ class Planted(unittest.TestCase):
                 ("README.md", "`info` tells what is odd.\n", "print, report"),
                 ("README.md", "It is drawn anew.\n", "again"),
                 ("isa/a.def", "// the colour\n", "American"),
+                ("isa/a.cpp", "int colour;  ///< The colour.\n", "American"),
                 ("README.md", "x " * 51 + "\n", "102 columns")):
             self.finds(check_english, name, text, words)
+        self.plant("isa/a.cpp", "int colour;  ///< Set by `colour`.\n")
         self.plant("isa/README.md", "| a table | " + "x " * 60 + "|\nThose who ask get it.\n")
         self.assertEqual(check_english.check(self.root), [])
+
+    def test_decisions(self):
+        parts = "*Context:* a. *Decision:* b. *Reason:* c. *Cost:* none.\n"
+        record = "**ISA-1. Words** (2026-11-21).\n" + parts
+        row = "| ISA-1 | Words | [isa](../isa/README.md) |\n"
+        self.plant("isa/README.md", record)
+        self.plant("host/DECISIONS.md", row)
+        for name, text, words in (
+                ("gp_firmware/volume/README.md", "### GP-1 Size (2026-11-21)\n" + parts,
+                 "add the row | GP-1 | Size | [gp_firmware/volume](../gp_firmware/volume/"),
+                ("ringbus/A.md", record, "ISA-1 is also a decision of isa/README.md"),
+                ("isa/A.md", "**ISA-2. Bits.** *Context:* d. *Decision:* e. *Cost:* f.\n",
+                 "ISA-2 has no Reason"),
+                ("isa/A.md", "*Decision:* d.\n", "1 decisions, but 0 headings with a number")):
+            self.finds(check_decisions, name, text, words)
+        self.plant("isa/README.md", "isa\n")
+        self.assertIn("remove the row | ISA-1", check_decisions.check(self.root)[0])
 
     def test_folders(self):
         for number in range(30):

@@ -5,8 +5,8 @@ import importlib
 import pathlib
 import sys
 
-CHECKS = ("includes", "lengths", "layout", "folders", "words", "english", "links", "unused",
-          "vocabulary", "format")
+CHECKS = ("includes", "lengths", "layout", "folders", "words", "english", "links",
+          "decisions", "unused", "vocabulary", "format")
 
 
 def main(arguments) -> int:
