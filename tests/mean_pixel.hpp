@@ -1,4 +1,4 @@
-// What a picture of several passes must show.
+// Computes the expected pixels of a picture of several passes.
 #pragma once
 
 #include <cstddef>

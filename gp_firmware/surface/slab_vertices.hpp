@@ -20,7 +20,7 @@
 
 namespace pxpl5::gp {
 
-/// What a walk computes besides positions and triangles.
+/// Outputs of a walk besides positions and triangles.
 enum class Wanted : std::uint8_t { measures, mesh, mesh_with_origins };
 
 /// Makes vertices on the crossed edges of a slab. Remembers the vertices of two rows only, in slots

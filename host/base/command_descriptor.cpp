@@ -142,7 +142,7 @@ std::vector<Fields> list_of(const std::vector<Parameter>& parameters) {
     return list;
 }
 
-/// What follows the name in a usage line.
+/// The words after the name in a usage line.
 std::string arguments_of(const CommandDescriptor& command) {
     std::string text(command.forms);
     if (text.empty()) {

@@ -1,5 +1,5 @@
-// What a command takes. Parsing, help, the options of `render`, JSON and the page's table derive
-// from it.
+// Describes a command's words and options. Parsing, help, the options of `render`, JSON and the
+// page's table derive from the descriptors.
 #pragma once
 
 #include <algorithm>

@@ -45,8 +45,9 @@ class PartFile {
     /// Whether something could not be written, so that going on is in vain.
     bool has_failed() const { return failure_ != 0; }
 
-    /// What the system says if the disk has no room for a file of `bytes`; empty if it has, or
-    /// cannot tell. Takes the room: for use after a failure, when the part is thrown away.
+    /// The system's error if the disk has no room for a file of `bytes`. Empty if it has room or
+    /// does not report it. Allocates the room, so call it after a failure, when the part is
+    /// discarded.
     std::string lack_of_room(std::uint64_t bytes) const;
 
     /// Gives the file its name. Returns why that failed, as "No space left on device", or nothing.

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t listed_components = 10;
 
-/// What the options say; nothing if there are none.
+/// The filter of the options; nothing if no option is given.
 std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& arguments) {
     using Kind = ComponentFilter::Kind;
     if (arguments.options.size() > 1) {

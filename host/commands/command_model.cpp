@@ -47,7 +47,7 @@ Fields step_fields(const timing::StepTime& step) {
             {"use", use_fields(step.use)}};
 }
 
-/// What is told of a run, step by step.
+/// Describes a run step by step.
 class Telling {
   public:
     Telling(const Session& session, const timing::Machine& machine, const timing::RunWork& run)

@@ -48,7 +48,7 @@ Arguments command_of_option(const Command& command, const std::string& value);
 /// Adds the words KEY=VALUE to the options of a command. Throws RequestError (usage).
 void add_key_values(const std::vector<std::string>& words, Arguments& arguments);
 
-/// What `render` was asked for.
+/// The request of `render`.
 struct RenderRequest {
     std::string volume, output;
     std::vector<std::string> load_words;  ///< KEY=VALUE

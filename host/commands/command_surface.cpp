@@ -24,7 +24,7 @@ Colour first_colour(const std::string& name, std::size_t surfaces_before) {
     return tissue != nullptr ? tissue->colour : others[surfaces_before % others.size()];
 }
 
-/// What a name alone says of a new surface: a built-in volume's suggestion, or a tissue of CT.
+/// Settings of a new surface from its name: a built-in volume's suggestion, or a tissue of CT.
 bool suggest(const Volume& volume, Surface& wish) {
     for (const PhantomSurface& suggested : suggested_surfaces(volume.name)) {
         if (suggested.name == wish.name) {

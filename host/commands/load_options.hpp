@@ -1,4 +1,4 @@
-// What `load` says of how a volume is read.
+// Options of `load` for reading a volume.
 #pragma once
 
 #include "host/base/command_descriptor.hpp"

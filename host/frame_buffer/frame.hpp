@@ -18,7 +18,7 @@ struct FrameShape {
     std::size_t pixels() const;
 };
 
-/// What the frame buffer knows of a frame that has begun.
+/// A frame that has begun.
 struct Frame {
     std::uint32_t number = 0;
     FrameShape shape;

@@ -84,7 +84,7 @@ struct Plate {
     int a, b, c;
 };
 
-/// What happens to a field where a shape is.
+/// The effect of a shape on a field.
 enum class Join { unite, carve };
 
 /// Voxels that a shape may change, half open.

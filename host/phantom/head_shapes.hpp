@@ -79,7 +79,7 @@ inline constexpr Ball cerebrum[] = {
     {{20, 60, 24}, {19, 22, 23}, {0, 0, 0}, 10},   // occipital lobe
     {{42, -2, 4}, {15, 39, 16}, {6, 0, 6}, 4},     // temporal lobe
 };
-/// What joins the hemispheres; no furrow reaches it.
+/// The part that joins the hemispheres, without furrows.
 inline constexpr Ball core = {{0, 12, 32}, {24, 42, 18}, {0, 0, 0}, 0};
 /// Sylvian fissure, between the temporal lobe and the rest.
 inline constexpr Corner lateral_fissure[] = {{{40, -34, 15}, 3},

@@ -1,5 +1,5 @@
-// What an archive draws: structures executed and flattened to triangles, spheres and lines, sorted
-// by how they look.
+// The content of an archive: structures executed and flattened to triangles, spheres and lines,
+// sorted by material.
 #pragma once
 
 #include <compare>
@@ -56,7 +56,7 @@ struct Content {
     std::size_t polygons = 0, triangles = 0, spheres = 0, lines = 0;
     Specular specular;  ///< Gloss of most primitives.
     bool has_specular = false;
-    std::vector<std::string> notes;  ///< What is drawn otherwise than the archive says.
+    std::vector<std::string> notes;  ///< Differences between the archive and the drawing.
 
     glm::dvec3 middle() const { return (low + high) * 0.5; }
 };

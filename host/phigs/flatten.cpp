@@ -22,7 +22,7 @@ namespace {
 constexpr double sphere_tolerance = 1e-6;
 constexpr double max_coordinate = 1e15;
 
-/// What a structure hands to those that it executes.
+/// State that executed structures inherit.
 struct State {
     glm::dmat4 matrix{1.0};
     struct Look {

@@ -16,7 +16,7 @@ namespace pxpl5::host::phigs {
 namespace {
 
 constexpr double max_archive_power = 1e6;
-constexpr std::size_t flags_plain = 3;  ///< What both period writers write.
+constexpr std::size_t flags_plain = 3;  ///< Value that both writers of 1993 use.
 constexpr std::size_t flag_cull_back = 128;
 constexpr std::string_view element_words =
     "'polygon', 'polygon5', 'sphere', 'line', 'color', 'matrix', 'execute' or '}'";

@@ -1,4 +1,4 @@
-// What a fit found, beside what the file says.
+// Writes the fitted values beside those of the file.
 #pragma once
 
 #include <span>

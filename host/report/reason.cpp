@@ -47,7 +47,7 @@ std::string busy_text(const UnitUse& use, double ms) {
     return fmt::format("{} is busiest, {:.0f} % of {:.1f} ms", which, use.busiest * 100, ms);
 }
 
-/// What one GP extracts.
+/// Loads of one GP's extraction.
 std::vector<Load> extraction(const Machine& machine, const VolumeWork& volume,
                              const BuildWork& build, std::uint32_t gp) {
     double edges = 0, triangles = 0;
@@ -105,7 +105,7 @@ Load emit_load(const Machine& machine, const FrameWork& frame, std::uint32_t gp)
     return {words, "words put into bins", gp_ms(machine, words * machine.gp_emit_word_cycles)};
 }
 
-/// What keeps the frame's busiest unit busy.
+/// Loads of the frame's busiest unit.
 std::vector<Load> frame_loads(const Machine& machine, const FrameWork& frame, const UnitUse& use) {
     const auto sum = [&frame](const auto& of) {
         return std::accumulate(frame.parts.begin(), frame.parts.end(), 0.0,

@@ -48,7 +48,7 @@ class Progress {
     bool is_shown_ = isatty(STDERR_FILENO) != 0;
 };
 
-/// What a report is about, measured.
+/// Measured values of a report.
 struct Material {
     std::vector<Source> sources;
     std::vector<MeasuredCase> cases;
@@ -92,7 +92,7 @@ ReportRow row_of(const Machine& machine, const Source& source, const MeasuredCas
     return row;
 }
 
-/// What one kind of report says, in each of its forms.
+/// One kind of report, in each of its forms.
 struct Output {
     std::string text;
     Fields fields;

@@ -31,7 +31,7 @@ inline constexpr double build_bound_percent = 20, frames_bound_percent = 15;
 
 struct ReportRow {
     std::string name;    ///< "pelvis/skin".
-    std::string source;  ///< What was loaded.
+    std::string source;  ///< The loaded file, folder or phantom.
     bool held_back = false;
     std::int64_t paper_triangles = 0, triangles = 0;
     Figure build_ms, frames_per_s;
@@ -44,7 +44,7 @@ struct ReportRow {
 /// The table, and a sentence for each figure beyond its bound.
 std::string table_of(const std::vector<ReportRow>& rows);
 
-/// What columns mean. `drawn_by` as size_text() says it, `modelled` too.
+/// Explains columns. `drawn_by` and `modelled` are texts of size_text().
 struct Footnote {
     std::string modelled, drawn_by;
 };

@@ -9,7 +9,7 @@ namespace pxpl5::host::report {
 
 namespace {
 
-/// What grows in a series, and what stays.
+/// The growing and the constant parts of a series.
 struct Growing {
     std::string_view what;  ///< "GPs"
     std::string beside;     ///< "16 Renderers"

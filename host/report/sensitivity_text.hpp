@@ -1,4 +1,4 @@
-// What the modelled figures hang on: a table, words, a picture.
+// Sensitivity of the modelled figures: a table, words, a picture.
 #pragma once
 
 #include <span>

@@ -30,7 +30,7 @@ const std::vector<NamedView>& named_views();
 /// The view of that name; nothing if there is none.
 std::optional<ViewAngles> find_view(std::string_view name);
 
-/// What the camera must contain: a sphere around the volume.
+/// The sphere around the volume, which the picture must contain.
 struct Subject {
     glm::dvec3 centre_mm{0};
     double radius_mm = 1;

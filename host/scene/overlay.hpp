@@ -1,5 +1,5 @@
-// What a clinical viewer writes over a picture: where the patient's directions are, how long a
-// millimeter is, and what is shown.
+// The marks of a clinical viewer over a picture: the patient's directions, a scale bar and a
+// legend.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -36,7 +36,7 @@ struct LegendLine {
     std::string text;
 };
 
-/// What the marks say; the flags switch their parts off.
+/// Contents of the marks. The flags switch parts off.
 struct Overlay {
     Camera camera;
     Subject subject;

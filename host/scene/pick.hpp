@@ -31,7 +31,7 @@ struct Pick {
     std::optional<double> value_between;  ///< Interpolated from the eight voxels around.
 };
 
-/// What pixel (x, y), from the top left, shows; nothing for the background.
+/// The surface point at pixel (x, y), counted from the top left; nothing for the background.
 ///
 /// volume   On which the frame's surfaces lie.
 /// Throws RequestError (usage) for a pixel outside of the view.

@@ -46,7 +46,7 @@ struct Surface {
 
 /// Directional light as seen by the viewer.
 struct Light {
-    double azimuth_deg = 0;    ///< To the picture's right; 0 is the viewer's own direction.
+    double azimuth_deg = 0;    ///< Towards the picture's right; 0 is the viewer's direction.
     double elevation_deg = 0;  ///< Upwards.
     double intensity = 1;
     friend bool operator==(const Light&, const Light&) = default;
@@ -60,7 +60,7 @@ struct Material {
 
 /// One clip plane.
 struct SceneClip {
-    std::string words;  ///< What was asked for: "R 20", "box 0,0,0 63,63,30".
+    std::string words;  ///< The words of the command: "R 20", "box 0,0,0 63,63,30".
     glm::dvec4 plane;   ///< In patient mm, LPS; keeps plane . (x, y, z, 1) >= 0.
     friend bool operator==(const SceneClip&, const SceneClip&) = default;
 };
@@ -73,7 +73,7 @@ struct Scene {
     Colour background{18, 22, 30};
     Size size{512, 512};
     std::vector<Surface> surfaces;  ///< In drawing order.
-    std::vector<SceneClip> clips;   ///< What is drawn lies on the kept side of all.
+    std::vector<SceneClip> clips;   ///< Only points on the kept side of all planes are drawn.
     bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in `gap_colour`.
     Colour gap_colour{226, 84, 62};
     int samples = 1;      ///< Samples per pixel of a picture, one of sample_counts.

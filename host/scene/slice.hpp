@@ -36,7 +36,7 @@ struct SliceSide {
 struct SliceFrame {
     SliceSide across, down;
     int through = 2;      ///< The axis.
-    double skew_deg = 0;  ///< What the angle between the two sides lacks to 90: a tilted gantry.
+    double skew_deg = 0;  ///< 90 less the angle between the sides, for a tilted gantry.
 };
 
 /// A gantry's tilt is reported above this angle.
@@ -64,13 +64,13 @@ struct ContourPiece {
     glm::vec2 from{0}, to{0};
 };
 
-/// What to do with a square of four voxels of which two across are inside.
+/// Contours in a square of four voxels of which two opposite voxels are inside.
 enum class SaddleRule : std::uint8_t {
     apart,      ///< Its inside corners are parted.
     asymptotic  ///< They are joined if the saddle of the bilinear interpolation is inside.
 };
-/// That of a surface: a slice lies on faces of cells, and these are decided so. Where the cells on
-/// both sides disagree, as lorensen1987 lets them, inside corners are parted.
+/// The rule of a surface, because a slice lies on faces of its cells. If the cells on both sides
+/// disagree (lorensen1987), the inside corners are separated.
 SaddleRule saddle_rule(CaseRule table);
 
 /// Where the isovalue cuts the slice, by marching squares: inside is value >= isovalue, and between

@@ -73,7 +73,7 @@ NodeReport new_of(const MachineNode& node, const schema::ActivityT& now,
     return report;
 }
 
-/// What the host would answer, if it were asked.
+/// The host's own answer.
 schema::ActivityT own_activity(const bus::Traffic& own) {
     timespec time{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);

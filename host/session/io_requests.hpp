@@ -8,7 +8,7 @@
 
 namespace pxpl5::host {
 
-/// What the io process reports of a finished request.
+/// The report of the io process about a finished request.
 struct IoOutcome {
     std::int64_t triangles = 0;
     std::string text;

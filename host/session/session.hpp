@@ -38,7 +38,7 @@ struct Session {
     Scene scene;
     LoadSettings load_settings;
     History history;  ///< The commands that were run.
-    std::any asked;   ///< What a higher layer keeps from one question to the next.
+    std::any asked;   ///< Values that a higher layer keeps between questions.
 
     Conversation conversation;
     IoRequests io;

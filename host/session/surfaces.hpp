@@ -17,7 +17,7 @@
 
 namespace pxpl5::host {
 
-/// What the GPs report of one extraction, summed over slabs in slab order.
+/// The GPs' reports of one extraction, summed over slabs in slab order.
 struct SurfaceReport {
     std::int64_t triangles = 0, vertices = 0;
     std::int64_t cells_active = 0, cells_ambiguous = 0, rows_skipped = 0;

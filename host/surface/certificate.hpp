@@ -1,4 +1,4 @@
-// What can be said for certain of a surface: closed, manifold, oriented, its measures, its defects.
+// Certifies a surface: closed, manifold, oriented, measures, defects.
 #pragma once
 
 #include <array>

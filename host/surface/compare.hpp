@@ -18,7 +18,7 @@ struct CaseDifference {
 };
 
 struct MeshComparison {
-    std::size_t cells = 0;            ///< That either surface has triangles in.
+    std::size_t cells = 0;            ///< Cells with triangles of either surface.
     std::size_t cells_differing = 0;  ///< Cells with triangles that differ by their vertices' keys.
     std::vector<CaseDifference> cases;      ///< Most cells first; of equals the lower case.
     Shown shown_a, shown_b;                 ///< Triangles in differing cells.

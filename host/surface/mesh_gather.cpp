@@ -32,7 +32,7 @@ class SliceKeys {
     void clear() { std::fill(words_.begin(), words_.end(), std::uint64_t{0}); }
     void add(std::uint64_t key) { words_[key / 64] |= std::uint64_t{1} << key % 64; }
 
-    /// To be called after the last add(). Returns how many keys there are.
+    /// Call it after the last add(). Returns the number of keys.
     std::size_t count() {
         std::uint32_t sum = 0;
         for (std::size_t w = 0; w < words_.size(); ++w) {

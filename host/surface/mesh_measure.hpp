@@ -18,7 +18,7 @@ std::vector<DoubledMiddle> doubled_middles(const WeldedMesh& mesh, const VolumeG
 /// The volume's faces that both vertices lie in: bit 0 x low, 1 x high, 2 y low, ...
 unsigned common_border(const DoubledMiddle& a, const DoubledMiddle& b, const VolumeGrid& grid);
 
-/// What the volume of a piece of surface is summed from.
+/// Terms of the volume of a piece of surface.
 struct VolumeSums {
     double flux = 0;    ///< Six times that of (x, 0, 0) through triangles, in the grid.
     double border = 0;  ///< Area of the inside on the last x face, as far as crossings tell.

@@ -38,7 +38,7 @@ double deviation_of(const Machine& machine, const PaperCase& each, Figure figure
                : std::log(frame_rate(machine, each.frame).frames_per_s / paper.frames_per_s);
 }
 
-/// What the search calls: values are logarithms, so that steps are shares.
+/// The function of the search. Values are logarithms, so that steps are ratios.
 struct Search {
     Machine machine;
     std::vector<const Parameter*> fitted;

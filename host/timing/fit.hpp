@@ -16,14 +16,14 @@ std::vector<const Parameter*> fitted_parameters(const Topology& topology);
 
 struct FittedValue {
     const Parameter* parameter = nullptr;
-    double start = 0;  ///< What it was.
-    double value = 0;  ///< What fits best, to three digits.
+    double start = 0;  ///< Value before the fit.
+    double value = 0;  ///< Fitted value, to three digits.
 };
 
 struct Fit {
     Machine machine;  ///< With the fitted values.
     std::vector<FittedValue> values;
-    std::size_t cases_used = 0;  ///< Those that are not held back.
+    std::size_t cases_used = 0;  ///< Cases that are not held back.
     /// Root mean square of ln(modelled / paper) over their builds and frame rates.
     double deviation = 0;
     int runs = 0;  ///< How often the model built all of them, or drew all.
@@ -44,7 +44,7 @@ using FitProgress = std::function<void(int runs)>;
 Fit fit(const Machine& machine, std::span<const Parameter* const> fitted,
         std::span<const PaperCase> cases, const FitProgress& progress = {});
 
-/// To so many digits, as a value is written into a file.
+/// Rounds a value to `digits` digits, for a file.
 double rounded(double value, int digits);
 
 }  // namespace pxpl5::host::timing

@@ -7,7 +7,7 @@
 
 namespace pxpl5::host::timing {
 
-/// What a caption of the paper says of a surface.
+/// Values of a surface in a caption of the paper.
 /// Source  Yoo & Chen, figures 3 to 7: 36 GPs, 16 Renderers.
 struct PaperResult {
     std::int64_t triangles = 0;

@@ -36,8 +36,8 @@ struct TriedMachine {
 /// key that is there twice, too many keys or machines.
 std::vector<TriedMachine> machines_of(const Topology& plan, std::span<const SweptKey> keys);
 
-/// What the machine held when the frame of that step was asked for: the volume, and each surface's
-/// newest revision, in the order in which they were built. The frame itself is not in it.
+/// The machine's content at the request of that step's frame: the volume and each surface's newest
+/// revision, in the order of their builds. Does not include the frame.
 RunWork setting_of(const RunWork& run, std::size_t frame_step);
 
 /// One machine of a sweep.

@@ -17,7 +17,7 @@ namespace {
 
 /// Few and large messages: waking a node costs more than a megabyte of copying.
 constexpr std::size_t batch_bytes = std::size_t{4} << 20;
-/// What the host takes into its memory.
+/// The largest volume that the host takes into its memory.
 constexpr std::size_t max_volume_bytes = std::size_t{8} << 30;
 
 }  // namespace
@@ -71,7 +71,7 @@ bus::Payload slices_message(const Volume& volume, std::uint32_t id, int first, i
                                                      static_cast<std::uint32_t>(count), values));
 }
 
-/// What is not needed to hold the voxels.
+/// Reads the parts of the header that describe the volume, but not its storage.
 void VolumeReceiver::take_report(const schema::VolumeHeader& header) {
     if (header.slice_places() != nullptr) {
         volume_.slice_places.assign(header.slice_places()->begin(), header.slice_places()->end());

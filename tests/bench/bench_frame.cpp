@@ -1,4 +1,5 @@
-// What follows a GP's drawing: verifying and decoding its message, a Renderer's frame, assembling.
+// Measures the work after a GP's drawing: verifying and decoding its message, a Renderer's frame,
+// assembling.
 #include <benchmark/benchmark.h>
 
 #include <optional>

@@ -87,7 +87,7 @@ void gradients(benchmark::State& state) {
     count_rate(state, "voxels", static_cast<double>(shape.slice_voxels()));
 }
 
-/// What loading costs a GP: slices in, gradients, runs and ranges of rows.
+/// Measures a GP's load: slices, gradients, runs and ranges of rows.
 void take_slices(benchmark::State& state) {
     const test::Volume volume = test::for_gps(host::make_phantom(phantom_of(state).name));
     for (auto _ : state) {

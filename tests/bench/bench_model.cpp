@@ -1,4 +1,4 @@
-// What modelling a frame of the machine of 1993 costs: its heaviest, 270,000 triangles.
+// Measures the modelling of a frame of 1993 with 270,000 triangles, the largest of the paper.
 #include <benchmark/benchmark.h>
 
 #include "host/timing/simulate.hpp"

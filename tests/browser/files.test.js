@@ -1,4 +1,4 @@
-// What comes into the page and leaves it: volumes by path, by drop and built in; meshes, pictures,
+// Files that enter and leave the page: volumes by path, by drop and built in; meshes, pictures,
 // sessions; what is wrong is said in a sentence and changes nothing; long work can be given up.
 import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';

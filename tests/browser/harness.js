@@ -1,4 +1,4 @@
-// What every browser test starts from: a served machine, a browser, and a folder for pictures.
+// The set-up of every browser test: a served machine, a browser, and a folder for pictures.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs';

@@ -1,5 +1,5 @@
-// What a critical eye looks for in a laid out page. Each function runs in the page as it is, and
-// so must not use anything else of this file; each returns sentences, or what its comment says.
+// Checks of a page's layout. Each function runs inside the page, so it uses nothing else of this
+// file. Each returns sentences, unless its comment names another result.
 
 /** Texts whose contrast to their background is below WCAG's 4.5 (3 for large text). */
 function faintText() {

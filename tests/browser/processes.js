@@ -1,4 +1,4 @@
-// What a process and its children use, from /proc.
+// Resources of a process and its children, from /proc.
 import { readFileSync, readdirSync } from 'node:fs';
 
 const TICKS_PER_S = 100;  // Of /proc/PID/stat on Linux, whatever the kernel's own rate.

@@ -1,4 +1,4 @@
-// What happens in a page and when: inputs, messages, frames, all by the page's own clock.
+// Records a page's inputs, messages and frames by the page's clock.
 
 /** Runs in the page before its own code: begins to record into `globalThis.recorded`. */
 export function record() {

@@ -4,7 +4,7 @@ import { launchBrowser, openPage, serve } from './harness.js';
 import { browserProcesses, memoryMib, treeOf } from './processes.js';
 import { drag, middleOf, rawSocket, say, settled, state } from './steps.js';
 
-// Of the server's, 64 are the flight recorders', which fill in the first minutes.
+// The flight recorders use 64 MiB of the server's memory, which they fill in the first minutes.
 const MAY_GROW_MIB = { server: 96, browser: 96, heap: 8 };
 const S_PER_MIN = 60;
 

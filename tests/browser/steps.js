@@ -1,5 +1,5 @@
-// What tests do with a page. Nothing here waits for time: only for what the page says of itself
-// in window.pxpl5 (host/serve/page/picture/metrics.js).
+// Actions of tests on a page. No function waits for a time. All wait for the page's own figures in
+// window.pxpl5 (host/serve/page/picture/metrics.js).
 
 /** The state that the page was told last. */
 export function state(page) {

@@ -1,4 +1,4 @@
-// What a person does with the picture and the surfaces, with mouse, keyboard and fingers.
+// Use of the picture and the surfaces by mouse, keyboard and touch.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { browser, byId, openPage, page, server, usePage } from './harness.js';

@@ -70,7 +70,7 @@ class ScriptedLink final : public Link {
 
     std::vector<Message> sent;
     int waits = 0;
-    int held_up_waits = 0;  ///< So many waits bring no credit.
+    int held_up_waits = 0;  ///< Number of waits without credit.
 
   private:
     std::deque<Event> events_;

@@ -1,4 +1,4 @@
-// What a request that cannot be obeyed is told.
+// Returns the error text of a refused request.
 #pragma once
 
 #include <functional>

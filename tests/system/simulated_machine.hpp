@@ -19,7 +19,7 @@
 
 namespace pxpl5::test {
 
-/// What a session sees is the same as of host::Machine; the arrival order is drawn from the
+/// Behaves as host::Machine does for a session. The arrival order is drawn from the
 /// topology's seed. Volumes come from phantoms: there is no io process.
 class SimulatedMachine final : public host::MachinePort {
   public:

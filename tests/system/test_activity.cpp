@@ -1,4 +1,4 @@
-// What nodes tell of themselves, held to what a frame is known to take.
+// Tests the nodes' reports against the known work of a frame.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 

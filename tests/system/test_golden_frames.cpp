@@ -1,4 +1,4 @@
-// What the built-in volumes give, to the bit: meshes and frames on the least machine.
+// Tests meshes and frames of the built-in volumes to the bit, on the smallest machine.
 #include <doctest/doctest.h>
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-// What a session says it asked of its machine: the same for any machine, and no more than was done.
+// Tests the counted work of a session: equal for any machine, and equal to the work done.
 #include <doctest/doctest.h>
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// What a session counts while it runs, and what is counted out of the recording: the same.
+// Tests that a session's counts equal the counts of its recording.
 #include <doctest/doctest.h>
 
 #include <string>

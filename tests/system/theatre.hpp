@@ -1,4 +1,4 @@
-// What tests of the director need: viewers, a machine that dies when it shall, and a clock.
+// Fixtures for tests of the director: viewers, a machine that dies on order, and a clock.
 #pragma once
 
 #include <sys/eventfd.h>
@@ -80,7 +80,7 @@ class Watchers final : public Audience {
     std::vector<serve::Shown> frames;
     bool takes_frames = true;
     bool scrolls = false;  ///< A second viewer, who asks for slices without end.
-    std::function<void(const serve::Shown&)> on_show;  ///< What viewers do about it; may be empty.
+    std::function<void(const serve::Shown&)> on_show;  ///< Called for each frame; may be empty.
 
   private:
     int fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
@@ -134,7 +134,7 @@ struct Theatre {
     std::int64_t now_ns = 0;
     int extractions = 0, launches = 0;
     bool dies = false;
-    int failing_launches = 0;  ///< So many to come.
+    int failing_launches = 0;  ///< Number of launches that will fail.
     Director director{watchers, parts()};
 
     Theatre() {

@@ -13,7 +13,8 @@ CODE = re.compile(r"^.*?(?=//)")
 LONG = re.compile(r"^\s*\||https?:|^(?: {4}|\t)|\]\(")
 COMMENT = re.compile(r"^\s*(?:///?<?|\*|/\*\*|#|;)\s|///<|\s//\s")
 RULES = {
-    r"///<?\s+(Of|As)\s": "begin a doc comment with its subject",
+    r"///<?\s+(Of|As|What|Who|To|That|Those|Else)\s": "begin a doc comment with its subject",
+    r"^//\s+(Of|As|What|Who|Those)\s": "begin a comment with its subject",
     r"(?i)\b(nobody|somebody|noone)\b": "name the person or the program",
     r"(?<!\w )(?<!\w, )\b[Ww]ho (has|is|wants|reads|asks|does|needs|looks)\b":
         "name the person or the program",

@@ -210,6 +210,8 @@ class Planted(unittest.TestCase):
         for name, text, words in (
                 ("isa/a.cpp", "int a;  ///< Of the tree.\n", "its subject"),
                 ("isa/a.cpp", "/// As the paper has it.\n", "its subject"),
+                ("isa/a.cpp", "int a;  ///< What it holds.\n", "its subject"),
+                ("isa/a.hpp", "// Who may connect.\n", "its subject"),
                 ("isa/a.cpp", "// Nobody waits longer.\n", "name the person"),
                 ("isa/a.cpp", "// who is ready goes on\n", "name the person"),
                 ("README.md", "`info` tells what is odd.\n", "print, report"),

@@ -1,4 +1,4 @@
-// What to show of a volume that has just been opened.
+// Chooses the first surfaces of a volume.
 #pragma once
 
 #include <optional>

@@ -9,14 +9,14 @@
 
 namespace pxpl5::host {
 
-/// What a picture's file says of the scene as `camera` sees it: volume, spacing, isovalues, view;
-/// or the archive's file and view. With the overlay's marks, if it is on.
+/// Metadata of a picture's file for the scene seen by `camera`: volume, spacing, isovalues and
+/// view, or the archive's file and view. Includes the overlay's marks if the overlay is on.
 PictureExtras picture_extras(const Session& session, const Camera& camera);
 
 /// The same for an animation around the volume: its marks hold from every side.
 PictureExtras animation_extras(const Session& session);
 
-/// What `load` and `info` say of an archive.
+/// The reply of `load` and `info` for an archive.
 Reply describe_archive(const phigs::Content& content);
 
 /// Digest of the picture's pixels.

@@ -1,4 +1,4 @@
-// What a volume is, for people and programs.
+// Describes a volume as text and as fields.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace pxpl5::host {
 /// Whether the text has a histogram; the fields have one in any case.
 enum class VolumeDetail : std::uint8_t { brief, all };
 
-/// What is known of a volume: shape, spacing, orientation, range, histogram, findings.
+/// Describes a volume: shape, spacing, orientation, range, histogram, findings.
 Reply describe_volume(const Volume& volume, VolumeDetail detail = VolumeDetail::all);
 
 /// Distance between voxel centers along x, y and z in millimeters.

@@ -1,4 +1,4 @@
-// What a frame and its set-up were asked to be, as named values: equal texts, equal requests.
+// Writes a frame's request and set-up as named values. Equal requests have equal texts.
 #pragma once
 
 #include <string>

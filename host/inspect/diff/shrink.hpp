@@ -46,7 +46,7 @@ std::vector<std::uint32_t> whole_program(const renderer::RegionPlan& plan,
 /// A program by itself, as a region with one part. `words` outlive it.
 renderer::RegionPlan plan_of_program(std::span<const std::uint32_t> words);
 
-/// What is known of a shrunk program.
+/// Describes a shrunk program.
 struct ShrunkStory {
     std::string title;  ///< One sentence, for a test's name; neither quotes nor backslashes.
     std::string from;   ///< Where it came from.

@@ -1,4 +1,4 @@
-// What a shrunk program can be asked to show.
+// Outputs of a shrunk program.
 #include <algorithm>
 
 #include "host/inspect/diff/shrink.hpp"

@@ -20,7 +20,7 @@ std::string listing(const Shrunk& shrunk, std::string_view indent) {
     return text;
 }
 
-/// What a case needs of the tests. The host does not include it: it writes its name.
+/// The header that a test case needs. The host writes its name but does not include it.
 std::string test_headers() {
     std::string text;
     for (const char* header : {"tests/isa/lockstep.hpp", "tests/renderer_firmware/targets.hpp"}) {

@@ -1,4 +1,4 @@
-// What one instruction does to one pixel, in words: read before and behind the instruction.
+// Describes the effect of one instruction on one pixel, from the values before and after it.
 #pragma once
 
 #include <cstdint>

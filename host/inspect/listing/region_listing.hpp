@@ -30,7 +30,7 @@ bool has_part(const Selection& selection, const renderer::RegionPlan::Part& part
 std::string part_heading(const renderer::RegionPlan::Part& part);
 std::string primitive_heading(const Primitive& primitive, const renderer::RegionPlan& plan);
 
-/// What the columns are, for people who see them for the first time.
+/// Explains the columns to new users.
 std::string listing_legend(bool pixel_is_chosen);
 
 ListedLines list_region(const RecordedFrame& frame, const RecordedRegion& region,

@@ -19,7 +19,7 @@ struct OpCount {
     friend bool operator==(const OpCount&, const OpCount&) = default;
 };
 
-/// What one part of a region's programs did.
+/// Counts of one part of a region's programs.
 struct PartCounts {
     std::uint32_t frame = 0, region = 0, renderer = 0;
     PartKind kind{};

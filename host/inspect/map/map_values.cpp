@@ -30,7 +30,7 @@ constexpr MapInfo kinds[] = {
     {MapKind::normal, "normal", MapScale::direction, false, "Normal", "eye space"},
 };
 
-/// What a map needs of a region.
+/// Values of a region for a map.
 struct RegionView {
     const RecordedRegion& region;
     const RegionCensus& census;

@@ -14,7 +14,7 @@ namespace pxpl5::host::inspect {
 
 enum class MapKind : std::uint8_t {
     idle,       ///< Instructions of its region that began while the pixel was disabled.
-    busy,       ///< Those that began while it was enabled.
+    busy,       ///< Instructions that began while the pixel was enabled.
     covered,    ///< Primitives whose edges hold it: those that had it enabled when they first used
                 ///< its memory, which triangles do for the depth test.
     overdraw,   ///< Primitives that wrote it.
@@ -27,7 +27,7 @@ enum class MapKind : std::uint8_t {
     normal,     ///< Its normal: x, y and z, ten bits each, as pixel memory holds it.
 };
 
-/// What a map's numbers are.
+/// The meaning of a map's numbers.
 enum class MapScale : std::uint8_t { count, category, direction };
 
 struct MapInfo {

@@ -1,4 +1,4 @@
-// What one region's programs did to each of its pixels, counted while they are executed again.
+// Executes one region's programs again and counts their effects on each pixel.
 #pragma once
 
 #include <array>

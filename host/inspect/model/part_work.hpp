@@ -1,4 +1,4 @@
-// What Renderers executed of a recorded frame, as the model takes it.
+// The Renderers' work of a recorded frame, for the timing model.
 #pragma once
 
 #include <vector>

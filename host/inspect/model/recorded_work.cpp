@@ -100,7 +100,7 @@ class WorkReader {
     const std::map<SurfaceKey, Slabs> told_;
     const Scenes scenes_;
     timing::RunWork work_;
-    std::optional<KnownVolume> volume_;  ///< What the GPs hold,
+    std::optional<KnownVolume> volume_;  ///< Volume in the GPs,
     bool volume_counted_ = false;
     std::optional<std::uint32_t> scene_;  ///< or this.
     std::map<SurfaceKey, Slabs> surfaces_;

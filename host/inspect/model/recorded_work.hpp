@@ -1,4 +1,4 @@
-// What a recorded run asked of the machine, counted again: the input of the model of 1993.
+// The work of a recorded run, counted again: the input of the timing model.
 //
 //   GP 0's trace: order of commands --+
 //   traces of GPs: slices, scenes ----+--> recorded_work() --> timing::RunWork

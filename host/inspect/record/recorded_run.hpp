@@ -20,7 +20,7 @@
 
 namespace pxpl5::host::inspect {
 
-/// What one node received. Read from a file, or kept by a test.
+/// The messages that one node received, from a file or a test.
 struct NodeTrace {
     bus::trace::Info info;
     std::vector<bus::trace::Entry> entries;  ///< In the order of receipt.

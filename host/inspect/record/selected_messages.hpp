@@ -20,8 +20,8 @@ struct MessageRef {
     bus::Message load() const { return node->load(at()); }
 };
 
-/// Those of the selected kinds, by logical time, then source, then sequence. With --frame, those
-/// that belong to such a frame; with --gp or --renderer, those from or to such nodes.
+/// Messages of the selected kinds, by logical time, then source, then sequence. --frame selects
+/// messages of these frames; --gp and --renderer select messages from or to these nodes.
 std::vector<MessageRef> select_messages(const RecordedRun& run, const Selection& selection);
 
 /// "kind", "bytes" and so on of one line of `trace dump`.

@@ -1,4 +1,4 @@
-// What part of a run is meant: one syntax for all inspection commands.
+// Selects a part of a run. All inspection commands share the syntax.
 #pragma once
 
 #include <cstdint>

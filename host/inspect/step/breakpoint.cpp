@@ -72,7 +72,7 @@ Watch::Watch(std::span<const Break> breaks, const RecordedFrame& frame,
     }
 }
 
-/// What is to be noted of a breakpoint; nothing if it cannot hold in this region.
+/// The breakpoint in this region; nothing if it cannot stop here.
 std::optional<Watch::Watched> Watch::watched(std::size_t index) const {
     Watched watched{index};
     bool possible = true;

@@ -14,7 +14,7 @@
 
 namespace pxpl5::host::inspect {
 
-// Those that stop ahead of an instruction:
+// Breakpoints that stop before an instruction:
 
 /// Its name matches the pattern (* and ?, any case).
 struct OpBreak {
@@ -36,7 +36,7 @@ struct PrimitiveBreak {
 /// It begins a part: prologue, a segment, the end-of-region program.
 struct PartBreak {};
 
-// Those that stop behind the instruction that did it:
+// Breakpoints that stop after the instruction:
 
 /// It wrote memory of pixel (x, y) of the picture.
 struct PixelBreak {

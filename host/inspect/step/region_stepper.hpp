@@ -13,7 +13,7 @@
 
 namespace pxpl5::host::inspect {
 
-/// What going backwards may cost.
+/// Limits of the snapshots for backward steps.
 struct StepLimits {
     std::uint64_t snapshot_every = 4096;  ///< Instructions, at first; doubled when memory is full.
     std::size_t snapshot_bytes = std::size_t{256} << 20;  ///< At least one snapshot is kept.

@@ -32,7 +32,7 @@ struct ScrubView {
     int x0_px = 0, y0_px = 0;         ///< Top left pixel of the region in the picture.
     std::vector<ScrubLine> lines;     ///< Around `at`: the next to be executed has it as its `at`.
     std::size_t enabled = 0;          ///< Pixels.
-    std::string field;                ///< That `rgba` shows.
+    std::string field;                ///< Field in `rgba`.
     std::vector<std::uint32_t> rgba;  ///< 128 x 128, red in the low byte; alpha 255, 254: disabled.
 };
 

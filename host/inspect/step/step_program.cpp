@@ -91,7 +91,7 @@ std::string StepProgram::back(const Words& words) {
     return upcoming(stepper_);
 }
 
-/// To the next place of one kind, `times` over; backward if negative.
+/// Moves to the next place of one kind, `times` times; backward if negative.
 std::string StepProgram::to_stops(const Break& stop, std::int64_t times, const char* what) {
     const Direction direction = times < 0 ? Direction::backward : Direction::forward;
     for (std::int64_t i = 0; i < std::abs(times); ++i) {

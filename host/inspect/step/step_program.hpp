@@ -25,7 +25,7 @@ class StepProgram {
     bool is_over() const { return is_over_; }  ///< After "quit".
 
     Stepper& stepper() { return stepper_; }
-    /// What a newcomer reads first.
+    /// The first text for a new user.
     std::string welcome() const;
 
   private:

@@ -77,7 +77,7 @@ std::string end_line(const Stepper& stepper) {
                        counts.cycles);
 }
 
-/// What an instruction did beside what is seen in pixel memory.
+/// Effects of an instruction outside pixel memory.
 std::string side_effect(const isa::OpInfo& row, const hal::PixelArray& pixels) {
     const auto has = [&row](isa::Effects effect) { return (row.effects & effect) != 0; };
     if (has(isa::flag)) {

@@ -1,4 +1,4 @@
-// What a person is told about a place in a run: one line per step, and answers to questions.
+// Describes a place in a run: one line per step, and answers to questions.
 #pragma once
 
 #include <optional>

@@ -49,8 +49,8 @@ class Stepper {
     /// begin of the run if there is none. Returns the index of the breakpoint.
     std::optional<std::size_t> run_to(std::span<const Break> breaks, Direction direction);
 
-    /// To the begin of the next region; backward to the begin of this one, or of the one before if
-    /// it stands there. False, and no move, if there is none.
+    /// Moves to the start of the next region. Backward, moves to the start of this region, or from
+    /// there to the previous region. Returns false without a move if no such region exists.
     bool to_region(Direction direction);
     bool to_frame(Direction direction);  ///< See to_region().
 

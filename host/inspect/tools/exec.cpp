@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint32_t whole_word = 64;
 
-/// What is to be run.
+/// The program to run.
 struct Work {
     std::vector<std::vector<std::uint32_t>> programs;
     std::vector<isa::StateTable> given;

@@ -34,7 +34,7 @@ std::optional<std::uint32_t> number(std::string_view text) {
     return whole ? std::optional(value) : std::nullopt;
 }
 
-/// What is called so, without a width; nothing if nothing is.
+/// The field of that name, without a width; nothing if none exists.
 std::optional<isa::StateColumn> named(std::string_view name) {
     constexpr std::uint32_t word = isa::backing_block_bits;
     if (name == "enable" || name == "carry") {

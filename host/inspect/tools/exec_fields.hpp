@@ -24,7 +24,7 @@ ShownField parse_field(const std::string& text);
 /// Pixels of a region, ends included: "3,5", "0..7,9", "*,0". Throws RequestError (usage).
 isa::PixelRectangle parse_window(const std::string& text);
 
-/// What can be read when a program has run.
+/// Pixels after a program has run.
 struct PixelsBehind {
     const isa::Executor& executor;
     std::span<const std::uint32_t> readout;  ///< Words of the last PIXELSTOFB; empty without one.

@@ -1,4 +1,4 @@
-// What happened to one pixel while its region was drawn: the region's programs, executed again on
+// The history of one pixel while its region was drawn: the region's programs, executed again on
 // that pixel by the reference executor.
 #pragma once
 

@@ -96,8 +96,8 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
     return surfaces;
 }
 
-// Of the share's other slabs, if the volume is so high that it has any, slices of zeros are enough:
-// nothing of a slab depends on them.
+// A high volume may have other slabs in the share. Slices of zeros are enough for them, because
+// slabs do not depend on each other.
 gp::SlabMesh replay_extraction(const KnownVolume& volume, int k, double isovalue, CaseRule rule) {
     const gp::Share share{k % max_nodes_per_role, max_nodes_per_role};
     gp::VolumeShape shape = volume.shape();

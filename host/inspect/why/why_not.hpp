@@ -15,7 +15,7 @@
 
 namespace pxpl5::host::inspect {
 
-/// What is expected at the pixel. Any surface if all members are empty.
+/// The expected surface at the pixel. Any surface if all members are empty.
 struct Expectation {
     std::optional<std::array<int, 3>> cell;
     std::optional<std::uint32_t> surface;  ///< Index in the frame's list; 0 if a cell needs one.
@@ -69,7 +69,7 @@ struct WhyNotFinding {
     Expectation expected;
     TriangleVerdict verdict;  ///< The verdict nearest to visible; unknown if it could be another.
     std::vector<TriangleVerdict> all;  ///< By triangle of the cell, or by surface.
-    WhyFinding shown;                  ///< What the pixel shows.
+    WhyFinding shown;                  ///< The finding for the visible surface.
 };
 
 /// Throws as PixelInquiry, and RequestError (usage) for a cell or triangle that cannot be.

@@ -1,4 +1,4 @@
-// What DICOM files say of their slices. Only dicom_header.cpp and dicom_pixels.cpp include GDCM.
+// Reads the headers of DICOM slices. Only dicom_header.cpp and dicom_pixels.cpp include GDCM.
 #include "host/io/dicom/dicom_file.hpp"
 #include "host/io/dicom/dicom_structure.hpp"
 
@@ -227,7 +227,7 @@ bool is_lossy(const gdcm::Reader& reader, const gdcm::DataSet& data) {
            syntax == TransferSyntax::JPEGLSNearLossless;
 }
 
-/// What all frames of a file share.
+/// Values that all frames of a file share.
 DicomSlice read_shared(const fs::path& path, const gdcm::Reader& reader) {
     const std::string file = path.string();
     const gdcm::DataSet& data = reader.GetFile().GetDataSet();

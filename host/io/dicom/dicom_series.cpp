@@ -17,7 +17,7 @@ constexpr std::size_t max_listed_series = 50;
 
 using Series = std::vector<DicomSlice>;
 
-/// What slices of one series share. Without a UID: whatever else tells series apart.
+/// Values that slices of one series share. Without a UID, other values distinguish series.
 using SeriesKey = std::tuple<int, std::string, std::string, std::string, int, int>;
 
 SeriesKey key_of(const DicomSlice& slice) {

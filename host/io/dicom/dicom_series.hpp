@@ -28,8 +28,8 @@ struct DicomSlice {
     int samples = 1, bits = 0;  ///< Samples per pixel (1 is gray); bits allocated per sample.
     glm::dvec3 x_step_mm{1, 0, 0}, y_step_mm{0, 1, 0};  ///< One column and one row further, LPS.
     glm::dvec3 origin_mm{0};                            ///< Center of the first voxel, LPS.
-    bool spacing_stated = true;                         ///< Else x and y steps have length 1.
-    bool position_stated = true;  ///< Else origin and orientation are not known.
+    bool spacing_stated = true;                         ///< False: x and y steps have length 1.
+    bool position_stated = true;  ///< False: origin and orientation are unknown.
     std::optional<double> thickness_mm;
     /// Signed distance to the next frame where frames have no positions of their own.
     std::optional<double> frame_step_mm;

@@ -50,7 +50,7 @@ class ByteSource {
     std::size_t in_at_ = 0, in_end_ = 0;
     bool ended_ = false;  ///< Nothing more comes.
     bool damaged_ = false;
-    bool between_streams_ = false;  ///< What follows may be no stream at all.
+    bool between_streams_ = false;  ///< The next bytes may be no stream.
     std::unique_ptr<Inflater> inflater_;
     std::unique_ptr<Bunzipper> bunzipper_;
 };

@@ -21,7 +21,7 @@ constexpr std::size_t nifti1_bytes = 348, nifti2_bytes = 540;
 /// Typed, byte-swapped access to the header's bytes.
 struct RawHeader {
     std::array<std::byte, nifti2_bytes> bytes{};
-    std::size_t size_bytes = 0;  ///< That there are.
+    std::size_t size_bytes = 0;  ///< Available bytes.
     bool big_endian = false;
 
     template <typename T>

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What all pages of a stack share.
+/// Values that all pages of a stack share.
 struct Page {
     int columns = 0, rows = 0;
     Component component = Component::uint8;

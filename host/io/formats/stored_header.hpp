@@ -1,4 +1,4 @@
-// What a volume file says of itself, and the check of it before anything is allocated.
+// The header of a volume file, and its checks before any allocation.
 #pragma once
 
 #include <array>

@@ -32,7 +32,7 @@ void swap_bytes(std::span<std::byte> bytes, std::size_t size) {
     }
 }
 
-/// What is short of what.
+/// The error for a data file that is too short.
 ImportError too_short(const std::string& file, const StoredHeader& header, const fs::path& data,
                       std::uint64_t got) {
     const std::uint64_t needed = needed_bytes(header) / header.data_files.size();

@@ -43,7 +43,7 @@ struct MeshExport {
 
 struct MeshWritten {
     std::uint64_t triangles = 0;  ///< In the file.
-    std::string text;             ///< What was written, one sentence: counts, axes, what was lost.
+    std::string text;             ///< One sentence about the file: counts, axes, losses.
 };
 
 /// Writes the surfaces to `path`, in the format of its suffix. The file appears whole or not at

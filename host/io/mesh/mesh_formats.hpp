@@ -22,7 +22,7 @@ void write_glb(const MeshExport& mesh, PartFile& file);
 void write_obj(const MeshExport& mesh, const std::string& material_file, PartFile& file);
 void write_mtl(const MeshExport& mesh, PartFile& file);
 
-// What the writers share.
+// Functions that the writers share.
 
 /// A vector in LPS along the mesh's axes. 0 stays 0, never -0.
 inline glm::vec3 turned(const glm::vec3& v, PatientAxes axes) {
@@ -31,8 +31,8 @@ inline glm::vec3 turned(const glm::vec3& v, PatientAxes axes) {
 
 std::string_view axes_name(PatientAxes axes);  ///< "LPS" or "RAS".
 
-/// What a reader of the file must know, one line each: axes, unit, description. SPACE=LPS or
-/// SPACE=RAS is where 3D Slicer looks for the axes.
+/// Notes for readers of the file, one line each: axes, unit, description. 3D Slicer reads the axes
+/// from SPACE=LPS or SPACE=RAS.
 std::vector<std::string> mesh_notes(const MeshExport& mesh);
 
 /// `text` on one line: control characters become blanks.

@@ -24,7 +24,7 @@ struct MarkError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// What marks look like over nothing: display-coded values multiplied by their alpha.
+/// Marks on a transparent background: display-coded values multiplied by their alpha.
 struct MarkLayer {
     int width = 0, height = 0;
     std::vector<std::uint8_t> bgra;  ///< width * height * 4, top row first; alpha multiplied in.

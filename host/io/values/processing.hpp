@@ -1,4 +1,4 @@
-// What may be done to a volume before anybody sees it: crop, smooth, resample, in this order.
+// Processing of a volume during its load: crop, smooth, resample, in this order.
 #pragma once
 
 #include "host/io/values/import_request.hpp"

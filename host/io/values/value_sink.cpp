@@ -142,7 +142,7 @@ void ValueSink::fit(std::span<const T> values, Scale scale) {
     }
 }
 
-/// What is held fits `type`: the range says so.
+/// Stored values fit `type`, because their range does.
 void ValueSink::convert_held_to(Scalar type) {
     if (type == type_) {
         return;

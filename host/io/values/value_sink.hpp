@@ -19,9 +19,9 @@ struct Scale {
     friend bool operator==(const Scale&, const Scale&) = default;
 };
 
-/// uint8, int16, uint16 and float32 are kept while all chunks are of that type and none is scaled.
-/// Else whole numbers become int16 or uint16 if all of them fit, and everything else float32. What
-/// is held already is converted when a chunk asks for it; the result does not depend on the order.
+/// Keeps uint8, int16, uint16 and float32 while all chunks have one of these types and no scale.
+/// Otherwise whole numbers become int16 or uint16 if all fit, and other values become float32. A
+/// chunk converts the earlier values if needed. The result does not depend on the order of chunks.
 class ValueSink {
   public:
     /// value_count  Of the whole volume: memory is reserved once.

@@ -1,4 +1,4 @@
-// What a viewer's connection carries, measured, and the quality that follows from it.
+// Measures the data rate of a viewer's connection, and derives the quality.
 #pragma once
 
 #include <cstddef>

@@ -16,7 +16,7 @@ struct ServedFile {
     std::string attachment;  ///< Name to save it under; empty: to be shown.
 };
 
-/// What to do with a request's path.
+/// The handling of a request's path.
 enum class RouteKind : std::uint8_t { none, file, socket, upload, upload_done };
 
 struct Route {

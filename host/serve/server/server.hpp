@@ -19,8 +19,8 @@ struct ServerOptions {
     bool insecure = false;            ///< Bind elsewhere than on loopback without TLS.
     std::string tls_cert, tls_key;    ///< PEM files; both or neither.
     std::filesystem::path page;       ///< Empty: as built in.
-    std::filesystem::path uploads;    ///< What viewers upload goes below it; made if missing.
-    std::filesystem::path downloads;  ///< What `/download/NAME` serves; made if missing.
+    std::filesystem::path uploads;    ///< Parent of the viewers' uploads; created if missing.
+    std::filesystem::path downloads;  ///< Files of `/download/NAME`; created if missing.
 };
 
 /// Viewers are counted from 1; a number is never used again.
@@ -81,7 +81,7 @@ class Server {
     void broadcast(std::string text);
     void send_binary(std::uint32_t viewer, std::string bytes);
 
-    /// What is open now; an upload that was open before is removed. Empty: nothing is open.
+    /// Sets the open path. Removes an upload that was open before. Empty: no volume is open.
     void opened(std::string path);
 
     /// Takes the place of a frame that has not been sent yet. A viewer who joins later gets the

@@ -1,4 +1,4 @@
-// Who may connect: tokens, cookie, Host and Origin of a request.
+// Access control: tokens, cookie, Host and Origin of a request.
 #pragma once
 
 #include <map>
@@ -17,11 +17,11 @@ struct Request {
     std::string host, origin, cookie;  ///< Header lines; empty if there is none.
 };
 
-/// What this server accepts.
+/// Tokens and names that this server accepts.
 struct AccessRules {
     std::string driver_token, watcher_token;
     std::string cookie_name;         ///< Other ports of this computer have cookies of their own.
-    std::vector<std::string> names;  ///< That a Host header may give, without port, lower case.
+    std::vector<std::string> names;  ///< Allowed in a Host header, without port, lower case.
     bool encrypted = false;
 };
 

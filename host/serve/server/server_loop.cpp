@@ -29,7 +29,7 @@ const lws_protocol_vhost_options policy{
     "default-src 'self'; img-src 'self' blob: data:; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'"};
 
-/// What libwebsockets complains of while it starts; elsewhere it is silent.
+/// Messages of libwebsockets during its start; null afterwards.
 thread_local std::string* complaints = nullptr;
 
 void complain(int /*level*/, const char* line) {

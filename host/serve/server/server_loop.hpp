@@ -33,7 +33,7 @@ class Loop {
     void wake();  ///< From any thread: there is mail.
     void stop();  ///< From any thread.
 
-    /// What libwebsockets calls. Returns other than 0 to close the connection.
+    /// Called by libwebsockets. Returns a value other than 0 to close the connection.
     int on_event(lws* connection, int reason, void* data, std::size_t size);
 
   private:

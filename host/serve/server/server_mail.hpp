@@ -1,4 +1,4 @@
-// What the session's thread and the server's thread hand each other.
+// Messages between the session's thread and the server's thread.
 #pragma once
 
 #include <atomic>

@@ -14,11 +14,11 @@ namespace pxpl5::host::serve {
 namespace {
 
 constexpr int ping_seconds = 5;
-constexpr double dead_after_ms = 60'000;  // Without an answer to a ping.
-// What still comes from a viewer who is sent away is thrown away until it has been silent for so
-// long: if it came after the socket is closed, its reset would overtake the reason.
+constexpr double dead_after_ms = 60'000;  // Limit of the time without an answer to a ping.
+// A rejected viewer must be silent for this time before the socket closes, and its messages are
+// discarded. A message to a closed socket would cause a reset, which would overtake the reason.
 constexpr lws_usec_t farewell = LWS_USEC_PER_SEC / 5;
-constexpr int close_timeout_seconds = 5;  // For who is never silent, or does not read the reason.
+constexpr int close_timeout_seconds = 5;  // Limit for viewers that are never silent.
 
 double now_ms() {
     return std::chrono::duration<double, std::milli>(

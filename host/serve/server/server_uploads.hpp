@@ -78,7 +78,7 @@ class Uploads {
     Batch& open_batch(const std::string& name);
 
     std::filesystem::path folder_;
-    std::map<std::string, Batch, std::less<>> batches_;  ///< That may grow, by name.
+    std::map<std::string, Batch, std::less<>> batches_;  ///< Incomplete batches, by name.
     std::vector<Batch> complete_;
     std::uint64_t bytes_ = 0;  ///< Stored or announced.
     int files_ = 0;            ///< Likewise.

@@ -10,7 +10,7 @@
 
 namespace pxpl5::host {
 
-/// What is drawn, and where it is.
+/// The drawn content and its position.
 struct Stage {
     std::span<const Surface> surfaces;  ///< In drawing order.
     Subject subject;
@@ -25,8 +25,8 @@ struct DrawnSurface {
     Colour colour;
 };
 
-/// What a frame lists: visible surfaces in drawing order, those across gaps apart if they are
-/// tinted.
+/// The surfaces of a frame: visible surfaces in drawing order, with tinted slabs across gaps as
+/// surfaces of their own.
 std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage);
 
 /// The matrices of the stage's picture.

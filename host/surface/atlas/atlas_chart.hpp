@@ -12,7 +12,7 @@
 
 namespace pxpl5::host {
 
-/// What extraction at one isovalue gives.
+/// Measures of the surface at one isovalue.
 struct AtlasRow {
     double isovalue = 0;
     std::uint64_t triangles = 0;

@@ -10,7 +10,7 @@ void check_frame(const FrameWork& frame);
 void check_volume(const VolumeWork& volume);
 /// `volume`: the one that was loaded last, or null.
 void check_build(const BuildWork& build, const VolumeWork* volume);
-/// That the run was drawn by as many Renderers.
+/// Checks that the run was drawn by this number of Renderers.
 void check_assignment(const FrameWork& frame, std::uint32_t renderers);
 
 }  // namespace pxpl5::host::timing

@@ -11,13 +11,13 @@
 
 namespace pxpl5::host::timing {
 
-/// Who holds a surface's triangles when it is drawn.
+/// Distribution of a surface's triangles over the GPs.
 enum class Sharing : std::uint8_t {
     even,  ///< The display list is spread evenly over the GPs.
     own    ///< Each GP draws the slabs that it extracted.
 };
 
-/// Who draws a region.
+/// Assignment of regions to Renderers.
 enum class Assignment : std::uint8_t {
     first_free,     ///< The Master gives the next region to the Renderer that is free first.
     longest_first,  ///< Before the frame, by the regions' costs in the one before.
@@ -41,7 +41,7 @@ struct Machine {
     double gp_list_triangle_words = 0;    ///< A triangle handed to another GP's display list.
     double gp_draw_primitive_cycles = 0;  ///< A frame: transform, cull, light, set up.
     double gp_emit_word_cycles = 0;       ///< A frame: a word put into a bin.
-    double master_region_cycles = 0;      ///< To assign one.
+    double master_region_cycles = 0;      ///< Cycles to assign one region.
     double ring_channels = 0, ring_channel_mb_s = 0, ring_hop_ns = 0;
     double ring_header_words = 0, ring_message_words = 0;  ///< The longest body.
     double ring_fifo_words = 0;                            ///< Size of a receiving node's FIFO.

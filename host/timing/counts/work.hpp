@@ -1,4 +1,4 @@
-// What a run asked of the machine, counted: the model's only input. It depends on the volume, the
+// The counted work of a run: the model's only input. It depends on the volume, the
 // commands and the camera, never on how many nodes ran it or when.
 //
 //   recorded run --recorded_work()--+
@@ -27,7 +27,7 @@ struct VolumeWork {
     friend bool operator==(const VolumeWork&, const VolumeWork&) = default;
 };
 
-/// What extraction made in one slab, the cells between slices `slab` and `slab` + 1.
+/// Counts of extraction in one slab, the cells between slices `slab` and `slab` + 1.
 struct SlabWork {
     std::uint32_t slab = 0;
     std::uint64_t cells_active = 0;  ///< Crossed by the surface.
@@ -59,7 +59,7 @@ using isa::InstructionClass;
 inline constexpr std::size_t instruction_classes = isa::class_count;
 using isa::ClassCounts;  ///< Executed; cycles are at the Renderer's clock.
 
-/// What a Renderer executes for one part of a region.
+/// Counts of a Renderer for one part of a region.
 struct PartWork {
     std::uint32_t region = 0;
     PartKind kind = PartKind::segment;
@@ -92,7 +92,7 @@ using StepWork = std::variant<VolumeWork, BuildWork, FrameWork>;
 
 struct RunWork {
     std::vector<StepWork> steps;       ///< In the order of the host's commands.
-    std::vector<std::string> missing;  ///< What could not be counted, a sentence each.
+    std::vector<std::string> missing;  ///< Missing counts, one sentence each.
 };
 
 }  // namespace pxpl5::host::timing

@@ -37,7 +37,7 @@ class FrameModel {
     // The Master's.
     std::deque<std::uint16_t> wants_region_;  ///< Renderers, in the order of their requests.
     std::uint32_t begun_ = 0;                 ///< Frames.
-    std::uint32_t next_frame_ = 0, next_region_ = 0;  ///< To be handed out.
+    std::uint32_t next_frame_ = 0, next_region_ = 0;  ///< Next numbers to assign.
 };
 
 }  // namespace pxpl5::host::timing

@@ -1,4 +1,4 @@
-// What a frame asks of each GP and each Renderer of a machine: its counts, shared out.
+// Distributes a frame's work over the GPs and Renderers of a machine.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace pxpl5::host::timing {
 
-/// What one GP sends for one region.
+/// The words that one GP sends for one region.
 struct Bin {
     std::uint64_t words = 0;
     std::uint64_t cycles = 0;  ///< The Renderer's.

@@ -17,10 +17,10 @@ struct FrameRun {
     std::vector<std::uint32_t> order;       ///< In which regions are handed out.
     std::vector<std::uint16_t> ready;       ///< GPs whose bins are complete, in that order.
     std::size_t regions = 0;
-    std::size_t regions_due = 0;  ///< That the frame buffer has not got whole.
+    std::size_t regions_due = 0;  ///< Regions that are incomplete in the frame buffer.
     Callback<> complete;          ///< The last pixel is in the frame buffer.
     Callback<> shown;             ///< Swapped in; of a pass: complete.
-    Callback<> known;             ///< To the host.
+    Callback<> known;             ///< The host knows the frame.
 };
 
 /// All frames of a run by number, from 0. Addresses stay.

@@ -31,7 +31,7 @@ class Replay {
         Snapshot begin;
         Snapshot complete;  ///< The frame buffer has the last pixel.
         Snapshot end;       ///< The frame is shown.
-        Ns known = 0;       ///< To the host.
+        Ns known = 0;       ///< Time at which the host knows.
     };
     const std::vector<Step>& steps() const { return times_; }
     const Hardware& hardware() const { return hardware_; }

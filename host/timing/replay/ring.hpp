@@ -59,7 +59,7 @@ class Ring {
         std::uint32_t gate = 0;
         Ns last_arrival = 0;
         Meter taken;
-        std::vector<Waiting> waiting;  ///< To leave from here, longest first.
+        std::vector<Waiting> waiting;  ///< Messages that leave from here, longest wait first.
     };
     struct Flight {
         std::uint32_t transfer = 0;

@@ -41,7 +41,7 @@ ScreenVertex transformed(const Vertex& v, const Camera& c) {
     return pxpl5::gp::transformed({&v, 1}, prepare(c)).front();
 }
 
-/// What transform() is, in floats.
+/// The formula of transform(), in floats.
 ScreenVertex one_by_one(const Vertex& vertex, const Projection& m) {
     ScreenVertex out;
     const glm::vec3& p = vertex.p_voxel;

@@ -15,7 +15,7 @@ using namespace pxpl5::test;
 
 namespace {
 
-/// What is drawn, and from where.
+/// The drawn surface and the camera.
 struct Scene {
     gp::SlabMesh mesh;
     gp::Camera camera;

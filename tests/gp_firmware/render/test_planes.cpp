@@ -43,7 +43,7 @@ Exact exact_plane(const Triangle& t, std::size_t k) {
     return e;
 }
 
-/// What TREEintoMEM stores for plane k at the region-independent pixel (px, py).
+/// The value that TREEintoMEM stores for plane k at the region-independent pixel (px, py).
 std::int64_t stored(const gp::AttributePlanes& planes, std::size_t k, int px, int py) {
     const std::uint32_t q = planes.a[k] * static_cast<std::uint32_t>(px) +
                             planes.b[k] * static_cast<std::uint32_t>(py) + planes.c[k];

@@ -75,7 +75,7 @@ gp::Camera orthographic_camera() {
     return camera;
 }
 
-/// What a ray through a pixel's center meets first.
+/// The first hit of a ray through a pixel's center.
 struct Hit {
     double clearance_px = 0;  ///< From the outline; inside is positive.
     double z = 0;             ///< Depth in units of the field.
@@ -164,7 +164,7 @@ struct Outcome {
     int judged = 0, covered = 0, wrong = 0, skipped = 0;
 };
 
-/// What depth may be off: a unit of rounding each for the plane and the field, and a step of the
+/// Tolerance of depth: a unit of rounding each for the plane and the field, and a step of the
 /// root.
 double depth_tolerance(double reach) {
     return 2 + reach * 1.5 * 0x1p-16;

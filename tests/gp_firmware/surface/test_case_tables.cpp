@@ -92,7 +92,7 @@ std::set<std::pair<Point, Point>> rim_on_face(const Case& c, int face) {
     return segments;
 }
 
-/// What both cells at a face know of it: its axis, its four corners, its decision.
+/// A face as both of its cells see it: axis, four corners, decision.
 std::array<unsigned, 3> face_state(const Case& c, int face) {
     unsigned corners = 0, count = 0;
     for (int corner = 0; corner < 8; ++corner)

@@ -1,4 +1,4 @@
-// What extraction says it has looked at, held to volumes where that can be counted on paper.
+// Tests the counts of extraction on volumes where they can be counted on paper.
 #include <doctest/doctest.h>
 
 #include "tests/gp_firmware/test_volume.hpp"

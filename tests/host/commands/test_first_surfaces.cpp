@@ -1,4 +1,4 @@
-// What a volume shows when it has just been opened.
+// Tests the first surfaces of an opened volume.
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
-// What a picture of an isosurface must hold, computed directly: every triangle of every cell in
+// The contents of a picture of an isosurface, computed directly: every triangle of every cell in
 // doubles, projected by the frame's matrices, and nothing but the corners snapped to 1/16 pixel.
 //
-// Of the firmware only the table of cases is used. The firmware transforms in floats, so a corner
+// Only the table of cases comes from the firmware. The firmware transforms in floats, so a corner
 // may be snapped to the adjacent 1/16 pixel, and depths be off by some steps: what lies so near
 // to an edge, or to another triangle, is reported as possible but not as sure.
 #pragma once
@@ -177,7 +177,7 @@ inline glm::dvec2 centre_of(int x, int y) {
     return {x + 0.5, y + 0.5};
 }
 
-/// What lies on a pixel's ray, in drawing order.
+/// Triangles on a pixel's ray, in drawing order.
 struct OnRay {
     std::vector<const TrueTriangle*> sure, possible;  ///< Sure ones are possible, too.
 };

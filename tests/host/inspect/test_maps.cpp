@@ -41,7 +41,7 @@ std::size_t at(int x, int y) {
     return static_cast<std::size_t>(y * region_px + x);
 }
 
-/// What the census of one pixel must be, counted on the reference.
+/// The census of one pixel, counted on the reference.
 struct Expected {
     std::uint32_t active = 0, covered = 0, written = 0;
     std::uint32_t visible = inspect::no_primitive;

@@ -14,7 +14,7 @@ namespace inspect = host::inspect;
 
 namespace {
 
-/// What the wrong Renderers drew.
+/// The recording of the wrong Renderers.
 const test::TracedSphere& recorded() {
     static const test::TracedSphere traced({256, 256}, 2, 2);
     return traced;

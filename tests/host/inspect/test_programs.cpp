@@ -22,7 +22,7 @@ using test::selecting;
 
 namespace {
 
-/// What exec prints, and its exit code.
+/// Output and exit code of exec.
 struct Executed {
     int code;
     std::string text;

@@ -98,7 +98,7 @@ std::optional<int> only_region(const TrueTriangle& t) {
                                                                        : std::nullopt;
 }
 
-/// What becomes of each triangle on a ray by the rule of the z-buffer alone; nothing if depths are
+/// The fate of each triangle on a ray by the rule of the z-buffer alone; nothing if depths are
 /// too near to each other to tell, or if it is not sure what covers the pixel.
 struct Fate {
     Verdict verdict{};

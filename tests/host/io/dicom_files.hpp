@@ -87,7 +87,7 @@ inline std::string dicom_numbers(std::initializer_list<double> values) {
     return text;
 }
 
-/// What an image of int16 values needs, but for place and values.
+/// Attributes of an image of int16 values, except position and values.
 inline DicomSet dicom_image(int columns, int rows, const std::string& values) {
     DicomSet set;
     set.text(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.2").text(8, 0x18, "UI", "1.2.3.4");

@@ -10,7 +10,7 @@ using namespace pxpl5::test;
 
 namespace {
 
-/// What import says against `path`, without the folder's name. Empty if it takes the file.
+/// The import's error for `path`, without the folder's name. Empty if the file is read.
 std::string complaint(const std::string& path) {
     try {
         import_volume(path);

@@ -1,4 +1,4 @@
-// What happens to a real series on its way: renamed, incomplete, doubled, mixed, cut.
+// Tests real series that were renamed, incomplete, doubled, mixed or cut.
 #include <doctest/doctest.h>
 
 #include <algorithm>

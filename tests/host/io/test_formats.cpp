@@ -1,4 +1,4 @@
-// What each format can say, in small files written byte by byte.
+// Tests the features of each format in small files written byte by byte.
 #include <bzlib.h>
 #include <doctest/doctest.h>
 #include <zlib.h>

@@ -48,7 +48,7 @@ std::size_t files_in(const std::string& folder) {
     return static_cast<std::size_t>(std::distance(begin(files), end(files)));
 }
 
-/// What assimp's reader makes of a file: all corners of all triangles, one after the other.
+/// A file read by assimp: all corners of all triangles in order.
 struct ReadBack {
     std::vector<glm::vec3> corners, normals;
     std::vector<std::array<int, 3>>
@@ -100,7 +100,7 @@ double linear(int value) {
     return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
 }
 
-/// What must be in the file, triangle by triangle.
+/// Checks the file's triangles one by one.
 void check_solid(const ReadBack& read, std::size_t first, const Solid& solid, PatientAxes axes,
                  const std::string& suffix) {
     const float tolerance = suffix == ".glb" ? 1e-7F : 0.0F;
@@ -128,7 +128,7 @@ nlohmann::json json_of(const std::string& glb) {
     return nlohmann::json::parse(glb.substr(20, size));
 }
 
-/// What write_mesh() complains of.
+/// The error of write_mesh().
 std::string complaint(const std::string& path, const MeshExport& mesh) {
     try {
         write_mesh(path, mesh);

@@ -44,7 +44,7 @@ constexpr int mutations = 2000;
 constexpr rlim_t most_bytes = rlim_t{1} << 30;
 constexpr int most_cpu_s = 5;  ///< A longer import is a hang.
 
-/// What became of the imports; in memory that parent and children share.
+/// Counts of the imports' results, in memory that parent and children share.
 struct Count {
     int next = 0;  ///< The import that goes on, or comes.
     int read = 0, refused = 0;

@@ -9,7 +9,7 @@
 
 namespace pxpl5::test {
 
-/// What is wrong with the attributes in `text`, those of a tag `name`.
+/// The first error in `text`, the attributes of a tag `name`.
 inline std::string attribute_fault(const std::string& name, std::string_view text) {
     std::vector<std::string> names;
     for (std::size_t at = 0; at < text.size();) {
@@ -37,7 +37,7 @@ inline std::string attribute_fault(const std::string& name, std::string_view tex
     return "";
 }
 
-/// What is wrong with the document; empty if nothing is: every tag closed in its turn, one root,
+/// The document's first error; empty if it has none: every tag closed in its turn, one root,
 /// every attribute quoted and given once, no bare & or <.
 inline std::string xml_fault(std::string_view text) {
     std::vector<std::string> open;

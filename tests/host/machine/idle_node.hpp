@@ -1,4 +1,4 @@
-// What an idle node may be ordered to do, as the surface of a RemoveSurface message.
+// Orders to an idle node, encoded in the surface of a RemoveSurface message.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What the tests of real processes share: a place to run in, and eyes on other processes.
+// Helpers for tests of real processes: a folder, and views of other processes.
 #pragma once
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// What a machine of real processes leaves behind of its messages.
+// Tests the traces of a machine of real processes.
 #include <doctest/doctest.h>
 #include <sys/resource.h>
 #include <unistd.h>

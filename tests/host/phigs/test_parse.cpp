@@ -19,7 +19,7 @@ Element only_element(const std::string& text) {
     return std::get<Element>(archive.structures[0].elements[0]);
 }
 
-/// What is said of a text whose only line is this element.
+/// The parser's error for a text whose only line is this element.
 std::string element_refusal(const std::string& element) {
     return refusal("structure s {\n" + element + "\n};");
 }

@@ -1,4 +1,4 @@
-// What waits to be done, how large moving pictures are, and what viewers' messages mean.
+// Tests the inbox, the size of moving pictures and the viewers' messages.
 #include <doctest/doctest.h>
 
 #include <functional>

@@ -1,5 +1,5 @@
-// What the inspector answers, beside the volume itself and the extracted surface; and what it
-// refuses.
+// Tests the inspector's answers against the volume itself and the extracted surface, and its
+// refusals.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// What a session remembers: lines of its script, and steps to take back.
+// Tests a session's history: lines of its script, and steps of undo.
 #include <doctest/doctest.h>
 
 #include "host/base/error.hpp"

@@ -1,4 +1,4 @@
-// What a surface's certificate says, against formulas, planted defects and a checker of its own.
+// Tests a surface's certificate against formulas, planted defects and an independent checker.
 #include <doctest/doctest.h>
 
 #include <algorithm>

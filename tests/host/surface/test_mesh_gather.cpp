@@ -21,7 +21,7 @@ Volume noise(unsigned seed) {
     return random_volume({9, 7, 8}, Scalar::int16, 10, random);
 }
 
-/// What gather() throws for these slabs, as one GP sends them.
+/// The error of gather() for these slabs of one GP.
 std::string error_of(const Slabs& slabs, const host::VolumeGrid& grid) {
     try {
         gather(messages_of(slabs), grid);

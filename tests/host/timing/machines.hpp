@@ -47,7 +47,7 @@ inline PartWork part(std::uint32_t region, PartKind kind, std::uint64_t cycles) 
     return work;
 }
 
-/// What one primitive is in the tests' frames.
+/// One primitive of the tests' frames.
 inline constexpr std::uint64_t primitive_words = 34, primitive_cycles = 232;
 
 inline PartWork segment(std::uint32_t region, std::uint32_t slab, std::uint64_t primitives) {

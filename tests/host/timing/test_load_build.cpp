@@ -48,7 +48,7 @@ Ns length(const StepTime& step) {
     return step.end - step.begin;
 }
 
-// What a message of `words` to the host takes from a GP with 17 + `gps` places of ring left to go.
+// The time of a message of `words` to the host from a GP with 17 + `gps` places of ring left to go.
 Ns to_host(Ns words, Ns hops) {
     return 10'000 + (words + 2) * 50 + hops * 50 + words * 1000 + 100'000;
 }

@@ -14,7 +14,7 @@ namespace pxpl5::host::timing {
 
 namespace {
 
-/// What one primitive is for a Renderer.
+/// The Renderer's counts for one primitive.
 struct Cost {
     std::uint64_t words = 0, cycles = 0;
 };
