@@ -39,7 +39,7 @@ PYTHON = "/usr/bin/python3"  # Debian's own: no other one on the path has its VT
 
 
 def peer_answer(command: List[str], threads: int) -> dict:
-    """What a peer says of itself. Raises MeasureError with its last words if it fails."""
+    """A peer's description of itself. Raises MeasureError with its last output if it fails."""
     environment = dict(os.environ, LP_NUM_THREADS=str(threads))
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                           env=environment, check=False)
@@ -78,7 +78,7 @@ class Peers:
             "--count", str(self.args.count)], threads)
 
     def keep_best(self, name: str, answers: List[dict]):
-        """Of the numbers of threads, that of the least median counts."""
+        """The result with the number of threads that has the least median."""
         best = min(answers, key=lambda answer: figures.median(answer["ms"]))
         self.runs.add(name, best["ms"])
         self.runs.add_one(name.replace("_ms/", "_cpu_ms/", 1), best["cpu_ms"])
@@ -151,7 +151,7 @@ NAMES = {"vtk": "VTK", "egl": "OpenGL"}
 
 
 def peer_of(figure: str) -> str:
-    """Who was measured: "VTK" for "vtk_draw_ms/512x512/skin"."""
+    """The measured program: "VTK" for "vtk_draw_ms/512x512/skin"."""
     return NAMES[figure.split("_", 1)[0]]
 
 
@@ -168,7 +168,7 @@ def row_of(verdict: goals.Verdict, peers: Dict[str, float]) -> List[str]:
 
 
 def other_rows(ours: Dict[str, float], peers: Dict[str, float]) -> List[List[str]]:
-    """What has no goal: frame rates beside those of plain OpenGL, and the CPU time of a frame."""
+    """Figures without a goal: frame rates beside plain OpenGL, and the CPU time of a frame."""
     rows = []
     for name, peer in sorted(peers.items()):
         work, place = name.split("/", 1)
@@ -184,7 +184,7 @@ def other_rows(ours: Dict[str, float], peers: Dict[str, float]) -> List[List[str
 
 
 def threads_text() -> str:
-    """What the peers are given: "1 or 2 threads"."""
+    """The threads of the peers: "1 or 2 threads"."""
     return " or ".join(map(str, THREADS)) + (" thread" if CORES == 1 else " threads")
 
 

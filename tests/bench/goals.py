@@ -8,8 +8,8 @@ from typing import Dict, List, NamedTuple, Optional
 KEYS = ("skin", "muscle", "bone", "ultrasound", "head")
 SMALL, LARGE = "512x512", "1280x1024"
 
-# What a person would use instead, in ms, by load: measured on 2 cores (Zen 5, 4.1 GHz), as it
-# stands in the statement of the goals. A run with peers replaces them by its own.
+# Times of the alternatives in ms, by load, from the statement of the goals. They were measured on 2
+# cores (Zen 5, 4.1 GHz). A run with peers uses its own times instead.
 FLYING_EDGES_MS = dict(zip(KEYS, (2.0, 4.4, 2.1, 3.0, 11.5)))
 VTK_SMALL_MS = dict(zip(KEYS, (14.1, 24.5, 12.1, 17.1, 51.0)))
 VTK_LARGE_MS = dict(zip(KEYS, (23.4, 56.0, 32.0, 39.0, 84.0)))

@@ -1,4 +1,4 @@
-"""What is measured: volumes, surfaces and isovalues of the paper's loads."""
+"""Volumes, surfaces and isovalues of the paper's loads."""
 import json
 import pathlib
 import subprocess
@@ -15,7 +15,7 @@ class Load(NamedTuple):
     isovalue: float
 
 
-# Of the project's shared data folder; their triangle counts are within 2 % of the paper's.
+# Scans of the project's shared data folder. Their triangle counts are within 2 % of the paper's.
 REAL = [
     ("skin", "ct/knee_128x128x56.nrrd", -519.5),
     ("muscle", "ct/knee_128x128x56.nrrd", 76.5),

@@ -49,7 +49,7 @@ class Figures:
         self.medians[name].append(value)
 
     def add_summary(self, name: str, summary: Dict[str, float]):
-        """What the program itself has summed up: {"median": .., "p95": ..}."""
+        """The program's own statistics: {"median": .., "p95": ..}."""
         self.medians[name].append(summary["median"])
         self.p95s[name].append(summary["p95"])
 
@@ -239,7 +239,7 @@ def vector_target() -> str:
 
 
 def cpu_model() -> str:
-    """As the kernel names it."""
+    """The kernel's name of the processor."""
     for line in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
         if line.startswith("model name"):
             return line.split(":", 1)[1].strip()
@@ -247,7 +247,7 @@ def cpu_model() -> str:
 
 
 def git(*words: str) -> str:
-    """What git says in the repository of this file; empty where there is none."""
+    """Output of git in the repository of this file; empty without a repository."""
     here = pathlib.Path(__file__).resolve().parent
     answer = subprocess.run(["git", "-C", str(here), *words], stdout=subprocess.PIPE,
                             stderr=subprocess.DEVNULL, text=True, check=False)

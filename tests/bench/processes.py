@@ -1,4 +1,4 @@
-"""What the kernel tells of a machine's processes: memory, CPU time by thread."""
+"""The kernel's figures of a machine's processes: memory, CPU time by thread."""
 import collections
 import os
 import pathlib
@@ -12,7 +12,7 @@ IO_THREAD = "ZMQbg"  # How ZeroMQ names its threads.
 
 
 class Stat(NamedTuple):
-    """What is needed of /proc/PID/stat."""
+    """The needed fields of /proc/PID/stat."""
     name: str
     parent: int
 
@@ -124,7 +124,7 @@ class Usage(NamedTuple):
 
 
 def usage(pids: List[int]) -> Usage:
-    """What the processes and the computer have used up to now."""
+    """Resources that the processes and the computer have used so far."""
     text = (PROC / "stat").read_text(encoding="utf-8")
     return Usage(cpu_seconds(pids), parse_idle(text), time.perf_counter())
 

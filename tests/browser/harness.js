@@ -115,7 +115,7 @@ export async function shoot(page, name) {
   await page.screenshot({ path: path.join(shots, `${name}.png`) });
 }
 
-/** What all tests of a file share, from usePage() or useServer() on. */
+/** State that all tests of a file share, created by usePage() or useServer(). */
 export let server;
 export let browser;
 export let page;

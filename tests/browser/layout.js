@@ -52,8 +52,8 @@ function markFocusable() {
 }
 
 /**
- * What has the focus: its mark (null: none of those), and whether that can be seen, which is to say
- * whether it or its parts look otherwise without.
+ * Returns the mark of the focused element (null if it has none), and whether the focus is visible:
+ * whether the element or its parts look different without the focus.
  */
 function focused() {
   const element = document.activeElement;

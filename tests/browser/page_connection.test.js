@@ -18,7 +18,7 @@ function command(line) {
     options: Object.fromEntries(rest.filter(isOption).map(each => each.split('=')))};
 }
 
-/** What the browser's WebSocket does, as far as the page uses it. */
+/** The part of the browser's WebSocket that the page uses. */
 class HandSocket {
   static OPEN = 1;
   /** @type {HandSocket[]} */
@@ -244,7 +244,7 @@ test('the frame of a lost connection is not acknowledged to the next', () => {
   mock.timers.reset();
 });
 
-/** As much of a browser's page as a picture needs; `decode` makes the bitmaps. */
+/** The part of a browser's page that a picture needs; `decode` makes the bitmaps. */
 function pictureIn(connection, decode) {
   const drawn = {count: 0};
   const element = {style: {}, width: 1, height: 1, getAttribute: () => '', setAttribute() {},
@@ -260,7 +260,7 @@ function pictureIn(connection, decode) {
   return {picture, store, told, drawn};
 }
 
-/** As many turns as a frame takes that is decoded at once. */
+/** Waits for the turns of a frame that is decoded at once. */
 async function framesDone() {
   for (let turn = 0; turn < 4; ++turn) {
     await settled();

@@ -40,7 +40,7 @@ class SimulatedMachine final : public host::MachinePort {
         for (std::size_t i = 1; i < roster_.size(); ++i) {
             ring_.send(bus::host_id, roster_[i].id, told);
         }
-        ring_.run_until_idle();  // All are connected before anybody says anything.
+        ring_.run_until_idle();  // All nodes connect before the first message.
         gps_ = ids_of(roster_, bus::schema::Role::gp);
         renderers_ = ids_of(roster_, bus::schema::Role::renderer);
     }

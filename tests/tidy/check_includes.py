@@ -1,4 +1,4 @@
-"""Who may include whom."""
+"""Files include only the folders below them."""
 import pathlib
 import posixpath
 import re
@@ -172,7 +172,7 @@ def _room_error(path: pathlib.PurePath, included: str) -> str:
 
 
 def error_of(path: pathlib.PurePath, quote: str, included: str) -> str:
-    """What is wrong with `path` including `included`, or ''."""
+    """The error if `path` must not include `included`, or ''."""
     owner, target = path.parts[0], included.split("/")[0]
     allowed = MAY_INCLUDE.get(owner, set()) | (FIRMWARE if path.parts[:2] == INSPECT else set())
     if quote == '"' and target in MAY_INCLUDE and target not in allowed:

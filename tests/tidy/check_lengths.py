@@ -16,7 +16,7 @@ _CONTAINER = re.compile(
 
 
 def _kind_of(head: str) -> str:
-    """What the brace after `head`, the text since the last statement, opens."""
+    """The kind of block after `head`, the text since the last statement."""
     stripped = head.strip()
     if _CONTAINER.search(stripped) and not stripped.endswith("="):
         return "container"

@@ -195,7 +195,7 @@ void Director::count_death(const MachineError& death) {
         deaths_ns_.pop_front();
     }
     if (deaths_ns_.size() == max_deaths && since_ms(deaths_ns_.front()) < death_window_ms) {
-        note("error", fmt::format("The machine has died {} times in a minute, the last time so: "
+        note("error", fmt::format("The machine has died {} times within a minute. The last error: "
                                   "{}. The program ends.",
                                   max_deaths, death.what()));
         throw death;
@@ -240,7 +240,7 @@ std::optional<MachineError> Director::try_again(const History& history, const Sc
     } catch (const MachineError& death) {
         return death;
     } catch (const std::exception& error) {
-        note("error", fmt::format("Not all is as it was: {}", error.what()));
+        note("error", fmt::format("A part was not restored: {}", error.what()));
     }
     session_->history = history;
     if (history.load_line() && !has_picture()) {

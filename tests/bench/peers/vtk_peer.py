@@ -89,7 +89,7 @@ class Picture:
         camera.SetClippingRange(distance - 1.02 * radius, distance + 1.02 * radius)
 
     def turn(self):
-        """To the next view."""
+        """Turns to the next view."""
         self.renderer.GetActiveCamera().Azimuth(STEP_DEG)
 
     def take(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Who may connect, and what goes over a WebSocket: test_server.py ECHO_SERVER."""
+"""Tests access and the messages of a WebSocket: test_server.py ECHO_SERVER."""
 import json
 import pathlib
 import struct

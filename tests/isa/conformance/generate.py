@@ -249,7 +249,7 @@ def control_case(row):
 
 
 def eor_case(i):
-    """What stands behind EOR does not run."""
+    """Words after EOR do not run."""
     case = Case(f"EOR {i}")
     give_masks(case)
     way = ["CLRENABS", "MEMintoENAB", "MEMintoENAB", "SETENABS"][i]

@@ -26,7 +26,7 @@ class Pixel:
         self.memory = self.memory & ~(mask << a) | (value & mask) << a
 
     def write(self, a, n, value):
-        """As an instruction writes: enabled pixels alone."""
+        """Writes only enabled pixels, as an instruction does."""
         if self.enable:
             self.set_field(a, n, value)
 

@@ -36,7 +36,7 @@ class Prompt(unittest.TestCase):
         return code, screen.decode()
 
     def read_until(self, terminal, text):
-        """What appears up to `text`, or to the end."""
+        """The output up to `text`, or to the end."""
         screen = b""
         try:
             while text is None or text not in screen:
