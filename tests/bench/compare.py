@@ -78,7 +78,7 @@ class Peers:
             "--count", str(self.args.count)], threads)
 
     def keep_best(self, name: str, answers: List[dict]):
-        """The result with the number of threads that has the least median."""
+        """Keeps the answer with the least median among the numbers of threads."""
         best = min(answers, key=lambda answer: figures.median(answer["ms"]))
         self.runs.add(name, best["ms"])
         self.runs.add_one(name.replace("_ms/", "_cpu_ms/", 1), best["cpu_ms"])
