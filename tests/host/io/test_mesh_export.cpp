@@ -51,8 +51,7 @@ std::size_t files_in(const std::string& folder) {
 /// A file read by assimp: all corners of all triangles in order.
 struct ReadBack {
     std::vector<glm::vec3> corners, normals;
-    std::vector<std::array<int, 3>>
-        colours;  ///< One entry per corner, from its vertex or its material.
+    std::vector<std::array<int, 3>> colours;  ///< Per corner, of its vertex or its material.
 };
 
 std::array<int, 3> bytes_of_colour(float r, float g, float b) {
