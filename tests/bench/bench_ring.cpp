@@ -14,8 +14,7 @@ namespace schema = bus::schema;
 namespace {
 
 constexpr bus::NodeId near_id = 1, far_id = 2;
-constexpr std::uint32_t last_volume =
-    0xFFFFFFFF;  ///< Volume of the message that ends the answering thread.
+constexpr std::uint32_t last_volume = 0xFFFFFFFF;  ///< Ends the answering thread.
 constexpr std::size_t line_bytes = 64;
 constexpr int patience_ms = 10'000;
 

@@ -20,8 +20,7 @@ namespace pxpl5::host::serve {
 
 inline constexpr double rest_ms = 150;  ///< Time without input before the resting picture is drawn.
 inline constexpr double machine_text_ms = 250;  ///< Between two `machine` messages.
-inline constexpr int max_deaths =
-    3;  ///< Deaths of the machine in `death_window_ms` that end the program.
+inline constexpr int max_deaths = 3;  ///< Deaths in `death_window_ms` that end the program.
 inline constexpr double death_window_ms = 60'000;
 
 /// Functions and settings of a director.

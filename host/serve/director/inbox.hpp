@@ -11,9 +11,8 @@
 
 namespace pxpl5::host::serve {
 
-inline constexpr std::size_t max_waiting = 1000;  ///< Limit of commands.
-inline constexpr std::size_t max_asks_of_a_viewer =
-    8;  ///< Limit of one viewer's questions, each of another kind.
+inline constexpr std::size_t max_waiting = 1000;        ///< Limit of commands.
+inline constexpr std::size_t max_asks_of_a_viewer = 8;  ///< Questions of different kinds.
 
 /// A command, or a question whose answer is bytes.
 struct Wish {
