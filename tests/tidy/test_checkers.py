@@ -15,6 +15,7 @@ import check_lengths
 import check_links
 import check_unused
 import check_vocabulary
+import check_walks
 import check_words
 
 CLEAN = {
@@ -28,7 +29,8 @@ CLEAN = {
     "isa/limits.def": 'LIMIT(int, max_lights, 4, "lights")\n',
     "isa/program.hpp": "#pragma once\n",
     "ringbus/README.md": "ringbus\n",
-    "ringbus/rules/pass.hpp": "struct Pass {\n    int sample = 0;\n};\n",
+    "ringbus/rules/pass.hpp": "struct Pass {\n    int sample = 0;\n    int run();\n"
+                              "    void end(int a) { run(); }\n};\n",
     "ringbus/schema/vocabulary.fbs": "enum Scalar : ubyte { uint8, int16 }\n",
     "ringbus/zmq/zmq_link.cpp": "#include <zmq.hpp>\n",
     "gp_firmware/README.md": "gp\n",
@@ -49,6 +51,8 @@ CLEAN = {
     "host/session/session.cpp": '#include "ringbus/message.hpp"\n',
     "host/inspect/README.md": "inspect\n",
     "host/inspect/record/walk.cpp": '#include "renderer_firmware/igc/region.hpp"\n',
+    "host/WALKTHROUGHS.md": "1. `g()` in [text](base/text.hpp) calls\n   `Pass::run()` in\n"
+                            "   [pass](../ringbus/rules/pass.hpp), and `Pass::end()`.\n",
     "host/io/README.md": "io\n",
     "host/serve/page/link/connection.js": "export {};\n",
     "host/serve/page/state/store.js":
@@ -285,6 +289,24 @@ class Planted(unittest.TestCase):
                                "              static_cast<int>(wire::A::b));\n", "use one"),
                 ("host/a.cpp", "int words = 2 * 128 * 128;\n", "region_pixels")):
             self.finds(check_vocabulary, name, text, words)
+
+    def test_walks(self):
+        page = "host/WALKTHROUGHS.md"
+        for step, words in (
+                ("`gone()` in [text](base/text.hpp)", "gone() is not in base/text.hpp"),
+                ("`g()` in [field](phantom/field.cpp)", "g() is not in phantom/field.cpp"),
+                ("`run()` in [field](phantom/field.cpp)", "run() is not in"),
+                ("`Other::run()` in [pass](../ringbus/rules/pass.hpp)", "Other::run() is not in"),
+                ("`g()` in [text](base/text.hpp) calls `gone()`", "gone() is not in base/text.hpp"),
+                ("`g()` in [text](base/gone.hpp)", "g() has no file behind it"),
+                ("`g()` is called", "g() has no file behind it"),
+                ("The host is idle.", "the step names no function")):
+            self.finds(check_walks, page, f"1. `g()` in [text](base/text.hpp)\n2. {step}\n",
+                       f"{page}:2: {words}")
+        # A call, or a name in a comment, is no definition.
+        self.plant("host/base/text.hpp", "int g();\nint f() { return used(1); }\n// int told();\n")
+        for name in ("used", "told"):
+            self.finds(check_walks, page, f"1. `{name}()` in [text](base/text.hpp)\n", name)
 
     def test_links(self):
         self.finds(check_links, "isa/README.md", "[x](nowhere.md)\n", "nowhere.md")
