@@ -58,6 +58,10 @@ inline constexpr double min_zoom = 0.05, max_zoom = 100;
 /// Options of `model`: the parameters of a machine.
 std::vector<Parameter> model_options();
 
+/// The visible surface that the option names; empty without the option. Throws RequestError
+/// (usage) for other names.
+std::string parse_surface(const Session& session, const Arguments& arguments,
+                          const std::string& option);
 /// One surface, for people and programs.
 std::string surface_text(const Surface& surface, const SurfaceReport& report);
 Fields surface_fields(const Surface& surface, const SurfaceReport& report);

@@ -30,11 +30,10 @@ std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& 
     }
     if (arguments.has("at")) {
         const auto [x, y] = parse_pair("at", arguments.text("at", ""));
-        const auto picked = session.frames.pick(x, y);
-        if (!picked || picked->surface != arguments.words[0]) {
-            refuse_command(fmt::format("at={},{}: the picture shows {} there, not {}", x, y,
-                                       picked ? picked->surface : "the background",
-                                       arguments.words[0]));
+        const auto picked = session.frames.pick(x, y, arguments.words[0]);
+        if (!picked) {
+            refuse_command(
+                fmt::format("at={},{}: no point of {} lies there", x, y, arguments.words[0]));
         }
         return ComponentFilter{Kind::at_point, 0, picked->pick.p_mm};
     }

@@ -53,13 +53,13 @@ void write_slice(Session& session, const Arguments& arguments, const Slice& slic
     session.exports.pictures({&drawn.picture, 1}, arguments.words[2], extras);
 }
 
-Frames::Picked picked_at(Session& session, const Pixel& pixel) {
-    const auto picked = session.frames.pick(pixel.x, pixel.y);
+Frames::Picked picked_at(Session& session, const Pixel& pixel, const std::string& surface) {
+    const auto picked = session.frames.pick(pixel.x, pixel.y, surface);
     if (!picked) {
         refuse_command(
-            fmt::format("measure: pixel ({}, {}) shows the background; both ends must "
-                        "lie on a surface",
-                        pixel.x, pixel.y));
+            fmt::format("measure: no point of {} lies at pixel ({}, {}); both ends must lie on a "
+                        "surface",
+                        surface.empty() ? "a surface" : surface, pixel.x, pixel.y));
     }
     return *picked;
 }
@@ -121,8 +121,10 @@ Reply run_slice(Session& session, const Arguments& arguments) {
 }
 
 Reply run_measure(Session& session, const Arguments& arguments) {
-    const Frames::Picked a = picked_at(session, parse_pixel(session, arguments, 0));
-    const Frames::Picked b = picked_at(session, parse_pixel(session, arguments, 2));
+    const Frames::Picked a = picked_at(session, parse_pixel(session, arguments, 0),
+                                       parse_surface(session, arguments, "from"));
+    const Frames::Picked b = picked_at(session, parse_pixel(session, arguments, 2),
+                                       parse_surface(session, arguments, "to"));
     const glm::dvec3 &p = a.pick.p_mm, &q = b.pick.p_mm;
     const double distance_mm = glm::distance(p, q);
     return {fmt::format("{:.2f} mm in a straight line, from {} at ({:.2f}, {:.2f}, {:.2f}) to {} "

@@ -111,16 +111,20 @@ std::vector<Command> style_commands() {
 std::vector<Command> pixel_commands() {
     return {
         {{.name = "pick",
-          .help = "Prints the surface, place and voxel at a pixel; set= makes the value there the "
-                  "isovalue of a surface.",
+          .help = "Prints the surface points at a pixel. Chooses the nearest point of an opaque "
+                  "surface, else the nearest point, and prints its voxel. set= makes the value "
+                  "there the isovalue of a surface.",
           .words = {x_word, y_word},
           .required = 2,
-          .options = {{"set", "NAME", "surface to set"}}},
+          .options = {{"surface", "NAME", "surface to choose"}, {"set", "NAME", "surface to set"}}},
          run_pick},
         {{.name = "measure",
-          .help = "Prints the straight-line distance between the surface points at two pixels.",
+          .help = "Prints the straight-line distance between the surface points at two pixels. The "
+                  "points are chosen as pick chooses them.",
           .words = {{"X1", "X1", ""}, {"Y1", "Y1", ""}, {"X2", "X2", ""}, {"Y2", "Y2", ""}},
-          .required = 4},
+          .required = 4,
+          .options = {{"from", "NAME", "surface of the first point"},
+                      {"to", "NAME", "surface of the second point"}}},
          run_measure},
         {{.name = "why",
           .help = "Explains the color of a pixel down to the voxels. Draws the scene once and "

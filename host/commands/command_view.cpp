@@ -257,13 +257,52 @@ Reply run_tint(Session& session, const Arguments& arguments) {
             {{"tint_gaps", session.scene.tint_gaps}, {"gaps", static_cast<std::int64_t>(gaps)}}};
 }
 
+std::string parse_surface(const Session& session, const Arguments& arguments,
+                          const std::string& option) {
+    const std::string name = arguments.text(option, "");
+    if (!name.empty() && !session.meshes.surface(name).visible) {
+        refuse_command(fmt::format("{}={}: the surface is hidden; `surface {} visible=yes` shows it",
+                                   option, name, name));
+    }
+    return name;
+}
+
+namespace {
+
+Fields fields_of(const Frames::Picked& hit) {
+    const Pick& pick = hit.pick;
+    Fields fields = {
+        {"surface", hit.surface},
+        {"p_mm", std::vector<double>{pick.p_mm.x, pick.p_mm.y, pick.p_mm.z}},
+        {"p_voxel", std::vector<double>{pick.p_voxel.x, pick.p_voxel.y, pick.p_voxel.z}},
+        {"voxel", std::vector<std::int64_t>{pick.x, pick.y, pick.z}}};
+    if (pick.value) {
+        fields.push_back({"value", *pick.value});
+    }
+    return fields;
+}
+
+std::vector<Fields> fields_of(const std::vector<Frames::Picked>& hits) {
+    std::vector<Fields> list;
+    for (const Frames::Picked& hit : hits) {
+        list.push_back(fields_of(hit));
+    }
+    return list;
+}
+
+}  // namespace
+
 Reply run_pick(Session& session, const Arguments& arguments) {
     const auto& size = session.scene.size;
     const int x = parse_whole("X", arguments.words[0], 0, size.width - 1);
     const int y = parse_whole("Y", arguments.words[1], 0, size.height - 1);
-    const auto picked = session.frames.pick(x, y);
+    const std::string wanted = parse_surface(session, arguments, "surface");
+    const std::vector<Frames::Picked> hits = session.frames.hits(x, y);
+    const auto picked = Frames::chosen(hits, wanted);
     if (!picked) {
-        return {fmt::format("nothing at ({}, {}): the background", x, y), {{"hit", false}}};
+        return {wanted.empty() ? fmt::format("nothing at ({}, {}): the background", x, y)
+                               : fmt::format("no point of {} lies at ({}, {})", wanted, x, y),
+                {{"hit", false}, {"hits", fields_of(hits)}}};
     }
     const Pick& pick = picked->pick;
     Reply reply;
@@ -272,15 +311,19 @@ Reply run_pick(Session& session, const Arguments& arguments) {
         picked->surface, pick.p_mm.x, pick.p_mm.y, pick.p_mm.z, pick.x, pick.y, pick.z,
         pick.value ? fmt::format("{:.6g}", *pick.value) : "no value known",
         pick.value_between.value_or(std::nan("")));
-    reply.fields = {
-        {"hit", true},
-        {"surface", picked->surface},
-        {"p_mm", std::vector<double>{pick.p_mm.x, pick.p_mm.y, pick.p_mm.z}},
-        {"p_voxel", std::vector<double>{pick.p_voxel.x, pick.p_voxel.y, pick.p_voxel.z}},
-        {"voxel", std::vector<std::int64_t>{pick.x, pick.y, pick.z}}};
-    if (pick.value) {
-        reply.fields.push_back({"value", *pick.value});
+    for (const Frames::Picked& hit : hits) {
+        if (hit.surface != picked->surface) {
+            const glm::dvec3& p = hit.pick.p_mm;
+            reply.text += fmt::format("\n{}: {} at ({:.2f}, {:.2f}, {:.2f}) mm LPS",
+                                      hit.pick.depth < pick.depth ? "in front" : "behind",
+                                      hit.surface, p.x, p.y, p.z);
+        }
     }
+    reply.fields = {{"hit", true}};
+    for (Field& field : fields_of(*picked)) {
+        reply.fields.push_back(std::move(field));
+    }
+    reply.fields.push_back({"hits", fields_of(hits)});
     if (arguments.has("set") && pick.value) {
         Arguments surface;
         surface.name = "surface";

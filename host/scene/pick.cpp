@@ -103,6 +103,7 @@ std::optional<Pick> pick(const PickView& view, int x, int y, const Volume& volum
     const glm::dvec2 centre(x + 0.5, y + 0.5);
     Pick found;
     found.surface = static_cast<int>(word & surface_mask) - 1;
+    found.depth = depth;
     found.p_mm = unproject(view, centre, isa::ndc_of_depth(depth));
     found.doubt_mm =
         0.5 * glm::distance(found.p_mm, unproject(view, centre, isa::ndc_of_depth(depth + 1)));

@@ -61,13 +61,14 @@ Stage Frames::stage() const {
             !held.gap_slabs.empty()};
 }
 
-void Frames::request(const Scene& scene, ReadBack read_back, Pass pass, bool counts) {
+void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back, Pass pass,
+                     bool counts) {
     if (pass.sample == 0) {
         picture_costs_ = region_costs_;
         picture_started_ns_ = now_ns();
     }
     const bus::Payload message =
-        frame_request(scene, stage(), next_frame_, picture_costs_, read_back, pass, counts);
+        frame_request(scene, stage, next_frame_, picture_costs_, read_back, pass, counts);
     pending_.push_back({next_frame_++, picture_started_ns_, pass});
     conversation_.machine().send(conversation_.gps().front(), message);
 }
@@ -151,7 +152,7 @@ void Frames::request_announced() {
         Scene scene = scene_;
         scene.size = *size;
         ahead_ = {next_frame_, key_of(scene)};
-        request(scene);
+        request(scene, stage());
     }
 }
 
@@ -182,7 +183,7 @@ std::optional<Picture> Frames::draw_samples(int samples, const std::function<boo
             wait_until_pending(0);  // The machine holds two frames, not more.
             return std::nullopt;
         }
-        request(scene_, ReadBack::pixels, pass);
+        request(scene_, stage(), ReadBack::pixels, pass);
     }
     wait_until_pending(0);
     return take_oldest();
@@ -210,20 +211,42 @@ std::uint64_t Frames::key_of(const Scene& scene) const {
     return digest.value();
 }
 
-std::optional<Frames::Picked> Frames::pick(int x, int y) {
-    const Volume& held = volumes_.volume();  // Throws for archives.
-    drop_ahead();
+std::optional<Pick> Frames::pick_alone(Surface surface, int x, int y) {
+    surface.opacity = full_opacity;
+    Stage alone = stage();
+    alone.surfaces = {&surface, 1};
+    alone.has_gaps = false;
     depths_.clear();
-    request(scene_, ReadBack::pixels_and_depths);
+    request(scene_, alone, ReadBack::pixels_and_depths);
     const Picture picture = take_oldest();
-    const Stage shown = stage();
-    const std::optional<Pick> found = host::pick(
-        {matrices_of(scene_, shown), picture.width, picture.height, depths_}, x, y, held);
-    if (!found) {
-        return std::nullopt;
+    return host::pick({matrices_of(scene_, alone), picture.width, picture.height, depths_}, x, y,
+                      volumes_.volume());
+}
+
+std::vector<Frames::Picked> Frames::hits(int x, int y) {
+    volumes_.volume();  // Throws for archives.
+    drop_ahead();
+    std::vector<Picked> found;
+    for (const Surface& surface : scene_.surfaces) {
+        if (surface.visible && !is_compared(scene_.surfaces, surface)) {
+            if (const std::optional<Pick> hit = pick_alone(surface, x, y)) {
+                found.push_back({*hit, surface.name, surface.opacity});
+            }
+        }
     }
-    const std::vector<DrawnSurface> drawn = drawn_surfaces(scene_, shown);
-    return Picked{*found, drawn.at(static_cast<std::size_t>(found->surface)).surface->name};
+    std::ranges::stable_sort(found, {}, [](const Picked& hit) { return hit.pick.depth; });
+    return found;
+}
+
+std::optional<Frames::Picked> Frames::chosen(std::span<const Picked> hits,
+                                             const std::string& surface) {
+    const auto counts = [&](const Picked& hit) {
+        return surface.empty() || hit.surface == surface;
+    };
+    const auto opaque = std::ranges::find_if(
+        hits, [&](const Picked& hit) { return counts(hit) && hit.is_opaque(); });
+    const auto first = opaque != hits.end() ? opaque : std::ranges::find_if(hits, counts);
+    return first != hits.end() ? std::optional(*first) : std::nullopt;
 }
 
 OrbitReport Frames::orbit(int frames, const TakeFrame& take, int in_flight) {
@@ -251,7 +274,7 @@ OrbitReport Frames::orbit(int frames, const TakeFrame& take, int in_flight) {
         const bool is_single = scene_.samples == 1;
         for (; is_single && requested < frames && requested - taken < in_flight; ++requested) {
             scene_.camera = camera_of(requested);
-            request(scene_);
+            request(scene_, stage());
         }
         if (!is_single) {
             scene_.camera = camera_of(taken);
@@ -293,7 +316,7 @@ std::vector<CountedFrame> Frames::draw_counted() {
         frame.width = static_cast<std::uint32_t>(scene_.size.width);
         frame.height = static_cast<std::uint32_t>(scene_.size.height);
         frame.pass = pass;
-        request(scene_, ReadBack::pixels, pass, true);
+        request(scene_, stage(), ReadBack::pixels, pass, true);
     }
     wait_until_pending(0);
     take_oldest();

@@ -84,13 +84,23 @@ class Frames {
 
     const FrameReport& last() const { return last_; }
 
-    /// Draws the scene once and returns what pixel (x, y) from the top left shows; nothing for the
-    /// background. Throws RequestError for archives.
     struct Picked {
         Pick pick;
         std::string surface;
+        int opacity = 0;  ///< Sixteenths.
+        bool is_opaque() const { return opacity == full_opacity; }
     };
-    std::optional<Picked> pick(int x, int y);
+    /// Returns the points of all visible surfaces under the middle of pixel (x, y) from the top
+    /// left, nearest first. Draws each surface once, alone and opaque, so that the holes of the
+    /// screen door have no part in the answer. Throws RequestError for archives.
+    std::vector<Picked> hits(int x, int y);
+    /// Returns the nearest of `hits` on an opaque surface; without one, the nearest of all; nothing
+    /// without hits. `surface`, if not empty, names the only surface that counts.
+    static std::optional<Picked> chosen(std::span<const Picked> hits,
+                                        const std::string& surface = "");
+    std::optional<Picked> pick(int x, int y, const std::string& surface = "") {
+        return chosen(hits(x, y), surface);
+    }
     /// The sphere that the camera looks at.
     Subject subject() const { return stage().subject; }
     /// A digest of a frame's request and of the GPs' content. Two moments have the same key only if
@@ -116,8 +126,9 @@ class Frames {
 
     Stage stage() const;
     std::uint64_t key_of(const Scene& scene) const;
-    void request(const Scene& scene, ReadBack read_back = ReadBack::pixels, Pass pass = {},
-                 bool counts = false);
+    void request(const Scene& scene, const Stage& stage, ReadBack read_back = ReadBack::pixels,
+                 Pass pass = {}, bool counts = false);
+    std::optional<Pick> pick_alone(Surface surface, int x, int y);
     bool take_fault(std::uint32_t frame);
     void take_done(const bus::schema::FrameDone& done);
     void take_counts(const bus::Message& message);

@@ -2,6 +2,9 @@
 // and the order of arrival, and whatever came before.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "host/base/error.hpp"
@@ -139,6 +142,67 @@ TEST_CASE("a picked point has the isovalue between its voxels") {
     }
     CHECK(hits > 3);
     CHECK_FALSE(bone.session.frames.pick(0, 0).has_value());
+}
+
+TEST_CASE("a pick chooses by surface: the holes of a screen door do not count") {
+    Bone bone(machine_of(2, 2));
+    std::vector<std::optional<Frames::Picked>> alone;
+    const auto pick_row = [&](const std::string& surface) {
+        std::vector<std::optional<Frames::Picked>> found;
+        for (int x = 60; x < 76; ++x) {  // All columns of the 4 x 4 screen door.
+            found.push_back(bone.session.frames.pick(x, 85, surface));
+        }
+        return found;
+    };
+    alone = pick_row("");
+    REQUIRE(std::ranges::count_if(alone, [](const auto& hit) { return hit.has_value(); }) > 3);
+    bone.run("surface skin opacity=0.4");
+    const auto chosen = pick_row(""), skin = pick_row("skin");
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+        CAPTURE(i);
+        REQUIRE(skin[i].has_value());
+        CHECK(skin[i]->surface == "skin");
+        REQUIRE(chosen[i].has_value());
+        if (alone[i]) {
+            CHECK(chosen[i]->surface == "bone");
+            CHECK(chosen[i]->pick.p_mm == alone[i]->pick.p_mm);
+            CHECK(skin[i]->pick.depth < chosen[i]->pick.depth);
+        } else {
+            CHECK(chosen[i]->pick.p_mm == skin[i]->pick.p_mm);
+        }
+    }
+    // The picture is the same as before the questions, and undisturbed by them.
+    const auto before = bone.draw();
+    bone.session.frames.hits(60, 85);
+    CHECK(bone.draw() == before);
+}
+
+TEST_CASE("pick lists all surfaces under the pixel; measure and components choose like pick") {
+    Bone bone(machine_of(2, 2));
+    bone.run("surface skin opacity=0.4");
+    std::string at;
+    for (int x = 20; at.empty() && x < 180; ++x) {
+        if (bone.session.frames.pick(x, 85, "bone")) {
+            at = std::to_string(x) + " 85";
+        }
+    }
+    REQUIRE_FALSE(at.empty());
+    CHECK(bone.run("pick " + at).text.find("\nin front: skin at (") != std::string::npos);
+    CHECK(bone.run("pick " + at + " surface=skin").text.find("\nbehind: bone at (") !=
+          std::string::npos);
+    CHECK(bone.run("measure " + at + " " + at).text.starts_with("0.00 mm"));
+    const Reply depth = bone.run("measure " + at + " " + at + " from=skin to=bone");
+    const auto distance = std::ranges::find(depth.fields, "distance_mm", &Field::name);
+    REQUIRE(distance != depth.fields.end());
+    CHECK(std::get<double>(distance->value) > 1);
+    for (int x = 60; x < 64; ++x) {
+        CHECK_NOTHROW(bone.run("components skin at=" + std::to_string(x) + ",85"));
+    }
+    CHECK_THROWS_WITH_AS(bone.run("pick 10 10 surface=skim"), doctest::Contains("mean 'skin'"),
+                         RequestError);
+    bone.run("surface skin visible=no");
+    CHECK_THROWS_WITH_AS(bone.run("pick 10 10 surface=skin"), doctest::Contains("is hidden"),
+                         RequestError);
 }
 
 TEST_CASE("the atlas tells what the surfaces would be") {

@@ -39,11 +39,15 @@ async function point(app, {x, y}, words) {
     words.hidden = true;
     return;
   }
-  const {surface, p_mm, value} = reply.result;
+  const {surface, p_mm, value, hits} = reply.result;
+  const chosen = hits.findIndex(hit => hit.surface === surface);
+  const others = hits.filter(hit => hit.surface !== surface).map(hit =>
+    `${hits.indexOf(hit) < chosen ? 'in front' : 'behind'}: ${hit.surface}`);
   const unit = app.store.state?.volume?.unit ?? '';
   words.replaceChildren(h('strong', {}, surface),
     value === undefined ? '' : ` value ${plain(value, 3)} ${unit}`,
-    h('span', {class: 'muted'}, ` at ${sides(p_mm)}`));
+    h('span', {class: 'muted'}, ` at ${sides(p_mm)}`),
+    ...others.map(other => h('span', {class: 'muted'}, ` · ${other}`)));
   words.hidden = false;
   document.dispatchEvent(new CustomEvent('place', {detail: {p_mm, from: 'picture'}}));
 }
