@@ -261,8 +261,8 @@ std::string parse_surface(const Session& session, const Arguments& arguments,
                           const std::string& option) {
     const std::string name = arguments.text(option, "");
     if (!name.empty() && !session.meshes.surface(name).visible) {
-        refuse_command(fmt::format("{}={}: the surface is hidden; `surface {} visible=yes` shows it",
-                                   option, name, name));
+        refuse_command(fmt::format(
+            "{}={}: the surface is hidden; `surface {} visible=yes` shows it", option, name, name));
     }
     return name;
 }
