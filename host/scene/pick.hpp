@@ -21,7 +21,7 @@ struct PickView {
 /// The point of a surface in the middle of a pixel.
 struct Pick {
     int surface = 0;            ///< Index in the frame's list.
-    std::uint32_t depth = 0;    ///< Of the frame's depth buffer; smaller is nearer.
+    std::uint32_t depth = 0;    ///< In the depth buffer; smaller is nearer.
     glm::dvec3 p_mm{0};         ///< Patient, LPS.
     glm::dvec3 p_grid{0};       ///< Grid position.
     glm::dvec3 p_voxel{0};      ///< Like the grid position, but z counts slices.
