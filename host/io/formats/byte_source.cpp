@@ -1,6 +1,5 @@
 #include "host/io/formats/byte_source.hpp"
 
-#include <bzlib.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -10,6 +9,10 @@
 #include <new>
 
 #include "host/io/values/import_request.hpp"
+
+#if PXPL5_BZIP2
+#include <bzlib.h>
+#endif
 
 namespace pxpl5::host::io {
 
@@ -43,6 +46,7 @@ struct ByteSource::Inflater {
     Inflater& operator=(const Inflater&) = delete;
 };
 
+#if PXPL5_BZIP2
 struct ByteSource::Bunzipper {
     bz_stream stream{};
     Bunzipper() { begin(); }
@@ -56,6 +60,43 @@ struct ByteSource::Bunzipper {
         }
     }
 };
+
+std::size_t ByteSource::read_bzip2(std::span<std::byte> out) {
+    if (in_at_ == in_end_ && read_file() == 0) {
+        ended_ = true;
+        return 0;
+    }
+    bz_stream& stream = bunzipper_->stream;
+    const unsigned before = narrow(out.size());
+    stream.next_in = in_.data() + in_at_;
+    stream.avail_in = narrow(in_end_ - in_at_);
+    stream.next_out = reinterpret_cast<char*>(out.data());
+    stream.avail_out = before;
+    const int result = BZ2_bzDecompress(&stream);
+    in_at_ = in_end_ - stream.avail_in;
+    const std::size_t got = before - stream.avail_out;
+    if (result == BZ_STREAM_END) {
+        BZ2_bzDecompressEnd(&stream);
+        stream = {};
+        bunzipper_->begin();
+    } else if (result != BZ_OK) {
+        ended_ = true;
+        damaged_ = !between_streams_;
+    }
+    between_streams_ = result == BZ_STREAM_END;
+    return got;
+}
+#else
+struct ByteSource::Bunzipper {
+    Bunzipper() {
+        throw ImportError("this program was built without bzip2; build it with -DPXPL5_BZIP2=ON");
+    }
+};
+
+std::size_t ByteSource::read_bzip2(std::span<std::byte> /*out*/) {
+    return 0;  // Bunzipper() has thrown.
+}
+#endif
 
 ByteSource::ByteSource(const std::filesystem::path& path, Encoding encoding,
                        std::uint64_t offset_bytes)
@@ -118,32 +159,6 @@ std::size_t ByteSource::read_gzip(std::span<std::byte> out) {
     }
     between_streams_ = result == Z_STREAM_END;
     return before - stream.avail_out;
-}
-
-std::size_t ByteSource::read_bzip2(std::span<std::byte> out) {
-    if (in_at_ == in_end_ && read_file() == 0) {
-        ended_ = true;
-        return 0;
-    }
-    bz_stream& stream = bunzipper_->stream;
-    const unsigned before = narrow(out.size());
-    stream.next_in = in_.data() + in_at_;
-    stream.avail_in = narrow(in_end_ - in_at_);
-    stream.next_out = reinterpret_cast<char*>(out.data());
-    stream.avail_out = before;
-    const int result = BZ2_bzDecompress(&stream);
-    in_at_ = in_end_ - stream.avail_in;
-    const std::size_t got = before - stream.avail_out;
-    if (result == BZ_STREAM_END) {
-        BZ2_bzDecompressEnd(&stream);
-        stream = {};
-        bunzipper_->begin();
-    } else if (result != BZ_OK) {
-        ended_ = true;
-        damaged_ = !between_streams_;
-    }
-    between_streams_ = result == BZ_STREAM_END;
-    return got;
 }
 
 std::size_t ByteSource::read_hex(std::span<std::byte> out) {
