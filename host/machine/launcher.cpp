@@ -188,20 +188,20 @@ void Launcher::keep(const bus::Message& message) {
 /// Whether an earlier io process sent the message, or a prepared one, whose Hello is kept. A
 /// prepared process sends no other message on its own.
 bool Launcher::is_not_for_now(const bus::Message& message) {
-    if (prepared_io_ && prepared_io_->id == message.source()) {
+    if (io_.prepared && io_.prepared->id == message.source()) {
         note(message);
         if (message.kind() == schema::Body::Hello) {
-            early_hello_ = message;
+            io_.early_hello = message;
         }
         return true;
     }
-    return dismissed_.count(message.source()) != 0;
+    return io_.dismissed.count(message.source()) != 0;
 }
 
 std::optional<bus::Message> Launcher::take_from_link() {
     try {
-        if (early_hello_ && !prepared_io_) {  // The process is in use now.
-            return std::exchange(early_hello_, std::nullopt);
+        if (io_.early_hello && !io_.prepared) {  // The process is in use now.
+            return std::exchange(io_.early_hello, std::nullopt);
         }
         std::optional<bus::Message> message = link_.receive();
         while (message && is_not_for_now(*message)) {
@@ -271,9 +271,9 @@ void Launcher::wait_readable(int fd) {
 std::string Launcher::name_of(bus::NodeId id) const {
     const auto entry = std::find_if(roster_.begin(), roster_.end(),
                                     [id](const RosterEntry& e) { return e.id == id; });
-    const bool is_io = io_ && io_->id == id;
+    const bool is_io = io_.used && io_.used->id == id;
     return entry != roster_.end() ? entry->name()
-           : is_io                ? io_->name()
+           : is_io                ? io_.used->name()
                                   : fmt::format("node-{}", id);
 }
 

@@ -151,6 +151,16 @@ class Launcher {
     std::string traces_of_failure();
     std::optional<MachineError> close_trace();
 
+    /// The io process and its successor. A new io process is started after each death.
+    struct IoProcesses {
+        std::optional<RosterEntry> used;
+        std::optional<RosterEntry> prepared;      ///< Started, but not in use yet.
+        std::optional<bus::Message> early_hello;  ///< The prepared process's first message.
+        int count = 0;
+        ExitCode death_code = ExitCode::bad_data;
+        std::map<bus::NodeId, std::string> dismissed;  ///< Names of earlier io processes.
+    };
+
     Topology topology_;
     MachineOptions options_;
     std::filesystem::path folder_;
@@ -161,16 +171,11 @@ class Launcher {
     bus::ZmqLink link_;
     Supervisor supervisor_;  // After the link: children end before their host's socket.
     Roster roster_;          ///< Host first.
-    std::optional<RosterEntry> io_;
-    std::optional<RosterEntry> prepared_io_;   ///< Started, but not in use yet.
-    std::optional<bus::Message> early_hello_;  ///< The prepared process's.
-    int io_count_ = 0;
-    ExitCode io_death_code_ = ExitCode::bad_data;
+    IoProcesses io_;
     bool can_be_cancelled_ = false;
     int watched_fd_ = -1;
-    std::function<bool()> give_up_;                 ///< Function of watch().
-    bool launched_ = false;                         ///< All nodes have received Go.
-    std::map<bus::NodeId, std::string> dismissed_;  ///< Earlier io processes, by name.
+    std::function<bool()> give_up_;  ///< Function of watch().
+    bool launched_ = false;          ///< All nodes have received Go.
     /// Messages that came during a handshake, or while the host waited for input.
     std::deque<bus::Message> backlog_;
     std::size_t backlog_bytes_ = 0;

@@ -56,9 +56,9 @@ MachineError interruption(int signal) {
 RosterEntry Launcher::spawn_io() {
     bury_dismissed();
     RosterEntry node;
-    node.id = static_cast<bus::NodeId>(roster_.size() + static_cast<std::size_t>(io_count_));
+    node.id = static_cast<bus::NodeId>(roster_.size() + static_cast<std::size_t>(io_.count));
     node.role = schema::Role::io;
-    node.index = io_count_++;
+    node.index = io_.count++;
     try {
         spawn(node, {},
               {"--memory-mib", std::to_string(options_.io_memory_mib), "--cpu-s",
@@ -70,27 +70,27 @@ RosterEntry Launcher::spawn_io() {
 }
 
 void Launcher::prepare_io() {
-    if (!prepared_io_) {
-        prepared_io_ = spawn_io();
+    if (!io_.prepared) {
+        io_.prepared = spawn_io();
     }
 }
 
 bus::NodeId Launcher::start_io(ExitCode on_death) {
     dismiss_io();
     check_health();  // A prepared process that has died was not killed by bad data.
-    io_ = prepared_io_ ? *std::exchange(prepared_io_, std::nullopt) : spawn_io();
-    io_death_code_ = on_death;
-    io_ = bring_up({*io_}).front();
-    return io_->id;
+    io_.used = io_.prepared ? *std::exchange(io_.prepared, std::nullopt) : spawn_io();
+    io_.death_code = on_death;
+    io_.used = bring_up({*io_.used}).front();
+    return io_.used->id;
 }
 
 /// Ends a prepared process that has no request.
 void Launcher::drop_prepared_io() {
-    if (prepared_io_) {
-        supervisor_.kill(prepared_io_->name(), SIGKILL);
-        dismissed_.emplace(prepared_io_->id, prepared_io_->name());
-        prepared_io_.reset();
-        early_hello_.reset();
+    if (io_.prepared) {
+        supervisor_.kill(io_.prepared->name(), SIGKILL);
+        io_.dismissed.emplace(io_.prepared->id, io_.prepared->name());
+        io_.prepared.reset();
+        io_.early_hello.reset();
     }
 }
 
@@ -99,19 +99,19 @@ void Launcher::release_io() {
 }
 
 void Launcher::dismiss_io() {
-    if (!io_) {
+    if (!io_.used) {
         return;
     }
-    if (!io_->endpoint.empty()) {
-        link_.send(io_->id, shutdown_message());
+    if (!io_.used->endpoint.empty()) {
+        link_.send(io_.used->id, shutdown_message());
     }
-    dismissed_.emplace(io_->id, io_->name());
+    io_.dismissed.emplace(io_.used->id, io_.used->name());
     std::erase_if(backlog_, [this](const bus::Message& message) {
-        const bool is_its_own = message.source() == io_->id;
+        const bool is_its_own = message.source() == io_.used->id;
         backlog_bytes_ -= is_its_own ? message.bytes().size() : 0;
         return is_its_own;
     });
-    io_.reset();
+    io_.used.reset();
 }
 
 void Launcher::allow_cancel(bool allowed) {
@@ -136,9 +136,9 @@ void Launcher::ask_watcher() {
 
 void Launcher::cancel() {
     can_be_cancelled_ = false;
-    if (io_) {
-        supervisor_.kill(io_->name(), SIGKILL);
-        io_->endpoint.clear();
+    if (io_.used) {
+        supervisor_.kill(io_.used->name(), SIGKILL);
+        io_.used->endpoint.clear();
         dismiss_io();
     }
     throw Cancelled();
@@ -146,19 +146,19 @@ void Launcher::cancel() {
 
 void Launcher::bury_dismissed() {
     const std::vector<std::string> running = supervisor_.running();
-    for (auto past = dismissed_.begin(); past != dismissed_.end();) {
+    for (auto past = io_.dismissed.begin(); past != io_.dismissed.end();) {
         if (std::find(running.begin(), running.end(), past->second) != running.end()) {
             supervisor_.kill(past->second, SIGKILL);
             ++past;
         } else {
             link_.remove_peer(past->first);
-            past = dismissed_.erase(past);
+            past = io_.dismissed.erase(past);
         }
     }
 }
 
 bool Launcher::was_dismissed(const Death& death) const {
-    return std::any_of(dismissed_.begin(), dismissed_.end(),
+    return std::any_of(io_.dismissed.begin(), io_.dismissed.end(),
                        [&death](const auto& past) { return past.second == death.name; });
 }
 
@@ -183,11 +183,11 @@ void Launcher::check_health() {
     supervisor_.wait(link_.poll_fd(), 0);
     std::optional<Death> io_death;
     for (const Death& death : supervisor_.take_deaths()) {
-        if (io_ && io_->name() == death.name) {
+        if (io_.used && io_.used->name() == death.name) {
             io_death = death;
-        } else if (prepared_io_ && prepared_io_->name() == death.name) {
-            prepared_io_.reset();  // The next start_io() tries again and reports the failure.
-            early_hello_.reset();
+        } else if (io_.prepared && io_.prepared->name() == death.name) {
+            io_.prepared.reset();  // The next start_io() tries again and reports the failure.
+            io_.early_hello.reset();
         } else if (!was_dismissed(death)) {
             fail(death.code(), describe(death));
         }
@@ -199,9 +199,9 @@ void Launcher::check_health() {
     }
     ask_watcher();
     if (io_death) {
-        io_->endpoint.clear();
+        io_.used->endpoint.clear();
         dismiss_io();
-        throw RequestError(io_death_code_, describe(*io_death));
+        throw RequestError(io_.death_code, describe(*io_death));
     }
     if (record_failure_) {
         const std::string text = *std::exchange(record_failure_, std::nullopt);

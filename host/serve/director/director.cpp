@@ -95,8 +95,8 @@ bool Director::step() {
     if (inbox_.has_command()) {
         // Pictures keep their rate even while input floods in.
         const bool picture_is_due =
-            shown_revision_ != revision_ &&
-            (since_ms(frame_ns_) >= goal_ms || session_->frames.has_frame_ahead());
+            shown_.revision != revision_ &&
+            (since_ms(shown_.time_ns) >= goal_ms || session_->frames.has_frame_ahead());
         if (!(picture_is_due && draw_moving())) {
             do_wish(inbox_.take());
         }

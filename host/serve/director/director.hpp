@@ -103,6 +103,13 @@ class Director {
     void tell_machine();
     double since_ms(std::int64_t then_ns) const;
 
+    /// The newest frame.
+    struct ShownFrame {
+        std::uint32_t revision = 0;
+        int samples = 0;  ///< 0 for a moving picture.
+        std::int64_t time_ns = 0;
+    };
+
     Audience& audience_;
     DirectorParts parts_;
     std::shared_ptr<MachinePort> machine_;
@@ -116,12 +123,10 @@ class Director {
     bool tells_progress_ = false;
     std::int64_t progress_ns_ = 0;  ///< Time of the last message about progress.
     std::uint32_t revision_ = 1;
-    std::uint32_t shown_revision_ = 0;  ///< Revision of the newest frame.
-    int shown_samples_ = 0;             ///< Samples of the newest frame; 0 for a moving picture.
+    ShownFrame shown_;
     bool state_is_old_ = true;
     std::string last_state_;     ///< The last state sent.
     std::int64_t input_ns_ = 0;  ///< Time of the newest change.
-    std::int64_t frame_ns_ = 0;  ///< Time of the newest frame.
     std::int64_t machine_text_ns_ = 0;
     std::deque<std::int64_t> deaths_ns_;
 };

@@ -12,7 +12,6 @@ namespace pxpl5::host::serve {
 namespace {
 
 constexpr int smallest_moving_px = 64;
-constexpr int refinement = 4;  // Factor of samples between steps: 1, 4, 16.
 
 Size scaled(const Size& size, double scale) {
     const auto side = [scale](int px) {
@@ -60,7 +59,7 @@ void Director::announce_frame(const Arguments& command) {
 
 /// Draws a moving picture after a change. Returns false if nothing has changed.
 bool Director::draw_moving() {
-    if (!has_picture() || shown_revision_ == revision_ || !audience_.wants_frame() ||
+    if (!has_picture() || shown_.revision == revision_ || !audience_.wants_frame() ||
         (!inbox_.has_command() && since_ms(input_ns_) >= rest_ms)) {  // The resting picture is due.
         return false;
     }
@@ -81,9 +80,9 @@ bool Director::draw_moving() {
         show(session_->frames.draw_samples(1).value(), 1, false, false);
     });
     pace_.drawn(since_ms(start_ns));
-    frame_ns_ = parts_.clock_ns();
-    shown_revision_ = revision;  // Also after a failure: the next change tries again.
-    shown_samples_ = 0;
+    shown_.time_ns = parts_.clock_ns();
+    shown_.revision = revision;  // Also after a failure: the next change tries again.
+    shown_.samples = 0;
     return true;
 }
 
@@ -94,8 +93,8 @@ bool Director::draw_resting() {
         return false;
     }
     const std::uint32_t revision = revision_;
-    const bool is_first = shown_revision_ != revision || shown_samples_ == 0;
-    const int samples = is_first ? 1 : shown_samples_ * refinement;
+    const bool is_first = shown_.revision != revision || shown_.samples == 0;
+    const int samples = *std::ranges::upper_bound(sample_counts, is_first ? 0 : shown_.samples);
     bool is_drawn = true;
     guard("drawing", [&] {
         auto picture = session_->frames.draw_samples(samples, [this] {
@@ -108,9 +107,9 @@ bool Director::draw_resting() {
         }
     });
     if (is_drawn) {
-        frame_ns_ = parts_.clock_ns();
-        shown_revision_ = revision;
-        shown_samples_ = samples;
+        shown_.time_ns = parts_.clock_ns();
+        shown_.revision = revision;
+        shown_.samples = samples;
     }
     return true;
 }
@@ -122,7 +121,7 @@ int Director::most_samples() const {
 
 /// Whether a better picture than the newest can be drawn.
 bool Director::is_refinable() const {
-    return shown_revision_ != revision_ || shown_samples_ < most_samples();
+    return shown_.revision != revision_ || shown_.samples < most_samples();
 }
 
 bool Director::wants_machine() const {
