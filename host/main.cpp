@@ -19,7 +19,15 @@
 
 namespace {
 
+using namespace pxpl5;
 using namespace pxpl5::host;
+
+/// Accepts the names of an enum.
+template <class Enum>
+CLI::IsMember is_named() {
+    return CLI::IsMember(
+        std::vector<std::string>(enum_names<Enum>.begin(), enum_names<Enum>.end()));
+}
 
 struct MachineFlags {
     std::string topology = "default";
@@ -33,10 +41,10 @@ struct MachineFlags {
                        "Change one value of the topology, for example gp.count=4")
             ->allow_extra_args(false);
         app.add_option("--record", record, "Trace recording: none, recent seconds, or everything")
-            ->check(CLI::IsMember({"off", "flight", "full"}));
+            ->check(is_named<Recording>());
         app.add_option("--vector-target", vector_target,
                        "Vector instructions of the nodes; all give the same bits")
-            ->check(CLI::IsMember({"best", "sse4", "avx2", "avx512"}));
+            ->check(is_named<VectorTarget>());
         add_folder_to(app);
     }
     /// The machine that these flags ask for.

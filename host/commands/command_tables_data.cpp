@@ -13,7 +13,6 @@ namespace {
 using Words = std::array<std::string_view, 2>;
 
 constexpr Words yes_no = {"yes", "no"}, part_choices = {"all", "largest"};
-constexpr Words axes_choices = {"LPS", "RAS"};
 constexpr std::array<std::string_view, 1> off_choice = {"off"};
 constexpr std::array<std::string_view, 3> axis_choices = {"x", "y", "z"};
 constexpr std::array<std::string_view, 5> mesh_suffixes = {".stl", ".ply", ".obj", ".vtp", ".glb"};
@@ -138,7 +137,7 @@ std::vector<Command> mesh_commands() {
                        0,
                        {},
                        "all visible surfaces"},
-                      choice_value("axes", axes_choices, "patient axes", "LPS"),
+                      choice_value("axes", enum_names<PatientAxes>, "patient axes", "LPS"),
                       number_value("keep", "SHARE", 1e-4, 1,
                                    "share of the triangles to keep; less than 1 decimates")},
           .kind = CommandKind::action,

@@ -93,7 +93,7 @@ std::string written(const fs::path& path, const MeshExport& mesh) {
 std::string sentence(const fs::path& path, const MeshExport& mesh, std::size_t before,
                      double moved_mm) {
     std::string text = fmt::format("{} triangles, {} vertices, {} millimeters",
-                                   triangle_count(mesh), vertex_count(mesh), axes_name(mesh.axes));
+                                   triangle_count(mesh), vertex_count(mesh), enum_name(mesh.axes));
     if (mesh.keep < 1) {
         text +=
             fmt::format("; decimated from {} triangles, off by about {:.2g} mm", before, moved_mm);
@@ -143,12 +143,8 @@ MeshWritten write_mesh(const std::string& path, const MeshExport& mesh) {
     return {triangle_count(ready), sentence(path, ready, triangle_count(mesh), moved_mm)};
 }
 
-std::string_view axes_name(PatientAxes axes) {
-    return axes == PatientAxes::LPS ? "LPS" : "RAS";
-}
-
 std::vector<std::string> mesh_notes(const MeshExport& mesh) {
-    std::vector<std::string> notes = {fmt::format("SPACE={} UNIT=mm", axes_name(mesh.axes)),
+    std::vector<std::string> notes = {fmt::format("SPACE={} UNIT=mm", enum_name(mesh.axes)),
                                       mesh.axes == PatientAxes::LPS
                                           ? "x to the patient's left, y posterior, z superior"
                                           : "x to the patient's right, y anterior, z superior"};

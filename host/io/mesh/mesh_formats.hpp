@@ -29,8 +29,6 @@ inline glm::vec3 turned(const glm::vec3& v, PatientAxes axes) {
     return axes == PatientAxes::LPS ? v : glm::vec3(0.0F - v.x, 0.0F - v.y, v.z);
 }
 
-std::string_view axes_name(PatientAxes axes);  ///< "LPS" or "RAS".
-
 /// Notes for readers of the file, one line each: axes, unit, description. 3D Slicer reads the axes
 /// from SPACE=LPS or SPACE=RAS.
 std::vector<std::string> mesh_notes(const MeshExport& mesh);

@@ -114,14 +114,14 @@ std::string description_of(const MeshExport& mesh, std::uint64_t& bytes) {
          {{"version", "2.0"},
           {"generator", "pxpl5"},
           {"extras",
-           {{"axes", axes_name(mesh.axes)},
+           {{"axes", enum_name(mesh.axes)},
             {"unit", "millimetre"},
             {"of", "vertices; the node above them turns them to meters, Y up, facing +Z"},
             {"description", valid_utf8(mesh.description)}}}}},
         {"scene", 0},
         {"scenes", Json::array({{{"nodes", Json::array({0})}}})},
         {"nodes", Json::array({{{"name", fmt::format("patient, {} millimeters to meters, Y up",
-                                                     axes_name(mesh.axes))},
+                                                     enum_name(mesh.axes))},
                                 {"matrix", node_matrix(mesh.axes)},
                                 {"children", Json::array()}}})}};
     bytes = 0;

@@ -25,7 +25,7 @@ glm::vec3 facet_normal(const std::array<glm::vec3, 3>& p) {
 
 void write_stl(const MeshExport& mesh, PartFile& file) {
     // Readers take what begins with "solid" for text.
-    std::string header = fmt::format("binary STL, SPACE={} UNIT=mm, pxpl5", axes_name(mesh.axes));
+    std::string header = fmt::format("binary STL, SPACE={} UNIT=mm, pxpl5", enum_name(mesh.axes));
     header += mesh.description.empty() ? "" : ": " + one_line(mesh.description);
     header.resize(header_bytes, ' ');
     file.write(header);

@@ -40,7 +40,7 @@ std::string fields(const MeshExport& mesh) {
     for (const MeshSurface& surface : mesh.surfaces) {
         names.push_back(one_line(surface.name));
     }
-    return "<FieldData>\n" + field("SPACE", {std::string(axes_name(mesh.axes))}) +
+    return "<FieldData>\n" + field("SPACE", {std::string(enum_name(mesh.axes))}) +
            field("unit", {"millimetre"}) + field("description", {one_line(mesh.description)}) +
            field("surface names", names) + "</FieldData>\n";
 }

@@ -59,11 +59,6 @@ bool fits(double low, double high) {
 
 }  // namespace
 
-const char* scalar_name(Scalar type) {
-    constexpr std::array names = {"uint8", "int16", "uint16", "float32"};
-    return names.at(static_cast<std::size_t>(type));
-}
-
 void ValueSink::add(std::span<const std::byte> native, Component component, Scale scale) {
     if (native.empty()) {
         return;
@@ -185,7 +180,7 @@ void ValueSink::note_conversion(Volume& volume) const {
     }
     const std::string from = fmt::format("{}{} values", is_scaled_ ? "scaled " : "",
                                          is_mixed_ ? "slices' differing" : component_name(first_));
-    const char* to = scalar_name(type_);
+    const char* to = enum_name(type_);
     if (is_scaled_ && inexact_ == 0 && to == std::string_view(component_name(first_))) {
         return;
     }

@@ -57,6 +57,4 @@ class ValueSink {
     std::uint64_t not_finite_ = 0, inexact_ = 0;
 };
 
-const char* scalar_name(Scalar type);
-
 }  // namespace pxpl5::host::io

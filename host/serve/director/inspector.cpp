@@ -21,7 +21,6 @@ constexpr std::size_t alignment = 8;
 /// Limit of contour pieces in an answer, over all surfaces: 8 MiB. A page can draw so many per
 /// frame.
 constexpr std::size_t max_pieces = 524'288;
-constexpr std::array<std::string_view, 4> type_names = {"uint8", "int16", "uint16", "float32"};
 
 [[noreturn]] void refuse(const std::string& text) {
     throw RequestError(ExitCode::usage, text);
@@ -89,7 +88,7 @@ Json json_of(const SliceFrame& frame, Scalar type) {
     const SliceSide &across = frame.across, &down = frame.down;
     return {{"width", across.count},
             {"height", down.count},
-            {"type", type_names[static_cast<std::size_t>(type)]},
+            {"type", enum_name(type)},
             {"spacing_mm", {across.spacing_mm, down.spacing_mm}},
             {"places_mm", {places_of(across), places_of(down)}},
             {"skew_deg", frame.skew_deg},

@@ -6,7 +6,8 @@ import {isoCommand, plain, word} from '../link/lines.js';
 /** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
 /** @typedef {import('../state/selection.js').Selection} Selection */
 
-const TABLE_NAMES = new Map([['watertight', 'watertight'], ['lorensen1987', 'tables of 1987']]);
+const TABLE_NAMES = new Map([['watertight', 'watertight'], ['lorensen1987', 'tables of 1987'],
+  ['asymptotic', 'asymptotic decider']]);
 const LEAST_ML = [0.1, 1, 10, 100];
 
 /**
