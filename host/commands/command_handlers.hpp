@@ -58,10 +58,9 @@ inline constexpr double min_zoom = 0.05, max_zoom = 100;
 /// Options of `model`: the parameters of a machine.
 std::vector<Parameter> model_options();
 
-/// The visible surface that the option names; empty without the option. Throws RequestError
-/// (usage) for other names.
-std::string parse_surface(const Session& session, const Arguments& arguments,
-                          const std::string& option);
+/// Returns `name`, which is empty or names a surface that pictures show. Throws RequestError
+/// (usage) for other names, and for surfaces that are hidden or compared.
+std::string shown_surface(const Session& session, const std::string& name);
 /// One surface, for people and programs.
 std::string surface_text(const Surface& surface, const SurfaceReport& report);
 Fields surface_fields(const Surface& surface, const SurfaceReport& report);

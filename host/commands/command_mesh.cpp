@@ -30,7 +30,7 @@ std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& 
     }
     if (arguments.has("at")) {
         const auto [x, y] = parse_pair("at", arguments.text("at", ""));
-        const auto picked = session.frames.pick(x, y, arguments.words[0]);
+        const auto picked = session.frames.pick(x, y, shown_surface(session, arguments.words[0]));
         if (!picked) {
             refuse_command(
                 fmt::format("at={},{}: no point of {} lies there", x, y, arguments.words[0]));

@@ -122,9 +122,9 @@ Reply run_slice(Session& session, const Arguments& arguments) {
 
 Reply run_measure(Session& session, const Arguments& arguments) {
     const Frames::Picked a = picked_at(session, parse_pixel(session, arguments, 0),
-                                       parse_surface(session, arguments, "from"));
+                                       shown_surface(session, arguments.text("from", "")));
     const Frames::Picked b = picked_at(session, parse_pixel(session, arguments, 2),
-                                       parse_surface(session, arguments, "to"));
+                                       shown_surface(session, arguments.text("to", "")));
     const glm::dvec3 &p = a.pick.p_mm, &q = b.pick.p_mm;
     const double distance_mm = glm::distance(p, q);
     return {fmt::format("{:.2f} mm in a straight line, from {} at ({:.2f}, {:.2f}, {:.2f}) to {} "

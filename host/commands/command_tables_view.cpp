@@ -127,8 +127,10 @@ std::vector<Command> pixel_commands() {
                       {"to", "NAME", "surface of the second point"}}},
          run_measure},
         {{.name = "why",
-          .help = "Explains the color of a pixel down to the voxels. Draws the scene once and "
-                  "executes the region of the pixel again.",
+          .help =
+              "Explains the color of a pixel down to the voxels. Draws the scene once and "
+              "executes the region of the pixel again. Pixels of the screen door show one surface "
+              "of several; pick lists them all.",
           .words = {x_word, y_word},
           .required = 2},
          run_why},

@@ -296,7 +296,7 @@ Reply run_pick(Session& session, const Arguments& arguments) {
     const auto& size = session.scene.size;
     const int x = parse_whole("X", arguments.words[0], 0, size.width - 1);
     const int y = parse_whole("Y", arguments.words[1], 0, size.height - 1);
-    const std::string wanted = parse_surface(session, arguments, "surface");
+    const std::string wanted = shown_surface(session, arguments.text("surface", ""));
     const std::vector<Frames::Picked> hits = session.frames.hits(x, y);
     const auto picked = Frames::chosen(hits, wanted);
     if (!picked) {
@@ -311,13 +311,15 @@ Reply run_pick(Session& session, const Arguments& arguments) {
         picked->surface, pick.p_mm.x, pick.p_mm.y, pick.p_mm.z, pick.x, pick.y, pick.z,
         pick.value ? fmt::format("{:.6g}", *pick.value) : "no value known",
         pick.value_between.value_or(std::nan("")));
+    std::string_view where = "in front";  // The hits are sorted, nearest first.
     for (const Frames::Picked& hit : hits) {
-        if (hit.surface != picked->surface) {
-            const glm::dvec3& p = hit.pick.p_mm;
-            reply.text += fmt::format("\n{}: {} at ({:.2f}, {:.2f}, {:.2f}) mm LPS",
-                                      hit.pick.depth < pick.depth ? "in front" : "behind",
-                                      hit.surface, p.x, p.y, p.z);
+        if (hit.surface == picked->surface) {
+            where = "behind";
+            continue;
         }
+        const glm::dvec3& p = hit.pick.p_mm;
+        reply.text += fmt::format("\n{}: {} at ({:.2f}, {:.2f}, {:.2f}) mm LPS", where, hit.surface,
+                                  p.x, p.y, p.z);
     }
     reply.fields = {{"hit", true}};
     for (Field& field : fields_of(*picked)) {

@@ -67,11 +67,16 @@ void Conversation::take_arrived() {
             take(message);
         },
         [&] { return !std::exchange(came, false); });
-    wait("told unasked", [] { return true; });  // Throws the fault that has arrived.
+    wait("background request", [] { return true; });  // Throws the fault that has arrived.
 }
 
 void Conversation::discard_until(const Handler& take_one, const std::function<bool()>& done) {
-    machine_.pump(take_one, done);
+    machine_.pump(
+        [&](const bus::Message& message) {
+            // An activity that is lost would be awaited for ever.
+            message.kind() == bus::Body::Activity ? take(message) : take_one(message);
+        },
+        done);
     fault_.reset();
 }
 

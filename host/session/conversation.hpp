@@ -58,7 +58,8 @@ class Conversation {
     /// a fault, so that the next request is not blamed for it.
     void take_arrived();
     bool has_fault() const { return fault_.has_value(); }
-    /// Pumps until `done` and gives messages to `take` only. Drops the fault, if any.
+    /// Pumps until `done` and gives messages, except activities, to `take` only. Drops the fault,
+    /// if any.
     void discard_until(const Handler& take, const std::function<bool()>& done);
 
   private:

@@ -69,7 +69,8 @@ void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back,
     }
     const bus::Payload message =
         frame_request(scene, stage, next_frame_, picture_costs_, read_back, pass, counts);
-    pending_.push_back({next_frame_++, picture_started_ns_, pass});
+    pending_.push_back(
+        {next_frame_++, picture_started_ns_, pass, read_back == ReadBack::pixels_and_depths});
     conversation_.machine().send(conversation_.gps().front(), message);
 }
 
@@ -87,8 +88,20 @@ void Frames::take_done(const schema::FrameDone& done) {
     if (pending_.empty() || done.frame() != pending_.front().frame) {
         return;  // The frame was abandoned.
     }
+    const Pending pending = pending_.front();
+    pending_.pop_front();
+    if (done.depths() != nullptr) {
+        depths_.assign(done.depths()->begin(), done.depths()->end());
+    }
+    if (done.pixels() != nullptr) {
+        finished_.push_back({static_cast<int>(done.width()),
+                             static_cast<int>(done.height() * done.views()),
+                             {done.pixels()->begin(), done.pixels()->end()}});
+    }
+    if (pending.is_question) {
+        return;
+    }
     nodes_.count_frame();
-    const Pending& pending = pending_.front();
     if (pending.pass.sample == 0) {
         last_ = {};
     }
@@ -101,15 +114,6 @@ void Frames::take_done(const schema::FrameDone& done) {
     }
     last_.elapsed_ms = ms_since(pending.started_ns);
     region_costs_.assign(done.region_cycles()->begin(), done.region_cycles()->end());
-    if (done.pixels() != nullptr) {
-        finished_.push_back({static_cast<int>(done.width()),
-                             static_cast<int>(done.height() * done.views()),
-                             {done.pixels()->begin(), done.pixels()->end()}});
-    }
-    if (done.depths() != nullptr) {
-        depths_.assign(done.depths()->begin(), done.depths()->end());
-    }
-    pending_.pop_front();
 }
 
 void Frames::abandon() {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -118,6 +119,7 @@ class Frames {
         std::uint32_t frame = 0;
         std::int64_t started_ns = 0;  ///< Start of the picture's first pass.
         Pass pass;
+        bool is_question = false;  ///< Asks for depths, and is no picture that is shown.
     };
     struct Ahead {
         std::uint32_t frame = 0;

@@ -171,9 +171,12 @@ TEST_CASE("a pick chooses by surface: the holes of a screen door do not count") 
             CHECK(chosen[i]->pick.p_mm == skin[i]->pick.p_mm);
         }
     }
-    // The picture is the same as before the questions, and undisturbed by them.
+    // A question changes neither the picture nor what is reported about the picture.
     const auto before = bone.draw();
+    const FrameReport report = bone.session.frames.last();
     bone.session.frames.hits(60, 85);
+    CHECK(bone.session.frames.last().frame == report.frame);
+    CHECK(bone.session.frames.last().region_cycles == report.region_cycles);
     CHECK(bone.draw() == before);
 }
 
