@@ -26,7 +26,7 @@ void copy_region(const FrameShape& shape, int region, std::span<const std::uint3
     const int width = std::min(region_px, shape.width - left);
     const int height = std::min(region_px, shape.height - top);
     for (int y = 0; y < height; ++y) {
-        const std::uint32_t* from = tile.data() + y * region_px;
+        const std::uint32_t* from = tile.data() + std::ptrdiff_t{y} * region_px;
         std::uint32_t* to =
             picture.data() +
             static_cast<std::ptrdiff_t>(view * shape.height + top + y) * shape.width + left;

@@ -71,7 +71,7 @@ void give_back(std::vector<std::byte>& values, std::size_t begin, std::size_t en
     const std::uintptr_t first = (base + begin + page - 1) / page * page;
     const std::uintptr_t last = (base + end) / page * page;
     if (first < last) {
-        madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);
+        madvise(values.data() + (first - base), last - first, MADV_DONTNEED);
     }
 }
 

@@ -224,7 +224,7 @@ std::optional<bus::Message> Launcher::receive() {
     if (backlog_.empty()) {
         return take_from_link();
     }
-    const bus::Message message = backlog_.front();
+    bus::Message message = std::move(backlog_.front());
     backlog_.pop_front();
     backlog_bytes_ -= message.bytes().size();
     return message;

@@ -89,8 +89,8 @@ std::vector<TimingValue> timing_of(const config::MachineT& machine, const std::s
         }
         check_enum(file, entry->name + "'s provenance", *entry->provenance,
                    "published, recalled, derived, ours or fitted");
-        timing.push_back({entry->name, entry->value ? std::optional(*entry->value) : std::nullopt,
-                          entry->word, entry->unit, *entry->provenance, entry->note});
+        timing.push_back(
+            {entry->name, entry->value, entry->word, entry->unit, *entry->provenance, entry->note});
     }
     return timing;
 }
@@ -117,9 +117,7 @@ std::vector<std::unique_ptr<config::TimingValueT>> timing_table(
     for (const TimingValue& value : timing) {
         auto entry = std::make_unique<config::TimingValueT>();
         entry->name = value.name;
-        if (value.value) {
-            entry->value = *value.value;
-        }
+        entry->value = value.value;
         entry->word = value.word;
         entry->unit = value.unit;
         entry->provenance = value.provenance;

@@ -88,9 +88,11 @@ void show(CellTriangles triangles, Shown& shown) {
 
 std::vector<CaseDifference> sorted_cases(const std::array<std::size_t, 256>& counts) {
     std::vector<CaseDifference> cases;
-    for (std::size_t inside = 0; inside < counts.size(); ++inside)
-        if (counts[inside] != 0)
+    for (std::size_t inside = 0; inside < counts.size(); ++inside) {
+        if (counts[inside] != 0) {
             cases.push_back({static_cast<std::uint8_t>(inside), counts[inside]});
+        }
+    }
     std::stable_sort(cases.begin(), cases.end(),
                      [](const auto& a, const auto& b) { return a.cells > b.cells; });
     return cases;

@@ -1,11 +1,11 @@
 #include "host/surface/mesh_gather.hpp"
 
 #include <fmt/core.h>
+#include <glm/common.hpp>
 
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -181,7 +181,10 @@ class Weld {
     void check_same(const schema::MeshVertex& v, std::size_t at, std::size_t slab) const {
         const glm::vec3 p(v.x(), v.y(), v.z()), n(v.nx(), v.ny(), v.nz());
         const glm::vec3 &q = mesh_.p_grid[at], &m = mesh_.normals[at];
-        if (std::memcmp(&p, &q, sizeof p) == 0 && std::memcmp(&n, &m, sizeof n) == 0) return;
+        using glm::floatBitsToUint;
+        if (floatBitsToUint(p) == floatBitsToUint(q) && floatBitsToUint(n) == floatBitsToUint(m)) {
+            return;
+        }
         refuse_mesh_part(
             fmt::format("{}: is at {} {} {} with normal {} {} {} here, at {} {} {} with {} {} {} "
                         "in slab {}",

@@ -67,8 +67,8 @@ HWY_INLINE void find_covered(const Triangle& t, std::size_t number, const Box& b
     V row[3], across[3], down[3];
     for (std::size_t k = 0; k < 3; ++k) {
         row[k] = plane_on(t.edge(k), px, py);
-        across[k] = splat(t.edge(k)[0] * step_x);
-        down[k] = splat(t.edge(k)[1] * step_y);
+        across[k] = splat(std::uint32_t{t.edge(k)[0] * step_x});
+        down[k] = splat(std::uint32_t{t.edge(k)[1] * step_y});
     }
     for (int y = y0; y <= box.y1; y += step_y) {
         V e0 = row[0], e1 = row[1], e2 = row[2];

@@ -252,7 +252,7 @@ std::shared_ptr<ArenaView> ArenaView::open(const ArenaOffer& offer, NodeId self)
     if (file.number < 0) {
         return nullptr;
     }
-    const std::shared_ptr<ArenaView> view(new ArenaView(self));
+    std::shared_ptr<ArenaView> view(new ArenaView(self));
     view->control_ =
         map_part<ArenaControl>(file.number, 0, sizeof(ArenaControl), PROT_READ | PROT_WRITE);
     view->bodies_ =

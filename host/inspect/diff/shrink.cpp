@@ -42,7 +42,7 @@ Items items_of(std::span<const std::uint32_t> words) {
         item.group = group;
         std::ranges::copy(words.subspan(at + 1, count - 1), item.coefficients.begin());
         id_at[at] = items.size();
-        items.push_back(std::move(item));
+        items.push_back(item);
         at += count;
     }
     id_at[words.size()] = items.size();

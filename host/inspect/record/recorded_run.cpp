@@ -317,7 +317,7 @@ std::optional<bus::Message> RecordedRun::surface(std::uint16_t surface,
             if (entry.kind() != Body::SetSurface) {
                 continue;
             }
-            const bus::Message message = node.load(entry);
+            bus::Message message = node.load(entry);
             const auto& set = *message.as<schema::SetSurface>();
             if (set.surface() == surface && set.revision() == revision) {
                 return message;

@@ -123,8 +123,9 @@ void compact(SimplifiedSurface& surface) {
 SimplifiedSurface simplify(const MeshSurface& surface, double keep) {
     assert(keep > 0 && keep <= 1);
     static_assert(sizeof(MeshPoint) == 6 * sizeof(float));
-    const auto target = static_cast<std::size_t>(
-        std::llround(static_cast<double>(surface.indices.size() / 3) * keep));
+    const std::size_t triangles = surface.indices.size() / 3;
+    const auto target =
+        static_cast<std::size_t>(std::llround(static_cast<double>(triangles) * keep));
     SimplifiedSurface result = welded(surface);
     if (result.indices.size() <= 3 * target) {
         return result;

@@ -81,7 +81,7 @@ class Director {
     void tell_opened();
     void answer_ask(const Wish& wish);
     void guard(const std::string& what, const std::function<void()>& act);
-    void start_again(const MachineError& death, const Scene& scene);
+    void start_again(const MachineError& death, Scene scene);
     std::optional<MachineError> try_again(const History& history, const Scene& scene);
     void count_death(const MachineError& death);
     void start();

@@ -204,15 +204,14 @@ void Director::count_death(const MachineError& death) {
 }
 
 /// Loads the volume and restores the scene. The history continues.
-void Director::start_again(const MachineError& death, const Scene& scene) {
+void Director::start_again(const MachineError& death, Scene scene) {
     // If the launch fails, the session is gone.
     const History history = session_->history;
-    const Scene kept = scene;
     busy_ = "starting the machine again";
     for (std::optional<MachineError> newest = death; newest;) {
         count_death(*newest);
         tell_progress(busy_, 0, 0);
-        newest = try_again(history, kept);
+        newest = try_again(history, scene);
     }
     busy_.clear();
     end_progress();

@@ -68,7 +68,7 @@ void fill_levels(std::span<const T> values, std::span<const double> isovalues, L
             of_value[i] = level_of(static_cast<double>(static_cast<T>(i)), isovalues);
     }
     const T* value = values.data();
-    for (std::size_t z = 0; z < grid.nz; ++z)
+    for (std::size_t z = 0; z < grid.nz; ++z) {
         for (std::size_t y = 0; y < grid.ny; ++y) {
             Level* const to = grid.levels.data() + grid.first_of_row(y, z);
             for (std::size_t x = 0; x < grid.nx; ++x, ++value) {
@@ -79,6 +79,7 @@ void fill_levels(std::span<const T> values, std::span<const double> isovalues, L
                 }
             }
         }
+    }
 }
 
 LevelGrid level_grid(const Volume& volume, std::span<const double> isovalues) {
@@ -157,9 +158,10 @@ class Sweep {
         for (std::size_t k = 0; k < neighbour_count; ++k) {
             const Level* const other = at + steps_[k];
             const bool is_lower_voxel = steps_[k] < 0;
-            for (std::size_t x = 0; x < grid_.nx; ++x)
+            for (std::size_t x = 0; x < grid_.nx; ++x) {
                 links_[x] |= static_cast<std::uint32_t>(is_before(other[x], at[x], is_lower_voxel))
                              << k;
+            }
         }
         const LinkTable& hangs_together = link_table(side);
         for (std::size_t x = 0; x < grid_.nx; ++x) {
@@ -187,16 +189,19 @@ class Sweep {
             sum += saddle_counts_[level];
         }
         std::vector<std::uint32_t> saddles(sum);
-        for (std::size_t word = 0; word < is_saddle_.size(); ++word)
+        for (std::size_t word = 0; word < is_saddle_.size(); ++word) {
             for (std::uint64_t bits = is_saddle_[word]; bits != 0; bits &= bits - 1) {
                 const auto v =
                     static_cast<std::uint32_t>(word * 64) + std::uint32_t(std::countr_zero(bits));
                 saddles[next[grid_.levels[v]]++] = v;
             }
-        for (const std::uint32_t v : saddles)
+        }
+        for (const std::uint32_t v : saddles) {
             for (std::uint32_t links = links_of(v) & joining_links(side); links != 0;
-                 links &= links - 1)
+                 links &= links - 1) {
                 join(v, std::countr_zero(links));
+            }
+        }
     }
 
     void join(std::uint32_t v, int neighbour) {

@@ -12,12 +12,14 @@ using Steps = std::array<std::array<int, 3>, neighbour_count>;
 Steps make_steps() {
     Steps steps{};
     std::size_t count = 0;
-    for (const int length : {1, 2})
-        for (int z = -1; z <= 1; ++z)
-            for (int y = -1; y <= 1; ++y)
-                for (int x = -1; x <= 1; ++x)
-                    if (std::abs(x) + std::abs(y) + std::abs(z) == length)
-                        steps[count++] = {x, y, z};
+    for (const int length : {1, 2}) {
+        for (int cell = 0; cell < 27; ++cell) {
+            const int x = cell % 3 - 1, y = cell / 3 % 3 - 1, z = cell / 9 - 1;
+            if (std::abs(x) + std::abs(y) + std::abs(z) == length) {
+                steps[count++] = {x, y, z};
+            }
+        }
+    }
     return steps;
 }
 
@@ -26,7 +28,7 @@ std::array<std::uint32_t, neighbour_count> joined_neighbours(Side side) {
     const int greatest_length = side == Side::inside ? 1 : 2;
     const Steps& steps = neighbour_steps();
     std::array<std::uint32_t, neighbour_count> joined{};
-    for (std::size_t a = 0; a < neighbour_count; ++a)
+    for (std::size_t a = 0; a < neighbour_count; ++a) {
         for (std::size_t b = 0; b < neighbour_count; ++b) {
             int length = 0, greatest = 0;
             for (std::size_t i = 0; i < 3; ++i) {
@@ -36,6 +38,7 @@ std::array<std::uint32_t, neighbour_count> joined_neighbours(Side side) {
             }
             if (greatest == 1 && length <= greatest_length) joined[a] |= 1U << b;
         }
+    }
     return joined;
 }
 
