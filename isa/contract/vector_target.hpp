@@ -43,8 +43,9 @@ struct PerTarget {
 }  // namespace pxpl5::isa
 
 /// Pointers to the functions of this name that foreach_target.h compiled in each target's
-/// namespace. Use it behind HWY_ONCE. Processors other than x86 have one target.
-#ifdef __x86_64__
+/// namespace. Use it behind HWY_ONCE. Processors other than x86 have one target, and so has
+/// clang-tidy.
+#if defined(__x86_64__) && !defined(HWY_COMPILE_ONLY_STATIC)
 #define PXPL5_PER_TARGET(function)                         \
     (::pxpl5::isa::PerTarget<decltype(&N_SSE4::function)>{ \
         {&N_SSE4::function, &N_AVX2::function, &N_AVX3::function}})
