@@ -24,8 +24,8 @@ struct NodeReport {
         double ms = 0;
         std::int64_t count = 0;
     };
-    std::vector<Stage> stages;         ///< Stages that took time. Their sum is busy_ms.
-    std::vector<bus::SentCount> sent;  ///< Kinds of messages that were sent.
+    std::vector<Stage> stages = {};         ///< Stages that took time. Their sum is busy_ms.
+    std::vector<bus::SentCount> sent = {};  ///< Kinds of messages that were sent.
     std::uint64_t received_messages = 0, received_bytes = 0;
     std::int64_t frames = 0;
 

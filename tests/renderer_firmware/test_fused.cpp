@@ -121,7 +121,7 @@ Shading random_shading(RandomPrograms& random) {
 std::vector<WordList> all_programs(Shading shading, RandomPrograms& random) {
     const renderer::RegionPrograms made = renderer::region_programs(shading, true);
     const std::uint32_t samples = random.below(2) == 0 ? 4 : 16;
-    shading.pass = {random.below(samples), samples};
+    shading.pass = {static_cast<int>(random.below(samples)), static_cast<int>(samples)};
     std::vector<WordList> all = {made.prologue, made.end_of_region, made.depths,
                                  renderer::end_of_region(shading)};
     for (const renderer::DoorPrograms& door : made.doors) {

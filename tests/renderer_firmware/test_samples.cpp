@@ -23,7 +23,7 @@ renderer::Shading shading_of(std::uint32_t sample, std::uint32_t samples) {
     s.ambient = 1;
     s.background = {part(77), part(91), part(113)};
     s.surfaces = {{part(31), part(201), part(150)}, {part(3), part(5), part(7)}};
-    s.pass = {sample, samples};
+    s.pass = {static_cast<int>(sample), static_cast<int>(samples)};
     return s;
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("over 16 passes a transparent surface has its share of every pixel") {
                     s.background = {0, 100, 200};
                     s.surfaces = {{160, 20, 200}};
                     s.screens = {{opacity, pattern}};
-                    s.pass = {k, samples};
+                    s.pass = {static_cast<int>(k), static_cast<int>(samples)};
                     const WordList words = sheet(0, 5000);
                     fast.reset_pixels();
                     fast.set_readout(

@@ -38,7 +38,7 @@ TEST_CASE("a scrubbed region ends as the frame shows it, and is kept until the s
         differ += ((there ^ end.rgba[static_cast<std::size_t>(i)]) & 0xFFFFFF) != 0 ? 1 : 0;
     }
     CHECK(differ == 0);
-    const inspect::ScrubView begin = LiveFrame::of(session).scrub(140, 130, {.at = 0});
+    const inspect::ScrubView begin = LiveFrame::of(session).scrub(140, 130, {.at = 0, .field = {}});
     CHECK(begin.count == end.count);
     REQUIRE(!begin.lines.empty());
     CHECK(begin.lines.front().at == 0);
