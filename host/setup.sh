@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what the build needs (Debian 12), with the argument "tests" also what the browser tests
-# need. Quiet and quick when nothing is missing.
+# Installs what the build needs (Debian 12), with the argument "tests" also what the tests and
+# checks need. Quiet and quick when nothing is missing.
 set -euo pipefail
 
 packages=(
@@ -13,7 +13,7 @@ packages=(
     doctest-dev libbenchmark-dev
 )
 if [ "${1:-}" = tests ]; then
-    packages+=(chromium python3-jsonschema clang-format jq)
+    packages+=(chromium python3-jsonschema clang-format clang-tidy-19 gcovr jq)
     # Node may have come from elsewhere than Debian, which then must not be asked for another.
     command -v node >/dev/null || packages+=(nodejs)
     command -v npm >/dev/null || packages+=(npm)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sets up, builds and tests everything, optimized. Arguments go to ctest, e.g. tests/run.sh -L unit.
 # tests/run.sh --sanitizers runs unit and system tests with address and undefined-behavior
-# sanitizers and warnings as errors instead.
+# sanitizers instead, and prints the coverage.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 
@@ -9,7 +9,9 @@ top=$(cd "$(dirname "$0")/.." && pwd)
 cd "$top"
 if [ "${1:-}" = --sanitizers ]; then
     "$top/host/build.sh" dev
+    find build/dev -name '*.gcda' -delete
     ctest --preset dev -L 'unit|system' --output-junit "$top/build/dev/junit.xml"
+    python3 -B tests/coverage.py build/dev
 else
     "$top/host/build.sh" release
     ctest --preset release -LE bench --output-junit "$top/build/release/junit.xml" "$@"

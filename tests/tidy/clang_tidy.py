@@ -113,13 +113,13 @@ class Checker:
         return groups, errors
 
     def findings(self, group):
-        """What clang-tidy prints about a group; empty if nothing is wrong."""
+        """What clang-tidy prints about each fault of a group."""
         done = subprocess.run(
-            [TOOL, "--quiet", f"--config-file={self.root / '.clang-tidy'}", group.path, "--", *self.options],
+            [TOOL, "--quiet", f"--config-file={self.root / '.clang-tidy'}", group.path, "--",
+             *self.options],
             capture_output=True, text=True, check=False)
-        if done.returncode != 0 and not done.stdout:
-            return done.stderr
-        return done.stdout
+        found = blocks(done.stdout)
+        return found if found or done.returncode == 0 else [done.stdout + done.stderr]
 
 
 def blocks(text):
@@ -147,12 +147,11 @@ def main(arguments):
         groups, errors = checker.form_groups(pool, sorted(chosen))
         for error in errors:
             print(error)
-        if os.environ.get("SYN"): return 0
         print(f"clang-tidy: {len(chosen)} sources in {len(groups)} groups, "
               f"{time.monotonic() - start:.0f} s", flush=True)
         done = {pool.submit(checker.findings, group): group for group in groups}
         for count, future in enumerate(concurrent.futures.as_completed(done), 1):
-            for block in blocks(future.result()):
+            for block in future.result():
                 if block not in seen:
                     print(block.replace(f"{root}/", ""))
                     seen[block] = True
