@@ -88,8 +88,8 @@ class Checker:
             elif re.search(r": (fatal )?error: ", text):
                 failed.add(group.sources[max(line - 1, 0)])
                 errors.append(text)
-        if "fatal error: " in done.stderr and len(failed) < len(group.sources):
-            # The compiler stopped there.
+        if failed and len(failed) < len(group.sources):
+            # An error can hide others.
             good = [source for source in group.sources if source not in failed]
             failed |= self.failing(self.write_group(group.path.stem, good))[0]
         return failed, errors
