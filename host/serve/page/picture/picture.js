@@ -55,7 +55,7 @@ export class PictureView {
     this.clearedActs_ = [];
     /** @private @type {(() => void)[]} */
     this.changeActs_ = [];
-    /** @private Frames before this revision show a closed volume. */
+    /** @private Frames before this revision show another volume. */
     this.leastRevision_ = 0;
 
     connection.on('frame', frame => this.take_(frame));
@@ -71,11 +71,8 @@ export class PictureView {
       this.layOut_();
       this.changed_();
     });
-    store.subscribe(['volume', 'archive'], state => {
-      if (!state.volume && !state.archive) {
-        this.clear_(state.revision);
-      }
-    });
+    // Frames of another volume must never stand under the new volume's name.
+    store.subscribe(['volume', 'archive'], state => this.clear_(state.revision));
     new ResizeObserver(() => {
       this.layOut_();
       this.changed_();
@@ -91,7 +88,7 @@ export class PictureView {
   }
 
   /**
-   * Calls `act` when the last volume is closed and the picture is cleared.
+   * Calls `act` when the picture is cleared, because another volume or none is open.
    * @param {() => void} act
    */
   onCleared(act) {
@@ -211,17 +208,19 @@ export class PictureView {
   }
 
   /**
-   * Clears the picture, because no volume is open.
+   * Clears the picture until a frame of the open volume arrives.
    * @private
-   * @param {number} revision  Revision of the state without a volume.
+   * @param {number} revision  Revision of the first state with this volume.
    */
   clear_(revision) {
     this.leastRevision_ = revision;
     this.context_.clearRect(0, 0, this.canvas_.width, this.canvas_.height);
     this.header = null;
+    this.camera = null;
     for (const act of this.clearedActs_) {
       act();
     }
+    this.changed_();
   }
 
   /** Fits the picture into its panel, whole. @private */

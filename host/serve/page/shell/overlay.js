@@ -35,7 +35,9 @@ export function createOverlay(app, viewpoint) {
     if (!camera) {
       return;
     }
+    update(picture.overlay, {visibility: camera ? null : 'hidden'});
     const margin = MARGIN_REM * parseFloat(getComputedStyle(document.documentElement).fontSize);
+      update(cross, {visibility: 'hidden'});
     EDGES.forEach(({at, on}, index) => {
       letters[index].textContent = lettersTowards(camera.patient_to_eye, on);
       update(letters[index], {x: margin + at[0] * (width - 2 * margin),
@@ -52,7 +54,13 @@ export function createOverlay(app, viewpoint) {
     place = /** @type {CustomEvent} */ (event).detail.p_mm;
     redraw();
   });
-  app.store.subscribe(['volume'], () => { place = null; });
+  app.store.subscribe(['background'], ({background}) => {
+    picture.overlay.classList.toggle('on-light', isLight(background));
+  });
+  app.store.subscribe(['volume'], () => {
+    place = null;
+    redraw();
+  });
 }
 
 /**

@@ -16,6 +16,15 @@ export class SliceSource {
     /** @private */ this.busy_ = false;
     /** @private  The last request; '' to send it again. */
     this.asked_ = '';
+    /** @private  Answers to questions of earlier epochs are dropped. */
+    this.epoch_ = 0;
+  }
+
+  /** Drops what is under way, because another volume is open. */
+  forget() {
+    this.asked_ = '';
+    this.next_ = null;
+    ++this.epoch_;
   }
 
   /**
@@ -41,12 +50,17 @@ export class SliceSource {
     while (this.next_) {
       const {axis, index} = this.next_;
       this.next_ = null;
+      const epoch = this.epoch_;
       try {
         const answer = await this.connection_.ask({ask: 'slice', axis, index});
-        this.to_.slice(sliceOf(axis, index, answer));
+        if (epoch === this.epoch_) {
+          this.to_.slice(sliceOf(axis, index, answer));
+        }
       } catch (error) {
-        this.asked_ = '';
-        this.to_.failed(error instanceof Error ? error.message : String(error));
+        if (epoch === this.epoch_) {
+          this.asked_ = '';
+          this.to_.failed(error instanceof Error ? error.message : String(error));
+        }
       }
     }
     this.busy_ = false;

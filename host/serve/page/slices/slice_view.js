@@ -78,6 +78,8 @@ export class SliceView {
     this.slice_ = null;
     this.draw();
   }
+    this.crosshair_ = null;
+    this.canvas.setAttribute('aria-label', `${this.plane_} slice`);
 
   /** @param {Window} through */
   repaint(through) {

@@ -114,11 +114,11 @@ class SlicesPanel {
     });
     const source = new SliceSource(this.app.connection, {
       slice: slice => {
-        // Another volume may have been opened in the meantime.
-        if (this.volume && slice.index < this.volume.size[slice.axes[2]]) {
+        if (this.volume) {
           view.show(slice, this.volume.size, this.through);
           view.setCrosshair(this.voxel);
           this.tell(slice);
+          count.textContent = `${slice.index + 1} / ${this.volume.size[slice.axes[2]]}`;
         }
       },
       failed: sentence => this.message.fail(sentence),
@@ -127,7 +127,7 @@ class SlicesPanel {
       'aria-label': `${PLANES[number]} slice`, 'data-testid': `slice-index-${number}`,
       oninput: () => this.step(number, Number(slider.value) - Math.round(
         this.voxel[this.planes[number].number]))});
-    const count = h('span', {class: 'slice-count'});
+    const count = h('span', {class: 'slice-count', 'data-testid': `slice-count-${number}`});
     const enlarge = h('button', {type: 'button', class: 'quiet', title: 'Enlarge this slice',
       onclick: () => this.enlarge(number)}, PLANES[number]);
     const element = h('div', {class: number === 0 ? 'slice-pane large' : 'slice-pane'},
@@ -186,6 +186,13 @@ class SlicesPanel {
     this.root.classList.toggle('empty', volume === null);
     this.message.say(volume ? '' : EMPTY);
     if (!volume) {
+    this.notes.textContent = '';
+    this.readout.textContent = '';
+    for (const {view, source, count} of this.panes) {
+      source.forget();
+      view.clear();
+      count.textContent = '';
+    }
       this.panes.forEach(({view}) => view.clear());
       return;
     }
@@ -229,12 +236,11 @@ class SlicesPanel {
       return;
     }
     this.panes.forEach((pane, number) => {
-      const {source, slider, count} = pane;
+      const {source, slider} = pane;
       const {axis, number: through} = this.planes[number];
       const index = Math.round(this.voxel[through]);
       slider.max = String(volume.size[through] - 1);
       slider.value = String(index);
-      count.textContent = `${index + 1} / ${volume.size[through]}`;
       if (which(pane)) {
         source.want(axis, index, `${this.opened} ${this.contours}`);
       }
