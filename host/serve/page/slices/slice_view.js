@@ -25,7 +25,9 @@ const LETTER_MARGIN = 4;
 const LINE_WIDTH = 1.5;     // Contours, CSS pixels.
 const EDGE_WIDTH = 1.25;    // Dark edge on either side of a contour.
 const EDGE_COLOR = '#000c';
-const WHEEL_STEP = 40;      // deltaY per slice. A touchpad sends many small steps.
+const TOUCHPAD_STEP = 40;   // deltaY per slice of a touchpad, which sends many small steps.
+const LEAST_NOTCH = 50;     // A larger deltaY comes from a mouse wheel.
+const NOTCH = 120;          // deltaY of one notch; browsers add up the notches of a fast turn.
 const PAGE = 5;             // Slices per Page Up or Page Down.
 
 export class SliceView {
@@ -76,10 +78,10 @@ export class SliceView {
   /** Clears the view. */
   clear() {
     this.slice_ = null;
-    this.draw();
-  }
     this.crosshair_ = null;
     this.canvas.setAttribute('aria-label', `${this.plane_} slice`);
+    this.draw();
+  }
 
   /** @param {Window} through */
   repaint(through) {
@@ -289,11 +291,17 @@ export class SliceView {
    */
   turn_(event) {
     event.preventDefault();
-    const lines = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 1 : WHEEL_STEP;
-    this.wheel_ += event.deltaY * lines;
-    const steps = Math.trunc(this.wheel_ / WHEEL_STEP);
+    const isPixels = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL;
+    if (!isPixels || Math.abs(event.deltaY) >= LEAST_NOTCH) {
+      const notches = isPixels ? Math.max(1, Math.round(Math.abs(event.deltaY) / NOTCH)) : 1;
+      this.wheel_ = 0;
+      this.events_.step(Math.sign(event.deltaY) * notches);
+      return;
+    }
+    this.wheel_ += event.deltaY;
+    const steps = Math.trunc(this.wheel_ / TOUCHPAD_STEP);
     if (steps !== 0) {
-      this.wheel_ -= steps * WHEEL_STEP;
+      this.wheel_ -= steps * TOUCHPAD_STEP;
       this.events_.step(steps);
     }
   }
