@@ -16,6 +16,7 @@ const PLANES = ['Axial', 'Coronal', 'Sagittal'];
 const SELF = 'slices';
 const REST_MS = 250;        // A dragged isovalue rests after this time.
 const DRAG_ACROSS_RANGE = 400;  // CSS pixels of a window/level drag per 1,000 values.
+const LEAST_TILT_DEG = 0.1;  // Smaller angles are rounding errors of the file.
 const EMPTY = 'No volume is open. Open a volume to see its slices.';
 
 /** @typedef {{view: SliceView, source: SliceSource, element: HTMLElement,
@@ -117,8 +118,8 @@ class SlicesPanel {
         if (this.volume) {
           view.show(slice, this.volume.size, this.through);
           view.setCrosshair(this.voxel);
-          this.tell(slice);
           count.textContent = `${slice.index + 1} / ${this.volume.size[slice.axes[2]]}`;
+          this.tell(slice);
         }
       },
       failed: sentence => this.message.fail(sentence),
@@ -185,7 +186,6 @@ class SlicesPanel {
     ++this.opened;
     this.root.classList.toggle('empty', volume === null);
     this.message.say(volume ? '' : EMPTY);
-    if (!volume) {
     this.notes.textContent = '';
     this.readout.textContent = '';
     for (const {view, source, count} of this.panes) {
@@ -193,7 +193,7 @@ class SlicesPanel {
       view.clear();
       count.textContent = '';
     }
-      this.panes.forEach(({view}) => view.clear());
+    if (!volume) {
       return;
     }
     this.planes = planesOf(volume.voxel_to_patient);
@@ -217,11 +217,14 @@ class SlicesPanel {
     this.message.say(left.length > 0
       ? `Too many lines in this slice: contours of ${left.join(', ')} are incomplete.` : '');
     const gaps = this.volume?.gaps ?? 0;
+    const isTilted = Math.abs(skew_deg) >= LEAST_TILT_DEG;
+    const isGantry = ['', 'CT'].includes(this.volume?.modality ?? '');
     this.notes.textContent = [
       gaps > 0 ? `Slices are missing in ${gaps} ${gaps === 1 ? 'place' : 'places'}: rows beside ` +
         'a gap are taller.' : '',
-      skew_deg !== 0 ? `The gantry was tilted by ${Math.abs(skew_deg).toFixed(1)}°; slices ` +
-        'across the tilt are drawn without shear.' : '',
+      isTilted ? `The ${isGantry ? 'gantry was tilted' : 'slices are sheared'} by ` +
+        `${Math.abs(skew_deg).toFixed(1)}°. Slices across the ${isGantry ? 'tilt' : 'shear'} ` +
+        'are drawn without shear.' : '',
     ].filter(Boolean).join(' ');
   }
 
