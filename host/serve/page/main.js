@@ -40,9 +40,15 @@ function start() {
   window.pxpl5 = measure(connection, store, picture);
 
   connection.on('state', state => store.take(state));
+  const isOpening = (/** @type {string} */ line) => /^(load|play) /.test(line);
   connection.on('failed', ({line, error}) =>
-    app.toasts.error(error, /^(load|play) /.test(line) ? OPENING : ''));
-  store.subscribe(['volume', 'archive'], () => app.toasts.forget(OPENING));
+    app.toasts.error(error, isOpening(line) ? OPENING : ''));
+  // Only a success takes the error away: a session that fails half-way changes the volume, too.
+  connection.on('reply', ({line, reply}) => {
+    if (reply.ok && isOpening(line)) {
+      app.toasts.forget(OPENING);
+    }
+  });
   connection.on('note', ({level, text}) => app.toasts[level === 'error' ? 'error' : 'info'](text));
   connection.on('hello', ({role}) => document.body.classList.toggle('watcher', role === 'watcher'));
 

@@ -3,7 +3,7 @@ import {h} from './dom.js';
 
 const NOTE_MS = 6000;
 const MOST = 4;
-/** Subject of errors that disappear after a volume was opened. */
+/** Subject of errors that disappear after a volume or a session was opened. */
 export const OPENING = 'opening';
 
 export class Toasts {
@@ -49,7 +49,8 @@ export class Toasts {
       }
     }
     while (this.root_.childElementCount >= MOST) {
-      this.root_.firstElementChild?.remove();
+      // A note goes before an error that may not have been read.
+      (this.root_.querySelector('.toast.info') ?? this.root_.firstElementChild)?.remove();
     }
     const toast = h('div', {class: `toast ${level}`, 'data-testid': `toast-${level}`},
       h('p', {}, text));
