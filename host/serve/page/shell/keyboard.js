@@ -24,8 +24,8 @@ const ZOOM = 1.1;
 export function watchKeys(app, viewpoint, actions) {
   document.addEventListener('keydown', event => {
     const target = event.target instanceof Element ? event.target : document.body;
-    const isTaken = target.closest('input:not([type=range], [type=checkbox]), select, textarea, '
-      + 'dialog[open], [role=slider]') !== null;
+    const isTaken = target.closest('input:not([type=range], [type=checkbox], [type=color]), '
+      + 'select, textarea, dialog[open], [role=slider]') !== null;
     const hasCommand = event.ctrlKey || event.metaKey;
     if (isTaken && !(hasCommand && target.closest('[role=slider]')) || event.altKey) {
       return;
