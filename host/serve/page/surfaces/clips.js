@@ -1,6 +1,7 @@
 // Clip planes: one for each side of the patient, and a box.
 import {h} from '../elements/dom.js';
 import {plain} from '../link/lines.js';
+import {gesture} from '../panel/gesture.js';
 import {SIDES} from '../picture/projection.js';
 import {show} from './surface_card.js';
 
@@ -83,9 +84,8 @@ class PlaneRow {
     /** @private */
     this.place_ = h('input', {type: 'range', step: 0.5, 'data-testid': `clip-place-${kind}`,
       'aria-label': `Position of the plane that keeps the ${SIDE_NAMES.get(kind)} side`,
-      onpointerdown: () => app.connection.mark(),
-      oninput: () => void app.connection.set({name: 'clip',
-        words: [kind, this.place_.value]})});
+      ...gesture(app.connection, () => void app.connection.set({name: 'clip',
+        words: [kind, this.place_.value]}))});
     /** @private */
     this.text_ = h('span', {class: 'number amount'});
     /** @private */

@@ -1,6 +1,7 @@
 // Light and material: lights as dots on a ball, material, background, tint of gaps.
 import {h, s, update} from '../elements/dom.js';
 import {plain} from '../link/lines.js';
+import {gesture} from '../panel/gesture.js';
 import {show} from './surface_card.js';
 import {LIMITS} from '../link/vocabulary.js';
 
@@ -54,7 +55,7 @@ class LightBall {
     /** @private */
     this.intensity_ = h('input', {type: 'range', min: 0, max: 2, step: 0.02,
       'aria-label': 'Light intensity', 'data-testid': 'light-intensity',
-      oninput: () => this.send_(this.lights_()[this.chosen_])});
+      ...gesture(app.connection, () => this.send_(this.lights_()[this.chosen_]))});
     /** @private */
     this.add_ = h('button', {class: 'quiet', 'data-testid': 'add-light',
       onclick: () => this.addLight_()}, '+ Light');
@@ -176,13 +177,14 @@ function createMaterial(root, app) {
       'Larger values give smaller highlights'],
   ]).map(([key, label, min, max, step, title]) => {
     const input = h('input', {type: 'range', min, max, step, 'data-testid': `material-${key}`,
-      oninput: () => void app.connection.set({name: 'material',
-        options: {[key]: input.value}})});
+      ...gesture(app.connection, () => void app.connection.set({name: 'material',
+        options: {[key]: input.value}}))});
     root.append(h('label', {class: 'row', title}, h('span', {class: 'field'}, label), input));
     return {key, input};
   });
   const color = h('input', {type: 'color', 'data-testid': 'background',
-    oninput: () => void app.connection.set({name: 'background', words: [color.value]})});
+    ...gesture(app.connection,
+      () => void app.connection.set({name: 'background', words: [color.value]}))});
   const gaps = h('input', {type: 'checkbox', 'data-testid': 'tint-gaps',
     onchange: () => void app.connection.set({name: 'tint',
       words: [gaps.checked ? 'gaps' : 'off']})});

@@ -1,6 +1,7 @@
 // One surface in the list: a row, and details if the surface is chosen.
 import {h} from '../elements/dom.js';
 import {isoCommand, plain, word} from '../link/lines.js';
+import {gesture} from '../panel/gesture.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
@@ -62,11 +63,15 @@ export class SurfaceCard {
     const id = `surface-${name}`;
     /** @private */
     this.color_ = h('input', {type: 'color', 'aria-label': `Color of ${name}`,
-      'data-testid': `surface-color-${name}`, oninput: () => set({color: this.color_.value})});
+      'data-testid': `surface-color-${name}`,
+      ...gesture(app.connection, () => set({color: this.color_.value}))});
     /** @private */
     this.visible_ = h('input', {type: 'checkbox', 'aria-label': `Show ${name}`,
       'data-testid': `surface-visible-${name}`,
-      onchange: () => set({visible: this.visible_.checked ? 'yes' : 'no'})});
+      onchange: () => {
+        app.connection.mark();
+        set({visible: this.visible_.checked ? 'yes' : 'no'});
+      }});
     /** @private */
     this.iso_ = h('input', {type: 'number', step: 'any', class: 'iso number',
       'aria-label': `Isovalue of ${name}`, 'data-testid': `iso-${name}`,
@@ -82,7 +87,7 @@ export class SurfaceCard {
     /** @private */
     this.opacity_ = h('input', {type: 'range', min: 0.0625, max: 1, step: 0.0625,
       'aria-label': `Opacity of ${name}`, 'data-testid': `surface-opacity-${name}`,
-      oninput: () => set({opacity: this.opacity_.value})});
+      ...gesture(app.connection, () => set({opacity: this.opacity_.value}))});
     /** @private */
     this.opacityText_ = h('span', {class: 'number muted amount'});
     /** @private */
