@@ -20,6 +20,14 @@ const KEY_STEPS = 500;     // Arrow keys cross the range in this many steps.
 
 /** @typedef {{first: number, width: number, counts: number[]}} Counts */
 
+/**
+ * An isovalue that the state does not have yet.
+ * @typedef {object} Ahead
+ * @property {number} value
+ * @property {number} underWay    Number of settings without a reply.
+ * @property {number} revision    Revision of the last reply. The state arrives later.
+ */
+
 export class Histogram {
   /**
    * @param {HTMLElement} root
@@ -35,7 +43,7 @@ export class Histogram {
     this.counts_ = null;
     /** @private Whether the counts are known, and not only the axis. */
     this.isCounted_ = false;
-    /** @private @type {Map<string, number>} isovalues being dragged, ahead of the state */
+    /** @private @type {Map<string, Ahead>} isovalues ahead of the state */
     this.ahead_ = new Map();
     /** @private */
     this.x_ = d3.scaleLinear();
@@ -58,7 +66,9 @@ export class Histogram {
     root.append(this.svg_, this.message_);
     new ResizeObserver(() => this.draw_()).observe(root);
     app.store.subscribe(['volume'], ({volume}) => void this.load_(volume));
-    app.store.subscribe(['surfaces', 'volume'], () => this.drawHandles_());
+    app.store.subscribe(['surfaces', 'volume', 'revision'], () => this.follow_());
+    // A restarted server begins again at 1.
+    app.connection.on('lost', () => this.ahead_.forEach(ahead => { ahead.revision = 0; }));
     selection.watch(() => this.drawHandles_());
     app.connection.on('hello', () => {
       // The connection may have been lost before the counts arrived.
@@ -231,7 +241,7 @@ export class Histogram {
    * @param {string} name
    */
   valueOf_(name) {
-    return this.ahead_.get(name)
+    return this.ahead_.get(name)?.value
       ?? this.app_.store.state?.surfaces.find(each => each.name === name)?.isovalue ?? 0;
   }
 
@@ -247,17 +257,34 @@ export class Histogram {
     }
     const [low, high] = this.x_.domain();
     const value = roundIso(Math.max(low, Math.min(high, wished)), volume);
-    if (value === this.ahead_.get(name)) {
+    const ahead = this.ahead_.get(name) ?? {value: NaN, underWay: 0, revision: 0};
+    if (value === ahead.value) {
       return;
     }
-    this.ahead_.set(name, value);
+    ahead.value = value;
+    ahead.underWay += 1;
+    this.ahead_.set(name, ahead);
     this.drawHandles_();
-    void this.app_.connection.set(isoCommand(name, value)).then(() => {
-      if (this.ahead_.get(name) === value) {
-        this.ahead_.delete(name);
-        this.drawHandles_();
-      }
+    void this.app_.connection.set(isoCommand(name, value)).then(({revision = 0}) => {
+      ahead.underWay -= 1;
+      ahead.revision = Math.max(ahead.revision, revision);
+      this.follow_();
     });
+  }
+
+  /**
+   * Drops values that the state has reached. The reply arrives before the state: without the wait,
+   * an arrow key between the two would start from the former value.
+   * @private
+   */
+  follow_() {
+    const {revision} = this.app_.store.state ?? {revision: 0};
+    for (const [name, ahead] of this.ahead_) {
+      if (ahead.underWay === 0 && revision >= ahead.revision) {
+        this.ahead_.delete(name);
+      }
+    }
+    this.drawHandles_();
   }
 
   /**
