@@ -58,6 +58,17 @@ function sizeMenu(app) {
     h('option', {value: ''}, 'fit to panel'), ...SIZES.map(each => h('option', {value: each},
       each.replace('x', ' × '))));
   let timer = 0;
+  // Another viewer may have set the size for its own panel. It stays until this page is used:
+  // two pages that follow at once would take the size from each other for ever.
+  // Not before a click is answered: it names a pixel of the size that is shown.
+  for (const use of ['pointerup', 'keyup', 'focus', 'visibilitychange']) {
+    addEventListener(use, () => follow());
+  }
+  app.picture.stage.addEventListener('pointerenter', event => {
+    if (event.pointerType === 'mouse') {
+      follow();
+    }
+  });
   const follow = () => {
     if (menu.value === '' && app.store.state && !app.connection.watches) {
       const wished = sizeOf(app.picture.stage);
