@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { createServer } from 'node:http';
 import test from 'node:test';
-import { browser, openPage, server, useServer } from './harness.js';
+import { browser, openPage, serve, server, useServer } from './harness.js';
 import { after, rawSocket, say, settled, state, stateWhen } from './steps.js';
 
 const LONGEST_MESSAGE = 64 * 1024;  // host/serve/README.md
@@ -121,6 +121,56 @@ test('after a lost connection the page connects again and shows the state as it 
   });
   assert.notEqual(turned.digest, first.digest, 'the page works as before');
   await context.close();
+});
+
+test('a server that stops answering is shown while it is asked, and no longer', async () => {
+  const { page, close } = await openPage(browser, server.url);
+  await settled(page);
+  const stalled = page.getByTestId('stalled');
+  assert.ok(await stalled.isHidden());
+  server.child.kill('SIGSTOP');
+  try {
+    await page.getByTestId('stage').focus();
+    await page.keyboard.press('ArrowRight');
+    await stalled.getByText(/No answer .* \d+ s/).waitFor();
+  } finally {
+    server.child.kill('SIGCONT');
+  }
+  await stalled.waitFor({ state: 'hidden' });
+  await settled(page);
+  await close();
+});
+
+test('a server that was started again with another token is told of', async () => {
+  const first = await serve('phantom:sphere', 'resample=16x16x16');
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  let second;
+  try {
+    await page.goto(first.url);
+    await settled(page);
+    await first.stop();
+    await page.getByTestId('lost').waitFor({ state: 'visible' });
+    await page.getByTestId('lost-next').getByText('Reconnecting').waitFor();
+    second = await serve('phantom:sphere', 'resample=16x16x16', '--port', new URL(first.url).port);
+    await page.getByTestId('lost-next').getByText('new address').waitFor();
+  } finally {
+    await context.close();
+    await second?.stop();
+  }
+});
+
+test('the address bar keeps no token, and the page can be loaded again', async () => {
+  const { page, close } = await openPage(browser, server.url);
+  assert.doesNotMatch(page.url(), /token/);
+  assert.doesNotMatch(await page.evaluate(() => location.href), /token/);
+  await page.reload();
+  await settled(page);
+  await after(page, async () => {
+    await page.getByTestId('stage').focus();
+    await page.keyboard.press('ArrowRight');
+  });
+  await close();
 });
 
 test('a watcher sees what the driver does, and can do nothing', async () => {

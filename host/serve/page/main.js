@@ -2,6 +2,7 @@
 import {byId} from './elements/dom.js';
 import {OPENING, Toasts} from './elements/toasts.js';
 import {Connection} from './link/connection.js';
+import {address} from './link/token.js';
 import {watchPointers} from './picture/gestures.js';
 import {measure} from './picture/metrics.js';
 import {PictureView} from './picture/picture.js';
@@ -13,7 +14,7 @@ import {watchKeys} from './shell/keyboard.js';
 import {createOverlay} from './shell/overlay.js';
 import {createPointing} from './shell/pointing.js';
 import {createTabs} from './shell/tabs.js';
-import {createHints, createVeil, createWork} from './shell/work.js';
+import {createHints, createStall, createVeil, createWork} from './shell/work.js';
 import {Modes} from './state/modes.js';
 import {Selection} from './state/selection.js';
 import {Store} from './state/store.js';
@@ -23,8 +24,7 @@ import {createSaveDialog} from './volume/saving.js';
 
 /** The WebSocket's URL, relative to the page, with the token of the page. */
 function socketUrl() {
-  const url = new URL('socket', location.href);
-  url.search = location.search;
+  const url = address('socket');
   url.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
   return url;
 }
@@ -69,6 +69,7 @@ function start() {
   createBadge(app);
   createWork(app);
   createVeil(app);
+  createStall(app);
   createHints(app);
   createTabs(app);
   watchPointers(picture, viewpoint, createPointing(app));

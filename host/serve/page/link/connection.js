@@ -66,6 +66,8 @@ export class Connection {
     this.waitMs_ = FIRST_WAIT_MS;
     /** @private */
     this.wantsMachine_ = false;
+    /** @private performance.now() of the last message. */
+    this.heardAt_ = 0;
     /** @type {import('./types.js').Hello | null} */
     this.hello = null;
   }
@@ -87,6 +89,12 @@ export class Connection {
 
   get connected() {
     return this.socket_?.readyState === WebSocket.OPEN;
+  }
+
+  /** Time for which the server has been silent although it was asked; 0 if nothing was asked. */
+  get silent_ms() {
+    const [oldest] = this.waiting_.values();
+    return oldest ? performance.now() - Math.max(oldest.sentAt, this.heardAt_) : 0;
   }
 
   /** Whether this page is view-only. */
@@ -252,6 +260,7 @@ export class Connection {
    * @param {string | ArrayBuffer} data
    */
   take_(data) {
+    this.heardAt_ = performance.now();
     if (typeof data === 'string') {
       this.takeText_(JSON.parse(data));
     } else if (magicOf(data) === FRAME_HEADER_MAGIC) {

@@ -1,5 +1,6 @@
 // The progress of long work, the notice of a lost connection, and hints.
 import {byId, h} from '../elements/dom.js';
+import {address} from '../link/token.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/types.js').Progress} Progress */
@@ -9,6 +10,12 @@ const SHOW_AFTER_MS = 300;      // Shorter work is not shown.
 const CANCELABLE = ['load', 'reading', 'handing to the GPs'];
 const HINTS_SEEN = 'pxpl5-hints-seen';
 const VEIL_AFTER_MS = 400;
+const STALL_MS = 2500;          // A silence of this length is shown.
+const LOOK_MS = 500;
+const FORBIDDEN = 403;
+const RECONNECTING = 'Reconnecting. The session is kept as long as pxpl5 serve runs.';
+const NEW_ADDRESS = 'The server was started again and has a new address. Open the address that '
+  + 'pxpl5 serve printed in its terminal. The former session has ended.';
 
 /** @param {App} app */
 export function createWork(app) {
@@ -46,14 +53,45 @@ export function createWork(app) {
   });
 }
 
+/**
+ * Tells that the server has stopped answering. Long work is no stall: it has its own notice.
+ * @param {App} app
+ */
+export function createStall(app) {
+  const root = byId('stalled');
+  setInterval(() => {
+    const {silent_ms} = app.connection;
+    const isStalled = silent_ms >= STALL_MS && !app.store.state?.busy;
+    root.hidden = !isStalled;
+    if (isStalled) {
+      root.textContent = `No answer from the server for ${Math.round(silent_ms / 1000)} s. `
+        + 'The picture may be old.';
+    }
+  }, LOOK_MS);
+}
+
+/**
+ * Whether the server refuses this page: another server with another token has its port.
+ * @returns {Promise<boolean>}
+ */
+async function isRefused() {
+  try {
+    return (await fetch(address('icon.svg'), {cache: 'no-store'})).status === FORBIDDEN;
+  } catch {
+    return false;  // No server answers.
+  }
+}
+
 /** @param {App} app */
 export function createVeil(app) {
   let timer = 0;
   app.connection.on('lost', (/** @type {string} */ why) => {
     byId('lost-why').textContent = why;
+    byId('lost-next').textContent ||= RECONNECTING;
     if (timer === 0) {
       timer = window.setTimeout(() => { byId('lost').hidden = false; }, VEIL_AFTER_MS);
     }
+    byId('lost-next').textContent = await isRefused() ? NEW_ADDRESS : RECONNECTING;
   });
   app.connection.on('hello', () => {
     clearTimeout(timer);

@@ -1,7 +1,8 @@
 // Saves a mesh, a picture or the session, and reopens a session.
 import {h} from '../elements/dom.js';
 import {word} from '../link/lines.js';
-import {address, openFiles, SESSION_ENDING} from './upload.js';
+import {address} from '../link/token.js';
+import {openFiles, SESSION_ENDING} from './upload.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
@@ -32,7 +33,7 @@ async function download(app, line, name) {
   const reply = await app.connection.do(line);
   const path = reply.result?.download;
   if (reply.ok && path) {
-    saveAs(address(path, {}).href, name);
+    saveAs(address(path).href, name);
     app.toasts.info(`Saved ${name}.`);
   }
 }

@@ -1,6 +1,7 @@
 // Uploads files and opens them.
 import {byId, h} from '../elements/dom.js';
 import {word} from '../link/lines.js';
+import {address} from '../link/token.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
@@ -8,18 +9,6 @@ const MOST_FILES = 100000;          // The server's limits: host/serve/README.md
 const MOST_BYTES = 4 * 2 ** 30;
 /** File name ending of a session. */
 export const SESSION_ENDING = '.pxpl5';
-
-/**
- * A URL relative to the page, with the token of the page.
- * @param {string} path
- * @param {Record<string, string>} query
- */
-export function address(path, query) {
-  const url = new URL(path, location.href);
-  const token = new URLSearchParams(location.search).get('token');
-  url.search = new URLSearchParams({...query, ...(token ? {token} : {})}).toString();
-  return url;
-}
 
 /** @typedef {{file: File, name: string}} Named  The name may hold folders: "a/b.dcm". */
 
