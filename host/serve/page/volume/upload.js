@@ -7,6 +7,7 @@ import {address} from '../link/token.js';
 
 const MOST_FILES = 100000;          // The server's limits: host/serve/README.md.
 const MOST_BYTES = 4 * 2 ** 30;
+const AT_ONCE = 4;                  // Requests of an upload.
 /** File name ending of a session. */
 export const SESSION_ENDING = '.pxpl5';
 
@@ -59,20 +60,33 @@ async function upload(app, files) {
   const batch = crypto.getRandomValues(new Uint32Array(1))[0].toString(16);
   const stop = new AbortController();
   const bar = h('progress', {max: total || 1, value: 0, 'aria-label': 'Upload progress'});
-  const box = h('div', {class: 'toast info', 'data-testid': 'uploading'},
+  const share = h('span', {class: 'number muted'}, '0 %');
+  const box = h('div', {class: 'toast info upload', 'data-testid': 'uploading'},
     h('p', {}, `Uploading ${files.length === 1 ? files[0].name : `${files.length} files`} …`),
-    bar, h('button', {onclick: () => stop.abort()}, 'Cancel'));
+    share, h('button', {onclick: () => stop.abort()}, 'Cancel'), bar);
   byId('toasts').append(box);
-  try {
-    let sent = 0;
-    for (const {file, name} of files) {
-      await post(address('upload', {name, batch}), file, stop.signal);
-      sent += file.size;
-      bar.value = sent;
+  /** @type {Map<File, number>} bytes sent of each file */
+  const sent = new Map();
+  const tell = (/** @type {File} */ file, /** @type {number} */ bytes) => {
+    sent.set(file, Math.min(bytes, file.size));
+    bar.value = [...sent.values()].reduce((sum, each) => sum + each, 0);
+    share.textContent = `${Math.floor(bar.value / bar.max * 100)} %`;
+  };
+  // Several at once: on a slow link each request waits mostly for its answer.
+  const rest = [...files];
+  const sendRest = async () => {
+    for (let next = rest.shift(); next; next = rest.shift()) {
+      const {file, name} = next;
+      await post(address('upload', {name, batch}), file, stop.signal, bytes => tell(file, bytes));
+      tell(file, file.size);
     }
+  };
+  try {
+    await Promise.all(Array.from({length: Math.min(AT_ONCE, files.length)}, sendRest));
     return (await post(address('upload/done', {batch}), null, stop.signal)).path;
   } catch (error) {
     if (!stop.signal.aborted) {
+      stop.abort();
       app.toasts.error(`Upload failed: ${/** @type {Error} */ (error).message}`);
     }
     return null;
@@ -82,18 +96,43 @@ async function upload(app, files) {
 }
 
 /**
+ * Sends with XMLHttpRequest, since `fetch` tells no progress.
  * @param {URL} url
  * @param {File | null} body
  * @param {AbortSignal} signal
+ * @param {(bytes: number) => void} [progress]  Called with the number of bytes sent so far.
  * @returns {Promise<any>} the answer's JSON; {} if it has none
  * @throws {Error} with the server's sentence
  */
-async function post(url, body, signal) {
-  const response = await fetch(url, {method: 'POST', body, signal});
-  const said = await response.json().catch(() => ({}));
-  if (!response.ok) {
-    throw new Error(said.error
-      ?? `the server answered ${response.status} ${response.statusText}`);
+function post(url, body, signal, progress) {
+  return new Promise((resolve, reject) => {
+    const request = new XMLHttpRequest();
+    request.open('POST', url);
+    request.upload.onprogress = ({loaded}) => progress?.(loaded);
+    request.onload = () => {
+      const said = parsed(request.responseText);
+      if (request.status >= 200 && request.status < 300) {
+        resolve(said);
+      } else {
+        reject(new Error(said.error
+          ?? `the server answered ${request.status} ${request.statusText}`));
+      }
+    };
+    request.onerror = () => reject(new Error('the connection was lost'));
+    request.onabort = () => reject(new Error('canceled'));
+    signal.addEventListener('abort', () => request.abort());
+    request.send(body);
+  });
+}
+
+/**
+ * @param {string} text
+ * @returns {any} {} if the text is no JSON
+ */
+function parsed(text) {
+  try {
+    return JSON.parse(text);
+  } catch {
+    return {};
   }
-  return said;
 }
