@@ -72,7 +72,7 @@ function start() {
   createStall(app);
   createHints(app);
   createTabs(app);
-  watchPointers(picture, viewpoint, createPointing(app));
+  watchPointers(picture, viewpoint, createPointing(app, () => viewpoint.reset()));
   watchKeys(app, viewpoint, actions);
   connection.open();
 }

@@ -27,6 +27,7 @@ export function watchPointers(picture, viewpoint, click) {
     if (event.target instanceof Element && event.target.closest('button, a, [role=button]')) {
       return;
     }
+    stage.classList.add('by-pointer');
     stage.focus({preventScroll: true});
     stage.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
@@ -57,6 +58,9 @@ export function watchPointers(picture, viewpoint, click) {
       viewpoint.drag(ballAt(picture, before), ballAt(picture, now));
     }
   });
+  // A frame around the picture shows the keyboard's focus, and no click.
+  stage.addEventListener('keydown', () => stage.classList.remove('by-pointer'));
+  stage.addEventListener('blur', () => stage.classList.remove('by-pointer'));
   const end = (/** @type {PointerEvent} */ event) => {
     const wasThere = pointers.delete(event.pointerId);
     if (pointers.size === 0) {
@@ -70,14 +74,6 @@ export function watchPointers(picture, viewpoint, click) {
   stage.addEventListener('pointerup', end);
   stage.addEventListener('pointercancel', end);
   stage.addEventListener('contextmenu', event => event.preventDefault());
-  stage.addEventListener('dblclick', event => {
-    // In a mode, a double click is two clicks.
-    const isFree = event.target instanceof Element && !event.target.closest('button, [role=button]')
-      && !stage.classList.contains('mode');
-    if (isFree) {
-      viewpoint.reset();
-    }
-  });
   watchWheel(stage, viewpoint);
 }
 

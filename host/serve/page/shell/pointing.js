@@ -3,18 +3,30 @@ import {byId, h} from '../elements/dom.js';
 import {plain} from '../link/lines.js';
 
 /** @typedef {import('../panel/app.js').App} App */
+/** @typedef {{surface: string}} Hit */
+
+const DOUBLE_CLICK_MS = 300;  // A click waits this long for a second click.
 
 /**
  * @param {App} app
+ * @param {() => void} reset  Called at a double click. In a mode, a double click is two clicks.
  * @returns {(event: PointerEvent) => void}
  */
-export function createPointing(app) {
+export function createPointing(app, reset) {
   const words = h('div', {id: 'pointed', role: 'status', 'data-testid': 'pointed', hidden: true});
   byId('middle').querySelector('#stage')?.append(words);
   app.picture.onShown(header => {
     // The text describes the previous picture.
     words.hidden ||= !header.rests;
   });
+  let timer = 0;
+  const pointAt = (/** @type {PointerEvent} */ event) => {
+    timer = 0;
+    const pixel = app.picture.pixelAt(event);
+    if (pixel) {
+      void point(app, pixel, words);
+    }
+  };
   return event => {
     const pixel = app.picture.pixelAt(event);
     if (!pixel || app.connection.watches) {
@@ -22,8 +34,13 @@ export function createPointing(app) {
     }
     if (app.modes.current) {
       app.modes.current.click(pixel.x, pixel.y);
+    } else if (timer !== 0) {
+      // A double click points at nothing.
+      clearTimeout(timer);
+      timer = 0;
+      reset();
     } else {
-      void point(app, pixel, words);
+      timer = window.setTimeout(() => pointAt(event), DOUBLE_CLICK_MS);
     }
   };
 }
@@ -39,7 +56,9 @@ async function point(app, {x, y}, words) {
     words.hidden = true;
     return;
   }
-  const {surface, p_mm, value, hits} = reply.result;
+  const {surface, p_mm, value} = reply.result;
+  /** @type {Hit[]} */
+  const hits = reply.result.hits;
   const chosen = hits.findIndex(hit => hit.surface === surface);
   const others = hits.filter(hit => hit.surface !== surface).map(hit =>
     `${hits.indexOf(hit) < chosen ? 'in front' : 'behind'}: ${hit.surface}`);
