@@ -8,6 +8,7 @@ import {cardsOf, changesOf} from './why_cards.js';
 const MODE = 'inspect';
 const HINT = 'Click a pixel to explain its color. Press Esc to stop.';
 const EMPTY = 'Press Inspect, then click a pixel in the picture.';
+const WATCHING = 'A view-only page cannot inspect.';
 
 const testIdOf = (/** @type {Element} */ element) => element.getAttribute('data-testid');
 
@@ -41,7 +42,11 @@ class InspectorPanel {
     h('button', {type: 'submit', 'data-testid': 'why-ask'}, 'Why?'));
     root.append(intro('Explains the color of a pixel, back to eight voxels.'),
       form, this.message.element, this.cards, this.stream.element);
-    this.message.say(EMPTY);
+    app.connection.on('hello', () => {
+      if (this.revision === 0) {
+        this.message.say(app.connection.watches ? WATCHING : EMPTY);
+      }
+    });
     app.picture.overlay.append(this.ring);
     app.picture.onChange(() => this.mark());
     app.picture.onShown(header => this.outdated(header.revision));

@@ -37,6 +37,7 @@ class MeasurePanel {
     root.append(intro('Straight-line distance between two points on a surface.'),
       h('div', {class: 'tool-row drives'}, button), this.list, this.message.element);
     app.picture.onChange(() => this.draw());
+    app.connection.on('hello', () => this.show());
     // After the view changes, the pixel of the first click shows another point.
     app.store.subscribe(['camera', 'size'], () => this.forgetFirst());
     app.store.subscribe(['volume'], ({volume}) => this.open(volume?.source ?? ''));
@@ -84,8 +85,9 @@ class MeasurePanel {
   }
 
   show() {
-    this.message.say(this.distances.length > 0 ? ''
-      : 'Press Measure, then click two points on a surface.');
+    const advice = this.app.connection.watches ? 'A view-only page cannot measure.'
+      : 'Press Measure, then click two points on a surface.';
+    this.message.say(this.distances.length > 0 ? '' : advice);
     this.list.replaceChildren(...this.distances.map(distance => h('li', {},
       h('span', {class: 'badge'}, distance.name),
       h('b', {class: 'grow number'}, lengthText(distance.distance_mm)),

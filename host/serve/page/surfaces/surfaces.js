@@ -21,7 +21,7 @@ export function createSurfaces(root, app, selection) {
   const cards = new Map();
   const announce = announcer();
   const list = h('ul', {id: 'surfaces', 'data-testid': 'surfaces'});
-  const empty = h('p', {class: 'muted'}, 'No surfaces. Add a surface, or choose a tissue above.');
+  const empty = h('p', {class: 'muted', 'data-testid': 'no-surfaces'});
   const add = h('button', {class: 'quiet', 'data-testid': 'surface-add',
     title: 'Add a surface at the middle of the value range',
     onclick: () => addSurface(app, selection)},
@@ -31,6 +31,8 @@ export function createSurfaces(root, app, selection) {
     const own = state.surfaces.filter(each => each.compared_with === '');
     selection.keepTo(own);
     empty.hidden = own.length > 0 || !state.volume;
+    empty.textContent = state.volume && mayBeHounsfield(state.volume)
+      ? 'No surfaces. Add a surface, or choose a tissue above.' : 'No surfaces. Add a surface.';
     add.disabled = !state.volume || own.length >= LIMITS.max_user_surfaces;
     for (const [name, card] of cards) {
       if (!own.some(each => each.name === name)) {

@@ -96,8 +96,11 @@ function createOptions() {
   const rows = /** @type {const} */ ([
     ['crop', 'Crop', 'First and last voxel, e.g. 10:90,0:127,5:40'],
     ['resample', 'Resample', 'Number of voxels, e.g. 128x128x64'],
+    ['resample_mm', 'Resample (mm)', 'New spacing in mm, e.g. 1,1,1'],
     ['smooth', 'Smooth', 'Standard deviation in mm, e.g. 1.5'],
     ['series', 'Series', 'Series of a DICOM folder, e.g. 2'],
+    ['spacing', 'Spacing', 'In mm, if the file does not state it, e.g. 0.5,0.5,1'],
+    ['raw', 'Raw layout', 'Of a file without a header, e.g. 64x64x32,int16'],
   ]).map(([key, label, title]) => {
     const input = h('input', {type: 'text', class: 'grow', id: `open-${key}`, title,
       autocomplete: 'off', 'data-testid': `open-${key}`});
