@@ -22,7 +22,10 @@ const EDGES = /** @type {{at: [number, number], anchor: string, on: [number, num
 export function createOverlay(app, viewpoint) {
   const {picture} = app;
   const letters = EDGES.map(({anchor}) => s('text', {class: 'side', 'text-anchor': anchor}));
-  const bar = s('path', {class: 'scale'}), barText = s('text', {class: 'scale-text'});
+  // A dark line behind the light line, so that the bar is visible on any ground.
+  const bar = s('g', {'data-testid': 'scale-bar'}, s('path', {class: 'scale-edge'}),
+    s('path', {class: 'scale'}));
+  const barText = s('text', {class: 'scale-text'});
   const cross = s('g', {class: 'crosshair', visibility: 'hidden', 'data-testid': 'crosshair'},
     s('path', {d: `M${-CROSS_PX} 0H-3M3 0H${CROSS_PX}M0 ${-CROSS_PX}V-3M0 3V${CROSS_PX}`}));
   picture.overlay.append(s('g', {}, ...letters), s('g', {}, bar, barText), cross);
@@ -32,12 +35,12 @@ export function createOverlay(app, viewpoint) {
 
   const redraw = () => {
     const {camera, width, height} = picture;
+    update(picture.overlay, {visibility: camera ? null : 'hidden'});
     if (!camera) {
+      update(cross, {visibility: 'hidden'});
       return;
     }
-    update(picture.overlay, {visibility: camera ? null : 'hidden'});
     const margin = MARGIN_REM * parseFloat(getComputedStyle(document.documentElement).fontSize);
-      update(cross, {visibility: 'hidden'});
     EDGES.forEach(({at, on}, index) => {
       letters[index].textContent = lettersTowards(camera.patient_to_eye, on);
       update(letters[index], {x: margin + at[0] * (width - 2 * margin),
@@ -64,20 +67,34 @@ export function createOverlay(app, viewpoint) {
 }
 
 /**
- * @param {SVGPathElement} bar
+ * Whether dark letters are easier to read on a color.
+ * @param {string} color  #rrggbb
+ */
+function isLight(color) {
+  const [red, green, blue] = [1, 3, 5].map(at => parseInt(color.slice(at, at + 2), 16) / 255);
+  return 0.2126 * red ** 2.2 + 0.7152 * green ** 2.2 + 0.0722 * blue ** 2.2 > 0.4;
+}
+
+/**
+ * @param {SVGGElement} bar  Its paths have the same shape.
  * @param {SVGTextElement} text
  * @param {number} mmPerPlace
  * @param {{x: number, y: number, width: number}} at  Its left end; the picture's width.
  */
 function drawBar(bar, text, mmPerPlace, {x, y, width}) {
+  const draw = (/** @type {string} */ d) => {
+    for (const path of bar.children) {
+      update(path, {d});
+    }
+  };
   if (mmPerPlace <= 0 || width === 0) {
-    update(bar, {d: 'M0 0'});
+    draw('M0 0');
     text.textContent = '';
     return;
   }
   const mm = roundLength(width * BAR_SHARE * mmPerPlace);
   const px = mm / mmPerPlace;
-  update(bar, {d: `M${x} ${y - 4}v8M${x} ${y}h${px}m0 -4v8`});
+  draw(`M${x} ${y - 4}v8M${x} ${y}h${px}m0 -4v8`);
   update(text, {x: x + 6, y: y - 6});
   text.textContent = mm >= 10 ? `${mm / 10} cm` : `${mm} mm`;
 }

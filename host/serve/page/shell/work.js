@@ -54,7 +54,7 @@ export function createWork(app) {
 }
 
 /**
- * Tells that the server has stopped answering. Long work is no stall: it has its own notice.
+ * Shows that the server has stopped answering. Long work is no stall: it has its own notice.
  * @param {App} app
  */
 export function createStall(app) {
@@ -85,7 +85,7 @@ async function isRefused() {
 /** @param {App} app */
 export function createVeil(app) {
   let timer = 0;
-  app.connection.on('lost', (/** @type {string} */ why) => {
+  app.connection.on('lost', async (/** @type {string} */ why) => {
     byId('lost-why').textContent = why;
     byId('lost-next').textContent ||= RECONNECTING;
     if (timer === 0) {
@@ -131,7 +131,8 @@ export function createHints(app) {
     root.hidden = mode === null && !isFirst;
     root.replaceChildren(...(mode ? [mode.hint, leaveButton(app)] : firstHint(isTouch)));
   });
-  app.picture.stage.addEventListener('pointerup', done);
+  // Any use of the page shows that the hint was read: it asks for a drag in the histogram, too.
+  document.addEventListener('pointerup', done);
   app.picture.stage.addEventListener('wheel', done);
   document.addEventListener('keydown', done);
   app.connection.on('hello', hello => {
@@ -150,8 +151,7 @@ function leaveButton(app) {
 
 /** @param {boolean} isTouch */
 function firstHint(isTouch) {
-  return [isTouch
-    ? 'One finger rotates the view. Two fingers move and zoom.'
-    : 'Drag to rotate, scroll to zoom, right-drag to move. Drag a handle in the histogram to '
-      + 'change a surface. Press ? for help.'];
+  return isTouch ? ['One finger rotates the view. Two fingers move and zoom.']
+    : ['Drag to rotate, scroll to zoom, right-drag to move.', h('span', {class: 'more'},
+      ' Drag a handle in the histogram to change a surface. Press ? for help.')];
 }

@@ -10,6 +10,7 @@ import {gesture} from '../panel/gesture.js';
 const TABLE_NAMES = new Map([['watertight', 'watertight'], ['lorensen1987', 'tables of 1987'],
   ['asymptotic', 'asymptotic decider']]);
 const LEAST_ML = [0.1, 1, 10, 100];
+const ISO_DIGITS = 7;  // Significant digits of an isovalue in its field.
 
 /**
  * A number with commas between thousands.
@@ -130,7 +131,9 @@ export class SurfaceCard {
   show(surface) {
     show(this.color_, surface.color);
     this.visible_.checked = surface.visible;
-    show(this.iso_, plain(surface.isovalue, 6));
+    // The field holds about ten characters; the tooltip has the whole value.
+    show(this.iso_, plain(Number(surface.isovalue.toPrecision(ISO_DIGITS)), 6));
+    this.iso_.title = String(surface.isovalue);
     show(this.opacity_, String(surface.opacity));
     this.opacityText_.textContent = `${Math.round(surface.opacity * 100)} %`;
     const isFiltered = surface.components !== '' && surface.components !== 'all';
