@@ -1,4 +1,5 @@
-// Reads the headers of DICOM slices. Only dicom_header.cpp and dicom_pixels.cpp include GDCM.
+// Reads the headers of DICOM slices.
+#include "host/io/dicom/dicom_elements.hpp"
 #include "host/io/dicom/dicom_file.hpp"
 #include "host/io/dicom/dicom_structure.hpp"
 
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <glm/geometric.hpp>
 
@@ -24,44 +24,6 @@ namespace fs = std::filesystem;
 
 const gdcm::Tag pixel_data(0x7fe0, 0x0010);
 constexpr double max_skew_cosine = 1e-2;  // Rows and columns of an image are at right angles.
-
-/// The bytes of an element as text, without padding; empty if it is absent.
-std::string text_of(const gdcm::DataSet& data, gdcm::Tag tag) {
-    if (!data.FindDataElement(tag)) {
-        return {};
-    }
-    const gdcm::ByteValue* bytes = data.GetDataElement(tag).GetByteValue();
-    if (bytes == nullptr || bytes->GetPointer() == nullptr) {
-        return {};
-    }
-    const std::string text(bytes->GetPointer(), bytes->GetLength());
-    const std::size_t first = text.find_first_not_of(" \t");
-    const std::size_t last = text.find_last_not_of(std::string(" \t\0", 3));
-    return first == std::string::npos || last == std::string::npos || last < first
-               ? std::string()
-               : text.substr(first, last - first + 1);
-}
-
-/// Numbers of an element, which stand between backslashes. Empty if it is absent or empty.
-std::vector<double> numbers_of(const std::string& file, const gdcm::DataSet& data, gdcm::Tag tag) {
-    std::string text = text_of(data, tag);
-    std::replace(text.begin(), text.end(), '\\', ' ');
-    return numbers(file, fmt::format("({:04x},{:04x})", tag.GetGroup(), tag.GetElement()), text);
-}
-
-/// A US element; GDCM has put it into this machine's byte order. 0 if it is absent or too short.
-int unsigned_of(const gdcm::DataSet& data, gdcm::Tag tag) {
-    if (!data.FindDataElement(tag)) {
-        return 0;
-    }
-    const gdcm::ByteValue* bytes = data.GetDataElement(tag).GetByteValue();
-    std::uint16_t value = 0;
-    if (bytes == nullptr || bytes->GetPointer() == nullptr || bytes->GetLength() < sizeof value) {
-        return 0;
-    }
-    std::memcpy(&value, bytes->GetPointer(), sizeof value);
-    return value;
-}
 
 /// The data sets in which a frame's element may be: the frame's own functional group, the shared
 /// one, the file's.
@@ -348,6 +310,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
         slices.push_back(std::move(slice));
     }
     place_by_offsets(file, data, slices);
+    unfold_mosaic(file, data, slices);
     return slices;
 }
 

@@ -24,6 +24,9 @@ constexpr std::size_t max_shapes = 1024;  // A file for each would be no series.
 
 std::string name_of(const DicomSlice& slice) {
     const std::string file = shown(slice.path.filename().string());
+    if (slice.tiles_across > 1) {
+        return fmt::format("tile {} of {}", slice.tile + 1, file);
+    }
     return slice.frames == 1 ? file : fmt::format("frame {} of {}", slice.frame + 1, file);
 }
 

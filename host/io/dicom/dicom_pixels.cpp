@@ -58,13 +58,14 @@ void check_grey(const std::string& file, const DicomSlice& slice) {
 /// Broken sizes must not become gigabytes: nothing compresses so well.
 void check_ratio(const std::string& file, const DicomSlice& slice) {
     constexpr std::uint64_t unsuspicious_bytes = std::uint64_t{1} << 29, max_ratio = 1000;
-    const std::uint64_t pixels = static_cast<std::uint64_t>(slice.columns) *
-                                 static_cast<std::uint64_t>(slice.rows) *
+    const std::uint64_t pixels = static_cast<std::uint64_t>(slice.stored_columns()) *
+                                 static_cast<std::uint64_t>(slice.stored_rows()) *
                                  static_cast<std::uint64_t>(slice.frames);
     const std::uint64_t has = fs::file_size(slice.path);
     if (pixels > unsuspicious_bytes && pixels / max_ratio > has) {
         throw ImportError(fmt::format("{}: states {}x{}x{} pixels, but has {} bytes", file,
-                                      slice.columns, slice.rows, slice.frames, has));
+                                      slice.stored_columns(), slice.stored_rows(), slice.frames,
+                                      has));
     }
 }
 
@@ -79,19 +80,35 @@ void check_pixels(const std::string& file, const DicomSlice& slice, const gdcm::
             file, format.GetSamplesPerPixel(), image.GetPhotometricInterpretation().GetString()));
     }
     const unsigned frames = image.GetNumberOfDimensions() > 2 ? image.GetDimension(2) : 1;
-    if (image.GetDimension(0) != static_cast<unsigned>(slice.columns) ||
-        image.GetDimension(1) != static_cast<unsigned>(slice.rows) ||
+    if (image.GetDimension(0) != static_cast<unsigned>(slice.stored_columns()) ||
+        image.GetDimension(1) != static_cast<unsigned>(slice.stored_rows()) ||
         frames != static_cast<unsigned>(slice.frames)) {
         throw ImportError(
             fmt::format("{}: its pixel data hold {}x{}x{}, its header states {}x{}x{}", file,
-                        image.GetDimension(0), image.GetDimension(1), frames, slice.columns,
-                        slice.rows, slice.frames));
+                        image.GetDimension(0), image.GetDimension(1), frames,
+                        slice.stored_columns(), slice.stored_rows(), slice.frames));
     }
     if (image.GetBufferLength() != needed) {
         throw ImportError(fmt::format("{}: its pixel data decode to {} bytes, {}x{}x{} need {}",
-                                      file, image.GetBufferLength(), slice.columns, slice.rows,
-                                      slice.frames, needed));
+                                      file, image.GetBufferLength(), slice.stored_columns(),
+                                      slice.stored_rows(), slice.frames, needed));
     }
+}
+
+/// The values of one frame, or of one tile of it.
+std::vector<std::byte> tile_of(std::span<const std::byte> frame, const DicomSlice& slice,
+                               std::size_t value_bytes) {
+    const std::size_t row_bytes = static_cast<std::size_t>(slice.columns) * value_bytes;
+    const auto across = static_cast<std::size_t>(slice.tiles_across);
+    const auto tile = static_cast<std::size_t>(slice.tile),
+               rows = static_cast<std::size_t>(slice.rows);
+    std::vector<std::byte> values;
+    values.reserve(rows * row_bytes);
+    for (std::size_t row = tile / across * rows; row < (tile / across + 1) * rows; ++row) {
+        const auto line = frame.subspan((row * across + tile % across) * row_bytes, row_bytes);
+        values.insert(values.end(), line.begin(), line.end());
+    }
+    return values;
 }
 
 }  // namespace
@@ -109,9 +126,10 @@ void DicomPixels::add(const DicomSlice& slice, ValueSink& sink) {
         }
         const gdcm::Image& image = reader.GetImage();
         file_->component = component_of(file, image.GetPixelFormat());
-        const std::size_t needed =
-            static_cast<std::size_t>(slice.columns) * static_cast<std::size_t>(slice.rows) *
-            static_cast<std::size_t>(slice.frames) * component_bytes(file_->component);
+        const std::size_t needed = static_cast<std::size_t>(slice.stored_columns()) *
+                                   static_cast<std::size_t>(slice.stored_rows()) *
+                                   static_cast<std::size_t>(slice.frames) *
+                                   component_bytes(file_->component);
         check_pixels(file, slice, image, needed);
         file_->values.resize(needed);
         if (!image.GetBuffer(file_->values.data())) {
@@ -122,9 +140,15 @@ void DicomPixels::add(const DicomSlice& slice, ValueSink& sink) {
         file_->path = slice.path;
     }
     const std::size_t frame_bytes = file_->values.size() / static_cast<std::size_t>(slice.frames);
-    sink.add(std::as_bytes(std::span(file_->values))
-                 .subspan(static_cast<std::size_t>(slice.frame) * frame_bytes, frame_bytes),
-             file_->component, slice.scale);
+    const auto frame =
+        std::as_bytes(std::span(file_->values))
+            .subspan(static_cast<std::size_t>(slice.frame) * frame_bytes, frame_bytes);
+    if (slice.tiles_across == 1) {
+        sink.add(frame, file_->component, slice.scale);
+        return;
+    }
+    sink.add(tile_of(frame, slice, component_bytes(file_->component)), file_->component,
+             slice.scale);
 }
 
 }  // namespace pxpl5::host::io

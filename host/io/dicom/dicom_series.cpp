@@ -99,6 +99,11 @@ void report_slices(const Series& slices, std::vector<Finding>& findings) {
                                             "values are not those of the scanner",
                                             lossy, slices.size())});
     }
+    if (slices.front().tiles_across > 1) {
+        findings.push_back({FindingKind::note,
+                            fmt::format("a Siemens mosaic of {} slices, placed by its CSA header",
+                                        slices.size())});
+    }
     if (slices.front().is_inverted) {
         findings.push_back({FindingKind::note,
                             "MONOCHROME1: small values are meant to look bright; the values are "

@@ -25,7 +25,8 @@ struct DicomSlice {
     std::string description, modality;
     int series_number = 0, instance_number = 0;
     int columns = 0, rows = 0;
-    int samples = 1, bits = 0;  ///< Samples per pixel (1 is gray); bits allocated per sample.
+    int tiles_across = 1, tile = 0;  ///< A mosaic's picture has tiles_across^2 tiles of this size.
+    int samples = 1, bits = 0;       ///< Samples per pixel (1 is gray); bits allocated per sample.
     glm::dvec3 x_step_mm{1, 0, 0}, y_step_mm{0, 1, 0};  ///< One column and one row further, LPS.
     glm::dvec3 origin_mm{0};                            ///< Center of the first voxel, LPS.
     bool spacing_stated = true;                         ///< False: x and y steps have length 1.
@@ -36,6 +37,9 @@ struct DicomSlice {
     Scale scale;
     std::uint64_t pixel_offset_bytes = 0;  ///< Position of the values in the file; 0 if unknown.
     bool is_lossy = false, is_inverted = false;  ///< JPEG and the like; MONOCHROME1.
+
+    int stored_columns() const { return columns * tiles_across; }
+    int stored_rows() const { return rows * tiles_across; }
 };
 
 /// Adds the values of one slice. Slices of one file are asked for by ascending frame if they are

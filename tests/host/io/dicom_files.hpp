@@ -38,7 +38,7 @@ class DicomSet {
     }
     DicomSet& put(std::uint16_t group, std::uint16_t element, const std::string& vr,
                   const std::string& value) {
-        const bool is_long = vr == "OW" || vr == "OB" || vr == "SQ";
+        const bool is_long = vr == "OW" || vr == "OB" || vr == "OF" || vr == "SQ";
         elements_[{group, element}] =
             tag(group, element) + vr +
             (is_long ? std::string(2, '\0') + bytes_of(static_cast<std::uint32_t>(value.size()))
@@ -66,7 +66,8 @@ class DicomSet {
         const std::string rest = meta.bytes();
         DicomSet length;
         length.put(2, 0, "UL", bytes_of(static_cast<std::uint32_t>(rest.size())));
-        return std::string(128, '\0') + "DICM" + length.bytes() + rest + bytes();
+        std::string all(128, '\0');
+        return all.append("DICM").append(length.bytes()).append(rest).append(bytes());
     }
 
   private:

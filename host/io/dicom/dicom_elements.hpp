@@ -1,0 +1,31 @@
+// Elements of a DICOM data set, and the kinds of image that need more than the common ones. Only
+// files that include this one and dicom_pixels.cpp include GDCM.
+#pragma once
+
+#include <gdcmDataSet.h>
+
+#include <string>
+#include <vector>
+
+#include "host/io/dicom/dicom_series.hpp"
+
+namespace pxpl5::host::io {
+
+/// The bytes of an element; empty if it is absent.
+std::string bytes_of(const gdcm::DataSet& data, gdcm::Tag tag);
+
+/// The bytes of an element as text, without padding; empty if it is absent.
+std::string text_of(const gdcm::DataSet& data, gdcm::Tag tag);
+
+/// Numbers of an element, which stand between backslashes. Empty if it is absent or empty.
+std::vector<double> numbers_of(const std::string& file, const gdcm::DataSet& data, gdcm::Tag tag);
+
+/// A US element; GDCM has put it into this machine's byte order. 0 if it is absent or too short.
+int unsigned_of(const gdcm::DataSet& data, gdcm::Tag tag);
+
+/// Replaces the one slice of a Siemens mosaic by its tiles, each in its place. Other slices stay.
+/// Throws   ImportError for a mosaic that does not state where its tiles lie.
+void unfold_mosaic(const std::string& file, const gdcm::DataSet& data,
+                   std::vector<DicomSlice>& slices);
+
+}  // namespace pxpl5::host::io

@@ -1,0 +1,148 @@
+// Kinds of DICOM image that hold something else than one slice or slices one behind another.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "host/io/import.hpp"
+#include "tests/host/io/dicom_files.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+using namespace pxpl5::host::io;
+using namespace pxpl5::test;
+
+namespace {
+
+constexpr int tile_columns = 3, tile_rows = 2, across = 2;
+
+bool reports(const Volume& volume, FindingKind kind, const std::string& words) {
+    return std::any_of(volume.findings.begin(), volume.findings.end(), [&](const Finding& f) {
+        return f.kind == kind && f.text.find(words) != std::string::npos;
+    });
+}
+
+std::string complaint(const TemporaryFolder& folder, const std::string& bytes) {
+    try {
+        import_volume(folder.write("x.dcm", bytes));
+    } catch (const ImportError& error) {
+        return std::string(error.what()).substr(folder.file("x.dcm: ").size());
+    }
+    return "";
+}
+
+std::string padded(std::string text, std::size_t size) {
+    text.resize(size, '\0');
+    return text;
+}
+
+/// A field of a Siemens CSA header ("SV10"), whose items are texts.
+std::string csa_field(const std::string& name, const std::vector<std::string>& items) {
+    std::string bytes =
+        padded(name, 64) + bytes_of<std::int32_t>(1) + padded("FD", 4) + bytes_of<std::int32_t>(4) +
+        bytes_of(static_cast<std::int32_t>(items.size())) + bytes_of<std::int32_t>(77);
+    for (const std::string& item : items) {
+        const auto length = static_cast<std::int32_t>(item.size() + 1);
+        bytes += bytes_of(std::vector<std::int32_t>{length, length, 77, length}) +
+                 padded(item, (item.size() + 4) / 4 * 4);
+    }
+    return bytes;
+}
+
+std::string csa_header(const std::vector<std::string>& fields) {
+    std::string bytes = std::string("SV10\4\3\2\1") +
+                        bytes_of(static_cast<std::uint32_t>(fields.size())) +
+                        bytes_of<std::uint32_t>(77);
+    for (const std::string& field : fields) {
+        bytes += field;
+    }
+    return bytes.size() % 2 == 0 ? bytes : bytes + '\0';
+}
+
+/// Four tiles of 3x2 voxels, of which the first three are slices. Tile t holds 10 t + 0 to 5.
+DicomSet mosaic() {
+    std::vector<std::int16_t> values;
+    for (int row = 0; row < across * tile_rows; ++row) {
+        for (int column = 0; column < across * tile_columns; ++column) {
+            const int tile = row / tile_rows * across + column / tile_columns;
+            values.push_back(static_cast<std::int16_t>(10 * tile + row % tile_rows * tile_columns +
+                                                       column % tile_columns));
+        }
+    }
+    DicomSet set = dicom_image(across * tile_columns, across * tile_rows, bytes_of(values));
+    set.text(8, 8, "CS", "ORIGINAL\\PRIMARY\\M\\ND\\MOSAIC").text(8, 0x60, "CS", "MR");
+    dicom_place(set, {1, 2, 3}, {1, 0, 0}, {0, 1, 0}, 2, 4);
+    set.text(0x18, 0x88, "DS", "5").text(0x29, 0x10, "LO", "SIEMENS CSA HEADER");
+    return set.put(0x29, 0x1010, "OB",
+                   csa_header({csa_field("EchoLinePosition", {"64"}),
+                               csa_field("NumberOfImagesInMosaic", {"3"}),
+                               csa_field("SliceNormalVector", {"0.0", "0.0", "1.0"})}));
+}
+
+std::int16_t value_at(const Volume& volume, std::size_t index) {
+    std::int16_t value = 0;
+    std::memcpy(&value, volume.values.data() + 2 * index, 2);
+    return value;
+}
+
+}  // namespace
+
+TEST_SUITE("host/io/dicom_kinds") {
+    TEST_CASE("a Siemens mosaic is as many slices as its CSA header says, each in its place") {
+        const TemporaryFolder folder;
+        const Volume volume = import_volume(folder.write("x.dcm", mosaic().file()));
+        REQUIRE(std::array{volume.nx, volume.ny, volume.nz} == std::array{3, 2, 3});
+        for (std::size_t slice = 0; slice < 3; ++slice) {
+            for (std::size_t i = 0; i < 6; ++i) {
+                CHECK(value_at(volume, 6 * slice + i) == static_cast<int>(10 * slice + i));
+            }
+        }
+        // The position of the file is that of the whole picture about the same center.
+        CHECK(volume.voxel_to_patient[3] == glm::dvec4(1 + 2 * 1.5, 2 + 4 * 1.0, 3, 1));
+        CHECK(volume.voxel_to_patient[0] == glm::dvec4(2, 0, 0, 0));
+        CHECK(volume.voxel_to_patient[1] == glm::dvec4(0, 4, 0, 0));
+        CHECK(volume.voxel_to_patient[2] == glm::dvec4(0, 0, 5, 0));
+        CHECK(reports(volume, FindingKind::note, "Siemens mosaic of 3 slices"));
+    }
+
+    TEST_CASE("slices of a mosaic lie along the normal of its CSA header") {
+        const TemporaryFolder folder;
+        DicomSet set = mosaic();
+        set.put(0x29, 0x1010, "OB",
+                csa_header({csa_field("NumberOfImagesInMosaic", {"3"}),
+                            csa_field("SliceNormalVector", {"0", "0", "-1"})}));
+        const Volume volume = import_volume(folder.write("x.dcm", set.file()));
+        REQUIRE(volume.nz == 3);
+        CHECK(volume.voxel_to_patient[2] == glm::dvec4(0, 0, 5, 0));
+        CHECK(volume.voxel_to_patient[3].z == 3 - 10);
+        CHECK(value_at(volume, 0) == 20);
+        CHECK(value_at(volume, 12) == 0);
+    }
+
+    TEST_CASE("a mosaic that does not say where its slices are is refused by name") {
+        const TemporaryFolder folder;
+        const auto refused = [&](DicomSet set, const std::string& reason) {
+            const std::string text = complaint(folder, set.file());
+            CAPTURE(text);
+            CHECK(text.find("is a Siemens mosaic") == 0);
+            CHECK(text.find(reason) != std::string::npos);
+            CHECK(text.find("export it as one image per slice") != std::string::npos);
+        };
+        refused(mosaic().remove(0x29, 0x1010), "no CSA header");
+        refused(mosaic().remove(0x18, 0x88), "(0018,0088)");
+        refused(mosaic().remove(0x20, 0x32), "0020,0032");
+        refused(mosaic().put(0x29, 0x1010, "OB",
+                             csa_header({csa_field("NumberOfImagesInMosaic", {"5"}),
+                                         csa_field("SliceNormalVector", {"0", "0", "1"})})),
+                "5 slices");
+        refused(mosaic().put(0x29, 0x1010, "OB",
+                             csa_header({csa_field("NumberOfImagesInMosaic", {"3"}),
+                                         csa_field("SliceNormalVector", {"1", "0", "0"})})),
+                "normal");
+        const std::string whole = csa_header({csa_field("NumberOfImagesInMosaic", {"3"}),
+                                              csa_field("SliceNormalVector", {"0", "0", "1"})});
+        for (std::size_t size = 0; size < whole.size(); size += 22) {
+            refused(mosaic().put(0x29, 0x1010, "OB", whole.substr(0, size)), "CSA header");
+        }
+    }
+}
