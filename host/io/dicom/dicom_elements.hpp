@@ -23,6 +23,14 @@ std::vector<double> numbers_of(const std::string& file, const gdcm::DataSet& dat
 /// A US element; GDCM has put it into this machine's byte order. 0 if it is absent or too short.
 int unsigned_of(const gdcm::DataSet& data, gdcm::Tag tag);
 
+/// Throws   NoSlices if the file holds what is no volume of gray values: a directory of files, a
+///          segmentation, float pixels.
+void refuse_other_kinds(const std::string& file, const gdcm::DataSet& data);
+
+/// Throws   NoSlices if `slices` are frames without positions that follow each other in time.
+void refuse_time_series(const std::string& file, const gdcm::DataSet& data,
+                        const std::vector<DicomSlice>& slices);
+
 /// Replaces the one slice of a Siemens mosaic by its tiles, each in its place. Other slices stay.
 /// Throws   ImportError for a mosaic that does not state where its tiles lie.
 void unfold_mosaic(const std::string& file, const gdcm::DataSet& data,

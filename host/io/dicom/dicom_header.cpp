@@ -284,8 +284,10 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
         return {};
     }
     const gdcm::DataSet& data = reader.GetFile().GetDataSet();
+    refuse_other_kinds(file, data);
     const DicomSlice shared = read_shared(path, reader);
-    if (shared.rows == 0 || shared.columns == 0) {
+    if (!data.FindDataElement(gdcm::Tag(0x0028, 0x0010)) &&
+        !data.FindDataElement(gdcm::Tag(0x0028, 0x0011))) {
         return {};
     }
     check_shape(file, shared);
@@ -310,6 +312,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
         slices.push_back(std::move(slice));
     }
     place_by_offsets(file, data, slices);
+    refuse_time_series(file, data, slices);
     unfold_mosaic(file, data, slices);
     return slices;
 }

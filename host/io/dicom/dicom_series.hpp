@@ -42,6 +42,18 @@ struct DicomSlice {
     int stored_rows() const { return rows * tiles_across; }
 };
 
+/// Thrown for a DICOM file that is whole, but holds no slices of a volume.
+struct NoSlices : ImportError {
+    using ImportError::ImportError;
+};
+
+/// Thrown for a file whose header was read, but not its pixels.
+struct UnreadablePixels : ImportError {
+    UnreadablePixels(std::filesystem::path file, const ImportError& error)
+        : ImportError(error), path(std::move(file)) {}
+    std::filesystem::path path;
+};
+
 /// Adds the values of one slice. Slices of one file are asked for by ascending frame if they are
 /// ascending in space.
 using DecodeSlice = std::function<void(const DicomSlice&, ValueSink&)>;

@@ -85,6 +85,17 @@ std::int16_t value_at(const Volume& volume, std::size_t index) {
     return value;
 }
 
+/// Three frames that state neither positions nor a distance.
+DicomSet frames() {
+    DicomSet set = dicom_image(4, 4, std::string(3 * 32, '\1'));
+    set.text(8, 0x60, "CS", "US").text(0x28, 8, "IS", "3");
+    return set.text(0x28, 0x30, "DS", "1\\1");
+}
+
+std::string tag_value(std::uint16_t group, std::uint16_t element) {
+    return bytes_of(group) + bytes_of(element);
+}
+
 }  // namespace
 
 TEST_SUITE("host/io/dicom_kinds") {
@@ -144,5 +155,44 @@ TEST_SUITE("host/io/dicom_kinds") {
         for (std::size_t size = 0; size < whole.size(); size += 22) {
             refused(mosaic().put(0x29, 0x1010, "OB", whole.substr(0, size)), "CSA header");
         }
+    }
+
+    TEST_CASE("frames that follow each other in time are refused, and no spacing is asked for") {
+        const TemporaryFolder folder;
+        for (const auto element : {std::uint16_t{0x1063}, std::uint16_t{0x1065}}) {
+            DicomSet set = frames();
+            set.put(0x28, 9, "AT", tag_value(0x18, element)).text(0x18, element, "DS", "33.3");
+            const std::string text = complaint(folder, set.file());
+            CAPTURE(text);
+            CHECK(text.find("its 3 frames are a time series") == 0);
+            CHECK(text.find("spacing=") == std::string::npos);
+            ImportRequest request;
+            request.path = folder.file("x.dcm");
+            request.spacing_mm = glm::dvec3(1, 1, 1);
+            CHECK_THROWS_WITH_AS(import_volume(request), doctest::Contains("a time series"),
+                                 ImportError);
+        }
+        DicomSet set = frames();
+        set.put(0x28, 9, "AT", tag_value(0x54, 0x80));
+        CHECK(complaint(folder, set.file()).find("give spacing=x,y,z") != std::string::npos);
+        set = frames();
+        CHECK(complaint(folder, set.text(0x18, 0x1063, "DS", "40").file())
+                  .find("its 3 frames are a time series") == 0);
+    }
+
+    TEST_CASE("segmentations, parametric maps and directories are refused by what they are") {
+        const TemporaryFolder folder;
+        DicomSet set = dicom_image(4, 4, std::string(32, '\1'));
+        set.text(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.66.4").text(8, 0x60, "CS", "SEG");
+        CHECK(complaint(folder, set.file()).find("is a segmentation (SEG)") == 0);
+        set = dicom_image(4, 4, "");
+        set.remove(0x7fe0, 0x10).put(0x7fe0, 8, "OF", std::string(64, '\0'));
+        CHECK(complaint(folder, set.file()).find("holds float pixels (7fe0,0008)") == 0);
+        set = dicom_image(4, 4, std::string(32, '\1'));
+        CHECK(complaint(folder, set.number(0x28, 0x10, 0).file()) ==
+              "has 0 rows (0028,0010), must be 2 to 4096");
+        DicomSet directory;
+        directory.text(4, 0x1130, "CS", "DISK").sequence(4, 0x1220, {});
+        CHECK(complaint(folder, directory.file()).find("is a DICOMDIR, a list of files") == 0);
     }
 }
