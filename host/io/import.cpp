@@ -10,6 +10,7 @@
 #include "host/io/dicom/dicom_file.hpp"
 #include "host/io/formats/picture_stack.hpp"
 #include "host/io/formats/stored_header.hpp"
+#include "host/io/values/header_text.hpp"
 #include "host/io/values/place.hpp"
 #include "host/io/values/processing.hpp"
 #include "host/phantom/phantom.hpp"
@@ -61,48 +62,112 @@ std::vector<fs::path> files_of(const fs::path& folder) {
 Volume import_slices(const std::string& source, std::vector<DicomSlice> slices,
                      const ImportRequest& request) {
     DicomPixels pixels;
-    auto [volume, stated] =
-        assemble_series(source, std::move(slices), request,
-                        [&](const DicomSlice& slice, ValueSink& sink) { pixels.add(slice, sink); });
+    const auto decode = [&](const DicomSlice& slice, ValueSink& sink) {
+        try {
+            pixels.add(slice, sink);
+        } catch (const ImportError& error) {
+            throw UnreadablePixels(slice.path, error);
+        }
+    };
+    auto [volume, stated] = assemble_series(source, std::move(slices), request, decode);
     stated[2] = stated[2] || !request.spacing_mm;  // What is assumed along z was said already.
     take_spacing(source, request, stated, volume);
     return std::move(volume);
 }
 
-Volume import_folder(const fs::path& folder, const ImportRequest& request) {
-    const std::string source = folder.string();
+/// What the files of a folder are.
+struct FolderFiles {
     std::vector<DicomSlice> slices;
     std::vector<fs::path> pictures;
-    std::size_t others = 0;
+    std::vector<Finding> left_out;  ///< DICOM files that cannot be read, and why.
+    std::size_t others = 0;         ///< Files that are no DICOM images.
+};
+
+bool is_dicom_directory(const fs::path& file) {
+    return lower_case(file.filename().string()) == "dicomdir";
+}
+
+FolderFiles look_through(const fs::path& folder) {
+    FolderFiles found;
     for (const fs::path& file : files_of(folder)) {
-        std::vector<DicomSlice> found = read_dicom_slices(file);
-        if (slices.size() + found.size() > max_slices) {
-            throw ImportError(fmt::format("{}: has more than {} slices", source, max_slices));
+        std::vector<DicomSlice> slices;
+        try {
+            slices = is_dicom_directory(file) ? slices : read_dicom_slices(file);
+        } catch (const NoSlices& error) {
+            found.left_out.push_back({FindingKind::other_series, error.what()});
+            continue;
+        } catch (const ImportError& error) {
+            found.left_out.push_back({FindingKind::missing_slices, error.what()});
+            continue;
         }
-        std::move(found.begin(), found.end(), std::back_inserter(slices));
+        if (found.slices.size() + slices.size() > max_slices) {
+            throw ImportError(
+                fmt::format("{}: has more than {} slices", folder.string(), max_slices));
+        }
+        std::move(slices.begin(), slices.end(), std::back_inserter(found.slices));
         if (is_picture(file)) {
-            pictures.push_back(file);
+            found.pictures.push_back(file);
         }
-        others += found.empty() ? 1 : 0;
+        found.others += slices.empty() ? 1 : 0;
     }
-    if (slices.empty() && !pictures.empty()) {
-        Volume volume = read_pictures(source, pictures, request);
-        if (others > pictures.size()) {
-            volume.findings.push_back(
-                {FindingKind::note, fmt::format("{} files are not pictures and are left out",
-                                                others - pictures.size())});
+    return found;
+}
+
+/// The folder's slices without files whose pixels cannot be decoded, which are left out.
+Volume import_readable(const std::string& source, FolderFiles& files,
+                       const ImportRequest& request) {
+    constexpr std::size_t max_unreadable = 16;  // Each makes the others be decoded again.
+    for (std::size_t unreadable = 0;; ++unreadable) {
+        try {
+            return import_slices(source, files.slices, request);
+        } catch (const UnreadablePixels& error) {
+            const auto broken = [&](const DicomSlice& slice) { return slice.path == error.path; };
+            const auto first = std::find_if(files.slices.begin(), files.slices.end(), broken);
+            const std::string series = first->series;
+            std::erase_if(files.slices, broken);
+            const bool others_stay =
+                std::any_of(files.slices.begin(), files.slices.end(),
+                            [&](const DicomSlice& slice) { return slice.series == series; });
+            if (unreadable == max_unreadable || !others_stay) {
+                throw;
+            }
+            files.left_out.push_back({FindingKind::missing_slices, error.what()});
         }
-        return volume;
     }
-    if (slices.empty()) {
-        throw ImportError(fmt::format("{}: none of its {} files is a DICOM image", source, others));
+}
+
+void report_left_out(const FolderFiles& files, Volume& volume) {
+    constexpr std::size_t max_named = 16;
+    for (std::size_t i = 0; i < std::min(files.left_out.size(), max_named); ++i) {
+        const Finding& file = files.left_out[i];
+        volume.findings.push_back({file.kind, file.text + ": this file is left out"});
     }
-    Volume volume = import_slices(source, std::move(slices), request);
+    if (files.left_out.size() > max_named) {
+        volume.findings.push_back({FindingKind::missing_slices,
+                                   fmt::format("{} more files cannot be read and are left out",
+                                               files.left_out.size() - max_named)});
+    }
+    const bool are_pictures = files.slices.empty();
+    const std::size_t others = files.others - (are_pictures ? files.pictures.size() : 0);
     if (others > 0) {
         volume.findings.push_back(
-            {FindingKind::note,
-             fmt::format("{} files are not DICOM images and are left out", others)});
+            {FindingKind::note, fmt::format("{} files are not {} and are left out", others,
+                                            are_pictures ? "pictures" : "DICOM images")});
     }
+}
+
+Volume import_folder(const fs::path& folder, const ImportRequest& request) {
+    const std::string source = folder.string();
+    FolderFiles files = look_through(folder);
+    if (files.slices.empty() && files.pictures.empty()) {
+        throw ImportError(
+            files.left_out.empty()
+                ? fmt::format("{}: none of its {} files is a DICOM image", source, files.others)
+                : files.left_out.front().text);
+    }
+    Volume volume = files.slices.empty() ? read_pictures(source, files.pictures, request)
+                                         : import_readable(source, files, request);
+    report_left_out(files, volume);
     return volume;
 }
 

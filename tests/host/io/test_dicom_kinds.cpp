@@ -195,4 +195,40 @@ TEST_SUITE("host/io/dicom_kinds") {
         directory.text(4, 0x1130, "CS", "DISK").sequence(4, 0x1220, {});
         CHECK(complaint(folder, directory.file()).find("is a DICOMDIR, a list of files") == 0);
     }
+
+    TEST_CASE("files of a folder that cannot be read are left out, and a finding names each") {
+        const TemporaryFolder folder;
+        const auto slice = [](double z_mm) {
+            DicomSet set = dicom_image(4, 4, std::string(32, '\1'));
+            return dicom_place(set, {0, 0, z_mm}, {1, 0, 0}, {0, 1, 0}, 1, 1);
+        };
+        for (const int z : {0, 1, 2, 4}) {
+            folder.write("s" + std::to_string(z), slice(z).file());
+        }
+        const std::string whole = slice(3).file();
+        folder.write("s3", whole.substr(0, whole.size() - 10));
+        DicomSet colored = slice(2.5);
+        colored.number(0x28, 2, 3).text(0x28, 4, "CS", "RGB");
+        folder.write("t", colored.put(0x7fe0, 0x10, "OW", std::string(96, 'x')).file());
+        const Volume volume = import_volume(folder.file(""));
+        CHECK(volume.nz == 4);
+        CHECK(reports(volume, FindingKind::missing_slices,
+                      "s3: pixel data (7fe0,0010) have 22 bytes, 4x4x1 of 2 bytes need 32: "
+                      "this file is left out"));
+        CHECK(reports(volume, FindingKind::missing_slices, "t: samples per pixel"));
+        DicomSet directory;
+        folder.write("DICOMDIR", directory.sequence(4, 0x1220, {}).file());
+        folder.write("cine", frames().put(0x28, 9, "AT", tag_value(0x18, 0x1063)).file());
+        CHECK(reports(import_volume(folder.file("")), FindingKind::other_series,
+                      "cine: its 3 frames are a time series"));
+        CHECK(reports(import_volume(folder.file("")), FindingKind::note,
+                      "1 files are not DICOM images"));
+        folder.write("u", slice(9).text(0x20, 0xe, "UI", "1.2.9").file());
+        CHECK_THROWS_WITH_AS(import_volume(folder.file("")), doctest::Contains("holds 2 series"),
+                             ImportError);
+        const TemporaryFolder broken;
+        broken.write("s3", whole.substr(0, whole.size() - 10));
+        CHECK_THROWS_WITH_AS(import_volume(broken.file("")), doctest::Contains("have 22 bytes"),
+                             ImportError);
+    }
 }
