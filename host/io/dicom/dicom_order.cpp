@@ -14,11 +14,11 @@ namespace pxpl5::host::io {
 namespace {
 
 constexpr double same_position_mm = 1e-3;
-constexpr double max_uneven = 0.01;       // Share of the usual step: positions have few digits.
-constexpr double gap_steps = 1.5;         // Wider slabs span missing slices.
-constexpr double same_direction = 1e-3;   // Length for a unit vector: 0.06 degrees.
-constexpr double same_spacing = 1e-3;     // Share of the spacing.
-constexpr double max_sideways = 0.1;      // Share of a pixel.
+constexpr double max_uneven = 0.01;      // Share of the usual step: positions have few digits.
+constexpr double gap_steps = 1.5;        // Wider slabs span missing slices.
+constexpr double same_direction = 1e-3;  // Length for a unit vector: 0.06 degrees.
+constexpr double same_spacing = 1e-3;    // Share of the spacing.
+constexpr double max_sideways_mm = 0.05;
 constexpr std::size_t max_named = 8;      // Limit per kind in one finding.
 constexpr std::size_t max_shapes = 1024;  // A file for each would be no series.
 
@@ -149,38 +149,96 @@ void report_duplicates(std::size_t kept, const std::vector<std::string>& copies,
                      named(copies))});
 }
 
-void report_steps(const OrderedSlices& ordered, const std::vector<double>& steps, double median,
-                  Volume& volume) {
+double median_of(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+/// Distances between slices, and those that are usual where they are.
+struct Steps {
+    std::vector<double> mm, usual_mm;
+    double median_mm = 0;
+    double per_thickness = 0;  ///< Above 0: the usual steps are this share of the thicknesses.
+    std::string usual;         ///< For texts: "2 mm".
+};
+
+bool is_close(double step, double usual) {
+    return std::abs(step - usual) <= max_uneven * usual;
+}
+
+/// Steps follow the thickness of their own two slices if that makes more of them usual: a head
+/// scanned in blocks of thin and thick slices has no gaps.
+void follow_thickness(const std::vector<DicomSlice>& slices, Steps& steps) {
+    std::vector<double> thickness;
+    for (const DicomSlice& slice : slices) {
+        thickness.push_back(slice.thickness_mm.value_or(0));
+    }
+    const auto [thinnest, thickest] = std::minmax_element(thickness.begin(), thickness.end());
+    if (!(*thinnest > 0) || is_close(*thinnest, *thickest)) {
+        return;
+    }
+    std::vector<double> usual_mm(steps.mm.size()), shares(steps.mm.size());
+    for (std::size_t i = 0; i < steps.mm.size(); ++i) {
+        usual_mm[i] = (thickness[i] + thickness[i + 1]) / 2;
+        shares[i] = steps.mm[i] / usual_mm[i];
+    }
+    const double share = median_of(shares);
+    std::ptrdiff_t by_thickness = 0, by_median = 0;
+    for (std::size_t i = 0; i < steps.mm.size(); ++i) {
+        usual_mm[i] *= share;
+        by_thickness += is_close(steps.mm[i], usual_mm[i]) ? 1 : 0;
+        by_median += is_close(steps.mm[i], steps.median_mm) ? 1 : 0;
+    }
+    if (by_thickness > by_median) {
+        steps.usual_mm = usual_mm;
+        steps.per_thickness = share;
+        steps.usual = fmt::format("as their thicknesses, {} to {} mm", *thinnest, *thickest);
+    }
+}
+
+Steps steps_of(const OrderedSlices& ordered) {
+    Steps steps;
+    steps.mm.resize(ordered.along_mm.size());
+    std::adjacent_difference(ordered.along_mm.begin(), ordered.along_mm.end(), steps.mm.begin());
+    steps.mm.erase(steps.mm.begin());
+    steps.median_mm = median_of(steps.mm);
+    steps.usual_mm.assign(steps.mm.size(), steps.median_mm);
+    steps.usual = fmt::format("{:.3f} mm", steps.median_mm);
+    follow_thickness(ordered.slices, steps);
+    return steps;
+}
+
+void report_steps(const OrderedSlices& ordered, const Steps& steps, Volume& volume) {
     std::vector<std::string> gaps, uneven;
     double missing_mm = 0;
     int missing = 0;
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-        if (std::abs(steps[i] - median) <= max_uneven * median) {
-            continue;
-        }
+    for (std::size_t i = 0; i < steps.mm.size(); ++i) {
+        const double step = steps.mm[i], usual = steps.usual_mm[i];
         const std::string text =
-            fmt::format("{:.3f} mm from {} to {}", steps[i], name_of(ordered.slices[i]),
+            fmt::format("{:.3f} mm from {} to {}", step, name_of(ordered.slices[i]),
                         name_of(ordered.slices[i + 1]));
-        if (steps[i] > gap_steps * median) {
+        if (step > gap_steps * usual) {
             volume.gap_slabs.push_back(static_cast<int>(i));
             gaps.push_back(text);
-            missing += static_cast<int>(std::lround(std::min(steps[i] / median, 1e6))) - 1;
-            missing_mm += steps[i] - median;
-        } else {
+            missing += static_cast<int>(std::lround(std::min(step / usual, 1e6))) - 1;
+            missing_mm += step - usual;
+        } else if (!is_close(step, steps.median_mm)) {
             uneven.push_back(text);
         }
     }
     if (!gaps.empty()) {
         volume.findings.push_back(
             {FindingKind::missing_slices,
-             fmt::format("about {} slices are missing, {:.3f} mm in all: {}; elsewhere {:.3f} mm",
-                         missing, missing_mm, named(gaps), median)});
+             fmt::format("about {} slices are missing, {:.3f} mm in all: {}; elsewhere {}", missing,
+                         missing_mm, named(gaps), steps.usual)});
     }
     if (!uneven.empty()) {
         volume.findings.push_back(
             {FindingKind::uneven_slices,
-             fmt::format("{} of {} steps between slices are uneven: {}; the median is {:.3f} mm",
-                         uneven.size(), steps.size(), named(uneven), median)});
+             fmt::format("{} of {} steps between slices are uneven: {}; {}{}", uneven.size(),
+                         steps.mm.size(), named(uneven),
+                         steps.per_thickness > 0 ? "the usual ones are " : "the median is ",
+                         steps.usual)});
     }
 }
 
@@ -195,9 +253,7 @@ void report_sideways(const OrderedSlices& ordered, Volume& volume) {
         most_mm =
             std::max(most_mm, glm::length(ordered.slices[i].origin_mm - first - whole * part));
     }
-    const double pixel = std::min(glm::length(ordered.slices.front().x_step_mm),
-                                  glm::length(ordered.slices.front().y_step_mm));
-    if (most_mm > max_sideways * pixel) {
+    if (most_mm > max_sideways_mm) {
         volume.findings.push_back(
             {FindingKind::uneven_slices,
              fmt::format("slices are shifted sideways by up to {:.3f} mm from a straight row; they "
@@ -206,15 +262,20 @@ void report_sideways(const OrderedSlices& ordered, Volume& volume) {
     }
 }
 
-void report_thickness(const DicomSlice& first, double step_mm, Volume& volume) {
-    if (first.thickness_mm &&
-        std::abs(*first.thickness_mm - step_mm) > max_uneven * std::abs(step_mm)) {
-        volume.findings.push_back(
-            {FindingKind::thickness_differs,
-             fmt::format("slices are {:.3f} mm apart and {:.3f} mm thick ({}); the distance counts",
-                         step_mm, *first.thickness_mm,
-                         *first.thickness_mm > step_mm ? "they overlap" : "there are gaps")});
+void report_thickness(const DicomSlice& first, const Steps& steps, double step_mm, Volume& volume) {
+    const bool follows = steps.per_thickness > 0;
+    if (!first.thickness_mm || (follows && is_close(steps.per_thickness, 1)) ||
+        (!follows && is_close(*first.thickness_mm, step_mm))) {
+        return;
     }
+    const bool overlap = follows ? steps.per_thickness < 1 : *first.thickness_mm > step_mm;
+    const std::string differs =
+        follows ? fmt::format("slices are {:.3f} of their thickness apart", steps.per_thickness)
+                : fmt::format("slices are {:.3f} mm apart and {:.3f} mm thick", step_mm,
+                              *first.thickness_mm);
+    volume.findings.push_back(
+        {FindingKind::thickness_differs, fmt::format("{} ({}); the distance counts", differs,
+                                                     overlap ? "they overlap" : "there are gaps")});
 }
 
 /// The z step of a single slice: nothing states one.
@@ -277,27 +338,23 @@ void place_slices(const OrderedSlices& ordered, const ImportRequest& request, Vo
     if (ordered.slices.size() == 1) {
         z_step_mm = single_step(first, request, volume);
     } else {
-        std::vector<double> steps(ordered.along_mm.size());
-        std::adjacent_difference(ordered.along_mm.begin(), ordered.along_mm.end(), steps.begin());
-        steps.erase(steps.begin());
-        std::vector<double> sorted = steps;
-        std::sort(sorted.begin(), sorted.end());
-        const double median = sorted[sorted.size() / 2];
+        const Steps steps = steps_of(ordered);
+        const auto [least, most] = std::minmax_element(steps.mm.begin(), steps.mm.end());
+        const double median = steps.median_mm;
         const glm::dvec3 whole = ordered.slices.back().origin_mm - first.origin_mm;
         const double length = ordered.along_mm.back() - ordered.along_mm.front();
-        const bool is_even = sorted.front() >= (1 - max_uneven) * median &&
-                             sorted.back() <= (1 + max_uneven) * median;
+        const bool is_even = is_close(*least, median) && is_close(*most, median);
         // Over an even series the mean is the better estimate: each position is rounded.
-        const double step = is_even ? length / static_cast<double>(steps.size()) : median;
+        const double step = is_even ? length / static_cast<double>(steps.mm.size()) : median;
         z_step_mm = whole * (step / length);
-        report_steps(ordered, steps, median, volume);
+        report_steps(ordered, steps, volume);
         for (const double along_mm : ordered.along_mm) {
             if (!is_even) {
                 volume.slice_places.push_back((along_mm - ordered.along_mm.front()) / step);
             }
         }
         report_sideways(ordered, volume);
-        report_thickness(first, step, volume);
+        report_thickness(first, steps, step, volume);
     }
     volume.voxel_to_patient =
         glm::dmat4(glm::dvec4(first.x_step_mm, 0), glm::dvec4(first.y_step_mm, 0),

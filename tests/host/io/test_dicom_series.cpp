@@ -282,4 +282,42 @@ TEST_SUITE("host/io/dicom_series") {
         CHECK(volume.voxel_to_patient[2].z == 2.5);
         CHECK(reports(volume, FindingKind::assumption, "2.5 mm is taken along z (its thickness)"));
     }
+
+    TEST_CASE("blocks of thicker slices are no gaps, but a slice missing in a block is") {
+        Table table;
+        double z = 0;
+        for (int i = 0; i < 10; ++i) {
+            table.add("thin" + std::to_string(i), {0, 0, z}, 1).thickness_mm = 2;
+            z += i < 9 ? 2 : 5;  // From the middle of a slice of 2 mm to that of one of 8 mm.
+        }
+        for (int i = 0; i < 5; ++i, z += 8) {
+            table.add("thick" + std::to_string(i), {0, 0, z}, 1).thickness_mm = 8;
+        }
+        const Volume volume = table.assemble();
+        CHECK(volume.gap_slabs.empty());
+        CHECK_FALSE(reports(volume, FindingKind::missing_slices, ""));
+        CHECK_FALSE(reports(volume, FindingKind::thickness_differs, ""));
+        CHECK(reports(volume, FindingKind::uneven_slices, "5 of 14 steps"));
+        CHECK(reports(volume, FindingKind::uneven_slices, "as their thicknesses, 2 to 8 mm"));
+        CHECK(volume.slice_places.back() == doctest::Approx((18 + 5 + 32) / 2.0));
+        table.slices.erase(table.slices.begin() + 12);
+        const Volume gap = table.assemble();
+        CHECK(gap.gap_slabs == std::vector<int>{11});
+        CHECK(reports(gap, FindingKind::missing_slices,
+                      "about 1 slices are missing, 8.000 mm in all: 16.000 mm from thick1 to"));
+    }
+
+    TEST_CASE("slices that are 0.06 mm beside the row are told, 0.04 mm are not") {
+        for (const double sideways : {0.04, 0.06}) {
+            Table table;
+            table.add("a", {0, 0, 0}, 1).x_step_mm = {2, 0, 0};
+            table.add("b", {sideways, 0, 2}, 1).x_step_mm = {2, 0, 0};
+            table.add("c", {0, 0, 4}, 1).x_step_mm = {2, 0, 0};
+            for (DicomSlice& slice : table.slices) {
+                slice.y_step_mm = {0, 2, 0};
+            }
+            CHECK(reports(table.assemble(), FindingKind::uneven_slices, "shifted sideways") ==
+                  (sideways > 0.05));
+        }
+    }
 }
