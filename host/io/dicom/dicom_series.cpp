@@ -39,13 +39,15 @@ std::vector<Series> series_of(std::vector<DicomSlice> slices) {
     return all;
 }
 
-/// "2: 1.2.840.1 'Thorax 3 mm', CT, 512x512x112".
+/// "2: 1.2.840.1 'Thorax 3 mm', CT, 512x512x112, SeriesNumber 3".
 std::string line_of(std::size_t number, const Series& series) {
     const DicomSlice& first = series.front();
     const std::string uid = first.series.empty() ? "(no UID)" : shown(first.series);
-    return fmt::format("{}: {} '{}', {}, {}x{}x{}", number, uid, shown(first.description),
-                       first.modality.empty() ? "no modality" : shown(first.modality),
-                       first.columns, first.rows, series.size());
+    return fmt::format(
+        "{}: {} '{}', {}, {}x{}x{}{}", number, uid, shown(first.description),
+        first.modality.empty() ? "no modality" : shown(first.modality), first.columns, first.rows,
+        series.size(),
+        first.series_number == 0 ? "" : fmt::format(", SeriesNumber {}", first.series_number));
 }
 
 std::string list_of(const std::vector<Series>& all) {
@@ -59,20 +61,44 @@ std::string list_of(const std::vector<Series>& all) {
     return list;
 }
 
-/// Index of the series that is asked for.
+std::vector<std::size_t> with_number(const std::vector<Series>& all, const std::string& wish) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const int number = all[i].front().series_number;
+        if (number != 0 && wish == std::to_string(number)) {
+            found.push_back(i);
+        }
+    }
+    return found;
+}
+
+/// Index of the series that is asked for, by its place in the list, its UID or its SeriesNumber. If
+/// the place of one is the SeriesNumber of another, the place counts, and a finding says so.
 std::size_t choose(const std::string& source, const std::vector<Series>& all,
-                   const std::string& wish) {
+                   const std::string& wish, std::vector<Finding>& findings) {
     if (wish.empty() && all.size() == 1) {
         return 0;
     }
+    const std::vector<std::size_t> numbered = with_number(all, wish);
     for (std::size_t i = 0; i < all.size() && !wish.empty(); ++i) {
+        if (wish == std::to_string(i + 1) && !numbered.empty() && numbered[0] != i) {
+            findings.push_back(
+                {FindingKind::other_series,
+                 fmt::format("series={0} is number {0} of the list; the series with SeriesNumber "
+                             "{0} is left out, its UID is {1}",
+                             wish, shown(all[numbered[0]].front().series))});
+        }
         if (wish == std::to_string(i + 1) || wish == all[i].front().series) {
             return i;
         }
     }
-    if (wish.empty()) {
-        throw ImportError(fmt::format("{}: holds {} series: choose one by series=N or its UID:{}",
-                                      source, all.size(), list_of(all)));
+    if (numbered.size() == 1) {
+        return numbered[0];
+    }
+    if (wish.empty() || !numbered.empty()) {
+        throw ImportError(fmt::format(
+            "{}: holds {} series{}: choose one by series=N or its UID:{}", source, all.size(),
+            wish.empty() ? "" : " and more than one of that SeriesNumber", list_of(all)));
     }
     throw ImportError(fmt::format("{}: has no series '{}', it holds {}:{}", source, shown(wish),
                                   all.size(), list_of(all)));
@@ -124,8 +150,8 @@ std::array<bool, 3> spacing_stated(const Series& slices) {
 SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> slices,
                              const ImportRequest& request, const DecodeSlice& decode) {
     const std::vector<Series> all = series_of(std::move(slices));
-    const std::size_t chosen = choose(source, all, request.series);
     Volume volume;
+    const std::size_t chosen = choose(source, all, request.series, volume.findings);
     for (std::size_t i = 0; i < all.size(); ++i) {
         if (i != chosen) {
             volume.findings.push_back({FindingKind::other_series,

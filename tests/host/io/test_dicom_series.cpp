@@ -162,7 +162,8 @@ TEST_SUITE("host/io/dicom_series") {
         }
         CHECK_THROWS_WITH_AS(table.assemble(),
                              "folder: holds 2 series: choose one by series=N or its UID:\n"
-                             "  1: 4.5.6 'Topogram', CT, 2x2x1\n  2: 1.2.3 '', CT, 2x2x2",
+                             "  1: 4.5.6 'Topogram', CT, 2x2x1, SeriesNumber 1\n"
+                             "  2: 1.2.3 '', CT, 2x2x2, SeriesNumber 2",
                              ImportError);
         for (const char* wish : {"2", "1.2.3"}) {
             table.request.series = wish;
@@ -319,5 +320,30 @@ TEST_SUITE("host/io/dicom_series") {
             CHECK(reports(table.assemble(), FindingKind::uneven_slices, "shifted sideways") ==
                   (sideways > 0.05));
         }
+    }
+
+    TEST_CASE("a series is chosen by its SeriesNumber, too, but its rank comes first") {
+        Table table;
+        for (const int number : {3, 2, 701}) {
+            table
+                .add("n" + std::to_string(number), {0, 0, 1},
+                     static_cast<std::uint8_t>(number % 200))
+                .series_number = number;
+            table.slices.back().series = "1.2." + std::to_string(number);
+        }
+        const auto value = [&](const char* wish) {
+            table.request.series = wish;
+            return table.assemble().minimum;
+        };
+        CHECK(value("701") == 101);
+        CHECK(value("1.2.3") == 3);
+        CHECK(value("2") == 3);
+        CHECK(reports(table.assemble(), FindingKind::other_series,
+                      "series=2 is number 2 of the list; the series with SeriesNumber 2 is left "
+                      "out, its UID is 1.2.2"));
+        table.request.series = "";
+        CHECK_THROWS_WITH_AS(table.assemble(),
+                             doctest::Contains("3: 1.2.701 '', CT, 2x2x1, SeriesNumber 701"),
+                             ImportError);
     }
 }
