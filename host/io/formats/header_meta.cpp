@@ -122,7 +122,8 @@ void read_place(const std::string& file, const Fields& fields, std::size_t axes,
     const glm::dvec3 origin = three_numbers(
         file, "Offset", first_of(fields, {"offset", "position", "origin"}, "0 0 0"), 0.0);
     header.voxel_to_patient[3] = glm::dvec4(origin, 1.0);
-    if (!fields.contains("anatomicalorientation")) {
+    const std::string orientation = value_or(fields, "anatomicalorientation", "");
+    if (orientation.empty() || orientation.find('?') != std::string::npos) {  // ITK: "???".
         header.find(FindingKind::assumption,
                     "the header states no AnatomicalOrientation: x, y, z are taken as left, "
                     "posterior, superior by its matrix");

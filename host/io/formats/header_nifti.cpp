@@ -93,8 +93,7 @@ double read_unit(const NiftiFields& fields, StoredHeader& header) {
         return unit == 1 ? 1000 : 1e-3;
     }
     if (unit != 2 && fields.version != 0) {
-        header.find(FindingKind::assumption,
-                    "xyzt_units states no unit of length: read as millimeters");
+        header.find(FindingKind::note, "xyzt_units states no unit of length: read as millimeters");
     }
     return 1;
 }

@@ -191,7 +191,11 @@ double unit_factor(const Header& text, StoredHeader& header) {
     }
     std::replace(units.begin(), units.end(), '"', ' ');
     const std::vector<std::string> words = words_of(units);
-    const double factor = words.empty() ? 0 : millimetres(words[0]);
+    if (words.empty()) {
+        header.find(FindingKind::note, "space units name no unit of length: read as millimeters");
+        return 1;
+    }
+    const double factor = millimetres(words[0]);
     const bool alike = std::all_of(words.begin(), words.end(), [&](const std::string& word) {
         return word == words[0] || millimetres(word) == 0;
     });

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -11,8 +12,8 @@ namespace pxpl5::host::io {
 
 namespace {
 
-constexpr double max_orthogonal_cosine = 1e-4;  // 0.006 degrees: headers round their numbers.
-constexpr double min_determinant = 1e-9;        // Share of a box of the same spacings.
+constexpr double min_shear_degrees = 0.1;  // Headers round their numbers.
+constexpr double min_determinant = 1e-9;   // Share of a box of the same spacings.
 
 // From below the wavelength of light to more than a patient. Within these no area, volume or
 // distance of a surface overflows, and the ring takes what is derived from them.
@@ -122,13 +123,13 @@ void check_place(const std::string& file, Volume& volume) {
     for (int axis = 0; axis < 3; ++axis) {
         const int next = (axis + 1) % 3;
         const double cosine = glm::dot(glm::normalize(linear[axis]), glm::normalize(linear[next]));
-        if (std::abs(cosine) > max_orthogonal_cosine) {
+        const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+        if (std::abs(angle - 90) >= min_shear_degrees) {
+            const bool is_ct = volume.modality == "CT";
             volume.findings.push_back(
-                {FindingKind::gantry_tilt,
-                 fmt::format("sheared: the {} and {} axes meet at {:.2f} degrees, as in a tilted "
-                             "gantry",
-                             "xyz"[axis], "xyz"[next],
-                             std::acos(cosine) * 180 / std::numbers::pi)});
+                {is_ct ? FindingKind::gantry_tilt : FindingKind::note,
+                 fmt::format("sheared: the {} and {} axes meet at {:.2f} degrees{}", "xyz"[axis],
+                             "xyz"[next], angle, is_ct ? ", as in a tilted gantry" : "")});
         }
     }
 }

@@ -193,7 +193,7 @@ TEST_SUITE("host/io/formats") {
         CHECK(volume.voxel_to_patient[2].z == doctest::Approx(2.0));
         CHECK(holds(volume, grid.values));
         // cos = 3/5 between y and z.
-        CHECK(reports(volume, FindingKind::gantry_tilt, "the y and z axes meet at 53.13 degrees"));
+        CHECK(reports(volume, FindingKind::note, "the y and z axes meet at 53.13 degrees"));
     }
 
     TEST_CASE("a NIfTI-2 is read in big endian, with slope and intercept in double") {
