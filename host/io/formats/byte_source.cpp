@@ -101,6 +101,9 @@ std::size_t ByteSource::read_bzip2(std::span<std::byte> /*out*/) {
 ByteSource::ByteSource(const std::filesystem::path& path, Encoding encoding,
                        std::uint64_t offset_bytes)
     : file_(path, std::ios::binary), encoding_(encoding), in_(chunk_bytes) {
+    file_.seekg(0, std::ios::end);
+    const auto size_bytes = static_cast<std::uint64_t>(std::max<std::streamoff>(file_.tellg(), 0));
+    unread_bytes_ = size_bytes - std::min(size_bytes, offset_bytes);
     file_.seekg(static_cast<std::streamoff>(offset_bytes));
     if (!file_) {
         throw ImportError(path.string() + ": cannot be opened");
@@ -119,6 +122,7 @@ std::size_t ByteSource::read_file() {
     file_.read(in_.data(), static_cast<std::streamsize>(in_.size()));
     in_at_ = 0;
     in_end_ = static_cast<std::size_t>(file_.gcount());
+    unread_bytes_ -= std::min<std::uint64_t>(unread_bytes_, in_end_);
     return in_end_;
 }
 
@@ -152,6 +156,7 @@ std::size_t ByteSource::read_gzip(std::span<std::byte> out) {
     in_at_ = in_end_ - stream.avail_in;
     // A gzip file may be several streams one after the other; what follows the last is no error.
     if (result == Z_STREAM_END) {
+        bytes_after_end_ = unread_bytes_ + (in_end_ - in_at_);
         ended_ = inflateReset(&stream) != Z_OK;
     } else if (result != Z_OK && result != Z_BUF_ERROR) {
         ended_ = true;
@@ -184,6 +189,10 @@ std::size_t ByteSource::read_hex(std::span<std::byte> out) {
         }
     }
     return got;
+}
+
+std::uint64_t ByteSource::bytes_after_end() const {
+    return bytes_after_end_;
 }
 
 std::uint64_t ByteSource::skip(std::uint64_t count) {

@@ -17,6 +17,9 @@ constexpr bool is_compressed(Encoding encoding) {
     return encoding == Encoding::gzip || encoding == Encoding::bzip2;
 }
 
+/// The end of an error text, for data that stop in a wrong code.
+inline constexpr const char* damaged_data = ": its compressed data are damaged";
+
 class ByteSource {
   public:
     /// Opens `path` at `offset_bytes`. `ascii` gives the file's own bytes.
@@ -35,6 +38,9 @@ class ByteSource {
     /// Whether the end that read() came to was no end but damage: a wrong code or checksum.
     bool is_damaged() const { return damaged_; }
 
+    /// Bytes of the file after the last gzip stream, once read() has come to its end.
+    std::uint64_t bytes_after_end() const;
+
   private:
     struct Inflater;
     struct Bunzipper;
@@ -48,7 +54,9 @@ class ByteSource {
     Encoding encoding_;
     std::vector<char> in_;  ///< A chunk of the file.
     std::size_t in_at_ = 0, in_end_ = 0;
-    bool ended_ = false;  ///< Nothing more comes.
+    std::uint64_t unread_bytes_ = 0;     ///< Of the file.
+    std::uint64_t bytes_after_end_ = 0;  ///< After the last stream that was whole.
+    bool ended_ = false;                 ///< Nothing more comes.
     bool damaged_ = false;
     bool between_streams_ = false;  ///< The next bytes may be no stream.
     std::unique_ptr<Inflater> inflater_;

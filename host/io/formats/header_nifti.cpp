@@ -31,18 +31,46 @@ constexpr std::array nifti_types = {
 constexpr double max_pixdim_mismatch =
     0.01;  // Share of the sform's column: a hundredth is no rounding.
 
+/// The name of a type that is no scalar; empty if it is unknown.
+const char* name_of_other(std::int32_t datatype) {
+    switch (datatype) {
+        case 1:
+            return " (bits)";
+        case 32:
+        case 1792:
+        case 2048:
+            return " (complex numbers)";
+        case 128:
+            return " (RGB color)";
+        case 2304:
+            return " (RGBA color)";
+        default:
+            return "";
+    }
+}
+
+void note_bits(const NiftiFields& fields, StoredHeader& header) {
+    const int bits = 8 * static_cast<int>(component_bytes(header.component));
+    if (fields.bitpix != 0 && fields.bitpix != bits) {
+        header.find(FindingKind::note,
+                    fmt::format("bitpix is {}, datatype {} has {} bits: the datatype counts",
+                                fields.bitpix, fields.datatype, bits));
+    }
+}
+
 void read_type(const std::string& file, const NiftiFields& fields, StoredHeader& header) {
     for (const NiftiType& type : nifti_types) {
         if (type.code == fields.datatype) {
             header.component = type.component;
             header.type = component_name(type.component);
+            note_bits(fields, header);
             return;
         }
     }
     throw ImportError(
-        fmt::format("{}: datatype is {}, must be one of the scalar types 2, 4, 8, 16, "
+        fmt::format("{}: datatype is {}{}, must be one of the scalar types 2, 4, 8, 16, "
                     "64, 256, 512, 768, 1024, 1280",
-                    file, fields.datatype));
+                    file, fields.datatype, name_of_other(fields.datatype)));
 }
 
 void read_sizes(const std::string& file, const NiftiFields& fields, StoredHeader& header) {

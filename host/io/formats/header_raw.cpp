@@ -26,6 +26,9 @@ StoredHeader read_raw_layout(const std::filesystem::path& path, const RawLayout&
     header.byte_skip = layout.offset_bytes;
     header.spacing_stated.fill(false);
     volume_dims(file, header.sizes);
+    if (is_gzip(path) && path.extension() == ".gz") {
+        throw ImportError(file + must_be_decompressed);
+    }
     const std::uint64_t needed = needed_bytes(header);
     const std::uint64_t has = std::filesystem::file_size(path);
     // Another size means another type, other dims or a header: each turns the picture to noise.

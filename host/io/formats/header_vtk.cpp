@@ -42,6 +42,11 @@ Fields read_fields(const std::string& file, HeaderReader& reader) {
 void read_scalars(const std::string& file, const Fields& fields, StoredHeader& header) {
     const std::string text = require(file, fields, "SCALARS");
     const std::vector<std::string> scalars = words_of(text);
+    if (scalars.size() > 1 && lower_case(scalars[1]) == "bit") {
+        throw ImportError(file +
+                          ": SCALARS has values of one bit, which are not read: write them as "
+                          "unsigned_char");
+    }
     const std::optional<Component> component =
         scalars.size() < 2 ? std::nullopt : component_named(scalars[1]);
     if (!component) {
@@ -93,6 +98,13 @@ StoredHeader read_vtk_header(const std::filesystem::path& path) {
     volume_dims(file, header.sizes);
     read_scalars(file, fields, header);
     require(file, fields, "LOOKUP_TABLE");
+    const std::string points = value_or(fields, "point_data", "");
+    const std::uint64_t values = needed_bytes(header) / component_bytes(header.component);
+    if (!points.empty() && points != std::to_string(values)) {
+        header.find(FindingKind::note,
+                    fmt::format("POINT_DATA is {}, DIMENSIONS {} have {} points", shown(points),
+                                join_sizes(header.sizes), values));
+    }
     header.data_files = {path};
     header.offset_bytes = reader.offset_bytes();
     header.encoding = storage == "binary" ? Encoding::raw : Encoding::ascii;

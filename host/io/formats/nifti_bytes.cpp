@@ -23,6 +23,7 @@ struct RawHeader {
     std::array<std::byte, nifti2_bytes> bytes{};
     std::size_t size_bytes = 0;  ///< Available bytes.
     bool big_endian = false;
+    bool is_damaged = false;  ///< Its compressed data end in a wrong code.
 
     template <typename T>
     T at(std::size_t offset) const {
@@ -48,13 +49,16 @@ struct RawHeader {
 RawHeader read_bytes(const fs::path& path) {
     RawHeader raw;
     const Encoding encoding = is_gzip(path) ? Encoding::gzip : Encoding::raw;
-    raw.size_bytes = ByteSource(path, encoding, 0).read(raw.bytes);
+    ByteSource source(path, encoding, 0);
+    raw.size_bytes = source.read(raw.bytes);
+    raw.is_damaged = source.is_damaged();
     return raw;
 }
 
 void take_nifti1(const RawHeader& raw, NiftiFields& fields) {
     raw.copy<std::int16_t>(40, fields.dim);
     fields.datatype = raw.at<std::int16_t>(70);
+    fields.bitpix = raw.at<std::int16_t>(72);
     raw.copy<float>(76, fields.pixdim);
     fields.vox_offset = static_cast<double>(raw.at<float>(108));
     fields.scl_slope = static_cast<double>(raw.at<float>(112));
@@ -72,6 +76,7 @@ void take_nifti1(const RawHeader& raw, NiftiFields& fields) {
 void take_nifti2(const RawHeader& raw, NiftiFields& fields) {
     raw.copy<std::int64_t>(16, fields.dim);
     fields.datatype = raw.at<std::int16_t>(12);
+    fields.bitpix = raw.at<std::int16_t>(14);
     raw.copy<double>(104, fields.pixdim);
     fields.vox_offset = static_cast<double>(raw.at<std::int64_t>(168));
     fields.scl_slope = raw.at<double>(176);
@@ -111,8 +116,9 @@ NiftiFields read_nifti_fields(const fs::path& path) {
     const std::string file = path.string();
     RawHeader raw = read_bytes(path);
     if (raw.size_bytes < nifti1_bytes) {
-        throw ImportError(fmt::format("{}: its header needs {} bytes, {} could be read", file,
-                                      nifti1_bytes, raw.size_bytes));
+        throw ImportError(fmt::format("{}: its header needs {} bytes, {} could be read{}", file,
+                                      nifti1_bytes, raw.size_bytes,
+                                      raw.is_damaged ? damaged_data : ""));
     }
     const auto little = raw.at<std::int32_t>(0);
     raw.big_endian = little != nifti1_bytes && little != nifti2_bytes;

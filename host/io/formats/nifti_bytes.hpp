@@ -17,7 +17,7 @@ struct NiftiFields {
     bool big_endian = false;
     std::string magic;
     std::array<std::int64_t, 8> dim{};
-    std::int32_t datatype = 0;
+    std::int32_t datatype = 0, bitpix = 0;
     std::array<double, 8> pixdim{};
     double vox_offset = 0;  ///< Bytes.
     double scl_slope = 0, scl_inter = 0;

@@ -38,10 +38,13 @@ Format format_by_content(const fs::path& path) {
     if (bytes.substr(128, 4) == "DICM") {
         return Format::dicom;
     }
+    if (is_gzip(path)) {
+        throw ImportError(path.string() + must_be_decompressed);
+    }
     throw ImportError(fmt::format(
         "{}: neither its suffix nor its first bytes are of a known format (.nrrd .nhdr .mha .mhd "
         ".nii .nii.gz .hdr .img .vtk .dcm .tif .png, or the folder of a DICOM series or of "
-        "pictures); a file without a header needs its dims and type",
+        "pictures); of a file without a header, give raw=XxYxZ,TYPE and spacing=x,y,z",
         path.string()));
 }
 
@@ -65,6 +68,11 @@ void check_data_file(const std::string& file, const fs::path& data_file, std::ui
                                 : header.encoding == Encoding::hex   ? 2 * needed
                                 : header.encoding == Encoding::gzip  ? needed / max_gzip_ratio
                                                                      : needed / max_bzip2_ratio;
+    if (available < least && header.encoding == Encoding::ascii) {
+        throw ImportError(
+            fmt::format("{}: {} values of {} as text need {} bytes or more, {} has {}", file,
+                        values, header.type, least, data_file.filename().string(), available));
+    }
     if (available < least) {
         throw ImportError(fmt::format("{}: {} of {} need {} bytes{}, {} has {}", file,
                                       join_sizes(header.sizes), header.type,

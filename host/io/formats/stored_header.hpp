@@ -50,6 +50,10 @@ StoredHeader read_meta_header(const std::filesystem::path& path);
 StoredHeader read_nifti_header(const std::filesystem::path& path);
 StoredHeader read_vtk_header(const std::filesystem::path& path);
 
+/// The end of the error for a raw file that is compressed.
+inline constexpr const char* must_be_decompressed =
+    ": is compressed by gzip: decompress it first (gunzip), then give raw=XxYxZ,TYPE";
+
 /// The header that `layout` describes. Throws ImportError if the file's size is another.
 StoredHeader read_raw_layout(const std::filesystem::path& path, const RawLayout& layout);
 

@@ -34,12 +34,12 @@ void swap_bytes(std::span<std::byte> bytes, std::size_t size) {
 
 /// The error for a data file that is too short.
 ImportError too_short(const std::string& file, const StoredHeader& header, const fs::path& data,
-                      std::uint64_t got) {
+                      std::uint64_t got, bool is_damaged = false) {
     const std::uint64_t needed = needed_bytes(header) / header.data_files.size();
-    return ImportError(fmt::format("{}: {} of {} need {} bytes{}, {} has {}", file,
+    return ImportError(fmt::format("{}: {} of {} need {} bytes{}, {} has {}{}", file,
                                    join_sizes(header.sizes), header.type, needed,
                                    is_compressed(header.encoding) ? " when decompressed" : "",
-                                   data.filename().string(), got));
+                                   data.filename().string(), got, is_damaged ? damaged_data : ""));
 }
 
 /// Where values begin in a file whose lines are skipped.
@@ -88,7 +88,7 @@ void read_binary(const std::string& file, const StoredHeader& header, const fs::
             std::span(chunk).first(std::min<std::uint64_t>(chunk.size(), needed - got));
         const std::size_t came = source.read(part);
         if (came < part.size()) {
-            throw too_short(file, header, data, got + came);
+            throw too_short(file, header, data, got + came, source.is_damaged());
         }
         if (header.big_endian) {
             swap_bytes(part, size);
@@ -189,6 +189,12 @@ void check_end(const std::string& file, const StoredHeader& header, const fs::pa
             fmt::format("{}: the compressed data of {} are damaged: the checksum is "
                         "not that of its {} bytes",
                         file, data.filename().string(), needed_bytes(header)));
+    }
+    if (!goes_on && source.bytes_after_end() > 0) {
+        volume.findings.push_back(
+            {FindingKind::note,
+             fmt::format("{} holds {} bytes after the end of its compressed data",
+                         data.filename().string(), source.bytes_after_end())});
     }
     if (header.ends_file && goes_on) {
         volume.findings.push_back(

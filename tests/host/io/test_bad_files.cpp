@@ -96,10 +96,12 @@ TEST_SUITE("host/io/bad_files") {
 
     TEST_CASE("a compressed MetaImage that is cut is refused") {
         const TemporaryFolder folder;
-        CHECK(complaint(folder.write(
-                  "cut.mha", meta_head + "CompressedData = True\nDimSize = 16 16 16\n" + meta_tail +
-                                 "ElementDataFile = LOCAL\n" + std::string(100, 'x'))) ==
-              "cut.mha: 16x16x16 of MET_SHORT need 8192 bytes when decompressed, cut.mha has 0");
+        CHECK(
+            complaint(folder.write(
+                "cut.mha", meta_head + "CompressedData = True\nDimSize = 16 16 16\n" + meta_tail +
+                               "ElementDataFile = LOCAL\n" + std::string(100, 'x'))) ==
+            "cut.mha: 16x16x16 of MET_SHORT need 8192 bytes when decompressed, cut.mha has 0: its "
+            "compressed data are damaged");
     }
 
     TEST_CASE("sizes beyond the limits are refused before anything is allocated") {
@@ -152,8 +154,10 @@ TEST_SUITE("host/io/bad_files") {
         CHECK(complaint(
                   folder.write("c.nrrd", nrrd_head + rest + "encoding: raw\nbyte skip: -5\n\n")) ==
               "c.nrrd: byte skip is -5, must be -1 or more");
-        CHECK(complaint(folder.write("d.nrrd", nrrd_head + rest + "encoding: gzip\n\ngarbage")) ==
-              "d.nrrd: 2x2x2 of short need 16 bytes when decompressed, d.nrrd has 0");
+        CHECK(
+            complaint(folder.write("d.nrrd", nrrd_head + rest + "encoding: gzip\n\ngarbage")) ==
+            "d.nrrd: 2x2x2 of short need 16 bytes when decompressed, d.nrrd has 0: its compressed "
+            "data are damaged");
         CHECK(complaint(folder.write("e.nhdr",
                                      nrrd_head + rest + "encoding: raw\ndata file: gone.raw\n")) ==
               "e.nhdr: its data file gone.raw cannot be read: No such file or directory");

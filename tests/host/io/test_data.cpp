@@ -118,8 +118,10 @@ const Refused malformed[] = {
     {"nrrd_short_data.nrrd", "16x16x16 of short need 8192 bytes, nrrd_short_data.nrrd has 1000"},
     {"nrrd_sizes_overflow.nrrd", "4294967296 voxels along x, must be 2 to 4096"},
     {"nrrd_unknown_encoding.nrrd", "encoding is 'lz77', must be raw, ascii, hex, gzip or bzip2"},
-    {"vtk_not_numbers.vtk", "4x4x4 of float need 127 bytes, vtk_not_numbers.vtk has 14"},
-    {"vtk_short_ascii.vtk", "4x4x4 of float need 127 bytes, vtk_short_ascii.vtk has 8"},
+    {"vtk_not_numbers.vtk",
+     "64 values of float as text need 127 bytes or more, vtk_not_numbers.vtk has 14"},
+    {"vtk_short_ascii.vtk",
+     "64 values of float as text need 127 bytes or more, vtk_short_ascii.vtk has 8"},
     {"vtk_wrong_dataset.vtk", "DATASET is 'POLYDATA', must be STRUCTURED_POINTS"},
 };
 

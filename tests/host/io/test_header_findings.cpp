@@ -1,5 +1,6 @@
-// Findings about headers that leave out, or contradict, a fact.
+// Findings about headers that leave out, or contradict, a fact; and errors that tell the way on.
 #include <doctest/doctest.h>
+#include <zlib.h>
 
 #include <algorithm>
 
@@ -19,9 +20,28 @@ bool reports(const Volume& volume, FindingKind kind, const std::string& words) {
     });
 }
 
+/// The error for `path` without the file's name. Empty if the file is read.
+std::string complaint(const std::string& path) {
+    try {
+        import_volume(path);
+    } catch (const ImportError& error) {
+        return std::string(error.what()).substr(path.size() + 2);
+    }
+    return "";
+}
+
 Grid cube() {
     Grid grid{{4, 3, 2}, glm::dmat4(1.0), ramp<std::int16_t>(24)};
     return grid;
+}
+
+std::string gzipped(const TemporaryFolder& folder, const std::string& bytes) {
+    const std::string path = folder.file("scratch.gz");
+    gzFile file = gzopen(path.c_str(), "wb");
+    gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
+    gzclose(file);
+    std::ifstream stream(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 std::string meta_image(const std::string& orientation) {
@@ -82,5 +102,62 @@ TEST_SUITE("host/io/header_findings") {
         CHECK_FALSE(is_assumed(import_volume(folder.write("v.nrrd", nrrd))));
         nrrd.replace(nrrd.find("\"\" \"\""), 5, "\"inch\" \"inch\"");
         CHECK(is_assumed(import_volume(folder.write("v.nrrd", nrrd))));
+    }
+
+    TEST_CASE("counts that contradict the header or the data are told") {
+        const TemporaryFolder folder;
+        std::string vtk = vtk_file(cube());
+        CHECK_FALSE(reports(import_volume(folder.write("v.vtk", vtk)), FindingKind::note, ""));
+        vtk.replace(vtk.find("POINT_DATA 24"), 13, "POINT_DATA 25");
+        CHECK(reports(import_volume(folder.write("v.vtk", vtk)), FindingKind::note,
+                      "POINT_DATA is 25, DIMENSIONS 4x3x2 have 24 points"));
+        NiftiHeader header = nifti1_header(cube());
+        header.put<std::int16_t>(72, 8);
+        const std::string nifti = header.bytes() + bytes_of(cube().values);
+        CHECK(reports(import_volume(folder.write("v.nii", nifti)), FindingKind::note,
+                      "bitpix is 8, datatype 4 has 16 bits: the datatype counts"));
+        CHECK(reports(import_volume(folder.write(
+                          "v.nii.gz", gzipped(folder, nifti1_file(cube())) + "trailing words")),
+                      FindingKind::note,
+                      "v.nii.gz holds 14 bytes after the end of its compressed data"));
+        CHECK_FALSE(
+            reports(import_volume(folder.write("w.nii.gz", gzipped(folder, nifti1_file(cube())))),
+                    FindingKind::note, "after the end"));
+    }
+
+    TEST_CASE("errors of files that are not read say what to do") {
+        const TemporaryFolder folder;
+        const std::string zeros(24, '\0');
+        CHECK(complaint(folder.write("v.raw.gz", gzipped(folder, zeros)))
+                  .find("is compressed by gzip: decompress it first (gunzip), then give "
+                        "raw=XxYxZ,TYPE") == 0);
+        CHECK(complaint(folder.write("v.bin", zeros)).find("give raw=XxYxZ,TYPE") !=
+              std::string::npos);
+        ImportRequest request;
+        request.path = folder.file("v.raw.gz");
+        request.raw = RawLayout{{4, 3, 2}, "uint8", false, 0};
+        request.spacing_mm = glm::dvec3(1, 1, 1);
+        CHECK_THROWS_WITH_AS(import_volume(request),
+                             doctest::Contains("is compressed by gzip: decompress it first"),
+                             ImportError);
+        const std::string nrrd =
+            "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nendian: "
+            "little\nencoding: ";
+        CHECK(complaint(folder.write("v.nrrd", nrrd + "ascii\n\n1 2 3\n")) ==
+              "24 values of short as text need 47 bytes or more, v.nrrd has 6");
+        CHECK(complaint(folder.write("v.nrrd", nrrd + "gzip\n\ngarbage")) ==
+              "4x3x2 of short need 48 bytes when decompressed, v.nrrd has 0: its compressed data "
+              "are damaged");
+        std::string cut = gzipped(folder, nifti1_file(cube()));
+        cut.replace(20, 40, 40, '\xff');
+        CHECK(complaint(folder.write("v.nii.gz", cut)).find("its compressed data are damaged") !=
+              std::string::npos);
+        std::string vtk = vtk_file(cube());
+        vtk.replace(vtk.find("short"), 5, "bit");
+        CHECK(complaint(folder.write("v.vtk", vtk)) ==
+              "SCALARS has values of one bit, which are not read: write them as unsigned_char");
+        NiftiHeader header = nifti1_header(cube());
+        CHECK(complaint(folder.write("v.nii", header.put<std::int16_t>(70, 128).bytes()))
+                  .find("datatype is 128 (RGB color), must be one of the scalar types") == 0);
     }
 }
