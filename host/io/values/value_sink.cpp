@@ -18,6 +18,7 @@ namespace pxpl5::host::io {
 namespace {
 
 constexpr std::size_t block_values = 4096;  // As float64, 32 KiB stay in the cache.
+constexpr double float_rounding = 0x1p-24;  // Share of a value that float32 rounds away at most.
 constexpr double max_value = std::numeric_limits<float>::max();  // What float32 holds.
 
 std::optional<Scalar> kept_type(Component component) {
@@ -105,6 +106,10 @@ template <typename T>
 void ValueSink::fit(std::span<const T> values, Scale scale) {
     std::array<double, block_values> wide{};
     const bool is_whole_type = std::is_integral_v<T>;
+    // Scaled values have digits that their file does not: those of whole numbers are lost only if
+    // two of them become one, those of float32 only beyond float32.
+    const Tolerance tolerance{is_whole_type ? std::abs(scale.slope) / 4 : 0,
+                              std::is_same_v<T, float> ? float_rounding : 0};
     if (!fitting_ && type_ == Scalar::uint8) {
         convert_held_to(Scalar::int16);
     } else if (!fitting_ && type_ == Scalar::uint16 && maximum_ <= INT16_MAX) {
@@ -121,7 +126,8 @@ void ValueSink::fit(std::span<const T> values, Scale scale) {
                           : static_cast<double>(stored) * scale.slope + scale.intercept;
             if constexpr (sizeof(T) == 8 && std::is_integral_v<T>) {
                 // Counted here only if append() will not see it.
-                inexact_ += static_cast<long double>(wide[i]) != static_cast<long double>(stored) &&
+                inexact_ += scale.is_identity() &&
+                            static_cast<long double>(wide[i]) != static_cast<long double>(stored) &&
                             static_cast<double>(static_cast<float>(wide[i])) == wide[i];
             }
             block.look_at(wide[i]);
@@ -133,7 +139,7 @@ void ValueSink::fit(std::span<const T> values, Scale scale) {
         convert_held_to(whole && fits<std::int16_t>(minimum_, maximum_)    ? Scalar::int16
                         : whole && fits<std::uint16_t>(minimum_, maximum_) ? Scalar::uint16
                                                                            : Scalar::float32);
-        append({wide.data(), count});
+        append({wide.data(), count}, tolerance);
     }
 }
 
@@ -160,7 +166,7 @@ void ValueSink::convert_held_to(Scalar type) {
     type_ = type;  // Between int16 and uint16 the bits of a value that fits both are the same.
 }
 
-void ValueSink::append(std::span<const double> values) {
+void ValueSink::append(std::span<const double> values, Tolerance tolerance) {
     const std::size_t before = values_.size();
     values_.reserve(value_count_ * size_bytes(type_));
     values_.resize(before + values.size() * size_bytes(type_));
@@ -169,7 +175,9 @@ void ValueSink::append(std::span<const double> values) {
         for (std::size_t i = 0; i < values.size(); ++i) {
             to[i] = static_cast<To>(values[i]);
             const bool is_nan = values[i] != values[i];
-            inexact_ += !is_nan && static_cast<double>(to[i]) != values[i];
+            const auto held = static_cast<double>(to[i]);
+            const double most = tolerance.absolute + tolerance.relative * std::abs(values[i]);
+            inexact_ += !is_nan && held != values[i] && !(std::abs(held - values[i]) <= most);
         }
     });
 }

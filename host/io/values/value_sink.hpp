@@ -19,6 +19,11 @@ struct Scale {
     friend bool operator==(const Scale&, const Scale&) = default;
 };
 
+/// Differences up to these are no loss.
+struct Tolerance {
+    double absolute = 0, relative = 0;
+};
+
 /// Keeps uint8, int16, uint16 and float32 while all chunks have one of these types and no scale.
 /// Otherwise whole numbers become int16 or uint16 if all fit, and other values become float32. A
 /// chunk converts the earlier values if needed. The result does not depend on the order of chunks.
@@ -44,7 +49,7 @@ class ValueSink {
     template <typename T>
     void fit(std::span<const T> values, Scale scale);
     void convert_held_to(Scalar type);
-    void append(std::span<const double> values);
+    void append(std::span<const double> values, Tolerance tolerance);
     void note_conversion(Volume& volume) const;
 
     std::size_t value_count_;

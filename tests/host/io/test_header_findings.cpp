@@ -125,6 +125,19 @@ TEST_SUITE("host/io/header_findings") {
                     FindingKind::note, "after the end"));
     }
 
+    TEST_CASE("scaled whole numbers are rounded only where float32 cannot tell them apart") {
+        const TemporaryFolder folder;
+        NiftiHeader header = nifti1_header(cube());
+        header.put<float>(112, 0.1F).put<float>(116, 0.3F);
+        const Volume tenths =
+            import_volume(folder.write("v.nii", header.bytes() + bytes_of(cube().values)));
+        CHECK(reports(tenths, FindingKind::conversion, "held as float32, without loss"));
+        header.put<std::int16_t>(70, 8).put<std::int16_t>(72, 32).put<float>(116, 0.0F);
+        const Volume wide = import_volume(folder.write(
+            "v.nii", header.bytes() + bytes_of(std::vector<std::int32_t>(24, (1 << 30) + 1))));
+        CHECK(reports(wide, FindingKind::conversion, "24 of 24 are rounded"));
+    }
+
     TEST_CASE("errors of files that are not read say what to do") {
         const TemporaryFolder folder;
         const std::string zeros(24, '\0');
