@@ -75,7 +75,7 @@ Volume import_slices(const std::string& source, std::vector<DicomSlice> slices,
     return std::move(volume);
 }
 
-/// What the files of a folder are.
+/// Files of a folder by their contents.
 struct FolderFiles {
     std::vector<DicomSlice> slices;
     std::vector<fs::path> pictures;

@@ -72,7 +72,7 @@ std::string csa_header(const gdcm::DataSet& data) {
     return {};
 }
 
-/// What a mosaic states about its tiles.
+/// Number and normal of a mosaic's tiles.
 struct Mosaic {
     int slices = 0;
     glm::dvec3 normal{0};

@@ -54,7 +54,7 @@ class ByteSource {
     Encoding encoding_;
     std::vector<char> in_;  ///< A chunk of the file.
     std::size_t in_at_ = 0, in_end_ = 0;
-    std::uint64_t unread_bytes_ = 0;     ///< Of the file.
+    std::uint64_t unread_bytes_ = 0;     ///< Bytes of the file.
     std::uint64_t bytes_after_end_ = 0;  ///< After the last stream that was whole.
     bool ended_ = false;                 ///< Nothing more comes.
     bool damaged_ = false;
