@@ -29,8 +29,8 @@ struct RawLayout {
 
 /// A request to read a volume; only `path` is required.
 struct ImportRequest {
-    std::string path;                      ///< A file, a folder, or phantom:NAME.
-    std::string series;                    ///< DICOM folders: place in the list from 1, UID or number.
+    std::string path;    ///< A file, a folder, or phantom:NAME.
+    std::string series;  ///< DICOM: place in the list from 1, UID or SeriesNumber.
     std::optional<glm::dvec3> spacing_mm;  ///< For files that state none: pictures, raw files.
     std::optional<RawLayout> raw;
     /// First voxel and number of voxels kept; both or none.
