@@ -1,9 +1,9 @@
 // Holds messages of the server back, so that a test sees the page between two of them.
 
 /**
- * Runs in the page before its own code. `globalThis.holds` is 'binary' (frames and answers), 'state'
- * or '' (nothing). `globalThis.release()` delivers what was held. `globalThis.replies` counts
- * replies.
+ * Runs in the page before its own code. `globalThis.holds` is 'binary' (frames and answers),
+ * 'state' or '' (nothing). `globalThis.release()` delivers what was held. `globalThis.replies`
+ * counts replies.
  */
 export function holdMessages() {
   const Plain = globalThis.WebSocket;

@@ -49,7 +49,8 @@ test('keys work after a color was chosen', async () => {
 
 test('undo takes opacity, visibility and light back one change at a time', async () => {
   await byId('choose-skin').click();
-  const skin = (now, [key, value]) => now.surfaces.find(({ name }) => name === 'skin')[key] === value;
+  const skin = (now, [key, value]) =>
+    now.surfaces.find(({ name }) => name === 'skin')[key] === value;
   const set = (act, key, value) => after(page, act, skin, [key, value]);
   await set(() => byId('surface-opacity-skin').fill('0.75'), 'opacity', 0.75);
   await set(() => byId('surface-opacity-skin').fill('0.25'), 'opacity', 0.25);
@@ -112,7 +113,7 @@ test('a click leaves no frame around the picture, a key shows it', async () => {
 
 test('targets are large enough for fingers', async () => {
   const touch = await openPage(browser, server.url,
-                               { hasTouch: true, isMobile: true, viewport: { width: 390, height: 844 } });
+    { hasTouch: true, isMobile: true, viewport: { width: 390, height: 844 } });
   await unfold(touch.page);
   const small = await touch.page.evaluate(([least, finger]) => {
     const found = [];
