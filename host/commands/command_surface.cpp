@@ -42,7 +42,7 @@ bool suggest(const Volume& volume, Surface& wish) {
     return tissue != nullptr;
 }
 
-void take_preset(const std::string& name, Surface& wish) {
+void take_preset(const std::string& name, const std::string& modality, Surface& wish) {
     const Tissue* tissue = find_tissue(name);
     if (tissue == nullptr) {
         std::vector<std::string_view> names;
@@ -50,6 +50,9 @@ void take_preset(const std::string& name, Surface& wish) {
             names.push_back(each.name);
         }
         refuse_command(fmt::format("preset: there is no '{}'{}", name, did_you_mean(name, names)));
+    }
+    if (const std::string refusal = refusal_of_tissue(name, modality); !refusal.empty()) {
+        refuse_command(refusal);
     }
     wish.isovalue = tissue->isovalue_hu;
     wish.colour = tissue->colour;
@@ -83,14 +86,15 @@ Surface wished_surface(const Session& session, const std::optional<Surface>& kno
     }
     bool has_isovalue = known.has_value() || suggest(volume, wish);
     if (arguments.has("preset")) {
-        take_preset(arguments.text("preset", ""), wish);
+        take_preset(arguments.text("preset", ""), volume.modality, wish);
         has_isovalue = true;
     }
     if (!has_isovalue && !arguments.has("iso")) {
         refuse_command(fmt::format(
             "surface {} is new: give its isovalue, iso=V with V in {} .. {}{}", wish.name,
             volume.minimum, volume.maximum,
-            find_tissue(wish.name) != nullptr
+            find_tissue(wish.name) != nullptr &&
+                    refusal_of_tissue(wish.name, volume.modality).empty()
                 ? fmt::format(", or preset={} if values are Hounsfield units", wish.name)
                 : ""));
     }

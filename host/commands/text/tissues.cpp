@@ -1,5 +1,7 @@
 #include "host/commands/text/tissues.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -16,6 +18,16 @@ std::span<const Tissue> tissues() {
         {"metal", 2200.5, {190, 200, 214}, "implants, fillings"},
     }};
     return table;
+}
+
+std::string refusal_of_tissue(std::string_view tissue, std::string_view modality) {
+    if (modality.empty() || modality == "CT") {
+        return {};
+    }
+    return fmt::format(
+        "preset={} is an isovalue in Hounsfield units, and this volume is {}, no CT: give iso=V; "
+        "'histogram' and 'atlas' show which values part its tissues",
+        tissue, modality);
 }
 
 const Tissue* find_tissue(std::string_view name) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "host/base/command_line.hpp"
@@ -20,6 +21,10 @@ struct Tissue {
 /// Source  Customary windows: air -1000, lung -500, fat -100, water 0, muscle 10..40, soft bone
 ///         from about 150, cortical bone from about 500, teeth and metal above 2000.
 std::span<const Tissue> tissues();
+
+/// The reason why the isovalue of `tissue` means nothing in a scan of `modality`, with advice.
+/// Empty for CT, and for scans that state no modality.
+std::string refusal_of_tissue(std::string_view tissue, std::string_view modality);
 
 /// Null if there is none of that name.
 const Tissue* find_tissue(std::string_view name);

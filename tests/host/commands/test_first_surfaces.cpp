@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "host/commands/text/first_surfaces.hpp"
+#include "host/commands/text/tissues.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
@@ -60,4 +61,16 @@ TEST_CASE("a built-in volume first shows what is suggested for it") {
     volume.name = "phantom:sphere";
     const std::vector<FirstSurface> sphere = {{"surface", {}, false}};
     CHECK(first_surfaces(volume) == sphere);
+}
+
+TEST_CASE("tissues of CT are refused for scans of another modality, with advice") {
+    for (const char* modality : {"MR", "PT", "US"}) {
+        const std::string text = refusal_of_tissue("bone", modality);
+        CAPTURE(text);
+        CHECK(text.find("preset=bone is an isovalue in Hounsfield units") == 0);
+        CHECK(text.find(std::string("this volume is ") + modality) != std::string::npos);
+        CHECK(text.find("give iso=V") != std::string::npos);
+    }
+    CHECK(refusal_of_tissue("bone", "CT").empty());
+    CHECK(refusal_of_tissue("bone", "").empty());
 }
