@@ -32,8 +32,7 @@ std::string title_of(const Session& session) {
     if (session.volumes.archive() != nullptr) {
         return session.volumes.archive()->file;
     }
-    const Volume& volume = session.volumes.volume();
-    return volume.name + (is_assumed(volume) ? "  (place or spacing ASSUMED: see info)" : "");
+    return legend_title(session.volumes.volume());
 }
 
 std::string spacing_text(const Volume& volume) {

@@ -83,6 +83,10 @@ Fields histogram_fields(const Histogram& counted) {
     return {{"first", counted.first}, {"width", counted.width}, {"counts", counts}};
 }
 
+std::string legend_title(const Volume& volume) {
+    return (is_assumed(volume) ? "place or spacing ASSUMED (see info): " : "") + volume.name;
+}
+
 glm::dvec3 spacing_mm(const Volume& volume) {
     return {glm::length(axis_mm(volume, 0)), glm::length(axis_mm(volume, 1)),
             glm::length(axis_mm(volume, 2))};
