@@ -21,10 +21,11 @@ Volume halves(const char* modality, std::int16_t low, std::int16_t high) {
     volume.type = Scalar::int16;
     volume.minimum = low;
     volume.maximum = high;
-    std::vector<std::int16_t> values(64, low);
-    std::fill(values.begin() + 32, values.end(), high);
-    volume.values.resize(values.size() * sizeof(std::int16_t));
-    std::memcpy(volume.values.data(), values.data(), volume.values.size());
+    std::array<std::int16_t, 64> values{};
+    std::fill_n(values.begin(), 32, low);
+    std::fill_n(values.begin() + 32, 32, high);
+    const auto bytes = std::as_bytes(std::span(values));
+    volume.values.assign(bytes.begin(), bytes.end());
     return volume;
 }
 
