@@ -257,12 +257,20 @@ Reply run_tint(Session& session, const Arguments& arguments) {
             {{"tint_gaps", session.scene.tint_gaps}, {"gaps", static_cast<std::int64_t>(gaps)}}};
 }
 
-std::string parse_surface(const Session& session, const Arguments& arguments,
-                          const std::string& option) {
-    const std::string name = arguments.text(option, "");
-    if (!name.empty() && !session.meshes.surface(name).visible) {
-        refuse_command(fmt::format(
-            "{}={}: the surface is hidden; `surface {} visible=yes` shows it", option, name, name));
+std::string shown_surface(const Session& session, const std::string& name) {
+    if (name.empty()) {
+        return name;
+    }
+    const Surface& surface = session.meshes.surface(name);
+    if (!surface.visible) {
+        refuse_command(
+            fmt::format("{} is hidden; `surface {} visible=yes` shows the surface", name, name));
+    }
+    if (is_compared(session.scene.surfaces, surface)) {
+        refuse_command(
+            fmt::format("`compare` shows two other surfaces in place of {}; `compare {} "
+                        "off` shows the surface",
+                        name, name));
     }
     return name;
 }

@@ -2,7 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <cstring>
+#include <array>
+#include <span>
 
 #include "host/commands/text/first_surfaces.hpp"
 #include "host/commands/text/tissues.hpp"
