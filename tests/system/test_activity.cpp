@@ -243,7 +243,7 @@ TEST_CASE("a fault that comes unasked is told where it is taken, and not by the 
     for (int look = 0; look < 100 && told.empty(); ++look) {  // Each look delivers a little.
         told = test::error_of([&] { bench.session.nodes.activity(AwaitAnswers::none); });
     }
-    CHECK(told.find("told unasked: ") == 0);
+    CHECK(told.find("background request: ") == 0);
     CAPTURE(told);
     CHECK(told.find("slice_count is 0") != std::string::npos);
     CHECK(test::error_of([&] { bench.session.frames.draw(); }).empty());
