@@ -249,3 +249,16 @@ TEST_CASE("a fault that comes unasked is told where it is taken, and not by the 
     CHECK(test::error_of([&] { bench.session.frames.draw(); }).empty());
     CHECK(test::error_of([&] { bench.session.nodes.activity(AwaitAnswers::all); }).empty());
 }
+
+TEST_CASE("activities that arrive while a volume is given up are not lost") {
+    Bench bench(2, 1);
+    bench.session.nodes.activity(AwaitAnswers::none);  // Asks, and leaves the answers under way.
+    bench.session.load_settings.progress = [](const LoadProgress& now) {
+        if (now.phase == LoadProgress::Phase::distributing) {
+            throw RequestError(ExitCode::failed, "given up");
+        }
+    };
+    CHECK(test::error_of([&] { bench.session.volumes.load("phantom:sphere"); }) == "given up");
+    bench.session.load_settings.progress = nullptr;
+    CHECK(test::error_of([&] { bench.session.nodes.activity(AwaitAnswers::all); }).empty());
+}
