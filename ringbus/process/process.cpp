@@ -49,8 +49,8 @@ bool tie_to_parent(int parent_pid) {
     return parent_pid == 0 || getppid() == parent_pid;
 }
 
-/// Prevents that a message interrupts a working node. With more threads than cores, most messages
-/// of a frame then wait together for their receiver and wake it once.
+/// Keeps messages from interrupting a node at work. With more threads than cores, the messages of
+/// a frame then collect, and wake their receiver once.
 void work_without_preemption() {
     if (sched_getscheduler(0) == SCHED_OTHER) {  // Otherwise the launcher has chosen a policy.
         const sched_param none{};
