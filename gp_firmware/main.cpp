@@ -10,8 +10,9 @@
 
 namespace {
 
-/// Keeps freed memory in the process. Every isovalue makes new meshes; returning their pages to the
-/// system costs up to a tenth of an extraction. Messages over tcp use this memory, too.
+/// Keeps freed memory in the process until another volume comes (drop_content). Every isovalue
+/// makes new meshes; returning their pages to the system costs up to a tenth of an extraction.
+/// Messages over tcp use this memory, too.
 void keep_freed_memory() {
 #ifdef __GLIBC__
     constexpr int kept_bytes = 1 << 30;

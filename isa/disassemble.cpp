@@ -24,11 +24,6 @@ std::string filled_text(const OpInfo& row, const Operands& o) {
     return out;
 }
 
-Coefficients signed_words(std::span<const std::uint32_t> words) {
-    // int32_t is the signed type of uint32_t, so reading one as the other is defined.
-    return {reinterpret_cast<const std::int32_t*>(words.data()), words.size()};
-}
-
 }  // namespace
 
 std::string disassemble(Instruction in, Coefficients coefficients) {

@@ -23,6 +23,12 @@ inline constexpr std::uint32_t backing_block_bits = 32;
 /// Coefficient words of one instruction: 0, 1 (K), 3 (A B C) or 6 (A B C D E F).
 using Coefficients = std::span<const std::int32_t>;
 
+/// Returns the coefficient words of a program as coefficients.
+inline Coefficients signed_words(std::span<const std::uint32_t> words) {
+    // int32_t is the signed type of uint32_t, so reading one as the other is defined.
+    return {reinterpret_cast<const std::int32_t*>(words.data()), words.size()};
+}
+
 /// Receives one word per pixel, row by row (index y * 128 + x), from PIXELSTOFB. The span is valid
 /// only during the call.
 using ReadoutSink = std::function<void(std::span<const std::uint32_t>)>;

@@ -6,15 +6,6 @@
 #include <cassert>
 
 namespace pxpl5::isa {
-namespace {
-
-/// Returns the coefficients as signed words; at most 6.
-Coefficients signed_words(std::span<const std::uint32_t> words) {
-    // int32_t is the signed type of uint32_t, so reading one as the other is defined.
-    return {reinterpret_cast<const std::int32_t*>(words.data()), words.size()};
-}
-
-}  // namespace
 
 void Sequencer::count(std::uint64_t instructions, std::uint64_t cycles) {
     state_.counts.instructions += instructions;

@@ -158,6 +158,15 @@ bus::NodeStatus RendererNode::status() const {
     return {bytes, waiting_.size() + (drawing_ ? 1 : 0), frames_};
 }
 
+bus::Doing RendererNode::doing() {
+    if (!drawing_) {
+        return {bus::Body::RegionPrograms};
+    }
+    return {bus::Body::RegionPrograms, drawing_->plan.frame,
+            static_cast<std::uint32_t>(drawing_->next_region),
+            static_cast<std::uint32_t>(drawing_->plan.regions.size())};
+}
+
 void RendererNode::on_topology(const bus::Message& message) {
     self_ = message.header().destination();
     gp_ids_.clear();

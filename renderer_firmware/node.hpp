@@ -37,6 +37,7 @@ class RendererNode final : public bus::Node {
     void receive(const bus::Message& message, bus::Outbox& out) override;
     bool work(bus::Outbox& out) override;
     bus::NodeStatus status() const override;
+    bus::Doing doing() override;
 
   private:
     struct Drawing;

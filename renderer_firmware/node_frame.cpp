@@ -68,7 +68,7 @@ Shading shading_of(const schema::DrawFrame& draw) {
     shading.screens = screens_of(draw);
     shading.pass = {draw.sample(), draw.samples()};
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
-        const schema::Rgb& c = surface->colour();
+        const schema::Rgb& c = surface->color();
         shading.surfaces.push_back({c.r(), c.g(), c.b()});
     }
     shading.ambient = draw.ambient();

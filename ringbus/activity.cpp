@@ -4,19 +4,13 @@
 
 namespace pxpl5::bus {
 
-namespace {
-
-constexpr std::uint64_t ns_per_s = 1'000'000'000;
-
-/// Processor time of all threads of this process.
 std::uint64_t processor_ns() {
+    constexpr std::uint64_t ns_per_s = 1'000'000'000;
     timespec time{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
     return static_cast<std::uint64_t>(time.tv_sec) * ns_per_s +
            static_cast<std::uint64_t>(time.tv_nsec);
 }
-
-}  // namespace
 
 Payload activity_message(StageClock& clock, const Traffic& traffic, const NodeStatus& status,
                          std::size_t held_up) {
@@ -41,6 +35,7 @@ Payload activity_message(StageClock& clock, const Traffic& traffic, const NodeSt
     activity.queue = static_cast<std::uint32_t>(status.queue);
     activity.held_up = static_cast<std::uint32_t>(held_up);
     activity.frames = status.frames;
+    activity.refused_messages = traffic.refused_messages;
     return pack(activity);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "ringbus/node.hpp"
 #include "ringbus/stage_clock.hpp"
@@ -11,6 +12,9 @@ namespace pxpl5::bus {
 
 /// Names of stages are short words.
 inline constexpr std::size_t max_stage_name = 32;
+
+/// Returns the processor time of all threads of this process, in ns.
+std::uint64_t processor_ns();
 
 /// clock    The node's clock. The answer has all of its stages but stage::wait.
 /// held_up  Messages that wait at the node for credit.

@@ -44,6 +44,7 @@ class ChannelModel {
     Stamp place(NodeId from, NodeId to, std::uint64_t body_bytes);
     /// Advances the modelled time. No later message departs earlier.
     void advance_to(std::uint64_t time_ns);
+    std::uint64_t now_ns() const { return now_ns_; }
 
   private:
     RingParameters parameters_;

@@ -4,6 +4,7 @@
 usage: generate_protocol_md.py [--write]     without --write: exit code 1 if the file is stale
 """
 import pathlib
+import re
 import sys
 import textwrap
 
@@ -40,6 +41,17 @@ def section(schema):
     return out
 
 
+def rules():
+    """The rows of senders.def by kind: "host to gp; io to host"."""
+    text = (HERE / "senders.def").read_text()
+    found = {}
+    row = re.compile(r"^MAY_SEND\((\w+), ([\w |]+), ([\w |]+)\)$", re.M)
+    for kind, senders, receivers in row.findall(text):
+        rule = " to ".join(roles.replace(" | ", ", ") for roles in (senders, receivers))
+        found[kind] = f"{found[kind]}; {rule}" if kind in found else rule
+    return found
+
+
 def document():
     out = ["# The protocol of the ring", "",
            *paragraph("Generated from `schema/*.fbs` and `limits.def`; rewrite with "
@@ -54,8 +66,13 @@ def document():
     out += [f"| `{limit.name}` | {limit.value} | {limit.comment} |"
             for limit in vocabulary.limits()]
     kinds = fbs_text.find(fbs_text.read(HERE / "schema" / "message.fbs"), "Body").values
-    out += ["", "## Kinds", "", "| kind | body |", "|---|---|"]
-    out += [f"| {number} | {kind.name} |" for number, kind in enumerate(kinds, 1)]
+    out += ["", "## Kinds and lawful senders", "",
+            *paragraph("The rules of `senders.def`. A node is a GP, a Renderer or a frame buffer; "
+                       "a child is a node or an io process. A receiver drops all other messages."),
+            "| kind | body | sender to receiver |", "|---|---|---|"]
+    lawful = rules()
+    out += [f"| {number} | {kind.name} | {lawful[kind.name]} |"
+            for number, kind in enumerate(kinds, 1)]
     return "\n".join(out) + "\n"
 
 

@@ -18,8 +18,10 @@ class Link {
     /// The address of this node.
     virtual const std::string& endpoint() const = 0;
 
-    /// Adds peer `id`, which must be new. Messages to it wait until it listens.
-    virtual void add_peer(NodeId id, const std::string& endpoint) = 0;
+    /// Adds peer `id`, which must be new. Messages to it wait until it listens. The link drops
+    /// messages of nodes that are no peers, and messages that the peer's role may not send to this
+    /// node (law.hpp). Throws std::invalid_argument if `endpoint` is not private to this computer.
+    virtual void add_peer(NodeId id, schema::Role role, const std::string& endpoint) = 0;
     /// Drops messages that have not left. A later peer of this id counts messages from 0 again.
     virtual void remove_peer(NodeId id) = 0;
 

@@ -62,7 +62,7 @@ Message::Message(const schema::Header& header, std::span<const std::uint8_t> bod
         refuse(fmt::format("the header says {}, the body is {}", kind_name(kind()),
                            kind_name(message.body_type())));
     }
-    if (const std::string reason = out_of_range(message); !reason.empty()) {
+    if (const std::string reason = out_of_range(message, body.size()); !reason.empty()) {
         refuse(reason);
     }
 }

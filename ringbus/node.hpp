@@ -45,6 +45,14 @@ struct NodeStatus {
     std::uint64_t frames = 0;
 };
 
+/// The current work of a node, for errors about a node that does not answer.
+struct Doing {
+    Body kind = Body::NONE;     ///< Kind of the message that asked for the work.
+    std::uint32_t subject = 0;  ///< Surface or frame of the work.
+    std::uint32_t done = 0;     ///< Finished pieces, for example slabs.
+    std::uint32_t total = 0;    ///< All pieces; 0 if unknown.
+};
+
 /// Firmware. One thread drives it. It never blocks or sleeps, and no decision depends on a clock.
 class Node {
   public:
@@ -59,6 +67,9 @@ class Node {
     virtual bool work(Outbox& out) = 0;
 
     virtual NodeStatus status() const { return {}; }
+
+    /// The work that work() continues.
+    virtual Doing doing() { return {}; }
 };
 
 }  // namespace pxpl5::bus

@@ -81,11 +81,12 @@ bool work_once(Node& node, NodeId self, Outbox& out) {
     return more;
 }
 
-bool run_node(Node& node, Link& link, const std::function<bool()>& alive) {
+bool run_node(Node& node, Link& link, const std::function<bool()>& alive, Pulse& pulse) {
     StageClock clock;
     LinkOutbox out(link, &clock);
     const auto rest = [&] {
         const StageClock::In waiting(&clock, stage::wait);
+        pulse.enter(Phase::waiting);
         return link.wait(quiet_ms);
     };
     clock.enter(stage::receive);
@@ -100,12 +101,16 @@ bool run_node(Node& node, Link& link, const std::function<bool()>& alive) {
                          activity_message(clock, link.traffic(), node.status(), link.queued()));
                 continue;
             }
+            pulse.enter(Phase::receiving, {message->kind()});
             deliver(node, link.id(), *message, out);
             busy = true;
         }
         // A receiver that is behind does not need more messages, so the node does no work.
         const bool held_up = link.queued() > 0;
-        busy = busy && (held_up || work_once(node, link.id(), out));
+        if (busy && !held_up) {
+            pulse.enter(Phase::working, node.doing());
+            busy = work_once(node, link.id(), out);
+        }
         if ((!busy || held_up) && !rest() && !alive()) {
             return false;
         }

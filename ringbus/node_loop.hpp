@@ -6,6 +6,7 @@
 
 #include "ringbus/link.hpp"
 #include "ringbus/node.hpp"
+#include "ringbus/pulse.hpp"
 
 namespace pxpl5::bus {
 
@@ -47,7 +48,12 @@ bool work_once(Node& node, NodeId self, Outbox& out);
 /// messages before each piece of work. Does no work while sent messages wait for credit.
 ///
 /// alive   Called after each quiet second; false ends the loop.
+/// pulse   Shows the loop's steps.
 /// Returns true after Shutdown, false if `alive` returned false.
-bool run_node(Node& node, Link& link, const std::function<bool()>& alive);
+bool run_node(Node& node, Link& link, const std::function<bool()>& alive, Pulse& pulse);
+inline bool run_node(Node& node, Link& link, const std::function<bool()>& alive) {
+    Pulse none;
+    return run_node(node, link, alive, none);
+}
 
 }  // namespace pxpl5::bus

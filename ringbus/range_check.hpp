@@ -83,8 +83,28 @@ std::size_t size_of(const Vector* vector) {
     return vector == nullptr ? 0 : vector->size();
 }
 
+/// Counts the elements in the lists of a message. Each element takes a byte at least, so that more
+/// elements than bytes are a sign of lists that share elements.
+class Elements {
+  public:
+    explicit Elements(std::size_t body_bytes) : left_(body_bytes), body_bytes_(body_bytes) {}
+
+    /// Returns false, and lets `check` fail, if there are too many.
+    bool take(Check& check, std::size_t count) {
+        if (count > left_) {
+            check.add(fmt::format("its lists have more elements than its {} bytes", body_bytes_));
+            return false;
+        }
+        left_ -= count;
+        return true;
+    }
+
+  private:
+    std::size_t left_, body_bytes_;
+};
+
 /// Checks messages about volumes, surfaces, scenes, pictures and meshes. Returns "" if all fields
 /// are in range, and for messages of other kinds.
-std::string model_out_of_range(const schema::Message& message);
+std::string model_out_of_range(const schema::Message& message, std::size_t body_bytes);
 
 }  // namespace pxpl5::bus

@@ -62,8 +62,12 @@ std::string pass_range(const schema::DrawFrame& draw) {
     return check.reason();
 }
 
+/// The next frame has a number, too.
+constexpr std::uint32_t last_frame = 0xfffffffe;
+
 std::string range_of(const schema::DrawFrame& draw) {
     Check check;
+    check.at_most("frame", draw.frame(), last_frame);
     check.add(pass_range(draw));
     check.within("width", draw.width(), 1, max_picture_px)
         .within("height", draw.height(), 1, max_picture_px)
@@ -122,10 +126,13 @@ std::string range_of(const schema::RegionProgram& program) {
     return Check().at_most("number of origins", size_of(program.origins()), words).reason();
 }
 
-std::string range_of(const schema::RegionPrograms& programs) {
+std::string range_of(const schema::RegionPrograms& programs, Elements elements) {
     Check check;
     check.at_most("gp", programs.gp(), max_nodes - 1);
     for (const auto* region : *programs.regions()) {
+        if (!elements.take(check, region->segments()->size())) {
+            break;
+        }
         check.at_most("region", region->region(), max_regions - 1);
         check.add(range_of(*region));
     }
@@ -227,7 +234,7 @@ std::string range_of(const schema::FrameCounts& counts) {
 
 }  // namespace
 
-std::string out_of_range(const schema::Message& message) {
+std::string out_of_range(const schema::Message& message, std::size_t body_bytes) {
     switch (message.body_type()) {
         case Body::Hello:
             return range_of(*message.body_as_Hello());
@@ -240,7 +247,7 @@ std::string out_of_range(const schema::Message& message) {
         case Body::BeginFrame:
             return range_of(*message.body_as_BeginFrame());
         case Body::RegionPrograms:
-            return range_of(*message.body_as_RegionPrograms());
+            return range_of(*message.body_as_RegionPrograms(), Elements(body_bytes));
         case Body::RegionPixels:
             return range_of(*message.body_as_RegionPixels());
         case Body::FrameDone:
@@ -250,7 +257,7 @@ std::string out_of_range(const schema::Message& message) {
         case Body::FrameCounts:
             return range_of(*message.body_as_FrameCounts());
         default:
-            return model_out_of_range(message);
+            return model_out_of_range(message, body_bytes);
     }
 }
 

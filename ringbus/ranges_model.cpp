@@ -33,6 +33,8 @@ std::string range_of(const schema::ImportVolume& import) {
     check_triple(check, "resample_size", import.resample_size(), 1, max_volume_voxels);
     check_triple(check, "resample_spacing_mm", import.resample_spacing_mm(), min_spacing_mm,
                  max_spacing_mm);
+    check_triple(check, "origin_mm", import.origin_mm(), -double{max_scene_mm},
+                 double{max_scene_mm});
     check.within("smooth_mm", import.smooth_mm(), 0.0, max_smooth_mm)
         .equal("crop_first and crop_size together", import.crop_first() == nullptr,
                import.crop_size() == nullptr);
@@ -113,7 +115,7 @@ std::string range_of(const schema::Mark& mark) {
     return check.reason();
 }
 
-std::string range_of(const schema::ExportPicture& picture) {
+std::string range_of(const schema::ExportPicture& picture, Elements elements) {
     Check check;
     check.within("width", picture.width(), 1, max_export_px)
         .within("height", picture.height(), 1, max_export_px)
@@ -124,6 +126,9 @@ std::string range_of(const schema::ExportPicture& picture) {
         .within("number of marks", size_of(picture.marks()), 0, max_marks);
     if (check.reason().empty() && picture.marks() != nullptr) {
         for (const auto* mark : *picture.marks()) {
+            if (!elements.take(check, mark->points()->size())) {
+                break;
+            }
             check.add(range_of(*mark));
         }
     }
@@ -155,9 +160,12 @@ bool is_finite(const schema::MeshVertex& v) {
 
 /// Checks the triangles of a SlabMesh or an ExportSurface.
 template <typename Table>
-void check_triangles(Check& check, const Table& mesh) {
+void check_triangles(Check& check, const Table& mesh, Elements& elements) {
     const auto& vertices = *mesh.vertices();
     const auto& indices = *mesh.indices();
+    if (!elements.take(check, std::size_t{vertices.size()} + indices.size())) {
+        return;
+    }
     check.equal("indices beyond whole triangles", indices.size() % 3, 0U);
     const auto outside = std::find_if(indices.begin(), indices.end(),
                                       [&](std::uint32_t i) { return i >= vertices.size(); });
@@ -171,24 +179,32 @@ void check_triangles(Check& check, const Table& mesh) {
     }
 }
 
-std::string range_of(const schema::SlabMesh& mesh) {
+std::string range_of(const schema::SlabMesh& mesh, Elements& elements) {
     Check check;
     check.at_most("slab", mesh.slab(), max_slab)
         .equal("number of keys", mesh.keys()->size(), mesh.vertices()->size());
-    check_triangles(check, mesh);
+    check_triangles(check, mesh, elements);
     if (mesh.origins() != nullptr) {
         check.equal("number of origins", mesh.origins()->size(), mesh.indices()->size() / 3);
     }
     return check.reason();
 }
 
-std::string range_of(const schema::ExportMesh& mesh) {
+std::string range_of(const schema::ExportMesh& mesh, Elements elements) {
     Check check;
     check.within("number of surfaces", mesh.surfaces()->size(), 1, max_surfaces)
         .known("axes", mesh.axes())
         .within("keep", mesh.keep(), 0.0F, 1.0F);
     for (const auto* surface : *mesh.surfaces()) {
-        check_triangles(check, *surface);
+        check_triangles(check, *surface, elements);
+    }
+    return check.reason();
+}
+
+std::string range_of(const schema::MeshContent& mesh, Elements elements) {
+    Check check;
+    for (const auto* surface : *mesh.surfaces()) {
+        check_triangles(check, *surface, elements);
     }
     return check.reason();
 }
@@ -229,10 +245,10 @@ std::string range_of(const schema::IsovaluesMeasured& measured) {
     return check.reason();
 }
 
-std::string range_of(const schema::MeshPart& part) {
+std::string range_of(const schema::MeshPart& part, Elements elements) {
     Check check;
     for (const auto* slab : *part.slabs()) {
-        check.add(range_of(*slab));
+        check.add(range_of(*slab, elements));
     }
     return check.reason();
 }
@@ -282,7 +298,8 @@ std::string range_of(const schema::ScenePart& part) {
 
 }  // namespace
 
-std::string model_out_of_range(const schema::Message& message) {
+std::string model_out_of_range(const schema::Message& message, std::size_t body_bytes) {
+    const Elements elements(body_bytes);
     switch (message.body_type()) {
         case Body::ImportVolume:
             return range_of(*message.body_as_ImportVolume());
@@ -291,13 +308,13 @@ std::string model_out_of_range(const schema::Message& message) {
         case Body::Slices:
             return range_of(*message.body_as_Slices());
         case Body::ExportPicture:
-            return range_of(*message.body_as_ExportPicture());
+            return range_of(*message.body_as_ExportPicture(), elements);
         case Body::SetSurface:
             return range_of(*message.body_as_SetSurface());
         case Body::SurfaceBuilt:
             return range_of(*message.body_as_SurfaceBuilt());
         case Body::MeshPart:
-            return range_of(*message.body_as_MeshPart());
+            return range_of(*message.body_as_MeshPart(), elements);
         case Body::SceneBegin:
             return range_of(*message.body_as_SceneBegin());
         case Body::ScenePart:
@@ -309,7 +326,9 @@ std::string model_out_of_range(const schema::Message& message) {
         case Body::IsovaluesMeasured:
             return range_of(*message.body_as_IsovaluesMeasured());
         case Body::ExportMesh:
-            return range_of(*message.body_as_ExportMesh());
+            return range_of(*message.body_as_ExportMesh(), elements);
+        case Body::MeshContent:
+            return range_of(*message.body_as_MeshContent(), elements);
         default:
             return {};  // The others hold nothing that could be out of range.
     }

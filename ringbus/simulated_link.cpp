@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "ringbus/activity.hpp"
+#include "ringbus/law.hpp"
 #include "ringbus/node_loop.hpp"
 
 namespace pxpl5::bus {
@@ -35,8 +36,25 @@ class SimulatedRing::RingOutbox final : public Outbox {
 SimulatedRing::SimulatedRing(std::uint64_t seed, SimulatedFault fault)
     : random_(seed), fault_(fault) {}
 
-void SimulatedRing::add(NodeId id, Node& node) {
-    members_[id] = {&node, std::make_unique<Wire>(id), std::make_unique<StageClock>(), false};
+void SimulatedRing::add(NodeId id, Node& node, std::optional<schema::Role> role) {
+    members_[id] = {&node, std::make_unique<Wire>(id), std::make_unique<StageClock>(), role};
+}
+
+Traffic SimulatedRing::traffic(NodeId id) const {
+    const Member& member = members_.at(id);
+    Traffic traffic = member.wire->traffic();
+    traffic.refused_messages = member.refused;
+    return traffic;
+}
+
+bool SimulatedRing::is_lawful(const schema::Header& header, const Member& receiver) const {
+    if (!receiver.role || !Wire::is_ours(header)) {
+        return true;  // Message's constructor names a wrong magic.
+    }
+    const auto sender = members_.find(header.source());
+    return sender != members_.end() &&
+           (!sender->second.role ||
+            may_send(*sender->second.role, known_kind(header), *receiver.role));
 }
 
 void SimulatedRing::set_model(const ChannelModel& model) {
@@ -115,6 +133,10 @@ void SimulatedRing::deliver_front(std::pair<NodeId, NodeId> route) {
     queue.pop_front();
     log_.push_back(route);
     Member& member = members_.at(route.second);
+    if (!is_lawful(message->header, member)) {
+        ++member.refused;
+        return;
+    }
     RingOutbox out(*this, route.second);
     const auto report = [&](schema::FaultCode code, const std::string& reason) {
         out.send(host_id, fault_message(route.second, route.first, message->header.sequence(), code,
@@ -128,7 +150,7 @@ void SimulatedRing::deliver_front(std::pair<NodeId, NodeId> route) {
             tap_(route.second, verified);
         }
         if (verified.kind() == Body::AskActivity) {
-            out.send(host_id, activity_message(*member.clock, member.wire->traffic(),
+            out.send(host_id, activity_message(*member.clock, traffic(route.second),
                                                member.node->status(), 0));
             return;
         }

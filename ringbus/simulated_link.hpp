@@ -37,8 +37,9 @@ class SimulatedRing {
   public:
     explicit SimulatedRing(std::uint64_t seed, SimulatedFault fault = {});
 
-    /// The caller owns the node, which must outlive the run.
-    void add(NodeId id, Node& node);
+    /// The caller owns the node, which must outlive the run. A node with a role takes part by the
+    /// law of senders (law.hpp): the ring drops messages between two roles that the law forbids.
+    void add(NodeId id, Node& node, std::optional<schema::Role> role = std::nullopt);
     /// Sets ring order and parameters for the stamps of all nodes so far.
     void set_model(const ChannelModel& model);
     /// Calls `tap` with each message before node `to` receives it.
@@ -56,7 +57,7 @@ class SimulatedRing {
     void run_until_idle();
 
     /// Messages that `id` has sent and received.
-    Traffic traffic(NodeId id) const { return members_.at(id).wire->traffic(); }
+    Traffic traffic(NodeId id) const;
 
     /// Deliveries so far, as (source, destination).
     const std::vector<std::pair<NodeId, NodeId>>& log() const { return log_; }
@@ -71,11 +72,14 @@ class SimulatedRing {
         Node* node = nullptr;
         std::unique_ptr<Wire> wire;
         std::unique_ptr<StageClock> clock;
+        std::optional<schema::Role> role;
         bool busy = false;
+        std::uint64_t refused = 0;  ///< Messages that the law forbids.
     };
     class RingOutbox;
 
     void deliver_front(std::pair<NodeId, NodeId> route);
+    bool is_lawful(const schema::Header& header, const Member& receiver) const;
     void damage(std::deque<InFlight>& queue);
     std::vector<std::pair<NodeId, NodeId>> routes_with_mail() const;
     std::vector<NodeId> busy_members() const;

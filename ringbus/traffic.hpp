@@ -21,6 +21,7 @@ struct SentCount {
 struct Traffic {
     std::vector<SentCount> sent;  ///< One entry per receiver, kind and channel.
     std::uint64_t received_messages = 0, received_bytes = 0;
+    std::uint64_t refused_messages = 0;  ///< Dropped because they have no lawful sender (door.hpp).
 };
 
 /// Returns true for messages that only observe the machine. They are neither counted nor recorded,

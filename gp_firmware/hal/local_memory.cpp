@@ -2,6 +2,10 @@
 
 #include <cassert>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace pxpl5::gp {
 
 namespace {
@@ -32,6 +36,12 @@ void LocalMemory::charge(std::size_t bytes, const std::string& what_for,
 void LocalMemory::release(std::size_t bytes) {
     assert(bytes <= used_bytes_);
     used_bytes_ -= bytes;
+}
+
+void return_freed_memory() {
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
 }
 
 }  // namespace pxpl5::gp

@@ -39,4 +39,7 @@ class LocalMemory {
     std::size_t used_bytes_ = 0;
 };
 
+/// Returns the process's freed memory to the system, if the system's allocator can do so.
+void return_freed_memory();
+
 }  // namespace pxpl5::gp

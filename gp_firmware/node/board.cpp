@@ -73,6 +73,10 @@ void drop_content(Board& board) {
     }
     board.store.reset();
     board.is_scene = false;
+    board.scratch = {};
+    board.frame.drawing = {};
+    board.frame.programs = {};
+    return_freed_memory();
 }
 
 schema::VolumeReadyT volume_ready(const Board& board) {

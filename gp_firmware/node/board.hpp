@@ -63,7 +63,8 @@ struct Board {
 /// Discards a stored surface.
 void drop_surface(Board& board, std::uint16_t surface);
 
-/// Discards slices and surfaces. The number of the volume stays.
+/// Discards slices, surfaces and working memory, and returns it to the system: the next volume may
+/// need little. The number of the volume stays.
 void drop_content(Board& board);
 
 /// Returns a VolumeReady with the fields that volumes and scenes share.

@@ -27,6 +27,27 @@ bus::FaultCause cause_of(const Job& job) {
 
 }  // namespace
 
+bus::Doing GpNode::doing() {
+    const Job* job = queue_.front();
+    if (job == nullptr) {
+        return {};
+    }
+    bus::Doing doing{.kind = cause_of(*job).request};
+    const auto slabs = [&](std::uint16_t surface, std::size_t next) {
+        doing.subject = surface;
+        doing.done = static_cast<std::uint32_t>(next);
+        doing.total = board_->store ? static_cast<std::uint32_t>(board_->store->slabs().size()) : 0;
+    };
+    if (const auto* extract = std::get_if<ExtractJob>(job)) {
+        slabs(extract->surface, extract->next_slab);
+    } else if (const auto* fetch = std::get_if<FetchJob>(job)) {
+        slabs(fetch->surface, fetch->next_slab);
+    } else if (const auto* draw = std::get_if<DrawJob>(job)) {
+        doing.subject = draw->request.frame;
+    }
+    return doing;
+}
+
 void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
     if (message.kind() == bus::Body::Topology) {
         set_machine(message);

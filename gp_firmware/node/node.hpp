@@ -29,6 +29,7 @@ class GpNode final : public bus::Node {
     void receive(const bus::Message& message, bus::Outbox& out) override;
     bool work(bus::Outbox& out) override;
     bus::NodeStatus status() const override;
+    bus::Doing doing() override;
 
   private:
     void set_machine(const bus::Message& topology);

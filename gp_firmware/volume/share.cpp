@@ -94,11 +94,12 @@ int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,
 std::string gp_count_advice(const VolumeShape& shape, std::size_t memory_bytes,
                             std::size_t surface_bytes) {
     const int count = gp_count_that_would_do(shape, memory_bytes, surface_bytes);
+    const std::string remedy = "; load with crop= or resample= to make the volume smaller";
     const std::string each = " with " + std::to_string(memory_bytes) + " bytes each would ";
     if (count == 0) {
-        return "even " + std::to_string(max_nodes_per_role) + " GPs" + each + "not do";
+        return "even " + std::to_string(max_nodes_per_role) + " GPs" + each + "not do" + remedy;
     }
-    return std::to_string(count) + (count == 1 ? " GP" : " GPs") + each + "do";
+    return std::to_string(count) + (count == 1 ? " GP" : " GPs") + each + "do" + remedy;
 }
 
 }  // namespace pxpl5::gp

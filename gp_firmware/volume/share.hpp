@@ -48,7 +48,7 @@ int slabs_per_set_with(const VolumeShape& shape, int gp_count);
 int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,
                            std::size_t surface_bytes = 0);
 
-/// "9 GPs would do" or "even 64 GPs would not do": advice for OutOfLocalMemory.
+/// "9 GPs would do; ..." or "even 64 GPs would not do; ...": advice for OutOfLocalMemory.
 std::string gp_count_advice(const VolumeShape& shape, std::size_t memory_bytes,
                             std::size_t surface_bytes = 0);
 

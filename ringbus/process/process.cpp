@@ -58,14 +58,16 @@ void work_without_preemption() {
     }
 }
 
-Payload hello_message(schema::Role role, const ProcessFlags& flags, const std::string& endpoint) {
+Payload hello_message(schema::Role role, const ProcessFlags& flags, const ZmqLink& link,
+                      const schema::Secret& secret) {
     schema::HelloT hello;
     hello.role = role;
     hello.index = flags.index;
     hello.pid = static_cast<std::uint32_t>(getpid());
-    hello.endpoint = endpoint;
+    hello.endpoint = link.endpoint();
     hello.build = build_id();
     hello.schema_hash = schema_hash();
+    hello.secret = std::make_unique<schema::Secret>(secret);
     return pack(hello);
 }
 
@@ -76,7 +78,7 @@ void learn_ring(ZmqLink& link, const schema::Topology& topology) {
     for (const auto* node : *topology.nodes()) {
         order.push_back(node->id());
         if (node->id() != link.id() && node->id() != host_id) {
-            link.add_peer(node->id(), node->endpoint()->str());
+            link.add_peer(node->id(), node->role(), node->endpoint()->str());
         }
     }
     RingParameters parameters;
@@ -91,15 +93,17 @@ void learn_ring(ZmqLink& link, const schema::Topology& topology) {
 /// Runs the handshake: Hello, Topology, Connected, Go. Appends messages that precede Go to `early`.
 /// Returns false after Shutdown or when the parent has ended.
 bool join(ZmqLink& ring, Link& link, Node& node, LinkOutbox& out,
-          const std::function<bool()>& alive, std::deque<Message>& early) {
+          const std::function<bool()>& alive, Pulse& pulse, std::deque<Message>& early) {
     while (true) {
         const std::optional<Message> message = receive_or_report(link, out);
         if (!message) {
+            pulse.enter(Phase::waiting);
             if (!link.wait(handshake_quiet_ms) && !alive()) {
                 return false;
             }
             continue;
         }
+        pulse.enter(Phase::receiving, {message->kind()});
         if (const auto* topology = message->as<schema::Topology>()) {
             learn_ring(ring, *topology);
             deliver(node, link.id(), *message, out);
@@ -115,17 +119,17 @@ bool join(ZmqLink& ring, Link& link, Node& node, LinkOutbox& out,
 }
 
 /// Drives `node` over `link`, which may be `ring` itself, from Hello to Shutdown.
-int drive(ZmqLink& ring, Link& link, Node& node, const std::function<bool()>& alive) {
+int drive(ZmqLink& ring, Link& link, Node& node, const std::function<bool()>& alive, Pulse& pulse) {
     LinkOutbox out(link);
     std::deque<Message> early;
-    if (!join(ring, link, node, out, alive, early)) {
+    if (!join(ring, link, node, out, alive, pulse, early)) {
         return alive() ? done : unavailable;
     }
     for (const Message& message : early) {
         deliver(node, link.id(), message, out);
     }
     early.clear();
-    return run_node(node, link, alive) ? done : unavailable;
+    return run_node(node, link, alive, pulse) ? done : unavailable;
 }
 
 trace::Info trace_info(const ProcessFlags& flags, schema::Role role) {
@@ -149,13 +153,13 @@ void save_at_failure(trace::Recorder& recorder) {
 
 /// The same, recording. What a flight holds is written if the node ends by an exception.
 int drive_recorded(ZmqLink& ring, const ProcessFlags& flags, schema::Role role, Node& node,
-                   const std::function<bool()>& alive, const LeaveOut& leave_out) {
+                   const std::function<bool()>& alive, Pulse& pulse, const LeaveOut& leave_out) {
     trace::Limits limits;
     limits.share_bytes = static_cast<std::size_t>(flags.flight_kib) * 1024;
     trace::Recorder recorder(flags.trace_file, trace_info(flags, role), limits);
     trace::RecordingLink link(ring, recorder, leave_out);
     try {
-        const int code = drive(ring, link, node, alive);
+        const int code = drive(ring, link, node, alive, pulse);
         recorder.close();
         return code;
     } catch (const std::exception&) {
@@ -164,31 +168,46 @@ int drive_recorded(ZmqLink& ring, const ProcessFlags& flags, schema::Role role, 
     }
 }
 
+/// Names the first refusals in the node's log. The activity of the node has their number.
+void print_refusal(const Refusal& refusal) {
+    fmt::print(stderr, "dropped {}; more of this kind are only counted\n", refusal.text);
+    std::fflush(stderr);
+}
+
 int run(const ProcessFlags& flags, schema::Role role, const NodeFactory& make_node,
         const LeaveOut& leave_out) {
     const auto alive = [&flags] { return flags.parent_pid == 0 || getppid() == flags.parent_pid; };
-    ZmqLink link(flags.node_id, flags.bind);
-    link.add_peer(host_id, flags.host_endpoint);
+    std::optional<Pulse> pulse;
+    flags.pulse_fd < 0 ? pulse.emplace() : pulse.emplace(flags.pulse_fd, flags.pulse_ms);
+    const Credentials credentials = inherit_credentials(flags.credentials_fd);
+    ZmqLink link({flags.node_id, role}, flags.bind, credentials);
+    link.on_refusal(&print_refusal);
+    link.add_peer(host_id, schema::Role::host, flags.host_endpoint);
     link.linger(host_id, last_words_ms);
     const std::unique_ptr<Node> node = make_node();
-    link.send(host_id, hello_message(role, flags, link.endpoint()));
+    link.send(host_id, hello_message(role, flags, link, credentials.secret));
     return flags.record == Recording::off
-               ? drive(link, link, *node, alive)
-               : drive_recorded(link, flags, role, *node, alive, leave_out);
+               ? drive(link, link, *node, alive, *pulse)
+               : drive_recorded(link, flags, role, *node, alive, *pulse, leave_out);
 }
 
 }  // namespace
 
 std::vector<std::string> to_arguments(const ProcessFlags& flags) {
-    std::vector<std::string> arguments = {"--host-endpoint", flags.host_endpoint,
-                                          "--bind",          flags.bind,
-                                          "--node-id",       std::to_string(flags.node_id),
-                                          "--index",         std::to_string(flags.index),
-                                          "--parent-pid",    std::to_string(flags.parent_pid)};
+    std::vector<std::string> arguments = {"--host-endpoint",  flags.host_endpoint,
+                                          "--bind",           flags.bind,
+                                          "--node-id",        std::to_string(flags.node_id),
+                                          "--index",          std::to_string(flags.index),
+                                          "--parent-pid",     std::to_string(flags.parent_pid),
+                                          "--credentials-fd", std::to_string(flags.credentials_fd)};
     if (flags.record != Recording::off) {
         arguments.insert(arguments.end(),
                          {"--record", enum_name(flags.record), "--trace-file", flags.trace_file,
                           "--flight-kib", std::to_string(flags.flight_kib)});
+    }
+    if (flags.pulse_fd >= 0) {
+        arguments.insert(arguments.end(), {"--pulse-fd", std::to_string(flags.pulse_fd),
+                                           "--pulse-ms", std::to_string(flags.pulse_ms)});
     }
     return arguments;
 }
@@ -219,11 +238,19 @@ ProcessFlags parse_flags(int argc, char** argv) {
             flags.trace_file = value();
         } else if (flag == "--flight-kib") {
             flags.flight_kib = parse_whole(flag, value(), 0, 1 << 20);
+        } else if (flag == "--pulse-fd") {
+            flags.pulse_fd = parse_whole(flag, value(), 3, 1 << 20);
+        } else if (flag == "--pulse-ms") {
+            flags.pulse_ms = parse_whole(flag, value(), 1, 1 << 20);
+        } else if (flag == "--credentials-fd") {
+            flags.credentials_fd = parse_whole(flag, value(), 0, 1 << 20);
         }
     }
-    if (flags.host_endpoint.empty() || flags.bind.empty() || flags.node_id == 0) {
+    if (flags.host_endpoint.empty() || flags.bind.empty() || flags.node_id == 0 ||
+        flags.credentials_fd < 0) {
         throw std::invalid_argument(
-            "--host-endpoint, --bind and --node-id are needed; pxpl5 starts this program itself");
+            "--host-endpoint, --bind, --node-id and --credentials-fd are needed; pxpl5 starts this "
+            "program itself");
     }
     if (flags.record != Recording::off && flags.trace_file.empty()) {
         throw std::invalid_argument("--record needs --trace-file: where the recording goes");

@@ -22,6 +22,9 @@ struct ProcessFlags {
     Recording record = Recording::off;  ///< --record: off, flight or full.
     std::string trace_file{};           ///< --trace-file: file; required if recording is not off.
     int flight_kib = 1 << 16;  ///< --flight-kib: share of the machine's flight recording, in KiB.
+    int pulse_fd = -1;         ///< --pulse-fd: descriptor of the pulse's cell; -1: no pulse.
+    int pulse_ms = 1000;       ///< --pulse-ms: time between two beats.
+    int credentials_fd = -1;   ///< --credentials-fd: open pipe with the machine's credentials.
 };
 
 /// Returns the flags as a command line for parse_flags().

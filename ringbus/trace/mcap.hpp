@@ -40,6 +40,10 @@ inline constexpr std::size_t record_head_bytes = 9;  ///< Opcode and length.
 inline constexpr std::size_t message_head_bytes =
     22;                                          ///< Content of a message record before its data.
 inline constexpr std::size_t footer_bytes = 20;  ///< Content of the footer.
+/// Size of a full chunk. A writer ends a chunk when a message has filled it, so that only the last
+/// message of a chunk can end beyond this size. Larger chunks compress no better (measured,
+/// README).
+inline constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
 /// Limit of a chunk. A chunk has whole messages, and a message has at most 1 GiB and a head.
 inline constexpr std::uint64_t max_chunk_bytes =
     (std::uint64_t{1} << 30) + (std::uint64_t{8} << 20);

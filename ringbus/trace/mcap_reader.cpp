@@ -18,6 +18,9 @@ namespace {
 
 constexpr std::size_t tail_bytes = record_head_bytes + footer_bytes + magic.size();
 constexpr std::size_t piece_bytes = std::size_t{1} << 20;  ///< Bytes of the summary per read.
+/// The last message of a chunk begins before this byte: behind a full chunk comes at most a
+/// channel.
+constexpr std::size_t last_begin_bytes = chunk_bytes + (std::size_t{64} << 10);
 
 struct Record {
     Op op{};
@@ -39,6 +42,51 @@ void check_crc(const char* of, std::uint32_t got, std::uint32_t wanted) {
     }
 }
 
+struct FreeReadingContext {
+    void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
+};
+
+/// Returns the first `count` bytes of compressed data, or less if the data end before.
+Bytes first_bytes(std::span<const std::uint8_t> data, std::size_t count) {
+    const std::unique_ptr<ZSTD_DCtx, FreeReadingContext> context(ZSTD_createDCtx());
+    Bytes out(count);
+    ZSTD_outBuffer to{out.data(), out.size(), 0};
+    ZSTD_inBuffer from{data.data(), data.size(), 0};
+    for (std::size_t before = 1; to.pos < to.size && before != to.pos + from.pos;) {
+        before = to.pos + from.pos;
+        const std::size_t left = ZSTD_decompressStream(context.get(), &to, &from);
+        if (ZSTD_isError(left) != 0) {
+            throw Damage(fmt::format("compressed data: {}", ZSTD_getErrorName(left)));
+        }
+    }
+    out.resize(to.pos);
+    return out;
+}
+
+/// Throws Damage unless a chunk of `size` bytes that begins with `begin` can be one that a writer
+/// writes: whole records, of which only the last, a message, ends behind the last_begin_bytes.
+void check_large_chunk(std::span<const std::uint8_t> begin, std::uint64_t size) {
+    const auto refuse = [size](std::uint64_t offset) {
+        throw Damage(
+            fmt::format("a chunk of {} bytes with no message to its end at byte {}", size, offset));
+    };
+    for (std::uint64_t offset = 0; offset < size;) {
+        if (offset + record_head_bytes > begin.size()) {
+            refuse(offset);
+        }
+        In in(begin.subspan(static_cast<std::size_t>(offset)));
+        const Op op{in.number<std::uint8_t>()};
+        const auto length = in.number<std::uint64_t>();
+        const bool is_whole = length <= size - offset - record_head_bytes;
+        const bool is_last = is_whole && offset + record_head_bytes + length == size;
+        if (!is_whole || (op != Op::message && op != Op::schema && op != Op::channel) ||
+            (is_last && op != Op::message)) {
+            refuse(offset);
+        }
+        offset += record_head_bytes + length;
+    }
+}
+
 Bytes uncompressed(std::span<const std::uint8_t> bytes, std::uint64_t size) {
     if (size > max_chunk_bytes) {
         throw Damage(fmt::format("a chunk of {} bytes, the limit is {}", size, max_chunk_bytes));
@@ -47,6 +95,9 @@ Bytes uncompressed(std::span<const std::uint8_t> bytes, std::uint64_t size) {
     const std::uint64_t stated = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
     if (stated != size) {
         throw Damage(fmt::format("compressed data that does not hold {} bytes", size));
+    }
+    if (size > last_begin_bytes) {
+        check_large_chunk(first_bytes(bytes, last_begin_bytes), size);
     }
     Bytes out(static_cast<std::size_t>(size));
     const std::size_t got = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
@@ -209,7 +260,8 @@ void Reader::Parts::check_tail(std::uint64_t start) const {
 
 Reader::Reader(const std::filesystem::path& path) : parts_(std::make_unique<Parts>()) {
     parts_->path = path;
-    parts_->file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    // O_NONBLOCK: a FIFO without a writer would block here for ever.
+    parts_->file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     struct stat facts {};
     if (parts_->file < 0 || fstat(parts_->file, &facts) != 0) {
         parts_->fail();
@@ -231,6 +283,10 @@ Reader& Reader::operator=(Reader&&) noexcept = default;
 
 const std::filesystem::path& Reader::path() const {
     return parts_->path;
+}
+
+std::uint64_t Reader::size() const {
+    return parts_->size;
 }
 
 std::string Reader::walk(const Visitor& visitor) const {

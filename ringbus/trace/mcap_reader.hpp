@@ -28,6 +28,7 @@ class Reader {
     Reader& operator=(Reader&&) noexcept;
 
     const std::filesystem::path& path() const;
+    std::uint64_t size() const;  ///< Bytes of the file.
 
     /// Visits metadata and chunks in the order of the file, up to its end or the first damage.
     /// Returns "" for a complete file with valid checksums, else the reason for the early end.

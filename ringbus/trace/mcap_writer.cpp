@@ -18,8 +18,6 @@ namespace pxpl5::bus::trace::mcap {
 
 namespace {
 
-/// Size of a full chunk. Larger chunks compress no better (measured, README).
-constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
 /// A buffer that a large message enlarged beyond this size is freed.
 constexpr std::size_t kept_buffer_bytes = std::size_t{16} << 20;
 constexpr int compression_level = 1;
@@ -213,7 +211,9 @@ void Writer::Parts::put_summary(Bytes& summary, std::uint64_t start) const {
 Writer::Writer(const std::filesystem::path& path, const Preamble& preamble)
     : parts_(std::make_unique<Parts>()) {
     parts_->path = path;
-    parts_->file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    // For the owner alone: a trace holds the voxels of a patient.
+    parts_->file =
+        ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600);
     if (parts_->file < 0) {
         throw TraceError(
             fmt::format("cannot create trace {}: {}", path.string(), std::strerror(errno)));

@@ -89,7 +89,9 @@ class RecordingLink final : public Link {
 
     NodeId id() const override { return link_.id(); }
     const std::string& endpoint() const override { return link_.endpoint(); }
-    void add_peer(NodeId id, const std::string& endpoint) override { link_.add_peer(id, endpoint); }
+    void add_peer(NodeId id, schema::Role role, const std::string& endpoint) override {
+        link_.add_peer(id, role, endpoint);
+    }
     void remove_peer(NodeId id) override { link_.remove_peer(id); }
     void send(NodeId to, Payload payload) override { link_.send(to, std::move(payload)); }
     flatbuffers::Allocator* body_allocator() override { return link_.body_allocator(); }

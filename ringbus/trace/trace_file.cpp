@@ -13,6 +13,12 @@ namespace pxpl5::bus::trace {
 
 namespace {
 
+/// Bytes of a message in the file: its entry in the MessageIndex behind the chunk is not
+/// compressed.
+constexpr std::uint64_t indexed_bytes = 2 * sizeof(std::uint64_t);
+/// Messages of a last chunk that may have no MessageIndex, because the recording was cut there.
+constexpr std::uint64_t unindexed_messages = std::uint64_t{1} << 16;
+
 /// A verified TraceEntry, where messages want to lie: at an address that 8 divides.
 struct Stored {
     std::shared_ptr<std::uint64_t[]> bytes;
@@ -54,6 +60,10 @@ struct TraceFile::Parts {
 void TraceFile::Parts::add_chunk(std::uint64_t offset, std::span<const std::uint8_t> kept) {
     mcap::for_each_message(kept, [&](const mcap::MessageRecord& message) {
         const Stored entry = stored(message.data);
+        if (entries.size() >= file.size() / indexed_bytes + unindexed_messages) {
+            throw mcap::Damage(fmt::format("more than {} messages, too many for a file of {} bytes",
+                                           entries.size(), file.size()));
+        }
         entries.push_back({*entry.entry->header(), message.log_time, offset, message.offset});
     });
 }

@@ -168,6 +168,7 @@ bool Arena::touch(std::size_t end) {
         return false;
     }
     touched_ = new_end;
+    reached_ = std::max(reached_, touched_);
     return true;
 }
 
@@ -178,14 +179,36 @@ void Arena::trim() {
     }
     const std::size_t kept =
         round_up(std::max(recently_used_, blocks_.end_in_use()), arena_page_bytes);
-    if (kept + kept / 8 + worth_trimming_bytes < touched_) {
-        fallocate(file_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE,
-                  static_cast<off_t>(sizeof(ArenaControl) + kept),
-                  static_cast<off_t>(touched_ - kept));
-        touched_ = kept;
+    if (kept + kept / 8 + worth_trimming_bytes < reached_) {
+        punch(kept, reached_);
+        reached_ = kept;
+        touched_ = std::min(touched_, kept);
     }
     recently_used_ = blocks_.end_in_use();
     allocations_ = 0;
+}
+
+/// Returns the memory of these bytes to the system. They read as zero afterwards.
+void Arena::punch(std::size_t begin, std::size_t end) const {
+    fallocate(file_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE,
+              static_cast<off_t>(sizeof(ArenaControl) + begin), static_cast<off_t>(end - begin));
+}
+
+void Arena::return_memory() {
+    if (state_ != State::open) {
+        return;
+    }
+    collect();
+    const std::lock_guard lock(blocks_mutex_);
+    for (const auto& [offset, size] : blocks_.free()) {
+        const std::size_t begin = round_up(offset, arena_page_bytes);
+        const std::size_t last_page = (offset + size) / arena_page_bytes * arena_page_bytes;
+        const std::size_t end = std::min(reached_, last_page);
+        if (begin + worth_trimming_bytes < end) {
+            punch(begin, end);
+            touched_ = std::min(touched_, begin);  // Later blocks get memory again.
+        }
+    }
 }
 
 bool Arena::can_lend(const Payload& payload) const {

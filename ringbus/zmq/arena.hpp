@@ -47,6 +47,9 @@ class Arena final : public flatbuffers::Allocator {
     std::optional<ArenaPlace> lend(NodeId reader, const Payload& payload);
     /// Takes back all bodies that `reader` borrowed. Its process must have ended.
     void forget(NodeId reader);
+    /// Returns the memory between and above the bodies in use to the system. Memory above them is
+    /// returned without this call, too, but only after thousands of bodies.
+    void return_memory();
 
   private:
     struct Loan {
@@ -60,6 +63,7 @@ class Arena final : public flatbuffers::Allocator {
     void collect();
     bool touch(std::size_t end);
     void trim();
+    void punch(std::size_t begin, std::size_t end) const;
 
     enum class State : std::uint8_t { unopened, open, unavailable } state_ = State::unopened;
     ArenaOffer offer_;
@@ -69,7 +73,8 @@ class Arena final : public flatbuffers::Allocator {
 
     std::mutex blocks_mutex_;
     ArenaBlocks blocks_;
-    std::size_t touched_ = 0;        ///< Bytes from the start that have memory.
+    std::size_t touched_ = 0;        ///< Bytes from the start that certainly have memory.
+    std::size_t reached_ = 0;        ///< Bytes from the start of which some have memory.
     std::size_t recently_used_ = 0;  ///< End of the highest block since the last trim().
     std::uint32_t allocations_ = 0;  ///< Since the last trim().
 

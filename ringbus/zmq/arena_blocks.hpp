@@ -21,6 +21,8 @@ class ArenaBlocks {
     std::optional<std::size_t> take(std::size_t bytes);
     /// Releases a block that take(bytes) returned.
     void give_back(std::size_t offset, std::size_t bytes);
+    /// Sizes of the free blocks, by offset.
+    const std::map<std::size_t, std::size_t>& free() const { return free_; }
     /// Returns the end of the last block in use.
     std::size_t end_in_use() const;
 

@@ -9,31 +9,26 @@
 #include <map>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 #include <vector>
 #include <zmq.hpp>
 
 #include "ringbus/credit.hpp"
 #include "ringbus/wire.hpp"
 #include "ringbus/zmq/arena.hpp"
+#include "ringbus/zmq/gate.hpp"
+#include "ringbus/zmq/guard.hpp"
 #include "ringbus/zmq/zmq_parts.hpp"
 
 namespace pxpl5::bus {
 
 namespace {
 
-/// A received message before verification.
-struct Arrived {
-    schema::Header header;
-    std::shared_ptr<zmq::message_t> body;  ///< Null if it is in the sender's arena.
-    std::optional<ArenaPlace> place;
-    std::optional<ArenaOffer> offer;
-};
-
 struct Peer {
     std::string endpoint;
     zmq::socket_t socket;  ///< Opened by the first message: most peers never get one.
     int linger_ms = closing_ms;
-    bool is_near = false;  ///< On this computer, so that it may be able to open the arena.
+    bool shares_memory = false;  ///< May open this node's arena, and offer its own.
     bool has_offer = false;
     Window window;
     std::deque<Payload> waiting;  ///< Waits for credit.
@@ -48,17 +43,24 @@ struct Peer {
 }  // namespace
 
 struct ZmqLink::Parts {
-    Parts(NodeId own_id, std::size_t lendable_bytes) : id(own_id), arena(lendable_bytes) {}
+    Parts(const Self& own, const Credentials& own_credentials, std::size_t lendable_bytes)
+        : self(own),
+          credentials(own_credentials),
+          arena(lendable_bytes),
+          gate(own.role, own_credentials.secret) {}
 
-    NodeId id;
+    Self self;
+    Credentials credentials;
     Arena arena;  ///< Destroyed after the context, whose thread may send bodies from it.
+    Guard guard;  ///< Outlives the context, which ends its thread.
     zmq::context_t context = make_context();
     zmq::socket_t inbound{context, zmq::socket_type::pull};
     std::string endpoint;
     std::map<NodeId, Peer> peers;
     std::map<NodeId, std::shared_ptr<ArenaView>> views;  ///< Arenas that peers have offered.
     std::size_t queued = 0;                              ///< Waiting messages of all peers.
-    Wire wire{id};
+    Gate gate;
+    Wire wire{self.id};
 
     void transmit(NodeId to, Peer& peer, const Payload& payload) {
         connect(peer);
@@ -67,7 +69,7 @@ struct ZmqLink::Parts {
             send_part(peer, part_of(header, *place), zmq::send_flags::none);
             return;
         }
-        const bool offers = peer.is_near && !peer.has_offer && arena.can_lend(payload);
+        const bool offers = peer.shares_memory && !peer.has_offer && arena.can_lend(payload);
         peer.has_offer = peer.has_offer || offers;
         send_part(peer,
                   offers ? part_of(header, arena.offer()) : zmq::message_t(&header, sizeof header),
@@ -75,11 +77,22 @@ struct ZmqLink::Parts {
         send_part(peer, part_of(payload), zmq::send_flags::none);
     }
 
+    /// Begin or end of new content: memory of what was sent before is not needed soon. At the end,
+    /// receivers have returned more of it.
+    void note_content(Body kind) {
+        if (kind == Body::VolumeHeader || kind == Body::SceneBegin || kind == Body::VolumeReady) {
+            arena.return_memory();
+        }
+    }
+
     void connect(Peer& peer) {
         if (peer.socket.handle() == nullptr) {
             peer.socket = zmq::socket_t(context, zmq::socket_type::push);
             prepare(peer.socket);
             peer.socket.set(zmq::sockopt::linger, peer.linger_ms);
+            if (credentials.keys && !is_near(peer.endpoint)) {
+                guard_outbound(peer.socket, *credentials.keys);
+            }
             uninterrupted([&] { peer.socket.connect(peer.endpoint); });
         }
     }
@@ -98,30 +111,6 @@ struct ZmqLink::Parts {
             peer.window.take(payload.bytes().size());
             transmit(to, peer, payload);
         }
-    }
-
-    /// Receives all parts of the message that begins with `head`, valid or not.
-    Arrived receive_parts(const zmq::message_t& head) {
-        Arrived arrived;
-        std::size_t parts = 1;
-        for (bool more = head.more(); more; ++parts) {
-            arrived.body = std::make_shared<zmq::message_t>();
-            static_cast<void>(
-                uninterrupted([&] { return inbound.recv(*arrived.body, zmq::recv_flags::none); }));
-            more = arrived.body->more();
-        }
-        arrived.place = extra_of<ArenaPlace>(head);
-        arrived.offer = extra_of<ArenaOffer>(head);
-        const bool known = head.size() == sizeof(schema::Header) || arrived.place || arrived.offer;
-        const std::size_t wanted = arrived.place ? 1 : 2;
-        if (!known || parts != wanted) {
-            throw BadMessage(
-                fmt::format("a message of {} parts with a header of {} bytes, expected {} "
-                            "parts and {} bytes",
-                            parts, head.size(), wanted, sizeof(schema::Header)));
-        }
-        std::memcpy(&arrived.header, head.data(), sizeof arrived.header);
-        return arrived;
     }
 
     /// Verifies the message and its sequence number.
@@ -147,12 +136,20 @@ struct ZmqLink::Parts {
             }
             return {header, body, std::move(owner)};
         }
-        if (arrived.offer && Wire::is_ours(header)) {
-            if (auto view = ArenaView::open(*arrived.offer, id)) {
-                views.insert_or_assign(header.source(), std::move(view));
-            }
+        if (arrived.offer) {
+            open_arena(header.source(), *arrived.offer);
         }
         return message_of(header, arrived.body);
+    }
+
+    /// Maps the arena of a peer that may share memory. Other bodies are copied.
+    void open_arena(NodeId source, const ArenaOffer& offer) {
+        const auto peer = peers.find(source);
+        if (peer != peers.end() && peer->second.shares_memory) {
+            if (auto view = ArenaView::open(offer, self.id)) {
+                views.insert_or_assign(source, std::move(view));
+            }
+        }
     }
 
     /// Counts the received bytes, valid or not. Otherwise the sender's window would shrink forever.
@@ -160,8 +157,7 @@ struct ZmqLink::Parts {
     void count_consumed(const Arrived& arrived) {
         const schema::Header& header = arrived.header;
         const auto found = peers.find(header.source());
-        if (!Wire::is_ours(header) || found == peers.end() ||
-            !needs_credit(static_cast<Body>(header.kind()))) {
+        if (found == peers.end() || !needs_credit(static_cast<Body>(header.kind()))) {
             return;
         }
         Consumed& consumed = found->second.consumed;
@@ -188,10 +184,15 @@ struct ZmqLink::Parts {
     }
 };
 
-ZmqLink::ZmqLink(NodeId id, const std::string& bind, std::size_t lendable_bytes)
-    : parts_(std::make_unique<Parts>(id, lendable_bytes)) {
-    check_address(bind);
+ZmqLink::ZmqLink(const Self& self, const std::string& bind, const Credentials& credentials,
+                 std::size_t lendable_bytes)
+    : parts_(std::make_unique<Parts>(self, credentials, lendable_bytes)) {
+    check_address("listen at", bind, credentials);
     prepare(parts_->inbound);
+    if (credentials.keys && !is_near(bind)) {
+        guard_inbound(parts_->inbound, *credentials.keys);
+        parts_->guard.start(parts_->context, parts_->inbound, *credentials.keys);
+    }
     try {
         uninterrupted([&] { parts_->inbound.bind(bind); });
     } catch (const zmq::error_t& error) {
@@ -203,7 +204,7 @@ ZmqLink::ZmqLink(NodeId id, const std::string& bind, std::size_t lendable_bytes)
 ZmqLink::~ZmqLink() = default;
 
 NodeId ZmqLink::id() const {
-    return parts_->id;
+    return parts_->self.id;
 }
 const std::string& ZmqLink::endpoint() const {
     return parts_->endpoint;
@@ -218,19 +219,33 @@ std::size_t ZmqLink::queued() const {
     return parts_->queued;
 }
 Traffic ZmqLink::traffic() const {
-    return parts_->wire.traffic();
+    Traffic traffic = parts_->wire.traffic();
+    traffic.refused_messages = parts_->gate.door().refused();
+    return traffic;
 }
 
 void ZmqLink::set_model(const ChannelModel& model) {
     parts_->wire.set_model(model);
 }
 
-void ZmqLink::add_peer(NodeId id, const std::string& endpoint) {
+void ZmqLink::add_peer(NodeId id, schema::Role role, const std::string& endpoint) {
     assert(parts_->peers.count(id) == 0);
+    check_address("connect to", endpoint, parts_->credentials);
     Peer peer;
     peer.endpoint = endpoint;
-    peer.is_near = endpoint.compare(0, ipc_scheme.size(), ipc_scheme) == 0;
+    // The io process reads files of strangers, so it gets and gives copies.
+    peer.shares_memory =
+        is_near(endpoint) && role != schema::Role::io && parts_->self.role != schema::Role::io;
     parts_->peers.insert_or_assign(id, std::move(peer));
+    parts_->gate.door().admit(id, role);
+}
+
+void ZmqLink::expect(NodeId id, schema::Role role) {
+    parts_->gate.door().expect(id, role);
+}
+
+void ZmqLink::on_refusal(std::function<void(const Refusal&)> report) {
+    parts_->gate.door().on_refusal(std::move(report));
 }
 
 void ZmqLink::remove_peer(NodeId id) {
@@ -238,14 +253,17 @@ void ZmqLink::remove_peer(NodeId id) {
         parts_->queued -= found->second.waiting.size();
         parts_->peers.erase(found);
     }
+    parts_->gate.door().forget(id);
     parts_->wire.forget(id);
     parts_->arena.forget(id);
     parts_->views.erase(id);
 }
 
 void ZmqLink::send(NodeId to, Payload payload) {
+    parts_->note_content(payload.kind());
     const auto found = parts_->peers.find(to);
     assert(found != parts_->peers.end());
+    Wire::check_size(to, payload.kind(), payload.bytes().size());
     if (!needs_credit(payload.kind())) {
         parts_->transmit(to, found->second, payload);
         return;
@@ -272,6 +290,7 @@ void ZmqLink::linger(NodeId peer, int patience_ms) {
 }
 
 std::optional<Message> ZmqLink::receive() {
+    parts_->gate.count_strangers(parts_->guard.strangers(), parts_->endpoint);
     while (true) {
         zmq::message_t head;
         if (!uninterrupted([&] {
@@ -279,11 +298,18 @@ std::optional<Message> ZmqLink::receive() {
             })) {
             return std::nullopt;
         }
-        const Arrived arrived = parts_->receive_parts(head);
-        parts_->count_consumed(arrived);
-        Message message = parts_->read(arrived);
+        const std::optional<Arrived> arrived = parts_->gate.receive(parts_->inbound, head);
+        if (!arrived) {
+            continue;
+        }
+        parts_->count_consumed(*arrived);
+        Message message = parts_->read(*arrived);
+        if (message.kind() == Body::Connected) {
+            parts_->gate.door().connect(message.source());
+        }
         const auto* credit = message.as<schema::Credit>();
         if (credit == nullptr) {
+            parts_->note_content(message.kind());
             return message;
         }
         parts_->take_back(message, *credit);

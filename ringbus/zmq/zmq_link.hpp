@@ -1,12 +1,15 @@
 // The ring between processes: one hop over ZeroMQ, one inbound socket per node.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
 #include "ringbus/channel_model.hpp"
+#include "ringbus/door.hpp"
 #include "ringbus/link.hpp"
 #include "ringbus/zmq/arena_layout.hpp"
+#include "ringbus/zmq/credentials.hpp"
 
 namespace pxpl5::bus {
 
@@ -14,22 +17,34 @@ namespace pxpl5::bus {
 /// the connection between two parts of a message (libzmq issue 3442).
 inline constexpr int closing_ms = 100;
 
+/// A node's own place in the machine.
+struct Self {
+    NodeId id = host_id;
+    schema::Role role = schema::Role::host;
+};
+
 class ZmqLink final : public Link {
   public:
-    /// Binds the inbound socket of node `id`.
+    /// Binds the inbound socket of a node.
     ///
-    /// bind     "ipc:///path/name" or "tcp://127.0.0.1:*". Messages are not encrypted.
+    /// bind     "ipc:///path/name" or "tcp://127.0.0.1:*".
+    /// credentials     Their secret is required in each Hello; their keys protect tcp.
     /// lendable_bytes  See Arena.
-    /// Throws   std::invalid_argument for any other address, std::runtime_error if it cannot be
-    ///          bound.
-    ZmqLink(NodeId id, const std::string& bind, std::size_t lendable_bytes = arena_bytes);
+    /// Throws   std::invalid_argument for any other address, and for tcp without keys unless the
+    ///          credentials allow it; std::runtime_error if the address cannot be bound.
+    ZmqLink(const Self& self, const std::string& bind, const Credentials& credentials = {},
+            std::size_t lendable_bytes = arena_bytes);
     ~ZmqLink() override;
     ZmqLink(const ZmqLink&) = delete;
     ZmqLink& operator=(const ZmqLink&) = delete;
 
     NodeId id() const override;
     const std::string& endpoint() const override;
-    void add_peer(NodeId id, const std::string& endpoint) override;
+    void add_peer(NodeId id, schema::Role role, const std::string& endpoint) override;
+    /// Lets the Hello of a started process in (Door::expect). add_peer() follows.
+    void expect(NodeId id, schema::Role role);
+    /// See Door::on_refusal().
+    void on_refusal(std::function<void(const Refusal&)> report);
     /// Takes back the bodies lent to `id`, whose process has ended.
     void remove_peer(NodeId id) override;
     void send(NodeId to, Payload payload) override;

@@ -33,17 +33,26 @@ void prepare(zmq::socket_t& socket) {
     socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(max_body_bytes));
 }
 
-void check_address(const std::string& bind) {
+bool is_near(const std::string& address) {
+    return address.compare(0, ipc_scheme.size(), ipc_scheme) == 0;
+}
+
+void check_address(const char* verb, const std::string& address, const Credentials& credentials) {
     const auto starts_with = [&](std::string_view prefix) {
-        return bind.compare(0, prefix.size(), prefix) == 0;
+        return address.compare(0, prefix.size(), prefix) == 0;
     };
     // The file system protects an ipc path. Nothing protects an abstract name, ipc://@...
-    const bool is_private = starts_with("ipc:///") || starts_with("tcp://127.0.0.1:");
-    if (!is_private) {
+    const bool is_tcp = starts_with("tcp://127.0.0.1:");
+    if (!is_tcp && !starts_with("ipc:///")) {
+        throw std::invalid_argument(
+            fmt::format("refusing to {} {}: only ipc:///path and tcp://127.0.0.1:port are private "
+                        "to this computer",
+                        verb, address));
+    }
+    if (is_tcp && !credentials.keys && !credentials.allows_plain_tcp) {
         throw std::invalid_argument(fmt::format(
-            "refusing to listen at {}: messages are not encrypted, so only ipc:///path and "
-            "tcp://127.0.0.1:port are allowed",
-            bind));
+            "refusing to {} {}: without keys for CURVE, any user of this computer could take part",
+            verb, address));
     }
 }
 

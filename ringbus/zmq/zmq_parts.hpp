@@ -9,6 +9,7 @@
 #include <zmq.hpp>
 
 #include "ringbus/message.hpp"
+#include "ringbus/zmq/credentials.hpp"
 
 namespace pxpl5::bus {
 
@@ -20,8 +21,14 @@ zmq::context_t make_context();
 /// Sets the options of a new socket: linger 0 and no high-water mark.
 void prepare(zmq::socket_t& socket);
 
-/// Throws std::invalid_argument unless `bind` is private to this computer.
-void check_address(const std::string& bind);
+/// True if the address is a socket in a folder of this computer.
+bool is_near(const std::string& address);
+
+/// Throws std::invalid_argument unless `address` is private to this computer, and protected by its
+/// folder or by keys.
+///
+/// verb   "listen at" or "connect to", for the error.
+void check_address(const char* verb, const std::string& address, const Credentials& credentials);
 
 /// A ZeroMQ part that shares the payload's bytes.
 zmq::message_t part_of(const Payload& payload);

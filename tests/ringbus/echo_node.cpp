@@ -1,4 +1,5 @@
-// A node process for the tests of run_process: sends each RemoveSurface back to its sender.
+// A node process for the tests of run_process: answers the number of each
+// RemoveSurface and BeginFrame with a SurfaceBuilt to the host.
 #include <stdexcept>
 
 #include "ringbus/process/process.hpp"
@@ -16,15 +17,21 @@ class EchoNode final : public bus::Node {
             if (order->surface() == 0xffff) {
                 throw std::logic_error("as ordered");
             }
-            bus::schema::SetSurfaceT answer;
-            answer.surface = order->surface();
-            answer.revision = static_cast<std::uint32_t>(peers_);
-            out.send(bus::host_id, bus::pack(answer));
+            answer(order->surface(), out);
+        } else if (const auto* begin = message.as<bus::schema::BeginFrame>()) {
+            answer(static_cast<std::uint16_t>(begin->draw()->frame()), out);
         }
     }
     bool work(bus::Outbox&) override { return false; }
 
   private:
+    void answer(std::uint16_t number, bus::Outbox& out) const {
+        bus::schema::SurfaceBuiltT built;
+        built.surface = number;
+        built.revision = static_cast<std::uint32_t>(peers_);
+        out.send(bus::host_id, bus::pack(built));
+    }
+
     std::size_t peers_ = 0;
 };
 

@@ -66,7 +66,7 @@ schema::ExportMeshT example_mesh() {
     mesh.path = "skin.ply";
     auto surface = std::make_unique<schema::ExportSurfaceT>();
     surface->name = "skin";
-    surface->colour = std::make_unique<schema::Rgb>(1, 2, 3);
+    surface->color = std::make_unique<schema::Rgb>(1, 2, 3);
     surface->vertices.assign(3, schema::MeshVertex(1, 2, 3, 0, 0, 1));
     surface->indices = {0, 1, 2};
     mesh.surfaces.push_back(std::move(surface));
@@ -86,6 +86,8 @@ std::vector<Payload> volume_examples() {
     import.crop_size = {10, 11, 12};
     import.resample_size = {20, 22, 24};
     import.smooth_mm = 0.5;
+    import.orientation = "RAI";
+    import.origin_mm = {-10, 20, 30.5};
     schema::SlicesT slices;
     slices.volume = 9;
     slices.first_slice = 4;
@@ -114,7 +116,7 @@ std::vector<Payload> volume_examples() {
     auto mark = std::make_unique<schema::MarkT>();
     mark->kind = MarkKind::text;
     mark->points = {schema::PicturePoint(1, 0.5F)};
-    mark->colour = std::make_unique<schema::Rgba>(255, 255, 255, 128);
+    mark->color = std::make_unique<schema::Rgba>(255, 255, 255, 128);
     mark->text = "L";
     picture.marks.push_back(std::move(mark));
     schema::IoDoneT done;
@@ -122,9 +124,13 @@ std::vector<Payload> volume_examples() {
     done.bad_data = true;
     schema::DropVolumeT drop;
     drop.volume = 9;
-    return {pack(import), pack(example_header()), pack(slices), pack(end),
-            pack(ready),  pack(picture),          pack(done),   pack(example_mesh()),
-            pack(drop)};
+    schema::ReadMeshT read;
+    read.path = "skin.stl";
+    schema::MeshContentT content;
+    content.surfaces = example_mesh().surfaces;
+    return {
+        pack(import), pack(example_header()), pack(slices), pack(end),  pack(ready),  pack(picture),
+        pack(done),   pack(example_mesh()),   pack(drop),   pack(read), pack(content)};
 }
 
 std::vector<Payload> surface_examples() {
@@ -310,7 +316,9 @@ schema::VolumeHeaderT example_header() {
     header.maximum = 3000;
     header.slice_places = {0, 1, 2, 3, 5, 6};
     header.gap_slabs = {3};
+    header.slabs_per_set = 2;
     header.modality = "CT";
+    header.series = "1.2.840.1";
     header.findings.push_back(std::make_unique<schema::FindingT>());
     header.findings[0]->kind = FindingKind::missing_slices;
     header.findings[0]->text = "one slice is missing";
@@ -344,13 +352,13 @@ std::vector<Payload> one_of_each_kind() {
 
 Payload repacked(const bus::Message& message) {
     using namespace bus::schema;
-    return repacked_as_one_of<
-        Hello, Topology, Connected, Go, Shutdown, Credit, Fault, ImportVolume, VolumeHeader, Slices,
-        VolumeEnd, VolumeReady, ExportPicture, IoDone, SetSurface, RemoveSurface, SurfaceBuilt,
-        FetchMesh, MeshPart, DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone,
-        SaveTrace, TraceSaved, SceneBegin, ScenePart, SceneEnd, DropVolume, MaskSurface,
-        MeasureIsovalues, IsovaluesMeasured, ExportMesh, AskActivity, Activity, FrameCounts>(
-        message);
+    return repacked_as_one_of<Hello, Topology, Connected, Go, Shutdown, Credit, Fault, ImportVolume,
+                              VolumeHeader, Slices, VolumeEnd, VolumeReady, ExportPicture, IoDone,
+                              SetSurface, RemoveSurface, SurfaceBuilt, FetchMesh, MeshPart,
+                              DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone,
+                              SaveTrace, TraceSaved, SceneBegin, ScenePart, SceneEnd, DropVolume,
+                              MaskSurface, MeasureIsovalues, IsovaluesMeasured, ExportMesh,
+                              AskActivity, Activity, FrameCounts, ReadMesh, MeshContent>(message);
 }
 
 }  // namespace pxpl5::test

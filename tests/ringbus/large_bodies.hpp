@@ -4,7 +4,7 @@
 #include <string>
 
 #include "ringbus/zmq/zmq_link.hpp"
-#include "tests/ringbus/random_seed.hpp"
+#include "tests/random_seed.hpp"
 
 namespace pxpl5::test {
 

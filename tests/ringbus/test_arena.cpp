@@ -221,6 +221,19 @@ TEST_SUITE("ringbus/arena") {
         arena.deallocate(arena.allocate(0), 0);
     }
 
+    TEST_CASE("memory between bodies returns to the system on request, and is there again") {
+        constexpr std::size_t much = 64 << 20;
+        Arena arena;
+        std::uint8_t* const below = arena.allocate(much);
+        const Payload used = large_slices(&arena, body_bytes, 4);
+        arena.deallocate(below, much);
+        arena.return_memory();
+        CHECK(memory_bytes(arena) < 2 << 20);
+        CHECK(test::is_whole(test::WireBytes(used).read(), body_bytes, 4));
+        const Payload again = large_slices(&arena, 8 << 20, 6);
+        CHECK(test::is_whole(test::WireBytes(again).read(), 8 << 20, 6));
+    }
+
     TEST_CASE("unused memory returns to the system") {
         constexpr std::size_t much = 64 << 20;
         Arena arena;

@@ -36,7 +36,7 @@ class ScriptedLink final : public Link {
 
     NodeId id() const override { return 5; }
     const std::string& endpoint() const override { return endpoint_; }
-    void add_peer(NodeId, const std::string&) override {}
+    void add_peer(NodeId, schema::Role, const std::string&) override {}
     void remove_peer(NodeId) override {}
     void send(NodeId to, Payload payload) override {
         REQUIRE(to == host_id);

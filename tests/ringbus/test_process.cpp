@@ -12,12 +12,14 @@
 
 #include "ringbus/trace/trace_file.hpp"
 #include "ringbus/zmq/zmq_link.hpp"
+#include "tests/ringbus/examples.hpp"
 #include "tests/ringbus/ipc_address.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::bus;
+using pxpl5::bus::schema::Role;
 using pxpl5::test::contains;
 using pxpl5::test::ipc_address;
 
@@ -34,13 +36,46 @@ std::vector<char*> pointers(std::vector<std::string>& words) {
     return argv;
 }
 
+/// Credentials of a child, as a pipe that the child inherits as credentials_descriptor.
+class Inherited {
+  public:
+    explicit Inherited(const Credentials& credentials) : pipe_(credentials_pipe(credentials)) {
+        posix_spawn_file_actions_init(&actions_);
+        posix_spawn_file_actions_adddup2(&actions_, pipe_, credentials_descriptor);
+    }
+    ~Inherited() {
+        posix_spawn_file_actions_destroy(&actions_);
+        close(pipe_);
+    }
+    Inherited(const Inherited&) = delete;
+    Inherited& operator=(const Inherited&) = delete;
+    const posix_spawn_file_actions_t* actions() const { return &actions_; }
+
+  private:
+    int pipe_;
+    posix_spawn_file_actions_t actions_{};
+};
+
+Credentials test_credentials() {
+    return make_credentials(Protection::files);
+}
+
 /// Starts the echo node. wait_for() returns its exit code.
-pid_t start(std::vector<std::string> arguments) {
+pid_t start(std::vector<std::string> arguments,
+            const Credentials& credentials = test_credentials()) {
     arguments.insert(arguments.begin(), PXPL5_ECHO_NODE);
+    const Inherited inherited(credentials);
     pid_t pid = 0;
-    REQUIRE(posix_spawn(&pid, PXPL5_ECHO_NODE, nullptr, nullptr, pointers(arguments).data(),
-                        environ) == 0);
+    REQUIRE(posix_spawn(&pid, PXPL5_ECHO_NODE, inherited.actions(), nullptr,
+                        pointers(arguments).data(), environ) == 0);
     return pid;
+}
+
+/// Flags of node 1, a child of this process.
+ProcessFlags flags_of(const std::string& host, const std::string& bind) {
+    ProcessFlags flags{host, bind, 1, 4, getpid()};
+    flags.credentials_fd = credentials_descriptor;
+    return flags;
 }
 
 /// The exit code, or 128 and the signal.
@@ -67,17 +102,29 @@ Payload order(std::uint16_t number) {
     return pack(body);
 }
 
+/// A message of a GP to a GP.
+Payload begin_frame(std::uint16_t number) {
+    schema::BeginFrameT begin;
+    begin.draw = std::make_unique<schema::DrawFrameT>(test::example_draw());
+    begin.draw->frame = number;
+    begin.assignment = {0, 0, 0, 0, 0, 0};
+    return pack(begin);
+}
+
 /// The host's side of an echo node's handshake. This test is also node 2.
 struct EchoMachine {
-    ZmqLink host{host_id, ipc_address("host")};
-    ZmqLink other{2, ipc_address("other")};
+    Credentials credentials = test_credentials();
+    ZmqLink host{{host_id, Role::host}, ipc_address("host"), credentials};
+    ZmqLink other{{2, Role::gp}, ipc_address("other"), credentials};
     pid_t pid = 0;
     std::string endpoint;
 
     explicit EchoMachine(Recording record = Recording::off, const std::string& trace_file = "") {
-        ProcessFlags flags{host.endpoint(), ipc_address("echo"), 1, 4, getpid(),
-                           record,          trace_file};
-        pid = start(to_arguments(flags));
+        ProcessFlags flags = flags_of(host.endpoint(), ipc_address("echo"));
+        flags.record = record;
+        flags.trace_file = trace_file;
+        host.expect(1, Role::gp);
+        pid = start(to_arguments(flags), credentials);
         const Message message = next(host);
         const auto* hello = message.as<schema::Hello>();
         REQUIRE(hello != nullptr);
@@ -96,20 +143,21 @@ struct EchoMachine {
         for (std::uint16_t id = 0; id < 3; ++id) {
             topology.nodes.push_back(std::make_unique<schema::NodeInfoT>());
             topology.nodes.back()->id = id;
+            topology.nodes.back()->role = id == host_id ? Role::host : Role::gp;
             topology.nodes.back()->endpoint = endpoints[id];
         }
         topology.ring_bytes_per_s = 1'000'000'000;
         topology.ring_hop_ns = 7;
-        host.add_peer(1, endpoint);
+        host.add_peer(1, Role::gp, endpoint);
         host.send(1, pack(topology));
         CHECK(next(host).kind() == Body::Connected);
     }
 
     void check_answer(std::uint16_t number) {
         const Message message = next(host);
-        REQUIRE(message.kind() == Body::SetSurface);
-        CHECK(message.as<schema::SetSurface>()->surface() == number);
-        CHECK(message.as<schema::SetSurface>()->revision() == 3);
+        REQUIRE(message.kind() == Body::SurfaceBuilt);
+        CHECK(message.as<schema::SurfaceBuilt>()->surface() == number);
+        CHECK(message.as<schema::SurfaceBuilt>()->revision() == 3);
     }
 };
 
@@ -128,11 +176,10 @@ TEST_SUITE("ringbus/process") {
 
     TEST_CASE("messages of peers before Go are kept in order") {
         EchoMachine machine;
-        machine.other.add_peer(1, machine.endpoint);
-        machine.other.send(1, order(10));
+        machine.other.add_peer(1, Role::gp, machine.endpoint);
         machine.connect();
-        for (std::uint16_t i = 11; i < 40; ++i) {
-            machine.other.send(1, order(i));
+        for (std::uint16_t i = 10; i < 40; ++i) {
+            machine.other.send(1, begin_frame(i));
         }
         machine.host.send(1, pack(schema::GoT{}));
         for (std::uint16_t i = 10; i < 40; ++i) {
@@ -172,14 +219,14 @@ TEST_SUITE("ringbus/process") {
 
     TEST_CASE("Shutdown before Go ends a node too") {
         EchoMachine machine;
-        machine.host.add_peer(1, machine.endpoint);
+        machine.host.add_peer(1, Role::gp, machine.endpoint);
         machine.host.send(1, pack(schema::ShutdownT{}));
         CHECK(wait_for(machine.pid) == 0);
     }
 
     TEST_CASE("a bad message during the handshake is reported to the host") {
         EchoMachine machine;
-        machine.host.add_peer(1, machine.endpoint);
+        machine.host.add_peer(1, Role::gp, machine.endpoint);
         machine.host.send(1, pack(schema::TopologyT{}));
         const Message message = next(machine.host);
         REQUIRE(message.kind() == Body::Fault);
@@ -219,14 +266,15 @@ TEST_SUITE("ringbus/process") {
     }
 
     TEST_CASE("a node that is not its parent's child ends with code 69") {
-        ProcessFlags flags{ipc_address("nobody"), ipc_address("orphan"), 1, 0, getpid() + 1};
+        ProcessFlags flags = flags_of(ipc_address("absent-host"), ipc_address("orphan"));
+        flags.parent_pid = getpid() + 1;
         CHECK(wait_for(start(to_arguments(flags))) == 69);
     }
 
     TEST_CASE("a bad command line ends with code 64") {
         CHECK(wait_for(start({"--index", "x"})) == 64);
         CHECK(wait_for(start({"--host-endpoint", "ipc:///h", "--node-id", "1", "--bind",
-                              "tcp://0.0.0.0:*"})) == 64);
+                              "tcp://0.0.0.0:*", "--credentials-fd", "3"})) == 64);
         CHECK(wait_for(start({"--version"})) == 0);
     }
 
@@ -239,18 +287,23 @@ TEST_SUITE("ringbus/process") {
     }
 
     TEST_CASE("a launcher that is killed takes its nodes with it") {
-        ZmqLink host(host_id, ipc_address("doomed"));
+        const Credentials credentials = test_credentials();
+        ZmqLink host({host_id, Role::host}, ipc_address("doomed"), credentials);
+        host.expect(1, Role::gp);
         int alive[2];
         REQUIRE(pipe(alive) == 0);
-        std::vector<std::string> words =
-            to_arguments({host.endpoint(), ipc_address("taken"), 1, 0, 0});
+        ProcessFlags flags = flags_of(host.endpoint(), ipc_address("taken"));
+        flags.parent_pid = 0;
+        std::vector<std::string> words = to_arguments(flags);
+        const Inherited inherited(credentials);
         words.insert(words.begin(), PXPL5_ECHO_NODE);
         const std::vector<char*> argv = pointers(words);
         const pid_t launcher = fork();
         REQUIRE(launcher >= 0);
         if (launcher == 0) {
             pid_t child = 0;
-            posix_spawn(&child, PXPL5_ECHO_NODE, nullptr, nullptr, argv.data(), environ);
+            posix_spawn(&child, PXPL5_ECHO_NODE, inherited.actions(), nullptr, argv.data(),
+                        environ);
             pause();
             _exit(1);
         }
@@ -264,8 +317,8 @@ TEST_SUITE("ringbus/process") {
     }
 
     TEST_CASE("flags survive the command line") {
-        const ProcessFlags flags{"ipc://h",       "ipc://b",     7,   3, 4242,
-                                 Recording::full, "t/gp-3.mcap", 1234};
+        const ProcessFlags flags{"ipc://h",     "ipc://b", 7, 3,   4242, Recording::full,
+                                 "t/gp-3.mcap", 1234,      4, 500, 3};
         std::vector<std::string> words = to_arguments(flags);
         words.insert(words.begin(), "program");
         words.emplace_back("--memory-mib");  // For the program's own main.
@@ -283,6 +336,9 @@ TEST_SUITE("ringbus/process") {
         CHECK(back.record == Recording::full);
         CHECK(back.trace_file == "t/gp-3.mcap");
         CHECK(back.flight_kib == 1234);
+        CHECK(back.pulse_fd == 4);
+        CHECK(back.pulse_ms == 500);
+        CHECK(back.credentials_fd == 3);
     }
 
     TEST_CASE("missing and malformed flags are named") {
@@ -304,9 +360,11 @@ TEST_SUITE("ringbus/process") {
         CHECK(contains(error({"--node-id", "0"}), "--node-id is '0'"));
         CHECK(contains(error({"--index", "x"}), "--index is 'x'"));
         CHECK(contains(error({"--record", "some"}), "--record is 'some', expected off, flight"));
-        CHECK(contains(
-            error({"--host-endpoint", "h", "--bind", "b", "--node-id", "1", "--record", "full"}),
-            "--record needs --trace-file"));
+        CHECK(contains(error({"--host-endpoint", "h", "--bind", "b", "--node-id", "1",
+                              "--credentials-fd", "3", "--record", "full"}),
+                       "--record needs --trace-file"));
+        CHECK(contains(error({"--host-endpoint", "h", "--bind", "b", "--node-id", "1"}),
+                       "--credentials-fd are needed"));
     }
 
     TEST_CASE("a child of another build or schema is refused with both values") {

@@ -136,6 +136,9 @@ TEST_SUITE("ringbus/ranges") {
     }
 
     TEST_CASE("a request for a frame") {
+        CHECK_REFUSED(DrawFrameT, m.frame = 0xffffffff,
+                      "frame is 4294967295, allowed are at most 4294967294");
+        CHECK_REFUSED(BeginFrameT, m.draw->frame = 0xffffffff, "frame is 4294967295");
         CHECK_REFUSED(DrawFrameT, m.width = 0, "width is 0, allowed are 1 .. 8192");
         CHECK_REFUSED(DrawFrameT, m.height = 8193, "height is 8193");
         CHECK_REFUSED(DrawFrameT, m.views.clear(), "number of views is 0, allowed are 1 .. 2");
@@ -225,5 +228,19 @@ TEST_SUITE("ringbus/ranges") {
         CHECK(region_count(1280, 1024, 1) == 80);
         CHECK(region_count(640, 512, 2) == 40);
         CHECK(max_regions == 8192);
+    }
+
+    TEST_CASE("lists that share their elements are refused before all are checked") {
+        constexpr std::size_t vertex_count = 1000, repeated = 100'000;
+        flatbuffers::FlatBufferBuilder builder;
+        const auto vertices = builder.CreateVectorOfStructs(
+            std::vector<schema::MeshVertex>(vertex_count, schema::MeshVertex(0, 0, 0, 0, 0, 1)));
+        const auto indices = builder.CreateVector(std::vector<std::uint32_t>{0, 1, 2});
+        const auto keys = builder.CreateVector(std::vector<std::uint64_t>(vertex_count));
+        const auto slab = schema::CreateSlabMesh(builder, 0, vertices, keys, indices);
+        const auto slabs = builder.CreateVector(
+            std::vector<flatbuffers::Offset<schema::SlabMesh>>(repeated, slab));
+        const Payload part = finish(builder, schema::CreateMeshPart(builder, 1, 1, slabs));
+        CHECK(contains(refusal(part), "its lists have more elements than its"));
     }
 }

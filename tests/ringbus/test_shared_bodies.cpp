@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "ringbus/zmq/arena.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/ringbus/ipc_address.hpp"
 #include "tests/ringbus/large_bodies.hpp"
 
@@ -22,6 +23,16 @@ using pxpl5::test::next_of;
 namespace {
 
 constexpr std::size_t body_bytes = 100'000;
+
+using schema::Role;
+/// Slices go from a host to a GP.
+constexpr Self loader{1, Role::host}, taker{2, Role::gp};
+
+const Credentials plain = [] {
+    Credentials credentials;
+    credentials.allows_plain_tcp = true;
+    return credentials;
+}();
 
 Payload slices_from(ZmqLink& link, std::size_t bytes, std::uint32_t number) {
     return large_slices(link.body_allocator(), bytes, number);
@@ -63,14 +74,14 @@ void kill_and_bury(pid_t child) {
 
 TEST_SUITE("ringbus/shared_bodies") {
     TEST_CASE("a thousand bodies of any size arrive to the last byte, over ipc and over tcp") {
-        const std::uint64_t seed = test::ring_seed();
+        const std::uint64_t seed = pxpl5::test::seed_or<std::uint64_t>(19'930'501);
         INFO("PXPL5_SEED=", seed);
         for (const char* tcp : {"", "tcp://127.0.0.1:*"}) {
             std::mt19937_64 random(seed);
-            ZmqLink a(1, *tcp != 0 ? tcp : ipc_address("random-a"));
-            ZmqLink b(2, *tcp != 0 ? tcp : ipc_address("random-b"));
-            a.add_peer(2, b.endpoint());
-            b.add_peer(1, a.endpoint());
+            ZmqLink a(loader, *tcp != 0 ? tcp : ipc_address("random-a"), plain);
+            ZmqLink b(taker, *tcp != 0 ? tcp : ipc_address("random-b"), plain);
+            a.add_peer(2, Role::gp, b.endpoint());
+            b.add_peer(1, Role::host, a.endpoint());
             std::deque<std::pair<Message, std::size_t>> kept;  // Some longer than others.
             for (std::uint32_t i = 0; i < 1000; ++i) {
                 const std::size_t bytes = 1 + (random() >> (44 + random() % 20));
@@ -89,8 +100,9 @@ TEST_SUITE("ringbus/shared_bodies") {
     }
 
     TEST_CASE("over ipc, bodies from the second on stay in the sender's memory until read") {
-        ZmqLink a(1, ipc_address("stay-a")), b(2, ipc_address("stay-b"));
-        a.add_peer(2, b.endpoint());
+        ZmqLink a(loader, ipc_address("stay-a")), b(taker, ipc_address("stay-b"));
+        a.add_peer(2, Role::gp, b.endpoint());
+        b.add_peer(1, Role::host, a.endpoint());
         const std::uint8_t* first = nullptr;
         for (std::uint32_t i = 0; i < 3; ++i) {
             const Payload payload = slices_from(a, body_bytes, i);
@@ -108,8 +120,10 @@ TEST_SUITE("ringbus/shared_bodies") {
 
     TEST_CASE("a sender whose arena is full sends inside the messages") {
         constexpr std::size_t lendable_bytes = std::size_t{244} << 10;  // Two bodies, not three.
-        ZmqLink a(1, ipc_address("full-a"), lendable_bytes), b(2, ipc_address("full-b"));
-        a.add_peer(2, b.endpoint());
+        ZmqLink a(loader, ipc_address("full-a"), {}, lendable_bytes),
+            b(taker, ipc_address("full-b"));
+        a.add_peer(2, Role::gp, b.endpoint());
+        b.add_peer(1, Role::host, a.endpoint());
         const Arena& arena = dynamic_cast<const Arena&>(*a.body_allocator());
         const auto exchange = [&](const Payload& payload) {
             a.send(2, payload);
@@ -131,16 +145,16 @@ TEST_SUITE("ringbus/shared_bodies") {
     TEST_CASE("bodies that a killed receiver had borrowed are free when its peer is removed") {
         const std::string to_child = ipc_address("killed-child"), to_us = ipc_address("killed-us");
         const pid_t child = run_apart([&] {
-            static ZmqLink link(2, to_child);
-            link.add_peer(1, to_us);
+            static ZmqLink link(taker, to_child);
+            link.add_peer(1, Role::host, to_us);
             static std::vector<Message> held;
             for (std::uint32_t i = 0; i < 2; ++i) {
                 held.push_back(next_of(link));
-                link.send(1, pack(schema::DropVolumeT{}));
+                link.send(1, pack(schema::VolumeReadyT{}));
             }
         });
-        ZmqLink link(1, to_us);
-        link.add_peer(2, to_child);
+        ZmqLink link(loader, to_us);
+        link.add_peer(2, Role::gp, to_child);
         std::vector<const std::uint8_t*> places;
         for (std::uint32_t i = 0; i < 2; ++i) {
             const Payload payload = slices_from(link, body_bytes, i);
@@ -158,19 +172,19 @@ TEST_SUITE("ringbus/shared_bodies") {
     TEST_CASE("messages of a killed sender can be read") {
         const std::string to_us = ipc_address("widow");
         const pid_t child = run_apart([&] {
-            static ZmqLink link(2, ipc_address("dead-sender"));
-            link.add_peer(1, to_us);
+            static ZmqLink link({2, Role::host}, ipc_address("dead-sender"));
+            link.add_peer(1, Role::gp, to_us);
             for (std::uint32_t i = 0; i < 3; ++i) {
                 link.send(1, slices_from(link, body_bytes, i));
                 next_of(link);
             }
         });
-        ZmqLink link(1, to_us);
-        link.add_peer(2, ipc_address("dead-sender"));
+        ZmqLink link({1, Role::gp}, to_us);
+        link.add_peer(2, Role::host, ipc_address("dead-sender"));
         std::vector<Message> kept;
         for (std::uint32_t i = 0; i < 3; ++i) {
             kept.push_back(next_of(link));
-            link.send(2, pack(schema::DropVolumeT{}));
+            link.send(2, pack(schema::VolumeReadyT{}));
         }
         kill_and_bury(child);
         link.remove_peer(2);
@@ -183,8 +197,9 @@ TEST_SUITE("ringbus/shared_bodies") {
         const auto open_before = count_of("/proc/self/fd");
         const std::string shared_before = shared_memory();
         {
-            ZmqLink a(1, ipc_address("left-a")), b(2, ipc_address("left-b"));
-            a.add_peer(2, b.endpoint());
+            ZmqLink a(loader, ipc_address("left-a")), b(taker, ipc_address("left-b"));
+            a.add_peer(2, Role::gp, b.endpoint());
+            b.add_peer(1, Role::host, a.endpoint());
             for (std::uint32_t i = 0; i < 3; ++i) {
                 a.send(2, slices_from(a, body_bytes, i));
                 next_of(b);

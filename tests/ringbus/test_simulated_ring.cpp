@@ -135,6 +135,21 @@ TEST_SUITE("ringbus/simulated_ring") {
         CHECK(host.faults == std::vector<std::string>{"not today"});
     }
 
+    TEST_CASE("a message that no rule allows between two roles is dropped and counted") {
+        SimulatedRing ring(1);
+        Recorder host, renderer;
+        ring.add(0, host, schema::Role::host);
+        ring.add(1, renderer, schema::Role::renderer);
+        ring.send(0, 1, numbered(1));  // For GPs only.
+        ring.send(1, 0, pack(schema::ShutdownT{}));
+        ring.run_until_idle();
+        CHECK(renderer.got.empty());
+        CHECK(host.faults.empty());
+        CHECK(ring.traffic(0).refused_messages == 1);
+        CHECK(ring.traffic(1).refused_messages == 1);
+        CHECK(ring.traffic(1).received_messages == 0);
+    }
+
     TEST_CASE("waiting for an impossible state is an error") {
         SimulatedRing ring(1);
         Recorder host;

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "ringbus/trace/recorder.hpp"
-#include "tests/ringbus/recorder_support.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
+#include "tests/ringbus/trace/recorder_support.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::bus;
@@ -20,7 +20,7 @@ class QueueLink final : public Link {
   public:
     NodeId id() const override { return 5; }
     const std::string& endpoint() const override { return endpoint_; }
-    void add_peer(NodeId, const std::string&) override {}
+    void add_peer(NodeId, schema::Role, const std::string&) override {}
     void remove_peer(NodeId) override {}
     void send(NodeId to, Payload payload) override {
         receivers.push_back(to);
@@ -68,7 +68,7 @@ TEST_SUITE("ringbus/recording_link") {
         CHECK(recorder.save().messages == 2);
     }
 
-    TEST_CASE("delivered messages are recorded; SaveTrace is answered and not delivered") {
+    TEST_CASE("delivered messages are recorded, and SaveTrace is answered and not delivered") {
         const test::ScratchFolder folder;
         Recorder recorder(folder / "a.mcap", info_for(Recording::flight));
         QueueLink queue;

@@ -8,8 +8,9 @@
 #include <random>
 #include <set>
 
-#include "tests/ringbus/recorder_support.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
+#include "tests/ringbus/trace/recorder_support.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::bus;
@@ -110,13 +111,6 @@ Knowledge knowledge_in(const TraceFile& file) {
     return knowledge;
 }
 
-std::uint64_t seed() {
-    const char* given = std::getenv("PXPL5_SEED");
-    const std::uint64_t value = given != nullptr ? std::strtoull(given, nullptr, 0) : 1;
-    MESSAGE("PXPL5_SEED=" << value);
-    return value;
-}
-
 }  // namespace
 
 TEST_SUITE("ringbus/recorder") {
@@ -203,7 +197,9 @@ TEST_SUITE("ringbus/recorder") {
 
     TEST_CASE("replaying a flight restores the node's set-up, whatever was dropped") {
         const test::ScratchFolder folder;
-        std::mt19937_64 random(seed());
+        const std::uint64_t seed = pxpl5::test::seed_or<std::uint64_t>(1);
+        CAPTURE(seed);
+        std::mt19937_64 random(seed);
         for (int round = 0; round < 40; ++round) {
             CAPTURE(round);
             trace::Limits limits;

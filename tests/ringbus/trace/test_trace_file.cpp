@@ -11,6 +11,7 @@
 #include <set>
 
 #include "ringbus/trace/trace_file.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/ringbus/examples.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
 
@@ -132,13 +133,6 @@ void set_byte(const std::filesystem::path& path, std::size_t at, char value) {
     file.seekp(static_cast<long>(at)).put(value);
 }
 
-std::uint64_t seed() {
-    const char* given = std::getenv("PXPL5_SEED");
-    const std::uint64_t value = given != nullptr ? std::strtoull(given, nullptr, 0) : 1;
-    MESSAGE("PXPL5_SEED=" << value);
-    return value;
-}
-
 }  // namespace
 
 TEST_SUITE("ringbus/trace_file") {
@@ -250,7 +244,9 @@ TEST_SUITE("ringbus/trace_file") {
         for (const trace::Entry& entry : entries) {
             chunks.insert(entry.chunk);
         }
-        std::mt19937_64 random(seed());
+        const std::uint64_t seed = pxpl5::test::seed_or<std::uint64_t>(1);
+        CAPTURE(seed);
+        std::mt19937_64 random(seed);
         for (const std::size_t at : places_in(whole)) {
             CAPTURE(at);
             set_byte(path, at, static_cast<char>(whole[at] ^ (1 << random() % 8)));
@@ -274,7 +270,9 @@ TEST_SUITE("ringbus/trace_file") {
         const std::vector<Message> messages = example_messages();
         write_example(path, messages);
         const Bytes whole = read_all(path);
-        std::mt19937_64 random(seed());
+        const std::uint64_t seed = pxpl5::test::seed_or<std::uint64_t>(1);
+        CAPTURE(seed);
+        std::mt19937_64 random(seed);
         for (int round = 0; round < 200; ++round) {
             CAPTURE(round);
             Bytes bytes = whole;

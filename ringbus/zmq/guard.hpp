@@ -1,0 +1,41 @@
+// Guards the connections of a tcp socket: CURVE, and a thread that answers ZeroMQ's questions
+// (ZAP).
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <thread>
+#include <zmq.hpp>
+
+#include "ringbus/zmq/credentials.hpp"
+
+namespace pxpl5::bus {
+
+/// Makes `inbound` accept only clients with the key pair `keys`. Call before bind().
+void guard_inbound(zmq::socket_t& inbound, const CurveKeys& keys);
+
+/// Makes `outbound` accept only a server with the key pair `keys`, and prove the same key.
+void guard_outbound(zmq::socket_t& outbound, const CurveKeys& keys);
+
+/// Accepts the session's own key and counts the connections that do not prove it.
+///
+/// The destructor waits for the thread, which ends with the context. So the guard must outlive the
+/// context.
+class Guard {
+  public:
+    Guard() = default;
+    ~Guard();
+    Guard(const Guard&) = delete;
+    Guard& operator=(const Guard&) = delete;
+
+    /// Starts the thread. Call before `inbound` is bound.
+    void start(zmq::context_t& context, zmq::socket_t& inbound, const CurveKeys& keys);
+    /// Connections so far that ended without a proof of the key.
+    std::uint64_t strangers() const { return strangers_.load(std::memory_order_relaxed); }
+
+  private:
+    std::atomic<std::uint64_t> strangers_{0};
+    std::thread thread_;
+};
+
+}  // namespace pxpl5::bus

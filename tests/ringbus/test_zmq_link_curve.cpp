@@ -1,0 +1,308 @@
+// Strangers at a tcp port: they get nothing and change nothing.
+#include <arpa/inet.h>
+#include <doctest/doctest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <thread>
+#include <zmq.hpp>
+
+#include "ringbus/zmq/guard.hpp"
+#include "tests/ringbus/large_bodies.hpp"
+#include "tests/ringbus/test_zmq_link_peer.hpp"
+#include "tests/ringbus/wire_bytes.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::bus;
+using pxpl5::test::contains;
+using pxpl5::test::next_of;
+using schema::Role;
+
+namespace {
+
+constexpr const char* any_port = "tcp://127.0.0.1:*";
+constexpr NodeId gp_id = 1;
+constexpr int patience_ms = 30000;
+
+Payload remove_surface(std::uint16_t number) {
+    schema::RemoveSurfaceT body;
+    body.surface = number;
+    return pack(body);
+}
+
+int port_of(const std::string& endpoint) {
+    return std::stoi(endpoint.substr(endpoint.rfind(':') + 1));
+}
+
+/// A stream to a port of this computer.
+class Stream {
+  public:
+    explicit Stream(int port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_port = htons(static_cast<std::uint16_t>(port));
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        REQUIRE(connect(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+    }
+    ~Stream() { close(fd_); }
+    Stream(const Stream&) = delete;
+    Stream& operator=(const Stream&) = delete;
+
+    void send(const std::string& bytes) const {
+        [[maybe_unused]] const ssize_t sent = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    }
+    /// Reads until the other side closes the stream.
+    std::string read_all() const {
+        std::string all;
+        std::array<char, 4096> bytes{};
+        pollfd entry{fd_, POLLIN, 0};
+        while (poll(&entry, 1, patience_ms) > 0) {
+            const ssize_t count = read(fd_, bytes.data(), bytes.size());
+            if (count <= 0) {
+                break;
+            }
+            all.append(bytes.data(), static_cast<std::size_t>(count));
+        }
+        return all;
+    }
+    int fd() const { return fd_; }
+
+  private:
+    int fd_;
+};
+
+/// A host and a GP over tcp, with the keys of one session.
+struct Session {
+    Credentials credentials = make_credentials(Protection::curve);
+    ZmqLink host{{host_id, Role::host}, any_port, credentials};
+    ZmqLink gp{{gp_id, Role::gp}, any_port, credentials};
+    std::vector<std::string> named;
+
+    Session() {
+        host.add_peer(gp_id, Role::gp, gp.endpoint());
+        gp.add_peer(host_id, Role::host, host.endpoint());
+        gp.on_refusal([this](const Refusal& refusal) { named.push_back(refusal.text); });
+        check_works(1);
+    }
+
+    void check_works(std::uint16_t number) {
+        host.send(gp_id, remove_surface(number));
+        CHECK(next_of(gp).as<schema::RemoveSurface>()->surface() == number);
+    }
+
+    /// Waits until the GP has counted so many strangers. They do not wake a link.
+    void await_strangers(std::uint64_t count) {
+        const auto deadline =
+            std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
+        while (gp.traffic().refused_messages < count) {
+            REQUIRE(!gp.receive());
+            REQUIRE(std::chrono::steady_clock::now() < deadline);
+            std::this_thread::yield();
+        }
+        CHECK(!gp.receive());
+        CHECK(gp.traffic().refused_messages >= count);
+    }
+};
+
+/// A PUSH socket that sends an order to the GP, as the host would.
+class Forger {
+  public:
+    explicit Forger(const std::optional<CurveKeys>& own, const std::string& server_key) {
+        socket_.set(zmq::sockopt::linger, 0);
+        if (own) {
+            socket_.set(zmq::sockopt::curve_serverkey, server_key);
+            socket_.set(zmq::sockopt::curve_publickey, own->open);
+            socket_.set(zmq::sockopt::curve_secretkey, own->secret);
+        }
+    }
+    void send_to(const std::string& endpoint) {
+        socket_.connect(endpoint);
+        const Payload order = pack(schema::ShutdownT{});
+        const schema::Header header(header_magic, protocol_version,
+                                    static_cast<std::uint16_t>(order.kind()), host_id, gp_id, 0, 0,
+                                    1, order.bytes().size(), 0, 0, 1);
+        socket_.send(zmq::buffer(&header, sizeof header), zmq::send_flags::sndmore);
+        socket_.send(zmq::buffer(order.bytes().data(), order.bytes().size()));
+    }
+
+  private:
+    zmq::context_t context_{1};
+    zmq::socket_t socket_{context_, zmq::socket_type::push};
+};
+
+/// Passes one connection on to `port` and keeps what the client sends.
+class RecordingProxy {
+  public:
+    explicit RecordingProxy(int port) : port_(port), listener_(socket(AF_INET, SOCK_STREAM, 0)) {
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        REQUIRE(bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+        REQUIRE(listen(listener_, 1) == 0);
+        socklen_t size = sizeof address;
+        getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
+        own_port_ = ntohs(address.sin_port);
+        thread_ = std::thread([this] { pass_on(); });
+    }
+    ~RecordingProxy() { close(listener_); }
+    RecordingProxy(const RecordingProxy&) = delete;
+    RecordingProxy& operator=(const RecordingProxy&) = delete;
+    int port() const { return own_port_; }
+    /// Returns the bytes of the client. Its connection must have ended.
+    std::string take() {
+        thread_.join();
+        return recorded_;
+    }
+
+  private:
+    void pass_on() {
+        const int client = accept(listener_, nullptr, nullptr);
+        const Stream server(port_);
+        std::array<char, 4096> bytes{};
+        for (bool open = true; open;) {
+            std::array<pollfd, 2> ends = {pollfd{client, POLLIN, 0},
+                                          pollfd{server.fd(), POLLIN, 0}};
+            poll(ends.data(), ends.size(), patience_ms);
+            for (const bool from_client : {true, false}) {
+                if (ends[from_client ? 0 : 1].revents == 0) {
+                    continue;
+                }
+                const ssize_t count =
+                    read(from_client ? client : server.fd(), bytes.data(), bytes.size());
+                if (count <= 0) {
+                    open = false;
+                    break;
+                }
+                const std::string passed(bytes.data(), static_cast<std::size_t>(count));
+                if (from_client) {
+                    recorded_ += passed;
+                    server.send(passed);
+                } else {
+                    [[maybe_unused]] const ssize_t sent =
+                        ::send(client, passed.data(), passed.size(), MSG_NOSIGNAL);
+                }
+            }
+        }
+        close(client);
+    }
+
+    int port_, listener_, own_port_ = 0;
+    std::string recorded_;
+    std::thread thread_;
+};
+
+}  // namespace
+
+TEST_SUITE("ringbus/zmq/zmq_link_curve") {
+    TEST_CASE("nodes of a session exchange messages over tcp, large ones too") {
+        Session session;
+        for (std::uint32_t i = 0; i < 20; ++i) {
+            session.host.send(gp_id, test::large_slices(session.host.body_allocator(), 100'000, i));
+            CHECK(test::is_whole(next_of(session.gp), 100'000, i));
+        }
+        session.gp.send(host_id, pack(schema::VolumeReadyT{}));
+        CHECK(next_of(session.host).kind() == Body::VolumeReady);
+        CHECK(session.gp.traffic().refused_messages == 0);
+        CHECK(session.host.traffic().refused_messages == 0);
+    }
+
+    TEST_CASE("tcp without keys is refused, unless it is allowed by name") {
+        const Credentials none = make_credentials(Protection::files);
+        CHECK_THROWS_WITH_AS(
+            ZmqLink({gp_id, Role::gp}, any_port, none),
+            "refusing to listen at tcp://127.0.0.1:*: without keys for CURVE, any user of this "
+            "computer could take part",
+            std::invalid_argument);
+        ZmqLink near({gp_id, Role::gp}, any_port, make_credentials(Protection::plain_tcp));
+        CHECK(contains(near.endpoint(), "tcp://127.0.0.1:"));
+    }
+
+    TEST_CASE("a stranger without the session's key changes nothing, and is counted") {
+        Session session;
+        const Credentials other = make_credentials(Protection::curve);
+        const std::string& key = session.credentials.keys->open;
+        Forger no_key(std::nullopt, key), own_key(other.keys, key),
+            wrong_server(session.credentials.keys, other.keys->open);
+        std::uint64_t counted = 0;
+        for (Forger* forger : {&no_key, &own_key, &wrong_server}) {
+            forger->send_to(session.gp.endpoint());
+            session.await_strangers(++counted);
+        }
+        REQUIRE(session.named.size() == 1);
+        CHECK(contains(session.named[0],
+                       "a connection to " + session.gp.endpoint() + " without the key"));
+        session.check_works(2);
+    }
+
+    TEST_CASE("bytes of other protocols get no answer that says anything, and are counted") {
+        Session session;
+        std::uint64_t counted = 0;
+        // A message of ZMTP 1.0, which has no mechanisms. An HTTP POST can look like this.
+        const std::string greeting_1 = {1, 0}, hello_1 = {6, 0, 'h', 'e', 'l', 'l', 'o'};
+        for (const std::string& bytes :
+             {std::string("GET / HTTP/1.1\r\nHost: x\r\n\r\n"), greeting_1 + hello_1,
+              std::string(200, '\0'), std::string("\xff") + std::string(300, '\x7f')}) {
+            const Stream stream(port_of(session.gp.endpoint()));
+            stream.send(bytes);
+            shutdown(stream.fd(), SHUT_WR);
+            CHECK(stream.read_all().size() <= 64);  // At most a greeting.
+            session.await_strangers(++counted);
+        }
+        REQUIRE(session.named.size() == 1);
+        CHECK(contains(session.named[0], "without the key"));
+        session.check_works(2);
+    }
+
+    TEST_CASE("a recorded connection, played again, changes nothing") {
+        Session session;
+        RecordingProxy recording(port_of(session.gp.endpoint()));
+        {
+            Forger host(session.credentials.keys, session.credentials.keys->open);
+            host.send_to("tcp://127.0.0.1:" + std::to_string(recording.port()));
+            CHECK(next_of(session.gp).kind() == Body::Shutdown);  // As if from the host.
+        }
+        const std::string bytes = recording.take();
+        CHECK(bytes.size() > 300);
+        CHECK(!contains(bytes, "PXP5"));  // Nothing is readable.
+        const Stream again(port_of(session.gp.endpoint()));
+        again.send(bytes);
+        shutdown(again.fd(), SHUT_WR);
+        again.read_all();
+        session.await_strangers(1);
+        CHECK(session.gp.traffic().received_messages == 2);
+    }
+
+    TEST_CASE("another user of the computer gets nothing from a port") {
+        if (geteuid() != 0) {
+            MESSAGE("skipped: only root can act as another user");
+            return;
+        }
+        Session session;
+        const pid_t child = fork();
+        REQUIRE(child >= 0);
+        if (child == 0) {
+            if (setgid(65534) != 0 || setuid(65534) != 0) {
+                _exit(1);
+            }
+            Forger forger(std::nullopt, "");
+            forger.send_to(session.gp.endpoint());
+            while (true) {
+                pause();
+            }
+        }
+        session.await_strangers(1);
+        kill(child, SIGKILL);
+        int status = 0;
+        REQUIRE(waitpid(child, &status, 0) == child);
+        CHECK(WIFSIGNALED(status));
+        session.check_works(2);
+    }
+}
