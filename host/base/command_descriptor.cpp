@@ -64,6 +64,17 @@ std::vector<std::string_view> keys_of(const CommandDescriptor& command) {
     return keys;
 }
 
+/// A name with a line break would be two lines of a script.
+void check_printable(const CommandDescriptor& command, const Parameter& parameter,
+                     const std::string& text) {
+    const bool has_control =
+        std::ranges::any_of(text, [](unsigned char c) { return c < ' ' || c == 0x7F; });
+    if (has_control) {
+        refuse_command(fmt::format("{}: {} has a control character, for example a line break",
+                                   command.name, parameter.name));
+    }
+}
+
 void check_value(const CommandDescriptor& command, const Parameter& parameter,
                  const std::string& text) {
     switch (parameter.type) {
@@ -81,10 +92,13 @@ void check_value(const CommandDescriptor& command, const Parameter& parameter,
             }
             break;
         case ValueType::color:
-            parse_colour(text);
+            parse_color(text);
             break;
         case ValueType::output:
             check_output(command.name, text, parameter.choices);
+            break;
+        case ValueType::text:
+            check_printable(command, parameter, text);
             break;
         default:
             break;

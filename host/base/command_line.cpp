@@ -26,7 +26,7 @@ Word read_word(std::string_view line, std::size_t& at) {
     char quote = 0;
     for (; at < line.size() && (quote != 0 || (line[at] != ' ' && line[at] != '\t')); ++at) {
         const char c = line[at];
-        if (c == quote) {
+        if (quote != 0 && c == quote) {
             quote = 0;
         } else if (quote == 0 && (c == '"' || c == '\'')) {
             quote = c;
@@ -55,19 +55,19 @@ std::string quoted(const std::string& word) {
     return text + "'";
 }
 
-struct NamedColour {
+struct NamedColor {
     std::string_view name;
-    Colour colour;
+    Color color;
 };
-constexpr std::array named_colours = {
-    NamedColour{"white", {255, 255, 255}}, NamedColour{"grey", {160, 160, 160}},
-    NamedColour{"red", {214, 72, 62}},     NamedColour{"green", {96, 176, 96}},
-    NamedColour{"blue", {86, 130, 210}},   NamedColour{"yellow", {226, 200, 90}},
-    NamedColour{"bone", {236, 226, 200}},  NamedColour{"skin", {224, 172, 140}},
-    NamedColour{"muscle", {186, 88, 80}},  NamedColour{"brain", {222, 182, 178}},
+constexpr std::array named_colors = {
+    NamedColor{"white", {255, 255, 255}}, NamedColor{"gray", {160, 160, 160}},
+    NamedColor{"red", {214, 72, 62}},     NamedColor{"green", {96, 176, 96}},
+    NamedColor{"blue", {86, 130, 210}},   NamedColor{"yellow", {226, 200, 90}},
+    NamedColor{"bone", {236, 226, 200}},  NamedColor{"skin", {224, 172, 140}},
+    NamedColor{"muscle", {186, 88, 80}},  NamedColor{"brain", {222, 182, 178}},
 };
 
-std::optional<Colour> hex_colour(std::string_view text) {
+std::optional<Color> hex_color(std::string_view text) {
     std::uint32_t value = 0;
     if (text.size() != 7 || text[0] != '#' ||
         std::from_chars(text.data() + 1, text.data() + 7, value, 16).ptr != text.data() + 7) {
@@ -76,7 +76,7 @@ std::optional<Colour> hex_colour(std::string_view text) {
     const auto byte = [value](unsigned shift) {
         return static_cast<std::uint8_t>((value >> shift) & 255U);
     };
-    return Colour{byte(16), byte(8), byte(0)};
+    return Color{byte(16), byte(8), byte(0)};
 }
 
 }  // namespace
@@ -97,6 +97,11 @@ double Arguments::number(std::string_view key, double otherwise) const {
 Arguments parse_line(std::string_view line) {
     while (line.ends_with('\r')) {
         line.remove_suffix(1);  // Of a script with the line ends of Windows.
+    }
+    // The system's calls and the errors' texts would end there.
+    if (const std::size_t nul = line.find('\0'); nul != std::string_view::npos) {
+        refuse_command(
+            fmt::format("byte {} of the command is a NUL; a command must be text", nul + 1));
     }
     Arguments arguments;
     for (std::size_t at = 0; at < line.size();) {
@@ -124,12 +129,12 @@ Arguments parse_line(std::string_view line) {
 }
 
 std::string to_line(const Arguments& arguments) {
-    std::string line = arguments.name;
+    std::string line = quoted(arguments.name);
     for (const std::string& word : arguments.words) {
         line += " " + quoted(word);
     }
     for (const auto& [key, value] : arguments.options) {
-        line += " " + key + "=" + quoted(value);
+        line += " " + quoted(key) + "=" + quoted(value);
     }
     return line;
 }
@@ -188,14 +193,14 @@ Size parse_size(std::string_view text, int low, int high) {
     return {static_cast<int>(width), static_cast<int>(height)};
 }
 
-Colour parse_colour(std::string_view text) {
-    if (const auto colour = hex_colour(text)) {
-        return *colour;
+Color parse_color(std::string_view text) {
+    if (const auto color = hex_color(text)) {
+        return *color;
     }
     std::vector<std::string_view> names;
-    for (const NamedColour& named : named_colours) {
+    for (const NamedColor& named : named_colors) {
         if (named.name == text) {
-            return named.colour;
+            return named.color;
         }
         names.push_back(named.name);
     }

@@ -29,11 +29,11 @@ struct Arguments {
 };
 
 /// Splits at blanks; quotes ('..' or "..") keep blanks and '='; '#' at the start of a word begins a
-/// comment. Returns an empty name for a blank line. Throws RequestError (usage) for an open quote
-/// or a repeated key.
+/// comment. Returns an empty name for a blank line. Throws RequestError (usage) for an open quote,
+/// a repeated key or a NUL byte.
 Arguments parse_line(std::string_view line);
 
-/// A line that parse_line() takes apart into `arguments` again, whatever is in them.
+/// A line that parse_line() takes apart into `arguments` again, whatever text is in them.
 std::string to_line(const Arguments& arguments);
 
 /// The whole of `text` as a number in [low, high]. Throws RequestError naming `what` and both.
@@ -60,12 +60,12 @@ struct Size {
 };
 Size parse_size(std::string_view text, int low, int high);
 
-struct Colour {
+struct Color {
     std::uint8_t r = 0, g = 0, b = 0;
-    friend bool operator==(const Colour&, const Colour&) = default;
+    friend bool operator==(const Color&, const Color&) = default;
 };
 
 /// "#rrggbb", "r,g,b" (0..255) or a name (white, bone, skin, red, ...). Throws RequestError.
-Colour parse_colour(std::string_view text);
+Color parse_color(std::string_view text);
 
 }  // namespace pxpl5::host

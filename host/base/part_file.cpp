@@ -2,9 +2,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/random.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cctype>
 #include <cerrno>
 #include <system_error>
@@ -17,6 +20,29 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
+
+/// Characters that no other program can foresee.
+std::string random_text() {
+    std::uint64_t bits = 0;
+    if (getrandom(&bits, sizeof bits, GRND_NONBLOCK) != sizeof bits) {
+        static std::uint64_t count = 0;  // Early at boot: O_EXCL still keeps other files safe.
+        bits = static_cast<std::uint64_t>(getpid()) << 32 | ++count;
+    }
+    return fmt::format("{:016x}", bits);
+}
+
+/// Returns once the file or folder is on the disk. False and errno if it is not.
+bool is_synced(const fs::path& path) {
+    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    // A file system that cannot sync a folder says EINVAL.
+    const bool done = fd >= 0 && (fsync(fd) == 0 || errno == EINVAL || errno == EROFS);
+    const int reason = errno;
+    if (fd >= 0) {
+        ::close(fd);
+    }
+    errno = reason;
+    return done;
+}
 
 }  // namespace
 
@@ -36,15 +62,30 @@ std::string missing_folder(const fs::path& path) {
     return fmt::format("{}: its folder {} does not exist", path.string(), folder.string());
 }
 
+namespace {
+
+/// For remove_part_files(). More files than places: the others stay.
+std::array<std::atomic<const char*>, 4> open_parts{};
+
+}  // namespace
+
 PartFile::PartFile(fs::path target)
     : target_(std::move(target)),
-      part_(target_.parent_path() /
-            fmt::format(".{}.{}.part{}", target_.stem().string(), getpid(), suffix_of(target_))) {
+      part_(target_.parent_path() / fmt::format(".{}.{}.part{}", target_.stem().string(),
+                                                random_text(), suffix_of(target_))) {
     errno = 0;
-    file_ = std::fopen(part_.c_str(), "wb");
+    const int fd =
+        ::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    file_ = fd < 0 ? nullptr : fdopen(fd, "wb");
     if (file_ == nullptr) {
         note_failure();
     } else {
+        for (std::atomic<const char*>& place : open_parts) {
+            const char* none = nullptr;
+            if (place.compare_exchange_strong(none, part_.c_str())) {
+                break;
+            }
+        }
         std::setvbuf(file_, nullptr, _IOFBF, buffer_bytes);
     }
 }
@@ -55,6 +96,18 @@ PartFile::~PartFile() {
     }
     std::error_code absent;
     fs::remove(part_, absent);
+    for (std::atomic<const char*>& place : open_parts) {
+        const char* own = part_.c_str();
+        place.compare_exchange_strong(own, nullptr);
+    }
+}
+
+void remove_part_files() {
+    for (const std::atomic<const char*>& place : open_parts) {
+        if (const char* name = place.load(); name != nullptr) {
+            ::unlink(name);
+        }
+    }
 }
 
 void PartFile::note_failure() {
@@ -85,11 +138,19 @@ std::string PartFile::keep() {
     if (file_ != nullptr && std::fclose(std::exchange(file_, nullptr)) != 0) {
         note_failure();
     }
+    if (failure_ == 0 && !is_synced(part_)) {
+        note_failure();
+    }
     if (failure_ != 0) {
         return std::generic_category().message(failure_);
     }
     std::error_code failure;
     fs::rename(part_, target_, failure);
+    if (!failure) {
+        // The file is there; a folder that cannot be read cannot be synced either.
+        [[maybe_unused]] const bool synced =
+            is_synced(target_.has_parent_path() ? target_.parent_path() : fs::path("."));
+    }
     return failure ? failure.message() : "";
 }
 

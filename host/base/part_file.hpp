@@ -19,8 +19,9 @@ std::string suffix_of(const std::filesystem::path& path);
 /// not exist". Otherwise empty.
 std::string missing_folder(const std::filesystem::path& path);
 
-/// A file until it is whole: written as `.NAME.PID.part.SUFFIX` beside its place, because renaming
-/// within a folder is atomic. Removed with this object unless it was kept.
+/// A file until it is whole: written as `.NAME.RANDOM.part.SUFFIX` beside its place, because
+/// renaming within a folder is atomic. The name is new, so that no file of the user and no link is
+/// written. Removed with this object unless it was kept.
 class PartFile {
   public:
     explicit PartFile(std::filesystem::path target);
@@ -50,7 +51,8 @@ class PartFile {
     /// discarded.
     std::string lack_of_room(std::uint64_t bytes) const;
 
-    /// Gives the file its name. Returns why that failed, as "No space left on device", or nothing.
+    /// Hands the bytes to the disk, and gives the file its name: after a power failure the file is
+    /// whole or the one before. Returns why that failed, as "No space left on device", or nothing.
     std::string keep();
 
   private:
@@ -60,5 +62,9 @@ class PartFile {
     std::FILE* file_ = nullptr;
     int failure_ = 0;  ///< The first errno; 0 if all went well.
 };
+
+/// Removes the files of up to four PartFiles that exist, for a handler of a signal that ends the
+/// process.
+void remove_part_files();
 
 }  // namespace pxpl5::host

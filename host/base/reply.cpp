@@ -68,6 +68,14 @@ Json begin_line(const CommandOutcome& outcome, bool ok) {
         {"schema", json_schema}, {"command", outcome.command}, {"name", outcome.name}, {"ok", ok}};
 }
 
+std::string end_line(Json& line, const CommandOutcome& outcome) {
+    for (const Fields& restart : outcome.restarts) {
+        line["restarts"].push_back(to_json(restart));
+    }
+    line["ms"] = outcome.elapsed_ms;
+    return dump(line);
+}
+
 }  // namespace
 
 void add_warning(Reply& reply, const std::string& warning, std::string_view separator) {
@@ -99,8 +107,7 @@ std::string json_line(const CommandOutcome& outcome, const Reply& reply) {
     Json line = begin_line(outcome, true);
     line["result"] = to_json(reply.fields);
     line["warnings"] = reply.warnings;
-    line["ms"] = outcome.elapsed_ms;
-    return dump(line);
+    return end_line(line, outcome);
 }
 
 std::string json_error_line(const CommandOutcome& outcome, const std::string& error, int exit_code,
@@ -112,8 +119,7 @@ std::string json_error_line(const CommandOutcome& outcome, const std::string& er
         line["result"] = to_json(reply->fields);
     }
     line["warnings"] = reply != nullptr ? reply->warnings : std::vector<std::string>();
-    line["ms"] = outcome.elapsed_ms;
-    return dump(line);
+    return end_line(line, outcome);
 }
 
 }  // namespace pxpl5::host

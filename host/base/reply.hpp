@@ -47,10 +47,12 @@ struct CommandOutcome {
     std::string command;  ///< The line without blanks at its ends.
     std::string name;     ///< The command; empty if the line has no valid first word.
     double elapsed_ms = 0;
+    std::vector<Fields> restarts = {};  ///< Restarts of the machine before the answer.
 };
 
 /// The outcome of one command line as one JSON object on one line:
-/// {"schema", "command", "name", "ok", "result", "warnings", "ms"}.
+/// {"schema", "command", "name", "ok", "result", "warnings", "restarts", "ms"}. Without restarts,
+/// "restarts" is left out.
 std::string json_line(const CommandOutcome& outcome, const Reply& reply);
 /// The same with "error" and "exit_code". `reply` is what was done before the error, if anything.
 std::string json_error_line(const CommandOutcome& outcome, const std::string& error, int exit_code,

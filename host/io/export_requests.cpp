@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "host/io/mesh/mesh_export.hpp"
+#include "host/io/mesh/mesh_read.hpp"
 #include "host/io/picture/picture.hpp"
+#include "host/io/request_needs.hpp"
 #include "host/scene/marks_messages.hpp"
 
 namespace pxpl5::host::io {
@@ -52,11 +54,29 @@ MeshSurface surface_of(const schema::ExportSurface& wire) {
     static_assert(alignof(MeshPoint) == alignof(schema::MeshVertex));
     const auto& vertices = *wire.vertices();
     const auto& indices = *wire.indices();
-    const schema::Rgb& colour = *wire.colour();
+    const schema::Rgb& color = *wire.color();
     return {wire.name()->str(),
-            {colour.r(), colour.g(), colour.b()},
+            {color.r(), color.g(), color.b()},
             {reinterpret_cast<const MeshPoint*>(vertices.Data()), vertices.size()},
             {reinterpret_cast<const std::uint32_t*>(indices.Data()), indices.size()}};
+}
+
+std::unique_ptr<schema::ExportSurfaceT> content_of(const std::string& name,
+                                                   std::span<const MeshPoint> vertices,
+                                                   std::span<const std::uint32_t> indices) {
+    auto surface = std::make_unique<schema::ExportSurfaceT>();
+    surface->name = name;
+    surface->color = std::make_unique<schema::Rgb>();
+    const auto* first = reinterpret_cast<const schema::MeshVertex*>(vertices.data());
+    surface->vertices.assign(first, first + vertices.size());
+    surface->indices.assign(indices.begin(), indices.end());
+    return surface;
+}
+
+std::vector<bus::Payload> one(bus::Payload payload) {
+    std::vector<bus::Payload> list;
+    list.push_back(std::move(payload));
+    return list;
 }
 
 schema::IoDoneT failed(const std::string& reason) {
@@ -79,7 +99,7 @@ schema::IoDoneT export_picture(const schema::ExportPicture& request) {
     return done;
 }
 
-schema::IoDoneT export_mesh(const schema::ExportMesh& request) {
+std::vector<bus::Payload> export_mesh(const schema::ExportMesh& request) {
     try {
         MeshExport mesh;
         for (const schema::ExportSurface* surface : *request.surfaces()) {
@@ -89,17 +109,48 @@ schema::IoDoneT export_mesh(const schema::ExportMesh& request) {
         mesh.description = text_of(request.description());
         mesh.keep = static_cast<double>(request.keep());
         const MeshWritten written = write_mesh(request.path()->str(), mesh);
+        std::vector<bus::Payload> answer;
+        if (!written.decimated.empty()) {
+            schema::MeshContentT content;
+            for (const auto& [name, surface] : written.decimated) {
+                content.surfaces.push_back(content_of(name, surface.vertices, surface.indices));
+            }
+            answer.push_back(bus::pack(content));
+        }
         schema::IoDoneT done;
         done.ok = true;
         done.text = written.text;
         done.triangles = written.triangles;
-        return done;
+        answer.push_back(bus::pack(done));
+        return answer;
     } catch (const MeshError& error) {
-        return failed(error.what());
+        return one(bus::pack(failed(error.what())));
     }
 }
 
-int serve_one_request(const Limits& limits) {
+std::vector<bus::Payload> read_mesh_file(const schema::ReadMesh& request) {
+    try {
+        const MeshFile file = read_mesh(request.path()->str());
+        std::vector<MeshPoint> vertices;
+        for (const glm::vec3& p : file.points) {
+            vertices.push_back({p, glm::vec3(0)});
+        }
+        schema::MeshContentT content;
+        content.surfaces.push_back(content_of("", vertices, file.indices));
+        schema::IoDoneT done;
+        done.ok = true;
+        done.triangles = file.indices.size() / 3;
+        std::vector<bus::Payload> answer = one(bus::pack(content));
+        answer.push_back(bus::pack(done));
+        return answer;
+    } catch (const MeshError& error) {
+        schema::IoDoneT done = failed(error.what());
+        done.bad_data = true;
+        return one(bus::pack(done));
+    }
+}
+
+int serve_one_request(const Limits& limits, bool confines) {
     constexpr int bad_data = 65, failed_code = 1;
     std::vector<std::uint8_t> body;
     std::array<std::uint8_t, 1 << 16> block{};
@@ -112,6 +163,9 @@ int serve_one_request(const Limits& limits) {
     try {
         const bus::Message request(header, body, nullptr);
         limit_next_request(limits);
+        if (confines) {
+            confine(needs_of(request, {}));
+        }
         const bus::Payload answer = bus::pack(export_picture(*request.as<schema::ExportPicture>()));
         const std::span<const std::uint8_t> bytes = answer.bytes();
         const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size();

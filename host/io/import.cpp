@@ -24,18 +24,43 @@ namespace fs = std::filesystem;
 constexpr int max_folder_depth = 8;
 constexpr std::size_t max_folder_files = 65'536;
 
-StoredHeader read_header(const fs::path& path, Format format) {
+StoredHeader read_header(const fs::path& path, Format format, const AllowedFolders& allowed) {
     switch (format) {
         case Format::nrrd:
-            return read_nrrd_header(path);
+            return read_nrrd_header(path, allowed);
         case Format::meta_image:
-            return read_meta_header(path);
+            return read_meta_header(path, allowed);
         case Format::vtk:
             return read_vtk_header(path);
         default:
             break;
     }
-    return read_nifti_header(path);
+    return read_nifti_header(path, allowed);
+}
+
+/// True if `file` lies in `folder` or below. Both have no links.
+bool lies_in(const fs::path& file, const fs::path& folder) {
+    const fs::path name = file.lexically_relative(folder);
+    return !name.empty() && *name.begin() != "..";
+}
+
+/// Throws ImportError if the link leads out of the folder and of the folders that are allowed: a
+/// stranger's folder could show any picture of the user.
+void check_link(const fs::path& link, const fs::path& folder, const AllowedFolders& allowed) {
+    std::vector<std::string> folders = allowed;
+    folders.push_back(folder.string());
+    const fs::path file = fs::canonical(link);
+    const bool is_inside = std::ranges::any_of(folders, [&](const std::string& each) {
+        std::error_code failure;
+        const fs::path real = fs::canonical(each, failure);
+        return !failure && lies_in(file, real);
+    });
+    if (!is_inside) {
+        throw ImportError(
+            fmt::format("{}: is a link to {}, which lies outside of {}. If the link "
+                        "is trusted, allow the folder of that file with --allow DIR",
+                        link.string(), file.string(), folder.string()));
+    }
 }
 
 /// All files of a folder and of those inside it, by name: folders have no order of their own.
@@ -70,6 +95,7 @@ Volume import_slices(const std::string& source, std::vector<DicomSlice> slices,
         }
     };
     auto [volume, stated] = assemble_series(source, std::move(slices), request, decode);
+    take_directions(source, request, {}, volume);
     stated[2] = stated[2] || !request.spacing_mm;  // What is assumed along z was said already.
     take_spacing(source, request, stated, volume);
     return std::move(volume);
@@ -87,11 +113,14 @@ bool is_dicom_directory(const fs::path& file) {
     return lower_case(file.filename().string()) == "dicomdir";
 }
 
-FolderFiles look_through(const fs::path& folder) {
+FolderFiles look_through(const fs::path& folder, const AllowedFolders& allowed) {
     FolderFiles found;
     for (const fs::path& file : files_of(folder)) {
         std::vector<DicomSlice> slices;
         try {
+            if (fs::is_symlink(file)) {
+                check_link(file, folder, allowed);
+            }
             slices = is_dicom_directory(file) ? slices : read_dicom_slices(file);
         } catch (const NoSlices& error) {
             found.left_out.push_back({FindingKind::other_series, error.what()});
@@ -158,7 +187,7 @@ void report_left_out(const FolderFiles& files, Volume& volume) {
 
 Volume import_folder(const fs::path& folder, const ImportRequest& request) {
     const std::string source = folder.string();
-    FolderFiles files = look_through(folder);
+    FolderFiles files = look_through(folder, request.allowed);
     if (files.slices.empty() && files.pictures.empty()) {
         throw ImportError(
             files.left_out.empty()
@@ -189,6 +218,7 @@ Volume import_dicom_file(const fs::path& path, const ImportRequest& request) {
 Volume import_stored(const fs::path& path, const StoredHeader& header,
                      const ImportRequest& request) {
     Volume volume = read_stored_values(path, header);
+    take_directions(path.string(), request, header.assumed_directions, volume);
     take_spacing(path.string(), request, header.spacing_stated, volume);
     return volume;
 }
@@ -223,7 +253,7 @@ Volume import_checked(const fs::path& path, const ImportRequest& request) {
         case Format::pictures:
             return read_pictures(path.string(), {path}, request);
         default:
-            return import_stored(path, read_header(path, format), request);
+            return import_stored(path, read_header(path, format, request.allowed), request);
     }
 }
 
@@ -238,8 +268,10 @@ std::string name_of(const fs::path& path) {
 }
 
 Volume import_phantom(const ImportRequest& request) {
-    if (request.raw || request.spacing_mm || !request.series.empty()) {
-        throw ImportError(request.path + ": a phantom has its own spacing, layout and series");
+    if (request.raw || request.spacing_mm || !request.series.empty() ||
+        !request.orientation.empty() || request.origin_mm) {
+        throw ImportError(request.path +
+                          ": a phantom has its own spacing, place, layout and series");
     }
     try {
         return make_phantom(request.path);

@@ -5,16 +5,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
+
+#include "host/io/sandbox/sanitizer.hpp"
 
 namespace pxpl5::host::io {
 
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool has_sanitizer = true;
-#else
-constexpr bool has_sanitizer = false;
-#endif
 
 std::uint64_t number_of(const std::string& flag, const std::string& text) {
     std::uint64_t number = 0;
@@ -25,22 +22,29 @@ std::uint64_t number_of(const std::string& flag, const std::string& text) {
     return number;
 }
 
-/// Takes `flag` and its value out of `arguments`, if it is there.
-void take(std::vector<std::string>& arguments, const std::string& flag, std::uint64_t& number) {
+/// Takes the first `flag` and its value out of `arguments`. Nothing if it is not there.
+std::optional<std::string> take(std::vector<std::string>& arguments, const std::string& flag) {
     for (auto at = arguments.begin(); at != arguments.end(); ++at) {
         if (at->starts_with(flag + "=")) {
-            number = number_of(flag, at->substr(flag.size() + 1));
+            std::string value = at->substr(flag.size() + 1);
             arguments.erase(at);
-            return;
+            return value;
         }
         if (*at == flag) {
             if (at + 1 == arguments.end()) {
                 throw std::invalid_argument(flag + " needs a value");
             }
-            number = number_of(flag, *(at + 1));
+            std::string value = *(at + 1);
             arguments.erase(at, at + 2);
-            return;
+            return value;
         }
+    }
+    return std::nullopt;
+}
+
+void take(std::vector<std::string>& arguments, const std::string& flag, std::uint64_t& number) {
+    if (const std::optional<std::string> value = take(arguments, flag)) {
+        number = number_of(flag, *value);
     }
 }
 
@@ -51,6 +55,18 @@ Limits take_limits(std::vector<std::string>& arguments) {
     take(arguments, "--memory-mib", limits.memory_mib);
     take(arguments, "--cpu-s", limits.cpu_s);
     return limits;
+}
+
+std::vector<std::string> take_allowed(std::vector<std::string>& arguments) {
+    std::vector<std::string> allowed;
+    while (std::optional<std::string> folder = take(arguments, "--allow")) {
+        allowed.push_back(*std::move(folder));
+    }
+    return allowed;
+}
+
+bool take_switch(std::vector<std::string>& arguments, const std::string& flag) {
+    return std::erase(arguments, flag) > 0;
 }
 
 void limit_memory(const Limits& limits) {

@@ -17,6 +17,13 @@ struct Limits {
 /// Throws std::invalid_argument naming the flag and its value.
 Limits take_limits(std::vector<std::string>& arguments);
 
+/// Takes each --allow DIR (or --allow=DIR) out of `arguments`. Throws std::invalid_argument if the
+/// last has no value.
+std::vector<std::string> take_allowed(std::vector<std::string>& arguments);
+
+/// Takes each `flag`, which has no value, out of `arguments`. Returns whether there was one.
+bool take_switch(std::vector<std::string>& arguments, const std::string& flag);
+
 /// Limits the process's memory: beyond it, allocation fails with std::bad_alloc. Has no effect
 /// under a sanitizer, which reserves terabytes of addresses.
 void limit_memory(const Limits& limits);

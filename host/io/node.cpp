@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
 #include "host/io/export_requests.hpp"
 #include "host/io/import.hpp"
+#include "host/io/request_needs.hpp"
 #include "host/volume/volume_messages.hpp"
 
 namespace pxpl5::host::io {
@@ -49,6 +51,8 @@ ImportRequest request_of(const schema::ImportVolume& wish) {
     request.path = wish.path()->str();
     request.series = wish.series() ? wish.series()->str() : "";
     request.spacing_mm = vector(wish.spacing_mm());
+    request.orientation = wish.orientation() ? wish.orientation()->str() : "";
+    request.origin_mm = vector(wish.origin_mm());
     if (const schema::RawLayout* raw = wish.raw()) {
         request.raw = RawLayout{{raw->nx(), raw->ny(), raw->nz()},
                                 raw->type()->str(),
@@ -75,8 +79,22 @@ void give_back(std::vector<std::byte>& values, std::size_t begin, std::size_t en
     }
 }
 
+void send_all(std::vector<bus::Payload> answer, bus::NodeId to, bus::Outbox& out) {
+    for (bus::Payload& payload : answer) {
+        out.send(to, std::move(payload));
+    }
+}
+
 /// Each picture of an animation may take as long as a request: 360 of a megapixel take minutes.
+/// A mesh file has 20 s and 1 s per MiB, so that a reader that loops ends before its user does.
 Limits limits_for(const bus::Message& request, Limits limits) {
+    constexpr std::uint64_t least_mesh_s = 20;
+    if (request.kind() == bus::Body::ReadMesh && limits.cpu_s != 0) {
+        std::error_code error;
+        const auto size =
+            std::filesystem::file_size(request.as<schema::ReadMesh>()->path()->str(), error);
+        limits.cpu_s = std::min(limits.cpu_s, least_mesh_s + (error ? 0 : size >> 20));
+    }
     if (request.kind() == bus::Body::ExportPicture) {
         limits.cpu_s *= request.as<schema::ExportPicture>()->count();
     }
@@ -93,6 +111,7 @@ void IoNode::receive(const bus::Message& message, bus::Outbox&) {
         case bus::Body::ImportVolume:
         case bus::Body::ExportPicture:
         case bus::Body::ExportMesh:
+        case bus::Body::ReadMesh:
             break;
         default:
             throw bus::NodeFault(schema::FaultCode::bad_message,
@@ -102,7 +121,20 @@ void IoNode::receive(const bus::Message& message, bus::Outbox&) {
         throw bus::NodeFault(schema::FaultCode::bad_input,
                              fmt::format("{} requests wait already", max_requests));
     }
+    if (confines_ && has_request_) {
+        throw bus::NodeFault(schema::FaultCode::bad_input,
+                             "the sandbox of this process lets it serve its first request only");
+    }
+    has_request_ = true;
     requests_.push_back(message);
+}
+
+bus::Doing IoNode::doing() {
+    if (sending_) {
+        return {bus::Body::Slices, sending_->id, static_cast<std::uint32_t>(sending_->next_slice),
+                static_cast<std::uint32_t>(sending_->volume.nz)};
+    }
+    return {requests_.empty() ? bus::Body::NONE : requests_.front().kind()};
 }
 
 bool IoNode::work(bus::Outbox& out) {
@@ -112,10 +144,15 @@ bool IoNode::work(bus::Outbox& out) {
         const bus::Message request = std::move(requests_.front());
         requests_.pop_front();
         limit_next_request(limits_for(request, limits_));
+        if (confines_) {
+            confine(needs_of(request, allowed_));
+        }
         if (request.kind() == bus::Body::ImportVolume) {
             begin_import(request, out);
         } else if (request.kind() == bus::Body::ExportMesh) {
-            out.send(request.source(), bus::pack(export_mesh(*request.as<schema::ExportMesh>())));
+            send_all(export_mesh(*request.as<schema::ExportMesh>()), request.source(), out);
+        } else if (request.kind() == bus::Body::ReadMesh) {
+            send_all(read_mesh_file(*request.as<schema::ReadMesh>()), request.source(), out);
         } else {
             out.send(request.source(),
                      bus::pack(export_picture(*request.as<schema::ExportPicture>())));
@@ -127,7 +164,9 @@ bool IoNode::work(bus::Outbox& out) {
 void IoNode::begin_import(const bus::Message& request, bus::Outbox& out) {
     assert(!sending_);
     try {
-        Volume volume = import_volume(request_of(*request.as<schema::ImportVolume>()));
+        ImportRequest wish = request_of(*request.as<schema::ImportVolume>());
+        wish.allowed = allowed_;
+        Volume volume = import_volume(wish);
         sending_ = Sending{request.source(), volumes_++, std::move(volume), 0};
         out.send(sending_->to, volume_header(sending_->volume, sending_->id));
     } catch (const ImportError& error) {

@@ -2,7 +2,8 @@
 //
 //   ImportVolume  --->+--------+---> VolumeHeader, Slices..., VolumeEnd   (to who asked)
 //   ExportPicture --->|   io   |---> IoDone
-//   ExportMesh    --->+--------+
+//   ExportMesh    --->|        |---> MeshContent (what was decimated or read), then IoDone
+//   ReadMesh      --->+--------+
 //
 // An import that fails is answered by IoDone{ok: false}; an export always by IoDone. Requests are
 // served in the order of their arrival.
@@ -11,6 +12,9 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "host/io/limits.hpp"
 #include "host/volume/volume.hpp"
@@ -22,10 +26,15 @@ inline constexpr std::size_t max_requests = 64;  ///< Waiting to be served.
 
 class IoNode final : public bus::Node {
   public:
-    explicit IoNode(const Limits& limits) : limits_(limits) {}
+    /// allowed   Folders in which headers may name data files, beside their own.
+    /// confines  Confines this process to its first request, and serves no other one.
+    explicit IoNode(const Limits& limits, std::vector<std::string> allowed = {},
+                    bool confines = false)
+        : limits_(limits), allowed_(std::move(allowed)), confines_(confines) {}
 
     void receive(const bus::Message& message, bus::Outbox& out) override;
     bool work(bus::Outbox& out) override;
+    bus::Doing doing() override;
 
   private:
     /// A volume on its way out.
@@ -40,6 +49,9 @@ class IoNode final : public bus::Node {
     void send_slices(bus::Outbox& out);
 
     Limits limits_;
+    std::vector<std::string> allowed_;
+    bool confines_;
+    bool has_request_ = false;
     std::deque<bus::Message> requests_;
     std::optional<Sending> sending_;
     std::uint32_t volumes_ = 0;

@@ -163,7 +163,7 @@ void place_by_offsets(const std::string& file, const gdcm::DataSet& data,
     const std::vector<double> offsets = numbers_of(file, data, gdcm::Tag(0x3004, 0x000c));
     const bool has_place = data.FindDataElement(gdcm::Tag(0x0020, 0x0032)) &&
                            data.FindDataElement(gdcm::Tag(0x0020, 0x0037));
-    // The standard's other way counts from the isocentre, which the file does not state.
+    // The standard's other way counts from the isocenter, which the file does not state.
     if (offsets.size() != slices.size() || offsets.empty() || offsets[0] != 0 || !has_place) {
         return;
     }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
+#include <span>
 
 #include "host/io/dicom/dicom_elements.hpp"
 
@@ -24,6 +25,11 @@ const std::array time_elements = {
     TimeElement{gdcm::Tag(0x0054, 0x0060), "R-R Interval Vector (0054,0060)"},
     TimeElement{gdcm::Tag(0x0054, 0x0070), "Time Slot Vector (0054,0070)"},
     TimeElement{gdcm::Tag(0x0054, 0x0100), "Time Slice Vector (0054,0100)"}};
+
+/// Elements that only a series over time has. They count without a frame increment pointer.
+const std::array cine_elements = {
+    time_elements[0], TimeElement{gdcm::Tag(0x0018, 0x0040), "Cine Rate (0018,0040)"},
+    TimeElement{gdcm::Tag(0x0008, 0x2144), "Recommended Display Frame Rate (0008,2144)"}};
 
 /// The tags of a frame increment pointer.
 std::vector<gdcm::Tag> increments(const gdcm::DataSet& data) {
@@ -66,12 +72,12 @@ void refuse_time_series(const std::string& file, const gdcm::DataSet& data,
     if (slices.size() < 2 || placed) {
         return;
     }
-    std::vector<gdcm::Tag> tags = increments(data);
-    if (tags.empty() && data.FindDataElement(time_elements[0].tag)) {
-        tags = {time_elements[0].tag};
-    }
-    for (const TimeElement& element : time_elements) {
-        if (std::find(tags.begin(), tags.end(), element.tag) != tags.end()) {
+    const std::vector<gdcm::Tag> tags = increments(data);
+    const std::span<const TimeElement> elements =
+        tags.empty() ? std::span<const TimeElement>(cine_elements) : time_elements;
+    for (const TimeElement& element : elements) {
+        if (tags.empty() ? data.FindDataElement(element.tag)
+                         : std::find(tags.begin(), tags.end(), element.tag) != tags.end()) {
             throw NoSlices(fmt::format(
                 "{}: its {} frames are a time series, since {} tells them apart: they are no "
                 "slices, and time series are not read",

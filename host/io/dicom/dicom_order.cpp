@@ -208,6 +208,12 @@ Steps steps_of(const OrderedSlices& ordered) {
     return steps;
 }
 
+/// Whether nothing can be missing between two neighbors: each reaches halfway to the other.
+bool touch(const DicomSlice& a, const DicomSlice& b, double step_mm) {
+    const double reach_mm = (a.thickness_mm.value_or(0) + b.thickness_mm.value_or(0)) / 2;
+    return step_mm <= reach_mm * (1 + max_uneven);
+}
+
 void report_steps(const OrderedSlices& ordered, const Steps& steps, Volume& volume) {
     std::vector<std::string> gaps, uneven;
     double missing_mm = 0;
@@ -217,7 +223,7 @@ void report_steps(const OrderedSlices& ordered, const Steps& steps, Volume& volu
         const std::string text =
             fmt::format("{:.3f} mm from {} to {}", step, name_of(ordered.slices[i]),
                         name_of(ordered.slices[i + 1]));
-        if (step > gap_steps * usual) {
+        if (step > gap_steps * usual && !touch(ordered.slices[i], ordered.slices[i + 1], step)) {
             volume.gap_slabs.push_back(static_cast<int>(i));
             gaps.push_back(text);
             missing += static_cast<int>(std::lround(std::min(step / usual, 1e6))) - 1;
@@ -229,8 +235,9 @@ void report_steps(const OrderedSlices& ordered, const Steps& steps, Volume& volu
     if (!gaps.empty()) {
         volume.findings.push_back(
             {FindingKind::missing_slices,
-             fmt::format("about {} slices are missing, {:.3f} mm in all: {}; elsewhere {}", missing,
-                         missing_mm, named(gaps), steps.usual)});
+             fmt::format("about {} {} missing, {:.3f} mm in all: {}; elsewhere {}", missing,
+                         missing == 1 ? "slice is" : "slices are", missing_mm, named(gaps),
+                         steps.usual)});
     }
     if (!uneven.empty()) {
         volume.findings.push_back(
@@ -286,7 +293,7 @@ glm::dvec3 single_step(const DicomSlice& slice, const ImportRequest& request, Vo
                         : thickness > 0    ? thickness
                                            : 1.0;
     volume.findings.push_back(
-        {FindingKind::assumption,
+        {request.spacing_mm ? FindingKind::note : FindingKind::assumption,
          fmt::format("a single slice has no distance to another: {} mm is taken along z ({})", step,
                      request.spacing_mm ? "as asked for"
                      : thickness > 0    ? "its thickness"

@@ -47,7 +47,7 @@ Component component_of(const std::string& file, const gdcm::PixelFormat& format)
 }
 
 /// GDCM asserts on more than four samples.
-void check_grey(const std::string& file, const DicomSlice& slice) {
+void check_gray(const std::string& file, const DicomSlice& slice) {
     if (slice.samples != 1) {
         throw ImportError(
             fmt::format("{}: samples per pixel (0028,0002) are {}, must be 1: color is not read",
@@ -118,7 +118,7 @@ void DicomPixels::add(const DicomSlice& slice, ValueSink& sink) {
     if (file_->path != slice.path) {
         *file_ = File{};
         check_ratio(file, slice);
-        check_grey(file, slice);
+        check_gray(file, slice);
         gdcm::ImageReader reader;
         reader.SetFileName(file.c_str());
         if (!reader.Read()) {

@@ -168,15 +168,13 @@ SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> 
     volume.ny = first.rows;
     volume.nz = static_cast<int>(ordered.slices.size());
     volume.modality = first.modality;
+    volume.series = first.series;
     place_slices(ordered, request, volume);
     report_slices(ordered.slices, volume.findings);
     const std::size_t slice_values =
         static_cast<std::size_t>(volume.nx) * static_cast<std::size_t>(volume.ny);
-    if (slice_values * ordered.slices.size() * 2 > max_volume_bytes) {
-        throw ImportError(fmt::format("{}: {}x{}x{} of 2 bytes need {} bytes, at most {} are read",
-                                      source, volume.nx, volume.ny, volume.nz,
-                                      slice_values * ordered.slices.size() * 2, max_volume_bytes));
-    }
+    check_volume_bytes(source, fmt::format("{}x{}x{} of 2 bytes", volume.nx, volume.ny, volume.nz),
+                       slice_values * ordered.slices.size() * 2);
     ValueSink sink(slice_values * ordered.slices.size());
     for (const DicomSlice& slice : ordered.slices) {
         decode(slice, sink);

@@ -38,6 +38,24 @@ constexpr std::array short_vrs = {"AE", "AS", "AT", "CS", "DA", "DS", "DT", "FL"
 constexpr std::array long_vrs = {"OB", "OD", "OF", "OL", "OV", "OW", "SQ",
                                  "SV", "UC", "UN", "UR", "UT", "UV"};
 
+/// Elements that GDCM reads by their type alone: it asserts where a file states another one.
+struct Typed {
+    std::uint32_t tag = 0;
+    std::string_view vr;
+};
+constexpr std::array typed_elements = {
+    Typed{tag(0x0018, 0x0050), "DS"}, Typed{tag(0x0018, 0x0088), "DS"},
+    Typed{tag(0x0018, 0x1164), "DS"}, Typed{tag(0x0020, 0x0032), "DS"},
+    Typed{tag(0x0020, 0x0037), "DS"}, Typed{tag(0x0028, 0x0002), "US"},
+    Typed{tag(0x0028, 0x0004), "CS"}, Typed{tag(0x0028, 0x0006), "US"},
+    Typed{tag(0x0028, 0x0008), "IS"}, Typed{tag(0x0028, 0x0010), "US"},
+    Typed{tag(0x0028, 0x0011), "US"}, Typed{tag(0x0028, 0x0030), "DS"},
+    Typed{tag(0x0028, 0x0100), "US"}, Typed{tag(0x0028, 0x0101), "US"},
+    Typed{tag(0x0028, 0x0102), "US"}, Typed{tag(0x0028, 0x0103), "US"},
+    Typed{tag(0x0028, 0x1052), "DS"}, Typed{tag(0x0028, 0x1053), "DS"},
+    Typed{tag(0x3004, 0x000c), "DS"},
+};
+
 template <std::size_t count>
 bool is_one_of(std::string_view vr, const std::array<const char*, count>& vrs) {
     return std::find(vrs.begin(), vrs.end(), vr) != vrs.end();
@@ -100,6 +118,9 @@ class Walker {
                               ": its meta information states no transfer syntax "
                               "(0002,0010)");
         }
+        if (at + 8 > bytes_.size()) {
+            throw ImportError(file_ + ": ends with its meta information, without a data set");
+        }
         is_big_endian_ = trimmed(syntax) == "1.2.840.10008.1.2.2";
         is_explicit_ = trimmed(syntax) != "1.2.840.10008.1.2";
         if (trimmed(syntax) != "1.2.840.10008.1.2.1.99") {
@@ -145,6 +166,7 @@ class Walker {
             return element;
         }
         element.vr = bytes_.substr(at + 4, 2);
+        require_type(element);
         if (is_one_of(element.vr, short_vrs)) {
             element.length = number<std::uint16_t>(at + 6);
             element.value = at + 8;
@@ -159,6 +181,16 @@ class Walker {
         element.length = number<std::uint32_t>(at + 8);
         element.value = at + 12;
         return element;
+    }
+
+    void require_type(const Element& element) const {
+        const auto* typed = std::ranges::lower_bound(typed_elements, element.tag, {}, &Typed::tag);
+        const bool is_known = is_one_of(element.vr, short_vrs) ||
+                              (is_one_of(element.vr, long_vrs) && element.vr != "UN");
+        if (is_known && typed != typed_elements.end() && typed->tag == element.tag &&
+            typed->vr != element.vr) {
+            fail(element, fmt::format("is of type {} instead of {}", element.vr, typed->vr));
+        }
     }
 
     /// Some writers put implicit elements among explicit ones; what does not even fit is broken.
@@ -186,6 +218,9 @@ class Walker {
         while (at < end) {
             const Element element = read(at, end);
             if (element.tag == item_end) {
+                if (depth == 0) {
+                    fail(element, "ends an item, but stands in none");
+                }
                 return element.value;
             }
             const bool is_pixels = depth == 0 && element.tag == pixel_data;

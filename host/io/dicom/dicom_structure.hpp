@@ -1,5 +1,5 @@
-// Whether a DICOM file is built of whole elements: where it is not, GDCM asserts, or reserves as
-// much memory as a broken length asks for.
+// Whether a DICOM file is built of whole elements, and the elements of the image are of their
+// types: where they are not, GDCM asserts, or reserves as much memory as a broken length asks for.
 #pragma once
 
 #include <cstdint>

@@ -38,6 +38,9 @@ class ByteSource {
     /// Whether the end that read() came to was no end but damage: a wrong code or checksum.
     bool is_damaged() const { return damaged_; }
 
+    /// Whether the file ended within a gzip stream, before its checksum.
+    bool is_cut() const { return ended_ && encoding_ == Encoding::gzip && !between_streams_; }
+
     /// Bytes of the file after the last gzip stream, once read() has come to its end.
     std::uint64_t bytes_after_end() const;
 

@@ -132,11 +132,12 @@ void read_place(const std::string& file, const Fields& fields, std::size_t axes,
 
 }  // namespace
 
-StoredHeader read_meta_header(const fs::path& path) {
+StoredHeader read_meta_header(const fs::path& path, const AllowedFolders& allowed) {
     const std::string file = path.string();
     HeaderReader reader(path);
     const Fields fields = read_fields(reader);
     StoredHeader header;
+    header.allowed = allowed;
     header.sizes = whole_numbers(file, "DimSize", require(file, fields, "DimSize"));
     header.type = require(file, fields, "ElementType");
     const std::optional<Component> component = component_named(header.type);

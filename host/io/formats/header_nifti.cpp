@@ -104,7 +104,7 @@ glm::dvec3 read_spacing(const std::string& file, const NiftiFields& fields, doub
                             file, axis, stated));
         }
         if (stated < 0) {
-            header.find(FindingKind::assumption,
+            header.find(FindingKind::note,
                         fmt::format("pixdim[{}] is {}: its sign is left out", axis, stated));
         }
         spacing[static_cast<int>(axis) - 1] = std::abs(stated) * unit_mm;
@@ -205,18 +205,18 @@ void read_place(const std::string& file, const NiftiFields& fields, StoredHeader
     }
     if (fields.version == 0) {
         header.voxel_to_patient = scaled;
-        header.find(FindingKind::assumption,
-                    "Analyze 7.5 states no patient space: x, y, z are taken as left, posterior, "
-                    "superior; left and right may be swapped");
+        header.assumed_directions =
+            "Analyze 7.5 states no patient space: x, y, z are taken as left, posterior, superior; "
+            "left and right may be swapped";
     } else if (fields.sform_code > 0) {
         header.voxel_to_patient = to_lps(sform(fields, spacing, unit_mm, header));
     } else if (fields.qform_code > 0) {
         header.voxel_to_patient = to_lps(qform(file, fields, spacing, unit_mm));
     } else {
         header.voxel_to_patient = to_lps(scaled);
-        header.find(FindingKind::assumption,
-                    "qform_code and sform_code are 0: x, y, z are taken as right, anterior, "
-                    "superior; left and right may be swapped");
+        header.assumed_directions =
+            "qform_code and sform_code are 0: x, y, z are taken as right, anterior, superior; left "
+            "and right may be swapped";
     }
 }
 
@@ -226,7 +226,7 @@ void read_scale(const NiftiFields& fields, StoredHeader& header) {
     }
     if (!std::isfinite(fields.scl_slope) || !std::isfinite(fields.scl_inter)) {
         // Writers that mean "no scaling" put in NaN (SPM, nibabel).
-        header.find(FindingKind::assumption,
+        header.find(FindingKind::note,
                     fmt::format("scl_slope is {} and scl_inter {}: values are not scaled",
                                 fields.scl_slope, fields.scl_inter));
         return;
@@ -247,14 +247,15 @@ void locate_data(const fs::path& path, const NiftiFields& fields, StoredHeader& 
                                       fields.vox_offset, least));
     }
     header.data_files = {fields.single ? path : nifti_image_file(path)};
-    header.encoding = is_gzip(header.data_files[0]) ? Encoding::gzip : Encoding::raw;
+    const DataFile opened(path, header.data_files[0], header.allowed);
+    header.encoding = is_gzip(opened.path()) ? Encoding::gzip : Encoding::raw;
     header.byte_skip = static_cast<std::uint64_t>(fields.vox_offset);
     header.ends_file = true;
 }
 
 }  // namespace
 
-StoredHeader read_nifti_header(const fs::path& path) {
+StoredHeader read_nifti_header(const fs::path& path, const AllowedFolders& allowed) {
     const std::string file = path.string();
     const NiftiFields fields = read_nifti_fields(nifti_header_file(path));
     const std::string name = lower_case(path.filename().string());
@@ -263,6 +264,7 @@ StoredHeader read_nifti_header(const fs::path& path) {
             fmt::format("{}: magic is '{}', must be 'n+1' or 'n+2'", file, shown(fields.magic)));
     }
     StoredHeader header;
+    header.allowed = allowed;
     header.big_endian = fields.big_endian;
     read_sizes(file, fields, header);
     volume_dims(file, header.sizes);

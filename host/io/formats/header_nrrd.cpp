@@ -96,7 +96,10 @@ void locate_data(const fs::path& path, const Header& text, std::uint64_t header_
     if (data_file.empty()) {
         header.data_files = {path};
         header.offset_bytes = header_end;
-    } else if (lower_case(words.at(0)) == "list") {
+    } else if (words.empty()) {
+        throw ImportError(fmt::format("{}: data file is '{}', must be a name, a pattern or LIST",
+                                      text.file, shown(data_file)));
+    } else if (lower_case(words[0]) == "list") {
         header.data_files = text.listed_files;
     } else if (words.size() > 1 && !fs::exists(path.parent_path() / data_file)) {
         header.data_files = numbered_files(path, "data file", data_file);
@@ -154,9 +157,8 @@ std::vector<std::optional<std::vector<double>>> vectors_of(const std::string& fi
 glm::dvec3 signs_to_lps(const Header& text, StoredHeader& header) {
     const std::string space = lower_case(value_or(text.fields, "space", ""));
     if (space.empty()) {
-        header.find(
-            FindingKind::assumption,
-            "the header states no patient space: x, y, z are taken as left, posterior, superior");
+        header.assumed_directions =
+            "the header states no patient space: x, y, z are taken as left, posterior, superior";
         return {1, 1, 1};
     }
     const bool short_name = space.size() <= 4;
@@ -179,7 +181,7 @@ glm::dvec3 signs_to_lps(const Header& text, StoredHeader& header) {
 }
 
 /// Millimeters of a unit; 0 if it is none that is known.
-double millimetres(const std::string& unit) {
+double millimeters(const std::string& unit) {
     return unit == "mm" ? 1 : unit == "cm" ? 10 : unit == "m" ? 1000 : unit == "um" ? 1e-3 : 0;
 }
 
@@ -195,9 +197,9 @@ double unit_factor(const Header& text, StoredHeader& header) {
         header.find(FindingKind::note, "space units name no unit of length: read as millimeters");
         return 1;
     }
-    const double factor = millimetres(words[0]);
+    const double factor = millimeters(words[0]);
     const bool alike = std::all_of(words.begin(), words.end(), [&](const std::string& word) {
-        return word == words[0] || millimetres(word) == 0;
+        return word == words[0] || millimeters(word) == 0;
     });
     if (factor == 0 || !alike) {
         header.find(
@@ -270,11 +272,12 @@ void read_place(const Header& text, StoredHeader& header) {
 
 }  // namespace
 
-StoredHeader read_nrrd_header(const fs::path& path) {
+StoredHeader read_nrrd_header(const fs::path& path, const AllowedFolders& allowed) {
     const std::string file = path.string();
     HeaderReader reader(path);
     const Header text = read_fields(path, reader);
     StoredHeader header;
+    header.allowed = allowed;
     header.sizes = whole_numbers(file, "sizes", require(file, text.fields, "sizes"));
     header.type = require(file, text.fields, "type");
     const std::optional<Component> component = component_named(header.type);

@@ -38,9 +38,8 @@ StoredHeader read_raw_layout(const std::filesystem::path& path, const RawLayout&
                         join_sizes(header.sizes), header.type, layout.offset_bytes,
                         needed + layout.offset_bytes, has));
     }
-    header.find(FindingKind::assumption,
-                "a raw file states no patient space: x, y, z are taken as left, posterior, "
-                "superior");
+    header.assumed_directions =
+        "a raw file states no patient space: x, y, z are taken as left, posterior, superior";
     check_stored_header(path, header);
     return header;
 }

@@ -73,8 +73,8 @@ void read_place(const std::string& file, const Fields& fields, StoredHeader& hea
     const glm::dvec3 origin =
         three_numbers(file, "ORIGIN", value_or(fields, "origin", "0 0 0"), 0.0);
     header.voxel_to_patient[3] = glm::dvec4(origin, 1.0);
-    header.find(FindingKind::assumption,
-                "VTK files state no patient space: x, y, z are taken as left, posterior, superior");
+    header.assumed_directions =
+        "VTK files state no patient space: x, y, z are taken as left, posterior, superior";
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "host/io/values/header_text.hpp"
+#include "host/io/values/place.hpp"
 #include "host/io/values/value_sink.hpp"
 
 namespace pxpl5::host::io {
@@ -116,6 +117,14 @@ void read_pages(const fs::path& path, const Page& page, ValueSink& sink) {
                                   component_bytes(page.component));
     for (int index = 0; input->seek_subimage(index, 0) && index < static_cast<int>(max_pages);
          ++index) {
+        // The file may have changed since its pages were counted.
+        if (page_of(path.string(), input->spec()) != page) {
+            throw ImportError(
+                fmt::format("{}: page {} has changed while it was read: it is {}x{}, "
+                            "was {}x{}; read the file again when it is complete",
+                            path.string(), index + 1, input->spec().width, input->spec().height,
+                            page.columns, page.rows));
+        }
         if (!input->read_image(index, 0, 0, 1, type_of(page.component), values.data())) {
             std::string reason = input->geterror();
             std::replace(reason.begin(), reason.end(), '\n', ' ');
@@ -176,25 +185,26 @@ Volume read_pictures(const std::string& source, const std::vector<fs::path>& fil
             throw ImportError(fmt::format("{}: has more than {} pages", source, max_pages));
         }
     }
+    if (!page) {
+        throw ImportError(source + ": has no page");
+    }
     Volume volume;
     volume.nx = page->columns;
     volume.ny = page->rows;
     volume.nz = static_cast<int>(pages);
     const std::size_t values =
         static_cast<std::size_t>(volume.nx) * static_cast<std::size_t>(volume.ny) * pages;
-    if (values * component_bytes(page->component) > max_volume_bytes) {
-        throw ImportError(fmt::format("{}: {}x{}x{} of {} need {} bytes, at most {} are read",
-                                      source, volume.nx, volume.ny, volume.nz,
-                                      component_name(page->component),
-                                      values * component_bytes(page->component), max_volume_bytes));
-    }
+    check_volume_bytes(source,
+                       fmt::format("{}x{}x{} of {}", volume.nx, volume.ny, volume.nz,
+                                   component_name(page->component)),
+                       values * component_bytes(page->component));
     for (int axis = 0; axis < 3; ++axis) {
         volume.voxel_to_patient[axis] *= (*request.spacing_mm)[axis];
     }
-    volume.findings.push_back(
-        {FindingKind::assumption,
-         "pictures state no patient space: columns are taken as left, rows as posterior, slices as "
-         "superior, at the distances asked for"});
+    take_directions(source, request,
+                    "pictures state no patient space: columns are taken as left, rows as "
+                    "posterior, slices as superior, at the distances asked for",
+                    volume);
     ValueSink sink(values);
     for (const fs::path& file : files) {
         read_pages(file, *page, sink);

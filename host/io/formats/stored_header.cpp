@@ -8,6 +8,7 @@
 
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/import_request.hpp"
+#include "isa/nearest.hpp"
 
 namespace pxpl5::host::io {
 
@@ -48,16 +49,26 @@ Format format_by_content(const fs::path& path) {
         path.string()));
 }
 
-/// Values of one data file must fit in it.
-void check_data_file(const std::string& file, const fs::path& data_file, std::uint64_t needed,
-                     StoredHeader& header) {
+/// "; did you mean scan.nii.gz?": the file or folder beside `path` with the nearest name.
+std::string nearest_file(const fs::path& path) {
     std::error_code failure;
-    const std::uint64_t file_bytes = fs::file_size(data_file, failure);
-    if (failure || !fs::is_regular_file(data_file)) {
-        throw ImportError(fmt::format("{}: its data file {} cannot be read: {}", file,
-                                      data_file.string(),
-                                      failure ? failure.message() : "it is no file"));
+    std::vector<std::string> names;
+    for (fs::directory_iterator at(path.has_parent_path() ? path.parent_path() : ".", failure);
+         !failure && at != fs::directory_iterator(); at.increment(failure)) {
+        names.push_back(at->path().filename().string());
     }
+    std::ranges::sort(names);  // The order of a folder differs between computers.
+    const std::vector<std::string_view> views(names.begin(), names.end());
+    const std::string wished = path.filename().string();
+    const std::string_view best = isa::nearest(wished, views);
+    return best.empty() ? "" : fmt::format("; did you mean {}?", best);
+}
+
+/// Values of one data file must fit in it.
+void check_data_file(const fs::path& path, const fs::path& data_file, std::uint64_t needed,
+                     StoredHeader& header) {
+    const std::string file = path.string();
+    const std::uint64_t file_bytes = DataFile(path, data_file, header.allowed).size_bytes();
     const bool is_raw = header.encoding == Encoding::raw;
     const std::uint64_t before =
         header.offset_bytes + (is_raw && !header.at_end ? header.byte_skip : 0);
@@ -137,7 +148,8 @@ Format format_of(const fs::path& path) {
     std::error_code failure;
     const fs::file_status status = fs::status(path, failure);
     if (!fs::exists(status)) {
-        throw ImportError(fmt::format("{}: {}", path.string(), failure.message()));
+        throw ImportError(
+            fmt::format("{}: {}{}", path.string(), failure.message(), nearest_file(path)));
     }
     if (fs::is_directory(status)) {
         return Format::dicom;
@@ -168,11 +180,8 @@ void check_stored_header(const fs::path& path, StoredHeader& header) {
     const std::string file = path.string();
     volume_dims(file, header.sizes);
     const std::uint64_t needed = needed_bytes(header);
-    if (needed > max_volume_bytes) {
-        throw ImportError(fmt::format("{}: {} of {} need {} bytes, at most {} are read", file,
-                                      join_sizes(header.sizes), header.type, needed,
-                                      max_volume_bytes));
-    }
+    check_volume_bytes(file, fmt::format("{} of {}", join_sizes(header.sizes), header.type),
+                       needed);
     const std::uint64_t files = header.data_files.size();
     const std::uint64_t values = needed / component_bytes(header.component);
     if (files == 0 || values % files != 0) {
@@ -180,7 +189,7 @@ void check_stored_header(const fs::path& path, StoredHeader& header) {
                                       values, files));
     }
     for (const fs::path& data_file : header.data_files) {
-        check_data_file(file, data_file, needed / files, header);
+        check_data_file(path, data_file, needed / files, header);
     }
 }
 

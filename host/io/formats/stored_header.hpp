@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/io/formats/byte_source.hpp"
+#include "host/io/formats/data_file.hpp"
 #include "host/io/values/import_request.hpp"
 #include "host/io/values/value_sink.hpp"
 #include "host/volume/volume.hpp"
@@ -31,6 +32,7 @@ struct StoredHeader {
     Encoding encoding = Encoding::raw;
     /// Where the values are, in order; each file holds the same number. May be the header's own.
     std::vector<std::filesystem::path> data_files;
+    AllowedFolders allowed;          ///< Where data files may be beside the header's folder.
     std::uint64_t offset_bytes = 0;  ///< In each file, before decompression.
     std::uint64_t line_skip = 0;     ///< Lines after that, before decompression.
     std::uint64_t byte_skip = 0;     ///< Bytes after that, decompressed.
@@ -39,15 +41,18 @@ struct StoredHeader {
     Scale scale;
     glm::dmat4 voxel_to_patient{1.0};  ///< LPS millimeters. Axes without spacing have length 1.
     std::array<bool, 3> spacing_stated{true, true, true};
+    /// How the axes are taken if the file does not state their directions; else empty.
+    std::string assumed_directions;
     std::vector<Finding> findings;
 
     void find(FindingKind kind, std::string text) { findings.push_back({kind, std::move(text)}); }
 };
 
-/// Read the header of `path`. Throw ImportError naming the field and its value.
-StoredHeader read_nrrd_header(const std::filesystem::path& path);
-StoredHeader read_meta_header(const std::filesystem::path& path);
-StoredHeader read_nifti_header(const std::filesystem::path& path);
+/// Read the header of `path`. Its data files lie as DataFile wants them. Throw ImportError naming
+/// the field and its value.
+StoredHeader read_nrrd_header(const std::filesystem::path& path, const AllowedFolders& allowed);
+StoredHeader read_meta_header(const std::filesystem::path& path, const AllowedFolders& allowed);
+StoredHeader read_nifti_header(const std::filesystem::path& path, const AllowedFolders& allowed);
 StoredHeader read_vtk_header(const std::filesystem::path& path);
 
 /// The end of the error for a raw file that is compressed.

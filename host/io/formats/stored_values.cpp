@@ -43,14 +43,15 @@ ImportError too_short(const std::string& file, const StoredHeader& header, const
 }
 
 /// Where values begin in a file whose lines are skipped.
-std::uint64_t offset_after_lines(const fs::path& path, std::uint64_t offset, std::uint64_t lines) {
+std::uint64_t offset_after_lines(const std::string& file, const fs::path& path,
+                                 std::uint64_t offset, std::uint64_t lines) {
     std::ifstream stream(path, std::ios::binary);
     stream.seekg(static_cast<std::streamoff>(offset));
     for (std::uint64_t line = 0; line < lines; ++line) {
         stream.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
         if (!stream || stream.eof()) {
-            throw ImportError(fmt::format("{}: line skip is {}, but only {} lines follow",
-                                          path.string(), lines, line));
+            throw ImportError(
+                fmt::format("{}: line skip is {}, but only {} lines follow", file, lines, line));
         }
     }
     const auto at = stream.tellg();
@@ -59,14 +60,14 @@ std::uint64_t offset_after_lines(const fs::path& path, std::uint64_t offset, std
 
 /// Passes over what comes before the values.
 void skip_to_values(const std::string& file, const StoredHeader& header, const fs::path& data,
-                    std::uint64_t offset, std::uint64_t needed, ByteSource& source) {
+                    const DataFile& opened, std::uint64_t offset, std::uint64_t needed,
+                    ByteSource& source) {
     std::uint64_t skip = header.byte_skip;
     if (header.at_end) {
-        const std::uint64_t all =
-            header.encoding == Encoding::raw
-                ? fs::file_size(data) - std::min<std::uint64_t>(fs::file_size(data), offset)
-                : ByteSource(data, header.encoding, offset)
-                      .skip(std::numeric_limits<std::uint64_t>::max());
+        const std::uint64_t all = header.encoding == Encoding::raw
+                                      ? opened.size_bytes() - std::min(opened.size_bytes(), offset)
+                                      : ByteSource(opened.path(), header.encoding, offset)
+                                            .skip(std::numeric_limits<std::uint64_t>::max());
         if (all < needed) {
             throw too_short(file, header, data, all);
         }
@@ -183,8 +184,12 @@ void read_ascii(const std::string& file, const StoredHeader& header, std::uint64
 /// The checksum comes after the last value.
 void check_end(const std::string& file, const StoredHeader& header, const fs::path& data,
                ByteSource& source, Volume& volume) {
+    constexpr std::uint64_t max_behind = std::uint64_t{64} << 20;  // A bomb goes on for long.
     const bool goes_on = source.skip(1) == 1;
-    if (source.is_damaged()) {
+    if (goes_on && is_compressed(header.encoding)) {
+        source.skip(max_behind);
+    }
+    if (source.is_damaged() || (goes_on && source.is_cut())) {
         throw ImportError(
             fmt::format("{}: the compressed data of {} are damaged: the checksum is "
                         "not that of its {} bytes",
@@ -218,15 +223,17 @@ Volume read_stored_values(const fs::path& path, const StoredHeader& header) {
     const std::size_t size = component_bytes(header.component);
     ValueSink sink(needed / size);
     for (const fs::path& data : header.data_files) {
+        const DataFile opened(path, data, header.allowed);
         const std::uint64_t offset =
             header.line_skip == 0 ? header.offset_bytes
-                                  : offset_after_lines(data, header.offset_bytes, header.line_skip);
-        ByteSource source(data, header.encoding, offset);
+                                  : offset_after_lines(data.string(), opened.path(),
+                                                       header.offset_bytes, header.line_skip);
+        ByteSource source(opened.path(), header.encoding, offset);
         if (header.encoding == Encoding::ascii) {
             read_ascii(file, header, share / size, source, sink);
             continue;
         }
-        skip_to_values(file, header, data, offset, share, source);
+        skip_to_values(file, header, data, opened, offset, share, source);
         read_binary(file, header, data, share, source, sink);
         if (is_compressed(header.encoding)) {
             check_end(file, header, data, source, volume);

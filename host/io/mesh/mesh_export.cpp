@@ -94,9 +94,13 @@ std::string sentence(const fs::path& path, const MeshExport& mesh, std::size_t b
                      double moved_mm) {
     std::string text = fmt::format("{} triangles, {} vertices, {} millimeters",
                                    triangle_count(mesh), vertex_count(mesh), enum_name(mesh.axes));
-    if (mesh.keep < 1) {
-        text +=
-            fmt::format("; decimated from {} triangles, off by about {:.2g} mm", before, moved_mm);
+    if (mesh.keep < 1 && triangle_count(mesh) == before) {
+        text += "; not decimated: too few triangles, or the result would be no manifold";
+    } else if (mesh.keep < 1) {
+        text += fmt::format(
+            "; decimated from {} triangles, no vertex of which lies more than {:.2g} mm "
+            "from the new surface",
+            before, moved_mm);
     }
     const std::string suffix = suffix_of(path);
     if (suffix == ".stl") {
@@ -116,14 +120,15 @@ MeshWritten write_mesh(const std::string& path, const MeshExport& mesh) {
     check(path, mesh);
     MeshExport ready = mesh;  // Copies views; the vertices are not copied.
     std::erase_if(ready.surfaces, [](const MeshSurface& s) { return s.indices.empty(); });
-    std::vector<SimplifiedSurface> simplified;
+    std::vector<std::pair<std::string, SimplifiedSurface>> simplified;
     double moved_mm = 0;
     if (mesh.keep < 1) {
         for (MeshSurface& surface : ready.surfaces) {
-            simplified.push_back(simplify(surface, mesh.keep));
-            moved_mm = std::max(moved_mm, simplified.back().moved_mm);
-            surface.vertices = simplified.back().vertices;
-            surface.indices = simplified.back().indices;
+            simplified.emplace_back(surface.name, simplify(surface, mesh.keep));
+            const SimplifiedSurface& now = simplified.back().second;
+            moved_mm = std::max(moved_mm, now.moved_mm);
+            surface.vertices = now.vertices;
+            surface.indices = now.indices;
         }
         std::erase_if(ready.surfaces, [](const MeshSurface& s) { return s.indices.empty(); });
         if (ready.surfaces.empty()) {
@@ -140,7 +145,8 @@ MeshWritten write_mesh(const std::string& path, const MeshExport& mesh) {
     if (!failure.empty()) {
         throw MeshError(fmt::format("{}: cannot be written: {}", path, failure));
     }
-    return {triangle_count(ready), sentence(path, ready, triangle_count(mesh), moved_mm)};
+    return {triangle_count(ready), sentence(path, ready, triangle_count(mesh), moved_mm),
+            std::move(simplified)};
 }
 
 std::vector<std::string> mesh_notes(const MeshExport& mesh) {

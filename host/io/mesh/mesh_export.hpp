@@ -7,6 +7,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "generated/vocabulary.hpp"
@@ -28,7 +29,7 @@ struct MeshPoint {
 
 struct MeshSurface {
     std::string name;
-    std::array<std::uint8_t, 3> colour{};  ///< Display-coded (sRGB) red, green, blue.
+    std::array<std::uint8_t, 3> color{};  ///< Display-coded (sRGB) red, green, blue.
     std::span<const MeshPoint> vertices;
     std::span<const std::uint32_t> indices;  ///< 3 per triangle, counter-clockwise from outside.
 };
@@ -41,9 +42,18 @@ struct MeshExport {
     double keep = 1;          ///< Share of the triangles that decimation leaves, above 0; 1: all.
 };
 
+/// A surface whose vertices are its own.
+struct SimplifiedSurface {
+    std::vector<MeshPoint> vertices;  ///< Some of the surface's own, in their order.
+    std::vector<std::uint32_t> indices;
+    double moved_mm = 0;  ///< No vertex of the surface before lies farther from this one.
+};
+
 struct MeshWritten {
     std::uint64_t triangles = 0;  ///< In the file.
     std::string text;             ///< One sentence about the file: counts, axes, losses.
+    /// The surfaces in the file if they were decimated, with their names; else empty.
+    std::vector<std::pair<std::string, SimplifiedSurface>> decimated = {};
 };
 
 /// Writes the surfaces to `path`, in the format of its suffix. The file appears whole or not at

@@ -39,14 +39,14 @@ std::string valid_utf8(const std::string& text) {
 }
 
 Json material_of(const MeshSurface& surface) {
-    Json colour = Json::array();
-    for (const std::uint8_t value : surface.colour) {
-        colour.push_back(std::round(linear(value) * 1e6) / 1e6);
+    Json color = Json::array();
+    for (const std::uint8_t value : surface.color) {
+        color.push_back(std::round(linear(value) * 1e6) / 1e6);
     }
-    colour.push_back(1);
+    color.push_back(1);
     return {{"name", valid_utf8(surface.name)},
             {"pbrMetallicRoughness",
-             {{"baseColorFactor", colour}, {"metallicFactor", 0}, {"roughnessFactor", 0.6}}},
+             {{"baseColorFactor", color}, {"metallicFactor", 0}, {"roughnessFactor", 0.6}}},
             {"doubleSided", true}};  // Surfaces end where the volume ends.
 }
 
@@ -115,7 +115,7 @@ std::string description_of(const MeshExport& mesh, std::uint64_t& bytes) {
           {"generator", "pxpl5"},
           {"extras",
            {{"axes", enum_name(mesh.axes)},
-            {"unit", "millimetre"},
+            {"unit", "millimeter"},
             {"of", "vertices; the node above them turns them to meters, Y up, facing +Z"},
             {"description", valid_utf8(mesh.description)}}}}},
         {"scene", 0},

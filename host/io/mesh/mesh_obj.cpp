@@ -91,7 +91,7 @@ void write_mtl(const MeshExport& mesh, PartFile& file) {
     TextOut out(file);
     out.line("# pxpl5");
     for (std::size_t index = 0; index < mesh.surfaces.size(); ++index) {
-        const auto& c = mesh.surfaces[index].colour;
+        const auto& c = mesh.surfaces[index].color;
         out.line("newmtl {}\nKa 0 0 0\nKd {:.6g} {:.6g} {:.6g}\nKs 0.2 0.2 0.2\nNs 24\nillum 2",
                  group_name(mesh, index), c[0] / 255.0, c[1] / 255.0, c[2] / 255.0);
     }

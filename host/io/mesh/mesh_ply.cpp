@@ -44,7 +44,7 @@ void write_ply(const MeshExport& mesh, PartFile& file) {
                                         turned(vertex.normal, mesh.axes)};
             std::array<char, vertex_bytes> record{};
             std::memcpy(record.data(), vectors.data(), sizeof vectors);
-            std::memcpy(record.data() + sizeof vectors, surface.colour.data(), 3);
+            std::memcpy(record.data() + sizeof vectors, surface.color.data(), 3);
             file.write({record.data(), record.size()});
         }
     }

@@ -10,6 +10,10 @@
 #include <limits>
 #include <utility>
 
+#include "host/surface/disjoint_sets.hpp"
+#include "host/surface/edge_table.hpp"
+#include "host/surface/mesh_distance.hpp"
+
 namespace pxpl5::host::io {
 
 namespace {
@@ -118,6 +122,102 @@ void compact(SimplifiedSurface& surface) {
     }
 }
 
+std::vector<Triangle> triangles_of(const std::vector<std::uint32_t>& indices) {
+    std::vector<Triangle> triangles(indices.size() / 3);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+        triangles[i / 3][i % 3] = indices[i];
+    }
+    return triangles;
+}
+
+/// Vertices where the surface is no manifold: on an edge of more than two triangles, or between
+/// fans of triangles that share nothing but the vertex.
+std::vector<bool> bad_vertices(const std::vector<std::uint32_t>& indices, std::size_t vertices) {
+    WeldedMesh mesh;
+    mesh.keys.resize(vertices);
+    mesh.triangles = triangles_of(indices);
+    std::vector<bool> bad(vertices);
+    DisjointSets fans(indices.size());
+    EdgeTable(mesh).for_each([&](std::uint32_t low, std::span<const EdgeUse> uses) {
+        if (uses.size() > 2) {
+            bad[low] = bad[uses[0].high] = true;
+        }
+        for (const EdgeUse& use : uses.subspan(1)) {
+            fans.join(uses[0].corner_low(), use.corner_low());
+            fans.join(uses[0].corner_high(), use.corner_high());
+        }
+    });
+    std::vector<bool> has_fan(vertices);
+    for (std::uint32_t corner = 0; corner < indices.size(); ++corner) {
+        if (fans.root(corner) == corner) {
+            bad[indices[corner]] = bad[indices[corner]] || has_fan[indices[corner]];
+            has_fan[indices[corner]] = true;
+        }
+    }
+    return bad;
+}
+
+/// Triangles that decimation leaves alone, because what it made of them was no manifold.
+class Frozen {
+  public:
+    explicit Frozen(const SimplifiedSurface& whole)
+        : whole_(whole),
+          is_frozen_(whole.indices.size() / 3),
+          bad_before_(bad_vertices(whole.indices, whole.vertices.size())) {}
+
+    /// Freezes the triangles around vertices that have become bad, and those around these.
+    /// Returns whether there are such vertices.
+    bool add(const std::vector<std::uint32_t>& simplified, int rings) {
+        std::vector<bool> near = bad_vertices(simplified, whole_.vertices.size());
+        bool has_bad = false;
+        for (std::size_t v = 0; v < near.size(); ++v) {
+            near[v] = near[v] && !bad_before_[v];
+            has_bad = has_bad || near[v];
+        }
+        for (int ring = 0; has_bad && ring < rings; ++ring) {
+            std::vector<bool> next = near;
+            for (std::size_t t = 0; t < is_frozen_.size(); ++t) {
+                const auto corner = [&](std::size_t i) { return whole_.indices[3 * t + i]; };
+                if (near[corner(0)] || near[corner(1)] || near[corner(2)]) {
+                    is_frozen_[t] = true;
+                    next[corner(0)] = next[corner(1)] = next[corner(2)] = true;
+                }
+            }
+            near = std::move(next);
+        }
+        return has_bad;
+    }
+
+    /// Corners of the triangles that are frozen, or of the others.
+    std::vector<std::uint32_t> indices(bool frozen) const {
+        std::vector<std::uint32_t> some;
+        for (std::size_t i = 0; i < whole_.indices.size(); ++i) {
+            if (is_frozen_[i / 3] == frozen) {
+                some.push_back(whole_.indices[i]);
+            }
+        }
+        return some;
+    }
+
+  private:
+    const SimplifiedSurface& whole_;
+    std::vector<bool> is_frozen_;
+    std::vector<bool> bad_before_;
+};
+
+double farthest_vertex_mm(const SimplifiedSurface& whole, const SimplifiedSurface& fewer) {
+    const auto places = [](const SimplifiedSurface& surface) {
+        std::vector<glm::vec3> all;
+        for (const MeshPoint& vertex : surface.vertices) {
+            all.push_back(vertex.p_mm);
+        }
+        return all;
+    };
+    return fewer.indices.empty()
+               ? 0
+               : farthest_distance(places(whole), places(fewer), triangles_of(fewer.indices));
+}
+
 }  // namespace
 
 SimplifiedSurface simplify(const MeshSurface& surface, double keep) {
@@ -125,26 +225,38 @@ SimplifiedSurface simplify(const MeshSurface& surface, double keep) {
     static_assert(sizeof(MeshPoint) == 6 * sizeof(float));
     const std::size_t triangles = surface.indices.size() / 3;
     const auto target =
-        static_cast<std::size_t>(std::llround(static_cast<double>(triangles) * keep));
-    SimplifiedSurface result = welded(surface);
-    if (result.indices.size() <= 3 * target) {
-        return result;
+        3 * static_cast<std::size_t>(std::llround(static_cast<double>(triangles) * keep));
+    SimplifiedSurface whole = welded(surface);
+    if (whole.indices.size() <= target) {
+        return whole;
     }
-    const float* positions = &result.vertices.data()->p_mm.x;
-    std::vector<std::uint32_t> fewer(result.indices.size());
-    float error = 0;  // Share of the surface's extent.
-    const std::size_t left =
-        meshopt_simplify(fewer.data(), result.indices.data(), result.indices.size(), positions,
-                         result.vertices.size(), sizeof(MeshPoint), 3 * target, most_moved,
-                         meshopt_SimplifyLockBorder, &error);
-    result.moved_mm =
-        static_cast<double>(error) * static_cast<double>(meshopt_simplifyScale(
-                                         positions, result.vertices.size(), sizeof(MeshPoint)));
-    fewer.resize(left);
-    result.indices = std::move(fewer);
-    remove_flaps(result.indices);
-    compact(result);
-    return result;
+    const float* positions = &whole.vertices.data()->p_mm.x;
+    const double most_mm =
+        double{most_moved} *
+        double{meshopt_simplifyScale(positions, whole.vertices.size(), sizeof(MeshPoint))};
+    Frozen frozen(whole);
+    float limit = most_moved;  // meshoptimizer's estimates are below the distances.
+    constexpr int max_rounds = 8, max_nearer = 3;
+    for (int round = 1, nearer = 0; round <= max_rounds; ++round) {
+        SimplifiedSurface result{whole.vertices, frozen.indices(true)};
+        const std::vector<std::uint32_t> others = frozen.indices(false);
+        const std::size_t wanted = target - std::min(target, result.indices.size());
+        std::vector<std::uint32_t> fewer(others.size());
+        fewer.resize(meshopt_simplify(fewer.data(), others.data(), others.size(), positions,
+                                      whole.vertices.size(), sizeof(MeshPoint), wanted, limit,
+                                      meshopt_SimplifyLockBorder, nullptr));
+        result.indices.insert(result.indices.end(), fewer.begin(), fewer.end());
+        remove_flaps(result.indices);
+        if (!frozen.add(result.indices, round + 1)) {
+            compact(result);
+            result.moved_mm = farthest_vertex_mm(whole, result);
+            if (result.moved_mm <= most_mm || ++nearer > max_nearer) {
+                return result;
+            }
+            limit *= static_cast<float>(0.9 * most_mm / result.moved_mm);
+        }
+    }
+    return whole;  // Rather all triangles than a surface that is connected in another way.
 }
 
 }  // namespace pxpl5::host::io

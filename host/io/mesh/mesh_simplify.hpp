@@ -1,23 +1,16 @@
 // Decimation: fewer triangles for nearly the same surface.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "host/io/mesh/mesh_export.hpp"
 
 namespace pxpl5::host::io {
 
-struct SimplifiedSurface {
-    std::vector<MeshPoint> vertices;  ///< Some of the surface's own, in their order.
-    std::vector<std::uint32_t> indices;
-    double moved_mm = 0;  ///< Estimate of how far the surface lies from what it was.
-};
-
 /// Collapses edges until a share `keep` of the triangles is left, or none can be collapsed without
 /// changing how the surface is connected, or without moving it by more than 5 % of its extent.
 /// Edges with a triangle on one side alone stay. Vertices at one place become one, and triangles
-/// that have no area for that reason go first.
+/// that have no area for that reason go first. Where the result would have an edge of more than two
+/// triangles, or fans that share nothing but a vertex, its surroundings keep all their triangles;
+/// if that does not help, all triangles stay.
 ///
 /// keep     In (0, 1].
 /// Source   Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH

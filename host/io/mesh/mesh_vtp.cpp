@@ -41,18 +41,18 @@ std::string fields(const MeshExport& mesh) {
         names.push_back(one_line(surface.name));
     }
     return "<FieldData>\n" + field("SPACE", {std::string(enum_name(mesh.axes))}) +
-           field("unit", {"millimetre"}) + field("description", {one_line(mesh.description)}) +
+           field("unit", {"millimeter"}) + field("description", {one_line(mesh.description)}) +
            field("surface names", names) + "</FieldData>\n";
 }
 
 /// In the order in which they are appended.
-enum BlockIndex : std::size_t { points, normals, colours, surfaces, connectivity, offsets };
+enum BlockIndex : std::size_t { points, normals, colors, surfaces, connectivity, offsets };
 
 std::array<Block, 6> blocks_of(const MeshExport& mesh) {
     const std::uint64_t vertices = vertex_count(mesh), triangles = triangle_count(mesh);
     return {Block{"Float32", "Points", 3, vertices * 12},
             Block{"Float32", "Normals", 3, vertices * 12},
-            Block{"UInt8", "colour", 3, triangles * 3},
+            Block{"UInt8", "color", 3, triangles * 3},
             Block{"UInt8", "surface", 1, triangles},
             Block{"Int32", "connectivity", 1, triangles * 12},
             Block{"Int32", "offsets", 1, triangles * 4}};
@@ -74,10 +74,10 @@ std::string heading(const MeshExport& mesh, const std::array<Block, 6>& blocks) 
         "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n{}"
         "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
         "NumberOfPolys=\"{}\">\n<Points>\n{}</Points>\n<PointData Normals=\"Normals\">\n{}"
-        "</PointData>\n<CellData Scalars=\"colour\">\n{}{}</CellData>\n<Polys>\n{}{}</Polys>\n"
+        "</PointData>\n<CellData Scalars=\"color\">\n{}{}</CellData>\n<Polys>\n{}{}</Polys>\n"
         "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_",
         fields(mesh), vertex_count(mesh), triangle_count(mesh), arrays[points], arrays[normals],
-        arrays[colours], arrays[surfaces], arrays[connectivity], arrays[offsets]);
+        arrays[colors], arrays[surfaces], arrays[connectivity], arrays[offsets]);
 }
 
 template <typename T>
@@ -123,9 +123,9 @@ void write_vtp(const MeshExport& mesh, PartFile& file) {
     write_points(mesh, &MeshPoint::p_mm, file);
     write_one(blocks[normals].bytes, file);
     write_points(mesh, &MeshPoint::normal, file);
-    write_one(blocks[colours].bytes, file);
+    write_one(blocks[colors].bytes, file);
     write_cells(
-        mesh, [&](std::size_t index) { return mesh.surfaces[index].colour; }, file);
+        mesh, [&](std::size_t index) { return mesh.surfaces[index].color; }, file);
     write_one(blocks[surfaces].bytes, file);
     write_cells(
         mesh, [](std::size_t index) { return static_cast<std::uint8_t>(index); }, file);

@@ -100,11 +100,11 @@ void check(const PictureMark& mark, std::size_t index) {
     }
 }
 
-void set_colour(cairo_t* context, const MarkColour& c, double opacity = 1) {
+void set_color(cairo_t* context, const MarkColor& c, double opacity = 1) {
     cairo_set_source_rgba(context, c.r / 255.0, c.g / 255.0, c.b / 255.0, c.a / 255.0 * opacity);
 }
 
-bool is_light(const MarkColour& c) {
+bool is_light(const MarkColor& c) {
     return 0.299 * c.r + 0.587 * c.g + 0.114 * c.b >= 128;
 }
 
@@ -113,7 +113,7 @@ void draw_outline(cairo_t* context, const PictureMark& mark) {
     for (const glm::vec2& p : mark.points) {
         cairo_line_to(context, p.x, p.y);
     }
-    set_colour(context, mark.colour);
+    set_color(context, mark.color);
     if (mark.kind == MarkKind::area) {
         cairo_close_path(context);
         cairo_fill(context);
@@ -139,19 +139,19 @@ void draw_text(cairo_t* context, const PictureMark& mark) {
     const bool is_vector =
         cairo_surface_get_type(cairo_get_target(context)) != CAIRO_SURFACE_TYPE_IMAGE;
     if (is_vector && mark.width_px == 0) {
-        set_colour(context, mark.colour);
+        set_color(context, mark.color);
         cairo_show_text(context, line.c_str());  // The document refers to the font's glyphs.
         return;
     }
     cairo_text_path(context, line.c_str());
     if (mark.width_px > 0) {
-        const MarkColour halo =
-            is_light(mark.colour) ? MarkColour{0, 0, 0, 255} : MarkColour{255, 255, 255, 255};
-        set_colour(context, {halo.r, halo.g, halo.b, mark.colour.a}, halo_opacity);
+        const MarkColor halo =
+            is_light(mark.color) ? MarkColor{0, 0, 0, 255} : MarkColor{255, 255, 255, 255};
+        set_color(context, {halo.r, halo.g, halo.b, mark.color.a}, halo_opacity);
         cairo_set_line_width(context, 2.0 * mark.width_px);  // Half of it is under the letters.
         cairo_stroke_preserve(context);
     }
-    set_colour(context, mark.colour);
+    set_color(context, mark.color);
     cairo_fill(context);
 }
 
@@ -190,7 +190,7 @@ void draw_all(cairo_t* context, const Font& font, std::span<const PictureMark> m
 void paint_pixels(cairo_t* context, const DocumentContent& content) {
     const std::span<const std::uint8_t> rgba = content.rgba;
     if (std::equal(rgba.begin() + 4, rgba.end(), rgba.begin())) {
-        set_colour(context, {rgba[0], rgba[1], rgba[2], rgba[3]});
+        set_color(context, {rgba[0], rgba[1], rgba[2], rgba[3]});
         cairo_paint(context);
         return;
     }

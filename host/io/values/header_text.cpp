@@ -142,4 +142,14 @@ glm::dvec3 three_numbers(const std::string& file, const std::string& field, cons
     return {values[0], values[1], values.size() > 2 ? values[2] : otherwise};
 }
 
+void check_volume_bytes(const std::string& file, const std::string& dims, std::uint64_t needed) {
+    if (needed > max_volume_bytes) {
+        throw ImportError(
+            fmt::format("{}: {} need {} bytes, at most {} are read: write a smaller file first, a "
+                        "part or every "
+                        "second voxel (crop= and resample= work on what was read)",
+                        file, dims, needed, max_volume_bytes));
+    }
+}
+
 }  // namespace pxpl5::host::io

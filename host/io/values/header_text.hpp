@@ -68,4 +68,8 @@ std::vector<double> numbers(const std::string& file, const std::string& field,
 glm::dvec3 three_numbers(const std::string& file, const std::string& field, const std::string& text,
                          double otherwise);
 
+/// Throws ImportError if the values of a volume need more than max_volume_bytes. `dims`: size and
+/// type as text.
+void check_volume_bytes(const std::string& file, const std::string& dims, std::uint64_t needed);
+
 }  // namespace pxpl5::host::io

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "generated/vocabulary.hpp"
 
@@ -32,11 +33,17 @@ struct ImportRequest {
     std::string path;    ///< A file, a folder, or phantom:NAME.
     std::string series;  ///< DICOM: place in the list from 1, UID or SeriesNumber.
     std::optional<glm::dvec3> spacing_mm;  ///< For files that state none: pictures, raw files.
+    /// Sides of the patient to which x, y, z point ("RAI"), and the place of the first voxel, LPS:
+    /// for files that state no orientation.
+    std::string orientation;
+    std::optional<glm::dvec3> origin_mm;
     std::optional<RawLayout> raw;
     /// First voxel and number of voxels kept; both or none.
     std::optional<std::array<std::uint32_t, 3>> crop_first, crop_size;
     std::optional<std::array<std::uint32_t, 3>> resample_size;  ///< Voxels afterwards.
     std::optional<glm::dvec3> resample_spacing_mm;              ///< Or their distance.
+    /// Folders in which the data files of headers may lie, beside the header's own.
+    std::vector<std::string> allowed{};
     double smooth_mm = 0;  ///< Standard deviation of a Gaussian; 0 for none.
 };
 

@@ -55,6 +55,28 @@ void check_corners(const std::string& file, const Volume& volume) {
     }
 }
 
+/// The unit vectors, LPS, of three letters: one of L and R, of P and A, of S and I, in any order.
+glm::dmat3 directions_of(const std::string& file, const std::string& letters) {
+    glm::dmat3 axes(0);
+    unsigned seen = 0;
+    for (std::size_t i = 0; i < std::min<std::size_t>(letters.size(), 3); ++i) {
+        const std::size_t plus = std::string_view("LPS").find(letters[i]),
+                          minus = std::string_view("RAI").find(letters[i]);
+        const std::size_t side = std::min(plus, minus);
+        if (side < 3) {
+            axes[static_cast<int>(i)][static_cast<int>(side)] = plus < 3 ? 1 : -1;
+            seen |= 1U << side;
+        }
+    }
+    if (letters.size() != 3 || seen != 7) {
+        throw ImportError(
+            fmt::format("{}: orientation is '{}', must have one of L and R, one of P "
+                        "and A, one of S and I: the sides to which x, y, z point",
+                        file, letters));
+    }
+    return axes;
+}
+
 }  // namespace
 
 void take_spacing(const std::string& file, const ImportRequest& request,
@@ -86,13 +108,56 @@ void take_spacing(const std::string& file, const ImportRequest& request,
     }
     volume.findings.insert(
         volume.findings.begin(),
-        {FindingKind::assumption,
-         request.spacing_mm
-             ? fmt::format("the file does not state its spacing along {}: taken as asked for",
-                           missing)
-             : fmt::format("the file does not state its spacing along {}: 1 mm is assumed, sizes "
-                           "and shapes may be wrong; spacing=x,y,z sets it",
-                           missing)});
+        request.spacing_mm
+            ? Finding{FindingKind::note,
+                      fmt::format(
+                          "the file does not state its spacing along {}: taken as asked for",
+                          missing)}
+            : Finding{FindingKind::assumption,
+                      fmt::format("the file does not state its spacing along {}: 1 mm is assumed, "
+                                  "sizes and shapes may be wrong; spacing=x,y,z sets it",
+                                  missing)});
+}
+
+void take_directions(const std::string& file, const ImportRequest& request,
+                     const std::string& assumption, Volume& volume) {
+    const bool is_asked = !request.orientation.empty() || request.origin_mm;
+    if (is_asked && assumption.empty()) {
+        throw ImportError(file +
+                          ": states its place in the patient, so orientation= and origin= "
+                          "cannot be given");
+    }
+    if (assumption.empty()) {
+        return;
+    }
+    glm::dmat4& m = volume.voxel_to_patient;
+    std::string given;
+    if (!request.orientation.empty()) {
+        const glm::dmat3 turn = directions_of(file, request.orientation);
+        for (int axis = 0; axis < 3; ++axis) {
+            m[axis] = glm::dvec4(turn[axis] * glm::length(glm::dvec3(m[axis])), 0);
+        }
+        m[3] = glm::dvec4(turn * glm::dvec3(m[3]), 1);
+        given = "x, y, z point to " + request.orientation;
+    }
+    if (request.origin_mm) {
+        m[3] = glm::dvec4(*request.origin_mm, 1);
+        given +=
+            fmt::format("{}the first voxel is at {}, {}, {} mm (LPS)", given.empty() ? "" : ", ",
+                        request.origin_mm->x, request.origin_mm->y, request.origin_mm->z);
+    }
+    const bool is_turned = !request.orientation.empty();
+    const bool is_placed = request.origin_mm || m[3] != glm::dvec4(0, 0, 0, 1);
+    std::string text =
+        is_turned ? "the file states no orientation: " + given + ", as asked for" : assumption;
+    if (is_turned && !is_placed) {
+        text += "; the first voxel is taken as at 0, 0, 0 mm: origin=X,Y,Z sets its place";
+    } else if (!is_turned && !given.empty()) {
+        text += "; " + given + ", as asked for";
+    }
+    volume.findings.insert(
+        volume.findings.begin(),
+        {is_turned && is_placed ? FindingKind::note : FindingKind::assumption, text});
 }
 
 void check_place(const std::string& file, Volume& volume) {

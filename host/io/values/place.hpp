@@ -16,6 +16,13 @@ namespace pxpl5::host::io {
 void take_spacing(const std::string& file, const ImportRequest& request,
                   const std::array<bool, 3>& stated, Volume& volume);
 
+/// Turns the axes of a file that states no orientation to the one that is asked for, or reports
+/// `assumption` about its axes.
+/// assumption  Text of the finding; empty for a file that states its orientation.
+/// Throws      ImportError if an orientation or origin is asked for and the file states one.
+void take_directions(const std::string& file, const ImportRequest& request,
+                     const std::string& assumption, Volume& volume);
+
 /// Reports shear and reflection.
 /// Throws   ImportError: the affine is not finite, its axes span no volume, or voxels lie closer,
 ///          farther apart or farther away than the machine takes.

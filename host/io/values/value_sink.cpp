@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -200,7 +199,12 @@ void ValueSink::note_conversion(Volume& volume) const {
 }
 
 void ValueSink::finish(const std::string& file, Volume& volume) {
-    assert(count() == value_count_);
+    if (count() != value_count_) {  // A file may change while it is read.
+        throw ImportError(
+            fmt::format("{}: {} values were read, {} were expected: the file has "
+                        "changed; read it again when it is complete",
+                        file, count(), value_count_));
+    }
     if (not_finite_ == count()) {
         throw ImportError(fmt::format("{}: none of its {} values is finite", file, count()));
     }
