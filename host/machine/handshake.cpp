@@ -11,10 +11,8 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr int unavailable = 69;
-
 [[noreturn]] void refuse(const std::string& text) {
-    throw MachineError(unavailable, text);
+    throw MachineError(ExitCode::unavailable, text);
 }
 
 }  // namespace
@@ -22,7 +20,7 @@ constexpr int unavailable = 69;
 Handshake::Handshake(Roster nodes, Identity own)
     : nodes_(std::move(nodes)), own_(std::move(own)), connected_(nodes_.size(), false) {}
 
-void Handshake::hello(const bus::schema::Hello& hello) {
+void Handshake::hello(bus::NodeId id, const bus::schema::Hello& hello) {
     RosterEntry said;
     said.role = hello.role();
     said.index = hello.index();
@@ -33,6 +31,9 @@ void Handshake::hello(const bus::schema::Hello& hello) {
     if (node == nodes_.end()) {
         refuse(
             fmt::format("process {} says that it is {}, which was not started", hello.pid(), name));
+    }
+    if (node->id != id) {
+        refuse(fmt::format("node {} says that it is {}, which is node {}", id, name, node->id));
     }
     if (static_cast<int>(hello.pid()) != node->pid) {
         refuse(fmt::format("process {} says that it is {}, which is process {}", hello.pid(), name,

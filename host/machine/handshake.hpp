@@ -22,9 +22,10 @@ class Handshake {
     /// nodes   Without the host; their pids are known.
     Handshake(Roster nodes, Identity own);
 
-    /// Stores the node's endpoint. Throws MachineError (69) if the node was not started, has sent
-    /// Hello before, or has another build or schema. The error names the node and both values.
-    void hello(const bus::schema::Hello& hello);
+    /// Stores the endpoint of node `id`. Throws MachineError (69) if the node was not started, has
+    /// sent Hello before, says that it is another node, or has another build or schema. The error
+    /// names the node and both values.
+    void hello(bus::NodeId id, const bus::schema::Hello& hello);
     /// Records that `id` knows all others. Throws MachineError (69) if `id` is unknown.
     void connected(bus::NodeId id);
 

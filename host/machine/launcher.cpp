@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <numeric>
+#include <system_error>
 #include <utility>
 
+#include "host/machine/descriptors.hpp"
 #include "ringbus/process/process.hpp"
+#include "ringbus/wire.hpp"
 
 namespace pxpl5::host {
 
@@ -16,14 +19,38 @@ namespace {
 namespace schema = bus::schema;
 using schema::Role;
 
-constexpr int failed_code = 1;
+constexpr auto failed_code = static_cast<int>(ExitCode::failed);
 constexpr int unavailable_code = 69;
-constexpr int timeout_code = 124;
 constexpr int quiet_ms = 50;  // After this time without messages, the host writes its trace.
-constexpr std::uint64_t bytes_per_mb = 1'000'000;
 
 std::filesystem::path own_folder() {
     return std::filesystem::read_symlink("/proc/self/exe").parent_path();
+}
+
+/// Closes the descriptor in the destructor.
+struct Descriptor {
+    int number;
+    explicit Descriptor(int opened) : number(opened) {}
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    ~Descriptor() { close(number); }
+};
+
+/// How the ring of `topology` is protected. Throws RequestError (usage) if it cannot be.
+bus::Protection protection_of(const Topology& topology, const MachineOptions& options) {
+    if (topology.ring.transport == Transport::ipc) {
+        return bus::Protection::files;
+    }
+    if (options.insecure_tcp) {
+        return bus::Protection::plain_tcp;
+    }
+    if (!bus::has_curve()) {
+        throw RequestError(ExitCode::usage,
+                           "ring.transport is tcp, but this computer's libzmq has no CURVE, so any "
+                           "user of this computer could take part. Use ring.transport=ipc, install "
+                           "a libzmq with libsodium, or pass --insecure-tcp.");
+    }
+    return bus::Protection::curve;
 }
 
 std::string bind_address(Transport transport, const SocketFolder& sockets,
@@ -32,10 +59,17 @@ std::string bind_address(Transport transport, const SocketFolder& sockets,
                                        : fmt::format("ipc://{}", (sockets.path() / name).string());
 }
 
+/// The plan, after the limit of file descriptors has been raised. Sockets need descriptors.
+Topology with_descriptors(const Topology& topology) {
+    provide_descriptors(roster_of(topology).size());
+    return topology;
+}
+
 }  // namespace
 
 HeldSignals::HeldSignals() {
     pthread_sigmask(SIG_BLOCK, nullptr, &before_);
+    sigdelset(&before_, SIGCHLD);  // The program's parent may have blocked it.
     hold();
 }
 HeldSignals::~HeldSignals() {
@@ -54,23 +88,31 @@ void HeldSignals::release() {
 }
 
 Launcher::Launcher(const Topology& topology, const MachineOptions& options)
-    : topology_(topology),
+    : topology_(with_descriptors(topology)),
       options_(options),
-      folder_(make_run_folder(options.run_base, topology)),
-      link_(bus::host_id, bind_address(topology.ring.transport, sockets_, "host")),
-      roster_(roster_of(topology)) {
+      credentials_(bus::make_credentials(protection_of(topology, options))),
+      folder_(make_run_folder(options.run_base, topology, options.keep_runs)),
+      link_({bus::host_id, Role::host}, bind_address(topology.ring.transport, sockets_, "host"),
+            credentials_),
+      roster_(roster_of(topology)),
+      heartbeat_(topology.heartbeat) {
     options_.binaries = options.binaries.empty() ? own_folder() : options.binaries;
     roster_[0].endpoint = link_.endpoint();
     roster_[0].pid = getpid();
+    prepare_link();
+    start_recording();
+    signals_.release();  // The supervisor takes over.
+}
+
+void Launcher::prepare_link() {
     bus::RingParameters ring;
-    ring.channels = static_cast<std::uint32_t>(topology.ring.channels);
-    ring.bytes_per_s = bytes_per_mb * static_cast<std::uint64_t>(topology.ring.channel_mb_s);
-    ring.hop_ns = static_cast<std::uint32_t>(topology.ring.hop_ns);
+    ring.channels = static_cast<std::uint32_t>(topology_.ring.channels);
+    ring.bytes_per_s = topology_.ring.channel_bytes_per_s();
+    ring.hop_ns = static_cast<std::uint32_t>(topology_.ring.hop_ns);
     std::vector<bus::NodeId> order(roster_.size());
     std::iota(order.begin(), order.end(), bus::host_id);
     link_.set_model(bus::ChannelModel(ring, order));
-    start_recording();
-    signals_.release();  // The supervisor takes over.
+    link_.on_refusal([this](const bus::Refusal& refusal) { take_refusal(refusal); });
 }
 
 Launcher::~Launcher() {
@@ -91,19 +133,36 @@ void Launcher::launch() {
     launched_ = true;
 }
 
+int Launcher::prepare_pulse(const std::string& name) {
+    try {
+        return heartbeat_.is_on() ? heartbeat_.prepare(name) : -1;
+    } catch (const std::system_error& error) {
+        throw MachineError(ExitCode::unavailable,
+                           fmt::format("{} cannot start: {}", name, error.what()));
+    }
+}
+
 void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
                      std::vector<std::string> arguments) {
     const std::string name = node.name();
     bus::ProcessFlags flags;
     flags.host_endpoint = link_.endpoint();
-    flags.bind = bind_address(topology_.ring.transport, sockets_, name);
+    // A late connection to an earlier io process must not reach a later one of the same name.
+    flags.bind = bind_address(topology_.ring.transport, sockets_,
+                              node.role == Role::io ? fmt::format("io-node-{}", node.id) : name);
     flags.node_id = node.id;
     flags.index = static_cast<std::uint16_t>(node.index);
     flags.parent_pid = getpid();
+    flags.credentials_fd = first_inherited_fd;
     if (recorder_ && node.role != Role::io) {
         flags.record = static_cast<Recording>(topology_.record);
         flags.trace_file = trace_path(name).string();
         flags.flight_kib = flight_share_kib();
+    }
+    const int cell = prepare_pulse(name);
+    if (cell >= 0) {
+        flags.pulse_fd = first_inherited_fd + 1;
+        flags.pulse_ms = heartbeat_.interval_ms();
     }
     const std::vector<std::string> common = bus::to_arguments(flags);
     arguments.insert(arguments.begin(), common.begin(), common.end());
@@ -114,8 +173,20 @@ void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
     if (topology_.vector_target != VectorTarget::best) {
         env.push_back(fmt::format("PXPL5_TARGET={}", enum_name(topology_.vector_target)));
     }
-    node.pid = supervisor_.spawn({name, options_.binaries / node.binary(), std::move(arguments),
-                                  std::move(env), core, folder_ / (name + ".log")});
+    link_.expect(node.id, node.role);
+    const Descriptor credentials{bus::credentials_pipe(credentials_)};
+    ProcessCommand command{
+        name, options_.binaries / node.binary(), std::move(arguments), std::move(env),
+        core, folder_ / (name + ".log")};
+    command.new_log = node.role == Role::io;
+    command.inherited = {credentials.number};
+    if (cell >= 0) {
+        command.inherited.push_back(cell);
+    }
+    node.pid = supervisor_.spawn(command);
+    if (cell >= 0) {
+        heartbeat_.watch({name, node.pid, node.role == Role::io}, now_ms());
+    }
 }
 
 Roster Launcher::bring_up(Roster nodes) {
@@ -125,7 +196,11 @@ Roster Launcher::bring_up(Roster nodes) {
     ring.insert(ring.end(), handshake.nodes().begin(), handshake.nodes().end());
     const bus::Payload told = topology_message(ring, topology_);
     for (const RosterEntry& node : handshake.nodes()) {
-        link_.add_peer(node.id, node.endpoint);
+        try {
+            link_.add_peer(node.id, node.role, node.endpoint);
+        } catch (const std::invalid_argument& error) {
+            blame(node.id, unavailable_code, fmt::format("{}: {}", node.name(), error.what()));
+        }
         link_.send(node.id, told);
     }
     await("connected", handshake, [&handshake] { return handshake.unconnected(); });
@@ -134,6 +209,13 @@ Roster Launcher::bring_up(Roster nodes) {
         link_.send(node.id, go);
     }
     return handshake.nodes();
+}
+
+int Launcher::wait_ms(std::int64_t most_ms) const {
+    const int due_ms = heartbeat_.due_ms(now_ms());
+    return most_ms < 0  ? due_ms
+           : due_ms < 0 ? static_cast<int>(most_ms)
+                        : static_cast<int>(std::min<std::int64_t>(most_ms, due_ms));
 }
 
 void Launcher::await(const std::string& what, Handshake& handshake, const Missing& missing) {
@@ -151,23 +233,24 @@ void Launcher::await(const std::string& what, Handshake& handshake, const Missin
         if (left_ms <= 0) {
             fail(timeout_code,
                  fmt::format("{} {} not {} within {} s", fmt::join(names, ", "),
-                             names.size() == 1 ? "has" : "have", what, options_.start_timeout_s));
+                             names.size() == 1 ? "has" : "have", what, options_.start_timeout_s),
+                 names.front());
         }
-        supervisor_.wait(link_.poll_fd(), static_cast<int>(left_ms));
+        supervisor_.wait(link_.poll_fd(), wait_ms(left_ms));
     }
 }
 
 void Launcher::take_control(const bus::Message& message, Handshake& handshake) {
     try {
         if (const auto* hello = message.as<schema::Hello>()) {
-            handshake.hello(*hello);
+            handshake.hello(message.source(), *hello);
         } else if (message.kind() == schema::Body::Connected) {
             handshake.connected(message.source());
         } else {
             keep(message);
         }
     } catch (const MachineError& error) {
-        fail(error.code, error.what());
+        blame(message.source(), error.code, error.what());
     }
 }
 
@@ -199,21 +282,35 @@ bool Launcher::is_not_for_now(const bus::Message& message) {
 }
 
 std::optional<bus::Message> Launcher::take_from_link() {
-    try {
-        if (io_.early_hello && !io_.prepared) {  // The process is in use now.
-            return std::exchange(io_.early_hello, std::nullopt);
-        }
-        std::optional<bus::Message> message = link_.receive();
-        while (message && is_not_for_now(*message)) {
+    if (io_.early_hello && !io_.prepared) {  // The process is in use now.
+        return std::exchange(io_.early_hello, std::nullopt);
+    }
+    while (true) {
+        std::optional<bus::Message> message;
+        try {
             message = link_.receive();
+        } catch (const bus::BadMessage& bad) {
+            blame(bad.source, failed_code, bad.what());
+            continue;
+        } catch (const bus::WireFault& bad) {  // A gap, so no message can be trusted now.
+            blame(bad.source, failed_code, bad.what());
+            continue;
+        } catch (const std::runtime_error& error) {
+            fail(failed_code, error.what());
         }
-        if (message) {
+        const bool is_for_now = message && !is_not_for_now(*message);
+        if (is_for_now) {
             note(*message);
         }
-        return message;
-    } catch (
-        const std::runtime_error& error) {  // BadMessage, or a gap: no message can be trusted now.
-        fail(failed_code, error.what());
+        if (io_.offense) {
+            if (is_for_now) {
+                keep(*message);
+            }
+            const bus::Refusal offense = *std::exchange(io_.offense, std::nullopt);
+            blame(offense.source, failed_code, offense.text);
+        } else if (is_for_now || !message) {
+            return message;
+        }
     }
 }
 
@@ -222,8 +319,13 @@ std::optional<bus::Message> Launcher::receive() {
         throw *over_;
     }
     if (backlog_.empty()) {
-        return take_from_link();
+        std::optional<bus::Message> message = take_from_link();
+        if (message) {
+            heartbeat_.note_answer();
+        }
+        return message;
     }
+    heartbeat_.note_answer();
     bus::Message message = std::move(backlog_.front());
     backlog_.pop_front();
     backlog_bytes_ -= message.bytes().size();
@@ -238,13 +340,14 @@ void Launcher::send(bus::NodeId to, bus::Payload payload) {
 }
 
 void Launcher::wait() {
-    if (watched_fd_ >= 0) {
+    heartbeat_.note_wait();
+    if (watcher_.fd >= 0) {
         flush_trace();
-        supervisor_.wait_input(link_.poll_fd(), watched_fd_);
+        supervisor_.wait_input(link_.poll_fd(), watcher_.fd, wait_ms(-1));
         return;
     }
     if (!recorder_ || !recorder_->has_unwritten()) {
-        supervisor_.wait(link_.poll_fd(), -1);
+        supervisor_.wait(link_.poll_fd(), wait_ms(-1));
         return;
     }
     const std::int64_t start_ms = now_ms();
@@ -263,7 +366,7 @@ void Launcher::wait_readable(int fd) {
             keep(*message);
         }
         flush_trace();
-        readable = supervisor_.wait_input(link_.poll_fd(), fd);
+        readable = supervisor_.wait_input(link_.poll_fd(), fd, wait_ms(-1));
         check_health();
     }
 }

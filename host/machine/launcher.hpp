@@ -12,15 +12,25 @@
 #include <vector>
 
 #include "host/machine/handshake.hpp"
+#include "host/machine/heartbeat.hpp"
 #include "host/machine/machine.hpp"
 #include "host/machine/port.hpp"
 #include "host/machine/roster.hpp"
 #include "host/machine/run_folder.hpp"
 #include "host/machine/supervisor.hpp"
 #include "ringbus/trace/recorder.hpp"
+#include "ringbus/zmq/credentials.hpp"
 #include "ringbus/zmq/zmq_link.hpp"
 
 namespace pxpl5::host {
+
+/// Exit code if a node does not answer in time.
+inline constexpr int timeout_code = 124;
+
+/// Limit for nodes to write their traces on request.
+inline constexpr int save_ms = 60'000;
+/// The same after a fault, while the user waits for the error.
+inline constexpr int fault_save_ms = 3'000;
 
 /// Memory of all flight recorders together, beside the last two frames. With more, nodes would
 /// write into shared memory that is in no cache.
@@ -75,25 +85,39 @@ class Launcher {
     bus::Traffic traffic() const { return link_.traffic(); }
     /// See MachinePort::kill().
     void kill(bus::NodeId id);
+    /// Begins to wait for the answer to `work`.
+    void begin_wait() { heartbeat_.note_answer(); }
     /// Waits for a message or for an event that check_health() reports.
     void wait();
+    /// See MachinePort::name_work(), MachinePort::name_surfaces().
+    void name_work(const std::string& work) { work_ = work; }
+    void name_surfaces(NameOfSurface name_of) { heartbeat_.name_surfaces(std::move(name_of)); }
 
     /// See MachinePort::wait_readable().
     void wait_readable(int fd);
+    /// Waits `ms` milliseconds, also after the machine has ended. Throws MachineError if a signal
+    /// to the host comes.
+    void rest(int ms);
 
-    /// Throws MachineError if a node has died or a signal came, RequestError if the io process has
-    /// died. Throws the cancellation of allow_cancel().
+    /// Throws MachineError if a node has died or does not answer, or a signal came, RequestError if
+    /// this is the io process. Throws the cancellation of allow_cancel().
     void check_health();
 
     /// See MachinePort::allow_cancel().
     void allow_cancel(bool allowed);
-    bool can_be_cancelled() const { return can_be_cancelled_; }
+    bool can_be_canceled() const { return can_be_canceled_; }
     /// See MachinePort::watch().
     void watch(int fd, std::function<bool()> give_up);
+    /// See MachinePort::tell_suspects().
+    void tell_suspects(std::function<void(const std::string&)> tell) {
+        watcher_.tell_suspect = std::move(tell);
+    }
+    /// See MachinePort::allow_give_up().
+    void allow_give_up(bool allowed) { watcher_.may_cancel = allowed; }
 
     bool is_recording() const { return recorder_.has_value(); }
     /// See MachinePort::save_traces().
-    SavedTraces save_traces();
+    SavedTraces save_traces(int limit_ms);
 
     /// Ends the machine in order. Throws MachineError if a signal came, or if a node has died, does
     /// not end by itself or ends with an exit code other than 0.
@@ -104,18 +128,34 @@ class Launcher {
     std::string name_of(bus::NodeId id) const;
 
   private:
+    /// A descriptor of a new pulse for the process `name`; -1 if the heartbeat is off.
+    int prepare_pulse(const std::string& name);
     void spawn(RosterEntry& node, const RoleSettings& settings, std::vector<std::string> arguments);
     /// Takes the started `nodes` through the barriers: Hello, topology, Connected, Go.
     Roster bring_up(Roster nodes);
     using Missing = std::function<std::vector<std::string>()>;
+    /// The time to wait: until the next look at the heartbeat, at most `most_ms` (-1: no limit).
+    int wait_ms(std::int64_t most_ms) const;
     void await(const std::string& what, Handshake& handshake, const Missing& missing);
     void take_control(const bus::Message& message, Handshake& handshake);
+    /// Sets up the link: its model, and its reports of dropped messages.
+    void prepare_link();
+    void take_refusal(const bus::Refusal& refusal);
+    void report_refusals() const;
+    /// Ends what node `id` belongs to, because the node cannot be trusted: a request if the node is
+    /// an io process, else the machine. Returns if no request depends on the io process.
+    void blame(bus::NodeId id, int code, const std::string& text);
     /// Adds to the backlog. Throws MachineError if the backlog is full.
     void keep(const bus::Message& message);
     /// The next message that has arrived and needs no waiting.
     std::optional<bus::Message> take_from_link();
     bool is_not_for_now(const bus::Message& message);
     RosterEntry spawn_io();
+    /// Whether a used, prepared or dismissed io process has this id, or this index.
+    bool has_io_id(bus::NodeId id) const;
+    bool has_io_index(int index) const;
+    /// The error of an io process that has died.
+    RequestError io_error(const Death& death);
     void drop_prepared_io();
     /// Forgets io processes that have ended. Kills those that still run.
     void bury_dismissed();
@@ -124,16 +164,23 @@ class Launcher {
     bool was_dismissed(const Death& death) const;
     /// Calls the function of watch() if its descriptor is readable. Throws the cancellation.
     void ask_watcher();
+    void kill_io();
     /// Kills the io process and throws the cancellation.
     [[noreturn]] void cancel();
+    /// Looks at the heartbeat. Ends nodes that do not answer, and throws as check_health() does.
+    void check_heartbeat();
+    /// Ends the machine if no node works on the answer that the host waits for.
+    void check_answer();
     std::string describe(const Death& death) const;
-    [[noreturn]] void fail(int code, const std::string& text);
+    /// Ends the machine. `node` is the name of the node at fault, if it is known.
+    [[noreturn]] void fail(int code, const std::string& text, const std::string& node = {});
     /// Ends the machine because of a signal to the host, which is not an error.
     [[noreturn]] void give_in(const MachineError& cause);
     /// Ends all nodes. Returns the first cause if the end was not orderly: a death, or a signal to
     /// the host.
     std::optional<MachineError> bring_down(int grace_ms);
-    void discard_messages();
+    /// Drops at most max_discarded messages, so that no flood delays the end.
+    void discard_messages(bool are_recorded);
 
     // Recording, in launcher_traces.cpp.
     void start_recording();
@@ -147,6 +194,13 @@ class Launcher {
     /// Orders the running nodes and the host to write. Returns the nodes to wait for.
     std::set<bus::NodeId> ask_for_traces(SavedTraces& saved);
     void take_answer(const bus::Message& message, SavedTraces& saved) const;
+    /// Traces that the host waits for.
+    struct AwaitedTraces {
+        std::set<bus::NodeId> nodes, asked_again;
+    };
+    /// Takes the answer to a SaveTrace. Asks a node that refused the message once more, because a
+    /// node refuses the message after a lost one. Returns false for other messages.
+    bool take_trace_answer(const bus::Message& message, AwaitedTraces& awaited, SavedTraces& saved);
     /// The end of an error's text: where the traces are. Empty if nothing is recorded.
     std::string traces_of_failure();
     std::optional<MachineError> close_trace();
@@ -156,13 +210,15 @@ class Launcher {
         std::optional<RosterEntry> used;
         std::optional<RosterEntry> prepared;      ///< Started, but not in use yet.
         std::optional<bus::Message> early_hello;  ///< The prepared process's first message.
-        int count = 0;
+        unsigned started = 0;
         ExitCode death_code = ExitCode::bad_data;
-        std::map<bus::NodeId, std::string> dismissed;  ///< Names of earlier io processes.
+        std::map<bus::NodeId, RosterEntry> dismissed;  ///< Earlier io processes.
+        std::optional<bus::Refusal> offense;           ///< A forbidden message of an io process.
     };
 
     Topology topology_;
     MachineOptions options_;
+    bus::Credentials credentials_;
     std::filesystem::path folder_;
     HeldSignals signals_;  // Outlives the sockets: a late signal must not keep their removal.
     SocketFolder sockets_;
@@ -171,11 +227,21 @@ class Launcher {
     bus::ZmqLink link_;
     Supervisor supervisor_;  // After the link: children end before their host's socket.
     Roster roster_;          ///< Host first.
+    Heartbeat heartbeat_;
+    std::string work_ = "request";  ///< The work that the session waits for.
     IoProcesses io_;
-    bool can_be_cancelled_ = false;
-    int watched_fd_ = -1;
-    std::function<bool()> give_up_;  ///< Function of watch().
-    bool launched_ = false;          ///< All nodes have received Go.
+    /// See MachinePort::watch().
+    struct Watcher {
+        int fd = -1;
+        std::function<bool()> give_up;
+        bool may_cancel = false;  ///< See MachinePort::allow_give_up().
+        bool has_given_up = false;
+        std::function<void(const std::string&)> tell_suspect;  ///< See tell_suspects().
+    };
+
+    bool can_be_canceled_ = false;
+    Watcher watcher_;
+    bool launched_ = false;  ///< All nodes have received Go.
     /// Messages that came during a handshake, or while the host waited for input.
     std::deque<bus::Message> backlog_;
     std::size_t backlog_bytes_ = 0;

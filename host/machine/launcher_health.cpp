@@ -1,4 +1,4 @@
-// Launcher: the io process, deaths, signals, and the end.
+// Launcher: deaths, signals, and the end.
 #include <fmt/format.h>
 #include <poll.h>
 
@@ -6,7 +6,6 @@
 #include <array>
 #include <csignal>
 #include <cstring>
-#include <fstream>
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -16,34 +15,18 @@ namespace pxpl5::host {
 
 namespace {
 
-namespace schema = bus::schema;
-
 constexpr int failed_drain_ms = 500;  // From Shutdown to SIGTERM after a failure.
 constexpr int terminate_ms = 1000;    // From SIGTERM to SIGKILL.
-
-/// The last line of a process's log, its reason for ending. Empty if the process wrote no line.
-std::string last_words(const std::filesystem::path& log) {
-    std::ifstream file(log);
-    std::string line, last;
-    std::getline(file, line);  // The first line names the program.
-    while (std::getline(file, line)) {
-        last = line.empty() ? last : line;
-    }
-    return last;
-}
-
-bus::Payload shutdown_message() {
-    schema::ShutdownT message;
-    message.reason = "the host is done";
-    return bus::pack(message);
-}
+constexpr int max_discarded = 4096;
+constexpr int killed_ms = 10'000;  // From SIGKILL until the host leaves a process to the kernel.
+constexpr std::string_view ipc_scheme = "ipc://";
 
 /// The next step of the end, after a step took too long or the user pressed Ctrl-C again.
 struct Step {
     int signal;
-    int patience_ms;  ///< -1: the last step.
+    int patience_ms;
 };
-constexpr std::array steps = {Step{SIGTERM, terminate_ms}, Step{SIGKILL, -1}};
+constexpr std::array steps = {Step{SIGTERM, terminate_ms}, Step{SIGKILL, killed_ms}};
 
 MachineError interruption(int signal) {
     MachineError error(128 + signal, fmt::format("interrupted by SIG{}", sigabbrev_np(signal)));
@@ -53,113 +36,69 @@ MachineError interruption(int signal) {
 
 }  // namespace
 
-RosterEntry Launcher::spawn_io() {
-    bury_dismissed();
-    RosterEntry node;
-    node.id = static_cast<bus::NodeId>(roster_.size() + static_cast<std::size_t>(io_.count));
-    node.role = schema::Role::io;
-    node.index = io_.count++;
-    try {
-        spawn(node, {},
-              {"--memory-mib", std::to_string(options_.io_memory_mib), "--cpu-s",
-               std::to_string(options_.io_cpu_s)});
-    } catch (const MachineError& error) {
-        throw RequestError(ExitCode::unavailable, error.what());
-    }
-    return node;
-}
-
-void Launcher::prepare_io() {
-    if (!io_.prepared) {
-        io_.prepared = spawn_io();
-    }
-}
-
-bus::NodeId Launcher::start_io(ExitCode on_death) {
-    dismiss_io();
-    check_health();  // A prepared process that has died was not killed by bad data.
-    io_.used = io_.prepared ? *std::exchange(io_.prepared, std::nullopt) : spawn_io();
-    io_.death_code = on_death;
-    io_.used = bring_up({*io_.used}).front();
-    return io_.used->id;
-}
-
-/// Ends a prepared process that has no request.
-void Launcher::drop_prepared_io() {
-    if (io_.prepared) {
-        supervisor_.kill(io_.prepared->name(), SIGKILL);
-        io_.dismissed.emplace(io_.prepared->id, io_.prepared->name());
-        io_.prepared.reset();
-        io_.early_hello.reset();
-    }
-}
-
-void Launcher::release_io() {
-    dismiss_io();
-}
-
-void Launcher::dismiss_io() {
-    if (!io_.used) {
-        return;
-    }
-    if (!io_.used->endpoint.empty()) {
-        link_.send(io_.used->id, shutdown_message());
-    }
-    io_.dismissed.emplace(io_.used->id, io_.used->name());
-    std::erase_if(backlog_, [this](const bus::Message& message) {
-        const bool is_its_own = message.source() == io_.used->id;
-        backlog_bytes_ -= is_its_own ? message.bytes().size() : 0;
-        return is_its_own;
-    });
-    io_.used.reset();
-}
-
 void Launcher::allow_cancel(bool allowed) {
-    can_be_cancelled_ = false;
+    can_be_canceled_ = false;
     if (allowed) {
         check_health();  // An earlier signal does not cancel the operation that begins now.
     }
-    can_be_cancelled_ = allowed;
+    can_be_canceled_ = allowed;
 }
 
 void Launcher::watch(int fd, std::function<bool()> give_up) {
-    watched_fd_ = fd;
-    give_up_ = std::move(give_up);
+    watcher_ = {fd, std::move(give_up), false, false, std::move(watcher_.tell_suspect)};
 }
 
 void Launcher::ask_watcher() {
-    pollfd watched{watched_fd_, POLLIN, 0};
-    if (watched_fd_ >= 0 && poll(&watched, 1, 0) > 0 && give_up_() && can_be_cancelled_) {
+    pollfd watched{watcher_.fd, POLLIN, 0};
+    if (watcher_.fd >= 0 && poll(&watched, 1, 0) > 0 && watcher_.give_up()) {
+        watcher_.has_given_up = true;
+    }
+    if (watcher_.has_given_up && (can_be_canceled_ || watcher_.may_cancel)) {
+        watcher_.has_given_up = false;
         cancel();
     }
 }
 
 void Launcher::cancel() {
-    can_be_cancelled_ = false;
-    if (io_.used) {
-        supervisor_.kill(io_.used->name(), SIGKILL);
-        io_.used->endpoint.clear();
-        dismiss_io();
+    can_be_canceled_ = false;
+    if (io_.used && io_.death_code == ExitCode::failed) {
+        supervisor_.end(io_.used->name(), SIGTERM);  // It removes what it has written so far.
     }
-    throw Cancelled();
+    kill_io();
+    throw Canceled();
 }
 
-void Launcher::bury_dismissed() {
-    const std::vector<std::string> running = supervisor_.running();
-    for (auto past = io_.dismissed.begin(); past != io_.dismissed.end();) {
-        if (std::find(running.begin(), running.end(), past->second) != running.end()) {
-            supervisor_.kill(past->second, SIGKILL);
-            ++past;
-        } else {
-            link_.remove_peer(past->first);
-            past = io_.dismissed.erase(past);
-        }
+void Launcher::blame(bus::NodeId id, int code, const std::string& text) {
+    if (io_.used && io_.used->id == id) {
+        const std::string name = io_.used->name();
+        kill_io();
+        throw RequestError(io_.death_code,
+                           fmt::format("{} broke the protocol and was killed: {}", name, text));
+    }
+    if (io_.prepared && io_.prepared->id == id) {
+        drop_prepared_io();
+    } else if (io_.dismissed.count(id) == 0) {
+        fail(code, text, name_of(id));
     }
 }
 
-bool Launcher::was_dismissed(const Death& death) const {
-    return std::any_of(io_.dismissed.begin(), io_.dismissed.end(),
-                       [&death](const auto& past) { return past.second == death.name; });
+void Launcher::take_refusal(const bus::Refusal& refusal) {
+    const bool is_node = std::any_of(roster_.begin(), roster_.end(), [&](const RosterEntry& node) {
+        return node.id == refusal.source;
+    });
+    if (refusal.has_joined && !is_node) {
+        io_.offense = refusal;
+    } else if (!over_) {
+        fmt::print(stderr, "warning: the ring dropped {}; more of this kind are only counted\n",
+                   refusal.text);
+    }
+}
+
+void Launcher::report_refusals() const {
+    if (const std::uint64_t count = link_.traffic().refused_messages; count > 0) {
+        fmt::print(stderr, "warning: the host dropped {} message{} without a lawful sender\n",
+                   count, count == 1 ? "" : "s");
+    }
 }
 
 std::string Launcher::describe(const Death& death) const {
@@ -173,7 +112,7 @@ void Launcher::kill(bus::NodeId id) {
     if (over_) {
         throw *over_;
     }
-    supervisor_.end(name_of(id));
+    supervisor_.end(name_of(id), SIGKILL);
 }
 
 void Launcher::check_health() {
@@ -186,22 +125,26 @@ void Launcher::check_health() {
         if (io_.used && io_.used->name() == death.name) {
             io_death = death;
         } else if (io_.prepared && io_.prepared->name() == death.name) {
+            heartbeat_.forget(death.name);
             io_.prepared.reset();  // The next start_io() tries again and reports the failure.
             io_.early_hello.reset();
         } else if (!was_dismissed(death)) {
-            fail(death.code(), describe(death));
+            fail(death.code(), describe(death), death.name);
         }
     }
-    if (const int signal = supervisor_.take_interrupt(); signal == SIGINT && can_be_cancelled_) {
+    if (const int signal = supervisor_.take_interrupt(); signal == SIGINT && can_be_canceled_) {
         cancel();
     } else if (signal != 0) {
         give_in(interruption(signal));
     }
     ask_watcher();
+    if (!io_death) {
+        check_heartbeat();
+    }
     if (io_death) {
         io_.used->endpoint.clear();
         dismiss_io();
-        throw RequestError(io_.death_code, describe(*io_death));
+        throw io_error(*io_death);
     }
     if (record_failure_) {
         const std::string text = *std::exchange(record_failure_, std::nullopt);
@@ -209,14 +152,76 @@ void Launcher::check_health() {
     }
 }
 
-void Launcher::fail(int code, const std::string& text) {
-    give_in({code, text + traces_of_failure()});
+void Launcher::check_heartbeat() {
+    for (const Heartbeat::Finding& found : heartbeat_.look(now_ms())) {
+        if (!found.is_dead) {
+            fmt::print(stderr, "warning: {}\n", found.text);
+            if (watcher_.tell_suspect) {
+                watcher_.tell_suspect(found.text);
+            }
+        } else if (io_.prepared && io_.prepared->name() == found.name) {
+            drop_prepared_io();
+        } else if (io_.used && io_.used->name() == found.name) {
+            kill_io();
+            throw RequestError(ExitCode::failed, found.text);
+        } else {
+            // The kernel then writes a core file if the limits allow one. A stopped process must
+            // continue to receive the signal.
+            supervisor_.kill(found.name, SIGABRT);
+            supervisor_.kill(found.name, SIGCONT);
+            fail(timeout_code, found.text, found.name);
+        }
+    }
+    if (heartbeat_.is_suspicious()) {
+        check_answer();
+    }
+}
+
+void Launcher::check_answer() {
+    const double waited_s = static_cast<double>(heartbeat_.quiet_ms()) / 1000;
+    const bool is_ipc = topology_.ring.transport == Transport::ipc;
+    for (const RosterEntry& node : roster_) {
+        const std::string path = node.endpoint.substr(ipc_scheme.size());
+        if (is_ipc && !std::filesystem::exists(path)) {
+            fail(static_cast<int>(ExitCode::failed),
+                 fmt::format("{}: no answer for {:.1f} s, because the socket {} was removed. Keep "
+                             "programs that clean up temporary files away from it, or set "
+                             "XDG_RUNTIME_DIR to another folder",
+                             work_, waited_s, path));
+        }
+    }
+    if (heartbeat_.is_lost()) {
+        fail(timeout_code, fmt::format("{}: no answer, although no node has had work for {:.1f} s",
+                                       work_, waited_s));
+    }
+}
+
+void Launcher::fail(int code, const std::string& text, const std::string& node) {
+    MachineError cause(code, text + traces_of_failure());
+    cause.node = node;
+    give_in(cause);
+}
+
+void Launcher::rest(int ms) {
+    const std::int64_t end_ms = now_ms() + ms;
+    std::int64_t left_ms = ms;
+    do {
+        supervisor_.wait(link_.poll_fd(), static_cast<int>(left_ms));
+        if (const int signal = supervisor_.take_interrupt(); signal != 0) {
+            throw interruption(signal);
+        }
+        if (over_) {
+            discard_messages(false);
+            supervisor_.take_deaths();
+        }
+        left_ms = end_ms - now_ms();
+    } while (left_ms > 0);
 }
 
 void Launcher::give_in(const MachineError& cause) {
     over_ = cause;
     bring_down(launched_ ? failed_drain_ms : 0);  // Before Go, no node has work to finish.
-    throw cause;
+    throw *over_;
 }
 
 void Launcher::shutdown() {
@@ -225,6 +230,7 @@ void Launcher::shutdown() {
     }
     dismiss_io();
     check_health();  // An earlier event is the cause, not a second Ctrl-C.
+    report_refusals();
     over_.emplace(1, "the machine has been shut down");
     if (const std::optional<MachineError> cause = bring_down(options_.drain_ms)) {
         throw *cause;
@@ -243,10 +249,17 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
     std::int64_t deadline_ms = now_ms() + grace_ms;
     for (std::vector<std::string> left; !(left = supervisor_.running()).empty();) {
         const bool patient = step == steps.size();
-        const std::int64_t left_ms =
-            patient ? -1 : std::max<std::int64_t>(0, deadline_ms - now_ms());
-        supervisor_.wait(link_.poll_fd(), static_cast<int>(left_ms));
-        discard_messages();
+        if (patient && now_ms() >= deadline_ms) {
+            const std::string text =
+                fmt::format("{} cannot be ended: the kernel keeps it {} s after SIGKILL",
+                            fmt::join(left, ", "), killed_ms / 1000);
+            fmt::print(stderr, "warning: {}\n", text);
+            cause = cause ? cause : MachineError(ExitCode::failed, text);
+            break;
+        }
+        supervisor_.wait(link_.poll_fd(),
+                         static_cast<int>(std::max<std::int64_t>(0, deadline_ms - now_ms())));
+        discard_messages(true);  // The last messages belong to the trace.
         for (const Death& death : supervisor_.take_deaths()) {
             const bool expected = death.signal == 0 && death.exit_code == 0;
             if (!cause && !expected && !was_dismissed(death)) {
@@ -255,6 +268,7 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
         }
         left = supervisor_.running();
         const int signal = supervisor_.take_interrupt();
+        over_->is_final |= signal != 0;  // The user wants the program to end.
         if (!patient && !left.empty() && (signal != 0 || now_ms() >= deadline_ms)) {
             if (!cause && signal != 0) {
                 cause = interruption(signal);  // The signal causes the deaths that follow.
@@ -268,17 +282,20 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
             ++step;
         }
     }
+    supervisor_.wait(link_.poll_fd(), 0);
+    over_->is_final |= supervisor_.take_interrupt() != 0;
     const std::optional<MachineError> unwritten = close_trace();
     return cause ? cause : unwritten;
 }
 
-void Launcher::discard_messages() {
-    for (bool more = true; more;) {
+void Launcher::discard_messages(bool are_recorded) {
+    bool more = true;
+    for (int count = 0; more && count < max_discarded; ++count) {
         try {
             const std::optional<bus::Message> message = link_.receive();
             more = message.has_value();
-            if (message) {
-                note(*message);  // The last messages belong to the trace.
+            if (message && are_recorded) {
+                note(*message);
             }
         } catch (const std::runtime_error&) {
             // The machine is ending already.

@@ -17,8 +17,6 @@ namespace {
 namespace schema = bus::schema;
 using bus::trace::TraceError;
 
-constexpr int failed_code = 1;
-constexpr int save_ms = 60000;        // Limit for nodes to write their traces on request.
 constexpr int failed_save_ms = 1000;  // Limit after a failure, while the user waits.
 
 }  // namespace
@@ -84,7 +82,7 @@ std::optional<MachineError> Launcher::close_trace() {
             recorder_->close();
         }
     } catch (const TraceError& error) {
-        return MachineError(failed_code, error.what());
+        return MachineError(ExitCode::failed, error.what());
     }
     return std::nullopt;
 }
@@ -123,7 +121,30 @@ void Launcher::take_answer(const bus::Message& message, SavedTraces& saved) cons
     saved.bytes += answer.bytes();
 }
 
-SavedTraces Launcher::save_traces() {
+bool Launcher::take_trace_answer(const bus::Message& message, AwaitedTraces& awaited,
+                                 SavedTraces& saved) {
+    const bus::NodeId node = message.source();
+    if (message.kind() == bus::Body::TraceSaved) {
+        if (awaited.nodes.erase(node) != 0) {
+            take_answer(message, saved);
+        }
+        return true;
+    }
+    const auto* fault = message.as<schema::Fault>();
+    if (fault == nullptr || fault->request() != static_cast<int>(bus::Body::SaveTrace) ||
+        !awaited.nodes.contains(node)) {
+        return false;
+    }
+    if (awaited.asked_again.insert(node).second) {
+        link_.send(node, bus::pack(schema::SaveTraceT{}));
+    } else {
+        awaited.nodes.erase(node);
+        saved.missing.push_back(fmt::format("{}: {}", name_of(node), fault->reason()->str()));
+    }
+    return true;
+}
+
+SavedTraces Launcher::save_traces(int limit_ms) {
     if (over_) {
         throw *over_;
     }
@@ -132,25 +153,23 @@ SavedTraces Launcher::save_traces() {
                            "nothing is recorded: start the machine with --record flight or full");
     }
     SavedTraces saved;
-    std::set<bus::NodeId> awaited = ask_for_traces(saved);
-    const std::int64_t deadline_ms = now_ms() + save_ms;
-    while (!awaited.empty() && now_ms() < deadline_ms) {
+    AwaitedTraces awaited{ask_for_traces(saved), {}};
+    const std::int64_t deadline_ms = now_ms() + limit_ms;
+    while (!awaited.nodes.empty() && now_ms() < deadline_ms) {
         while (const auto message = take_from_link()) {
-            if (message->kind() != bus::Body::TraceSaved) {
+            if (!take_trace_answer(*message, awaited, saved)) {
                 keep(*message);
-            } else if (awaited.erase(message->source()) != 0) {
-                take_answer(*message, saved);
             }
         }
-        if (!awaited.empty()) {
+        if (!awaited.nodes.empty()) {
             check_health();
             const std::int64_t left_ms = deadline_ms - now_ms();
-            supervisor_.wait(link_.poll_fd(), static_cast<int>(std::max<std::int64_t>(left_ms, 0)));
+            supervisor_.wait(link_.poll_fd(), wait_ms(std::max<std::int64_t>(left_ms, 0)));
         }
     }
-    for (const bus::NodeId id : awaited) {
+    for (const bus::NodeId id : awaited.nodes) {
         saved.missing.push_back(
-            fmt::format("{}: no answer within {} s", name_of(id), save_ms / 1000));
+            fmt::format("{}: no answer within {} s", name_of(id), limit_ms / 1000));
     }
     return saved;
 }
@@ -161,26 +180,27 @@ std::string Launcher::traces_of_failure() {
         return {};
     }
     SavedTraces saved;
-    std::set<bus::NodeId> awaited = ask_for_traces(saved);
+    AwaitedTraces awaited{ask_for_traces(saved), {}};
     const std::int64_t deadline_ms = now_ms() + failed_save_ms;
     while (true) {
-        try {
-            while (const auto message = link_.receive()) {
-                note(*message);
-                if (message->kind() == bus::Body::TraceSaved &&
-                    awaited.erase(message->source()) != 0) {
-                    take_answer(*message, saved);
+        for (bool more = true; more && now_ms() < deadline_ms;) {
+            try {
+                const std::optional<bus::Message> message = link_.receive();
+                more = message.has_value();
+                if (message) {
+                    note(*message);
+                    take_trace_answer(*message, awaited, saved);
                 }
+            } catch (const std::runtime_error&) {
+                // This message is lost. The next may be valid.
             }
-        } catch (const std::runtime_error&) {
-            continue;  // This message is lost. The next may be valid.
         }
         const std::vector<std::string> running = supervisor_.running();
-        std::erase_if(awaited, [&](bus::NodeId id) {
+        std::erase_if(awaited.nodes, [&](bus::NodeId id) {
             return std::find(running.begin(), running.end(), name_of(id)) == running.end();
         });
         const std::int64_t left_ms = deadline_ms - now_ms();
-        if (awaited.empty() || left_ms <= 0) {
+        if (awaited.nodes.empty() || left_ms <= 0) {
             break;
         }
         supervisor_.wait(link_.poll_fd(), static_cast<int>(left_ms));

@@ -12,16 +12,74 @@ constexpr int messages_per_check = 64;  // Messages between two checks for death
 
 }  // namespace
 
+/// `launcher` is null only after a start that failed before any process ran.
 struct Machine::Parts {
-    Launcher launcher;
+    Parts(const Topology& plan, const MachineOptions& given) : topology(plan), options(given) {}
+
+    Topology topology;
+    MachineOptions options;
+    std::unique_ptr<Launcher> launcher;
+    MachineError lost{ExitCode::unavailable, "the machine has not started"};
     std::vector<bus::NodeId> gps, renderers;
+    int watched_fd = -1;
+    std::function<bool()> give_up;
+    NameOfSurface name_of_surface;
+    std::function<void(const std::string&)> tell_suspect;
+
+    Launcher& running() const {
+        if (!launcher) {
+            throw lost;
+        }
+        return *launcher;
+    }
+    void start(const Topology& plan);
 };
 
+void Machine::Parts::start(const Topology& plan) {
+    launcher = std::make_unique<Launcher>(plan, options);
+    launcher->launch();
+    gps = ids_of(launcher->roster(), bus::schema::Role::gp);
+    renderers = ids_of(launcher->roster(), bus::schema::Role::renderer);
+}
+
 Machine::Machine(const Topology& topology, const MachineOptions& options)
-    : parts_(new Parts{Launcher(topology, options), {}, {}}) {
-    parts_->launcher.launch();
-    parts_->gps = ids_of(parts_->launcher.roster(), bus::schema::Role::gp);
-    parts_->renderers = ids_of(parts_->launcher.roster(), bus::schema::Role::renderer);
+    : parts_(std::make_unique<Parts>(topology, options)) {
+    parts_->start(topology);
+}
+
+RestartSettings Machine::restart_of(const std::string& node) const {
+    const Topology& plan = parts_->topology;
+    return node.starts_with("renderer")      ? plan.renderer.restart
+           : node.starts_with("framebuffer") ? plan.frame_buffer.restart
+                                             : plan.gp.restart;
+}
+
+void Machine::start_again(const NodeChange& change, int pause_ms) {
+    Parts& parts = *parts_;
+    Topology plan = with_nodes(parts.topology, change.gps, change.renderers);
+    if (parts.launcher) {
+        parts.launcher->rest(pause_ms);
+        try {
+            parts.launcher->shutdown();  // Nodes write their traces. Throws after a death.
+        } catch (const MachineError& error) {
+            if (error.is_interruption) {
+                throw;
+            }
+        }
+    }
+    parts.launcher.reset();  // Ends all processes.
+    try {
+        parts.start(plan);
+    } catch (const MachineError&) {
+        throw;
+    } catch (const std::exception& error) {
+        parts.lost = {ExitCode::unavailable, error.what()};
+        throw parts.lost;
+    }
+    parts.topology = std::move(plan);
+    parts.launcher->watch(parts.watched_fd, parts.give_up);
+    parts.launcher->name_surfaces(parts.name_of_surface);
+    parts.launcher->tell_suspects(parts.tell_suspect);
 }
 
 Machine::~Machine() = default;
@@ -34,81 +92,113 @@ const std::vector<bus::NodeId>& Machine::renderer_ids() const {
 }
 
 std::vector<MachineNode> Machine::nodes() const {
-    return nodes_of(parts_->launcher.roster());
+    return nodes_of(parts_->running().roster());
 }
 bus::Traffic Machine::traffic() const {
-    return parts_->launcher.traffic();
+    return parts_->running().traffic();
 }
 void Machine::kill(bus::NodeId id) {
-    parts_->launcher.kill(id);
+    parts_->running().kill(id);
 }
 
 void Machine::send(bus::NodeId to, bus::Payload payload) {
-    parts_->launcher.send(to, std::move(payload));
+    parts_->running().send(to, std::move(payload));
 }
 
 void Machine::pump(const std::function<void(const bus::Message&)>& take,
                    const std::function<bool()>& done) {
-    parts_->launcher.check_health();
+    parts_->running().begin_wait();
+    parts_->running().check_health();
     for (int count = 1; !done(); ++count) {
-        if (const auto message = parts_->launcher.receive()) {
+        if (const auto message = parts_->running().receive()) {
             take(*message);
-            if (count % messages_per_check != 0 && !parts_->launcher.can_be_cancelled()) {
+            if (count % messages_per_check != 0 && !parts_->running().can_be_canceled()) {
                 continue;
             }
         } else if (done()) {  // Called again: receive() may have taken credit.
             return;
         } else {
-            parts_->launcher.wait();
+            parts_->running().wait();
         }
-        parts_->launcher.check_health();
+        parts_->running().check_health();
     }
 }
 
 void Machine::wait_readable(int fd) {
-    parts_->launcher.wait_readable(fd);
+    parts_->running().wait_readable(fd);
 }
 void Machine::prepare_io() {
-    parts_->launcher.prepare_io();
+    parts_->running().prepare_io();
 }
 bus::NodeId Machine::start_io(ExitCode on_death) {
-    return parts_->launcher.start_io(on_death);
+    return parts_->running().start_io(on_death);
 }
 void Machine::release_io() {
-    parts_->launcher.release_io();
+    if (parts_->launcher) {  // Destructors call this.
+        parts_->launcher->release_io();
+    }
 }
 flatbuffers::Allocator* Machine::body_allocator() {
-    return parts_->launcher.body_allocator();
+    return parts_->running().body_allocator();
 }
 bool Machine::takes_more(bus::NodeId to) const {
-    return parts_->launcher.takes_more(to);
+    return parts_->running().takes_more(to);
 }
 void Machine::allow_cancel(bool allowed) {
-    parts_->launcher.allow_cancel(allowed);
+    if (parts_->launcher) {
+        parts_->launcher->allow_cancel(allowed);
+    }
 }
 void Machine::watch(int fd, std::function<bool()> give_up) {
-    parts_->launcher.watch(fd, std::move(give_up));
+    parts_->watched_fd = fd;
+    parts_->give_up = std::move(give_up);
+    if (parts_->launcher) {  // The watcher may go after the machine.
+        parts_->launcher->watch(fd, parts_->give_up);
+    }
+}
+void Machine::name_work(const std::string& work) {
+    parts_->running().name_work(work);
+}
+void Machine::name_surfaces(std::function<std::string(std::uint32_t)> name_of) {
+    parts_->name_of_surface = std::move(name_of);
+    if (parts_->launcher) {
+        parts_->launcher->name_surfaces(parts_->name_of_surface);
+    }
+}
+void Machine::tell_suspects(std::function<void(const std::string&)> tell) {
+    parts_->tell_suspect = std::move(tell);
+    if (parts_->launcher) {
+        parts_->launcher->tell_suspects(parts_->tell_suspect);
+    }
 }
 bool Machine::is_recording() const {
-    return parts_->launcher.is_recording();
+    return parts_->running().is_recording();
+}
+void Machine::allow_give_up(bool allowed) {
+    if (parts_->launcher) {
+        parts_->launcher->allow_give_up(allowed);
+    }
 }
 SavedTraces Machine::save_traces() {
-    return parts_->launcher.save_traces();
+    return parts_->running().save_traces(save_ms);
+}
+SavedTraces Machine::save_traces_after_fault() {
+    return parts_->running().save_traces(fault_save_ms);
 }
 void Machine::shutdown() {
-    parts_->launcher.shutdown();
+    parts_->running().shutdown();
 }
 
 const std::filesystem::path& Machine::run_folder() const {
-    return parts_->launcher.folder();
+    return parts_->running().folder();
 }
 std::string Machine::node_name(bus::NodeId id) const {
-    return parts_->launcher.name_of(id);
+    return parts_->running().name_of(id);
 }
 
 std::vector<Machine::Process> Machine::processes() const {
     std::vector<Process> processes;
-    for (const RosterEntry& node : parts_->launcher.roster()) {
+    for (const RosterEntry& node : parts_->running().roster()) {
         processes.push_back({node.name(), node.pid});
     }
     return processes;

@@ -3,7 +3,10 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "host/base/state_folder.hpp"
 #include "host/machine/port.hpp"
 #include "host/machine/topology.hpp"
 
@@ -11,11 +14,17 @@ namespace pxpl5::host {
 
 struct MachineOptions {
     std::filesystem::path binaries;  ///< Folder of pxpl5-gp and the others; empty: the host's own.
-    std::filesystem::path run_base = "run";  ///< Parent of the run folder.
-    int start_timeout_s = 60;                ///< Limit for Hello from all nodes, and for Connected.
-    int drain_ms = 5000;        ///< Limit for nodes to end by themselves in shutdown().
-    int io_memory_mib = 16384;  ///< Address space of the io process.
-    int io_cpu_s = 300;         ///< CPU time of the io process.
+    std::filesystem::path run_base = default_run_base();  ///< Parent of the run folder.
+    int keep_runs = 0;                  ///< Run folders kept there, this one included; 0: all.
+    int start_timeout_s = 60;           ///< Limit for Hello from all nodes, and for Connected.
+    int drain_ms = 5000;                ///< Limit for nodes to end by themselves in shutdown().
+    int io_memory_mib = 16384;          ///< Address space of the io process.
+    int io_cpu_s = 300;                 ///< CPU time of the io process.
+    std::vector<std::string> io_allow;  ///< Where headers may name data files, beside their folder.
+    bool io_sandbox = true;             ///< Confines each io process to the files of its request.
+    /// Ids of io processes, used in turn. Messages of the process that had an id before have come.
+    unsigned io_ids = 1024;
+    bool insecure_tcp = false;  ///< Lets ring.transport=tcp work without encryption.
 };
 
 /// Launches, supervises and ends the processes of one machine. Use it from the main thread: the
@@ -40,6 +49,9 @@ class Machine final : public MachinePort {
     std::vector<MachineNode> nodes() const override;
     bus::Traffic traffic() const override;
     void kill(bus::NodeId id) override;
+    RestartSettings restart_of(const std::string& node) const override;
+    /// Makes a run folder of its own.
+    void start_again(const NodeChange& change, int pause_ms = 0) override;
     void send(bus::NodeId to, bus::Payload payload) override;
     flatbuffers::Allocator* body_allocator() override;
     bool takes_more(bus::NodeId to) const override;
@@ -50,9 +62,14 @@ class Machine final : public MachinePort {
     bus::NodeId start_io(ExitCode on_death = ExitCode::bad_data) override;
     void release_io() override;
     void allow_cancel(bool allowed) override;
+    void name_work(const std::string& work) override;
+    void name_surfaces(std::function<std::string(std::uint32_t)> name_of) override;
     void watch(int fd, std::function<bool()> give_up) override;
+    void tell_suspects(std::function<void(const std::string&)> tell) override;
     bool is_recording() const override;
+    void allow_give_up(bool allowed) override;
     SavedTraces save_traces() override;
+    SavedTraces save_traces_after_fault() override;
 
     /// Sends Shutdown to every node and waits until all have ended. Throws MachineError with the
     /// name of the first node that failed. The machine cannot be used afterwards.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/machine/topology.hpp"
 #include "ringbus/message.hpp"
 #include "ringbus/traffic.hpp"
 
@@ -17,13 +18,17 @@ namespace pxpl5::host {
 struct MachineError : std::runtime_error {
     MachineError(int exit_code, const std::string& text)
         : std::runtime_error(text), code(exit_code) {}
+    MachineError(ExitCode exit_code, const std::string& text)
+        : MachineError(static_cast<int>(exit_code), text) {}
     int code;  ///< The first failing child's exit code, 128 + signal, or 69 (unavailable).
     bool is_interruption = false;  ///< Caused by a signal to the host: not an error.
+    bool is_final = false;         ///< The machine may not be started again.
+    std::string node;              ///< The node that died or hung: "gp-3"; empty if unknown.
 };
 
 /// The user canceled the operation under way, by Ctrl-C or in another way. The machine continues.
-struct Cancelled : RequestError {
-    Cancelled() : RequestError(ExitCode::failed, "canceled") {}
+struct Canceled : RequestError {
+    Canceled() : RequestError(ExitCode::failed, "canceled") {}
 };
 
 /// The traces that the nodes and the host have written.
@@ -39,6 +44,11 @@ struct MachineNode {
     bus::NodeId id = 0;
     bus::schema::Role role = bus::schema::Role::host;
     std::string name;  ///< "gp-3".
+};
+
+/// Nodes that a machine gets, or loses, when it is started again.
+struct NodeChange {
+    int gps = 0, renderers = 0;
 };
 
 /// A running machine. One thread uses it.
@@ -58,6 +68,21 @@ class MachinePort {
     /// after any death: pump() and the other functions throw MachineError.
     virtual void kill(bus::NodeId) {
         throw RequestError(ExitCode::usage, "this machine has no processes to kill");
+    }
+
+    /// The settings for the death of a node, for example "gp-3"; for an unknown one the GPs'.
+    virtual RestartSettings restart_of(const std::string&) const {
+        return {RestartPolicy::end, 0, 0};
+    }
+    /// Ends what is left of the machine, and starts it again. Ids of GPs and Renderers may change;
+    /// the nodes have no content. watch() and name_surfaces() stay in force.
+    ///
+    /// pause_ms  Time to wait before, while signals to the host are heard.
+    /// Throws MachineError if the machine cannot be started. Then it may be tried again. Throws
+    /// RequestError (usage) for a count out of range; the machine continues.
+    virtual void start_again(const NodeChange&, int pause_ms = 0) {
+        static_cast<void>(pause_ms);
+        throw RequestError(ExitCode::usage, "this machine cannot be started again");
     }
 
     virtual void send(bus::NodeId to, bus::Payload payload) = 0;
@@ -94,14 +119,30 @@ class MachinePort {
     virtual void allow_cancel(bool allowed) = 0;
 
     /// Calls `give_up` during pump() whenever `fd` is readable (-1: stops calling it). `give_up`
-    /// must leave `fd` unreadable. If it returns true while canceling is allowed, it acts as the
-    /// first SIGINT.
+    /// must leave `fd` unreadable. After it has returned true, it acts as the first SIGINT, once
+    /// allow_cancel() or allow_give_up() has allowed that.
     virtual void watch(int fd, std::function<bool()> give_up) = 0;
+    /// While `allowed`, the function of watch() may cancel the operation under way. SIGINT may not.
+    virtual void allow_give_up(bool) {}
+
+    /// Names the work that the following pump() waits for, for errors: "surface bone".
+    virtual void name_work(const std::string&) {}
+    /// Calls `name_of` for the name of a surface's id, for errors. Empty: names are unknown.
+    virtual void name_surfaces(std::function<std::string(std::uint32_t)>) {}
+
+    /// Calls `tell` once for a node that does not answer, before the node is ended for that:
+    /// "gp-0 (process 71) has not answered for 2.0 s while ...". Empty: standard error alone
+    /// gets the text.
+    virtual void tell_suspects(std::function<void(const std::string&)> tell) {
+        static_cast<void>(tell);
+    }
 
     virtual bool is_recording() const = 0;
     /// Orders every node to write its recording. Recording continues.
     /// Throws RequestError (usage) if nothing is recorded, MachineError as pump() does.
     virtual SavedTraces save_traces() = 0;
+    /// The same after a fault, with a short limit, because the user waits for the error.
+    virtual SavedTraces save_traces_after_fault() { return save_traces(); }
 };
 
 }  // namespace pxpl5::host

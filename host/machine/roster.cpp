@@ -13,7 +13,6 @@ namespace schema = bus::schema;
 using schema::Role;
 
 constexpr std::uint64_t bytes_per_mib = std::uint64_t{1} << 20;
-constexpr std::uint64_t bytes_per_mb = 1'000'000;
 
 }  // namespace
 
@@ -89,8 +88,7 @@ bus::Payload topology_message(const Roster& roster, const Topology& topology) {
     }
     message.gp_memory_bytes = static_cast<std::uint64_t>(topology.gp_memory_mib) * bytes_per_mib;
     message.ring_channels = static_cast<std::uint16_t>(topology.ring.channels);
-    message.ring_bytes_per_s =
-        static_cast<std::uint64_t>(topology.ring.channel_mb_s) * bytes_per_mb;
+    message.ring_bytes_per_s = topology.ring.channel_bytes_per_s();
     message.ring_hop_ns = static_cast<std::uint32_t>(topology.ring.hop_ns);
     message.recording = static_cast<Recording>(topology.record);
     return bus::pack(message);
@@ -101,6 +99,12 @@ const RoleSettings& settings_of(const Topology& topology, Role role) {
     return role == Role::gp         ? topology.gp
            : role == Role::renderer ? topology.renderer
                                     : topology.frame_buffer;
+}
+
+bus::Payload shutdown_message() {
+    schema::ShutdownT message;
+    message.reason = "the host is done";
+    return bus::pack(message);
 }
 
 }  // namespace pxpl5::host

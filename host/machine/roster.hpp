@@ -37,4 +37,7 @@ bus::Payload topology_message(const Roster& roster, const Topology& topology);
 /// The settings of a role that is launched. `role` is gp, renderer or frame_buffer.
 const RoleSettings& settings_of(const Topology& topology, bus::schema::Role role);
 
+/// The order to end.
+bus::Payload shutdown_message();
+
 }  // namespace pxpl5::host

@@ -1,19 +1,33 @@
 #include "host/machine/run_folder.hpp"
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/state_folder.hpp"
 #include "ringbus/message.hpp"
 
 namespace pxpl5::host {
@@ -26,12 +40,110 @@ namespace fs = std::filesystem;
     throw RequestError(ExitCode::failed, fmt::format("{} {}: {}", what, path.string(), reason));
 }
 
-void write_file(const fs::path& path, const std::string& text) {
-    std::ofstream file(path);
-    file << text;
-    file.close();
-    if (!file) {
-        refuse("cannot write", path, std::strerror(errno));
+void write_file(const fs::path& path, std::string_view text) {
+    const int file =
+        ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+    ssize_t written = 0;
+    while (file >= 0 && !text.empty() && (written = ::write(file, text.data(), text.size())) > 0) {
+        text.remove_prefix(static_cast<std::size_t>(written));
+    }
+    const int reason = errno;
+    if (file < 0 || !text.empty()) {
+        refuse("cannot write", path, std::strerror(reason));
+    }
+    ::close(file);
+}
+
+/// The number of the program that made the run; nothing if `name` is not that of a run folder.
+std::optional<pid_t> maker_of(const std::string& name) {
+    constexpr std::string_view example = "20261123T093000Z-";
+    const auto is_like = [](char c, char model) {
+        return model >= '0' && model <= '9' ? c >= '0' && c <= '9' : c == model;
+    };
+    if (name.size() <= example.size() ||
+        !std::equal(example.begin(), example.end(), name.begin(),
+                    [&](char model, char c) { return is_like(c, model); })) {
+        return std::nullopt;
+    }
+    pid_t pid = 0;
+    const char* end = name.data() + name.size();
+    const auto [stop, error] = std::from_chars(name.data() + example.size(), end, pid);
+    return error == std::errc{} && pid > 0 && (stop == end || *stop == '-') ? std::optional(pid)
+                                                                            : std::nullopt;
+}
+
+bool is_running(pid_t pid) {
+    return kill(pid, 0) == 0 || errno == EPERM;
+}
+
+/// Removes what ended runs need not keep, see make_run_folder().
+void tidy_runs(const fs::path& base, int keep) {
+    std::vector<fs::path> runs;
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
+        if (!entry.is_symlink(ignored) && entry.is_directory(ignored) &&
+            maker_of(entry.path().filename().string())) {
+            runs.push_back(entry.path());
+        }
+    }
+    std::ranges::sort(runs, std::greater<>());  // Their names begin with the time.
+    std::set<pid_t> running;  // A program whose machine was started again counts once.
+    std::size_t ended = 0;
+    for (const fs::path& run : runs) {
+        if (const pid_t maker = *maker_of(run.filename().string()); is_running(maker)) {
+            running.insert(maker);
+            continue;
+        }
+        ++ended;
+        fs::remove_all(run / "uploads", ignored);
+        if (keep > 0 && running.size() + ended > static_cast<std::size_t>(keep)) {
+            fs::remove_all(run, ignored);
+        }
+    }
+}
+
+/// True if a program listens at the socket, or may do so.
+bool is_served(const fs::path& socket_path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string path = socket_path.string();
+    if (path.size() >= sizeof address.sun_path) {
+        return true;
+    }
+    std::ifstream sockets("/proc/net/unix");  // A look disturbs no host, a connection might.
+    for (std::string line; std::getline(sockets, line);) {
+        if (line.ends_with(" " + path)) {
+            return true;
+        }
+    }
+    std::memcpy(address.sun_path, path.data(), path.size());
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const bool is_refused =
+        fd >= 0 && connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 &&
+        errno == ECONNREFUSED;
+    ::close(fd);
+    return !is_refused;
+}
+
+/// Removes folders of sockets at which no program listens any more. A young folder stays, because
+/// its program may be about to listen.
+void remove_stale_sockets(const fs::path& parent) {
+    constexpr std::chrono::seconds youth{10};
+    constexpr std::string_view begin = "pxpl5-";
+    constexpr std::size_t name_length = begin.size() + 6;
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(parent, ignored)) {
+        const std::string name = entry.path().filename().string();
+        struct stat facts {};
+        const bool is_ours = name.starts_with(begin) && name.size() == name_length &&
+                             lstat(entry.path().c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) &&
+                             facts.st_uid == geteuid();
+        struct stat socket_facts {};
+        const fs::path host = entry.path() / "host";
+        if (is_ours && lstat(host.c_str(), &socket_facts) == 0 && S_ISSOCK(socket_facts.st_mode) &&
+            std::time(nullptr) - facts.st_mtime >= youth.count() && !is_served(host)) {
+            fs::remove_all(entry.path(), ignored);
+        }
     }
 }
 
@@ -81,32 +193,37 @@ std::string manifest(const Topology& topology, const std::string& started) {
 
 }  // namespace
 
-fs::path make_run_folder(const fs::path& base, const Topology& topology) {
+fs::path make_run_folder(const fs::path& base, const Topology& topology, int keep) {
     const std::tm utc = fmt::gmtime(std::time(nullptr));
     const std::string name = fmt::format("{:%Y%m%dT%H%M%SZ}-{}", utc, getpid());
     std::error_code error;
-    fs::create_directories(base, error);
-    fs::path folder = fs::absolute(base) / name;
-    // A program that starts a second machine within the same second numbers the folders.
-    for (int n = 2; !error && !fs::create_directory(folder, error) && !error; ++n) {
-        folder = fs::absolute(base) / fmt::format("{}-{}", name, n);
+    const fs::path parent = fs::absolute(base);
+    fs::create_directories(parent.parent_path(), error);
+    fs::path folder = parent / name;
+    if (mkdir(parent.c_str(), 0700) != 0 && errno != EEXIST) {
+        refuse("cannot make the run folder", folder, std::strerror(errno));
     }
-    if (error) {
-        refuse("cannot make the run folder", folder, error.message());
+    // A program that starts a second machine within the same second numbers the folders.
+    for (int n = 2; mkdir(folder.c_str(), 0700) != 0; ++n) {
+        if (errno != EEXIST) {
+            refuse("cannot make the run folder", folder, std::strerror(errno));
+        }
+        folder = parent / fmt::format("{}-{}", name, n);
     }
     write_file(folder / "config.resolved.json", resolved_json(topology));
     write_file(folder / "manifest.json",
                manifest(topology, fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)) + "\n");
+    tidy_runs(parent, keep);
     return folder;
 }
 
 SocketFolder::SocketFolder() {
     const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-    std::error_code error;
-    const bool usable = runtime != nullptr && access(runtime, W_OK | X_OK) == 0;
-    std::string pattern =
-        (usable ? fs::path(runtime) : fs::temp_directory_path(error)) / "pxpl5-XXXXXX";
-    if (error || mkdtemp(pattern.data()) == nullptr) {
+    const bool usable = runtime != nullptr && *runtime == '/' && access(runtime, W_OK | X_OK) == 0;
+    const fs::path parent = usable ? fs::path(runtime) : temporary_parent();
+    remove_stale_sockets(parent);
+    std::string pattern = parent / "pxpl5-XXXXXX";
+    if (mkdtemp(pattern.data()) == nullptr) {
         refuse("cannot make a folder for sockets", pattern, std::strerror(errno));
     }
     path_ = pattern;
@@ -115,6 +232,16 @@ SocketFolder::SocketFolder() {
 SocketFolder::~SocketFolder() {
     std::error_code error;
     fs::remove_all(path_, error);
+}
+
+std::string last_words(const std::filesystem::path& log) {
+    std::ifstream file(log);
+    std::string line, last;
+    std::getline(file, line);  // The first line names the program.
+    while (std::getline(file, line)) {
+        last = line.empty() ? last : line;
+    }
+    return last;
 }
 
 }  // namespace pxpl5::host

@@ -8,14 +8,19 @@
 
 namespace pxpl5::host {
 
-/// Makes <base>/<utc>-<pid> with config.resolved.json and manifest.json. Returns its absolute path.
-/// Throws RequestError (failed) naming the folder and the reason.
-std::filesystem::path make_run_folder(const std::filesystem::path& base, const Topology& topology);
+/// Makes <base>/<utc>-<pid> with config.resolved.json and manifest.json, for the owner alone: logs
+/// and traces name and hold patients' data. Returns its absolute path.
+///
+/// Removes uploads from the runs in `base` whose programs have ended, and these runs except for the
+/// newest `keep`; 0 keeps all. Throws RequestError (failed) naming the folder and the reason.
+std::filesystem::path make_run_folder(const std::filesystem::path& base, const Topology& topology,
+                                      int keep = 0);
 
 /// A private folder for ipc sockets, under a short path: a socket's path may have 107 characters.
 class SocketFolder {
   public:
-    /// In XDG_RUNTIME_DIR, or the system's folder for temporary files.
+    /// In XDG_RUNTIME_DIR, or the system's folder for temporary files. Removes the folders there
+    /// that killed hosts of this user have left: no program listens at their sockets.
     /// Throws RequestError (failed) naming the folder and the reason.
     SocketFolder();
     /// Removes the folder and its contents.
@@ -28,5 +33,8 @@ class SocketFolder {
   private:
     std::filesystem::path path_;
 };
+
+/// The last line of a process's log, its reason for ending. Empty if the process wrote no line.
+std::string last_words(const std::filesystem::path& log);
 
 }  // namespace pxpl5::host

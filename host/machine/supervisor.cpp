@@ -14,6 +14,7 @@
 #include <csignal>
 #include <cstring>
 #include <deque>
+#include <functional>
 #include <string_view>
 #include <utility>
 
@@ -23,8 +24,9 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr int unavailable = 69;
+constexpr auto unavailable = static_cast<int>(ExitCode::unavailable);
 constexpr std::size_t max_interrupts = 8;
+constexpr std::uint64_t end_ms = 10'000;  // From SIGKILL to the end of a process.
 
 std::string signal_name(int signal) {
     const char* name = sigabbrev_np(signal);
@@ -36,6 +38,13 @@ struct Child {
     std::string name;
     bool running = false;
 };
+
+/// Throws MachineError for an error of libuv.
+void check_uv(const char* what, int error) {
+    if (error != 0) {
+        throw MachineError(unavailable, fmt::format("cannot {}: {}", what, uv_strerror(error)));
+    }
+}
 
 /// Pointers into `texts`, with the final null that exec needs.
 std::vector<char*> pointers(std::vector<std::string>& texts) {
@@ -64,8 +73,9 @@ std::vector<std::string> environment(const std::vector<std::string>& added) {
 }
 
 /// An open log whose first line names the program.
-int open_log(const Command& command, const std::vector<std::string>& arguments) {
-    const int fd = open(command.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+int open_log(const ProcessCommand& command, const std::vector<std::string>& arguments) {
+    const int flags = O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC;
+    const int fd = open(command.log.c_str(), flags | (command.new_log ? O_TRUNC : 0), 0600);
     if (fd < 0) {
         throw MachineError(unavailable,
                            fmt::format("{} cannot start: its log {} cannot be opened: {}",
@@ -106,8 +116,12 @@ struct Supervisor::Parts {
 
     void watch(int fd);
     void watch_signals();
-    void run_until_event();
+    /// timeout_ms  -1: no limit.
+    void run_until_event(int timeout_ms);
     void on_exit(Child& child, int exit_code, int signal);
+    /// Waits until killed processes have ended, at most end_ms: the kernel may keep a process.
+    void run_until_ended(const std::function<bool()>& have_ended);
+    void close_loop();
 };
 
 void Supervisor::Parts::watch(int fd) {
@@ -116,14 +130,19 @@ void Supervisor::Parts::watch(int fd) {
     }
     assert(poll_fd == -1);  // The supervisor has one link.
     poll_fd = fd;
-    uv_poll_init(&loop, &poll, fd);
+    check_uv("watch the ring", uv_poll_init(&loop, &poll, fd));
     poll.data = this;
-    uv_poll_start(&poll, UV_READABLE, [](uv_poll_t* handle, int, int) {
-        static_cast<Parts*>(handle->data)->fd_readable = true;
-    });
+    check_uv("watch the ring", uv_poll_start(&poll, UV_READABLE, [](uv_poll_t* handle, int, int) {
+                 static_cast<Parts*>(handle->data)->fd_readable = true;
+             }));
 }
 
 void Supervisor::Parts::watch_signals() {
+    // The program's parent may have blocked it. No death would be noticed.
+    sigset_t child_signal;
+    sigemptyset(&child_signal);
+    sigaddset(&child_signal, SIGCHLD);
+    pthread_sigmask(SIG_UNBLOCK, &child_signal, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);
     constexpr std::array numbers = {SIGINT, SIGTERM, SIGHUP};
@@ -133,9 +152,9 @@ void Supervisor::Parts::watch_signals() {
         if (numbers[i] == SIGHUP && before.sa_handler == SIG_IGN) {
             continue;  // nohup: the run must outlive its terminal.
         }
-        uv_signal_init(&loop, &signals[i]);
+        check_uv("watch signals", uv_signal_init(&loop, &signals[i]));
         signals[i].data = this;
-        uv_signal_start(
+        const int error = uv_signal_start(
             &signals[i],
             [](uv_signal_t* handle, int number) {
                 Parts& parts = *static_cast<Parts*>(handle->data);
@@ -144,14 +163,54 @@ void Supervisor::Parts::watch_signals() {
                 }
             },
             numbers[i]);
+        check_uv("watch signals", error);
     }
 }
 
-void Supervisor::Parts::run_until_event() {
+void Supervisor::Parts::run_until_event(int timeout_ms) {
+    if (timeout_ms > 0) {
+        uv_update_time(&loop);
+        uv_timer_start(
+            &timer,
+            [](uv_timer_t* handle) {
+                static_cast<Parts*>(handle->data)->timer_fired = true;
+                // A timer of 0 ms fires before the loop polls, so the poll does not block.
+                uv_stop(handle->loop);
+            },
+            static_cast<std::uint64_t>(timeout_ms), 0);
+    }
     while (!timer_fired && !fd_readable && !input_readable && deaths.empty() &&
            interrupts.empty()) {
         uv_run(&loop, UV_RUN_ONCE);
     }
+    uv_timer_stop(&timer);
+}
+
+void Supervisor::Parts::close_loop() {
+    uv_walk(
+        &loop,
+        [](uv_handle_t* handle, void*) {
+            if (uv_is_closing(handle) == 0) {
+                uv_close(handle, nullptr);
+            }
+        },
+        nullptr);
+    uv_run(&loop, UV_RUN_DEFAULT);
+    [[maybe_unused]] const int closed = uv_loop_close(&loop);
+    assert(closed == 0);
+    close(input_set);
+}
+
+void Supervisor::Parts::run_until_ended(const std::function<bool()>& have_ended) {
+    timer_fired = false;
+    uv_update_time(&loop);
+    uv_timer_start(
+        &timer, [](uv_timer_t* handle) { static_cast<Parts*>(handle->data)->timer_fired = true; },
+        end_ms, 0);
+    while (!timer_fired && !have_ended()) {
+        uv_run(&loop, UV_RUN_ONCE);
+    }
+    uv_timer_stop(&timer);
 }
 
 void Supervisor::Parts::on_exit(Child& child, int exit_code, int signal) {
@@ -166,49 +225,45 @@ void Supervisor::Parts::on_exit(Child& child, int exit_code, int signal) {
 }
 
 Supervisor::Supervisor() : parts_(std::make_unique<Parts>()) {
-    uv_loop_init(&parts_->loop);
-    parts_->loop.data = parts_.get();
-    uv_timer_init(&parts_->loop, &parts_->timer);
-    parts_->timer.data = parts_.get();
-    if (uv_poll_init(&parts_->loop, &parts_->input_poll, parts_->input_set) != 0) {
+    if (parts_->input_set < 0) {
         throw MachineError(unavailable,
                            fmt::format("cannot watch the input: {}", std::strerror(errno)));
     }
-    parts_->input_poll.data = parts_.get();
-    parts_->watch_signals();
+    check_uv("make an event loop", uv_loop_init(&parts_->loop));
+    parts_->loop.data = parts_.get();
+    try {
+        check_uv("make a timer", uv_timer_init(&parts_->loop, &parts_->timer));
+        parts_->timer.data = parts_.get();
+        check_uv("watch the input",
+                 uv_poll_init(&parts_->loop, &parts_->input_poll, parts_->input_set));
+        parts_->input_poll.data = parts_.get();
+        parts_->watch_signals();
+    } catch (...) {
+        parts_->close_loop();
+        throw;
+    }
 }
 
 Supervisor::~Supervisor() {
     kill_all(SIGKILL);
-    while (!running().empty()) {
-        uv_run(&parts_->loop, UV_RUN_ONCE);
-    }
-    uv_walk(
-        &parts_->loop,
-        [](uv_handle_t* handle, void*) {
-            if (uv_is_closing(handle) == 0) {
-                uv_close(handle, nullptr);
-            }
-        },
-        nullptr);
-    uv_run(&parts_->loop, UV_RUN_DEFAULT);
-    [[maybe_unused]] const int closed = uv_loop_close(&parts_->loop);
-    assert(closed == 0);
-    close(parts_->input_set);
+    parts_->run_until_ended([this] { return running().empty(); });
+    parts_->close_loop();
 }
 
-int Supervisor::spawn(const Command& command) {
+int Supervisor::spawn(const ProcessCommand& command) {
     std::vector<std::string> arguments = {command.program.string()};
     arguments.insert(arguments.end(), command.arguments.begin(), command.arguments.end());
     std::vector<std::string> env = environment(command.env);
     const int log = open_log(command, arguments);
     std::vector<char*> argument_pointers = pointers(arguments), env_pointers = pointers(env);
 
-    std::array<uv_stdio_container_t, 3> streams{};
+    std::vector<int> descriptors = {-1, log, log};
+    descriptors.insert(descriptors.end(), command.inherited.begin(), command.inherited.end());
+    std::vector<uv_stdio_container_t> streams(descriptors.size());
     streams[0].flags = UV_IGNORE;
-    for (const std::size_t i : {1U, 2U}) {
+    for (std::size_t i = 1; i < streams.size(); ++i) {
         streams[i].flags = UV_INHERIT_FD;
-        streams[i].data.fd = log;
+        streams[i].data.fd = descriptors[i];
     }
     uv_process_options_t options{};
     options.file = arguments[0].c_str();
@@ -258,22 +313,10 @@ void Supervisor::wait(int fd, int timeout_ms) {
         uv_run(&parts_->loop, UV_RUN_NOWAIT);
         return;
     }
-    if (timeout_ms > 0) {
-        uv_update_time(&parts_->loop);
-        uv_timer_start(
-            &parts_->timer,
-            [](uv_timer_t* handle) {
-                static_cast<Parts*>(handle->data)->timer_fired = true;
-                // A timer of 0 ms fires before the loop polls, so the poll does not block.
-                uv_stop(handle->loop);
-            },
-            static_cast<std::uint64_t>(timeout_ms), 0);
-    }
-    parts_->run_until_event();
-    uv_timer_stop(&parts_->timer);
+    parts_->run_until_event(timeout_ms);
 }
 
-bool Supervisor::wait_input(int fd, int input) {
+bool Supervisor::wait_input(int fd, int input, int timeout_ms) {
     parts_->watch(fd);
     parts_->timer_fired = parts_->fd_readable = parts_->input_readable = false;
     epoll_event event{};
@@ -284,7 +327,7 @@ bool Supervisor::wait_input(int fd, int input) {
     uv_poll_start(&parts_->input_poll, UV_READABLE, [](uv_poll_t* handle, int, int) {
         static_cast<Parts*>(handle->data)->input_readable = true;
     });
-    parts_->run_until_event();
+    parts_->run_until_event(timeout_ms);
     uv_poll_stop(&parts_->input_poll);
     epoll_ctl(parts_->input_set, EPOLL_CTL_DEL, input, &event);
     return parts_->input_readable;
@@ -326,12 +369,12 @@ void Supervisor::kill(const std::string& name, int signal) {
     }
 }
 
-void Supervisor::end(const std::string& name) {
-    kill(name, SIGKILL);
-    for (std::vector<std::string> left = running();
-         std::find(left.begin(), left.end(), name) != left.end(); left = running()) {
-        uv_run(&parts_->loop, UV_RUN_ONCE);
-    }
+void Supervisor::end(const std::string& name, int signal) {
+    kill(name, signal);
+    parts_->run_until_ended([&] {
+        const std::vector<std::string> left = running();
+        return std::find(left.begin(), left.end(), name) == left.end();
+    });
 }
 
 std::int64_t now_ms() {

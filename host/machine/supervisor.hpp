@@ -23,14 +23,19 @@ struct Death {
     int code() const;
 };
 
-struct Command {
+struct ProcessCommand {
     std::string name;  ///< "gp-3".
     std::filesystem::path program;
     std::vector<std::string> arguments;  ///< Without the program's name.
     std::vector<std::string> env;        ///< "NAME=value", added to this process's environment.
     int core = -1;                       ///< Core to run on; -1: any.
     std::filesystem::path log;           ///< Takes stdout and stderr.
+    bool new_log = false;                ///< Discards an earlier process's log of this name.
+    std::vector<int> inherited = {};     ///< Become descriptors 3, 4, ... of the process.
 };
+
+/// Number of ProcessCommand::inherited[0] in the process.
+inline constexpr int first_inherited_fd = 3;
 
 /// One thread uses the supervisor. The kernel ends the children with this thread.
 class Supervisor {
@@ -45,16 +50,16 @@ class Supervisor {
 
     /// Starts a process in a new session and process group, with an empty stdin.
     /// Returns its pid. Throws MachineError (69) naming program and reason.
-    int spawn(const Command& command);
+    int spawn(const ProcessCommand& command);
 
     /// Waits until a process ends, a signal comes, `fd` is readable or `timeout_ms` is over (-1: no
     /// limit). Returns at once if a process has ended or a signal has come since the last call.
     void wait(int fd, int timeout_ms);
 
-    /// Waits as wait() does without a limit, or until `input` is readable. Does not change the
+    /// Waits as wait() does, or until `input` is readable. Does not change the
     /// flags of `input`, which other programs may share. Returns whether `input` is readable. Files
     /// on disk and closed descriptors count as readable, because reading them would not block.
-    bool wait_input(int fd, int input);
+    bool wait_input(int fd, int input, int timeout_ms = -1);
 
     /// Deaths since the last call, in the order in which they were noticed.
     std::vector<Death> take_deaths();
@@ -66,8 +71,9 @@ class Supervisor {
     /// Sends `signal` to the process groups of all running processes, or of `name` alone.
     void kill_all(int signal);
     void kill(const std::string& name, int signal);
-    /// Kills `name` and waits for its end. take_deaths() reports the death.
-    void end(const std::string& name);
+    /// Sends `signal` to `name` and waits for its end, at most 10 s. take_deaths() reports the
+    /// death.
+    void end(const std::string& name, int signal);
 
   private:
     struct Parts;

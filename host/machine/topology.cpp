@@ -1,6 +1,7 @@
 #include "host/machine/topology.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sched.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/nearest.hpp"
+#include "host/machine/modelled_topology.hpp"
 #include "host/machine/timing_section.hpp"
 #include "host/machine/topology_file.hpp"
 
@@ -26,36 +28,57 @@ namespace {
 /// A whole number of the plan and its range.
 struct NumberKey {
     std::string_view name;
-    int low, high;
+    int low, high;  ///< high 0: the most nodes of a role.
     int& (*in)(Topology&);
 };
 
 // One view of a picture needs one frame buffer; both eyes of a stereo picture share it, stacked.
 constexpr int max_frame_buffers = 1;
 constexpr int max_memory_mib = 1 << 20;
+constexpr int max_restarts = 1000;
+constexpr int max_backoff_ms = 60'000;
+constexpr int least_misses = 3;   // The host may see a beat two intervals late.
+constexpr int least_stuck_s = 3;  // An idle node moves once per second.
 
 constexpr std::array number_keys = {
-    NumberKey{"gp.count", 1, max_nodes_per_role, [](Topology& t) -> int& { return t.gp.count; }},
+    NumberKey{"gp.count", 1, 0, [](Topology& t) -> int& { return t.gp.count; }},
     NumberKey{"gp.memory_mib", 1, max_memory_mib,
               [](Topology& t) -> int& { return t.gp_memory_mib; }},
-    NumberKey{"renderer.count", 1, max_nodes_per_role,
-              [](Topology& t) -> int& { return t.renderer.count; }},
+    NumberKey{"renderer.count", 1, 0, [](Topology& t) -> int& { return t.renderer.count; }},
     NumberKey{"frame_buffer.count", 1, max_frame_buffers,
               [](Topology& t) -> int& { return t.frame_buffer.count; }},
+    NumberKey{"gp.restart.max", 0, max_restarts,
+              [](Topology& t) -> int& { return t.gp.restart.max; }},
+    NumberKey{"gp.restart.backoff_ms", 0, max_backoff_ms,
+              [](Topology& t) -> int& { return t.gp.restart.backoff_ms; }},
+    NumberKey{"renderer.restart.max", 0, max_restarts,
+              [](Topology& t) -> int& { return t.renderer.restart.max; }},
+    NumberKey{"renderer.restart.backoff_ms", 0, max_backoff_ms,
+              [](Topology& t) -> int& { return t.renderer.restart.backoff_ms; }},
+    NumberKey{"frame_buffer.restart.max", 0, max_restarts,
+              [](Topology& t) -> int& { return t.frame_buffer.restart.max; }},
+    NumberKey{"frame_buffer.restart.backoff_ms", 0, max_backoff_ms,
+              [](Topology& t) -> int& { return t.frame_buffer.restart.backoff_ms; }},
+    NumberKey{"heartbeat.interval_ms", 10, 60'000,
+              [](Topology& t) -> int& { return t.heartbeat.interval_ms; }},
+    NumberKey{"heartbeat.misses", 0, 1000, [](Topology& t) -> int& { return t.heartbeat.misses; }},
+    NumberKey{"heartbeat.stuck_s", 0, 86'400,
+              [](Topology& t) -> int& { return t.heartbeat.stuck_s; }},
 #define PXPL5_TIMING_RING(field, name, unit, least, most) \
     NumberKey{name, least, most, [](Topology& t) -> int& { return t.ring.field; }},
 #include "host/machine/timing_parameters.def"
 };
 
 struct RoleKey {
-    std::string_view cpu, env;
+    std::string_view cpu, env, restart_policy;
     RoleSettings& (*in)(Topology&);
 };
 constexpr std::array role_keys = {
-    RoleKey{"gp.cpu", "gp.env", [](Topology& t) -> RoleSettings& { return t.gp; }},
-    RoleKey{"renderer.cpu", "renderer.env",
+    RoleKey{"gp.cpu", "gp.env", "gp.restart.policy",
+            [](Topology& t) -> RoleSettings& { return t.gp; }},
+    RoleKey{"renderer.cpu", "renderer.env", "renderer.restart.policy",
             [](Topology& t) -> RoleSettings& { return t.renderer; }},
-    RoleKey{"frame_buffer.cpu", "frame_buffer.env",
+    RoleKey{"frame_buffer.cpu", "frame_buffer.env", "frame_buffer.restart.policy",
             [](Topology& t) -> RoleSettings& { return t.frame_buffer; }},
 };
 
@@ -73,6 +96,14 @@ void resolve_counts(Topology& topology) {
     }
 }
 
+/// A topology file may come from a stranger. LD_PRELOAD and its like would make it a program.
+constexpr std::array<std::string_view, 4> allowed_variables = {"PXPL5_", "OMP_", "GOMP_", "KMP_"};
+
+bool is_allowed_variable(std::string_view variable) {
+    return std::ranges::any_of(allowed_variables,
+                               [&](std::string_view begin) { return variable.starts_with(begin); });
+}
+
 void check_cores(const std::string& where, const RoleKey& key, const RoleSettings& role) {
     for (const int core : role.cpu) {
         if (core < 0 || core >= CPU_SETSIZE) {
@@ -84,19 +115,40 @@ void check_cores(const std::string& where, const RoleKey& key, const RoleSetting
         if (variable.find('=') == std::string::npos || variable.front() == '=') {
             refuse(fmt::format("{}: {} has '{}', must be NAME=value", where, key.env, variable));
         }
+        if (!is_allowed_variable(variable)) {
+            refuse(
+                fmt::format("{}: {} sets '{}', but may set only names that begin with {}. Set "
+                            "other variables in the environment of pxpl5",
+                            where, key.env, variable.substr(0, variable.find('=')),
+                            fmt::join(allowed_variables, ", ")));
+        }
     }
 }
 
-void check(Topology& topology, const std::string& where) {
+void check(Topology& topology, const std::string& where, int most_nodes) {
     for (const NumberKey& key : number_keys) {
-        const int value = key.in(topology);
-        if (value < key.low || value > key.high) {
-            refuse(fmt::format("{}: {} is {}, must be {}..{}", where, key.name, value, key.low,
-                               key.high));
+        const int value = key.in(topology), high = key.high == 0 ? most_nodes : key.high;
+        if (value < key.low || value > high) {
+            refuse(
+                fmt::format("{}: {} is {}, must be {}..{}", where, key.name, value, key.low, high));
         }
     }
+    const auto check_limit = [&](const char* key, int value, int least) {
+        if (value != 0 && value < least) {
+            refuse(fmt::format("{}: {} is {}, must be 0 (off) or at least {}", where, key, value,
+                               least));
+        }
+    };
+    check_limit("heartbeat.misses", topology.heartbeat.misses, least_misses);
+    check_limit("heartbeat.stuck_s", topology.heartbeat.stuck_s, least_stuck_s);
     for (const RoleKey& key : role_keys) {
         check_cores(where, key, key.in(topology));
+    }
+    if (topology.frame_buffer.restart.policy == RestartPolicy::degrade) {
+        refuse(
+            fmt::format("{}: frame_buffer.restart.policy is degrade, must be replace or end: "
+                        "pictures need the frame buffer",
+                        where));
     }
     check_timing(topology.timing, where);
 }
@@ -132,8 +184,8 @@ Enum value_named(std::string_view key, std::string_view text) {
                        fmt::join(names.begin(), names.end() - 1, ", "), names.back()));
 }
 
-/// Returns false if `key` does not belong to a role's lists.
-bool set_role_list(Topology& topology, std::string_view key, std::string_view value) {
+/// Returns false if `key` does not belong to a role's lists and words.
+bool set_role_value(Topology& topology, std::string_view key, std::string_view value) {
     for (const RoleKey& role : role_keys) {
         if (key == role.cpu) {
             role.in(topology).cpu = core_list(key, value);
@@ -141,6 +193,10 @@ bool set_role_list(Topology& topology, std::string_view key, std::string_view va
         }
         if (key == role.env) {
             role.in(topology).env.emplace_back(value);
+            return true;
+        }
+        if (key == role.restart_policy) {
+            role.in(topology).restart.policy = value_named<RestartPolicy>(key, value);
             return true;
         }
     }
@@ -153,7 +209,7 @@ bool set_role_list(Topology& topology, std::string_view key, std::string_view va
         known.push_back(number.name);
     }
     for (const RoleKey& role : role_keys) {
-        known.insert(known.end(), {role.cpu, role.env});
+        known.insert(known.end(), {role.cpu, role.env, role.restart_policy});
     }
     const std::vector<std::string_view> timing = timing_names();
     known.insert(known.end(), timing.begin(), timing.end());
@@ -178,7 +234,7 @@ void set_value(Topology& topology, std::string_view key, std::string_view value)
     } else if (key == "vector_target") {
         topology.vector_target = value_named<VectorTarget>(key, value);
     } else if (!override_timing(topology.timing, key, value) &&
-               !set_role_list(topology, key, value)) {
+               !set_role_value(topology, key, value)) {
         refuse_key(key);
     }
 }
@@ -218,6 +274,38 @@ std::filesystem::path find_named(const std::string& name) {
     refuse(fmt::format("no topology '{}'{}", name, did_you_mean(name, names)));
 }
 
+std::filesystem::path path_of(const std::string& name_or_path) {
+    const std::filesystem::path given(name_or_path);
+    const bool is_path = given.has_parent_path() || given.extension() == ".json";
+    return is_path ? given : find_named(name_or_path);
+}
+
+/// Applies one override.
+void change(Topology& topology, std::string_view assignment, int most_nodes) {
+    const std::size_t equals = assignment.find('=');
+    if (equals == std::string_view::npos) {
+        refuse(fmt::format("--set {}: must be key=value", assignment));
+    }
+    complete_timing(topology);
+    set_value(topology, assignment.substr(0, equals), assignment.substr(equals + 1));
+    // The figures of a modelled machine must not depend on this computer's cores.
+    if (most_nodes == max_nodes_per_role) resolve_counts(topology);
+    check(topology, fmt::format("--set {}", assignment), most_nodes);
+}
+
+Topology parse(std::string_view text, const std::string& file,
+               const std::vector<std::string>& overrides, int most_nodes) {
+    Topology topology = read_topology_file(text, file);
+    topology.name = std::filesystem::path(file).stem().string();
+    complete_timing(topology);
+    resolve_counts(topology);
+    check(topology, file, most_nodes);
+    for (const std::string& assignment : overrides) {
+        change(topology, assignment, most_nodes);
+    }
+    return topology;
+}
+
 }  // namespace
 
 std::string size_text(const Topology& topology) {
@@ -231,35 +319,37 @@ std::string size_text(const Topology& topology) {
                : fmt::format("{}, fitted to {}", size, counted(topology.fitted_to_cores, "core"));
 }
 
-void apply_override(Topology& topology, std::string_view assignment) {
-    const std::size_t equals = assignment.find('=');
-    if (equals == std::string_view::npos) {
-        refuse(fmt::format("--set {}: must be key=value", assignment));
-    }
+Topology with_nodes(Topology topology, int more_gps, int more_renderers) {
+    topology.gp.count += more_gps;
+    topology.renderer.count += more_renderers;
     complete_timing(topology);
-    set_value(topology, assignment.substr(0, equals), assignment.substr(equals + 1));
-    resolve_counts(topology);
-    check(topology, fmt::format("--set {}", assignment));
+    topology.fitted_to_cores = more_gps == 0 && more_renderers == 0 ? topology.fitted_to_cores : 0;
+    check(topology, "the machine", max_nodes_per_role);
+    return topology;
+}
+
+void apply_override(Topology& topology, std::string_view assignment) {
+    change(topology, assignment, max_nodes_per_role);
+}
+
+void apply_modelled_override(Topology& topology, std::string_view assignment) {
+    change(topology, assignment, max_modelled_nodes);
 }
 
 Topology parse_topology(std::string_view text, const std::string& file,
                         const std::vector<std::string>& overrides) {
-    Topology topology = read_topology_file(text, file);
-    topology.name = std::filesystem::path(file).stem().string();
-    complete_timing(topology);
-    resolve_counts(topology);
-    check(topology, file);
-    for (const std::string& assignment : overrides) {
-        apply_override(topology, assignment);
-    }
-    return topology;
+    return parse(text, file, overrides, max_nodes_per_role);
 }
 
 Topology load_topology(const std::string& name_or_path, const std::vector<std::string>& overrides) {
-    const std::filesystem::path given(name_or_path);
-    const bool is_path = given.has_parent_path() || given.extension() == ".json";
-    const std::filesystem::path path = is_path ? given : find_named(name_or_path);
-    return parse_topology(read_text(path), path.string(), overrides);
+    const std::filesystem::path path = path_of(name_or_path);
+    return parse(read_text(path), path.string(), overrides, max_nodes_per_role);
+}
+
+Topology load_modelled_topology(const std::string& name_or_path,
+                                const std::vector<std::string>& overrides) {
+    const std::filesystem::path path = path_of(name_or_path);
+    return parse(read_text(path), path.string(), overrides, max_modelled_nodes);
 }
 
 std::vector<std::filesystem::path> topology_folders() {

@@ -13,11 +13,19 @@
 
 namespace pxpl5::host {
 
+/// Settings for the death of a node.
+struct RestartSettings {
+    RestartPolicy policy = RestartPolicy::replace;
+    int max = 3;           ///< Restarts for one command or picture; then the machine ends.
+    int backoff_ms = 100;  ///< Pause before a restart within a minute of another; it doubles.
+};
+
 /// All nodes of one role.
 struct RoleSettings {
     int count = 0;                 ///< 1..64; in a file, 0 means as many as this process has cores.
     std::vector<std::string> env;  ///< "NAME=value", added to the host's environment.
     std::vector<int> cpu;          ///< Node n runs on core cpu[n mod size]; empty: any core.
+    RestartSettings restart = {};
 };
 
 struct RingSettings {
@@ -25,6 +33,19 @@ struct RingSettings {
     Transport transport = Transport::ipc;
     int channel_mb_s = 80;  ///< 10^6 bytes per second of one channel, modelled.
     int hop_ns = 50;        ///< From one node's ring interface to the next, modelled.
+
+    std::uint64_t channel_bytes_per_s() const {
+        return static_cast<std::uint64_t>(channel_mb_s) * 1'000'000;
+    }
+};
+
+/// When the host ends a node that does not answer.
+struct HeartbeatSettings {
+    int interval_ms = 1000;  ///< Between two beats of a node, and between two looks of the host.
+    int misses = 10;         ///< Missed beats after which a node is ended; 0: never.
+    int stuck_s = 300;       ///< Time without progress after which a node is ended; 0: never.
+
+    std::int64_t silence_ms() const { return std::int64_t{interval_ms} * misses; }
 };
 
 /// A parameter of the timing model, as a file gives it. timing_section.hpp has the names.
@@ -44,6 +65,7 @@ struct Topology {
     int fitted_to_cores = 0;   ///< Value of the counts that were 0; 0 if none was 0.
     int gp_memory_mib = 4096;  ///< Local memory of each GP.
     RingSettings ring;
+    HeartbeatSettings heartbeat;
     std::vector<TimingValue> timing;  ///< All values; those of paper-1993 if the file has none.
     Recording record = Recording::off;
     VectorTarget vector_target = VectorTarget::best;  ///< The same for all nodes.
@@ -63,10 +85,14 @@ Topology parse_topology(std::string_view text, const std::string& file,
                         const std::vector<std::string>& overrides = {});
 
 /// Sets one value: "gp.count=4", "gp.memory_mib=8", "gp.cpu=0,1", "renderer.env=A=b",
-/// "ring.transport=tcp", "record=full", "vector_target=sse4", "seed=7", "gp.edge_cycles=140",
-/// "share=own". A count of 0 is resolved.
+/// "ring.transport=tcp", "heartbeat.misses=0", "gp.restart.policy=end", "record=full",
+/// "vector_target=sse4", "seed=7", "gp.edge_cycles=140", "share=own". A count of 0 is resolved.
 /// Throws RequestError (usage).
 void apply_override(Topology& topology, std::string_view assignment);
+
+/// The plan with more or fewer GPs and Renderers. Throws RequestError (usage) if a count is out of
+/// range.
+Topology with_nodes(Topology topology, int more_gps, int more_renderers);
 
 /// The machine's size for messages: "2 GPs, 2 Renderers, fitted to 2 cores".
 std::string size_text(const Topology& topology);

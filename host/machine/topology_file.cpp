@@ -67,7 +67,8 @@ std::string home_of(const flatbuffers::Parser& parser, const std::string& key) {
 
 template <typename Role>
 void copy_role(const Role& from, RoleSettings& to) {
-    to = {from.count, from.env, from.cpu};
+    const config::RestartT restart = from.restart ? *from.restart : config::RestartT{};
+    to = {from.count, from.env, from.cpu, {restart.policy, restart.max, restart.backoff_ms}};
 }
 
 /// The parser takes any number for an enumeration.
@@ -137,6 +138,8 @@ Topology plan_of(const config::MachineT& machine) {
     copy_role(roles.frame_buffer ? *roles.frame_buffer : config::FrameBufferT{}, plan.frame_buffer);
     const config::RingT ring = machine.ring ? *machine.ring : config::RingT{};
     plan.ring = {ring.channels, ring.transport, ring.channel_mb_s, ring.hop_ns};
+    const config::HeartbeatT beat = machine.heartbeat ? *machine.heartbeat : config::HeartbeatT{};
+    plan.heartbeat = {beat.interval_ms, beat.misses, beat.stuck_s};
     plan.seed = machine.seed;
     plan.record = machine.record;
     plan.vector_target = machine.vector_target;
@@ -149,6 +152,10 @@ std::unique_ptr<RoleTable> role_table(const RoleSettings& role) {
     table->count = role.count;
     table->env = role.env;
     table->cpu = role.cpu;
+    table->restart = std::make_unique<config::RestartT>();
+    table->restart->policy = role.restart.policy;
+    table->restart->max = role.restart.max;
+    table->restart->backoff_ms = role.restart.backoff_ms;
     return table;
 }
 
@@ -166,7 +173,8 @@ std::vector<TimingValue> paper_timing() {
 Topology read_topology_file(std::string_view text, const std::string& file) {
     flatbuffers::Parser parser;
     learn_schema(parser);
-    if (!parser.Parse(std::string(text).c_str(), nullptr, file.c_str())) {
+    // Parse() would take a schema, too, whose root need not be a machine.
+    if (!parser.ParseJson(std::string(text).c_str(), file.c_str())) {
         refuse(parser, file);
     }
     const auto machine = config::UnPackMachine(parser.builder_.GetBufferPointer());
@@ -176,6 +184,12 @@ Topology read_topology_file(std::string_view text, const std::string& file) {
     check_enum(file, "record", machine->record, "off, flight or full");
     check_enum(file, "vector_target", machine->vector_target, "best, sse4, avx2 or avx512");
     Topology plan = plan_of(*machine);
+    for (const auto& [role, settings] : {std::pair{"gp", &plan.gp},
+                                         {"renderer", &plan.renderer},
+                                         {"frame_buffer", &plan.frame_buffer}}) {
+        check_enum(file, fmt::format("{}.restart.policy", role), settings->restart.policy,
+                   "replace, degrade or end");
+    }
     plan.timing = timing_of(*machine, file);
     check_timing_names(plan.timing, text, file);
     return plan;
@@ -193,6 +207,10 @@ std::string resolved_json(const Topology& topology) {
     machine.ring->transport = topology.ring.transport;
     machine.ring->channel_mb_s = topology.ring.channel_mb_s;
     machine.ring->hop_ns = topology.ring.hop_ns;
+    machine.heartbeat = std::make_unique<config::HeartbeatT>();
+    machine.heartbeat->interval_ms = topology.heartbeat.interval_ms;
+    machine.heartbeat->misses = topology.heartbeat.misses;
+    machine.heartbeat->stuck_s = topology.heartbeat.stuck_s;
     machine.timing = timing_table(topology.timing.empty() ? paper_timing() : topology.timing);
     machine.seed = topology.seed;
     machine.record = topology.record;

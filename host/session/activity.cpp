@@ -1,10 +1,10 @@
 #include "host/session/activity.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <utility>
 
 #include "host/base/stopwatch.hpp"
+#include "ringbus/activity.hpp"
 
 namespace pxpl5::host {
 
@@ -13,7 +13,6 @@ namespace {
 namespace schema = bus::schema;
 
 constexpr double ms_per_ns = 1e-6;
-constexpr std::uint64_t ns_per_s = 1'000'000'000;
 
 double ms_between(std::uint64_t before_ns, std::uint64_t now_ns) {
     return static_cast<double>(now_ns - before_ns) * ms_per_ns;
@@ -66,6 +65,7 @@ NodeReport new_of(const MachineNode& node, const schema::ActivityT& now,
     report.sent = new_sent(now.sent, before.sent);
     report.received_messages = now.received_messages - before.received_messages;
     report.received_bytes = now.received_bytes - before.received_bytes;
+    report.refused_messages = now.refused_messages;
     report.frames = static_cast<std::int64_t>(now.frames - before.frames);
     report.memory_bytes = now.memory_bytes;
     report.queue = now.queue;
@@ -75,18 +75,16 @@ NodeReport new_of(const MachineNode& node, const schema::ActivityT& now,
 
 /// The host's own answer.
 schema::ActivityT own_activity(const bus::Traffic& own) {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
     schema::ActivityT activity;
     activity.wall_ns = static_cast<std::uint64_t>(now_ns());
-    activity.cpu_ns = static_cast<std::uint64_t>(time.tv_sec) * ns_per_s +
-                      static_cast<std::uint64_t>(time.tv_nsec);
+    activity.cpu_ns = bus::processor_ns();
     for (const bus::SentCount& sum : own.sent) {
         activity.sent.emplace_back(sum.to, static_cast<std::uint16_t>(sum.kind), sum.channel,
                                    sum.messages, sum.bytes);
     }
     activity.received_messages = own.received_messages;
     activity.received_bytes = own.received_bytes;
+    activity.refused_messages = own.refused_messages;
     return activity;
 }
 

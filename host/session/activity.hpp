@@ -32,6 +32,7 @@ struct NodeReport {
     // Values at the newest answer.
     std::uint64_t memory_bytes = 0;
     std::uint32_t queue = 0, held_up = 0;
+    std::uint64_t refused_messages = 0;  ///< Dropped since the start: no lawful sender.
 };
 
 struct ActivityReport {

@@ -59,6 +59,9 @@ std::string node_text(const NodeReport& report) {
     for (const NodeReport::Stage& stage : report.stages) {
         text += fmt::format("  {} {:.1f}", stage.name, stage.ms);
     }
+    if (report.refused_messages > 0) {
+        text += fmt::format("  dropped messages {}", report.refused_messages);
+    }
     return text;
 }
 
@@ -79,20 +82,24 @@ Fields node_fields(const NodeReport& report, const std::map<bus::NodeId, std::st
         const auto name = names.find(each.to);
         sent.push_back(sent_fields(each, name == names.end() ? "io" : name->second));
     }
-    return {{"name", report.node.name},
-            {"role", std::string(bus::schema::EnumNameRole(report.node.role))},
-            {"answered", report.answered},
-            {"wall_ms", report.wall_ms},
-            {"busy", share(report.busy_ms, report.wall_ms)},
-            {"cpu", share(report.cpu_ms, report.wall_ms)},
-            {"stages", stages},
-            {"memory_bytes", whole(report.memory_bytes)},
-            {"queue", std::int64_t{report.queue}},
-            {"held_up", std::int64_t{report.held_up}},
-            {"frames", report.frames},
-            {"received_messages", whole(report.received_messages)},
-            {"received_bytes", whole(report.received_bytes)},
-            {"sent", sent}};
+    Fields fields{{"name", report.node.name},
+                  {"role", std::string(bus::schema::EnumNameRole(report.node.role))},
+                  {"answered", report.answered},
+                  {"wall_ms", report.wall_ms},
+                  {"busy", share(report.busy_ms, report.wall_ms)},
+                  {"cpu", share(report.cpu_ms, report.wall_ms)},
+                  {"stages", stages},
+                  {"memory_bytes", whole(report.memory_bytes)},
+                  {"queue", std::int64_t{report.queue}},
+                  {"held_up", std::int64_t{report.held_up}},
+                  {"frames", report.frames},
+                  {"received_messages", whole(report.received_messages)},
+                  {"received_bytes", whole(report.received_bytes)},
+                  {"sent", sent}};
+    if (report.refused_messages > 0) {
+        fields.push_back({"refused_messages", whole(report.refused_messages)});
+    }
+    return fields;
 }
 
 /// The last frame, and who has drawn what of it. There is none before the first.

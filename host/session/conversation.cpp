@@ -37,6 +37,25 @@ void Conversation::ask(const std::string& what, const bus::Payload& request, Ans
     wait_for_answers(what);
 }
 
+void Conversation::ask_cancelable(const std::string& what, const bus::Payload& request,
+                                  const Answer& answers, const Handler& take) {
+    const Cancelable cancelable(*this);
+    try {
+        ask(what, request, [&](const bus::Message& message) {
+            const bool is_answer = answers(message);
+            if (is_answer) {
+                take(message);
+            }
+            return is_answer;
+        });
+    } catch (const Canceled&) {
+        Late late{answers, {gps().begin(), gps().end()}};
+        std::erase_if(late.from, [this](bus::NodeId gp) { return answered_.contains(gp); });
+        late_.push_back(std::move(late));
+        throw;
+    }
+}
+
 void Conversation::expect(Answer answer) {
     answered_.clear();
     answer_ = std::move(answer);
@@ -46,11 +65,20 @@ bool Conversation::is_answered() const {
     return std::ranges::all_of(gps(), [this](bus::NodeId gp) { return answered_.contains(gp); });
 }
 
+void Conversation::begin_again() {
+    forget();
+    answered_.clear();
+    late_.clear();
+    fault_.reset();
+    ++broadcasts_;
+}
+
 void Conversation::wait_for_answers(const std::string& what) {
     wait(what, [this] { return is_answered(); });
 }
 
 void Conversation::wait(const std::string& what, const std::function<bool()>& done) {
+    machine_.name_work(what);
     machine_.pump([this](const bus::Message& message) { take(message); }, done);
     if (fault_) {
         const Failure failure = *std::exchange(fault_, std::nullopt);
@@ -71,18 +99,44 @@ void Conversation::take_arrived() {
 }
 
 void Conversation::discard_until(const Handler& take_one, const std::function<bool()>& done) {
+    machine_.name_work("discarding a volume");
     machine_.pump(
         [&](const bus::Message& message) {
             // An activity that is lost would be awaited for ever.
-            message.kind() == bus::Body::Activity ? take(message) : take_one(message);
+            if (message.kind() == bus::Body::Activity) {
+                take(message);
+            } else if (!is_late(message)) {
+                take_one(message);
+            }
         },
         done);
     fault_.reset();
 }
 
+/// A GP answers in the order of the requests, so an answer belongs to the oldest that waits for it.
+bool Conversation::is_late(const bus::Message& message) {
+    const bool is_fault = message.kind() == bus::Body::Fault;
+    if (is_fault && message.as<schema::Fault>()->frame()) {
+        return false;
+    }
+    for (auto late = late_.begin(); late != late_.end(); ++late) {
+        if (late->from.contains(message.source()) && (is_fault || late->answers(message))) {
+            late->from.erase(message.source());
+            if (late->from.empty()) {
+                late_.erase(late);
+            }
+            return true;
+        }
+    }
+    return false;
+}
+
 void Conversation::take(const bus::Message& message) {
     if (message.kind() == bus::Body::Fault) {
         take_fault(message);
+        return;
+    }
+    if (is_late(message)) {
         return;
     }
     if (answer_ && answer_(message)) {
@@ -99,6 +153,8 @@ void Conversation::take_fault(const bus::Message& message) {
         if (!takes_frame_fault_ || !takes_frame_fault_(*frame)) {
             return;
         }
+    } else if (is_late(message)) {
+        return;
     } else {
         // A fault is an answer, too, so that the next request does not receive it.
         answered_.insert(message.source());
@@ -115,7 +171,7 @@ std::string Conversation::traces_of(const Failure& failure) const {
         return {};
     }
     try {
-        const SavedTraces saved = machine_.save_traces();
+        const SavedTraces saved = machine_.save_traces_after_fault();
         return saved.nodes == 0
                    ? ""
                    : fmt::format("; traces of {} nodes: {}", saved.nodes, saved.folder);

@@ -1,11 +1,16 @@
 #include "host/session/exports.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <glm/geometric.hpp>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "host/scene/marks_messages.hpp"
+#include "host/surface/border_cap.hpp"
+#include "host/surface/mesh_distance.hpp"
+#include "host/surface/plane_cut.hpp"
 
 namespace pxpl5::host {
 
@@ -16,23 +21,50 @@ namespace schema = bus::schema;
 /// Room in one message for an animation's pixels, or for meshes.
 constexpr std::size_t max_export_bytes = std::size_t{768} << 20;
 
-/// The mesh in millimeters.
 flatbuffers::Offset<schema::ExportSurface> to_wire(flatbuffers::FlatBufferBuilder& builder,
-                                                   const Surface& surface, const WeldedMesh& mesh,
-                                                   const VolumeGrid& grid) {
+                                                   const Surface& surface, const WeldedMesh& mesh) {
     schema::MeshVertex* vertices = nullptr;
     const auto vertices_at =
         builder.CreateUninitializedVectorOfStructs(mesh.keys.size(), &vertices);
     for (std::size_t i = 0; i < mesh.keys.size(); ++i) {
-        const glm::vec3 p_mm(grid.p_mm(glm::dvec3(mesh.p_grid[i])));
-        const glm::vec3& n = mesh.normals[i];
+        const glm::vec3 &p_mm = mesh.p_grid[i], &n = mesh.normals[i];
         vertices[i] = schema::MeshVertex(p_mm.x, p_mm.y, p_mm.z, n.x, n.y, n.z);
     }
     const auto indices_at = builder.CreateVector(
         reinterpret_cast<const std::uint32_t*>(mesh.triangles.data()), mesh.triangles.size() * 3);
-    const schema::Rgb colour(surface.colour.r, surface.colour.g, surface.colour.b);
-    return schema::CreateExportSurface(builder, builder.CreateString(surface.name), &colour,
+    const schema::Rgb color(surface.color.r, surface.color.g, surface.color.b);
+    return schema::CreateExportSurface(builder, builder.CreateString(surface.name), &color,
                                        vertices_at, indices_at);
+}
+
+WeldedFile welded(const schema::ExportSurface& surface) {
+    std::vector<glm::vec3> points;
+    points.reserve(surface.vertices()->size());
+    for (const schema::MeshVertex* v : *surface.vertices()) {
+        points.emplace_back(v->x(), v->y(), v->z());
+    }
+    static_assert(sizeof(std::array<std::uint32_t, 3>) == 3 * sizeof(std::uint32_t));
+    const auto* triangles =
+        reinterpret_cast<const std::array<std::uint32_t, 3>*>(surface.indices()->data());
+    return weld(points, {triangles, surface.indices()->size() / 3});
+}
+
+/// Replaces the surfaces of the report by the decimated surfaces, which the file contains.
+void take_decimated(const schema::MeshContent& content, MeshExportReport& report) {
+    const std::vector<FileSurface> whole = std::exchange(report.surfaces, {});
+    for (const auto* surface : *content.surfaces()) {
+        FileSurface now{surface->name()->str(), welded(*surface), {}};
+        const auto before = std::ranges::find(whole, now.name, &FileSurface::name);
+        if (now.file.mesh.triangles.empty()) {
+            report.empty.push_back(now.name);
+            continue;
+        }
+        if (before != whole.end()) {
+            now.moved_mm = farthest_distance(before->file.mesh.p_grid, now.file.mesh.p_grid,
+                                             now.file.mesh.triangles);
+        }
+        report.surfaces.push_back(std::move(now));
+    }
 }
 
 }  // namespace
@@ -70,8 +102,34 @@ void Exports::pictures(std::span<const Picture> pictures, const std::string& pat
     io_.write(path, bus::pack(request));
 }
 
+WeldedMesh Exports::ready_for_file(const Surface& surface, bool cap) {
+    const VolumeGrid grid = meshes_.grid();
+    WeldedMesh mesh = meshes_.fetch_drawn(surface);
+    keep_apart(mesh, grid);
+    if (cap) {
+        cap_at_border(mesh, meshes_.volumes().volume(), surface.isovalue);
+    }
+    move_to_patient(mesh, grid);
+    const glm::dmat3 steps(grid.voxel_to_patient);
+    const double least_mm =
+        2 * least_from_voxel *
+        std::min({glm::length(steps[0]), glm::length(steps[1]), glm::length(steps[2])});
+    for (const SceneClip& clip : scene_.clips) {
+        cut_by_plane(mesh, clip.plane / glm::length(glm::dvec3(clip.plane)), least_mm, cap);
+    }
+    return mesh;
+}
+
+WeldedFile Exports::read_mesh(const std::string& path) {
+    schema::ReadMeshT request;
+    request.path = path;
+    const IoOutcome read = io_.write(path, bus::pack(request));
+    return welded(*read.content.value().as<schema::MeshContent>()->surfaces()->Get(0));
+}
+
 MeshExportReport Exports::mesh(const std::string& path, const MeshExport& wish) {
     flatbuffers::FlatBufferBuilder builder(1 << 20);
+    MeshExportReport report;
     std::vector<flatbuffers::Offset<schema::ExportSurface>> surfaces;
     for (const Surface& surface : scene_.surfaces) {
         const bool wanted = wish.surfaces.empty()
@@ -80,7 +138,12 @@ MeshExportReport Exports::mesh(const std::string& path, const MeshExport& wish) 
         if (!wanted) {
             continue;
         }
-        const WeldedMesh mesh = meshes_.fetch_drawn(surface);
+        const WeldedMesh mesh = ready_for_file(surface, wish.cap);
+        if (mesh.triangles.empty()) {
+            report.empty.push_back(surface.name);
+            continue;
+        }
+        report.surfaces.push_back({surface.name, weld(mesh.p_grid, mesh.triangles), {}});
         const std::size_t bytes = builder.GetSize() +
                                   mesh.keys.size() * sizeof(schema::MeshVertex) +
                                   mesh.triangles.size() * sizeof(mesh.triangles[0]);
@@ -91,13 +154,18 @@ MeshExportReport Exports::mesh(const std::string& path, const MeshExport& wish) 
                             "name fewer, as surfaces={}, or load with crop= or resample=",
                             path, surface.name, bytes, max_export_bytes, surface.name));
         }
-        surfaces.push_back(to_wire(builder, surface, mesh, meshes_.grid()));
+        surfaces.push_back(to_wire(builder, surface, mesh));
     }
     for (const std::string& name : wish.surfaces) {
         meshes_.surface(name);  // Throws for an unknown name.
     }
     if (surfaces.empty()) {
-        throw RequestError(ExitCode::usage, path + ": there is no visible surface to write");
+        throw RequestError(ExitCode::usage,
+                           report.empty.empty()
+                               ? path + ": there is no visible surface to write"
+                               : fmt::format("{}: nothing to write: {} without triangles; choose "
+                                             "another isovalue, or `clip off`",
+                                             path, fmt::join(report.empty, ", ")));
     }
     const auto list = builder.CreateVector(surfaces);
     const auto path_at = builder.CreateString(path);
@@ -107,7 +175,12 @@ MeshExportReport Exports::mesh(const std::string& path, const MeshExport& wish) 
         path,
         bus::finish(builder, schema::CreateExportMesh(builder, path_at, list, axes, description_at,
                                                       static_cast<float>(wish.keep))));
-    return {written.triangles, written.text};
+    report.triangles = written.triangles;
+    report.text = written.text;
+    if (written.content) {
+        take_decimated(*written.content->as<schema::MeshContent>(), report);
+    }
+    return report;
 }
 
 }  // namespace pxpl5::host

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "host/scene/marks.hpp"
 #include "host/session/frames.hpp"
 #include "host/session/meshes.hpp"
+#include "host/surface/patient_mesh.hpp"
 
 namespace pxpl5::host {
 
@@ -26,12 +28,22 @@ struct MeshExport {
     std::vector<std::string> surfaces;  ///< By name; empty for all visible ones.
     bool ras = false;                   ///< Axes to the right, anterior, superior instead of LPS.
     double keep = 1;                    ///< Share of the triangles that decimation leaves.
+    bool cap = false;                   ///< Closes the mesh at the scan's border and clip planes.
     std::string description;
 };
 
+/// A surface of a file, in millimeters.
+struct FileSurface {
+    std::string name;
+    WeldedFile file;
+    std::optional<double> moved_mm;  ///< Largest move by decimation; nothing if keep is 1.
+};
+
 struct MeshExportReport {
-    std::int64_t triangles = 0;  ///< In the file.
-    std::string text;            ///< The writer's message.
+    std::int64_t triangles = 0;         ///< In the file.
+    std::string text;                   ///< The writer's message.
+    std::vector<FileSurface> surfaces;  ///< Contents of the file, in LPS.
+    std::vector<std::string> empty;     ///< Surfaces without triangles, not in the file.
 };
 
 class Exports {
@@ -42,10 +54,15 @@ class Exports {
     /// Writes pictures of one size, several as one animation. Throws RequestError.
     void pictures(std::span<const Picture> pictures, const std::string& path,
                   const PictureExtras& extras);
-    /// Writes the drawn components of surfaces. Throws RequestError.
+    /// Writes the drawn components of surfaces, cut by the clip planes. Throws RequestError.
     MeshExportReport mesh(const std::string& path, const MeshExport& wish);
+    /// All triangles of a mesh file, along the file's axes. Throws RequestError.
+    WeldedFile read_mesh(const std::string& path);
 
   private:
+    /// The drawn part of the surface, cut and closed, in millimeters.
+    WeldedMesh ready_for_file(const Surface& surface, bool cap);
+
     IoRequests& io_;
     const Scene& scene_;
     Meshes& meshes_;

@@ -124,10 +124,12 @@ void Frames::abandon() {
 
 void Frames::forget_content() {
     abandon();
+    announced_.reset();
     region_costs_.clear();
 }
 
 void Frames::wait_until_pending(std::size_t count) {
+    const Conversation::Cancelable cancelable(conversation_);
     try {
         conversation_.wait("frame",
                            [&] { return pending_.size() <= count || conversation_.has_fault(); });

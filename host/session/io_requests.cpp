@@ -12,6 +12,8 @@ IoRequests::IoRequests(Conversation& conversation) : conversation_(conversation)
     conversation_.handle(bus::Body::IoDone, [this](const bus::Message& message) {
         take(*message.as<schema::IoDone>());
     });
+    conversation_.handle(bus::Body::MeshContent,
+                         [this](const bus::Message& message) { outcome_.content = message; });
 }
 
 void IoRequests::run(const std::string& what, ExitCode on_death, bus::Payload request,
@@ -24,19 +26,21 @@ void IoRequests::run(const std::string& what, ExitCode on_death, bus::Payload re
     const bus::NodeId io = machine.start_io(on_death);
     const Release release{machine};
     is_done_ = false;
+    outcome_ = {};
     machine.send(io, std::move(request));
     conversation_.wait(what, [&] { return done() || conversation_.has_fault(); });
 }
 
 IoOutcome IoRequests::write(const std::string& path, bus::Payload request) {
+    const Conversation::Cancelable cancelable(conversation_);
     run(path, ExitCode::failed, std::move(request), [this] { return is_done_; });
-    return outcome_;
+    return std::exchange(outcome_, {});
 }
 
 void IoRequests::take(const schema::IoDone& done) {
     is_done_ = true;
-    outcome_ = {static_cast<std::int64_t>(done.triangles()),
-                done.text() != nullptr ? done.text()->str() : ""};
+    outcome_.triangles = static_cast<std::int64_t>(done.triangles());
+    outcome_.text = done.text() != nullptr ? done.text()->str() : "";
     if (!done.ok()) {
         throw RequestError(done.bad_data() ? ExitCode::bad_data : ExitCode::failed,
                            done.error() ? done.error()->str() : "input or output failed");

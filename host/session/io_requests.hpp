@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "host/session/conversation.hpp"
@@ -12,6 +13,7 @@ namespace pxpl5::host {
 struct IoOutcome {
     std::int64_t triangles = 0;
     std::string text;
+    std::optional<bus::Message> content;  ///< MeshContent, if the request has such an answer.
 };
 
 class IoRequests {

@@ -72,15 +72,13 @@ void Meshes::fetch_parts(const Surface& surface, bool origins,
     schema::FetchMeshT request;
     request.surface = surface.id;
     request.origins = origins;
-    conversation_.ask("mesh of " + surface.name, bus::pack(request), [&](const bus::Message& m) {
-        const auto* part = m.as<schema::MeshPart>();
-        if (part == nullptr || part->surface() != surface.id ||
-            part->revision() != surface.revision) {
-            return false;
-        }
-        take(m);
-        return true;
-    });
+    conversation_.ask_cancelable(
+        "mesh of " + surface.name, bus::pack(request),
+        [id = surface.id, revision = surface.revision](const bus::Message& message) {
+            const auto* part = message.as<schema::MeshPart>();
+            return part != nullptr && part->surface() == id && part->revision() == revision;
+        },
+        take);
 }
 
 std::uint64_t Meshes::digest(const std::string& name) {
@@ -144,19 +142,19 @@ std::vector<AtlasRow> Meshes::measure(std::span<const double> isovalues, CaseRul
     request.table = table;
     // Sums in slab order, so that rounding does not depend on the machine.
     std::map<std::uint32_t, std::vector<schema::IsovalueCounts>> slabs;
-    conversation_.ask("isovalues", bus::pack(request), [&](const bus::Message& message) {
-        const auto* measured = message.as<schema::IsovaluesMeasured>();
-        if (measured == nullptr) {
-            return false;
-        }
-        for (const auto* slab : *measured->slabs()) {
-            auto& counts = slabs[slab->slab()];
-            for (const schema::IsovalueCounts* each : *slab->counts()) {
-                counts.push_back(*each);
+    conversation_.ask_cancelable(
+        "isovalues", bus::pack(request),
+        [](const bus::Message& message) {
+            return message.as<schema::IsovaluesMeasured>() != nullptr;
+        },
+        [&slabs](const bus::Message& message) {
+            for (const auto* slab : *message.as<schema::IsovaluesMeasured>()->slabs()) {
+                auto& counts = slabs[slab->slab()];
+                for (const schema::IsovalueCounts* each : *slab->counts()) {
+                    counts.push_back(*each);
+                }
             }
-        }
-        return true;
-    });
+        });
     std::vector<AtlasRow> rows;
     for (const double isovalue : isovalues) {
         rows.push_back({isovalue, 0, 0, 0, 0});

@@ -24,6 +24,7 @@ class Meshes {
 
     /// The surface of that name in the scene. Throws RequestError.
     Surface& surface(const std::string& name) const;
+    const Volumes& volumes() const { return volumes_; }
     VolumeGrid grid() const { return grid_of(volumes_.volume()); }
 
     /// The surface as one mesh. cells: with the cell of each triangle.

@@ -21,6 +21,9 @@ class Nodes {
     /// Counts a frame that arrived at the host.
     void count_frame() { activity_.count_frame(); }
 
+    /// Counts from zero, with the nodes of a machine that has been started again.
+    void begin_again() { activity_ = ActivityMonitor(conversation_.machine().nodes()); }
+
     /// Has every node write its trace. Throws RequestError if a node cannot.
     SavedTraces save_traces();
 

@@ -1,5 +1,7 @@
 #include "host/session/restore.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 namespace pxpl5::host {
@@ -29,7 +31,7 @@ void restore_surface(Session& session, const Scene& wanted, const Surface& like)
     const std::optional<Surface> there = session.surfaces.find(like.name);
     const bool is_new = !there || there->isovalue != like.isovalue || there->table != like.table;
     if (is_new) {
-        session.surfaces.set(like.name, like.isovalue, like.table, like.colour);
+        session.surfaces.set(like.name, like.isovalue, like.table, like.color);
     }
     if (session.surfaces.find(like.name)->components != like.components) {
         session.surfaces.set_components(like.name, like.components);
@@ -72,7 +74,65 @@ void restore(Session& session, const Scene& wanted) {
     scene.background = wanted.background;
     scene.clips = wanted.clips;
     scene.tint_gaps = wanted.tint_gaps;
-    scene.gap_colour = wanted.gap_colour;
+    scene.gap_color = wanted.gap_color;
+}
+
+void Session::begin_again(const Scene& wanted) {
+    const Conversation::Uncancelable whole(conversation);
+    conversation.begin_again();
+    nodes.begin_again();
+    volumes.give_again();
+    Scene possible = wanted;
+    if (!volumes.has_volume()) {
+        possible.surfaces.clear();  // A load has dropped the volume and did not finish.
+    }
+    restore_all(*this, possible);
+}
+
+void Session::begin_again_or_drop(const Scene& wanted) {
+    try {
+        begin_again(wanted);
+    } catch (const RequestError& error) {
+        scene.surfaces.clear();
+        history.note_losses(wanted, scene);
+        history.forget_load();
+        volumes.drop();
+        throw ContentLost(error.code, fmt::format("The machine was started again, but its content "
+                                                  "cannot be restored: {}",
+                                                  error.what()));
+    }
+}
+
+void Session::scale(const NodeChange& change) {
+    MachinePort& machine = conversation.machine();
+    const Scene before = scene;
+    bool has_new_nodes = false;
+    std::string reason;
+    try {
+        machine.start_again(change);
+        has_new_nodes = true;
+        begin_again(before);
+        return;
+    } catch (const MachineError& error) {
+        if (error.is_interruption) {
+            throw;
+        }
+        reason = error.what();
+    } catch (const RequestError& error) {
+        if (!has_new_nodes) {
+            throw;  // The machine continues.
+        }
+        reason = error.what();
+    }
+    try {
+        machine.start_again(has_new_nodes ? NodeChange{-change.gps, -change.renderers}
+                                          : NodeChange{});
+    } catch (MachineError& error) {
+        error.is_final = true;  // A restart would have the new number of nodes.
+        throw;
+    }
+    begin_again_or_drop(before);
+    throw RequestError(ExitCode::failed, reason + ". The machine has its former nodes again");
 }
 
 void restore_all(Session& session, const Scene& wanted) {

@@ -1,15 +1,20 @@
 // A session with a machine: a scene, and the parts that load, extract, draw and export it.
 #pragma once
 
+#include <algorithm>
 #include <any>
+#include <functional>
+#include <string>
 
+#include "host/base/command_descriptor.hpp"
 #include "host/session/conversation.hpp"
 #include "host/session/exports.hpp"
 #include "host/session/frames.hpp"
-#include "host/session/history.hpp"
+#include "host/session/history/history.hpp"
 #include "host/session/io_requests.hpp"
 #include "host/session/meshes.hpp"
 #include "host/session/nodes.hpp"
+#include "host/session/recovery.hpp"
 #include "host/session/surfaces.hpp"
 #include "host/session/volumes.hpp"
 
@@ -31,14 +36,32 @@ struct Session {
           frames(conversation, scene, volumes, nodes),
           meshes(conversation, scene, volumes),
           surfaces(conversation, scene, volumes, meshes, frames),
-          exports(io, scene, meshes) {}
+          exports(io, scene, meshes) {
+        machine.name_surfaces([this](std::uint32_t id) {
+            const auto known = std::ranges::find(scene.surfaces, id, &Surface::id);
+            return known == scene.surfaces.end() ? std::string() : known->name;
+        });
+    }
+    /// Restores content, surfaces and scene as `wanted`, after the machine has been started again.
+    /// Throws RequestError as Volumes::give_again().
+    void begin_again(const Scene& wanted);
+    /// The same. If the content cannot be restored, drops it and throws ContentLost.
+    void begin_again_or_drop(const Scene& wanted);
+    /// Adds or retires GPs and Renderers, and restores everything. Throws RequestError for a count
+    /// out of range (usage), and if the machine cannot start or cannot hold the content with the
+    /// new nodes (failed): then it has its former nodes.
+    void scale(const NodeChange& change);
+    ~Session() { conversation.machine().name_surfaces({}); }
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
     Scene scene;
     LoadSettings load_settings;
     History history;  ///< The commands that were run.
-    std::any asked;   ///< Values that a higher layer keeps between questions.
+    /// Throws RequestError for a command that may not be run here, also from a script. May be
+    /// empty.
+    std::function<void(const CommandDescriptor&, const Arguments&)> check_command;
+    std::any asked;  ///< Values that a higher layer keeps between questions.
 
     Conversation conversation;
     IoRequests io;
@@ -48,6 +71,7 @@ struct Session {
     Meshes meshes;
     Surfaces surfaces;
     Exports exports;
+    Recovery recovery{*this};
 };
 
 }  // namespace pxpl5::host

@@ -41,7 +41,7 @@ std::optional<Surface> Surfaces::find(const std::string& name) const {
 
 void Surfaces::set_style(const Surface& like) {
     Surface& surface = meshes_.surface(like.name);
-    surface.colour = like.colour;
+    surface.color = like.color;
     surface.visible = like.visible;
     surface.opacity = like.opacity;
     surface.cull_back = like.cull_back;
@@ -93,21 +93,23 @@ SurfaceReport Surfaces::extract(const Surface& surface) {
     const Forget forget{conversation_};
     conversation_.broadcast(bus::pack(request));
     frames_.request_announced();
-    conversation_.wait_for_answers("surface " + surface.name);
+    {
+        const Conversation::Cancelable cancelable(conversation_);
+        conversation_.wait_for_answers("surface " + surface.name);
+    }
     SurfaceReport report = sum_slabs(std::move(slabs));
     report.elapsed_ms = ms_since(start_ns);
     report.memory_bytes = memory_bytes;
     return report;
 }
 
-SurfaceReport Surfaces::set(const std::string& name, double isovalue, CaseRule table,
-                            Colour colour) {
+SurfaceReport Surfaces::set(const std::string& name, double isovalue, CaseRule table, Color color) {
     volumes_.volume();  // Throws if no volume is loaded.
     frames_.drop_ahead();
     Surface& surface = put(name);
     surface.isovalue = isovalue;
     surface.table = table;
-    surface.colour = colour;
+    surface.color = color;
     ++surface.revision;
     SurfaceReport report;
     try {
@@ -127,7 +129,7 @@ SurfaceReport Surfaces::set(const std::string& name, double isovalue, CaseRule t
 SweepReport Surfaces::sweep(const std::string& name, std::span<const double> isovalues,
                             const TakeChange& take) {
     const Surface before = meshes_.surface(name);
-    const auto restore = [&] { set(name, before.isovalue, before.table, before.colour); };
+    const auto restore = [&] { set(name, before.isovalue, before.table, before.color); };
     std::vector<double> extractions_ms, pictures_ms;
     try {
         for (const double isovalue : isovalues) {
@@ -135,7 +137,7 @@ SweepReport Surfaces::sweep(const std::string& name, std::span<const double> iso
             const bool is_ahead =
                 scene_.samples == 1 && before.components.kind == ComponentFilter::Kind::all;
             frames_.announce(is_ahead ? std::optional(scene_.size) : std::nullopt);
-            const SurfaceReport report = set(name, isovalue, before.table, before.colour);
+            const SurfaceReport report = set(name, isovalue, before.table, before.color);
             const Picture picture = frames_.draw();
             pictures_ms.push_back(ms_since(start_ns));
             extractions_ms.push_back(report.elapsed_ms);
@@ -174,6 +176,7 @@ std::pair<std::size_t, std::size_t> Surfaces::set_components(const std::string& 
                                                              const ComponentFilter& filter) {
     Surface& surface = meshes_.surface(name);
     surface.components = filter;
+    const Conversation::Uncancelable whole(conversation_);  // The GPs' mask is the filter's.
     try {
         return meshes_.apply_filter(surface);
     } catch (...) {
@@ -201,16 +204,25 @@ MeshComparison Surfaces::compare(const std::string& name) {
                                fmt::format("compare: there is a surface '{}' already", made));
         }
     }
-    constexpr Colour only_ours{64, 180, 166}, only_theirs{232, 128, 64};
-    set(ours, whole.isovalue, CaseRule::watertight, only_ours);
-    meshes_.surface(ours).compared_with = name;
-    set(theirs, whole.isovalue, CaseRule::lorensen1987, only_theirs);
-    meshes_.surface(theirs).compared_with = name;
-    const WeldedMesh a = meshes_.fetch(ours, true), b = meshes_.fetch(theirs, true);
-    MeshComparison comparison = compare_meshes(a, b, meshes_.grid());
-    meshes_.show(ours, a, comparison.shown_a);
-    meshes_.show(theirs, b, comparison.shown_b);
-    return comparison;
+    try {
+        constexpr Color only_ours{64, 180, 166}, only_theirs{232, 128, 64};
+        set(ours, whole.isovalue, CaseRule::watertight, only_ours);
+        meshes_.surface(ours).compared_with = name;
+        set(theirs, whole.isovalue, CaseRule::lorensen1987, only_theirs);
+        meshes_.surface(theirs).compared_with = name;
+        const WeldedMesh a = meshes_.fetch(ours, true), b = meshes_.fetch(theirs, true);
+        MeshComparison comparison = compare_meshes(a, b, meshes_.grid());
+        meshes_.show(ours, a, comparison.shown_a);
+        meshes_.show(theirs, b, comparison.shown_b);
+        return comparison;
+    } catch (const RequestError&) {
+        for (const std::string& made : {ours, theirs}) {
+            if (find(made)) {
+                remove(made);  // Without its mask it would hide the surface.
+            }
+        }
+        throw;
+    }
 }
 
 bool Surfaces::end_comparison(const std::string& name) {

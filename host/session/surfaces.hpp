@@ -47,12 +47,13 @@ class Surfaces {
     /// Adds the surface, or gives it a new isovalue, and extracts it on all GPs. Requests the
     /// announced frame (Frames::announce) at the same time: a GP draws its part as soon as it has
     /// extracted it. Removes a surface that cannot be extracted.
-    SurfaceReport set(const std::string& name, double isovalue, CaseRule table, Colour colour);
+    SurfaceReport set(const std::string& name, double isovalue, CaseRule table, Color color);
     void remove(const std::string& name);
     /// The surface of that name, if it exists.
     std::optional<Surface> find(const std::string& name) const;
     /// Sets color, visible, opacity and cull_back of the surface with the same name.
     void set_style(const Surface& like);
+    bool has_report(const std::string& name) const { return reports_.contains(name); }
     const SurfaceReport& report_of(const std::string& name) const;
     /// Forgets all reports, because the volume is replaced.
     void forget_reports() { reports_.clear(); }

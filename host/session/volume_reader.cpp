@@ -17,9 +17,9 @@ namespace {
 /// True if the voxels are not processed.
 bool is_plain(const ImportOptions& options) {
     return options.series.empty() && options.spacing_mm.empty() && !options.raw &&
-           options.crop_first.empty() && options.crop_size.empty() &&
-           options.resample_size.empty() && options.resample_spacing_mm.empty() &&
-           options.smooth_mm == 0;
+           options.orientation.empty() && options.origin_mm.empty() && options.crop_first.empty() &&
+           options.crop_size.empty() && options.resample_size.empty() &&
+           options.resample_spacing_mm.empty() && options.smooth_mm == 0;
 }
 
 }  // namespace
@@ -27,15 +27,19 @@ bool is_plain(const ImportOptions& options) {
 VolumeReader::VolumeReader(Conversation& conversation, IoRequests& io, const LoadSettings& settings)
     : conversation_(conversation), io_(io), settings_(settings) {
     conversation_.handle(bus::Body::VolumeHeader, [this](const bus::Message& message) {
+        if (!is_reading_ || receiver_) {
+            throw RequestError(ExitCode::bad_data,
+                               "the io process announced a volume that was not due");
+        }
         receiver_.emplace().begin(*message.as<schema::VolumeHeader>());
     });
     conversation_.handle(bus::Body::Slices, [this](const bus::Message& message) {
-        if (receiver_) {
+        if (receiver_ && !received_) {
             receiver_->add(*message.as<schema::Slices>());
         }
     });
     conversation_.handle(bus::Body::VolumeEnd, [this](const bus::Message&) {
-        if (receiver_) {
+        if (receiver_ && !received_) {
             received_ = receiver_->finish();
         }
     });
@@ -67,9 +71,14 @@ Volume VolumeReader::read(const std::string& source, const ImportOptions& option
         ~Forget() {
             reader.receiver_.reset();
             reader.received_.reset();
+            reader.is_reading_ = false;
         }
     };
     const Forget forget{*this};
+    if (source.empty()) {
+        throw RequestError(ExitCode::usage, "the name of the volume is empty");
+    }
+    is_reading_ = true;
     const std::string name =
         is_phantom(source) ? source : std::filesystem::absolute(source).string();
     ImportOptions request = options;

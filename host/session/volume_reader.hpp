@@ -49,6 +49,7 @@ class VolumeReader {
     const LoadSettings& settings_;
     std::optional<VolumeReceiver> receiver_;
     std::optional<Volume> received_;
+    bool is_reading_ = false;  ///< A request for a volume is under way.
 };
 
 }  // namespace pxpl5::host

@@ -65,12 +65,28 @@ LoadReport Volumes::load(const std::string& source, const ImportOptions& options
     try {
         return load_volume(loading, options);
     } catch (const MachineError&) {
+        if (loading.distribution) {
+            volume_.reset();  // The scene before the load does not fit it.
+        }
         throw;
     } catch (const std::exception&) {
         if (loading.distribution) {
-            discard_volume();
+            discard_canceled();
         }
         throw;
+    }
+}
+
+/// Discards a volume. A machine that dies meanwhile must not hide the error of the load: the next
+/// request meets the death.
+void Volumes::discard_canceled() {
+    try {
+        discard_volume();
+    } catch (const MachineError& death) {
+        if (death.is_interruption) {
+            throw;
+        }
+        volume_.reset();
     }
 }
 
@@ -85,15 +101,62 @@ LoadReport Volumes::load_volume(Loading& loading, const ImportOptions& options) 
     report.read_ms = ms_since(start_ns);
 
     start_ns = now_ns();
+    options_ = options;
+    send(volume, loading);
+    report.distribute_ms = ms_since(start_ns);
+    report.memory_bytes = memory_bytes_;
+    return report;
+}
+
+/// Sends the rest of a complete volume, and keeps it.
+void Volumes::send(Volume& volume, Loading& loading) {
     distribute(volume, volume.nz, loading);
     volume_ = std::move(volume);
     conversation_.wait(loading.source, [this, &loading] {
         distribute(*volume_, volume_->nz, loading);
         return conversation_.is_answered();
     });
-    report.distribute_ms = ms_since(start_ns);
-    report.memory_bytes = memory_bytes_;
-    return report;
+}
+
+void Volumes::give_again() {
+    if (archive_) {
+        const HeldArchive held = *archive_;
+        try {
+            load_archive(held.content.file);
+        } catch (const std::exception&) {
+            archive_ = held;
+            throw;
+        }
+        return;
+    }
+    if (!volume_) {
+        scene_.surfaces.clear();
+        on_replaced_();
+        return;
+    }
+    Volume volume = std::move(*volume_);
+    Loading loading{volume.source, {}, {}};
+    try {
+        send(volume, loading);
+    } catch (const std::exception&) {
+        if (!volume_) {
+            volume_ = std::move(volume);
+        }
+        throw;
+    }
+}
+
+void Volumes::drop() {
+    replace_content();
+    discard_volume();
+}
+
+std::uint16_t Volumes::new_surface_id() {
+    std::uint16_t id = next_surface_id_++;
+    while (std::ranges::count(scene_.surfaces, id, &Surface::id) != 0) {
+        id = next_surface_id_++;
+    }
+    return id;
 }
 
 /// Drops the content of the GPs, and expects VolumeReady for the next content.

@@ -32,6 +32,12 @@ class Volumes {
     /// If a GP cannot hold its share, or on Ctrl-C (an exception of its own), nothing is loaded.
     /// A PPHIGS archive is a scene instead of a volume.
     LoadReport load(const std::string& source, const ImportOptions& options = {});
+    /// Gives the content to the GPs of a machine that has been started again, and removes all
+    /// surfaces. An archive is read again. If this fails, the host keeps the content, and the
+    /// machine must be started again, or drop() must follow.
+    void give_again();
+    /// Removes the content.
+    void drop();
     /// Reads a volume without distributing it.
     Volume read(const std::string& source, const ImportOptions& options = {});
 
@@ -43,10 +49,13 @@ class Volumes {
     /// The surfaces of the archive, one per material.
     const std::vector<Surface>& archive_surfaces() const { return archive_.value().surfaces; }
 
+    /// How the volume was read from its source.
+    const ImportOptions& options() const { return options_; }
     /// Number of the volume or scene that the GPs hold.
     std::uint32_t id() const { return id_; }
-    /// An id that no surface of this session has had.
-    std::uint16_t new_surface_id() { return next_surface_id_++; }
+    /// An id that no surface of the scene has. Ids are used in turn, so that late messages about
+    /// the surface that had an id before have long arrived.
+    std::uint16_t new_surface_id();
 
   private:
     struct HeldArchive {
@@ -57,11 +66,13 @@ class Volumes {
     struct Loading;
     LoadReport load_archive(const std::string& source);
     LoadReport load_volume(Loading& loading, const ImportOptions& options);
+    void send(Volume& volume, Loading& loading);
     void begin_distribution(Volume& volume, Loading& loading);
     void distribute(Volume& volume, int slices_there, Loading& loading);
     void replace_content();
     void report_progress(const LoadProgress& now, Loading& loading) const;
     void discard_volume();
+    void discard_canceled();
 
     Conversation& conversation_;
     Scene& scene_;
@@ -69,6 +80,7 @@ class Volumes {
     std::function<void()> on_replaced_;
     VolumeReader reader_;
     std::optional<Volume> volume_;
+    ImportOptions options_;
     std::optional<HeldArchive> archive_;  ///< Never together with a volume.
     std::uint32_t id_ = 0;
     std::uint16_t next_surface_id_ = 0;

@@ -35,7 +35,7 @@ LoadReport Volumes::load_archive(const std::string& source) {
         Surface surface;
         surface.id = new_surface_id();
         surface.revision = 1;
-        surface.colour = material.colour;
+        surface.color = material.color;
         surface.cull_back = material.cull_back;
         held.surfaces.push_back(surface);
         ids.push_back(surface.id);

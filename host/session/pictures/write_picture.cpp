@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <vector>
@@ -92,6 +93,14 @@ schema::IoDoneT answer_to(const std::string& path, const schema::ExportPictureT&
     const MemoryFile in("request"), out("answer");
     in.put(bus::pack(request).bytes());
     const int status = run_io(in, out);
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS) {
+        throw RequestError(
+            ExitCode::failed,
+            fmt::format("{}: pxpl5-io was ended by its sandbox; the line above names "
+                        "the system call, which a library of this system may need. "
+                        "Please report it",
+                        path));
+    }
     if (WIFSIGNALED(status)) {
         throw RequestError(ExitCode::failed, fmt::format("{}: pxpl5-io was killed by signal {}",
                                                          path, WTERMSIG(status)));

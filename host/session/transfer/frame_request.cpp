@@ -23,8 +23,8 @@ schema::Matrix to_wire(const glm::dmat4& m) {
     return schema::Matrix(flatbuffers::make_span(values));
 }
 
-schema::Rgb to_wire(Colour colour) {
-    return {colour.r, colour.g, colour.b};
+schema::Rgb to_wire(Color color) {
+    return {color.r, color.g, color.b};
 }
 
 schema::Light to_wire(const Light& light) {
@@ -72,11 +72,11 @@ std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage)
             continue;
         }
         if (!scene.tint_gaps || !stage.has_gaps) {
-            drawn.push_back({&surface, SlabChoice::all, surface.colour});
+            drawn.push_back({&surface, SlabChoice::all, surface.color});
             continue;
         }
-        drawn.push_back({&surface, SlabChoice::outside_gaps, surface.colour});
-        drawn.push_back({&surface, SlabChoice::in_gaps, scene.gap_colour});
+        drawn.push_back({&surface, SlabChoice::outside_gaps, surface.color});
+        drawn.push_back({&surface, SlabChoice::in_gaps, scene.gap_color});
     }
     return drawn;
 }
@@ -99,7 +99,7 @@ bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t
     for (const DrawnSurface& drawn : drawn_surfaces(scene, stage)) {
         const Surface& surface = *drawn.surface;
         draw.surfaces.push_back(schema::SurfaceDraw(
-            surface.id, surface.revision, to_wire(drawn.colour), surface.cull_back, drawn.slabs,
+            surface.id, surface.revision, to_wire(drawn.color), surface.cull_back, drawn.slabs,
             static_cast<std::uint8_t>(surface.opacity)));
     }
     for (const SceneClip& clip : scene.clips) {

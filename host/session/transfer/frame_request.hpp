@@ -22,7 +22,7 @@ struct Stage {
 struct DrawnSurface {
     const Surface* surface = nullptr;
     SlabChoice slabs = SlabChoice::all;
-    Colour colour;
+    Color color;
 };
 
 /// The surfaces of a frame: visible surfaces in drawing order, with tinted slabs across gaps as

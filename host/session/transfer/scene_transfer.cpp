@@ -57,7 +57,7 @@ bus::Payload scene_part(const Content& content, std::size_t slab, std::uint32_t 
     }
     wire.indices = part.indices;
     for (const ContentSphere& s : part.spheres) {
-        const Float3 p = place(s.centre);
+        const Float3 p = place(s.center);
         wire.spheres.emplace_back(p.x, p.y, p.z, static_cast<float>(s.radius * scale_of(content)));
     }
     for (const ContentLine& l : part.lines) {

@@ -106,7 +106,7 @@ void VolumeDistribution::send_more(const Volume& volume, int slices_there, const
         }
         if (queue.next == queue.batches.size() && !queue.ended) {
             queue.ended = true;
-            outlet.send(gp, bus::pack(schema::VolumeEndT{{}, id_}));
+            outlet.send(gp, bus::pack(schema::VolumeEndT{{}, id_, volume.digest}));
         }
     }
 }

@@ -1,4 +1,4 @@
-#include "host/session/history.hpp"
+#include "host/session/history/history.hpp"
 
 #include <fmt/core.h>
 
@@ -15,7 +15,7 @@ constexpr const char* undo_word = "undo";
 
 bool same_parameters(const Surface& a, const Surface& b) {
     return a.name == b.name && a.isovalue == b.isovalue && a.table == b.table &&
-           a.colour == b.colour && a.cull_back == b.cull_back && a.visible == b.visible &&
+           a.color == b.color && a.cull_back == b.cull_back && a.visible == b.visible &&
            a.opacity == b.opacity && a.components == b.components &&
            a.compared_with == b.compared_with;
 }
@@ -29,7 +29,7 @@ bool has_surface(const Scene& scene, const std::string& name) {
 bool same_parameters(const Scene& a, const Scene& b) {
     return a.camera == b.camera && a.lights == b.lights && a.material == b.material &&
            a.background == b.background && a.clips == b.clips && a.tint_gaps == b.tint_gaps &&
-           a.gap_colour == b.gap_colour &&
+           a.gap_color == b.gap_color &&
            std::ranges::equal(a.surfaces, b.surfaces, [](const Surface& p, const Surface& q) {
                return same_parameters(p, q);
            });
