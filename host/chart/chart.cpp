@@ -61,15 +61,15 @@ double entry_width(const LegendEntry& entry) {
 
 }  // namespace
 
-MarkColour series_color(std::size_t index) {
-    constexpr std::array<MarkColour, 8> colors{{{22, 104, 171, 255},
-                                                {207, 95, 18, 255},
-                                                {43, 138, 78, 255},
-                                                {138, 79, 176, 255},
-                                                {179, 136, 42, 255},
-                                                {192, 57, 91, 255},
-                                                {42, 161, 168, 255},
-                                                {106, 106, 106, 255}}};
+MarkColor series_color(std::size_t index) {
+    constexpr std::array<MarkColor, 8> colors{{{22, 104, 171, 255},
+                                               {207, 95, 18, 255},
+                                               {43, 138, 78, 255},
+                                               {138, 79, 176, 255},
+                                               {179, 136, 42, 255},
+                                               {192, 57, 91, 255},
+                                               {42, 161, 168, 255},
+                                               {106, 106, 106, 255}}};
     return colors[index % colors.size()];
 }
 
@@ -94,18 +94,18 @@ void Chart::text(ChartPoint at, const std::string& text, const ChartText& style)
     }
 }
 
-void Chart::line(std::span<const ChartPoint> points, MarkColour color, double width_px) {
+void Chart::line(std::span<const ChartPoint> points, MarkColor color, double width_px) {
     if (points.size() > 1) {
         marks.push_back(line_mark(to_marks(points), color, static_cast<float>(width_px)));
     }
 }
 
-void Chart::line(ChartPoint from, ChartPoint to, MarkColour color, double width_px) {
+void Chart::line(ChartPoint from, ChartPoint to, MarkColor color, double width_px) {
     const std::array ends{from, to};
     line(ends, color, width_px);
 }
 
-void Chart::dashed(std::span<const ChartPoint> points, MarkColour color, double width_px) {
+void Chart::dashed(std::span<const ChartPoint> points, MarkColor color, double width_px) {
     double from = 0;  // Where in the pattern of a dash and a gap the next segment begins.
     for (std::size_t i = 1; i < points.size(); ++i) {
         const ChartPoint a = points[i - 1], b = points[i];
@@ -127,17 +127,17 @@ void Chart::dashed(std::span<const ChartPoint> points, MarkColour color, double 
     }
 }
 
-void Chart::area(const ChartBox& box, MarkColour color) {
+void Chart::area(const ChartBox& box, MarkColor color) {
     marks.push_back(area_mark({to_mark({box.left, box.top}), to_mark({box.right, box.top}),
                                to_mark({box.right, box.bottom}), to_mark({box.left, box.bottom})},
                               color));
 }
 
-void Chart::disc(ChartPoint center, double radius, MarkColour color) {
+void Chart::disc(ChartPoint center, double radius, MarkColor color) {
     marks.push_back(area_mark(circle(center, radius), color));
 }
 
-void Chart::ring(ChartPoint center, double radius, MarkColour color) {
+void Chart::ring(ChartPoint center, double radius, MarkColor color) {
     std::vector<glm::vec2> points = circle(center, radius);
     points.insert(points.end(), {points[0], points[1]});  // Joins the ends.
     marks.push_back(line_mark(std::move(points), color, static_cast<float>(curve_px)));

@@ -14,11 +14,11 @@ namespace pxpl5::host {
 
 inline constexpr double text_px = 12;
 inline constexpr double title_px = 15;
-inline constexpr MarkColour chart_ink{38, 42, 48, 255}, pale_ink{90, 96, 104, 255},
+inline constexpr MarkColor chart_ink{38, 42, 48, 255}, pale_ink{90, 96, 104, 255},
     grid_ink{0, 0, 0, 26}, axis_ink{0, 0, 0, 110};
 
 /// One of eight colors that stay apart for color-blind readers; the ninth is the first again.
-MarkColour series_color(std::size_t index);
+MarkColor series_color(std::size_t index);
 
 struct ChartPoint {
     double x = 0, y = 0;
@@ -35,7 +35,7 @@ struct ChartBox {
 struct ChartText {
     double size_px = text_px;
     float align_x = 0;  ///< 0: begins at the point; 0.5: centered; 1: ends at the point.
-    MarkColour color = chart_ink;
+    MarkColor color = chart_ink;
 };
 
 /// The marks of a chart on white, or of a part of a chart.
@@ -45,12 +45,12 @@ struct Chart {
 
     /// Adds a text whose base line goes through `at`. An empty text adds nothing.
     void text(ChartPoint at, const std::string& text, const ChartText& style = {});
-    void line(std::span<const ChartPoint> points, MarkColour color, double width_px = 1);
-    void line(ChartPoint from, ChartPoint to, MarkColour color, double width_px = 1);
-    void dashed(std::span<const ChartPoint> points, MarkColour color, double width_px);
-    void area(const ChartBox& box, MarkColour color);
-    void disc(ChartPoint center, double radius, MarkColour color);
-    void ring(ChartPoint center, double radius, MarkColour color);
+    void line(std::span<const ChartPoint> points, MarkColor color, double width_px = 1);
+    void line(ChartPoint from, ChartPoint to, MarkColor color, double width_px = 1);
+    void dashed(std::span<const ChartPoint> points, MarkColor color, double width_px);
+    void area(const ChartBox& box, MarkColor color);
+    void disc(ChartPoint center, double radius, MarkColor color);
+    void ring(ChartPoint center, double radius, MarkColor color);
     /// Adds the marks of `other`, moved by `at`.
     void place(const Chart& other, ChartPoint at);
 };
@@ -72,7 +72,7 @@ std::string short_number(double value);
 /// One name and its color in a legend.
 struct LegendEntry {
     std::string name;
-    MarkColour color;
+    MarkColor color;
     bool dashed = false;
     bool is_line = false;
 };

@@ -39,7 +39,7 @@ ChartAxis axis_of(const ChangePlot& plot) {
 }
 
 void draw_bar(Chart& chart, const ChartBox& box, const ChartAxis& axis, double y, double value,
-              MarkColour color) {
+              MarkColor color) {
     const double zero = box.x(axis, 0), end = box.x(axis, value);
     chart.area({std::min(zero, end), y, std::max(zero, end), y + bar_height}, color);
     const bool to_left = value < 0;

@@ -64,7 +64,7 @@ void draw_line(Chart& chart, const ChartBox& box, const ChartAxis& x, const Char
     for (const ChartPoint& point : line.points) {
         places.push_back(box.at(x, point.x, y, point.y));
     }
-    const MarkColour color = series_color(line.color);
+    const MarkColor color = series_color(line.color);
     if (line.dashed) {
         chart.dashed(places, color, line_px);
     } else {

@@ -13,7 +13,7 @@ constexpr double steps_per_mm = 100;  ///< One unit of density is 0.01 mm.
 constexpr int torus_zero = 30000;     ///< Density just outside the torus.
 
 // Off the lattice, so that no voxel center lies on the shape's axes.
-constexpr glm::dvec3 centre_mm(0.3, -0.7, 0.45);
+constexpr glm::dvec3 center_mm(0.3, -0.7, 0.45);
 
 /// Depth in units: at least 1 exactly when the point is inside or on the surface, so that an
 /// isovalue of one half stands for the surface itself, without bias.
@@ -32,7 +32,7 @@ Volume depth_volume(const PhantomInfo& info, const Depth& depth_mm, int zero) {
                 const glm::dvec3 p(static_cast<double>(grid.x_mm(x)),
                                    static_cast<double>(grid.y_mm(y)),
                                    static_cast<double>(grid.z_mm(z)));
-                const int units = zero + depth_units(depth_mm(p - centre_mm));
+                const int units = zero + depth_units(depth_mm(p - center_mm));
                 assert(units >= std::numeric_limits<T>::min());
                 assert(units <= std::numeric_limits<T>::max());
                 voxels.push_back(static_cast<T>(units));

@@ -26,12 +26,12 @@ Volume make_sphere(const PhantomInfo& info);
 Volume make_torus(const PhantomInfo& info);
 Volume make_letters(const PhantomInfo& info);
 
-/// The grid that an info describes, centered on `centre_mm`.
-inline Grid grid_of(const PhantomInfo& info, glm::vec3 centre_mm = glm::vec3(0)) {
+/// The grid that an info describes, centered on `center_mm`.
+inline Grid grid_of(const PhantomInfo& info, glm::vec3 center_mm = glm::vec3(0)) {
     const glm::vec3 spacing(static_cast<float>(info.spacing_mm[0]),
                             static_cast<float>(info.spacing_mm[1]),
                             static_cast<float>(info.spacing_mm[2]));
-    return centred_grid(info.dims[0], info.dims[1], info.dims[2], spacing, centre_mm);
+    return centered_grid(info.dims[0], info.dims[1], info.dims[2], spacing, center_mm);
 }
 
 /// Rounds half up, into the range of T.

@@ -15,7 +15,7 @@ constexpr float skin_mm = 1.2F;   ///< Half the blur of the skin's echo.
 constexpr float flesh_mm = 2.5F;  ///< Depth at which the skin's echo is over.
 constexpr float shadow_begin_mm = 6, shadow_end_mm = 14;  ///< Bone keeps the sound out below.
 constexpr float speckle_share = 0.13F;                    ///< Deviation, of the echo.
-constexpr glm::vec3 centre_of_scan_mm(0, 3, -1);
+constexpr glm::vec3 center_of_scan_mm(0, 3, -1);
 
 /// The probe's fan: half widths at its front, and how much they grow per mm of depth.
 struct Fan {
@@ -67,7 +67,7 @@ float echo(float distance_mm) {
 float in_fan(float x, float y, float z) {
     const float depth = y - fan.front_mm;
     const float side_x = fan.half_x_mm + fan.grow_x * depth - std::abs(x);
-    const float side_z = fan.half_z_mm + fan.grow_z * depth - std::abs(z - centre_of_scan_mm.z);
+    const float side_z = fan.half_z_mm + fan.grow_z * depth - std::abs(z - center_of_scan_mm.z);
     return ramp(std::min(std::min(side_x, side_z), depth), 0, 1.5F);
 }
 
@@ -89,7 +89,7 @@ PhantomInfo fetus_info() {
 }
 
 Volume make_fetus(const PhantomInfo& info) {
-    const Grid grid = grid_of(info, centre_of_scan_mm);
+    const Grid grid = grid_of(info, center_of_scan_mm);
     Field surface = fetus_surface(grid);
     nearer(surface, hand(grid));
     std::vector<std::uint8_t> voxels(grid.voxel_count());

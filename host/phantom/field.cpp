@@ -46,7 +46,7 @@ struct PlateDistance {
 };
 
 Ball mirrored(Ball ball) {
-    ball.centre_mm.x = -ball.centre_mm.x;
+    ball.center_mm.x = -ball.center_mm.x;
     ball.tilt_deg.y = -ball.tilt_deg.y;
     ball.tilt_deg.z = -ball.tilt_deg.z;
     return ball;
@@ -99,10 +99,10 @@ void average_along(std::vector<float>& values, std::vector<float>& old, int coun
 
 }  // namespace
 
-Grid centred_grid(int nx, int ny, int nz, glm::vec3 spacing_mm, glm::vec3 centre_mm) {
+Grid centered_grid(int nx, int ny, int nz, glm::vec3 spacing_mm, glm::vec3 center_mm) {
     const glm::vec3 last(static_cast<float>(nx - 1), static_cast<float>(ny - 1),
                          static_cast<float>(nz - 1));
-    return {nx, ny, nz, spacing_mm, centre_mm - 0.5F * (last * spacing_mm)};
+    return {nx, ny, nz, spacing_mm, center_mm - 0.5F * (last * spacing_mm)};
 }
 
 Grid left_half(const Grid& grid) {
@@ -131,7 +131,7 @@ Box box_around(const Grid& grid, const Ball& ball) {
         const float u = m[0][i] * r.x, v = m[1][i] * r.y, w = m[2][i] * r.z;
         half[i] += std::sqrt(u * u + v * v + w * w);
     }
-    return box_around(grid, ball.centre_mm - half, ball.centre_mm + half);
+    return box_around(grid, ball.center_mm - half, ball.center_mm + half);
 }
 
 Box box_around(const Grid& grid, const Strand& strand) {

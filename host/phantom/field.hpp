@@ -1,7 +1,7 @@
 // Distance fields on a voxel grid, and the shapes that are joined into them.
 //
 // Only + - * / and square roots are used, which IEEE 754 fixes to the bit, so that a phantom is the
-// same on every machine. Loops run along x without branches, so that compilers can vectorise them.
+// same on every machine. Loops run along x without branches, so that compilers can vectorize them.
 #pragma once
 
 #include <algorithm>
@@ -34,8 +34,9 @@ struct Grid {
     float z_mm(int z) const { return first_mm.z + spacing_mm.z * static_cast<float>(z); }
 };
 
-/// A grid centered on `centre_mm`.
-Grid centred_grid(int nx, int ny, int nz, glm::vec3 spacing_mm, glm::vec3 centre_mm = glm::vec3(0));
+/// A grid centered on `center_mm`.
+Grid centered_grid(int nx, int ny, int nz, glm::vec3 spacing_mm,
+                   glm::vec3 center_mm = glm::vec3(0));
 
 /// The half of a grid with x > 0, if the grid is centered on x = 0 and nx is even.
 Grid left_half(const Grid& grid);
@@ -53,7 +54,7 @@ struct Field {
 
 /// An ellipsoid; `tilt_deg` turns it about x, then y, then z. `blend_mm` rounds where it joins.
 struct Ball {
-    glm::vec3 centre_mm, radius_mm;
+    glm::vec3 center_mm, radius_mm;
     glm::vec3 tilt_deg{0};
     float blend_mm = 0;
 };

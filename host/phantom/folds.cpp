@@ -50,10 +50,10 @@ struct Run {
 void project_row(Run& run, const Grid& grid, const Box& box, int y, int z,
                  const FoldPattern& pattern) {
     const glm::vec3 inverse = 1.0F / pattern.radius_mm;
-    const float py = grid.y_mm(y) - pattern.centre_mm.y, pz = grid.z_mm(z) - pattern.centre_mm.z;
+    const float py = grid.y_mm(y) - pattern.center_mm.y, pz = grid.z_mm(z) - pattern.center_mm.z;
     const float off_row = py * inverse.y * py * inverse.y + pz * inverse.z * pz * inverse.z;
     for (int i = 0; i < box.x1 - box.x0; ++i) {
-        const float px = grid.x_mm(box.x0 + i) - pattern.centre_mm.x;
+        const float px = grid.x_mm(box.x0 + i) - pattern.center_mm.x;
         const float reach = std::sqrt(px * inverse.x * px * inverse.x + off_row);
         const float scale = 1 / std::max(reach, least_reach);
         const auto k = static_cast<std::size_t>(i);

@@ -7,7 +7,7 @@ namespace pxpl5::host::phantom {
 
 /// A labyrinth drawn on an ellipsoid and continued straight inwards and outwards.
 struct FoldPattern {
-    glm::vec3 centre_mm, radius_mm;
+    glm::vec3 center_mm, radius_mm;
     float wavelength_mm;  ///< Two folds and the two furrows beside them.
     std::uint32_t seed;
 };

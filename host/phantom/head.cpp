@@ -11,7 +11,7 @@ namespace pxpl5::host::phantom {
 namespace {
 
 // Signal, without unit.
-constexpr float air = 8, flesh = 150, bone = 22, water = 42, grey_matter = 245, white_matter = 345;
+constexpr float air = 8, flesh = 150, bone = 22, water = 42, gray_matter = 245, white_matter = 345;
 constexpr float skull_marrow = 120;
 constexpr float scanner_noise = 9;
 
@@ -26,7 +26,7 @@ constexpr float furrow_depth_mm = 15;
 constexpr float crown_mm = 5;       ///< Rounding of a fold's crown.
 constexpr float fissure_mm = 1.6F;  ///< Half the gap between the hemispheres.
 constexpr float folium_mm = 7;      ///< From one leaf of the cerebellum to the next.
-constexpr glm::vec3 centre_of_scan_mm(0, 1, -4);
+constexpr glm::vec3 center_of_scan_mm(0, 1, -4);
 constexpr float folds_wavelength_mm = 25;
 constexpr std::uint32_t folds_seed = 1993;
 
@@ -154,7 +154,7 @@ float signal(const Half& half, std::size_t h, float furrow_distance_mm, float x_
     const float hind_mm = std::min(half.hind_brain_mm.distance_mm[h], half.stem_mm.distance_mm[h]);
     const float brain_mm = std::min(std::min(cerebrum_mm, half.core_mm.distance_mm[h]), hind_mm);
     const float matter =
-        mixed_with(grey_matter, white_matter, ramp(-brain_mm, cortex_mm - 1, cortex_mm + 1.5F));
+        mixed_with(gray_matter, white_matter, ramp(-brain_mm, cortex_mm - 1, cortex_mm + 1.5F));
     float value = mixed_with(air, flesh, inside_share(half.skin_mm.distance_mm[h]));
     const float under_scalp = half.skin_mm.distance_mm[h] + scalp_mm;
     const float skull = std::max(hull - water_mm - skull_mm, under_scalp);
@@ -184,12 +184,12 @@ PhantomInfo head_info() {
 }
 
 Volume make_head(const PhantomInfo& info) {
-    const Grid grid = grid_of(info, centre_of_scan_mm);
+    const Grid grid = grid_of(info, center_of_scan_mm);
     const Half half = half_of(left_half(grid));
     const glm::vec3 reach = head::brain_radius + margin_mm;
     const Field furrows = furrow_distance(
-        grid, box_around(grid, head::brain_centre - reach, head::brain_centre + reach),
-        {head::brain_centre, head::brain_radius, folds_wavelength_mm, folds_seed});
+        grid, box_around(grid, head::brain_center - reach, head::brain_center + reach),
+        {head::brain_center, head::brain_radius, folds_wavelength_mm, folds_seed});
     std::vector<std::int16_t> voxels(grid.voxel_count());
     const int middle = grid.nx / 2;
     for (int z = 0; z < grid.nz; ++z) {

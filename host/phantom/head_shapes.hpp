@@ -71,7 +71,7 @@ inline constexpr Ball eye_ball = {{31, -63, 0}, {11.5F, 11.5F, 11.5F}, {0, 0, 0}
 
 // ---- brain ----
 /// The ellipsoid onto which the pattern of folds is drawn.
-inline constexpr glm::vec3 brain_centre(0, 12, 36), brain_radius(60, 78, 56);
+inline constexpr glm::vec3 brain_center(0, 12, 36), brain_radius(60, 78, 56);
 inline constexpr Ball cerebrum[] = {
     {{26, 10, 40}, {32, 73, 47}, {0, 0, 0}, 10},  // hemisphere
     {{14, 10, 42}, {26, 70, 49}, {0, 0, 0}, 10},

@@ -27,7 +27,7 @@ constexpr float grain(std::uint32_t key) {
     return static_cast<float>(sum - 510) * (1.0F / 147.8F);
 }
 
-/// The nearest integer. The int conversion vectorises where floor() does not.
+/// The nearest integer. The int conversion vectorizes where floor() does not.
 inline float nearest(float t) {
     const float shifted = t + (t >= 0 ? 0.5F : -0.5F);
     return static_cast<float>(static_cast<std::int32_t>(shifted));

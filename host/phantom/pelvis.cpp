@@ -24,7 +24,7 @@ constexpr float cortex_begin_mm = 4, cortex_mm = 7, sponge_mm = 10;  ///< Depths
 constexpr float tissue_blur_mm = 4.5F;   ///< Half the width over which other tissues mix.
 constexpr float fat_under_skin_mm = 12;  ///< Least thickness.
 constexpr float fat_plane_mm = 4;        ///< Between two muscles.
-constexpr glm::vec3 centre_of_scan_mm(0, 12, 26);
+constexpr glm::vec3 center_of_scan_mm(0, 12, 26);
 
 /// How much of a voxel at this distance is inside, 0 to 1.
 float inside_share(float distance_mm) {
@@ -44,22 +44,22 @@ void join_plates(Field& field, const Corner (&corners)[N], const Plate (&plates)
 Field hip_bone(const Grid& grid) {
     using namespace pelvis;
     Field field(grid);
-    join(field, Ball{hip_centre_mm, glm::vec3(cup_radius_mm)});
+    join(field, Ball{hip_center_mm, glm::vec3(cup_radius_mm)});
     // The socket opens sideways, forwards and downwards.
     const glm::vec3 opening(0.76F, -0.36F, -0.54F);
-    join(field, Ball{hip_centre_mm + 66.0F * opening, glm::vec3(56)}, Join::carve);
+    join(field, Ball{hip_center_mm + 66.0F * opening, glm::vec3(56)}, Join::carve);
     join_plates(field, hip_corners, hip_plates, 1.5F);
     smooth(field, 1);
     join_both(field, hip_rods);
-    join(field, Ball{hip_centre_mm, glm::vec3(socket_radius_mm)}, Join::carve);
-    join(field, Ball{hip_centre_mm + 22.0F * opening, glm::vec3(socket_radius_mm)}, Join::carve);
+    join(field, Ball{hip_center_mm, glm::vec3(socket_radius_mm)}, Join::carve);
+    join(field, Ball{hip_center_mm + 22.0F * opening, glm::vec3(socket_radius_mm)}, Join::carve);
     join(field, symphysis, Join::carve);
     return field;
 }
 
 Field femur(const Grid& grid) {
     Field field(grid);
-    join(field, Ball{pelvis::hip_centre_mm, glm::vec3(pelvis::femur_head_radius_mm)});
+    join(field, Ball{pelvis::hip_center_mm, glm::vec3(pelvis::femur_head_radius_mm)});
     for (const Rod& rod : pelvis::femur_rods) join(field, rod);
     return field;
 }
@@ -150,7 +150,7 @@ Field muscles(const Grid& grid, const Field& skin_mm) {
     add_belly_wall(bellies);
     Field field = parted(bellies, fat_plane_mm);
     for (const Rod& rod : cartilage) join(field, rod);
-    join(field, Ball{hip_centre_mm, glm::vec3(socket_radius_mm + 2)});
+    join(field, Ball{hip_center_mm, glm::vec3(socket_radius_mm + 2)});
     for (std::size_t i = 0; i < field.distance_mm.size(); ++i) {
         field.distance_mm[i] =
             std::max(field.distance_mm[i], skin_mm.distance_mm[i] + fat_under_skin_mm);
@@ -222,7 +222,7 @@ PhantomInfo pelvis_info() {
 }
 
 Volume make_pelvis(const PhantomInfo& info) {
-    const Grid grid = grid_of(info, centre_of_scan_mm);
+    const Grid grid = grid_of(info, center_of_scan_mm);
     const Half half = half_of(left_half(grid));
     const Field organ = organs(grid), gas = gas_bubbles(grid);
     std::vector<std::int16_t> voxels(grid.voxel_count());

@@ -7,7 +7,7 @@
 namespace pxpl5::host::phantom::pelvis {
 
 // The hip joint.
-inline constexpr glm::vec3 hip_centre_mm(86, 0, 0);
+inline constexpr glm::vec3 hip_center_mm(86, 0, 0);
 inline constexpr float femur_head_radius_mm = 23.5F, socket_radius_mm = 28, cup_radius_mm = 34.5F;
 
 // ---- hip bone: corners of plates, with half the thickness ----

@@ -14,8 +14,8 @@ namespace pxpl5::host {
 /// An isosurface that is worth looking at.
 struct PhantomSurface {
     std::string name;
-    double isovalue = 0;                       ///< In the volume's own unit; ends in .5.
-    std::array<std::uint8_t, 3> colour_rgb{};  ///< sRGB.
+    double isovalue = 0;                      ///< In the volume's own unit; ends in .5.
+    std::array<std::uint8_t, 3> color_rgb{};  ///< sRGB.
     int paper_triangles = 0;  ///< Yoo & Chen, figures 3 to 7; 0 if not in the paper.
 };
 

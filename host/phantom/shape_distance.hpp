@@ -34,18 +34,18 @@ struct RodDistance {
 
 /// First-order distance to an ellipsoid: exact on the surface, right in sign.
 struct BallDistance {
-    glm::vec3 centre, inverse_radius;
+    glm::vec3 center, inverse_radius;
     glm::mat3 to_axes;  ///< Columns, as glm keeps them.
     float least_radius;
 
     explicit BallDistance(const Ball& ball)
-        : centre(ball.centre_mm),
+        : center(ball.center_mm),
           inverse_radius(1.0F / ball.radius_mm.x, 1.0F / ball.radius_mm.y, 1.0F / ball.radius_mm.z),
           to_axes(turned(ball.tilt_deg)),
           least_radius(std::min({ball.radius_mm.x, ball.radius_mm.y, ball.radius_mm.z})) {}
 
     float operator()(float x, float y, float z) const {
-        const float px = x - centre.x, py = y - centre.y, pz = z - centre.z;
+        const float px = x - center.x, py = y - center.y, pz = z - center.z;
         // The transpose of a rotation is its inverse.
         const float ax =
             (to_axes[0].x * px + to_axes[0].y * py + to_axes[0].z * pz) * inverse_radius.x;

@@ -40,7 +40,7 @@ inline constexpr std::array<std::string_view, 3> kind_names = {"polygon", "spher
 struct ColorElement {
     Kind kind = Kind::polygon;
     struct Diffuse {
-        Colour front, back;
+        Color front, back;
     };
     std::optional<Diffuse> diffuse;
     std::optional<Specular> specular;  ///< Gloss of the front.
@@ -48,19 +48,19 @@ struct ColorElement {
 
 struct Corner {
     glm::dvec3 p{0};
-    glm::dvec3 normal{0};           ///< If the polygon has normals.
-    std::optional<Colour> diffuse;  ///< Color of this corner alone.
+    glm::dvec3 normal{0};          ///< If the polygon has normals.
+    std::optional<Color> diffuse;  ///< Color of this corner alone.
 };
 
 struct PolygonElement {
     std::vector<Corner> corners;  ///< 3 at least; counter-clockwise seen from the front.
     bool has_normals = false;
     bool cull_back = false;
-    std::optional<Colour> diffuse;  ///< Color of both sides, instead of the color set by `color`.
+    std::optional<Color> diffuse;  ///< Color of both sides, instead of the color set by `color`.
 };
 
 struct SphereElement {
-    glm::dvec3 centre{0};
+    glm::dvec3 center{0};
     double radius = 1;
     Place at;
 };

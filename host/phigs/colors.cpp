@@ -15,7 +15,7 @@ std::uint8_t rounded(std::uint8_t value, int bits) {
 
 }  // namespace
 
-int merge_colours(std::vector<Material>& materials, std::vector<Part>& parts) {
+int merge_colors(std::vector<Material>& materials, std::vector<Part>& parts) {
     int bits = 8;
     std::vector<Material> merged = materials;
     std::vector<std::size_t> new_index(materials.size());
@@ -24,8 +24,8 @@ int merge_colours(std::vector<Material>& materials, std::vector<Part>& parts) {
         std::map<std::tuple<int, int, int, bool>, std::size_t> index;
         merged.clear();
         for (std::size_t i = 0; i < materials.size(); ++i) {
-            const Colour& c = materials[i].colour;
-            const Colour few{rounded(c.r, bits), rounded(c.g, bits), rounded(c.b, bits)};
+            const Color& c = materials[i].color;
+            const Color few{rounded(c.r, bits), rounded(c.g, bits), rounded(c.b, bits)};
             const bool cull = materials[i].cull_back;
             const auto [found, is_new] =
                 index.emplace(std::tuple(few.r, few.g, few.b, cull), merged.size());

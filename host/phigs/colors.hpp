@@ -11,6 +11,6 @@ namespace pxpl5::host::phigs {
 /// leave max_surfaces at most. Parts are told their new material; order of first use is kept.
 ///
 /// Returns  Bits kept: 8 if there were few enough, and then nothing is changed.
-int merge_colours(std::vector<Material>& materials, std::vector<Part>& parts);
+int merge_colors(std::vector<Material>& materials, std::vector<Part>& parts);
 
 }  // namespace pxpl5::host::phigs

@@ -20,7 +20,7 @@ inline constexpr std::size_t primitives_per_part = 256;   ///< Parts are what GP
 
 /// How a primitive looks: the frame's list of surfaces.
 struct Material {
-    Colour colour;
+    Color color;
     bool cull_back = false;
 };
 
@@ -28,7 +28,7 @@ struct ContentVertex {
     glm::dvec3 p, normal;  ///< The normal is of unit length.
 };
 struct ContentSphere {
-    glm::dvec3 centre;
+    glm::dvec3 center;
     double radius;
 };
 struct ContentLine {

@@ -26,14 +26,14 @@ constexpr double max_coordinate = 1e15;
 struct State {
     glm::dmat4 matrix{1.0};
     struct Look {
-        Colour front{230, 230, 230}, back{230, 230, 230};
+        Color front{230, 230, 230}, back{230, 230, 230};
         Specular specular;
         bool has_specular = false;
     };
     std::array<Look, kind_names.size()> looks;
 };
 
-bool same(Colour a, Colour b) {
+bool same(Color a, Color b) {
     return a.r == b.r && a.g == b.g && a.b == b.b;
 }
 
@@ -142,7 +142,7 @@ class Flattener {
             normals.push_back(normal_of(e, corner, linear, glm::normalize(face)));
         }
         State::Look look = state.looks[0];
-        if (const auto own = own_colour(e)) {
+        if (const auto own = own_color(e)) {
             look.front = look.back = *own;
         }
         note_specular(look, e.corners.size() - 2);
@@ -155,7 +155,7 @@ class Flattener {
     }
 
     /// The polygon's color, or the mean of its corners'.
-    std::optional<Colour> own_colour(const PolygonElement& e) {
+    std::optional<Color> own_color(const PolygonElement& e) {
         glm::dvec3 sum(0);
         double count = 0;
         for (const Corner& corner : e.corners) {
@@ -171,7 +171,7 @@ class Flattener {
         const auto byte = [count](double total) {
             return static_cast<std::uint8_t>(std::lround(total / count));
         };
-        return Colour{byte(sum.x), byte(sum.y), byte(sum.z)};
+        return Color{byte(sum.x), byte(sum.y), byte(sum.z)};
     }
 
     /// In the archive's space; the face's own where the corner has none that means anything.
@@ -221,7 +221,7 @@ class Flattener {
         const State::Look& look = state.looks[1];
         note_specular(look, 1);
         part_for({look.front, false}, 1, structure)
-            .spheres.push_back({placed(state, e.centre, structure), e.radius * std::sqrt(scale2)});
+            .spheres.push_back({placed(state, e.center, structure), e.radius * std::sqrt(scale2)});
         ++content_.spheres;
     }
 
@@ -261,7 +261,7 @@ class Flattener {
                                                 max_primitives, structure.name));
         }
         const auto key =
-            std::tuple(material.colour.r, material.colour.g, material.colour.b, material.cull_back);
+            std::tuple(material.color.r, material.color.g, material.color.b, material.cull_back);
         const auto [found, is_new] = material_index_.emplace(key, content_.materials.size());
         if (is_new) {
             content_.materials.push_back(material);
@@ -282,11 +282,11 @@ class Flattener {
                                             content_.structures)
                               : "the posted structures draw nothing");
         }
-        const std::size_t colours = content_.materials.size();
-        const int bits = merge_colours(content_.materials, parts_);
+        const std::size_t colors = content_.materials.size();
+        const int bits = merge_colors(content_.materials, parts_);
         if (bits < 8) {
             content_.notes.push_back(
-                fmt::format("{} colors are drawn as {}: {} bits of each channel are kept", colours,
+                fmt::format("{} colors are drawn as {}: {} bits of each channel are kept", colors,
                             content_.materials.size(), bits));
         }
         join_parts();
@@ -349,7 +349,7 @@ class Flattener {
                 use(v.p, 0.0);
             }
             for (const ContentSphere& s : part.spheres) {
-                use(s.centre, s.radius);
+                use(s.center, s.radius);
             }
             for (const ContentLine& l : part.lines) {
                 use(l.from, 0.0);

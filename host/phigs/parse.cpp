@@ -1,11 +1,16 @@
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
-#include <fstream>
+#include <cstring>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <memory>
 #include <set>
 
 #include "host/base/error.hpp"
@@ -116,27 +121,27 @@ class Parser {
     }
     glm::dvec3 point() { return vector("x", "y", "z"); }
 
-    Colour rgba() {
+    Color rgba() {
         const auto part = [this](std::string_view what) {
             return static_cast<std::uint8_t>(std::lround(lexer_.number(what, 0, 255)));
         };
-        Colour colour;
-        colour.r = part("red");
-        colour.g = part("green");
-        colour.b = part("blue");
+        Color color;
+        color.r = part("red");
+        color.g = part("green");
+        color.b = part("blue");
         archive_.translucent += part("alpha") != 255 ? 1 : 0;
-        return colour;
+        return color;
     }
 
     /// Corners up to the closing brace. Braces and counts are as the callers say.
-    void corners(PolygonElement& polygon, std::size_t count, bool own_colours) {
+    void corners(PolygonElement& polygon, std::size_t count, bool own_colors) {
         const Place at = lexer_.peek().at;
         lexer_.expect("{", "before the corners");
         while (lexer_.peek().text != "}") {
             if (polygon.corners.size() == count) {
                 lexer_.unexpected(fmt::format("'}}' behind {} corners", count));
             }
-            polygon.corners.push_back(corner(polygon, own_colours));
+            polygon.corners.push_back(corner(polygon, own_colors));
         }
         if (polygon.corners.size() != count) {
             lexer_.refuse_at(at, fmt::format("{} corners are given, {} were announced",
@@ -146,7 +151,7 @@ class Parser {
         lexer_.take_if(";");
     }
 
-    Corner corner(PolygonElement& polygon, bool own_colours) {
+    Corner corner(PolygonElement& polygon, bool own_colors) {
         const Place at = lexer_.peek().at;
         Corner corner;
         corner.p = point();
@@ -160,10 +165,10 @@ class Parser {
             lexer_.refuse_at(at, fmt::format("this corner has {} normal, the first one has {}",
                                              has_normal ? "a" : "no", has_normal ? "none" : "one"));
         }
-        if (own_colours && lexer_.take_if("diff")) {
+        if (own_colors && lexer_.take_if("diff")) {
             corner.diffuse = rgba();
         }
-        lexer_.expect(";", own_colours ? "or 'diff' behind a corner" : "behind a corner");
+        lexer_.expect(";", own_colors ? "or 'diff' behind a corner" : "behind a corner");
         return corner;
     }
 
@@ -194,7 +199,7 @@ class Parser {
     SphereElement sphere(Place at) {
         SphereElement result;
         result.at = at;
-        result.centre = point();
+        result.center = point();
         const Place radius_at = lexer_.peek().at;
         result.radius = lexer_.number("radius", 0, max_number);
         if (result.radius == 0) {
@@ -245,7 +250,7 @@ class Parser {
         lexer_.expect("{", "before the colors");
         while (!lexer_.take_if("}")) {
             if (lexer_.take_if("diff")) {
-                const Colour front = rgba();
+                const Color front = rgba();
                 result.diffuse = {front, lexer_.number_ahead() ? rgba() : front};
             } else if (lexer_.take_if("spec")) {
                 result.specular = specular();
@@ -306,22 +311,29 @@ Archive parse_archive(std::string_view text, const std::string& file) {
 }
 
 Archive read_archive(const std::string& path) {
-    std::ifstream file(path, std::ios::binary | std::ios::ate);
-    if (!file) {
-        throw RequestError(ExitCode::bad_data, path + ": cannot be opened");
+    const auto refuse = [&path](const std::string& reason) {
+        throw RequestError(ExitCode::bad_data, fmt::format("{}: {}", path, reason));
+    };
+    // O_NONBLOCK: a FIFO without a writer would block here for ever.
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (file < 0) {
+        refuse(fmt::format("cannot be opened: {}", std::strerror(errno)));
     }
-    const std::streamoff size = file.tellg();
-    if (size < 0 || static_cast<std::uint64_t>(size) > max_file_bytes) {
-        throw RequestError(ExitCode::bad_data,
-                           size < 0 ? path + ": cannot be read"
-                                    : fmt::format("{}: has {} bytes, {} are the most", path, size,
-                                                  max_file_bytes));
+    const std::shared_ptr<void> closer(nullptr, [file](void*) { ::close(file); });
+    struct stat facts {};
+    if (fstat(file, &facts) != 0 || !S_ISREG(facts.st_mode)) {
+        refuse("is no regular file");
     }
-    std::string text(static_cast<std::size_t>(size), '\0');
-    file.seekg(0);
-    file.read(text.data(), size);
-    if (file.gcount() != size) {
-        throw RequestError(ExitCode::bad_data, path + ": cannot be read");
+    if (static_cast<std::uint64_t>(facts.st_size) > max_file_bytes) {
+        refuse(fmt::format("has {} bytes, {} are the most", facts.st_size, max_file_bytes));
+    }
+    std::string text(static_cast<std::size_t>(facts.st_size), '\0');
+    for (std::size_t done = 0; done < text.size();) {
+        const ssize_t got = ::read(file, text.data() + done, text.size() - done);
+        if (got == 0 || (got < 0 && errno != EINTR)) {
+            refuse("cannot be read");
+        }
+        done += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
     }
     return parse_archive(text, path);
 }

@@ -27,7 +27,7 @@ Surface surface_of(const Source& source) {
     const auto found = std::ranges::find(suggested, source.row.surface, &PhantomSurface::name);
     if (found != suggested.end()) {
         surface.isovalue = found->isovalue;
-        surface.colour = {found->colour_rgb[0], found->colour_rgb[1], found->colour_rgb[2]};
+        surface.color = {found->color_rgb[0], found->color_rgb[1], found->color_rgb[2]};
     } else if (!suggested.empty()) {
         throw RequestError(ExitCode::failed, fmt::format("{} has no surface '{}'", source.volume,
                                                          source.row.surface));
@@ -48,7 +48,7 @@ std::string write_picture(Session& session, const Source& source, const std::str
 MeasuredCase measured(Session& session, const Source& source, const MeasureOptions& options) {
     const Surface surface = surface_of(source);
     const SurfaceReport built =
-        session.surfaces.set(surface.name, surface.isovalue, CaseRule::watertight, surface.colour);
+        session.surfaces.set(surface.name, surface.isovalue, CaseRule::watertight, surface.color);
     session.scene.camera = {{source.row.azimuth_deg, source.row.elevation_deg}, 1};
     MeasuredCase measured;
     measured.triangles = built.triangles;

@@ -45,15 +45,15 @@ struct ColumnGroup {
 constexpr std::array groups{ColumnGroup{"triangles", 1, 2},
                             ColumnGroup{"surface built in, ms", 3, 5},
                             ColumnGroup{"frames/s", 8, 5}};
-const TableRow heading{"",     "paper", "here",     "paper",    "modelled", "error, %", "limit",
-                       "wall", "paper", "modelled", "error, %", "limit",    "wall"};
+const TableRow row_heading{"",     "paper", "here",     "paper",    "modelled", "error, %", "limit",
+                           "wall", "paper", "modelled", "error, %", "limit",    "wall"};
 
 /// Titles over the columns of text_table().
 std::string group_line(const std::vector<TableRow>& rows) {
     constexpr std::size_t gap = 2;
     std::vector<std::size_t> ends;
-    for (std::size_t column = 0; column < heading.size(); ++column) {
-        std::size_t width = heading[column].size();
+    for (std::size_t column = 0; column < row_heading.size(); ++column) {
+        std::size_t width = row_heading[column].size();
         for (const TableRow& row : rows) {
             width = std::max(width, row[column].size());
         }
@@ -132,7 +132,7 @@ std::string table_of(const std::vector<ReportRow>& rows) {
                                   frames_bound_percent, row.frames_reason);
         }
     }
-    return group_line(cells) + text_table(heading, cells) + beyond;
+    return group_line(cells) + text_table(row_heading, cells) + beyond;
 }
 
 std::string text_of(const Footnote& footnote) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
+#include <limits>
 
 namespace pxpl5::host {
 
@@ -15,7 +16,62 @@ constexpr double half_angle_rad = 15.0 / 180.0 * glm::pi<double>();
 constexpr double fill = 1.3;
 constexpr double depth_margin = 1.02;
 
+/// A point's place across the picture, over its distance from the eye.
+struct Sight {
+    double across_mm, distance_mm;
+};
+
+/// The tangents of the outermost points after a shift.
+struct Extent {
+    double least = std::numeric_limits<double>::max(), most = -least;
+};
+
+Extent extent_of(std::span<const Sight> sights, double shift_mm) {
+    Extent extent;
+    for (const Sight& sight : sights) {
+        const double tangent = (sight.across_mm + shift_mm) / sight.distance_mm;
+        extent.least = std::min(extent.least, tangent);
+        extent.most = std::max(extent.most, tangent);
+    }
+    return extent;
+}
+
+/// The shift after which the outermost points are equally far from the middle.
+double centering_shift_mm(std::span<const Sight> sights, double most_mm) {
+    double low = -most_mm, high = most_mm;
+    constexpr int halvings = 60;
+    for (int i = 0; i < halvings; ++i) {
+        const double middle = (low + high) / 2;
+        const Extent extent = extent_of(sights, middle);
+        (extent.least + extent.most > 0 ? high : low) = middle;
+    }
+    return (low + high) / 2;
+}
+
 }  // namespace
+
+Camera fitted(Camera camera, const Subject& subject, std::span<const glm::dvec3> points_mm,
+              double share) {
+    assert(!points_mm.empty());
+    camera.zoom = 1;
+    camera.pan_mm = {};
+    const glm::dmat4 to_eye = camera_matrices(camera, subject, 1).patient_to_eye;
+    double widest = 0;
+    for (const int axis : {0, 1}) {
+        std::vector<Sight> sights;
+        for (const glm::dvec3& p_mm : points_mm) {
+            const glm::dvec4 p_eye = to_eye * glm::dvec4(p_mm, 1);
+            sights.push_back({p_eye[axis], -p_eye.z});
+        }
+        // A hundredth of a millimeter is less than a pixel of the largest picture.
+        const double shift_mm = centering_shift_mm(sights, 2 * subject.radius_mm);
+        camera.pan_mm[axis] = std::round(shift_mm * 100) / 100;
+        widest = std::max(widest, extent_of(sights, shift_mm).most);
+    }
+    const double zoom = share * std::tan(half_angle_rad) / (fill * widest);
+    camera.zoom = std::floor(zoom * 1000) / 1000;  // Short words, for scripts and the page.
+    return camera;
+}
 
 const std::vector<NamedView>& named_views() {
     static const std::vector<NamedView> views = {
@@ -46,7 +102,7 @@ Subject subject_of(const glm::dvec3& last, const glm::dmat4& voxel_to_patient) {
     for (int corner = 0; corner < 8; ++corner) {
         const glm::dvec3 p(corner & 1 ? last.x : 0, corner & 2 ? last.y : 0,
                            corner & 4 ? last.z : 0);
-        subject.radius_mm = std::max(subject.radius_mm, glm::distance(place(p), subject.centre_mm));
+        subject.radius_mm = std::max(subject.radius_mm, glm::distance(place(p), subject.center_mm));
     }
     return subject;
 }
@@ -71,9 +127,9 @@ CameraMatrices camera_matrices(const Camera& camera, const Subject& subject, dou
     for (int axis = 0; axis < 3; ++axis) {
         m.patient_to_eye[axis] = glm::dvec4(right[axis], up[axis], back[axis], 0);
     }
-    m.patient_to_eye[3] = glm::dvec4(camera.pan_mm.x - glm::dot(right, subject.centre_mm),
-                                     camera.pan_mm.y - glm::dot(up, subject.centre_mm),
-                                     -glm::dot(back, subject.centre_mm) - distance, 1);
+    m.patient_to_eye[3] = glm::dvec4(camera.pan_mm.x - glm::dot(right, subject.center_mm),
+                                     camera.pan_mm.y - glm::dot(up, subject.center_mm),
+                                     -glm::dot(back, subject.center_mm) - distance, 1);
 
     const double near = distance - subject.radius_mm * depth_margin;
     const double far = distance + subject.radius_mm * depth_margin;

@@ -5,6 +5,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -32,7 +33,7 @@ std::optional<ViewAngles> find_view(std::string_view name);
 
 /// The sphere around the volume, which the picture must contain.
 struct Subject {
-    glm::dvec3 centre_mm{0};
+    glm::dvec3 center_mm{0};
     double radius_mm = 1;
 };
 
@@ -51,6 +52,13 @@ struct Camera {
 
     friend bool operator==(const Camera&, const Camera&) = default;
 };
+
+/// The camera with the zoom and pan that show all points within `share` of a square picture, in its
+/// middle. A picture with other sides shows them, too.
+///
+/// points_mm  In the patient, LPS; one at least.
+Camera fitted(Camera camera, const Subject& subject, std::span<const glm::dvec3> points_mm,
+              double share);
 
 struct CameraMatrices {
     glm::dmat4 patient_to_eye;  ///< Millimeters: x right, y up, looking along -z.

@@ -13,8 +13,8 @@ std::vector<std::unique_ptr<schema::MarkT>> marks_message(std::span<const Pictur
         for (const glm::vec2& p : mark.points) {
             one->points.emplace_back(p.x, p.y);
         }
-        const MarkColour& c = mark.colour;
-        one->colour = std::make_unique<schema::Rgba>(c.r, c.g, c.b, c.a);
+        const MarkColor& c = mark.color;
+        one->color = std::make_unique<schema::Rgba>(c.r, c.g, c.b, c.a);
         one->width_px = mark.width_px;
         one->text = mark.text;
         one->height_px = mark.height_px;
@@ -26,10 +26,10 @@ std::vector<std::unique_ptr<schema::MarkT>> marks_message(std::span<const Pictur
 }
 
 PictureMark mark_of(const schema::Mark& wire) {
-    const schema::Rgba& colour = *wire.colour();
+    const schema::Rgba& color = *wire.color();
     PictureMark mark{wire.kind(),
                      {},
-                     {colour.r(), colour.g(), colour.b(), colour.a()},
+                     {color.r(), color.g(), color.b(), color.a()},
                      wire.width_px(),
                      wire.text() == nullptr ? "" : wire.text()->str(),
                      wire.height_px(),

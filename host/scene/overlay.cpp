@@ -15,8 +15,6 @@ namespace {
 
 /// Components below this share of a direction have no letter.
 const double least_component = std::sin(glm::pi<double>() / 8);
-/// Differences that rounding makes: what is closer counts as equal.
-constexpr double same = 1e-9;
 constexpr std::size_t max_legend_lines = 8;
 /// Width of DejaVu Sans' letters over its size, on average and a little more.
 constexpr double letter_width = 0.62;
@@ -27,13 +25,13 @@ struct Measures {
     double unit;    ///< 1 at 512 pixels.
     double margin;  ///< Free at the picture's sides.
     float letter, small, halo;
-    MarkColour ink, shade;  ///< Letters, and what parts lines from the surface behind them.
-    MarkColour disc;        ///< Behind the body of directions.
+    MarkColor ink, shade;  ///< Letters, and what parts lines from the surface behind them.
+    MarkColor disc;        ///< Behind the body of directions.
 };
 
 Measures measures_of(const Overlay& overlay) {
     const Size size = overlay.size;
-    const MarkColour& paper = overlay.background;
+    const MarkColor& paper = overlay.background;
     const bool over_light = 0.299 * paper.r + 0.587 * paper.g + 0.114 * paper.b >= 128;
     const double unit = std::clamp(std::min(size.width, size.height) / 512.0, 0.6, 4.0);
     return {static_cast<double>(size.width),
@@ -43,9 +41,9 @@ Measures measures_of(const Overlay& overlay) {
             static_cast<float>(20 * unit),
             static_cast<float>(std::max(12 * unit, 9.0)),
             static_cast<float>(std::max(2 * unit, 1.5)),
-            over_light ? MarkColour{24, 26, 30, 255} : MarkColour{240, 240, 236, 255},
-            over_light ? MarkColour{255, 255, 255, 170} : MarkColour{0, 0, 0, 150},
-            over_light ? MarkColour{0, 0, 0, 36} : MarkColour{0, 0, 0, 90}};
+            over_light ? MarkColor{24, 26, 30, 255} : MarkColor{240, 240, 236, 255},
+            over_light ? MarkColor{255, 255, 255, 170} : MarkColor{0, 0, 0, 150},
+            over_light ? MarkColor{0, 0, 0, 36} : MarkColor{0, 0, 0, 90}};
 }
 
 glm::vec2 at(double x, double y) {
@@ -118,14 +116,14 @@ std::vector<glm::vec2> disc(double x, double y, double radius) {
 /// One of the six directions, as it lies in the picture.
 struct Direction {
     std::string letter;
-    glm::dvec2 place;   ///< Right and up, 1 at the circle.
-    double towards;     ///< The viewer; 1 straight at him.
-    MarkColour colour;  ///< The same for both ends of an axis.
+    glm::dvec2 place;  ///< Right and up, 1 at the circle.
+    double towards;    ///< The viewer; 1 straight at him.
+    MarkColor color;   ///< The same for both ends of an axis.
 };
 
 std::vector<Direction> six_directions(const PictureAxes& axes) {
-    constexpr std::array colours = {MarkColour{226, 116, 104, 255}, MarkColour{122, 186, 106, 255},
-                                    MarkColour{104, 152, 226, 255}};
+    constexpr std::array colors = {MarkColor{226, 116, 104, 255}, MarkColor{122, 186, 106, 255},
+                                   MarkColor{104, 152, 226, 255}};
     std::vector<Direction> directions;
     for (int axis = 0; axis < 3; ++axis) {
         for (const double sign : {1.0, -1.0}) {
@@ -134,13 +132,14 @@ std::vector<Direction> six_directions(const PictureAxes& axes) {
             directions.push_back({direction_letters(d),
                                   {glm::dot(d, axes.right), glm::dot(d, axes.up)},
                                   glm::dot(d, axes.back),
-                                  colours[static_cast<std::size_t>(axis)]});
+                                  colors[static_cast<std::size_t>(axis)]});
         }
     }
     // What is behind is drawn first. Rounding must not decide between equals.
     std::stable_sort(directions.begin(), directions.end(),
                      [](const Direction& a, const Direction& b) {
-                         return std::round(a.towards / same) < std::round(b.towards / same);
+                         return std::round(a.towards / direction_rounding) <
+                                std::round(b.towards / direction_rounding);
                      });
     return directions;
 }
@@ -151,19 +150,18 @@ void add_directions(const Overlay& overlay, const Measures& m, std::vector<Pictu
     const double x = m.width - m.margin - radius - knob, y = m.margin + radius + knob;
     marks.push_back(area_mark(disc(x, y, radius + knob * 1.25), m.disc));
     for (const Direction& d : six_directions(axes_of(overlay.camera, overlay.subject))) {
-        const bool behind = d.towards < -same;
+        const bool behind = d.towards < -direction_rounding;
         const double px = x + radius * d.place.x, py = y - radius * d.place.y;
         const double size = knob * (1 + 0.15 * d.towards);
         const auto dim = [&](std::uint8_t value) {
             return static_cast<std::uint8_t>(behind ? value * 0.45 : value);
         };
-        const MarkColour colour{dim(d.colour.r), dim(d.colour.g), dim(d.colour.b), 255};
-        marks.push_back(
-            line_mark({at(x, y), at(px, py)}, colour, static_cast<float>(1.8 * m.unit)));
-        marks.push_back(area_mark(disc(px, py, size), colour));
+        const MarkColor color{dim(d.color.r), dim(d.color.g), dim(d.color.b), 255};
+        marks.push_back(line_mark({at(x, y), at(px, py)}, color, static_cast<float>(1.8 * m.unit)));
+        marks.push_back(area_mark(disc(px, py, size), color));
         marks.push_back(
             text_mark(at(px, py), d.letter,
-                      behind ? MarkColour{190, 190, 190, 255} : MarkColour{16, 18, 22, 255},
+                      behind ? MarkColor{190, 190, 190, 255} : MarkColor{16, 18, 22, 255},
                       {static_cast<float>(size * 1.35), 0.5F, 0.5F, 0}));
     }
 }
@@ -205,7 +203,7 @@ void add_legend(const Overlay& overlay, const Measures& m, std::vector<PictureMa
                                at(x - more, low - swatch - more)};
         };
         marks.push_back(area_mark(square(std::max(1.0, m.unit)), m.shade));
-        marks.push_back(area_mark(square(0), overlay.legend[index].colour));
+        marks.push_back(area_mark(square(0), overlay.legend[index].color));
         write(x + swatch * 1.7, overlay.legend[index].text);
         y -= step;
     }
@@ -222,7 +220,7 @@ std::string direction_letters(const glm::dvec3& direction) {
                                                  part > 0 ? "LPS"[axis] : "RAI"[axis]};
     }
     std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
-        return std::round(a.first / same) > std::round(b.first / same);
+        return std::round(a.first / direction_rounding) > std::round(b.first / direction_rounding);
     });
     std::string letters;
     for (const auto& [part, letter] : parts) {
@@ -236,7 +234,7 @@ std::string direction_letters(const glm::dvec3& direction) {
 ScaleBar scale_bar(const Camera& camera, const Subject& subject, Size size, double most_px) {
     const double aspect = static_cast<double>(size.width) / size.height;
     const CameraMatrices m = camera_matrices(camera, subject, aspect);
-    const double distance_mm = -(m.patient_to_eye * glm::dvec4(subject.centre_mm, 1)).z;
+    const double distance_mm = -(m.patient_to_eye * glm::dvec4(subject.center_mm, 1)).z;
     const double px_per_mm = m.projection[0][0] * size.width / 2 / distance_mm;
     const double most_mm = most_px / px_per_mm;
     double length_mm = std::pow(10.0, std::floor(std::log10(most_mm)));
@@ -255,7 +253,7 @@ std::vector<LegendLine> legend_of(std::span<const Surface> surfaces) {
         if (!surface.visible) {
             continue;
         }
-        const Colour& c = surface.colour;
+        const Color& c = surface.color;
         legend.push_back(
             {{c.r, c.g, c.b, 255}, fmt::format("{}  {:.6g}", surface.name, surface.isovalue)});
     }
@@ -286,7 +284,7 @@ std::vector<PictureMark> overlay_marks(const Overlay& overlay) {
 
 std::vector<PictureMark> overlay_marks(const Scene& scene, const Subject& subject,
                                        std::string_view title) {
-    const Colour& c = scene.background;
+    const Color& c = scene.background;
     return overlay_marks({scene.camera,
                           subject,
                           scene.size,

@@ -14,6 +14,9 @@
 
 namespace pxpl5::host {
 
+/// Directions whose components differ by less are equal: rounding makes such differences.
+inline constexpr double direction_rounding = 1e-9;
+
 /// A direction in patient axes (x left, y posterior, z superior) as its letters, the largest
 /// component first: L R, P A, S I. A component counts from sin 22.5 degrees of the whole on, so
 /// that a direction between two axes has two letters, as "RA", and a small turn none too many.
@@ -32,7 +35,7 @@ ScaleBar scale_bar(const Camera& camera, const Subject& subject, Size size, doub
 
 /// One line of the legend: a surface's color, name and isovalue.
 struct LegendLine {
-    MarkColour colour;
+    MarkColor color;
     std::string text;
 };
 
@@ -41,9 +44,9 @@ struct Overlay {
     Camera camera;
     Subject subject;
     Size size;
-    MarkColour background{
-        18, 22, 30, 255};  ///< Background of the picture: ink is light over a dark background.
-    std::string title;     ///< Bottom line, as the volume's name; UTF-8.
+    MarkColor background{18, 22, 30,
+                         255};  ///< Background of the picture: ink is light over a dark background.
+    std::string title;          ///< Bottom line, as the volume's name; UTF-8.
     std::vector<LegendLine> legend;  ///< Above the title; what has no room is counted.
     bool letters = true;             ///< Patient directions at the four sides.
     bool directions = true;          ///< The six directions as a small body at the top right.

@@ -100,13 +100,13 @@ std::optional<Pick> pick(const PickView& view, int x, int y, const Volume& volum
     if ((word & surface_mask) == 0) {
         return std::nullopt;
     }
-    const glm::dvec2 centre(x + 0.5, y + 0.5);
+    const glm::dvec2 center(x + 0.5, y + 0.5);
     Pick found;
     found.surface = static_cast<int>(word & surface_mask) - 1;
     found.depth = depth;
-    found.p_mm = unproject(view, centre, isa::ndc_of_depth(depth));
+    found.p_mm = unproject(view, center, isa::ndc_of_depth(depth));
     found.doubt_mm =
-        0.5 * glm::distance(found.p_mm, unproject(view, centre, isa::ndc_of_depth(depth + 1)));
+        0.5 * glm::distance(found.p_mm, unproject(view, center, isa::ndc_of_depth(depth + 1)));
     found.p_grid = glm::dvec3(glm::inverse(volume.voxel_to_patient) * glm::dvec4(found.p_mm, 1));
     found.p_voxel = found.p_grid;
     found.p_voxel.z = slice_of_place(found.p_grid.z, volume.slice_places);

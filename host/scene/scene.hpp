@@ -36,7 +36,7 @@ struct Surface {
     std::uint32_t revision = 0;  ///< Counts the isovalues that it has had.
     double isovalue = 0;
     CaseRule table = CaseRule::watertight;
-    Colour colour{236, 226, 200};
+    Color color{236, 226, 200};
     bool cull_back = false;  ///< Triangles that turn their back are not drawn.
     bool visible = true;
     int opacity = full_opacity;  ///< Sixteenths of the pixels that show it; 1..16.
@@ -70,12 +70,12 @@ struct Scene {
     /// From above left, and a weaker one from the right, so that no side is without shape.
     std::vector<Light> lights = {{-28, 32, 0.72}, {55, -8, 0.26}};
     Material material;
-    Colour background{18, 22, 30};
+    Color background{18, 22, 30};
     Size size{512, 512};
     std::vector<Surface> surfaces;  ///< In drawing order.
     std::vector<SceneClip> clips;   ///< Only points on the kept side of all planes are drawn.
-    bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in `gap_colour`.
-    Colour gap_colour{226, 84, 62};
+    bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in `gap_color`.
+    Color gap_color{226, 84, 62};
     int samples = 1;      ///< Samples per pixel of a picture, one of sample_counts.
     bool overlay = true;  ///< Pictures in files carry orientation letters and a scale bar.
 };

@@ -15,9 +15,6 @@ namespace pxpl5::host {
 
 namespace {
 
-/// Directions that differ by rounding alone count as equal.
-constexpr double same = 1e-9;
-
 /// Directions in the patient that a picture's right and lower side shall show.
 struct WishedSides {
     glm::dvec3 right, down;
@@ -26,10 +23,11 @@ struct WishedSides {
 /// normal  Of the slice's plane; either way.
 WishedSides wished_sides(const glm::dvec3& normal) {
     const glm::dvec3 n = glm::abs(normal), left(1, 0, 0), posterior(0, 1, 0), inferior(0, 0, -1);
-    if (n.z >= n.x - same && n.z >= n.y - same) {
+    if (n.z >= n.x - direction_rounding && n.z >= n.y - direction_rounding) {
         return {left, posterior};
     }
-    return n.y >= n.x - same ? WishedSides{left, inferior} : WishedSides{posterior, inferior};
+    return n.y >= n.x - direction_rounding ? WishedSides{left, inferior}
+                                           : WishedSides{posterior, inferior};
 }
 
 std::size_t index_of(int i) {
@@ -127,7 +125,7 @@ SliceFrame slice_frame(const Volume& volume, int axis) {
     const auto fit = [&](const glm::dvec3& right, const glm::dvec3& down) {
         return std::abs(glm::dot(right, wish.right)) + std::abs(glm::dot(down, wish.down));
     };
-    const bool is_turned = fit(v, u) > fit(u, v) + same;
+    const bool is_turned = fit(v, u) > fit(u, v) + direction_rounding;
     SliceFrame frame;
     frame.across = side_of(volume, is_turned ? second : first, wish.right);
     frame.down = side_of(volume, is_turned ? first : second, wish.down);

@@ -23,6 +23,7 @@ class Certifier {
         : mesh_(mesh), grid_(grid), measure_(mesh, grid) {}
 
     Certificate run() {
+        out_.has_grid = grid_.nx != 0;
         out_.triangles = static_cast<std::int64_t>(mesh_.triangles.size());
         out_.vertices = static_cast<std::int64_t>(mesh_.keys.size());
         out_.components = out_.triangles;

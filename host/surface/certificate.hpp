@@ -41,6 +41,8 @@ struct Defect {
 /// Integer keys decide all topology; no tolerance is involved.
 struct Certificate {
     std::int64_t triangles = 0, vertices = 0, edges = 0;
+    bool has_grid = true;           ///< Whether the surface lies in a volume, which has a border.
+    std::int64_t collapsed = 0;     ///< Triangles of a file that have two corners at one place.
     std::int64_t components = 0;    ///< Triangles that hang together over edges.
     std::int64_t border_edges = 0;  ///< One triangle, within one of the volume's six faces.
     /// Ways around open edges off the border. Open edges that meet at a vertex bound one hole;
@@ -52,7 +54,7 @@ struct Certificate {
     std::int64_t slivers = 0;     ///< An angle below sliver_angle_deg; degenerate ones not counted.
     double area_mm2 = 0;
     /// Volume of the inside; the volume's faces close the surface where the surface leaves the
-    /// volume. Meaningless for a surface with holes; 0 without triangles.
+    /// volume. Has a meaning only if has_volume(); negative if is_inside_out().
     double volume_mm3 = 0;
     BoxMm bounds_mm;
 
@@ -60,14 +62,20 @@ struct Certificate {
         return defect_counts[static_cast<std::size_t>(kind)];
     }
     std::int64_t euler() const { return vertices - edges + triangles; }
-    /// No boundary edge at all.
+    /// No boundary edge at all; false without triangles.
     bool closed() const { return border_edges == 0 && closed_but_for_border(); }
-    /// Every boundary edge lies in one of the volume's six faces.
-    bool closed_but_for_border() const { return count(DefectKind::open_edge) == 0; }
+    /// Every boundary edge lies in one of the volume's six faces; false without triangles.
+    bool closed_but_for_border() const {
+        return triangles > 0 && count(DefectKind::open_edge) == 0;
+    }
     /// Two triangles at each edge, or one at the boundary; one fan at each vertex.
     bool manifold() const;
     /// The two triangles of each edge run along it in opposite directions.
     bool oriented() const { return count(DefectKind::misoriented_edge) == 0; }
+    /// The triangles enclose a volume. With holes, the sum would depend on the origin.
+    bool has_volume() const { return closed_but_for_border() && oriented(); }
+    /// The triangles of a file face inwards. In a volume, values define the inside.
+    bool is_inside_out() const { return !has_grid && has_volume() && volume_mm3 < 0; }
     /// Euler number of all components together; only closed, oriented manifolds have one.
     std::optional<std::int64_t> genus() const;
     /// Closed but for the border, manifold, oriented.

@@ -24,13 +24,26 @@ constexpr std::array<std::string_view, defect_kinds> kind_meanings = {
 
 std::string closed_words(const Certificate& c) {
     if (!c.closed_but_for_border()) {
-        return fmt::format("not closed: {} {} ({} {} off the volume's border)", c.holes,
-                           c.holes == 1 ? "hole" : "holes", c.count(DefectKind::open_edge),
-                           c.count(DefectKind::open_edge) == 1 ? "open edge" : "open edges");
+        return fmt::format("not closed: {} {} ({} {}{})", c.holes, c.holes == 1 ? "hole" : "holes",
+                           c.count(DefectKind::open_edge),
+                           c.count(DefectKind::open_edge) == 1 ? "open edge" : "open edges",
+                           c.has_grid ? " off the volume's border" : "");
     }
     return c.border_edges == 0
                ? "closed"
                : fmt::format("closed but for the volume's border ({} edges there)", c.border_edges);
+}
+
+double volume_ml(const Certificate& c) {
+    return c.is_inside_out() ? -c.volume_mm3 / mm3_per_ml : c.volume_mm3 / mm3_per_ml;
+}
+
+std::string volume_words(const Certificate& c) {
+    if (!c.closed_but_for_border()) return "not defined: the surface has holes";
+    if (!c.oriented()) return "not defined: neighbors have different windings";
+    return fmt::format("{:.3f} ml{}{}", volume_ml(c),
+                       c.border_edges > 0 ? " (closed by the volume's faces)" : "",
+                       c.is_inside_out() ? "; the faces point inwards" : "");
 }
 
 std::string defect_text(const Defect& defect) {
@@ -47,7 +60,9 @@ std::string defects_text(const Certificate& c) {
     std::string text;
     for (std::size_t kind = 0; kind < defect_kinds; ++kind) {
         if (c.defect_counts[kind] == 0) continue;
-        text += fmt::format("\n  {} {}", c.defect_counts[kind], kind_meanings[kind]);
+        const bool is_of_file = kind == 0 && !c.has_grid;
+        text += fmt::format("\n  {} {}", c.defect_counts[kind],
+                            is_of_file ? "open edges" : kind_meanings[kind]);
         std::size_t listed = 0;
         for (const Defect& defect : c.defects) {
             if (static_cast<std::size_t>(defect.kind) != kind) continue;
@@ -92,8 +107,10 @@ Fields certificate_fields(const Certificate& c, std::string_view name) {
                      {"holes", c.holes},
                      {"degenerate", c.degenerate},
                      {"slivers", c.slivers},
+                     {"collapsed", c.collapsed},
                      {"area_mm2", c.area_mm2},
-                     {"volume_ml", c.volume_mm3 / mm3_per_ml}};
+                     {"inside_out", c.is_inside_out()}};
+    if (c.has_volume()) fields.push_back({"volume_ml", volume_ml(c)});
     if (const auto genus = c.genus()) fields.push_back({"genus", *genus});
     if (!c.bounds_mm.empty) {
         fields.push_back({"low_mm", list(c.bounds_mm.low)});
@@ -121,27 +138,29 @@ Reply certificate_reply(const Certificate& c, std::string_view name) {
     reply.fields = certificate_fields(c, name);
     if (c.triangles == 0) {
         reply.text = fmt::format("{}: no triangles", name);
+        reply.warnings = {reply.text};
         return reply;
     }
     reply.text = fmt::format("{}: {}, {}, {}", name, closed_words(c),
                              c.manifold() ? "manifold" : "not manifold",
                              c.oriented() ? "oriented" : "not consistently oriented");
+    if (c.is_inside_out()) reply.text += ", inside out";
     reply.text += fmt::format("\n  {} triangles, {} vertices, {} edges; Euler number {}; {} {}",
                               c.triangles, c.vertices, c.edges, c.euler(), c.components,
                               c.components == 1 ? "component" : "components");
     if (const auto genus = c.genus()) reply.text += fmt::format("; genus {}", *genus);
     reply.text +=
-        fmt::format("\n  area {:.1f} mm2, enclosed volume {}", c.area_mm2,
-                    c.closed_but_for_border() ? fmt::format("{:.3f} ml", c.volume_mm3 / mm3_per_ml)
-                                              : "not defined: the surface has holes");
-    if (c.closed_but_for_border() && c.border_edges > 0) {
-        reply.text += " (closed by the volume's faces)";
-    }
+        fmt::format("\n  area {:.1f} mm2, enclosed volume {}", c.area_mm2, volume_words(c));
     const glm::dvec3 &low = c.bounds_mm.low, &high = c.bounds_mm.high;
-    reply.text += fmt::format("\n  {:.2f} .. {:.2f}, {:.2f} .. {:.2f}, {:.2f} .. {:.2f} mm (LPS)",
-                              low.x, high.x, low.y, high.y, low.z, high.z);
+    reply.text +=
+        fmt::format("\n  {:.2f} .. {:.2f}, {:.2f} .. {:.2f}, {:.2f} .. {:.2f} mm{}", low.x, high.x,
+                    low.y, high.y, low.z, high.z, c.has_grid ? " (LPS)" : "");
     reply.text += fmt::format("\n  {} triangles of no area, {} with an angle below {:g} degree",
                               c.degenerate, c.slivers, sliver_angle_deg);
+    if (c.collapsed > 0) {
+        reply.text +=
+            fmt::format("\n  {} more with two corners at one place, not counted", c.collapsed);
+    }
     reply.text += defects_text(c);
     return reply;
 }

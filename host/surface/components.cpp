@@ -67,32 +67,9 @@ void finish(const ComponentSums& sums, const MeshMeasure& measure, MeshComponent
             inner_mm3 > measure.box_mm3() / 2 ? inner_mm3 - measure.box_mm3() : inner_mm3;
     }
     // A component without area has the middle of its box.
-    component.centre_mm = component.area_mm2 > 0
+    component.center_mm = component.area_mm2 > 0
                               ? sums.moment / (6 * component.area_mm2)
                               : (component.bounds_mm.low + component.bounds_mm.high) / 2.0;
-}
-
-/// The triangle's point that is nearest to p.
-/// Source  Ericson, Real-Time Collision Detection, 5.1.5.
-glm::dvec3 nearest_of_triangle(glm::dvec3 p, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
-    const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
-    const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
-    if (d1 <= 0 && d2 <= 0) return a;
-    const glm::dvec3 bp = p - b;
-    const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
-    if (d3 >= 0 && d4 <= d3) return b;
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
-    const glm::dvec3 cp = p - c;
-    const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-    if (d6 >= 0 && d5 <= d6) return c;
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
-        return b + (d4 - d3) / (d4 - d3 + (d5 - d6)) * (c - b);
-    const double sum = va + vb + vc;
-    return a + vb / sum * ab + vc / sum * ac;
 }
 
 bool is_at_least(const MeshComponent& c, ComponentMeasure measure, double least) {
@@ -119,6 +96,27 @@ Shown show_if(const MeshComponents& parts, Wanted wanted) {
 }
 
 }  // namespace
+
+glm::dvec3 nearest_of_triangle(glm::dvec3 p, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
+    const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
+    const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+    if (d1 <= 0 && d2 <= 0) return a;
+    const glm::dvec3 bp = p - b;
+    const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+    if (d3 >= 0 && d4 <= d3) return b;
+    const double vc = d1 * d4 - d3 * d2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+    const glm::dvec3 cp = p - c;
+    const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+    if (d6 >= 0 && d5 <= d6) return c;
+    const double vb = d5 * d2 - d1 * d6;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+    const double va = d3 * d6 - d5 * d4;
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+        return b + (d4 - d3) / (d4 - d3 + (d5 - d6)) * (c - b);
+    const double sum = va + vb + vc;
+    return a + vb / sum * ab + vc / sum * ac;
+}
 
 MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid) {
     const MeshMeasure measure(mesh, grid);

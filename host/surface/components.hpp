@@ -21,7 +21,7 @@ struct MeshComponent {
     std::optional<double> volume_mm3;
     bool closed = false;
     BoxMm bounds_mm;
-    glm::dvec3 centre_mm{0};  ///< Center of its area.
+    glm::dvec3 center_mm{0};  ///< Center of its area.
 };
 
 struct MeshComponents {
@@ -41,6 +41,10 @@ Shown show_component(const MeshComponents& parts, std::size_t component);
 enum class ComponentMeasure : std::uint8_t { triangles, area_mm2, volume_ml };
 /// The components of at least `least`; volumes count without their sign, open ones as none.
 Shown show_at_least(const MeshComponents& parts, ComponentMeasure measure, double least);
+
+/// The point of triangle a, b, c that is nearest to p.
+/// Source  Ericson, Real-Time Collision Detection, 5.1.5.
+glm::dvec3 nearest_of_triangle(glm::dvec3 p, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c);
 
 /// A point of the surface.
 struct SurfacePoint {

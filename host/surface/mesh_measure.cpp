@@ -7,6 +7,10 @@ namespace pxpl5::host {
 
 std::vector<DoubledMiddle> doubled_middles(const WeldedMesh& mesh, const VolumeGrid& grid) {
     std::vector<DoubledMiddle> middles;
+    if (grid.nx == 0) {
+        middles.resize(mesh.keys.size(), {1, 1, 1});  // Without a grid nothing lies in its border.
+        return middles;
+    }
     middles.reserve(mesh.keys.size());
     for (const std::uint64_t key : mesh.keys) {
         const EdgePlace place = edge_place(key, grid);

@@ -46,7 +46,7 @@ struct Search {
     std::span<const PaperCase* const> cases;
     const FitProgress& progress;
     int& runs;
-    nlopt_opt optimiser = nullptr;
+    nlopt_opt optimizer = nullptr;
     std::exception_ptr
         failure{};  ///< The model's exception; it must not pass through the optimizer.
 
@@ -77,7 +77,7 @@ double objective(unsigned count, const double* logarithms, double*, void* data) 
         return search.sum_of_squares({logarithms, count});
     } catch (...) {
         search.failure = std::current_exception();
-        nlopt_force_stop(search.optimiser);
+        nlopt_force_stop(search.optimizer);
         return std::numeric_limits<double>::infinity();
     }
 }
@@ -143,29 +143,29 @@ std::vector<Group> groups_of(const Machine& machine, std::span<const Parameter* 
 }
 
 /// Leaves the values that it finds in search.machine.
-void minimise(Search& search) {
+void minimize(Search& search) {
     const auto count = static_cast<unsigned>(search.fitted.size());
-    const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> optimiser(
+    const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> optimizer(
         nlopt_create(count < 2 ? NLOPT_LN_SBPLX : NLOPT_LN_BOBYQA, count), nlopt_destroy);
-    search.optimiser = optimiser.get();
+    search.optimizer = optimizer.get();
     std::vector<double> at, lower, upper;
     for (const Parameter* parameter : search.fitted) {
         at.push_back(std::log(search.machine.*parameter->value));
         lower.push_back(std::log(std::max(parameter->least, least_value)));
         upper.push_back(std::log(parameter->most));
     }
-    nlopt_set_min_objective(optimiser.get(), objective, &search);
-    nlopt_set_lower_bounds(optimiser.get(), lower.data());
-    nlopt_set_upper_bounds(optimiser.get(), upper.data());
-    nlopt_set_initial_step1(optimiser.get(), first_step);
-    nlopt_set_xtol_abs1(optimiser.get(), tolerance);
-    nlopt_set_maxeval(optimiser.get(), most_runs);
+    nlopt_set_min_objective(optimizer.get(), objective, &search);
+    nlopt_set_lower_bounds(optimizer.get(), lower.data());
+    nlopt_set_upper_bounds(optimizer.get(), upper.data());
+    nlopt_set_initial_step1(optimizer.get(), first_step);
+    nlopt_set_xtol_abs1(optimizer.get(), tolerance);
+    nlopt_set_maxeval(optimizer.get(), most_runs);
     // A rate has steps, in which a search can stay: it begins again where it has ended.
     // What is hardly better than where it began is not worth a move.
     for (double before = search.sum_of_squares(at); search.runs < most_runs;) {
         std::vector<double> next = at;
         double least = 0;
-        const nlopt_result result = nlopt_optimize(optimiser.get(), next.data(), &least);
+        const nlopt_result result = nlopt_optimize(optimizer.get(), next.data(), &least);
         if (search.failure) {
             std::rethrow_exception(search.failure);
         }
@@ -216,7 +216,7 @@ Fit fit(const Machine& machine, std::span<const Parameter* const> fitted,
     Fit result{machine, {}, used.size(), 0, 0};
     for (const Group& group : groups_of(machine, fitted, used)) {
         Search search{result.machine, group.fitted, group.figures, used, progress, result.runs};
-        minimise(search);
+        minimize(search);
         result.machine = search.machine;
     }
     for (const Parameter* parameter : fitted) {

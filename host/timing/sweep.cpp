@@ -7,6 +7,7 @@
 #include <map>
 
 #include "host/base/error.hpp"
+#include "host/machine/modelled_topology.hpp"
 #include "host/timing/picture.hpp"
 
 namespace pxpl5::host::timing {
@@ -157,7 +158,7 @@ std::vector<TriedMachine> machines_of(const Topology& plan, std::span<const Swep
         }
         Topology topology = plan;
         for (std::size_t k = 0; k < keys.size(); ++k) {
-            apply_override(topology, keys[k].key + "=" + one.values[k]);
+            apply_modelled_override(topology, keys[k].key + "=" + one.values[k]);
         }
         one.machine = machine_of(topology);
     }

@@ -32,6 +32,7 @@ struct Volume {
     std::vector<int> gap_slabs;       ///< Slabs across missing slices, ascending.
     double minimum = 0, maximum = 0;  ///< Over all voxels.
     std::string modality;             ///< CT, MR, US, ...; empty if the file does not state it.
+    std::string series;               ///< SeriesInstanceUID of DICOM files; else empty.
     std::vector<Finding> findings;    ///< Facts that the user must know.
     int slabs_per_set = 1;            ///< Adjacent slabs that go to one GP; 1 in the paper.
     std::vector<std::byte> values;    ///< nx * ny * nz, x fastest, little endian, of `type`.

@@ -43,6 +43,7 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
     header.slice_places = volume.slice_places;
     header.gap_slabs.assign(volume.gap_slabs.begin(), volume.gap_slabs.end());
     header.modality = volume.modality;
+    header.series = volume.series;
     header.slabs_per_set = static_cast<std::uint16_t>(volume.slabs_per_set);
     for (const Finding& finding : volume.findings) {
         auto wire = std::make_unique<schema::FindingT>();
@@ -82,6 +83,7 @@ void VolumeReceiver::take_report(const schema::VolumeHeader& header) {
     if (header.modality() != nullptr) {
         volume_.modality = header.modality()->str();
     }
+    volume_.series = header.series() != nullptr ? header.series()->str() : "";
     volume_.slabs_per_set = header.slabs_per_set();
     if (header.findings() != nullptr) {
         for (const auto* finding : *header.findings()) {
@@ -128,6 +130,7 @@ void VolumeReceiver::add(const schema::Slices& slices) {
     const auto values = std::as_bytes(std::span(slices.values()->data(), bytes));
     volume_.values.insert(volume_.values.end(), values.begin(), values.end());
     digest_.add(values);
+    volume_.digest = slices_there() == volume_.nz ? digest_.value() : 0;
 }
 
 int VolumeReceiver::slices_there() const {
@@ -141,7 +144,6 @@ Volume VolumeReceiver::finish() {
             ExitCode::bad_data,
             fmt::format("{}: {} of {} slices arrived", volume_.name, slices_there(), volume_.nz));
     }
-    volume_.digest = digest_.value();
     return std::move(volume_);
 }
 

@@ -50,7 +50,7 @@ NamedValues values_of(const schema::DrawFrame& draw) {
              [&](const std::string& name, const schema::SurfaceDraw& s) {
                  add(name,
                      fmt::format("id {}, revision {}, color {}, {}", s.surface(), s.revision(),
-                                 text_of(s.colour()), s.cull_back() ? "front only" : "both sides"));
+                                 text_of(s.color()), s.cull_back() ? "front only" : "both sides"));
              });
     add_each(values, "clip plane", draw.clip_planes(),
              [&](const std::string& name, const schema::ClipPlane& p) {

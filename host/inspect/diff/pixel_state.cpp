@@ -94,7 +94,7 @@ std::optional<StateBit> ExecutorPair::difference(const std::vector<std::uint32_t
     return std::nullopt;
 }
 
-NamedField field_of(std::uint32_t bit) {
+NamedBits field_of(std::uint32_t bit) {
     for (const LayoutRow& row : layout) {
         if (bit >= row.field.address && bit < row.field.address + row.field.width) {
             return {row.name, row.field.address, row.field.width};
@@ -118,7 +118,7 @@ std::uint64_t value_at(const ExecutorPair& pair, bool second, const StateBit& bi
         case StateBit::Where::memory:
             break;
     }
-    const NamedField field = field_of(bit.bit);
+    const NamedBits field = field_of(bit.bit);
     return executor.field(bit.x, bit.y, field.address, field.width);
 }
 
@@ -135,7 +135,7 @@ std::string to_text(const StateBit& bit) {
         case StateBit::Where::memory:
             break;
     }
-    const NamedField field = field_of(bit.bit);
+    const NamedBits field = field_of(bit.bit);
     return fmt::format("{}, bit {} (m[{}])", field.name, bit.bit - field.address, bit.bit);
 }
 

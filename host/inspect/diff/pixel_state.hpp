@@ -46,11 +46,11 @@ class ExecutorPair {
 };
 
 /// A field that holds a bit of pixel memory: of the region layout, or bits around.
-struct NamedField {
+struct NamedBits {
     std::string name;  ///< "z"; "m[96 : 128)" where the layout has no name.
     std::uint32_t address = 0, width = 0;
 };
-NamedField field_of(std::uint32_t bit);
+NamedBits field_of(std::uint32_t bit);
 
 /// Value of what holds the bit: a named field, the enable, the carry, a block or a readout word.
 std::uint64_t value_at(const ExecutorPair& pair, bool second, const StateBit& bit);

@@ -8,22 +8,22 @@ namespace {
 
 namespace region = isa::region;
 
-struct NamedField {
+struct LayoutField {
     region::Field field;
     std::string_view name;
     bool is_signed = false;
 };
-constexpr NamedField named_fields[] = {
+constexpr LayoutField named_fields[] = {
     {region::surface, "surface"},         {region::z, "z"},
     {region::normal_x, "normal_x", true}, {region::normal_y, "normal_y", true},
     {region::normal_z, "normal_z", true}, {region::rgb, "rgb"},
 };
 
-constexpr std::uint32_t word_bits = 64;
+constexpr std::uint32_t value_bits = 64;
 
 /// The layout's field that lies there; null if none does.
-const NamedField* named_at(std::uint32_t address, std::uint32_t width) {
-    for (const NamedField& named : named_fields) {
+const LayoutField* named_at(std::uint32_t address, std::uint32_t width) {
+    for (const LayoutField& named : named_fields) {
         if (named.field.address == address && named.field.width == width) {
             return &named;
         }
@@ -36,12 +36,12 @@ constexpr std::size_t plane_words = 3;  ///< Coefficients of the least form that
 }  // namespace
 
 std::string field_name(std::uint32_t address, std::uint32_t width) {
-    const NamedField* named = named_at(address, width);
+    const LayoutField* named = named_at(address, width);
     return named == nullptr ? fmt::format("m{}:{}", address, width) : std::string(named->name);
 }
 
 std::optional<region::Field> field_named(std::string_view name) {
-    for (const NamedField& named : named_fields) {
+    for (const LayoutField& named : named_fields) {
         if (named.name == name) {
             return named.field;
         }
@@ -76,11 +76,11 @@ std::uint64_t InstructionValues::read(const isa::Executor& executor) const {
 
 /// The field's value as a number: signed if the layout says so.
 std::string InstructionValues::number(std::uint64_t value) const {
-    const NamedField* named = named_at(in_.operands.a, width_);
+    const LayoutField* named = named_at(in_.operands.a, width_);
     if (named == nullptr || !named->is_signed) {
         return std::to_string(value);
     }
-    const std::uint32_t spare = word_bits - width_;
+    const std::uint32_t spare = value_bits - width_;
     return std::to_string(static_cast<std::int64_t>(value << spare) >> spare);
 }
 
@@ -90,7 +90,7 @@ std::string InstructionValues::operand_text() const {
     if (width_ != 0) {
         if (form_) {  // T is what is left of Q without its fraction, in as many bits as the field.
             const auto t = static_cast<std::uint64_t>(*form_ >> in_.operands.b);
-            text = fmt::format("T = {}, ", t << (word_bits - width_) >> (word_bits - width_));
+            text = fmt::format("T = {}, ", t << (value_bits - width_) >> (value_bits - width_));
         }
         text += fmt::format("{} = {}", field_name(in_.operands.a, width_), number(field_));
     }

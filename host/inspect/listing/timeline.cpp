@@ -18,8 +18,8 @@ using bus::Body;
 using Json = nlohmann::ordered_json;
 
 constexpr double ns_per_us = 1e3;
-constexpr double cycles_per_us = 40;
-constexpr int events_per_message = 3;  ///< A slice, and both ends of an arrow.
+constexpr std::int64_t ns_per_cycle = 25;  ///< At 40 MHz.
+constexpr int events_per_message = 3;      ///< A slice, and both ends of an arrow.
 
 enum Track : int { receives = 1, draws = 2, modelled = 3 };
 
@@ -58,9 +58,14 @@ class Timeline {
     }
 
   private:
-    double us(std::uint64_t wall_ns) const {
-        return static_cast<double>(static_cast<std::int64_t>(wall_ns - start_ns_)) / ns_per_us;
+    /// Whole nanoseconds since the start: sums of lengths stay exact, so that slices which follow
+    /// each other do not overlap.
+    std::int64_t since_start(std::uint64_t wall_ns) const {
+        return static_cast<std::int64_t>(wall_ns - start_ns_);
     }
+    static double us(std::int64_t ns) { return static_cast<double>(ns) / ns_per_us; }
+    /// Perfetto takes process 0 for the idle process.
+    static int process_of(bus::NodeId node) { return static_cast<int>(node) + 1; }
 
     void put_event(const Json& event) {
         output_.put(first_ ? "" : ",\n");
@@ -77,7 +82,11 @@ class Timeline {
     void put_names() {
         for (const auto& [id, node] : run_.nodes()) {
             const auto put = [&](const char* what, int tid, const Json& args) {
-                put_event({{"ph", "M"}, {"pid", id}, {"tid", tid}, {"name", what}, {"args", args}});
+                put_event({{"ph", "M"},
+                           {"pid", process_of(id)},
+                           {"tid", tid},
+                           {"name", what},
+                           {"args", args}});
             };
             put("process_name", 0, {{"name", run_.node_name(id)}});
             put("process_sort_index", 0, {{"sort_index", id}});
@@ -112,8 +121,8 @@ class Timeline {
         for (const auto& [number, frame] : frames_) {
             const std::string name = fmt::format("frame {}", number);
             if (frame.asked_ns && frame.done_ns) {
-                put_edge("b", number, name, us(*frame.asked_ns));
-                put_edge("e", number, name, us(*frame.done_ns));
+                put_edge("b", number, name, since_start(*frame.asked_ns));
+                put_edge("e", number, name, since_start(*frame.done_ns));
             }
             for (const auto& [renderer, pixels] : frame.pixels) {
                 const auto fed = frame.fed_ns.find(renderer);
@@ -125,53 +134,56 @@ class Timeline {
         }
     }
 
-    void put_edge(const char* phase, std::uint32_t number, const std::string& name, double at_us) {
+    void put_edge(const char* phase, std::uint32_t number, const std::string& name,
+                  std::int64_t at_ns) {
         put_counted({{"ph", phase},
                      {"cat", "frame"},
                      {"id", number},
-                     {"pid", bus::host_id},
+                     {"pid", process_of(bus::host_id)},
                      {"tid", receives},
                      {"name", name},
-                     {"ts", at_us}});
+                     {"ts", us(at_ns)}});
     }
 
-    void put_slice(bus::NodeId node, Track track, const std::string& name, double from_us,
-                   double length_us, const Json& args) {
+    void put_slice(bus::NodeId node, Track track, const std::string& name, std::int64_t from_ns,
+                   std::int64_t length_ns, const Json& args) {
         put_counted({{"ph", "X"},
                      {"cat", track == receives ? "message" : "drawing"},
-                     {"pid", node},
+                     {"pid", process_of(node)},
                      {"tid", static_cast<int>(track)},
                      {"name", name},
-                     {"ts", from_us},
-                     {"dur", length_us},
+                     {"ts", us(from_ns)},
+                     {"dur", us(length_ns)},
                      {"args", args}});
     }
 
-    void put_drawing(const std::string& name, bus::NodeId node, std::uint64_t fed_ns,
+    void put_drawing(const std::string& name, bus::NodeId node, std::uint64_t fed_wall_ns,
                      const MessageRef& pixels) {
-        const double from_us = us(fed_ns);
-        put_slice(node, draws, name, from_us, std::max(0.0, us(pixels.at().wall_ns) - from_us),
-                  Json::object());
-        double& free_us = modelled_free_us_[node];
-        free_us = std::max(free_us, from_us);
+        // A Renderer that is fed ahead begins a frame when the frame before is drawn.
+        std::int64_t& drawn_ns = drawn_ns_[node];
+        const std::int64_t from_ns = std::max(since_start(fed_wall_ns), drawn_ns);
+        drawn_ns = std::max(from_ns, since_start(pixels.at().wall_ns));
+        put_slice(node, draws, name, from_ns, drawn_ns - from_ns, Json::object());
+        std::int64_t& free_ns = modelled_free_ns_[node];
+        free_ns = std::max(free_ns, from_ns);
         const bus::Message message = pixels.load();
         for (const schema::RegionTile* tile : *message.as<schema::RegionPixels>()->tiles()) {
-            const double length_us = static_cast<double>(tile->cycles()) / cycles_per_us;
-            put_slice(node, modelled, fmt::format("{} region {}", name, tile->region()), free_us,
-                      length_us,
+            const std::int64_t length_ns = static_cast<std::int64_t>(tile->cycles()) * ns_per_cycle;
+            put_slice(node, modelled, fmt::format("{} region {}", name, tile->region()), free_ns,
+                      length_ns,
                       {{"cycles", tile->cycles()}, {"instructions", tile->instructions()}});
-            free_us += length_us;
+            free_ns += length_ns;
         }
     }
 
     void put_messages(const std::vector<MessageRef>& messages) {
-        std::map<bus::NodeId, std::uint64_t> next_ns;
-        std::vector<double> lengths_us(messages.size(), max_slice_us);
+        std::map<bus::NodeId, std::int64_t> next_ns;
+        std::vector<std::int64_t> lengths_ns(messages.size(), max_slice_ns);
         for (std::size_t i = messages.size(); i-- > 0;) {
-            const std::uint64_t at_ns = messages[i].at().wall_ns;
+            const std::int64_t at_ns = since_start(messages[i].at().wall_ns);
             const auto [next, is_last] = next_ns.try_emplace(messages[i].node->info.node, at_ns);
             if (!is_last) {
-                lengths_us[i] = std::min(max_slice_us, us(next->second) - us(at_ns));
+                lengths_ns[i] = std::min(max_slice_ns, next->second - at_ns);
                 next->second = at_ns;
             }
         }
@@ -180,15 +192,15 @@ class Timeline {
                 counts_.messages_left_out = messages.size() - i;
                 return;
             }
-            put_message(messages[i], lengths_us[i]);
+            put_message(messages[i], lengths_ns[i]);
         }
     }
 
-    void put_message(const MessageRef& message, double length_us) {
+    void put_message(const MessageRef& message, std::int64_t length_ns) {
         const schema::Header& header = message.header();
-        const double at_us = us(message.at().wall_ns);
-        put_slice(message.node->info.node, receives, bus::kind_name(message.at().kind()), at_us,
-                  length_us,
+        const std::int64_t at_ns = since_start(message.at().wall_ns);
+        put_slice(message.node->info.node, receives, bus::kind_name(message.at().kind()), at_ns,
+                  length_ns,
                   {{"from", run_.node_name(header.source())},
                    {"clock", header.clock()},
                    {"sequence", header.sequence()},
@@ -202,32 +214,32 @@ class Timeline {
             auto cause = source->second.lower_bound(header.clock());
             if (cause != source->second.begin()) {
                 put_arrow(header.source(), std::prev(cause)->second, message.node->info.node,
-                          at_us);
+                          at_ns);
             }
         }
-        received_[message.node->info.node][header.clock()] = at_us;
+        received_[message.node->info.node][header.clock()] = at_ns;
     }
 
-    void put_arrow(bus::NodeId from, double from_us, bus::NodeId to, double to_us) {
-        if (from_us > to_us) {
+    void put_arrow(bus::NodeId from, std::int64_t from_ns, bus::NodeId to, std::int64_t to_ns) {
+        if (from_ns > to_ns) {
             return;  // Clocks of two computers disagree: no arrow is better than a wrong one.
         }
-        const auto put = [&](const char* phase, bus::NodeId node, double at_us) {
+        const auto put = [&](const char* phase, bus::NodeId node, std::int64_t at_ns) {
             Json event{{"ph", phase},
                        {"cat", "message"},
                        {"id", arrows_},
-                       {"pid", node},
+                       {"pid", process_of(node)},
                        {"tid", static_cast<int>(receives)},
                        {"name", "leads to"},
-                       {"ts", at_us}};
+                       {"ts", us(at_ns)}};
             if (*phase == 'f') {
                 event["bp"] = "e";
             }
             put_counted(event);
         };
         ++arrows_;
-        put("s", from, from_us);
-        put("f", to, to_us);
+        put("s", from, from_ns);
+        put("f", to, to_ns);
     }
 
     const RecordedRun& run_;
@@ -236,8 +248,8 @@ class Timeline {
     bool first_ = true;
     TimelineCounts counts_;
     std::map<std::uint32_t, FrameTimes> frames_;
-    std::map<bus::NodeId, double> modelled_free_us_;
-    std::map<bus::NodeId, std::map<std::uint64_t, double>> received_;  ///< Wall time by clock.
+    std::map<bus::NodeId, std::int64_t> drawn_ns_, modelled_free_ns_;        ///< Ends of slices.
+    std::map<bus::NodeId, std::map<std::uint64_t, std::int64_t>> received_;  ///< Time by clock.
 };
 
 }  // namespace

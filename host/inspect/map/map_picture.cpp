@@ -16,7 +16,7 @@ namespace pxpl5::host::inspect {
 namespace {
 
 constexpr Rgb8 paper{24, 24, 28};
-constexpr MarkColour ink{235, 235, 235, 255}, dim_ink{160, 160, 166, 255},
+constexpr MarkColor ink{235, 235, 235, 255}, dim_ink{160, 160, 166, 255},
     grid_line{235, 235, 235, 102}, frame_line{90, 90, 98, 255};
 constexpr int least_width_px = 336;       ///< Narrower pictures get a margin for the legend.
 constexpr int large_width_px = 640;       ///< From this width on the legend's letters are larger.
@@ -77,7 +77,7 @@ Rgb8 color_of(const MapValues& map, MapRange range, std::size_t i, double light)
     return {};
 }
 
-MarkColour mark_color(Rgb8 color) {
+MarkColor mark_color(Rgb8 color) {
     return {color.r, color.g, color.b, 255};
 }
 
@@ -92,7 +92,7 @@ struct Legend {
     double margin() const { return px * 0.6; }
     double row() const { return px * 1.45; }
     double length() const { return chart.width - 2 * margin(); }
-    void text(double x, const std::string& text, MarkColour color, float align_x = 0) {
+    void text(double x, const std::string& text, MarkColor color, float align_x = 0) {
         chart.text({x, y + px}, text, {.size_px = px, .align_x = align_x, .color = color});
     }
 };

@@ -102,7 +102,8 @@ void place_region(MapValues& map, const RecordedFrame& frame, const RegionView& 
             const auto to =
                 static_cast<std::size_t>((place.y0_px + y) * map.width + place.x0_px + x);
             map.values[to] = value_of(map.kind, view, from);
-            map.picture[to] = view.census.rgb[from];
+            // A frame of several whose mean the picture is may have no colors yet.
+            map.picture[to] = view.census.rgb.empty() ? 0 : view.census.rgb[from];
         }
     }
 }

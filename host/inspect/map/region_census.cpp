@@ -1,7 +1,6 @@
 #include "host/inspect/map/region_census.hpp"
 
 #include <bit>
-#include <cassert>
 #include <cstring>
 
 #include "host/inspect/replay/executors.hpp"
@@ -146,8 +145,7 @@ class Census {
 void BitMapCounter::add(const Map& map, std::size_t first, std::size_t count) {
     for (std::size_t word = first; word < first + count; ++word) {
         std::uint64_t carry = map[word];
-        for (std::size_t plane = 0; carry != 0; ++plane) {
-            assert(plane < planes);
+        for (std::size_t plane = 0; carry != 0 && plane < planes; ++plane) {
             const std::uint64_t old = planes_[plane][word];
             planes_[plane][word] = old ^ carry;
             carry &= old;

@@ -18,13 +18,13 @@ namespace layout = isa::region;
 constexpr Rgb8 black{}, white{255, 255, 255};
 
 const std::vector<NamedField>& names() {
-    using Kind = NamedField::Kind;
+    using Place = NamedField::Kind;
     const auto memory = [](const char* name, layout::Field f) {
-        return NamedField{Kind::memory, name, f.address, f.width};
+        return NamedField{Place::memory, name, f.address, f.width};
     };
     static const std::vector<NamedField> fields = {
-        {Kind::enable, "enable", 0, 1},
-        {Kind::carry, "carry", 0, 1},
+        {Place::enable, "enable", 0, 1},
+        {Place::carry, "carry", 0, 1},
         memory("surface", layout::surface),
         memory("z", layout::z),
         memory("normal", {layout::normal_x.address, 3 * layout::normal_x.width}),
@@ -73,7 +73,7 @@ struct ValueRange {
     }
 };
 
-Rgb8 colour_of(const NamedField& field, std::uint64_t value, const ValueRange& range) {
+Rgb8 color_of(const NamedField& field, std::uint64_t value, const ValueRange& range) {
     if (field.kind != NamedField::Kind::memory) {
         return value != 0 ? white : black;
     }
@@ -113,8 +113,8 @@ Rgb8 mean(const std::vector<std::uint32_t>& picture, int side, int x0, int y0, i
     return {channel(0), channel(1), channel(2)};
 }
 
-double light_of(Rgb8 colour) {
-    return (0.2126 * colour.r + 0.7152 * colour.g + 0.0722 * colour.b) / 255;
+double light_of(Rgb8 color) {
+    return (0.2126 * color.r + 0.7152 * color.g + 0.0722 * color.b) / 255;
 }
 
 /// The brightest pixel's; letters are so few that none should be given away.
@@ -178,7 +178,7 @@ std::vector<std::uint32_t> picture_of(const isa::Executor& executor, const Named
     }
     std::vector<std::uint32_t> picture(values.size());
     std::ranges::transform(values, picture.begin(), [&](std::uint64_t value) {
-        return colour_of(field, value, range).opaque();
+        return color_of(field, value, range).opaque();
     });
     return picture;
 }
@@ -191,7 +191,7 @@ std::string terminal_text(const std::vector<std::uint32_t>& picture, int side,
     std::string text;
     for (int y = 0; y < side; y += 2 * box) {
         for (int x = 0; x < side; x += box) {
-            if (style.colour) {
+            if (style.color) {
                 const Rgb8 up = mean(picture, side, x, y, box, box);
                 const Rgb8 down = mean(picture, side, x, y + box, box, box);
                 fmt::format_to(std::back_inserter(text),
@@ -201,7 +201,7 @@ std::string terminal_text(const std::vector<std::uint32_t>& picture, int side,
                 text += letter_of(light_of(mean(picture, side, x, y, box, 2 * box)) / full);
             }
         }
-        text += style.colour ? "\x1b[0m\n" : "\n";
+        text += style.color ? "\x1b[0m\n" : "\n";
     }
     return text;
 }

@@ -31,8 +31,8 @@ NamedField field_of(std::string_view text);
 std::vector<std::uint32_t> picture_of(const isa::Executor& executor, const NamedField& field);
 
 struct TerminalStyle {
-    int columns = 80;     ///< Columns of the terminal.
-    bool colour = false;  ///< 24-bit escapes and half blocks; else letters by brightness.
+    int columns = 80;    ///< Columns of the terminal.
+    bool color = false;  ///< 24-bit escapes and half blocks; else letters by brightness.
 };
 
 /// A square picture of `side` x `side` pixels as lines of text, averaged down to the width.

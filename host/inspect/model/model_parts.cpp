@@ -15,7 +15,6 @@ using timing::Unit;
 
 constexpr std::array units = {Unit::host, Unit::host_link, Unit::gp,
                               Unit::ring, Unit::renderer,  Unit::frame_buffer};
-constexpr double percent = 100;
 
 std::string_view word_of(timing::Sharing share) {
     return share_words[static_cast<std::size_t>(share)];
@@ -44,7 +43,7 @@ void add_use_columns(Table& table) {
 void add_use(std::vector<Cell>& row, Unit limit, const std::vector<timing::UnitUse>& use) {
     row.emplace_back(timing::name_of(limit));
     for (const timing::UnitUse& one : use) {
-        row.push_back(fixed_cell(percent * one.busiest, 1));
+        row.push_back(fixed_cell(100 * one.busiest, 1));
     }
     row.emplace_back(use_fields(use));
 }

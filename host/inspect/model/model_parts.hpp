@@ -23,6 +23,11 @@ void add_use_columns(Table& table);
 void add_use(std::vector<Cell>& row, timing::Unit limit, const std::vector<timing::UnitUse>& use);
 std::vector<Fields> use_fields(const std::vector<timing::UnitUse>& use);
 
+/// Why more GPs do not load faster.
+inline constexpr const char* load_note =
+    "load: the host sends each slice to all GPs whose slabs need it. More GPs share the gradients, "
+    "but up to 4 GPs, each adds a copy of the volume on the host's link.";
+
 /// The machine, the commands' work that could not be counted, and what the percentages mean.
 Answer machine_answer(const Topology& plan, const std::vector<std::string>& missing);
 

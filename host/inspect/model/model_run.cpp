@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <utility>
@@ -17,8 +18,6 @@ using timing::BuildWork;
 using timing::FrameWork;
 using timing::RingCount;
 using timing::VolumeWork;
-
-constexpr double percent = 100;
 
 /// A step in a few words.
 struct StepName {
@@ -100,8 +99,8 @@ Table ring_table(const char* key, const char* heading, const RingSums& sums) {
     Table table{key, {{"name", heading}, {"packets", "packets"}, {"words", "words"}, {"", "%"}}};
     for (const auto& [name, one] : sums) {  // No sum is 0.
         const double share = static_cast<double>(one.words) / static_cast<double>(all);
-        table.rows.push_back({name, grouped_cell(one.packets), grouped_cell(one.words),
-                              fixed_cell(percent * share, 1)});
+        table.rows.push_back(
+            {name, grouped_cell(one.packets), grouped_cell(one.words), fixed_cell(100 * share, 1)});
     }
     return table;
 }
@@ -191,7 +190,13 @@ ModelledRun modelled(const Topology& plan, timing::RunWork work) {
 Answer answer_of(const ModelledRun& run) {
     const Table rates = rates_table(run);
     Answer answer = machine_answer(run.plan, run.work.missing);
-    answer.line("").table(steps_table(run)).line("").table(rates);
+    answer.line("").table(steps_table(run));
+    if (std::ranges::any_of(run.work.steps, [](const timing::StepWork& step) {
+            return std::holds_alternative<VolumeWork>(step);
+        })) {
+        answer.line(load_note);
+    }
+    answer.line("").table(rates);
     if (rates.rows.empty()) {
         answer.line("no complete picture");
     }

@@ -125,7 +125,13 @@ Answer answer_of(const ModelledSweep& sweep) {
         row.insert(row.begin(), Cell(set));
         table.rows.push_back(std::move(row));
     }
-    return machine_answer(sweep.plan, sweep.missing)
+    const bool has_load = std::ranges::any_of(
+        sweep.machines, [](const SweptMachine& machine) { return machine.load.has_value(); });
+    Answer answer = machine_answer(sweep.plan, sweep.missing);
+    if (has_load) {
+        answer.line(load_note);
+    }
+    return answer
         .line(picture_text("frame", sweep.frame, sweep.samples) +
               ", shown repeatedly; load and build: time for the contents of this frame")
         .data("frame", sweep.frame)

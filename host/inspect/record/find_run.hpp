@@ -4,20 +4,18 @@
 #include <filesystem>
 #include <string>
 
+#include "host/base/state_folder.hpp"
 #include "host/inspect/record/recorded_run.hpp"
 #include "host/inspect/record/selection.hpp"
 
 namespace pxpl5::host::inspect {
-
-/// Where runs are kept unless --run-folder said otherwise.
-inline constexpr const char* default_run_folder = "run";
 
 /// Returns the path of a run folder, traces folder or trace file unchanged. An empty text and
 /// "latest" mean the newest run under `base`, "latest-recorded" the newest run that has a trace.
 /// Throws RequestError (usage) if no run has a trace, or if the text means the newest run and that
 /// run has none.
 std::filesystem::path find_run(const std::string& text,
-                               const std::filesystem::path& base = default_run_folder);
+                               const std::filesystem::path& base = default_run_base());
 
 /// Opens the run that find_run() finds. Prints its path on standard error if `text` does not name
 /// it.

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
+#include <stdexcept>
 #include <utility>
 
 #include "gp_firmware/node/messages.hpp"
@@ -39,7 +39,7 @@ std::string KnownVolume::need(int first, int last) {
     if (missing.empty()) {
         return {};
     }
-    if (held_ != nullptr) {
+    if (held_ != nullptr && fits(*held_)) {
         values_from_ = "the session's volume";
         take_slices(*held_);
         return {};
@@ -54,7 +54,15 @@ std::string KnownVolume::build_again(const std::string& missing) {
     if (!is_phantom(source)) {
         return fmt::format("{}; it was read from '{}', which is not read again", lacking, source);
     }
-    Volume built = make_phantom(source);
+    Volume built;
+    try {
+        built = make_phantom(source);
+    } catch (const std::invalid_argument& error) {
+        return fmt::format("{}; {}", lacking, error.what());
+    }
+    if (!fits(built)) {
+        return fmt::format("{}; {} as this program builds it has another size", lacking, source);
+    }
     Digest digest;
     digest.add(built.values);
     if (digest.value() != header().digest()) {
@@ -69,6 +77,11 @@ std::string KnownVolume::build_again(const std::string& missing) {
     return {};
 }
 
+bool KnownVolume::fits(const Volume& volume) const {
+    return volume.values.size() ==
+           shape_.slice_voxels() * static_cast<std::size_t>(shape_.nz) * size_bytes(shape_.type);
+}
+
 void KnownVolume::take_slices(const Volume& volume) {
     const std::size_t size_bytes = volume.values.size() / static_cast<std::size_t>(shape_.nz);
     for (std::size_t z = 0; z < volume_->slice.size(); ++z) {
@@ -78,12 +91,18 @@ void KnownVolume::take_slices(const Volume& volume) {
 }
 
 double KnownVolume::value(int x, int y, int z) const {
-    return volume_->value(x, y, z).value();
+    const std::optional<double> value = volume_->value(x, y, z);
+    if (!value) {
+        throw std::out_of_range(fmt::format("voxel ({}, {}, {}) is not known", x, y, z));
+    }
+    return *value;
 }
 
 std::span<const std::byte> KnownVolume::slice(int z) const {
-    const std::uint8_t* values = volume_->slice[static_cast<std::size_t>(z)];
-    assert(values != nullptr);
+    const std::uint8_t* values = volume_->slice.at(static_cast<std::size_t>(z));
+    if (values == nullptr) {
+        throw std::out_of_range(fmt::format("slice {} is not known", z));
+    }
     return {reinterpret_cast<const std::byte*>(values),
             shape_.slice_voxels() * size_bytes(shape_.type)};
 }

@@ -30,9 +30,10 @@ class KnownVolume {
     /// Returns  Empty, or why they cannot: a sentence that names them.
     std::string need(int first, int last);
 
-    /// Voxel (x, y, z), which is inside and whose slice need() has granted.
+    /// Voxel (x, y, z), which is inside and whose slice need() has granted. Throws
+    /// std::out_of_range for another voxel.
     double value(int x, int y, int z) const;
-    /// nx * ny voxels of slice z, granted by need().
+    /// nx * ny voxels of slice z, granted by need(). Throws std::out_of_range for another slice.
     std::span<const std::byte> slice(int z) const;
     /// Where the values come from: "recorded slices", "the session's volume" or "phantom:sphere,
     /// built again".
@@ -44,6 +45,7 @@ class KnownVolume {
 
   private:
     std::string build_again(const std::string& missing);
+    bool fits(const Volume& volume) const;  ///< True if it has as many bytes as the shape needs.
     void take_slices(const Volume& volume);
 
     std::optional<RecordedVolume> volume_;

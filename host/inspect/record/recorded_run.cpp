@@ -7,7 +7,9 @@
 
 #include "host/base/error.hpp"
 #include "isa/contract/region_layout.hpp"
+#include "isa/contract/sample_sums.hpp"
 #include "ringbus/rules/regions.hpp"
+#include "ringbus/rules/voxels.hpp"
 #include "ringbus/trace/trace_info.hpp"
 
 namespace pxpl5::host::inspect {
@@ -51,6 +53,34 @@ std::string missing_sums(const RecordedFrame& frame, std::uint32_t renderer,
     return fmt::format(
         "renderer-{}: {} adds to the sums of frames {} to {}, not all of which are recorded",
         renderer, frame.pass_text(), frame.number - sample, frame.number - 1);
+}
+
+/// True if a Renderer was sent the frame that the others were sent: the same regions, at the same
+/// Renderers, of the same surfaces.
+bool is_same_frame(const schema::BeginFrame& a, const schema::BeginFrame& b) {
+    const schema::DrawFrame &p = *a.draw(), &q = *b.draw();
+    return p.width() == q.width() && p.height() == q.height() &&
+           p.views()->size() == q.views()->size() && p.surfaces()->size() == q.surfaces()->size() &&
+           p.sample() == q.sample() && p.samples() == q.samples() &&
+           std::ranges::equal(*a.assignment(), *b.assignment());
+}
+
+/// Returns why the Renderer's regions cannot be put together; empty if they can.
+std::string missing_regions(const RecordedFrame& frame, std::uint32_t renderer,
+                            const renderer::FrameMessages& inputs) {
+    const auto& whole = *frame.begin->as<schema::BeginFrame>();
+    const auto& its = *inputs.begin->as<schema::BeginFrame>();
+    if (!is_same_frame(whole, its)) {
+        return fmt::format("renderer-{}: its BeginFrame differs from that of another node",
+                           renderer);
+    }
+    const auto ours = static_cast<std::size_t>(std::ranges::count(*its.assignment(), renderer));
+    const std::size_t most = isa::max_summed_regions(its.draw()->samples());
+    if (its.draw()->samples() > 1 && ours > most) {
+        return fmt::format("renderer-{}: {} regions of {} samples, but sums fit for {}", renderer,
+                           ours, its.draw()->samples(), most);
+    }
+    return {};
 }
 
 /// The region that has `slot` at its Renderer, behind the passes before.
@@ -238,6 +268,11 @@ RecordedFrame RecordedRun::frame(std::uint32_t number) const {
         for (const auto& [gp, at] : programs->second) {
             inputs.programs.emplace(gp, load(at));
         }
+        if (std::string missing = missing_regions(frame, renderer, inputs); !missing.empty()) {
+            frame.missing.push_back(std::move(missing));
+            frame.inputs.erase(renderer);
+            continue;
+        }
         renderer::FramePlan& plan = frame.plans[renderer];
         plan = renderer::plan_frame(inputs, renderer);
         if (const std::string missing = missing_sums(frame, renderer, plan); !missing.empty()) {
@@ -251,17 +286,18 @@ RecordedFrame RecordedRun::frame(std::uint32_t number) const {
     return frame;
 }
 
-/// Adds the frame before a pass, if that frame is the pass before it.
+/// Adds the frame before a pass, if that frame is the pass before it. Each step lowers the sample,
+/// so that at most 15 frames are added.
 void RecordedRun::add_earlier(RecordedFrame& frame) const {
     const schema::DrawFrame& draw = frame.draw();
     const auto found = frames_.find(frame.number - 1);
     if (draw.sample() == 0 || found == frames_.end() || !found->second.begin) {
         return;
     }
-    auto earlier = std::make_unique<RecordedFrame>(this->frame(frame.number - 1));
-    if (earlier->draw().samples() == draw.samples() &&
-        earlier->draw().sample() + 1 == draw.sample()) {
-        frame.earlier = std::move(earlier);
+    const bus::Message begin = load(*found->second.begin);
+    const schema::DrawFrame& before = *begin.as<schema::BeginFrame>()->draw();
+    if (before.samples() == draw.samples() && before.sample() + 1 == draw.sample()) {
+        frame.earlier = std::make_unique<RecordedFrame>(this->frame(frame.number - 1));
     }
 }
 
@@ -288,6 +324,7 @@ std::optional<RecordedVolume> RecordedRun::volume(std::uint32_t frame) const {
 RecordedVolume RecordedRun::volume_of(const bus::Message& header) const {
     const auto& shape = *header.as<schema::VolumeHeader>();
     RecordedVolume volume{header, {}, std::vector<const std::uint8_t*>(shape.nz(), nullptr)};
+    const std::size_t due = std::size_t{shape.nx()} * shape.ny() * size_bytes(shape.type());
     for (const auto& [id, node] : nodes_) {
         for (const bus::trace::Entry& entry : node.entries) {
             if (entry.kind() != Body::Slices) {
@@ -295,10 +332,10 @@ RecordedVolume RecordedRun::volume_of(const bus::Message& header) const {
             }
             const bus::Message message = node.load(entry);
             const auto& slices = *message.as<schema::Slices>();
-            if (slices.volume() != shape.volume()) {
+            const std::size_t size = slices.values()->size() / slices.slice_count();
+            if (slices.volume() != shape.volume() || size != due) {
                 continue;
             }
-            const std::size_t size = slices.values()->size() / slices.slice_count();
             for (std::uint32_t n = 0; n < slices.slice_count(); ++n) {
                 if (slices.first_slice() + n < shape.nz()) {
                     volume.slice[slices.first_slice() + n] = slices.values()->data() + n * size;
@@ -329,10 +366,14 @@ std::optional<bus::Message> RecordedRun::surface(std::uint16_t surface,
 
 std::optional<double> RecordedVolume::value(int x, int y, int z) const {
     const auto& shape = *header.as<schema::VolumeHeader>();
-    const std::uint8_t* values = slice[static_cast<std::size_t>(z)];
-    if (values == nullptr) {
+    const auto is_below = [](int at, std::uint32_t count) {
+        return at >= 0 && static_cast<std::uint32_t>(at) < count;
+    };
+    if (!is_below(x, shape.nx()) || !is_below(y, shape.ny()) || !is_below(z, shape.nz()) ||
+        slice[static_cast<std::size_t>(z)] == nullptr) {
         return std::nullopt;
     }
+    const std::uint8_t* values = slice[static_cast<std::size_t>(z)];
     const std::size_t voxel =
         static_cast<std::size_t>(y) * shape.nx() + static_cast<std::size_t>(x);
     const auto read = [&]<typename T>(T one) -> double {

@@ -87,7 +87,7 @@ struct RecordedVolume {
     std::vector<bus::Message> slices;        ///< Keeps what `slice` points into.
     std::vector<const std::uint8_t*> slice;  ///< By z; null where no trace has it.
 
-    /// Voxel (x, y, z), which is inside. Nothing if its slice is not recorded.
+    /// Voxel (x, y, z). Nothing if it is outside or its slice is not recorded.
     std::optional<double> value(int x, int y, int z) const;
 };
 
@@ -114,7 +114,8 @@ class RecordedRun {
 
     /// The volume that the frame shows. Nothing if no trace has its header.
     std::optional<RecordedVolume> volume(std::uint32_t frame) const;
-    /// The volume of which this is the VolumeHeader, with the slices that traces have.
+    /// The volume of which this is the VolumeHeader, with the slices that traces have. Slices whose
+    /// size differs from the header's shape are left out.
     RecordedVolume volume_of(const bus::Message& header) const;
     /// The SetSurface that gave `surface` this revision, if recorded.
     std::optional<bus::Message> surface(std::uint16_t surface, std::uint32_t revision) const;

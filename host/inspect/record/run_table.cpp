@@ -49,6 +49,9 @@ struct Gatherer {
                                          volume->ny(),
                                          volume->nz(),
                                          volume->digest()};
+        } else if (const auto* end = message.as<schema::VolumeEnd>();
+                   end != nullptr && volumes.contains(end->volume())) {
+            volumes[end->volume()].digest |= end->digest();  // 0 until all slices are there.
         }
     }
     void add_begin(const NodeTrace& node, const schema::BeginFrame& begin) {

@@ -1,10 +1,11 @@
 #include "host/inspect/replay/executors.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
-#include <utility>
+#include <ranges>
 
 #include "host/base/error.hpp"
 #include "host/inspect/replay/scoped_reference.hpp"
@@ -16,13 +17,8 @@ namespace {
 
 namespace fast = renderer::fast;
 
-constexpr std::array<std::pair<ExecutorKind, std::string_view>, 5> names = {{
-    {ExecutorKind::reference, "reference"},
-    {ExecutorKind::fast, "fast"},
-    {ExecutorKind::sse4, "sse4"},
-    {ExecutorKind::avx2, "avx2"},
-    {ExecutorKind::avx512, "avx512"},
-}};
+constexpr std::array kinds = {ExecutorKind::reference, ExecutorKind::fast, ExecutorKind::sse4,
+                              ExecutorKind::avx2, ExecutorKind::avx512};
 
 /// The vector target of a kind that is not the reference.
 fast::Target target_of(ExecutorKind kind) {
@@ -39,14 +35,13 @@ fast::Target target_of(ExecutorKind kind) {
 }
 
 ExecutorKind parse_one(std::string_view text) {
-    const auto found = std::ranges::find(names, text, [](const auto& row) { return row.second; });
-    if (found == names.end()) {
+    const auto found = std::ranges::find(kinds, text, name_of);
+    if (found == kinds.end()) {
         throw RequestError(ExitCode::usage,
-                           fmt::format("executor '{}'; it must be reference, fast, sse4, avx2, "
-                                       "avx512 or both",
-                                       text));
+                           fmt::format("executor '{}'; it must be {} or both", text,
+                                       fmt::join(kinds | std::views::transform(name_of), ", ")));
     }
-    const ExecutorKind kind = found->first;
+    const ExecutorKind kind = *found;
     const fast::Target target = target_of(kind);
     const std::vector<fast::Target> there = isa::available_targets();
     if (target != fast::Target::best && std::ranges::find(there, target) == there.end()) {
@@ -59,19 +54,26 @@ ExecutorKind parse_one(std::string_view text) {
 }  // namespace
 
 std::string_view name_of(ExecutorKind kind) {
-    return std::ranges::find(names, kind, [](const auto& row) { return row.first; })->second;
+    switch (kind) {
+        case ExecutorKind::reference:
+            return "reference";
+        case ExecutorKind::fast:
+            return "fast";
+        default:
+            return enum_name(target_of(kind));
+    }
 }
 
 std::vector<ExecutorKind> parse_executors(std::string_view text) {
     if (text == "both") {
         return {ExecutorKind::reference, ExecutorKind::fast};
     }
-    std::vector<ExecutorKind> kinds;
+    std::vector<ExecutorKind> chosen;
     while (true) {
         const std::size_t comma = text.find(',');
-        kinds.push_back(parse_one(text.substr(0, comma)));
+        chosen.push_back(parse_one(text.substr(0, comma)));
         if (comma == std::string_view::npos) {
-            return kinds;
+            return chosen;
         }
         text.remove_prefix(comma + 1);
     }

@@ -43,7 +43,7 @@ void Stepper::enter(std::uint32_t region) {
 }
 
 /// The nearest frame in that direction of which a region can be executed.
-std::optional<RecordedFrame> Stepper::neighbour_frame(Direction direction) const {
+std::optional<RecordedFrame> Stepper::neighbor_frame(Direction direction) const {
     std::vector<std::uint32_t> numbers = run_.frames();
     if (direction == Direction::backward) {
         std::ranges::reverse(numbers);
@@ -58,7 +58,7 @@ std::optional<RecordedFrame> Stepper::neighbour_frame(Direction direction) const
 }
 
 /// Enters the region that follows, or goes before, at its begin.
-bool Stepper::enter_neighbour(Direction direction) {
+bool Stepper::enter_neighbor(Direction direction) {
     const auto at = frame_.regions.find(region().place.number);
     if (direction == Direction::forward && std::next(at) != frame_.regions.end()) {
         enter(std::next(at)->first);
@@ -68,7 +68,7 @@ bool Stepper::enter_neighbour(Direction direction) {
         enter(std::prev(at)->first);
         return true;
     }
-    std::optional<RecordedFrame> frame = neighbour_frame(direction);
+    std::optional<RecordedFrame> frame = neighbor_frame(direction);
     if (!frame) {
         return false;
     }
@@ -80,7 +80,7 @@ bool Stepper::enter_neighbour(Direction direction) {
 
 bool Stepper::step() {
     if (here_->done()) {
-        return enter_neighbour(Direction::forward);
+        return enter_neighbor(Direction::forward);
     }
     here_->step();
     return true;
@@ -91,7 +91,7 @@ bool Stepper::back() {
         here_->seek(here_->executed() - 1);
         return true;
     }
-    if (!enter_neighbour(Direction::backward)) {
+    if (!enter_neighbor(Direction::backward)) {
         return false;
     }
     here_->seek_end();
@@ -166,7 +166,7 @@ std::optional<std::size_t> Stepper::run_to(std::span<const Break> breaks, Direct
             }
         }
         entered = true;
-    } while (enter_neighbour(direction));
+    } while (enter_neighbor(direction));
     forward ? here_->seek_end() : here_->seek(0);
     return std::nullopt;
 }
@@ -176,7 +176,7 @@ bool Stepper::to_region(Direction direction) {
         here_->seek(0);
         return true;
     }
-    return enter_neighbour(direction);
+    return enter_neighbor(direction);
 }
 
 bool Stepper::to_frame(Direction direction) {
@@ -185,7 +185,7 @@ bool Stepper::to_frame(Direction direction) {
         enter(first);
         return true;
     }
-    std::optional<RecordedFrame> frame = neighbour_frame(direction);
+    std::optional<RecordedFrame> frame = neighbor_frame(direction);
     if (!frame) {
         return false;
     }

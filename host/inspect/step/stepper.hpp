@@ -58,10 +58,10 @@ class Stepper {
     void go_to(RunPlace place);
 
   private:
-    bool enter_neighbour(Direction direction);
+    bool enter_neighbor(Direction direction);
     void enter(RecordedFrame frame, std::uint32_t region);
     void enter(std::uint32_t region);
-    std::optional<RecordedFrame> neighbour_frame(Direction direction) const;
+    std::optional<RecordedFrame> neighbor_frame(Direction direction) const;
     std::optional<std::size_t> run_here(Watch& watch);
     std::optional<std::size_t> run_back_here(Watch& watch, std::uint64_t end, bool include_end);
 

@@ -61,10 +61,10 @@ isa::StateTable parse_init(const std::string& text) {
     const ShownField field = parse_field(text.substr(0, std::min(at, equals)));
     const std::string where =
         at == std::string::npos ? "all" : text.substr(at + 1, equals - at - 1);
-    using Kind = isa::StateColumn::Kind;
+    using Column = isa::StateColumn::Kind;
     const isa::StateColumn& column = field.column;
     const std::string name =
-        column.kind == Kind::field ? fmt::format("m{}:{}", column.a, column.n) : field.name;
+        column.kind == Column::field ? fmt::format("m{}:{}", column.a, column.n) : field.name;
     try {
         return isa::parse_conformance(fmt::format("title --init\ngiven {}\n  {} {}\nrun\n", name,
                                                   where, text.substr(equals + 1)))
@@ -193,13 +193,14 @@ void show(const ExecOptions& options, const Ran& ran, TextOutput& output) {
     }
 }
 
-void write_picture(const ExecOptions& options, const Ran& ran, TextOutput& output) {
+void save_picture(const ExecOptions& options, const Ran& ran, TextOutput& output) {
     const FieldPicture picture = field_picture(ran.pixels(), parse_field(options.picture));
     if (!picture.warning.empty()) {
         fmt::print(stderr, "warning: {}\n", picture.warning);
     }
     write_png(options.output, region_px, region_px, picture.rgba);
-    output.line(fmt::format("{}: {}", options.output, picture.legend));
+    output.line(fmt::format("wrote {} ({}x{}){}{}", options.output, region_px, region_px,
+                            picture.legend.empty() ? "" : "; ", picture.legend));
 }
 
 /// True if the case holds on every executor.
@@ -251,7 +252,7 @@ int execute(const ExecOptions& options, TextOutput& output) {
     }
     show(options, all.front(), output);
     if (!options.picture.empty()) {
-        write_picture(options, all.front(), output);
+        save_picture(options, all.front(), output);
     }
     good = (!work.test || check_case(*work.test, all, output)) && good;
     output.finish();

@@ -14,7 +14,7 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-using Kind = isa::StateColumn::Kind;
+using Bits = isa::StateColumn::Kind;
 
 constexpr int last_px = region_px - 1;
 constexpr std::uint32_t max_field_bits = 64;
@@ -38,21 +38,21 @@ std::optional<std::uint32_t> number(std::string_view text) {
 std::optional<isa::StateColumn> named(std::string_view name) {
     constexpr std::uint32_t word = isa::backing_block_bits;
     if (name == "enable" || name == "carry") {
-        return isa::StateColumn{name == "enable" ? Kind::enable : Kind::carry, 0, 1};
+        return isa::StateColumn{name == "enable" ? Bits::enable : Bits::carry, 0, 1};
     }
     if (name == "readout") {
-        return isa::StateColumn{Kind::readout, 0, word};
+        return isa::StateColumn{Bits::readout, 0, word};
     }
     const auto block = name.starts_with("bs") ? number(name.substr(2)) : std::nullopt;
     if (block && *block < isa::backing_blocks) {
-        return isa::StateColumn{Kind::block, *block, word};
+        return isa::StateColumn{Bits::block, *block, word};
     }
     const auto address = name.starts_with("m") ? number(name.substr(1)) : std::nullopt;
     if (address && *address < isa::memory_bits) {
-        return isa::StateColumn{Kind::field, *address, 1};
+        return isa::StateColumn{Bits::field, *address, 1};
     }
     if (const std::optional<isa::region::Field> field = field_named(name)) {
-        return isa::StateColumn{Kind::field, field->address, field->width};
+        return isa::StateColumn{Bits::field, field->address, field->width};
     }
     return std::nullopt;
 }
@@ -80,7 +80,7 @@ ShownField parse_field(const std::string& text) {
         column->n = number(std::string_view(text).substr(colon + 1)).value_or(0);
     }
     const bool fits = column && column->n >= 1 && column->n <= max_field_bits &&
-                      (column->kind != Kind::field || column->a + column->n <= isa::memory_bits);
+                      (column->kind != Bits::field || column->a + column->n <= isa::memory_bits);
     if (!fits) {
         refuse_field(text);
     }
@@ -105,16 +105,16 @@ isa::PixelRectangle parse_window(const std::string& text) {
 std::uint64_t value_of(const PixelsBehind& pixels, const isa::StateColumn& column, int x, int y) {
     std::uint64_t value = 0;
     switch (column.kind) {
-        case Kind::field:
+        case Bits::field:
             return pixels.executor.field(x, y, column.a, column.n);
-        case Kind::enable:
+        case Bits::enable:
             return pixels.executor.enabled(x, y) ? 1 : 0;
-        case Kind::carry:
+        case Bits::carry:
             return pixels.executor.carry(x, y) ? 1 : 0;
-        case Kind::block:
+        case Bits::block:
             value = pixels.executor.backing_block(x, y, column.a);
             break;
-        case Kind::readout:
+        case Bits::readout:
             if (pixels.readout.empty()) {
                 throw RequestError(ExitCode::usage,
                                    "readout: the program read no pixels out (PIXELSTOFB)");
@@ -164,17 +164,17 @@ FieldPicture field_picture(const PixelsBehind& pixels, const ShownField& field) 
         }
     }
     const auto [low, high] = std::ranges::minmax(values);
-    const bool is_color = field.column.kind == Kind::readout ||
-                          (field.column == isa::StateColumn{Kind::field, isa::region::rgb.address,
+    const bool is_color = field.column.kind == Bits::readout ||
+                          (field.column == isa::StateColumn{Bits::field, isa::region::rgb.address,
                                                             isa::region::rgb.width});
     FieldPicture picture;
-    picture.legend = is_color ? field.name + " as colors"
-                              : fmt::format("{}: black is {}, white is {}", field.name, low, high);
+    picture.legend =
+        is_color ? "" : fmt::format("{}: black is {}, white is {}", field.name, low, high);
     if (high == low) {
         picture.warning =
             fmt::format("{} is {} at every pixel{}", field.name, low,
                         low != 0 ? ""
-                        : field.column.kind != Kind::field
+                        : field.column.kind != Bits::field
                             ? "; the picture is black"
                             : fmt::format("; no instruction stored a value into "
                                           "bits {} to {} of an enabled pixel",

@@ -45,7 +45,7 @@ std::string field_table(const PixelsBehind& pixels, const ShownField& field,
 /// The region as a picture: readout and rgb in color, any other field in gray.
 struct FieldPicture {
     std::vector<std::uint32_t> rgba;  ///< 128 * 128.
-    std::string legend;               ///< The values of black and white.
+    std::string legend;               ///< The values of black and white; empty for colors.
     std::string warning;              ///< Not empty if all pixels have the same value.
 };
 FieldPicture field_picture(const PixelsBehind& pixels, const ShownField& field);

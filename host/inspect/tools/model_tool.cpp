@@ -15,6 +15,7 @@
 #include "host/inspect/model/recorded_work.hpp"
 #include "host/inspect/record/find_run.hpp"
 #include "host/inspect/tools/tools.hpp"
+#include "host/machine/modelled_topology.hpp"
 #include "host/session/pictures/write_picture.hpp"
 
 namespace pxpl5::host::inspect {
@@ -102,7 +103,7 @@ std::vector<timing::SweptKey> keys_of(const ModelOptions& options, const Topolog
 
 int run_model(const ModelOptions& options) {
     // Wrong options are refused before anything is read.
-    const Topology plan = load_topology(options.topology, options.overrides);
+    const Topology plan = load_modelled_topology(options.topology, options.overrides);
     std::vector<timing::SweptKey> keys = keys_of(options, plan);
     timing::RunWork work = work_of(options);
     // Existing files stay unchanged until all results are computed.

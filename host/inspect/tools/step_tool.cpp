@@ -21,7 +21,7 @@ TerminalStyle style_of_terminal() {
     TerminalStyle style;
     winsize size{};
     if (isatty(STDOUT_FILENO) != 0) {
-        style.colour = true;
+        style.color = true;
         if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) {
             style.columns = size.ws_col;
         }

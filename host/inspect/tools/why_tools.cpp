@@ -11,14 +11,14 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-/// The pixel of the command line.
-RegionPixel pixel_of(const PixelOptions& options) {
+/// The pixel of the command line of `tool`.
+RegionPixel pixel_of(const PixelOptions& options, std::string_view tool) {
     if (!options.x || !options.y) {
         throw RequestError(
             ExitCode::usage,
-            fmt::format("X and Y of the pixel are missing; give RUN, X and Y, for example: why "
-                        "latest 256 200 (RUN is '{}')",
-                        options.run));
+            fmt::format("X and Y of the pixel are missing; give RUN, X and Y, for example: {} "
+                        "latest-recorded 256 200 (RUN is '{}')",
+                        tool, options.run));
     }
     return {*options.x, *options.y};
 }
@@ -26,7 +26,7 @@ RegionPixel pixel_of(const PixelOptions& options) {
 }  // namespace
 
 int run_why(const PixelOptions& options) {
-    const RegionPixel pixel = pixel_of(options);
+    const RegionPixel pixel = pixel_of(options, "why");
     const RecordedRun run = open_run(options.run);
     FrameInquiry frame(run, options.frame);
     write(answer_of(why(frame, pixel.x, pixel.y)), options.json ? Format::json : Format::text,
@@ -35,7 +35,7 @@ int run_why(const PixelOptions& options) {
 }
 
 int run_why_not(const WhyNotTool& tool) {
-    const RegionPixel pixel = pixel_of(tool);
+    const RegionPixel pixel = pixel_of(tool, "why-not");
     Expectation expected{std::nullopt, tool.surface, tool.triangle};
     if (!tool.cell.empty()) {
         expected.cell = parse_cell(tool.cell);

@@ -1,8 +1,10 @@
 #include "host/inspect/why/pixel_history.hpp"
 
-#include <algorithm>
-#include <cassert>
+#include <fmt/format.h>
 
+#include <algorithm>
+
+#include "host/base/error.hpp"
 #include "host/inspect/listing/instruction_values.hpp"
 #include "host/inspect/record/recorded_results.hpp"
 #include "isa/contract/screen_door.hpp"
@@ -16,6 +18,10 @@ namespace {
 
 namespace layout = isa::region;
 using Kind = PartKind;
+
+/// Each store takes some hundred bytes. A pixel of a drawn frame has a few thousand at most, but a
+/// loop in a damaged stream may have millions.
+constexpr std::size_t max_stores = 100'000;
 
 /// An executor that passes everything on to another.
 template <typename Inner>
@@ -62,7 +68,10 @@ class OnePixel final : public Passing<isa::reference::Reference> {
         });
     }
     bool any_enabled() const override {
-        assert(next_answer_ < answers_.size());
+        if (next_answer_ == answers_.size()) {
+            throw RequestError(ExitCode::bad_data,
+                               "the region asks ANYENAB more often for one pixel than for all");
+        }
         return answers_[next_answer_++];
     }
     using Passing::enabled;
@@ -161,6 +170,12 @@ class Historian {
                          {}};
         walk_.step();
         write.after = pixel_.state();
+        if (++stores_ > max_stores) {
+            throw RequestError(ExitCode::bad_data,
+                               fmt::format("pixel ({}, {}) is stored more than {} times in its "
+                                           "region: the recorded stream is damaged",
+                                           history_.x, history_.y, max_stores));
+        }
         list_of(kind).push_back(std::move(write));
     }
 
@@ -223,7 +238,8 @@ class Historian {
     OnePixel& pixel_;
     RegionWalk walk_;
     std::size_t next_ = 0, current_ = 0;  ///< Primitives: to come, under way.
-    PixelState before_;                   ///< State before the current primitive.
+    std::size_t stores_ = 0;
+    PixelState before_;  ///< State before the current primitive.
     bool visiting_ = false, drawn_ = false;
 };
 

@@ -51,7 +51,7 @@ struct PixelHistory {
     std::vector<PixelWrite> end_of_region;
     PixelState drawn;                   ///< Before the end-of-region program.
     std::uint32_t color = 0;            ///< Word read out; red in the low byte.
-    std::optional<std::uint32_t> sent;  ///< The color in the recorded picture, if there is one.
+    std::optional<std::uint32_t> sent;  ///< The color in the recorded frame, if there is one.
     std::uint64_t instructions = 0;     ///< Count of the region.
 
     /// The visit that the pixel shows: the last that stored. Null for the background.

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <limits>
+#include <stdexcept>
 
 #include "gp_firmware/node/messages.hpp"
 #include "gp_firmware/render/draw_slab.hpp"
@@ -80,7 +80,7 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
         s.index = static_cast<std::uint32_t>(surfaces.size() - 1);
         s.id = drawn->surface();
         s.revision = drawn->revision();
-        s.color = {drawn->colour().r(), drawn->colour().g(), drawn->colour().b()};
+        s.color = {drawn->color().r(), drawn->color().g(), drawn->color().b()};
         s.cull_back = drawn->cull_back();
         s.slabs = drawn->slabs();
         s.opacity = drawn->opacity();
@@ -117,7 +117,9 @@ gp::SlabMesh replay_extraction(const KnownVolume& volume, int k, double isovalue
 ReplayedGp::ReplayedGp(const RecordedFrame& frame, const std::vector<ShownSurface>& surfaces,
                        KnownVolume& volume)
     : frame_(frame), surfaces_(surfaces), volume_(volume) {
-    assert(volume.has_shape());
+    if (!volume.has_shape()) {
+        throw std::logic_error("stages are replayed only if the volume's header is recorded");
+    }
     cameras_ = gp::frame_request(frame.draw(), volume.shape()).views;
     std::ranges::transform(cameras_, std::back_inserter(projections_), gp::prepare);
 }
@@ -126,6 +128,10 @@ std::string ReplayedGp::missing(std::uint32_t surface, int k) {
     if (!surfaces_.at(surface).isovalue) {
         return fmt::format("no trace holds the SetSurface of surface {} (id {}, revision {})",
                            surface, surfaces_.at(surface).id, surfaces_.at(surface).revision);
+    }
+    const int slabs = volume_.shape().slab_count();
+    if (k < 0 || k >= slabs) {
+        return fmt::format("slab {} is outside of the volume, which has {} slabs", k, slabs);
     }
     return volume_.need(k - slices_below, k + slices_above);
 }

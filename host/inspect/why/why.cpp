@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <stdexcept>
 
 #include "gp_firmware/surface/edge_vertex.hpp"
 #include "host/base/error.hpp"
@@ -65,6 +66,13 @@ void look_at_voxels(PixelInquiry& inquiry, CellFacts& cell) {
     if (!cell.unknown.empty()) {
         return;
     }
+    const gp::VolumeShape& shape = inquiry.volume.shape();
+    if (i + 1 >= shape.nx || j + 1 >= shape.ny) {
+        cell.unknown =
+            fmt::format("cell ({}, {}, {}) is outside of the volume, which has {} x {} cells", i, j,
+                        k, shape.nx - 1, shape.ny - 1);
+        return;
+    }
     cell.values = again.cell(surface, i, j, k).values;
     cell.doubt = again.difference(surface, k);
     const gp::SlabMesh& mesh = again.slab(surface, k, inquiry.place.view).mesh;
@@ -97,13 +105,13 @@ void look_at_voxels(PixelInquiry& inquiry, CellFacts& cell) {
 
 glm::dvec3 ray_weights(const gp::Projection& projection, const std::array<glm::dvec3, 3>& corners,
                        int x, int y) {
-    const double centre_x = gp::subpixels * (x + 0.5), centre_y = gp::subpixels * (y + 0.5);
+    const double center_x = gp::subpixels * (x + 0.5), center_y = gp::subpixels * (y + 0.5);
     glm::dvec3 beside{}, below{};
     for (int n = 0; n < 3; ++n) {
         const glm::dvec4 p =
             projection.voxel_to_grid_exact * glm::dvec4(corners[static_cast<std::size_t>(n)], 1);
-        beside[n] = p.x - centre_x * p.w;
-        below[n] = p.y - centre_y * p.w;
+        beside[n] = p.x - center_x * p.w;
+        below[n] = p.y - center_y * p.w;
     }
     const glm::dvec3 weights = glm::cross(beside, below);
     return weights / (weights.x + weights.y + weights.z);
@@ -116,7 +124,12 @@ FrameInquiry::FrameInquiry(const RecordedRun& recorded, std::optional<std::uint3
       surfaces(surfaces_of(run, frame)),
       volume(run, frame.number, held) {
     if (volume.has_shape()) {
-        replayed.emplace(frame, surfaces, volume);
+        try {
+            replayed.emplace(frame, surfaces, volume);
+        } catch (const std::invalid_argument& error) {
+            throw RequestError(ExitCode::bad_data,
+                               fmt::format("frame {}: {}", frame.number, error.what()));
+        }
     }
 }
 

@@ -125,7 +125,7 @@ Answer answer_of(const ShownSurface& s) {
     answer.data("surface", s.index)
         .data("id", s.id)
         .data("revision", s.revision)
-        .data("colour", s.color)
+        .data("color", s.color)
         .data("cull_back", s.cull_back)
         .data("opacity", s.opacity)
         .data_if("isovalue", s.isovalue);
@@ -249,7 +249,7 @@ void add_history(const WhyFinding& f, Answer& answer) {
         .list("visits", std::move(visits))
         .list("doors", writes_of(h.doors))
         .list("end_of_region", writes_of(h.end_of_region))
-        .data("colour", h.color);
+        .data("color", h.color);
     if (const PixelVisit* shown = h.shown()) {
         answer.data("shown", shown - h.visits.data())
             .line("stores of the visible primitive, instruction by instruction");
@@ -260,12 +260,13 @@ void add_history(const WhyFinding& f, Answer& answer) {
         }
     }
     const bool same = h.sent && (*h.sent & 0xFFFFFF) == (h.color & 0xFFFFFF);
-    answer.data_if("recorded_colour", h.sent)
+    answer.data_if("recorded_color", h.sent)
         .line(fmt::format("end of region: {} stores into this pixel; it was sent as {}{}",
                           h.end_of_region.size(), color_text(h.color),
                           !h.sent ? ""
-                          : same  ? ", as in the recorded picture"
-                                  : "; the RECORDED picture has " + color_text(*h.sent)));
+                          : same  ? ", as in the recorded frame (letters, scale bar and legend "
+                                    "lie on top of saved pictures)"
+                                  : "; the RECORDED frame has " + color_text(*h.sent)));
 }
 
 /// The end of a sentence if stipple masks hide transparent surfaces at the pixel.

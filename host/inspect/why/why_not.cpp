@@ -154,6 +154,15 @@ TriangleVerdict verdict_of_triangle(PixelInquiry& inquiry, const TriangleName& n
     return *best;
 }
 
+/// True if the primitive has the three edges of a triangle at the places where GPs put them.
+bool is_triangle(renderer::Words words) {
+    return words.size() >= isa::triangle::word_count &&
+           std::ranges::all_of(isa::triangle::at_edge, [&](std::size_t at) {
+               const std::optional<isa::Instruction> in = isa::decode(words[at]);
+               return in && in->op == isa::Op::tree_ge_zero;
+           });
+}
+
 void check_cell(const PixelInquiry& inquiry, const std::array<int, 3>& cell) {
     if (!inquiry.volume.has_shape()) {
         return;
@@ -239,6 +248,9 @@ TriangleVerdict farthest_edge(const PixelInquiry& inquiry, const Primitive& prim
         inquiry.region().plan.parts[primitive.part].segment.words.subspan(primitive.first_word);
     TriangleVerdict verdict;
     verdict.verdict = Verdict::outside_edge;
+    if (!is_triangle(words)) {
+        return verdict;
+    }
     for (std::size_t k = 0; k < isa::triangle::at_edge.size(); ++k) {
         const isa::Coefficients c = coefficients_behind(words, isa::triangle::at_edge[k]);
         const std::int64_t value =

@@ -89,6 +89,9 @@ std::string fate_of(const WhyNotFinding& f, const TriangleVerdict& v) {
                 "pixel",
                 v.z);
         case Verdict::outside_edge:
+            if (v.edge < 0) {
+                return "was sent for this region, but does not cover the pixel";
+            }
             return fmt::format(
                 "was sent for this region, but the center of the pixel lies {:.2f} "
                 "pixels outside of its edge {} (value {})",

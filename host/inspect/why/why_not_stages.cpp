@@ -161,7 +161,7 @@ std::optional<TriangleVerdict> distrust(PixelInquiry& inquiry, const TriangleNam
                           fmt::format("gp-{} sent nothing of slab {}", gp, name.k));
     }
     return verdict_on(name, Verdict::unknown,
-                      difference + "; so the stages cannot tell what this GP did");
+                      difference + "; so the stages do not show the work of this GP");
 }
 
 /// The verdict on a triangle in a slab that the frame omits.

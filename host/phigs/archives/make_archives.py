@@ -67,15 +67,15 @@ def caffeine():
     six = sum((c4, c5, c6, n1, c2, n3)) / 6
     five = sum((c5, c4, n9, c8, n7)) / 5
 
-    def outward(p, centre, length):
-        return p + (p - centre) / abs(p - centre) * length
+    def outward(p, center, length):
+        return p + (p - center) / abs(p - center) * length
 
     atoms = [("C", p) for p in (c2, c4, c5, c6, c8)] + [("N", p) for p in (n1, n3, n7, n9)]
     atoms += [("O", outward(c6, six, 1.22)), ("O", outward(c2, six, 1.22)),
               ("H", outward(c8, five, 1.08))]
     result = [(e, (p.real, p.imag, 0.0)) for e, p in atoms]
-    for n, centre in ((n1, six), (n3, six), (n7, five)):
-        carbon = outward(n, centre, 1.46)
+    for n, center in ((n1, six), (n3, six), (n7, five)):
+        carbon = outward(n, center, 1.46)
         axis = (carbon - n) / abs(carbon - n)
         result.append(("C", (carbon.real, carbon.imag, 0.0)))
         for k in range(3):                       # 109.5 degrees from the bond, 120 apart.
@@ -123,8 +123,8 @@ def execute(name, *matrices):
 def floor_tiles(size, count):
     """A chequered floor, one block of color for each of two colors."""
     lines, step = [], size / count
-    for colour, odd in (((206, 190, 160), 0), ((150, 120, 90), 1)):
-        lines.append(color("polygon", colour, (60, 60, 60, 20)))
+    for color, odd in (((206, 190, 160), 0), ((150, 120, 90), 1)):
+        lines.append(color("polygon", color, (60, 60, 60, 20)))
         for i in range(count):
             for k in range(count):
                 if (i + k) % 2 == odd:

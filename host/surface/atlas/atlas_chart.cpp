@@ -13,7 +13,7 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr MarkColour paper{255, 255, 255, 255}, histogram_gray{229, 232, 235, 255},
+constexpr MarkColor paper{255, 255, 255, 255}, histogram_gray{229, 232, 235, 255},
     plateau_tint{240, 188, 84, 62}, plateau_ink{140, 92, 8, 255};
 constexpr double mm2_per_cm2 = 100, mm3_per_ml = 1000;
 /// A measure has a logarithmic axis if its largest value is more than this many times its median.
@@ -25,7 +25,7 @@ constexpr double widest_logarithmic = 1e5;
 /// One of the four measures.
 struct Panel {
     std::string name;
-    MarkColour color;
+    MarkColor color;
     std::vector<double> values;  ///< One per row.
     ChartAxis axis;
 };
@@ -36,7 +36,7 @@ struct Drawing {
     ChartAxis isovalues;
     Chart chart;
 
-    void text(ChartPoint at, const std::string& text, MarkColour color, const TextStyle& style) {
+    void text(ChartPoint at, const std::string& text, MarkColor color, const TextStyle& style) {
         chart.marks.push_back(
             text_mark({static_cast<float>(at.x), static_cast<float>(at.y)}, text, color, style));
     }
@@ -53,7 +53,7 @@ ChartAxis axis_for(std::vector<double> values) {
     return logarithmic_axis(std::max(*lowest, highest / widest_logarithmic), highest, 5);
 }
 
-Panel panel_of(const AtlasContent& content, const std::string& name, MarkColour color,
+Panel panel_of(const AtlasContent& content, const std::string& name, MarkColor color,
                double (*measure)(const AtlasRow&)) {
     Panel panel{name, color, {}, {}};
     for (const AtlasRow& row : content.rows) {
@@ -175,7 +175,7 @@ void add_heading(const ChartBox& all, Drawing& d) {
     d.text({all.left, 20}, d.content.title, chart_ink, {20, 0, 0, 0});
     constexpr double y = 55, side = 12;
     double x = all.left;
-    const auto key = [&](MarkColour color, const std::string& text) {
+    const auto key = [&](MarkColor color, const std::string& text) {
         d.chart.area({x, y, x + side, y + side}, color);
         d.text({x + side + 7, y + side / 2}, text, pale_ink, {12.5, 0, 0.5F, 0});
         x += side + 7 + text_width(text, 12.5) + 24;

@@ -44,7 +44,7 @@ struct AtlasContent {
 /// A chart: marks over a picture of one color.
 struct AtlasChart {
     Size size;
-    MarkColour background;
+    MarkColor background;
     std::vector<PictureMark> marks;
 };
 

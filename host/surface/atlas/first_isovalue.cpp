@@ -6,12 +6,12 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr int bins = 1024;
+constexpr int isovalue_bins = 1024;
 
 }  // namespace
 
 double first_isovalue(const Volume& volume) {
-    const Histogram counted = histogram(volume, bins);
+    const Histogram counted = histogram(volume, isovalue_bins);
     double all = 0, moment = 0;
     for (std::size_t bin = 0; bin < counted.counts.size(); ++bin) {
         all += static_cast<double>(counted.counts[bin]);

@@ -6,7 +6,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "host/surface/atlas/typed_values.hpp"
+#include "host/volume/typed_values.hpp"
 
 namespace pxpl5::host {
 

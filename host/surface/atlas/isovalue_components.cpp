@@ -14,7 +14,7 @@
 
 #include "host/base/error.hpp"
 #include "host/surface/atlas/neighbor_links.hpp"
-#include "host/surface/atlas/typed_values.hpp"
+#include "host/volume/typed_values.hpp"
 
 namespace pxpl5::host {
 
@@ -118,8 +118,8 @@ class Sweep {
           parents_(grid.levels.size()),
           is_saddle_((grid.levels.size() + 63) / 64) {
         grid.fill_rim(side == Side::inside ? 0 : std::numeric_limits<Level>::max());
-        for (std::size_t k = 0; k < neighbour_count; ++k) {
-            const auto& [x, y, z] = neighbour_steps()[k];
+        for (std::size_t k = 0; k < neighbor_count; ++k) {
+            const auto& [x, y, z] = neighbor_steps()[k];
             steps_[k] = x + y * grid.row + z * grid.slice;
         }
         std::iota(parents_.begin(), parents_.end(), std::uint32_t{0});
@@ -145,7 +145,7 @@ class Sweep {
     std::uint32_t links_of(std::uint32_t v) const {
         const Level* const at = grid_.levels.data() + v;
         std::uint32_t links = 0;
-        for (std::size_t k = 0; k < neighbour_count; ++k)
+        for (std::size_t k = 0; k < neighbor_count; ++k)
             links |= is_before(at[steps_[k]], at[0], steps_[k] < 0) ? 1U << k : 0U;
         return links;
     }
@@ -155,7 +155,7 @@ class Sweep {
     void join_row(std::size_t first) {
         const Level* const at = grid_.levels.data() + first;
         links_.assign(grid_.nx, 0);
-        for (std::size_t k = 0; k < neighbour_count; ++k) {
+        for (std::size_t k = 0; k < neighbor_count; ++k) {
             const Level* const other = at + steps_[k];
             const bool is_lower_voxel = steps_[k] < 0;
             for (std::size_t x = 0; x < grid_.nx; ++x) {
@@ -204,10 +204,10 @@ class Sweep {
         }
     }
 
-    void join(std::uint32_t v, int neighbour) {
+    void join(std::uint32_t v, int neighbor) {
         const std::uint32_t a = root(v);
         const std::uint32_t b =
-            root(static_cast<std::uint32_t>(v + steps_[static_cast<std::size_t>(neighbour)]));
+            root(static_cast<std::uint32_t>(v + steps_[static_cast<std::size_t>(neighbor)]));
         if (a == b) return;
         parents_[std::max(a, b)] = std::min(a, b);
         --groups_[grid_.levels[v]];
@@ -220,7 +220,7 @@ class Sweep {
 
     const LevelGrid& grid_;
     Level never_;  ///< Level of voxels that this sweep never counts.
-    std::array<std::ptrdiff_t, neighbour_count> steps_{};
+    std::array<std::ptrdiff_t, neighbor_count> steps_{};
     std::vector<std::int64_t> groups_;  ///< By level.
     std::vector<std::size_t> saddle_counts_;
     std::vector<std::uint32_t> parents_;

@@ -7,7 +7,7 @@ namespace pxpl5::host {
 
 namespace {
 
-using Steps = std::array<std::array<int, 3>, neighbour_count>;
+using Steps = std::array<std::array<int, 3>, neighbor_count>;
 
 Steps make_steps() {
     Steps steps{};
@@ -24,12 +24,12 @@ Steps make_steps() {
 }
 
 /// Per neighbor, the neighbors that a voxel there is joined to, if both are on the side.
-std::array<std::uint32_t, neighbour_count> joined_neighbours(Side side) {
+std::array<std::uint32_t, neighbor_count> joined_neighbors(Side side) {
     const int greatest_length = side == Side::inside ? 1 : 2;
-    const Steps& steps = neighbour_steps();
-    std::array<std::uint32_t, neighbour_count> joined{};
-    for (std::size_t a = 0; a < neighbour_count; ++a) {
-        for (std::size_t b = 0; b < neighbour_count; ++b) {
+    const Steps& steps = neighbor_steps();
+    std::array<std::uint32_t, neighbor_count> joined{};
+    for (std::size_t a = 0; a < neighbor_count; ++a) {
+        for (std::size_t b = 0; b < neighbor_count; ++b) {
             int length = 0, greatest = 0;
             for (std::size_t i = 0; i < 3; ++i) {
                 const int distance = std::abs(steps[a][i] - steps[b][i]);
@@ -43,14 +43,14 @@ std::array<std::uint32_t, neighbour_count> joined_neighbours(Side side) {
 }
 
 std::unique_ptr<const LinkTable> make_table(Side side) {
-    const auto joined = joined_neighbours(side);
+    const auto joined = joined_neighbors(side);
     auto table = std::make_unique<LinkTable>();
     for (std::uint32_t set = 0; set < table->size(); ++set) {
         const std::uint32_t joining = set & joining_links(side);
         std::uint32_t reached = joining & (~joining + 1), before = 0;
         while (reached != before) {
             before = reached;
-            for (std::size_t k = 0; k < neighbour_count; ++k)
+            for (std::size_t k = 0; k < neighbor_count; ++k)
                 if ((reached >> k & 1) != 0) reached |= joined[k] & set;
         }
         table->set(set, (joining & ~reached) == 0);
@@ -60,7 +60,7 @@ std::unique_ptr<const LinkTable> make_table(Side side) {
 
 }  // namespace
 
-const Steps& neighbour_steps() {
+const Steps& neighbor_steps() {
     static const Steps steps = make_steps();
     return steps;
 }
