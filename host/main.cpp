@@ -3,11 +3,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <functional>
 #include <memory>
 
 #include "host/base/error.hpp"
+#include "host/base/standard_streams.hpp"
+#include "host/base/state_folder.hpp"
 #include "host/base/version.hpp"
 #include "host/commands/cli_errors.hpp"
 #include "host/commands/command_options.hpp"
@@ -31,8 +32,10 @@ CLI::IsMember is_named() {
 
 struct MachineFlags {
     std::string topology = "default";
-    std::vector<std::string> overrides;
-    std::string run_folder = "run", record, vector_target;
+    std::vector<std::string> overrides, allow;
+    std::optional<int> keep_runs;
+    std::string run_folder = default_run_base().string(), record, vector_target;
+    bool insecure_tcp = false, no_io_sandbox = false;
 
     void add_to(CLI::App& app) {
         app.add_option("--topology", topology, "Machine to launch: a name or a file")
@@ -45,8 +48,16 @@ struct MachineFlags {
         app.add_option("--vector-target", vector_target,
                        "Vector instructions of the nodes; all give the same bits")
             ->check(is_named<VectorTarget>());
+        app.add_flag("--insecure-tcp", insecure_tcp,
+                     "Let ring.transport=tcp work without encryption");
         add_folder_to(app);
+        app.add_option(
+               "--keep-runs", keep_runs,
+               "Keep the newest N run folders, 0: all; 20 by default, with --run-folder all")
+            ->check(CLI::Range(0, 1'000'000));
     }
+    bool has_default_folder() const { return run_folder == default_run_base(); }
+    int runs_kept() const { return keep_runs.value_or(has_default_folder() ? 20 : 0); }
     /// The machine that these flags ask for.
     Topology plan() const {
         Topology plan = load_topology(topology, overrides);
@@ -59,13 +70,27 @@ struct MachineFlags {
         return plan;
     }
     void add_folder_to(CLI::App& app) {
-        app.add_option("--run-folder", run_folder, "Parent directory for run folders")
-            ->capture_default_str();
+        app.add_option("--run-folder", run_folder,
+                       "Parent directory for run folders; $XDG_STATE_HOME/pxpl5 by default");
+    }
+    void add_file_options_to(CLI::App& app) {
+        app.add_flag("--no-io-sandbox", no_io_sandbox,
+                     "Read and write files without the sandbox of pxpl5-io, for debugging");
+        app.add_option("--allow", allow,
+                       "Also read files in this folder that the header of a volume or a link in a "
+                       "DICOM folder names; by default they must lie in the folder of the volume")
+            ->allow_extra_args(false)
+            ->type_name("DIR")
+            ->check(CLI::ExistingDirectory);
     }
     /// Launches the machine, hands it a session, and takes it down again.
     int with_session(const std::function<int(Session&, MachinePort&)>& use) const {
         MachineOptions options;
         options.run_base = run_folder;
+        options.keep_runs = runs_kept();
+        options.io_allow = allow;
+        options.insecure_tcp = insecure_tcp;
+        options.io_sandbox = !no_io_sandbox;
         Machine machine(plan(), options);
         Session session(machine);
         const int code = use(session, machine);
@@ -199,20 +224,10 @@ int info(Flags flags) {
     check_arguments(find_command("info"), command);
     flags.machine.topology = "one-of-each";
     flags.machine.record = "off";
-    const bool is_temporary = flags.machine.run_folder == MachineFlags().run_folder;
-    const std::filesystem::path folder =
-        std::filesystem::temp_directory_path() / fmt::format("pxpl5-info-{}", getpid());
-    if (is_temporary) {
-        flags.machine.run_folder = folder.string();
+    std::optional<TemporaryFolder> folder;
+    if (flags.machine.has_default_folder()) {
+        flags.machine.run_folder = folder.emplace("pxpl5-info").path().string();
     }
-    struct Remove {
-        std::filesystem::path folder;
-        ~Remove() {
-            std::error_code ignored;
-            std::filesystem::remove_all(folder, ignored);
-        }
-    };
-    const Remove remove{is_temporary ? folder : std::filesystem::path()};
     return flags.machine.with_session([&](Session& session, MachinePort&) {
         return run_script(session, lines_of_commands({command}), script_options(flags));
     });
@@ -223,6 +238,10 @@ int serve_viewer(const Flags& flags) {
     options.server = flags.server;
     options.topology = flags.machine.plan();
     options.run_base = flags.machine.run_folder;
+    options.keep_runs = flags.machine.runs_kept();
+    options.allow = flags.machine.allow;
+    options.insecure_tcp = flags.machine.insecure_tcp;
+    options.io_sandbox = !flags.machine.no_io_sandbox;
     Flags opened = flags;
     opened.volume = flags.volume.empty() ? "phantom:pelvis" : flags.volume;
     options.commands.push_back(volume_command("load", opened, flags.serve_options->commands()));
@@ -325,6 +344,9 @@ void declare(CLI::App& app, Flags& flags) {
     for (CLI::App* each : {run_app, render_app, report_app, serve_app}) {
         flags.machine.add_to(*each);
     }
+    for (CLI::App* each : {run_app, render_app, info_app, serve_app}) {
+        flags.machine.add_file_options_to(*each);
+    }
     for (CLI::App* each : {run_app, render_app, info_app}) {
         each->add_flag("--json", flags.json, "Print one JSON object per command and line");
         each->add_flag("--strict", flags.strict, "Fail with exit code 3 if a command warns");
@@ -351,30 +373,28 @@ int dispatch(const CLI::App& app, const Flags& flags) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    open_missing_streams();
     CLI::App app("Surfaces of medical volumes, drawn by a working Pixel-Planes 5", "pxpl5");
     Flags flags;
     declare(app, flags);
     const std::function<std::optional<int>()> run_inspection = inspect::declare_inspection(app);
     if (argc < 2 || std::string_view(argv[1]) == "help") {
         fmt::print("{}", app.help());
-        return 0;
+        return finish_output(0);
     }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return report_parse_error(app, error);
+        return finish_output(report_parse_error(app, error));
     }
     try {
         const std::optional<int> inspected = run_inspection();
-        return inspected ? *inspected : dispatch(app, flags);
+        return finish_output(inspected ? *inspected : dispatch(app, flags));
     } catch (const RequestError& error) {
-        fmt::print(stderr, "error: {}\n", error.what());
-        return static_cast<int>(error.code);
+        return print_error(error.what(), static_cast<int>(error.code));
     } catch (const MachineError& error) {
-        fmt::print(stderr, "error: {}\n", error.what());
-        return error.code;
+        return print_error(error.what(), error.code);
     } catch (const std::exception& error) {
-        fmt::print(stderr, "error: {}\n", error.what());
-        return static_cast<int>(ExitCode::failed);
+        return print_error(error.what(), static_cast<int>(ExitCode::failed));
     }
 }

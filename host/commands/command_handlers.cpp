@@ -10,6 +10,9 @@ Reply run_stats(Session& session, const Arguments&) {
     Reply reply;
     std::vector<Fields> list;
     for (const Surface& surface : session.scene.surfaces) {
+        if (!session.surfaces.has_report(surface.name)) {
+            continue;  // The GPs extract it at the moment.
+        }
         const SurfaceReport& report = session.surfaces.report_of(surface.name);
         reply.text +=
             surface_text(surface, report) +

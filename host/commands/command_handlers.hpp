@@ -8,6 +8,7 @@
 #include "host/base/command_line.hpp"
 #include "host/base/reply.hpp"
 #include "host/session/session.hpp"
+#include "host/surface/certificate.hpp"
 
 namespace pxpl5::host {
 
@@ -38,11 +39,14 @@ Reply run_atlas(Session& session, const Arguments& arguments);
 Reply run_components(Session& session, const Arguments& arguments);
 Reply run_certificate(Session& session, const Arguments& arguments);
 Reply run_compare(Session& session, const Arguments& arguments);
+/// The certificate of a surface in a file.
+Certificate file_certificate(const WeldedFile& file);
 Reply run_export(Session& session, const Arguments& arguments);
 Reply run_digest(Session& session, const Arguments& arguments);
 Reply run_model(Session& session, const Arguments& arguments);
 Reply run_activity(Session& session, const Arguments& arguments);
 Reply run_kill(Session& session, const Arguments& arguments);
+Reply run_scale(Session& session, const Arguments& arguments);
 Reply run_trace(Session& session, const Arguments& arguments);
 Reply run_undo(Session& session, const Arguments& arguments);
 Reply run_redo(Session& session, const Arguments& arguments);
@@ -52,8 +56,11 @@ Reply run_play(Session& session, const Arguments& arguments);
 Reply run_quit(Session& session, const Arguments& arguments);
 
 // Limits of views and lights, for the table and for the handlers.
-inline constexpr double max_angle_deg = 36000;
+inline constexpr double max_angle_deg = 36000, max_place_mm = 1e6;
 inline constexpr double min_zoom = 0.05, max_zoom = 100;
+
+/// 1, 4 or 16. Throws RequestError (usage) with the command's name.
+int parse_samples(const std::string& command, const std::string& text);
 
 /// Options of `model`: the parameters of a machine.
 std::vector<Parameter> model_options();
@@ -61,6 +68,10 @@ std::vector<Parameter> model_options();
 /// Returns `name`, which is empty or names a surface that pictures show. Throws RequestError
 /// (usage) for other names, and for surfaces that are hidden or compared.
 std::string shown_surface(const Session& session, const std::string& name);
+/// The components that the filter selects, in words.
+std::string filter_text(const ComponentFilter& filter);
+/// The clip planes, as `clip` takes them.
+std::vector<std::string> clip_words(const Scene& scene);
 /// One surface, for people and programs.
 std::string surface_text(const Surface& surface, const SurfaceReport& report);
 Fields surface_fields(const Surface& surface, const SurfaceReport& report);

@@ -1,15 +1,23 @@
 // Commands about what was done: undo, redo, mark, history, play.
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
 #include <sstream>
+#include <string_view>
 
 #include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/commands.hpp"
+#include "host/commands/text/scene_script.hpp"
 #include "host/session/restore.hpp"
 
 namespace pxpl5::host {
@@ -28,19 +36,39 @@ Reply go_to(Session& session, const Scene& scene, const char* done,
     return {fmt::format("{}: {}", done, line.value_or("")), {{"line", line.value_or("")}}};
 }
 
-/// Written aside first, so that a script is never half there.
-void write_script(const std::string& path, const std::string& text) {
-    const std::string aside = path + ".part";
-    std::ofstream file(aside, std::ios::binary | std::ios::trunc);
-    file << text;
-    file.close();
-    std::error_code error;
-    if (file) {
-        std::filesystem::rename(aside, path, error);
+/// Writes into what is no regular file, for example a pipe. Returns why that failed, or nothing.
+std::string write_device(const std::string& path, std::string_view text) {
+    // O_NONBLOCK: opening a FIFO that no program reads would wait for ever.
+    const int fd = open(path.c_str(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    while (fd >= 0 && !text.empty()) {
+        const ssize_t written = write(fd, text.data(), text.size());
+        if (written < 0 && errno != EINTR) {
+            break;
+        }
+        text.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(written, 0)));
     }
-    if (!file || error) {
-        std::filesystem::remove(aside, error);
-        throw RequestError(ExitCode::failed, fmt::format("history: '{}' cannot be written", path));
+    const std::string reason = fd < 0 || !text.empty() ? std::strerror(errno) : "";
+    if (fd >= 0) {
+        close(fd);
+    }
+    return reason;
+}
+
+/// A script is whole or not there.
+void write_script(const std::string& path, const std::string& text) {
+    std::error_code error;
+    const std::filesystem::file_status there = std::filesystem::status(path, error);
+    std::string reason;
+    if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
+        reason = write_device(path, text);
+    } else {
+        PartFile file(path);
+        file.write(text);
+        reason = file.keep();
+    }
+    if (!reason.empty()) {
+        throw RequestError(ExitCode::failed,
+                           fmt::format("history: '{}' cannot be written: {}", path, reason));
     }
 }
 
@@ -102,7 +130,9 @@ Reply run_mark(Session& session, const Arguments&) {
 }
 
 Reply run_history(Session& session, const Arguments& arguments) {
-    const std::string script = session.history.script();
+    const std::string script = arguments.text("form", "steps") == "scene"
+                                   ? scene_script(session)
+                                   : session.history.script();
     Reply reply{script.substr(0, script.find_last_not_of('\n') + 1), {{"script", script}}};
     if (!arguments.words.empty()) {
         const std::string& path = arguments.words[0];
@@ -129,7 +159,7 @@ Reply run_play(Session& session, const Arguments& arguments) {
             }
             run_command(session, command);
             ++done;
-        } catch (const Cancelled&) {
+        } catch (const Canceled&) {
             throw;
         } catch (const RequestError& error) {
             throw RequestError(

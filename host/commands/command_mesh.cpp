@@ -1,13 +1,13 @@
-// Commands about surfaces as meshes: certificates, components, comparison, export.
+// Commands about surfaces as meshes: certificates, components, comparison.
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "host/base/chart_axis.hpp"
 #include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
 #include "host/commands/command_handlers.hpp"
-#include "host/commands/text/picture_text.hpp"
-#include "host/surface/certificate.hpp"
 #include "host/surface/compare.hpp"
 
 namespace pxpl5::host {
@@ -20,7 +20,7 @@ constexpr std::size_t listed_components = 10;
 std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& arguments) {
     using Kind = ComponentFilter::Kind;
     if (arguments.options.size() > 1) {
-        refuse_command("components: give one of show=, min_mm2=, min_ml=, at=");
+        refuse_command("components: give one of show=, min_mm2=, min_ml=, at=, at_mm=");
     }
     if (arguments.has("min_mm2")) {
         return ComponentFilter{Kind::at_least_mm2, arguments.number("min_mm2", 0), {}};
@@ -36,6 +36,10 @@ std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& 
                 fmt::format("at={},{}: no point of {} lies there", x, y, arguments.words[0]));
         }
         return ComponentFilter{Kind::at_point, 0, picked->pick.p_mm};
+    }
+    if (arguments.has("at_mm")) {
+        const glm::dvec3 p_mm = parse_triple("at_mm", arguments.text("at_mm", ""), -1e6, 1e6);
+        return ComponentFilter{Kind::at_point, 0, p_mm};
     }
     const std::string show = arguments.text("show", "");
     if (show == "all" || show == "largest") {
@@ -55,12 +59,12 @@ Reply list_components(const MeshComponents& parts) {
         reply.text += fmt::format(
             "\n{:>3}: {:>9} triangles, {:>10.2f} cm2, {}{}, center ({:.1f}, {:.1f}, {:.1f}) mm",
             i + 1, part.triangles, part.area_mm2 / 100, volume, part.closed ? "" : ", open",
-            part.centre_mm.x, part.centre_mm.y, part.centre_mm.z);
+            part.center_mm.x, part.center_mm.y, part.center_mm.z);
         Fields fields = {{"triangles", static_cast<std::int64_t>(part.triangles)},
                          {"area_mm2", part.area_mm2},
                          {"closed", part.closed},
-                         {"centre_mm", std::vector<double>{part.centre_mm.x, part.centre_mm.y,
-                                                           part.centre_mm.z}}};
+                         {"center_mm", std::vector<double>{part.center_mm.x, part.center_mm.y,
+                                                           part.center_mm.z}}};
         if (part.volume_mm3) {
             fields.push_back({"volume_ml", *part.volume_mm3 / 1000});
         }
@@ -75,7 +79,20 @@ Reply list_components(const MeshComponents& parts) {
     return reply;
 }
 
+/// Whether a word of `certificate` names a file instead of a surface.
+bool is_mesh_file(const std::string& word) {
+    const std::string suffix = suffix_of(word);
+    return suffix == ".stl" || suffix == ".ply" || suffix == ".obj" || suffix == ".vtp" ||
+           suffix == ".glb";
+}
+
 }  // namespace
+
+Certificate file_certificate(const WeldedFile& file) {
+    Certificate certificate = certify(file.mesh, patient_grid());
+    certificate.collapsed = file.collapsed;
+    return certificate;
+}
 
 Reply run_components(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
@@ -88,6 +105,37 @@ Reply run_components(Session& session, const Arguments& arguments) {
             {{"components", static_cast<std::int64_t>(all)},
              {"drawn", static_cast<std::int64_t>(drawn)}}};
 }
+
+namespace {
+
+Reply certify_file(Session& session, const std::string& path) {
+    Reply reply = certificate_reply(file_certificate(session.exports.read_mesh(path)), path);
+    reply.fields.push_back({"of", "file"});
+    return reply;
+}
+
+/// Certifies the whole surface, and warns where an export of the surface would be another mesh.
+Reply certify_surface(Session& session, const std::string& name) {
+    Reply reply =
+        certificate_reply(certify(session.meshes.fetch(name, true), session.meshes.grid()), name);
+    const ComponentFilter& filter = session.meshes.surface(name).components;
+    const std::vector<std::string> clips = clip_words(session.scene);
+    reply.fields.push_back({"of", "whole surface"});
+    reply.fields.push_back({"drawn_components", filter_text(filter)});
+    reply.fields.push_back({"clips", clips});
+    if (filter.kind != ComponentFilter::Kind::all) {
+        add_warning(reply, "of the whole surface; not all of its components are drawn", "\n  ");
+    }
+    if (!clips.empty()) {
+        add_warning(reply,
+                    fmt::format("of the whole surface; `export` cuts the mesh by {}",
+                                counted(clips.size(), "clip plane")),
+                    "\n  ");
+    }
+    return reply;
+}
+
+}  // namespace
 
 Reply run_certificate(Session& session, const Arguments& arguments) {
     std::vector<std::string> names = arguments.words;
@@ -102,13 +150,11 @@ Reply run_certificate(Session& session, const Arguments& arguments) {
     Reply reply;
     std::vector<Fields> list;
     for (const std::string& name : names) {
-        const Reply one = certificate_reply(
-            certify(session.meshes.fetch(name, true), session.meshes.grid()), name);
+        const Reply one =
+            is_mesh_file(name) ? certify_file(session, name) : certify_surface(session, name);
         reply.text += (reply.text.empty() ? "" : "\n") + one.text;
         list.push_back(one.fields);
-        if (session.surfaces.find(name)->components.kind != ComponentFilter::Kind::all) {
-            reply.text += "\n  of the whole surface; not all of its components are drawn";
-        }
+        std::ranges::copy(one.warnings, std::back_inserter(reply.warnings));
     }
     reply.fields = {{"certificates", list}};
     return reply;
@@ -126,33 +172,6 @@ Reply run_compare(Session& session, const Arguments& arguments) {
     const MeshComparison comparison = session.surfaces.compare(name);
     Reply reply = comparison_reply(comparison, name + ":watertight", name + ":lorensen1987");
     reply.text += fmt::format("\nonly these cells of {0} are drawn until 'compare {0} off'", name);
-    return reply;
-}
-
-Reply run_export(Session& session, const Arguments& arguments) {
-    MeshExport wish;
-    wish.keep = arguments.number("keep", 1);
-    const std::string axes = arguments.text("axes", "LPS");
-    wish.ras = axes == "RAS";
-    for (std::string left = arguments.text("surfaces", ""); !left.empty();) {
-        const std::size_t comma = std::min(left.find(','), left.size());
-        wish.surfaces.push_back(left.substr(0, comma));
-        left.erase(0, comma + 1);
-    }
-    wish.description = picture_extras(session, session.scene.camera).description;
-    const MeshExportReport report = session.exports.mesh(arguments.words[0], wish);
-    Reply reply{fmt::format("wrote {}: {}", arguments.words[0], report.text),
-                {{"file", arguments.words[0]}, {"triangles", report.triangles}, {"axes", axes}}};
-    if (const std::size_t at = report.text.find("decimated from"); at != std::string::npos) {
-        reply.warnings.push_back(report.text.substr(at));  // The writer's text has it.
-    }
-    if (!session.scene.clips.empty()) {
-        add_warning(reply, "clip planes cut the picture, not the mesh: crop= of load does");
-    }
-    if (is_assumed(session.volumes.volume())) {
-        add_warning(reply,
-                    "place or spacing of the volume is assumed, so the mesh's is too: see info");
-    }
     return reply;
 }
 

@@ -6,6 +6,7 @@
 
 #include "host/commands/command_handlers.hpp"
 #include "host/inspect/model/model_parts.hpp"
+#include "host/machine/modelled_topology.hpp"
 #include "host/machine/timing_section.hpp"
 #include "host/session/live_work.hpp"
 #include "host/timing/picture.hpp"
@@ -76,8 +77,8 @@ class Telling {
 
   private:
     void tell_load(const timing::StepTime& step) {
-        reply_.text += fmt::format("\nload: {:.0f} ms; {}", ms(step.end - step.begin),
-                                   limit_text(step.use, step.limit));
+        reply_.text += fmt::format("\nload: {:.0f} ms; {}\n{}", ms(step.end - step.begin),
+                                   limit_text(step.use, step.limit), inspect::load_note);
         reply_.fields.push_back({"load", step_fields(step)});
     }
 
@@ -148,7 +149,7 @@ Reply run_model(Session& session, const Arguments& arguments) {
         overrides.push_back(key + "=" + value);
     }
     // Before anything is drawn: a word that is wrong costs nothing.
-    const timing::Machine machine = timing::machine_of(load_topology(name, overrides));
+    const timing::Machine machine = timing::machine_of(load_modelled_topology(name, overrides));
     const timing::RunWork run = live_work(session);
     return Telling(session, machine, run).told(name);
 }

@@ -1,6 +1,7 @@
 #include "host/commands/command_options.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -35,11 +36,22 @@ bool takes_one_file(const Command& command) {
 }
 
 std::string help_of(const Command& command) {
-    return std::string(command.help.substr(0, command.help.find(". "))) + "; " + usage_of(command);
+    std::string_view sentence = command.help.substr(0, command.help.find(". "));
+    sentence.remove_suffix(sentence.ends_with('.') ? 1 : 0);
+    return fmt::format("{}; {}", sentence, usage_of(command));
 }
 
 std::string help_of(const Parameter& parameter, const Command& command) {
-    return fmt::format("{}: {}", command.name, parameter.help);
+    const bool has_unit = !parameter.unit.empty() && parameter.form != "MM";
+    return fmt::format("{}: {}{}", command.name, parameter.help,
+                       has_unit ? fmt::format(" ({})", parameter.unit) : "");
+}
+
+/// "MM", or "yes|no".
+std::string form_shown(const Parameter& parameter) {
+    return parameter.type == ValueType::choice
+               ? fmt::format("{}", fmt::join(parameter.choices, "|"))
+               : std::string(parameter.form);
 }
 
 }  // namespace
@@ -52,10 +64,11 @@ CommandOptions::CommandOptions(CLI::App& app, std::vector<RenderStage> stages, C
         }
         if (!command.words.empty() && command.stage != RenderStage::load &&
             command.stage != RenderStage::picture) {
-            declare(std::string(command.name), help_of(command), "Commands");
+            declare(std::string(command.name), "WORDS", help_of(command), "Commands");
         }
         for (const Parameter& option : command.options) {
-            declare(std::string(option.name), help_of(option, command), "Options of commands");
+            declare(std::string(option.name), form_shown(option), help_of(option, command),
+                    "Options of commands");
         }
     }
 }
@@ -64,13 +77,13 @@ bool CommandOptions::has_stage(const Command& command) const {
     return std::ranges::find(stages_, command.stage) != stages_.end();
 }
 
-void CommandOptions::declare(const std::string& name, const std::string& help,
-                             const std::string& group) {
+void CommandOptions::declare(const std::string& name, const std::string& form,
+                             const std::string& help, const std::string& group) {
     if (app_.get_option_no_throw("--" + name) != nullptr) {
         return;  // The same key of two commands is one option.
     }
     CLI::Option* option = app_.add_option("--" + name, help);
-    option->type_name("TEXT")->expected(1)->group(group);
+    option->type_name(form)->expected(1)->group(group);
     option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     names_[option] = name;
 }
@@ -91,6 +104,10 @@ void CommandOptions::add_value(const std::string& name, const std::string& value
     }
     for (const Command& each : table_) {
         if (has_stage(each) && find_option(each, name) != nullptr) {
+            if (each.required > 0 && each.name != "surface" && each.stage == RenderStage::scene) {
+                refuse_command(fmt::format("--{} needs --{} {} before it", name, each.name,
+                                           each.words.front().form));
+            }
             commands.push_back({std::string(each.name), {}, {{name, value}}});
             return;
         }

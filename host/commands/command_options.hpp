@@ -30,7 +30,8 @@ class CommandOptions {
 
   private:
     bool has_stage(const Command& command) const;
-    void declare(const std::string& name, const std::string& help, const std::string& group);
+    void declare(const std::string& name, const std::string& form, const std::string& help,
+                 const std::string& group);
     void add_value(const std::string& name, const std::string& value,
                    std::vector<Arguments>& commands) const;
 

@@ -78,9 +78,38 @@ Fields to_fields(const Spread& spread) {
     return {{"median", spread.median}, {"p95", spread.p95}, {"max", spread.max}};
 }
 
+/// The settings of one picture. The scene has its own again afterwards.
+class OnePicture {
+  public:
+    OnePicture(Scene& scene, const Arguments& arguments)
+        : scene_(scene), size_(scene.size), samples_(scene.samples), overlay_(scene.overlay) {
+        const Size size = arguments.has("size")
+                              ? parse_size(arguments.text("size", ""), 1, max_user_picture_px)
+                              : size_;
+        const std::string samples = arguments.text("samples", std::to_string(samples_));
+        scene.samples = parse_samples(arguments.name, samples);
+        scene.size = size;
+        scene.overlay = arguments.text("overlay", overlay_ ? "on" : "off") == "on";
+    }
+    ~OnePicture() {
+        scene_.size = size_;
+        scene_.samples = samples_;
+        scene_.overlay = overlay_;
+    }
+    OnePicture(const OnePicture&) = delete;
+    OnePicture& operator=(const OnePicture&) = delete;
+
+  private:
+    Scene& scene_;
+    Size size_;
+    int samples_;
+    bool overlay_;
+};
+
 }  // namespace
 
 Reply run_snapshot(Session& session, const Arguments& arguments) {
+    const OnePicture settings(session.scene, arguments);
     const Picture picture = session.frames.draw();
     const double draw_ms = session.frames.last().elapsed_ms;
     session.exports.pictures({&picture, 1}, arguments.words[0],

@@ -31,8 +31,8 @@ Pixel parse_pixel(const Session& session, const Arguments& arguments, std::size_
             parse_whole("Y", arguments.words[first + 1], 0, size.height - 1)};
 }
 
-GreyWindow parse_window(const Session& session, const Arguments& arguments) {
-    GreyWindow window;
+GrayWindow parse_window(const Session& session, const Arguments& arguments) {
+    GrayWindow window;
     if (!arguments.has("window") || !arguments.has("level")) {
         window = usual_window(session.volumes.volume());
     }
@@ -41,7 +41,7 @@ GreyWindow parse_window(const Session& session, const Arguments& arguments) {
 
 void write_slice(Session& session, const Arguments& arguments, const Slice& slice,
                  const std::vector<SurfaceContour>& contours, const std::string& title) {
-    const GreyWindow window = parse_window(session, arguments);
+    const GrayWindow window = parse_window(session, arguments);
     const SlicePicture drawn = slice_picture(
         slice, contours, window, session.scene.size,
         fmt::format("{}, window {:.6g} level {:.6g}", title, window.width, window.level));
@@ -53,7 +53,31 @@ void write_slice(Session& session, const Arguments& arguments, const Slice& slic
     session.exports.pictures({&drawn.picture, 1}, arguments.words[2], extras);
 }
 
-Frames::Picked picked_at(Session& session, const Pixel& pixel, const std::string& surface) {
+/// One end of a length.
+struct End {
+    glm::dvec3 p_mm{0};
+    std::string surface;  ///< Empty for a place.
+
+    std::string text() const {
+        return fmt::format("{}({:.2f}, {:.2f}, {:.2f})", surface.empty() ? "" : surface + " at ",
+                           p_mm.x, p_mm.y, p_mm.z);
+    }
+};
+
+/// The end that words[at] begins: X,Y,Z in millimeters, or X and Y of a pixel. Moves `at` behind
+/// it.
+End take_end(Session& session, const Arguments& arguments, std::size_t& at,
+             const std::string& wanted) {
+    const std::size_t left = arguments.words.size() - at;
+    if (left > 0 && arguments.words[at].find(',') != std::string::npos) {
+        return {parse_triple("place", arguments.words[at++], -max_place_mm, max_place_mm), {}};
+    }
+    if (left < 2) {
+        refuse_command("measure: give two ends, each X Y of a pixel or X,Y,Z in mm");
+    }
+    const Pixel pixel = parse_pixel(session, arguments, at);
+    at += 2;
+    const std::string surface = shown_surface(session, wanted);
     const auto picked = session.frames.pick(pixel.x, pixel.y, surface);
     if (!picked) {
         refuse_command(
@@ -61,7 +85,7 @@ Frames::Picked picked_at(Session& session, const Pixel& pixel, const std::string
                         "surface",
                         surface.empty() ? "a surface" : surface, pixel.x, pixel.y));
     }
-    return *picked;
+    return {picked->pick.p_mm, picked->surface};
 }
 
 }  // namespace
@@ -121,17 +145,17 @@ Reply run_slice(Session& session, const Arguments& arguments) {
 }
 
 Reply run_measure(Session& session, const Arguments& arguments) {
-    const Frames::Picked a = picked_at(session, parse_pixel(session, arguments, 0),
-                                       shown_surface(session, arguments.text("from", "")));
-    const Frames::Picked b = picked_at(session, parse_pixel(session, arguments, 2),
-                                       shown_surface(session, arguments.text("to", "")));
-    const glm::dvec3 &p = a.pick.p_mm, &q = b.pick.p_mm;
-    const double distance_mm = glm::distance(p, q);
-    return {fmt::format("{:.2f} mm in a straight line, from {} at ({:.2f}, {:.2f}, {:.2f}) to {} "
-                        "at ({:.2f}, {:.2f}, {:.2f}) mm LPS",
-                        distance_mm, a.surface, p.x, p.y, p.z, b.surface, q.x, q.y, q.z),
-            {{"a_mm", point(p)},
-             {"b_mm", point(q)},
+    std::size_t at = 0;
+    const End a = take_end(session, arguments, at, arguments.text("from", ""));
+    const End b = take_end(session, arguments, at, arguments.text("to", ""));
+    if (at < arguments.words.size()) {
+        refuse_command(fmt::format("measure: '{}' follows two ends", arguments.words[at]));
+    }
+    const double distance_mm = glm::distance(a.p_mm, b.p_mm);
+    return {fmt::format("{:.2f} mm in a straight line, from {} to {} mm LPS", distance_mm, a.text(),
+                        b.text()),
+            {{"a_mm", point(a.p_mm)},
+             {"b_mm", point(b.p_mm)},
              {"distance_mm", distance_mm},
              {"a_surface", a.surface},
              {"b_surface", b.surface}}};
@@ -139,7 +163,16 @@ Reply run_measure(Session& session, const Arguments& arguments) {
 
 Reply run_why(Session& session, const Arguments& arguments) {
     const Pixel pixel = parse_pixel(session, arguments, 0);
-    return inspect::LiveFrame::of(session).why(pixel.x, pixel.y);
+    Reply reply = inspect::LiveFrame::of(session).why(pixel.x, pixel.y);
+    const int samples = session.scene.samples;
+    if (samples > 1) {
+        reply.text = fmt::format(
+            "Pictures show the mean of {} samples of the pixel; this explains one sample, at the "
+            "pixel's center.\n{}",
+            samples, reply.text);
+    }
+    reply.fields.push_back({"picture_samples", std::int64_t{samples}});
+    return reply;
 }
 
 }  // namespace pxpl5::host

@@ -16,12 +16,12 @@ namespace pxpl5::host {
 namespace {
 
 /// The tissue's color if the name is one, else one that the surfaces before it do not have.
-Colour first_colour(const std::string& name, std::size_t surfaces_before) {
-    constexpr std::array others = {Colour{236, 226, 200}, Colour{120, 170, 220},
-                                   Colour{150, 200, 130}, Colour{220, 150, 110},
-                                   Colour{190, 150, 210}, Colour{225, 205, 110}};
+Color first_color(const std::string& name, std::size_t surfaces_before) {
+    constexpr std::array others = {Color{236, 226, 200}, Color{120, 170, 220},
+                                   Color{150, 200, 130}, Color{220, 150, 110},
+                                   Color{190, 150, 210}, Color{225, 205, 110}};
     const Tissue* tissue = find_tissue(name);
-    return tissue != nullptr ? tissue->colour : others[surfaces_before % others.size()];
+    return tissue != nullptr ? tissue->color : others[surfaces_before % others.size()];
 }
 
 /// Settings of a new surface from its name: a built-in volume's suggestion, or a tissue of CT.
@@ -29,15 +29,14 @@ bool suggest(const Volume& volume, Surface& wish) {
     for (const PhantomSurface& suggested : suggested_surfaces(volume.name)) {
         if (suggested.name == wish.name) {
             wish.isovalue = suggested.isovalue;
-            wish.colour = {suggested.colour_rgb[0], suggested.colour_rgb[1],
-                           suggested.colour_rgb[2]};
+            wish.color = {suggested.color_rgb[0], suggested.color_rgb[1], suggested.color_rgb[2]};
             return true;
         }
     }
     const Tissue* tissue = volume.modality == "CT" ? find_tissue(wish.name) : nullptr;
     if (tissue != nullptr) {
         wish.isovalue = tissue->isovalue_hu;
-        wish.colour = tissue->colour;
+        wish.color = tissue->color;
     }
     return tissue != nullptr;
 }
@@ -55,12 +54,12 @@ void take_preset(const std::string& name, const std::string& modality, Surface& 
         refuse_command(refusal);
     }
     wish.isovalue = tissue->isovalue_hu;
-    wish.colour = tissue->colour;
+    wish.color = tissue->color;
 }
 
 void take_style(const Arguments& arguments, Surface& wish) {
     if (arguments.has("color")) {
-        wish.colour = parse_colour(arguments.text("color", ""));
+        wish.color = parse_color(arguments.text("color", ""));
     }
     if (arguments.has("visible")) {
         wish.visible = arguments.text("visible", "") == "yes";
@@ -79,7 +78,7 @@ Surface wished_surface(const Session& session, const std::optional<Surface>& kno
     Surface wish = known.value_or(Surface{});
     wish.name = arguments.words[0];
     if (!known) {
-        wish.colour = first_colour(wish.name, session.scene.surfaces.size());
+        wish.color = first_color(wish.name, session.scene.surfaces.size());
     }
     if (wish.name.empty()) {
         refuse_command("a surface needs a name; it is empty");
@@ -109,21 +108,28 @@ Surface wished_surface(const Session& session, const std::optional<Surface>& kno
 }  // namespace
 
 Fields surface_fields(const Surface& surface, const SurfaceReport& report) {
-    return {{"name", surface.name},
-            {"isovalue", surface.isovalue},
-            {"table", enum_name(surface.table)},
-            {"triangles", report.triangles},
-            {"vertices", report.vertices},
-            {"cells_active", report.cells_active},
-            {"cells_ambiguous", report.cells_ambiguous},
-            {"rows_skipped", report.rows_skipped},
-            {"area_mm2", report.area_mm2},
-            {"volume_ml", report.volume_mm3 / 1000},
-            {"extraction_ms", report.elapsed_ms},
-            {"gp_memory_bytes", report.memory_bytes}};
+    Fields fields = {{"name", surface.name},
+                     {"isovalue", surface.isovalue},
+                     {"table", enum_name(surface.table)},
+                     {"triangles", report.triangles},
+                     {"vertices", report.vertices},
+                     {"cells_active", report.cells_active},
+                     {"cells_ambiguous", report.cells_ambiguous},
+                     {"rows_skipped", report.rows_skipped},
+                     {"area_mm2", report.area_mm2},
+                     {"extraction_ms", report.elapsed_ms},
+                     {"gp_memory_bytes", report.memory_bytes}};
+    if (report.triangles > 0) {
+        fields.push_back({"volume_ml", report.volume_mm3 / 1000});
+    }
+    return fields;
 }
 
 std::string surface_text(const Surface& surface, const SurfaceReport& report) {
+    if (report.triangles == 0) {  // All voxels are on one side; the text does not name the side.
+        return fmt::format("{}: isovalue {}, no triangles, extracted in {:.1f} ms", surface.name,
+                           surface.isovalue, report.elapsed_ms);
+    }
     return fmt::format(
         "{}: isovalue {}, {} triangles, {} vertices, {:.1f} cm2, {:.1f} ml, extracted in {:.1f} ms",
         surface.name, surface.isovalue, report.triangles, report.vertices, report.area_mm2 / 100,
@@ -141,7 +147,7 @@ Reply run_surface(Session& session, const Arguments& arguments) {
         if (known) {
             session.surfaces.set_style(wish);  // Before a frame is requested with the surface.
         }
-        session.surfaces.set(name, wish.isovalue, wish.table, wish.colour);
+        session.surfaces.set(name, wish.isovalue, wish.table, wish.color);
     }
     session.surfaces.set_style(wish);
     const SurfaceReport& report = session.surfaces.report_of(name);

@@ -1,11 +1,21 @@
 // The rows of the command table, by group.
 #pragma once
 
+#include <array>
+#include <string_view>
 #include <vector>
 
 #include "host/commands/commands.hpp"
 
 namespace pxpl5::host {
+
+/// Ends of the names of files that a picture is written to.
+inline constexpr std::array<std::string_view, 5> picture_suffixes = {".png", ".tif", ".tiff",
+                                                                     ".exr", ".gif"};
+
+/// The values of a switch.
+using Words = std::array<std::string_view, 2>;
+inline constexpr Words on_off = {"on", "off"}, yes_no = {"yes", "no"};
 
 std::vector<Command> volume_commands();
 std::vector<Command> surface_commands();

@@ -10,16 +10,20 @@ namespace pxpl5::host {
 
 namespace {
 
-using Words = std::array<std::string_view, 2>;
-
-constexpr Words yes_no = {"yes", "no"}, part_choices = {"all", "largest"};
+constexpr Words part_choices = {"all", "largest"};
 constexpr std::array<std::string_view, 1> off_choice = {"off"};
 constexpr std::array<std::string_view, 3> axis_choices = {"x", "y", "z"};
 constexpr std::array<std::string_view, 5> mesh_suffixes = {".stl", ".ply", ".obj", ".vtp", ".glb"};
-constexpr std::array<std::string_view, 5> picture_suffixes = {".png", ".tif", ".tiff", ".exr",
-                                                              ".gif"};
 
 constexpr Parameter surface_word{"NAME", "NAME", "name of a surface"};
+
+std::vector<Parameter> info_options() {
+    std::vector<Parameter> options = load_option_list();
+    options.push_back({"digest", "HEX", "refuse a volume whose voxels have another digest"});
+    options.push_back(
+        {"place", "HEX", "refuse a volume whose number of voxels or place has another digest"});
+    return options;
+}
 
 }  // namespace
 
@@ -38,7 +42,7 @@ std::vector<Command> volume_commands() {
         {{.name = "info",
           .help = "Prints the geometry, values and warnings of the loaded volume or of another.",
           .words = {{"VOLUME", "VOLUME", "file, folder or phantom:NAME", ValueType::file}},
-          .options = load_option_list()},
+          .options = info_options()},
          run_info},
         {{.name = "atlas",
           .help = "Measures the surfaces of many isovalues and finds plateaus; draws a chart into "
@@ -94,7 +98,8 @@ std::vector<Command> surface_commands() {
           .options = {choice_value("show", part_choices, "draw all or the largest component"),
                       number_value("min_mm2", "A", 0, 1e12, "smallest area to draw", "mm²"),
                       number_value("min_ml", "V", 0, 1e9, "smallest volume to draw", "ml"),
-                      {"at", "X,Y", "draw the component at a pixel of the picture"}},
+                      {"at", "X,Y", "draw the component at a pixel of the picture"},
+                      {"at_mm", "X,Y,Z", "draw the component nearest to a point in mm, LPS"}},
           .kind = CommandKind::setting,
           .subject_words = 1,
           .is_long = true,
@@ -113,8 +118,10 @@ std::vector<Command> mesh_commands() {
     return {
         {{.name = "certificate",
           .help = "Reports whether surfaces are closed, manifold and oriented, with measures and "
-                  "defects.",
-          .words = {surface_word},
+                  "defects. Also reads mesh files, of other programs too; vertices at one place "
+                  "are one vertex there.",
+          .words = {{"NAME", "NAME|FILE",
+                     "name of a surface, or an STL, PLY, OBJ, VTP or GLB file"}},
           .is_long = true},
          run_certificate},
         {{.name = "compare",
@@ -126,7 +133,8 @@ std::vector<Command> mesh_commands() {
           .is_long = true},
          run_compare},
         {{.name = "export",
-          .help = "Writes surfaces as a mesh in millimeters.",
+          .help = "Writes surfaces as a mesh in millimeters, cut by the clip planes, and the "
+                  "certificate of the mesh as FILE.certificate.json beside it.",
           .words = {output_value("FILE", mesh_suffixes, "mesh to write")},
           .required = 1,
           .options = {{"surfaces",
@@ -139,7 +147,9 @@ std::vector<Command> mesh_commands() {
                        "all visible surfaces"},
                       choice_value("axes", enum_names<PatientAxes>, "patient axes", "LPS"),
                       number_value("keep", "SHARE", 1e-4, 1,
-                                   "share of the triangles to keep; less than 1 decimates")},
+                                   "share of the triangles to keep; less than 1 decimates"),
+                      choice_value("cap", yes_no,
+                                   "close the mesh at the scan's border and at clip planes", "no")},
           .kind = CommandKind::action,
           .is_long = true,
           .stage = RenderStage::output},

@@ -8,9 +8,8 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr std::array<std::string_view, 5> picture_suffixes = {".png", ".tif", ".tiff", ".exr",
-                                                              ".gif"};
 constexpr std::array<std::string_view, 1> save_choice = {"save"};
+constexpr Words script_forms = {"steps", "scene"};
 
 constexpr Parameter delay = number_value(
     "delay_ms", "D", 10, 60'000, "time between the pictures of a .gif; 40 by default", "ms");
@@ -24,6 +23,10 @@ constexpr Parameter pattern = {"PATTERN",
                                {},
                                picture_suffixes};
 
+constexpr Parameter scale_option(std::string_view name, std::string_view help) {
+    return {name, "+N|-N|N", help};
+}
+
 }  // namespace
 
 std::vector<Command> picture_commands() {
@@ -32,6 +35,9 @@ std::vector<Command> picture_commands() {
           .help = "Draws the scene and writes the picture.",
           .words = {output_value("FILE", picture_suffixes, "picture to write")},
           .required = 1,
+          .options = {{"size", "WIDTHxHEIGHT", "size of this picture"},
+                      {"samples", "1|4|16", "samples per pixel of this picture"},
+                      choice_value("overlay", on_off, "marks of this picture")},
           .kind = CommandKind::action,
           .is_long = true,
           .stage = RenderStage::picture},
@@ -76,6 +82,12 @@ std::vector<Command> machine_commands() {
           .words = {{"NODE", "NODE", "name of a node"}},
           .required = 1},
          run_kill},
+        {{.name = "scale",
+          .help = "Adds or retires GPs and Renderers: gp=+2, renderer=-1, or a count.",
+          .options = {scale_option("gp", "GPs to add or to retire, or their count"),
+                      scale_option("renderer", "Renderers to add or to retire, or their count")},
+          .is_long = true},
+         run_scale},
         {{.name = "model",
           .help = "Prints the modelled time to load the volume, to build the surfaces and to draw "
                   "the scene on another machine, and the busiest unit. Draws the scene once.",
@@ -111,8 +123,11 @@ std::vector<Command> session_commands() {
         {{.name = "mark", .help = "Starts a new undo step.", .kind = CommandKind::memory},
          run_mark},
         {{.name = "history",
-          .help = "Prints a script that repeats the session, or writes it to FILE.",
-          .words = {output_value("FILE", {}, "script to write")}},
+          .help =
+              "Prints a script that repeats the session, or writes it to FILE. form=scene makes "
+              "the present scene only, and refuses another volume than the present one.",
+          .words = {output_value("FILE", {}, "script to write")},
+          .options = {choice_value("form", script_forms, "contents of the script", "steps")}},
          run_history},
         {{.name = "play",
           .help = "Runs a script.",

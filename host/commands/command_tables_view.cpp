@@ -8,9 +8,7 @@ namespace pxpl5::host {
 
 namespace {
 
-using Words = std::array<std::string_view, 2>;
-
-constexpr Words on_off = {"on", "off"}, gaps_off = {"gaps", "off"};
+constexpr Words gaps_off = {"gaps", "off"};
 
 constexpr Parameter x_word{"X", "X", "pixel from the left of the picture"};
 constexpr Parameter y_word{"Y", "Y", "pixel from the top of the picture"};
@@ -27,7 +25,9 @@ std::vector<Command> view_commands() {
           .options = {number_value("zoom", "Z", min_zoom, max_zoom, "magnification"),
                       number_value("roll", "DEG", -max_angle_deg, max_angle_deg,
                                    "counter-clockwise turn of the picture", "degrees"),
-                      {"pan", "X,Y", "shift of the picture right and up (mm)"}},
+                      {"pan", "X,Y", "shift of the picture right and up (mm)"},
+                      choice_value("fit", yes_no,
+                                   "zoom and pan that show all visible surfaces whole", "no")},
           .forms = "[anterior|posterior|left|right|superior|inferior|AZ EL]",
           .kind = CommandKind::setting,
           .stage = RenderStage::look},
@@ -35,11 +35,11 @@ std::vector<Command> view_commands() {
         {{.name = "light",
           .help = "Sets directional light N relative to the viewer; without words, lists the "
                   "lights.",
-          .words = {whole_value("N", "N", 1, max_lights, "number of the light"),
+          .words = {{"N", "N|off", "number of the light; off for all"},
                     {"AZ", "AZ|off", "azimuth in degrees, or off"},
                     {"EL", "EL", "elevation in degrees"}},
           .options = {number_value("intensity", "I", 0, 4, "brightness")},
-          .forms = "[N AZ EL | N off]",
+          .forms = "[N AZ EL | N off | off]",
           .kind = CommandKind::setting,
           .subject_words = 1,
           .stage = RenderStage::look},
@@ -47,11 +47,11 @@ std::vector<Command> view_commands() {
         {{.name = "clip",
           .help = "Cuts the scene; without words, lists the cuts. The letter names the side that "
                   "is kept, from MM or the center on. A plane replaces an earlier plane with its "
-                  "letter, a box replaces a box.",
+                  "letter, a box replaces a box. 'flip' keeps the other side of a plane.",
           .words = {{"SIDE", "L|R|P|A|S|I|box|off", "side to keep"},
-                    {"PLACE", "MM|I,J,K|off", "place, or first voxel of a box"},
+                    {"PLACE", "MM|I,J,K|flip|off", "place, or first voxel of a box"},
                     {"LAST", "I,J,K", "last voxel of a box"}},
-          .forms = "[L|R|P|A|S|I [MM] | box I,J,K I,J,K | L|R|P|A|S|I|box off | off]",
+          .forms = "[L|R|P|A|S|I [MM|flip] | box I,J,K I,J,K | L|R|P|A|S|I|box off | off]",
           .kind = CommandKind::setting,
           .subject_words = 1,
           .stage = RenderStage::scene},
@@ -119,18 +119,19 @@ std::vector<Command> pixel_commands() {
           .options = {{"surface", "NAME", "surface to choose"}, {"set", "NAME", "surface to set"}}},
          run_pick},
         {{.name = "measure",
-          .help = "Prints the straight-line distance between the surface points at two pixels. The "
-                  "points are chosen as pick chooses them.",
+          .help = "Prints the straight-line distance between two ends. An end is the surface point "
+                  "at pixel X Y, chosen as pick chooses it, or the place X,Y,Z in mm LPS.",
           .words = {{"X1", "X1", ""}, {"Y1", "Y1", ""}, {"X2", "X2", ""}, {"Y2", "Y2", ""}},
-          .required = 4,
+          .required = 2,
           .options = {{"from", "NAME", "surface of the first point"},
-                      {"to", "NAME", "surface of the second point"}}},
+                      {"to", "NAME", "surface of the second point"}},
+          .forms = "X,Y,Z|X Y X,Y,Z|X Y"},
          run_measure},
         {{.name = "why",
           .help =
-              "Explains the color of a pixel down to the voxels. Draws the scene once and "
-              "executes the region of the pixel again. Pixels of the screen door show one surface "
-              "of several; pick lists them all.",
+              "Explains the color of a pixel down to the voxels. Draws the scene once, with one "
+              "sample at the pixel's center, and executes the region of the pixel again. Pixels "
+              "of the screen door show one surface of several; pick lists them all.",
           .words = {x_word, y_word},
           .required = 2},
          run_why},

@@ -7,13 +7,14 @@
 #include "host/base/error.hpp"
 #include "host/base/nearest.hpp"
 #include "host/commands/command_handlers.hpp"
+#include "host/commands/fit_view.hpp"
 #include "host/scene/clip.hpp"
 
 namespace pxpl5::host {
 
 namespace {
 
-constexpr double max_place_mm = 1e6, max_pan_mm = 1e5;
+constexpr double max_pan_mm = 1e5;
 constexpr std::size_t box_planes = 6;  ///< In a row.
 
 /// "X,Y" in millimeters.
@@ -84,7 +85,9 @@ void add_plane(Session& session, const Arguments& arguments) {
     if (arguments.words.size() > 1) {
         at_mm = parse_number("place", arguments.words[1], -max_place_mm, max_place_mm);
     } else if (const auto unit = letter.size() == 1 ? axis_plane(letter[0], 1) : std::nullopt) {
-        at_mm = glm::dot(session.frames.subject().centre_mm, glm::dvec3(*unit));
+        // Rounded, so that the words name the whole place.
+        const double center_mm = glm::dot(session.frames.subject().center_mm, glm::dvec3(*unit));
+        at_mm = parse_number("place", fmt::format("{:.6g}", center_mm));
     }
     const auto plane = letter.size() == 1 ? axis_plane(letter[0], at_mm) : std::nullopt;
     if (!plane) {
@@ -94,7 +97,23 @@ void add_plane(Session& session, const Arguments& arguments) {
                         letter));
     }
     end_clip(session.scene, letter);
-    session.scene.clips.push_back({fmt::format("{} {:.6g}", letter, at_mm), *plane});
+    session.scene.clips.push_back({fmt::format("{} {}", letter, at_mm), *plane});
+}
+
+/// Keeps the other side of a plane, which stays at its place.
+void flip_plane(Session& session, const std::string& letter) {
+    constexpr std::string_view letters = "LRPASI";  // Opposite sides are neighbors.
+    const auto clip = std::ranges::find_if(session.scene.clips, [&](const SceneClip& each) {
+        return each.words.starts_with(letter + " ");
+    });
+    const std::size_t side = letter.size() == 1 ? letters.find(letter[0]) : std::string_view::npos;
+    if (clip == session.scene.clips.end() || side == std::string_view::npos) {
+        refuse_command(fmt::format("clip: no plane '{}' cuts; 'clip' lists those that do", letter));
+    }
+    const double at_mm = parse_number("place", clip->words.substr(2));
+    add_plane(session,
+              {"clip", {std::string(1, letters[side ^ 1U]), fmt::format("{}", 0 - at_mm)}, {}});
+    end_clip(session.scene, letter);
 }
 
 void add_box(Session& session, const Arguments& arguments) {
@@ -143,6 +162,9 @@ Reply run_view(Session& session, const Arguments& arguments) {
     if (arguments.has("pan")) {
         camera.pan_mm = parse_pan(arguments.text("pan", ""));
     }
+    if (arguments.text("fit", "no") == "yes") {
+        camera = fitted_to_surfaces(session, camera);
+    }
     session.scene.camera = camera;
     return {fmt::format("azimuth {} elevation {} zoom {}", camera.angles.azimuth_deg,
                         camera.angles.elevation_deg, camera.zoom) +
@@ -159,7 +181,12 @@ Reply run_light(Session& session, const Arguments& arguments) {
     if (arguments.words.empty()) {
         return describe_lights(lights);
     }
-    const auto index = static_cast<std::size_t>(parse_whole("N", arguments.words[0])) - 1;
+    if (arguments.words[0] == "off") {
+        lights.clear();
+        return describe_lights(lights);
+    }
+    const auto index =
+        static_cast<std::size_t>(parse_whole("N", arguments.words[0], 1, max_lights)) - 1;
     if (index > lights.size()) {
         refuse_command(fmt::format("light {}: {} lights are on, so the next light is {}",
                                    arguments.words[0], lights.size(), lights.size() + 1));
@@ -200,7 +227,7 @@ Reply run_material(Session& session, const Arguments& arguments) {
 }
 
 Reply run_background(Session& session, const Arguments& arguments) {
-    session.scene.background = parse_colour(arguments.words[0]);
+    session.scene.background = parse_color(arguments.words[0]);
     return {"background " + arguments.words[0], {{"background", arguments.words[0]}}};
 }
 
@@ -221,6 +248,8 @@ Reply run_clip(Session& session, const Arguments& arguments) {
             refuse_command(
                 fmt::format("clip: no plane '{}' cuts; 'clip' lists those that do", kind));
         }
+    } else if (arguments.words.back() == "flip") {
+        flip_plane(session, kind);
     } else if (kind == "box") {
         add_box(session, arguments);
     } else {
@@ -230,12 +259,17 @@ Reply run_clip(Session& session, const Arguments& arguments) {
     return describe_clips(session);
 }
 
-Reply run_antialias(Session& session, const Arguments& arguments) {
-    const int samples = parse_whole("samples", arguments.words[0], 1, sample_counts.back());
+int parse_samples(const std::string& command, const std::string& text) {
+    const int samples = parse_whole("samples", text, 1, sample_counts.back());
     if (std::ranges::find(sample_counts, samples) == sample_counts.end()) {
-        refuse_command(fmt::format("antialias: {} samples per pixel, must be {}", samples,
+        refuse_command(fmt::format("{}: {} samples per pixel, must be {}", command, samples,
                                    fmt::join(sample_counts, ", ")));
     }
+    return samples;
+}
+
+Reply run_antialias(Session& session, const Arguments& arguments) {
+    const int samples = parse_samples(arguments.name, arguments.words[0]);
     session.scene.samples = samples;
     return {fmt::format("{} sample{} per pixel", samples, samples == 1 ? "" : "s"),
             {{"samples", std::int64_t{samples}}}};
@@ -249,7 +283,7 @@ Reply run_overlay(Session& session, const Arguments& arguments) {
 Reply run_tint(Session& session, const Arguments& arguments) {
     const std::size_t gaps = session.volumes.volume().gap_slabs.size();
     if (arguments.has("color")) {
-        session.scene.gap_colour = parse_colour(arguments.text("color", ""));
+        session.scene.gap_color = parse_color(arguments.text("color", ""));
     }
     session.scene.tint_gaps = arguments.words[0] == "gaps";
     return {fmt::format("tint {}: the volume has {} gap{}", arguments.words[0], gaps,
@@ -277,23 +311,27 @@ std::string shown_surface(const Session& session, const std::string& name) {
 
 namespace {
 
-Fields fields_of(const Frames::Picked& hit) {
+Fields fields_of(const Session& session, const Frames::Picked& hit) {
     const Pick& pick = hit.pick;
     Fields fields = {
         {"surface", hit.surface},
+        {"isovalue", session.meshes.surface(hit.surface).isovalue},
         {"p_mm", std::vector<double>{pick.p_mm.x, pick.p_mm.y, pick.p_mm.z}},
         {"p_voxel", std::vector<double>{pick.p_voxel.x, pick.p_voxel.y, pick.p_voxel.z}},
         {"voxel", std::vector<std::int64_t>{pick.x, pick.y, pick.z}}};
     if (pick.value) {
         fields.push_back({"value", *pick.value});
     }
+    if (pick.value_between) {
+        fields.push_back({"value_between", *pick.value_between});
+    }
     return fields;
 }
 
-std::vector<Fields> fields_of(const std::vector<Frames::Picked>& hits) {
+std::vector<Fields> fields_of(const Session& session, const std::vector<Frames::Picked>& hits) {
     std::vector<Fields> list;
     for (const Frames::Picked& hit : hits) {
-        list.push_back(fields_of(hit));
+        list.push_back(fields_of(session, hit));
     }
     return list;
 }
@@ -310,15 +348,15 @@ Reply run_pick(Session& session, const Arguments& arguments) {
     if (!picked) {
         return {wanted.empty() ? fmt::format("nothing at ({}, {}): the background", x, y)
                                : fmt::format("no point of {} lies at ({}, {})", wanted, x, y),
-                {{"hit", false}, {"hits", fields_of(hits)}}};
+                {{"hit", false}, {"hits", fields_of(session, hits)}}};
     }
     const Pick& pick = picked->pick;
     Reply reply;
     reply.text = fmt::format(
-        "{} at ({:.2f}, {:.2f}, {:.2f}) mm LPS; voxel ({}, {}, {}) has {}, {:.6g} between voxels",
-        picked->surface, pick.p_mm.x, pick.p_mm.y, pick.p_mm.z, pick.x, pick.y, pick.z,
-        pick.value ? fmt::format("{:.6g}", *pick.value) : "no value known",
-        pick.value_between.value_or(std::nan("")));
+        "{} at ({:.2f}, {:.2f}, {:.2f}) mm LPS; isovalue {:.7g}, nearest voxel ({}, {}, {}) has {}",
+        picked->surface, pick.p_mm.x, pick.p_mm.y, pick.p_mm.z,
+        session.meshes.surface(picked->surface).isovalue, pick.x, pick.y, pick.z,
+        pick.value ? fmt::format("{:.7g}", *pick.value) : "no value known");
     std::string_view where = "in front";  // The hits are sorted, nearest first.
     for (const Frames::Picked& hit : hits) {
         if (hit.surface == picked->surface) {
@@ -330,15 +368,16 @@ Reply run_pick(Session& session, const Arguments& arguments) {
                                   p.x, p.y, p.z);
     }
     reply.fields = {{"hit", true}};
-    for (Field& field : fields_of(*picked)) {
+    for (Field& field : fields_of(session, *picked)) {
         reply.fields.push_back(std::move(field));
     }
-    reply.fields.push_back({"hits", fields_of(hits)});
-    if (arguments.has("set") && pick.value) {
+    reply.fields.push_back({"hits", fields_of(session, hits)});
+    // The nearest voxel's value would give a surface that does not pass through the point.
+    if (arguments.has("set") && pick.value_between) {
         Arguments surface;
         surface.name = "surface";
         surface.words = {arguments.text("set", "")};
-        surface.options["iso"] = fmt::format("{}", *pick.value);
+        surface.options["iso"] = fmt::format("{:.7g}", *pick.value_between);
         const Reply built = run_surface(session, surface);
         reply.text += "\n" + built.text;
         reply.fields.push_back({"set", built.fields});

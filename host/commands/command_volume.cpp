@@ -11,6 +11,7 @@
 #include "host/surface/atlas/histogram.hpp"
 #include "host/surface/atlas/isovalue_components.hpp"
 #include "host/surface/atlas/plateaus.hpp"
+#include "host/volume/identity.hpp"
 
 namespace pxpl5::host {
 
@@ -23,6 +24,25 @@ Reply describe_loaded(const Session& session, VolumeDetail detail) {
     const phigs::Content* archive = session.volumes.archive();
     return archive != nullptr ? describe_archive(*archive)
                               : describe_volume(session.volumes.volume(), detail);
+}
+
+/// Throws RequestError (bad_data) if the option `name` states another digest of `part`.
+void check_digest(const Volume& volume, const Arguments& arguments, const std::string& name,
+                  std::string_view part, std::uint64_t value) {
+    const std::string digest = fmt::format("{:016x}", value);
+    const std::string wanted = arguments.text(name, digest);
+    if (digest != wanted) {
+        throw RequestError(ExitCode::bad_data,
+                           fmt::format("{} is not the volume that was wanted: the digest of its "
+                                       "{} is {}, not {}",
+                                       volume.source, part, digest, wanted));
+    }
+}
+
+/// Throws RequestError (bad_data) if the options name another volume.
+void check_identity(const Volume& volume, const Arguments& arguments) {
+    check_digest(volume, arguments, "digest", "voxels", volume.digest);
+    check_digest(volume, arguments, "place", "size and place", place_digest(volume));
 }
 
 /// `count` isovalues evenly between the volume's least and greatest value, neither of them.
@@ -49,7 +69,7 @@ AtlasContent atlas_content(const Volume& volume, const std::vector<AtlasRow>& ro
 
 void write_chart(Session& session, const AtlasContent& content, const std::string& path) {
     const AtlasChart chart = atlas_chart(content);
-    const MarkColour& c = chart.background;
+    const MarkColor& c = chart.background;
     const auto paper = static_cast<std::uint32_t>(c.r | c.g << 8 | c.b << 16) | 0xff00'0000U;
     const Picture picture{
         chart.size.width, chart.size.height,
@@ -97,12 +117,18 @@ Reply run_load(Session& session, const Arguments& arguments) {
 
 Reply run_info(Session& session, const Arguments& arguments) {
     if (arguments.words.empty()) {
+        if (session.volumes.has_volume()) {
+            check_identity(session.volumes.volume(), arguments);
+        }
         return describe_loaded(session, VolumeDetail::all);
     }
     const std::string& source = arguments.words[0];
-    return phigs::is_archive(source)
-               ? describe_archive(phigs::flatten(phigs::read_archive(source)))
-               : describe_volume(session.volumes.read(source, load_options(arguments)));
+    if (phigs::is_archive(source)) {
+        return describe_archive(phigs::flatten(phigs::read_archive(source)));
+    }
+    const Volume volume = session.volumes.read(source, load_options(arguments));
+    check_identity(volume, arguments);
+    return describe_volume(volume);
 }
 
 Reply run_atlas(Session& session, const Arguments& arguments) {

@@ -27,9 +27,9 @@ std::vector<Fields> table_fields(CommandTable table) {
 
 CommandKind kind_of(const Arguments& arguments, CommandTable table) {
     const CommandKind kind = find_command(arguments.name, table).kind;
-    const bool takes_away = !arguments.words.empty() && arguments.words.back() == "off";
-    const bool is_of_pixel = arguments.has("at");
-    return kind == CommandKind::setting && (takes_away || is_of_pixel) ? CommandKind::action : kind;
+    const std::string last = arguments.words.empty() ? "" : arguments.words.back();
+    const bool depends = last == "off" || last == "flip" || arguments.has("at");
+    return kind == CommandKind::setting && depends ? CommandKind::action : kind;
 }
 
 std::string subject_of(const Arguments& arguments, CommandTable table) {
@@ -50,26 +50,34 @@ std::string subject_of(const Arguments& arguments, CommandTable table) {
 Reply run_command(Session& session, const Arguments& arguments, const Arguments* noted,
                   CommandTable table) {
     const Command& command = find_command(arguments.name, table);
+    if (session.check_command) {
+        session.check_command(command, arguments);
+    }
     check_arguments(command, arguments);
     if (command.run == nullptr) {
         return help_reply(table, arguments);
     }
+    Reply reply;
+    const auto act = [&] { reply = command.run(session, arguments); };
     if (command.kind == CommandKind::memory) {
-        return command.run(session, arguments);
+        session.recovery.run(act);
+        return reply;
     }
     const Deed deed{to_line(noted != nullptr ? *noted : arguments), subject_of(arguments, table),
                     command.kind == CommandKind::action};
     const Scene before = session.scene;
     const bool had_content = has_content(session);
     try {
-        Reply reply = command.run(session, arguments);
+        session.recovery.run(act);
         session.history.note(deed, before, session.scene);
         if (command.name == "load") {
             session.history.begin_anew(deed.line);
         }
         return reply;
     } catch (const MachineError&) {
-        throw;  // A restarted machine gets the whole scene again.
+        throw;  // The machine has ended.
+    } catch (const ContentLost&) {
+        throw;  // The history knows.
     } catch (const std::exception&) {
         session.history.note_losses(before, session.scene);
         if (had_content && !has_content(session)) {

@@ -26,9 +26,9 @@ CommandTable command_table();
 /// The row of that name. Throws RequestError (usage) with the nearest name.
 const Command& find_command(std::string_view name, CommandTable table = command_table());
 
-/// The row's kind. Two settings are actions: one whose last word is "off", because it may remove
-/// what other settings depend on, and one of what a pixel shows (at=), because it depends on
-/// everything before it.
+/// The row's kind. Three settings are actions: one whose last word is "off", because it may remove
+/// what other settings depend on, one that ends with "flip", and one of what a pixel shows (at=),
+/// because these depend on everything before them.
 CommandKind kind_of(const Arguments& arguments, CommandTable table = command_table());
 
 /// The subject of a setting: a later setting of the same subject replaces an earlier one. Empty if
@@ -39,6 +39,7 @@ std::string subject_of(const Arguments& arguments, CommandTable table = command_
 std::vector<Fields> table_fields(CommandTable table = command_table());
 
 /// Checks the arguments against the row, runs it, and notes the change in the session's history.
+/// If a node dies, the machine is started again, and the command runs again: see Recovery.
 /// Throws RequestError, MachineError.
 ///
 /// noted  The command to note in the history, if it differs from the command to run.

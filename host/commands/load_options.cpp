@@ -92,6 +92,9 @@ std::vector<Parameter> load_option_list() {
         number_value("smooth", "MM", 0, max_smooth_mm, "standard deviation of a Gauss filter",
                      "mm"),
         {"spacing", "X,Y,Z", "spacing in millimeters, for a file that does not state it"},
+        {"orientation", "ABC",
+         "sides to which x, y and z point, for example RAI, for a file that does not state them"},
+        {"origin", "X,Y,Z", "place of the first voxel in millimeters, LPS, for such a file"},
         {"raw", "XxYxZ,TYPE[,be][,OFFSET]", "layout of a file without a header"},
     };
 }
@@ -101,6 +104,12 @@ ImportOptions load_options(const Arguments& arguments) {
     options.series = arguments.text("series", "");
     if (arguments.has("spacing")) {
         options.spacing_mm = spacing("spacing", arguments);
+    }
+    options.orientation = arguments.text("orientation", "");
+    if (arguments.has("origin")) {
+        constexpr double most = double{max_scene_mm};
+        const glm::dvec3 mm = parse_triple("origin", arguments.text("origin", ""), -most, most);
+        options.origin_mm = {mm.x, mm.y, mm.z};
     }
     if (arguments.has("raw")) {
         take_raw(arguments.text("raw", ""), options);

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/standard_streams.hpp"
 #include "host/commands/commands.hpp"
 
 namespace pxpl5::host {
@@ -107,12 +108,19 @@ double ms_now() {
 /// Runs the lines of one script.
 class Script {
   public:
-    Script(Session& session, const ScriptOptions& options) : session_(session), options_(options) {}
+    Script(Session& session, const ScriptOptions& options) : session_(session), options_(options) {
+        session.recovery.on_restart([](const std::string& text, bool is_over) {
+            fmt::print(stderr, "{}: {}\n", is_over ? "note" : "warning", printable(text));
+        });
+    }
+    ~Script() { session_.recovery.on_restart({}); }
+    Script(const Script&) = delete;
+    Script& operator=(const Script&) = delete;
 
     /// Returns false if the script ends with this line.
     bool run(const std::string& line) {
         start_ms_ = ms_now();
-        outcome_ = {trimmed(line), "", 0};
+        outcome_ = {trimmed(line), "", 0, {}};
         try {
             const Arguments arguments = parse_line(line);
             outcome_.name = arguments.name;
@@ -121,18 +129,61 @@ class Script {
             throw;  // No later answer can be written either.
         } catch (const RequestError& error) {
             return fail(error.what(), error.code, nullptr);
+        } catch (const MachineError& death) {
+            tell_end(death);
+            throw;
         }
+    }
+    /// Prints the object of the command under which the machine has ended. Otherwise a program
+    /// that waits for the answer would not learn of the error.
+    void tell_end(const MachineError& death) {
+        if (options_.json) {
+            close_outcome();
+            output_.print(json_error_line(outcome_, death.what(), death.code));
+        }
+    }
+    /// The same if the machine ends before the next command is known: its object has no command.
+    void tell_end_between(const MachineError& death) {
+        if (!death.is_interruption) {
+            outcome_ = {};
+            start_ms_ = ms_now();
+            tell_end(death);
+        }
+    }
+    /// Tells of content that was lost between two commands. The object of the next command names
+    /// the restart; if the script ends, the loss has an object of its own. Returns false then.
+    bool tell_loss(const ContentLost& loss) {
+        if (options_.json && options_.keep_going) {
+            exit_code_ = exit_code_ == 0 ? static_cast<int>(loss.code) : exit_code_;
+            return true;
+        }
+        outcome_ = {};
+        start_ms_ = ms_now();
+        return fail(loss.what(), loss.code, nullptr);
     }
     int exit_code() const { return exit_code_; }
 
   private:
+    /// Adds the time, and the restarts since the last outcome.
+    void close_outcome() {
+        outcome_.elapsed_ms = ms_now() - start_ms_;
+        for (const Restart& restart : session_.recovery.take_restarts()) {
+            outcome_.restarts.push_back({{"node", restart.node},
+                                         {"cause", restart.cause},
+                                         {"gps", std::int64_t{restart.gps}},
+                                         {"renderers", std::int64_t{restart.renderers}},
+                                         {"restored", restart.is_restored},
+                                         {"ms", restart.ms}});
+        }
+    }
+
     bool run(const Arguments& arguments) {
         if (options_.echo && !options_.json) {
             output_.print("> " + outcome_.command);
         }
         const Reply reply = run_command(session_, arguments, nullptr, options_.table);
         const bool fails = options_.strict && !reply.warnings.empty();
-        outcome_.elapsed_ms = ms_now() - start_ms_;
+        close_outcome();
         if (!options_.json || !fails) {
             output_.print(options_.json ? json_line(outcome_, reply) : reply.text);
         }
@@ -142,11 +193,11 @@ class Script {
     bool fail(const std::string& error, ExitCode exit_code, const Reply* reply) {
         const int code = static_cast<int>(exit_code);
         exit_code_ = exit_code_ == 0 ? code : exit_code_;
-        outcome_.elapsed_ms = ms_now() - start_ms_;
+        close_outcome();
         if (options_.json) {
             output_.print(json_error_line(outcome_, error, code, reply));
         } else {
-            std::fprintf(stderr, "error: %s\n", error.c_str());
+            print_error(error, code);
         }
         return options_.keep_going;
     }
@@ -182,7 +233,23 @@ LineSource lines_of_prompt(MachinePort& machine) {
 
 int run_script(Session& session, const LineSource& next_line, const ScriptOptions& options) {
     Script script(session, options);
-    for (std::optional<std::string> line; (line = next_line());) {
+    const auto next = [&] {
+        std::optional<std::string> line;
+        bool goes_on = true;
+        while (goes_on) {
+            try {
+                session.recovery.wait([&] { line = next_line(); });
+                return line;
+            } catch (const ContentLost& loss) {
+                goes_on = script.tell_loss(loss);
+            } catch (const MachineError& death) {
+                script.tell_end_between(death);
+                throw;
+            }
+        }
+        return line;
+    };
+    for (std::optional<std::string> line; (line = next());) {
         if (!script.run(*line)) {
             break;
         }

@@ -37,8 +37,10 @@ LineSource lines_of_prompt(MachinePort& machine);
 /// (with json both to standard output).
 ///
 /// Returns   0, or the exit code of the first command that failed.
-/// Throws    MachineError if the machine ends, RequestError (failed) if standard output cannot be
-///           written. A closed pipe is no error: the commands are still run.
+/// Throws    MachineError if the machine ends (with json, after the object of the command under
+///           way, or one without a command), RequestError (failed) if
+///           standard output cannot be written. A closed pipe is no error: the commands are still
+///           run.
 int run_script(Session& session, const LineSource& next_line, const ScriptOptions& options);
 
 }  // namespace pxpl5::host

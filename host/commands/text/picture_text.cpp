@@ -2,7 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <iterator>
 #include <span>
+#include <utility>
 
 #include "host/base/chart_axis.hpp"
 #include "host/base/digest.hpp"
@@ -15,7 +18,7 @@ namespace {
 
 /// An archive has units of its own and no patient: its file's name alone.
 std::vector<PictureMark> archive_marks(const Session& session) {
-    const Colour& back = session.scene.background;
+    const Color& back = session.scene.background;
     Overlay overlay;
     overlay.camera = session.scene.camera;
     overlay.subject = session.frames.subject();
@@ -53,8 +56,39 @@ std::string view_text(const Camera& camera) {
     return text;
 }
 
+/// The surfaces that the picture shows.
+std::vector<Surface> drawn_surfaces(const Scene& scene) {
+    std::vector<Surface> drawn;
+    std::ranges::copy_if(scene.surfaces, std::back_inserter(drawn), [&scene](const Surface& each) {
+        return each.visible && !is_compared(scene.surfaces, each);
+    });
+    return drawn;
+}
+
+std::string clips_text(const Scene& scene) {
+    std::string text, last;
+    for (const SceneClip& clip : scene.clips) {
+        if (clip.words != std::exchange(last, clip.words)) {  // The six planes of a box are one.
+            text += (text.empty() ? "" : "; ") + clip.words;
+        }
+    }
+    return text;
+}
+
+std::string surface_text(const Surface& surface) {
+    std::string text = fmt::format("{}={}", surface.name, surface.isovalue);
+    if (surface.opacity < full_opacity) {
+        text += fmt::format(" opacity {:.6g}", static_cast<double>(surface.opacity) / full_opacity);
+    }
+    return text;
+}
+
 Attributes attributes_of(const Session& session, const Camera& camera) {
-    Attributes attributes = {{"view", view_text(camera)}};
+    Attributes attributes = {{"view", view_text(camera)},
+                             {"samples", std::to_string(session.scene.samples)}};
+    if (!session.scene.clips.empty()) {
+        attributes.emplace_back("clips", clips_text(session.scene));
+    }
     if (session.volumes.archive() != nullptr) {
         attributes.emplace_back("scene", session.volumes.archive()->file);
         return attributes;
@@ -64,10 +98,13 @@ Attributes attributes_of(const Session& session, const Camera& camera) {
     attributes.emplace_back("dims", fmt::format("{}x{}x{}", volume.nx, volume.ny, volume.nz));
     attributes.emplace_back("spacing_mm", spacing_text(volume));
     attributes.emplace_back("axes", orientation_letters(volume));
+    attributes.emplace_back("voxel_digest", fmt::format("{:016x}", volume.digest));
+    if (!volume.series.empty()) {
+        attributes.emplace_back("series", volume.series);
+    }
     std::string isovalues;
-    for (const Surface& surface : session.scene.surfaces) {
-        isovalues +=
-            fmt::format("{}{}={}", isovalues.empty() ? "" : ", ", surface.name, surface.isovalue);
+    for (const Surface& surface : drawn_surfaces(session.scene)) {
+        isovalues += (isovalues.empty() ? "" : ", ") + surface_text(surface);
     }
     attributes.emplace_back("isovalues", isovalues);
     return attributes;
@@ -86,8 +123,11 @@ std::string describe_scene(const Session& session, const Camera& camera) {
                            volume.nz, spacing_text(volume));
     }
     text += "; view " + view_text(camera);
-    for (const Surface& surface : scene.surfaces) {
+    for (const Surface& surface : drawn_surfaces(scene)) {
         text += fmt::format("; surface {} isovalue {}", surface.name, surface.isovalue);
+    }
+    if (!scene.clips.empty()) {
+        text += "; clip " + clips_text(scene);
     }
     return text;
 }

@@ -12,11 +12,11 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr GreyWindow soft_tissue_hu{400, 40};
+constexpr GrayWindow soft_tissue_hu{400, 40};
 constexpr int histogram_bins = 1024, dark_per_mille = 5, bright_per_mille = 995;
 constexpr std::uint32_t opaque_black = 0xFF00'0000U;
 constexpr float letter_px = 18, title_px = 12, halo_px = 2, margin_px = 8, contour_px = 1.5F;
-constexpr MarkColour ink{240, 240, 236, 255};
+constexpr MarkColor ink{240, 240, 236, 255};
 
 /// Between a slice's voxels and a picture's pixels. Half a voxel lies beyond the outermost ones'
 /// middles.
@@ -57,13 +57,13 @@ double value_at(const SliceFrame& frame, const std::vector<double>& numbers, dou
            (v[below] * (1 - fx) + v[below + right] * fx) * fy;
 }
 
-std::uint32_t grey_of(double value, const GreyWindow& window) {
+std::uint32_t gray_of(double value, const GrayWindow& window) {
     const double share = (value - window.level) / window.width + 0.5;
     if (!(share > 0)) {
         return opaque_black;  // Also what is no number.
     }
-    const auto grey = static_cast<std::uint32_t>(std::lround(std::min(share, 1.0) * 255));
-    return opaque_black | grey << 16 | grey << 8 | grey;
+    const auto gray = static_cast<std::uint32_t>(std::lround(std::min(share, 1.0) * 255));
+    return opaque_black | gray << 16 | gray << 8 | gray;
 }
 
 void add_letters(const SliceFrame& frame, const Picture& picture, const std::string& title,
@@ -84,7 +84,7 @@ void add_letters(const SliceFrame& frame, const Picture& picture, const std::str
 
 }  // namespace
 
-GreyWindow usual_window(const Volume& volume) {
+GrayWindow usual_window(const Volume& volume) {
     if (volume.modality == "CT") {
         return soft_tissue_hu;
     }
@@ -107,7 +107,7 @@ std::vector<SurfaceContour> contours_of(const Scene& scene, const Slice& slice) 
 }
 
 SlicePicture slice_picture(const Slice& slice, const std::vector<SurfaceContour>& contours,
-                           const GreyWindow& window, Size size, const std::string& title) {
+                           const GrayWindow& window, Size size, const std::string& title) {
     const SliceSide &across = slice.frame.across, &down = slice.frame.down;
     const Scale scale = scale_of(slice.frame, size);
     SlicePicture out{{scale.length_px(across), scale.length_px(down), {}}, {}};
@@ -117,7 +117,7 @@ SlicePicture slice_picture(const Slice& slice, const std::vector<SurfaceContour>
         for (int x = 0; x < out.picture.width; ++x) {
             const double column = scale.number_at(across, x + 0.5);
             out.picture.rgba.push_back(
-                grey_of(value_at(slice.frame, numbers, column, row), window));
+                gray_of(value_at(slice.frame, numbers, column, row), window));
         }
     }
     std::size_t count = 0;
@@ -132,7 +132,7 @@ SlicePicture slice_picture(const Slice& slice, const std::vector<SurfaceContour>
         const auto at = [&](glm::vec2 p) {
             return glm::vec2(scale.at_px(across, p.x), scale.at_px(down, p.y));
         };
-        const Colour& c = contour.surface->colour;
+        const Color& c = contour.surface->color;
         for (const ContourPiece& piece : contour.pieces) {
             out.marks.push_back(
                 line_mark({at(piece.from), at(piece.to)}, {c.r, c.g, c.b, 255}, contour_px));

@@ -12,12 +12,12 @@
 namespace pxpl5::host {
 
 /// Values from level - width / 2 (black) to level + width / 2 (white).
-struct GreyWindow {
+struct GrayWindow {
     double width = 1, level = 0;
 };
 
 /// For soft tissue if the volume is a CT, else without the darkest and brightest 0.5 %.
-GreyWindow usual_window(const Volume& volume);
+GrayWindow usual_window(const Volume& volume);
 
 /// A surface's contours in a slice.
 struct SurfaceContour {
@@ -42,6 +42,6 @@ struct SlicePicture {
 /// title   At the bottom left.
 /// Throws  RequestError (failed) for more than max_contour_marks pieces of contours.
 SlicePicture slice_picture(const Slice& slice, const std::vector<SurfaceContour>& contours,
-                           const GreyWindow& window, Size size, const std::string& title);
+                           const GrayWindow& window, Size size, const std::string& title);
 
 }  // namespace pxpl5::host

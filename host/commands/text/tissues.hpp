@@ -13,7 +13,7 @@ namespace pxpl5::host {
 struct Tissue {
     std::string_view name;
     double isovalue_hu;
-    Colour colour;
+    Color color;
     std::string_view help;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "host/phantom/phantom.hpp"
@@ -24,6 +25,10 @@ bool is_warning(FindingKind kind) {
     return kind == assumption || kind == gantry_tilt || kind == missing_slices ||
            kind == uneven_slices || kind == duplicate_slices || kind == mixed_orientations ||
            kind == thickness_differs;
+}
+
+std::vector<double> list_of(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
 }
 
 constexpr std::array<int, 5> quantile_percent = {5, 25, 50, 75, 95};
@@ -109,6 +114,17 @@ std::string orientation_letters(const Volume& volume) {
     return letters;
 }
 
+std::array<glm::dvec3, 3> direction_cosines(const Volume& volume) {
+    std::array<glm::dvec3, 3> cosines{};
+    for (int axis = 0; axis < 3; ++axis) {
+        constexpr double digits = 1e6;
+        // Adding 0 makes 0 of -0.
+        cosines[static_cast<std::size_t>(axis)] =
+            glm::round(glm::normalize(axis_mm(volume, axis)) * digits) / digits + 0.0;
+    }
+    return cosines;
+}
+
 Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     const glm::dvec3 spacing = spacing_mm(volume),
                      extent =
@@ -119,13 +135,22 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     Reply reply;
     reply.text = fmt::format(
         "{}: {} x {} x {} voxels of {}, spacing {:.4g} x {:.4g} x {:.4g} mm, {:.0f} x {:.0f} x "
-        "{:.0f} mm\nvalues {} .. {}; orientation {}, origin ({:.1f}, {:.1f}, {:.1f}) mm LPS",
+        "{:.0f} mm\nvalues {:.7g} .. {:.7g}; orientation {}, origin ({:.1f}, {:.1f}, {:.1f}) mm "
+        "LPS",
         volume.name, volume.nx, volume.ny, volume.nz, type, spacing.x, spacing.y, spacing.z,
         extent.x, extent.y, extent.z, volume.minimum, volume.maximum, letters, origin.x, origin.y,
         origin.z);
     if (!volume.modality.empty()) {
         reply.text += "; " + volume.modality;
     }
+    const std::array<glm::dvec3, 3> cosines = direction_cosines(volume);
+    reply.text += "\ndirections";
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const glm::dvec3& c = cosines[axis];
+        reply.text += fmt::format("{} {} ({:.6g}, {:.6g}, {:.6g})", axis == 0 ? "" : ",",
+                                  "xyz"[axis], c.x, c.y, c.z);
+    }
+    reply.text += " LPS";
     const Histogram counted = histogram(volume, histogram_bins);
     const std::vector<double> shares = quantiles(counted);
     reply.text += "\npercentiles:";
@@ -157,6 +182,9 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
         {"spacing_mm", std::vector<double>{spacing.x, spacing.y, spacing.z}},
         {"origin_mm", std::vector<double>{origin.x, origin.y, origin.z}},
         {"orientation", letters},
+        {"x_direction", list_of(cosines[0])},
+        {"y_direction", list_of(cosines[1])},
+        {"z_direction", list_of(cosines[2])},
         {"minimum", volume.minimum},
         {"maximum", volume.maximum},
         {"quantiles", shares},

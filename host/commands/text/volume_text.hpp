@@ -1,6 +1,7 @@
 // Describes a volume as text and as fields.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <string>
@@ -30,6 +31,9 @@ std::string finding_name(FindingKind kind);
 
 /// Where the volume's axes point in the patient, nearest first letter per axis: "LPS", "RAS", ...
 std::string orientation_letters(const Volume& volume);
+
+/// Unit vectors of the voxel axes x, y, z in the patient, LPS, to six digits.
+std::array<glm::dvec3, 3> direction_cosines(const Volume& volume);
 
 /// A row of blocks for each range of values, 16 at most; the length goes with the logarithm of the
 /// count.

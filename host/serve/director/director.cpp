@@ -63,17 +63,35 @@ Director::Director(Audience& audience, DirectorParts parts)
     : audience_(audience), parts_(std::move(parts)) {
     start();
 }
-Director::~Director() = default;
+Director::~Director() {
+    parts_.machine->watch(-1, {});  // The machine may outlive the director.
+    parts_.machine->tell_suspects({});
+}
 
 void Director::start() {
-    session_.reset();
-    machine_.reset();
-    machine_ = parts_.launch();
-    session_ = std::make_unique<Session>(*machine_);
+    watch_viewers();
+    parts_.machine->tell_suspects([this](const std::string& text) { note("info", text); });
+    session_ = std::make_unique<Session>(*parts_.machine);
+    session_->recovery.on_restart(
+        [this](const std::string& text, bool is_over) { tell_restart(text, is_over); });
+    session_->check_command = parts_.check_command;
     session_->load_settings.progress = [this](const LoadProgress& progress) {
+        if (is_restarting_) {
+            return;  // Its name would offer to cancel it.
+        }
         const bool reads = progress.phase == LoadProgress::Phase::reading;
         tell_progress(reads ? "reading" : "handing to the GPs", progress.done, progress.total);
     };
+}
+
+/// Takes the viewers' messages also while the session waits for nodes: a node may be slow or stuck.
+void Director::watch_viewers() {
+    parts_.machine->watch(audience_.event_fd(), [this] {
+        work_.waits = true;
+        take_events();
+        work_.waits = false;
+        return work_.is_command && std::exchange(work_.cancels, false);
+    });
 }
 
 double Director::since_ms(std::int64_t then_ns) const {
@@ -83,10 +101,15 @@ double Director::since_ms(std::int64_t then_ns) const {
 void Director::run() {
     const Alarm alarm(audience_.event_fd());
     for (;;) {
-        while (step()) {
+        while (lost_.empty() && step()) {
+        }
+        if (!lost_.empty()) {
+            throw RequestError(ExitCode::unavailable, lost_);
         }
         alarm.set(due_ms());
-        guard("waiting", [&] { machine_->wait_readable(alarm.fd()); });
+        parts_.machine->watch(-1, {});  // The events must stay unread, because they end the wait.
+        guard("waiting", [&] { parts_.machine->wait_readable(alarm.fd()); });
+        watch_viewers();
     }
 }
 
@@ -147,8 +170,14 @@ void Director::take(const Joined& joined) {
                                     {"viewer", std::int64_t{joined.viewer}},
                                     {"topology", parts_.topology},
                                     {"commands", table_fields()}}}}));
-    // During a command the scene is incomplete, so the last state is sent.
-    audience_.send(joined.viewer, busy_.empty() ? current_state() : last_state_);
+    // During work the scene is incomplete, so the last state is sent.
+    const bool is_complete = busy_.empty() && !work_.waits;
+    audience_.send(joined.viewer, is_complete ? current_state() : last_state_);
+}
+
+void Director::take(const Lost& lost) {
+    lost_ = lost.reason;
+    work_.cancels = true;  // The command under way is for viewers who are gone.
 }
 
 void Director::take(const Left& left) {
@@ -171,11 +200,15 @@ void Director::take(const Said& said) {
             viewers_[said.viewer].wants_machine = *message.panel;
             return;
         }
+        if (message.is_ping) {
+            audience_.send(said.viewer, json_text({{"re", std::int64_t{*wish.id}}, {"ok", true}}));
+            return;
+        }
         if (!may(said, message.ask)) {
             refuse_command("you only watch: the address of this page may not change anything");
         }
         if (message.cancels) {
-            cancels_ = true;  // For the command under way; do_command() resets the flag.
+            work_.cancels = true;  // For the command under way; do_command() resets the flag.
             return;
         }
         wish.is_ask = message.ask.has_value();
@@ -196,6 +229,9 @@ void Director::take_wish(const Said& said, Wish wish) {
         if (is_quit(wish.arguments)) {
             refuse_command("the program is ended where it was started, with Ctrl-C");
         }
+    }
+    if (!wish.is_ask && do_at_once(wish)) {
+        return;
     }
     const std::optional<std::uint32_t> id = wish.id;
     const Inbox::Outcome outcome = inbox_.add(std::move(wish));
@@ -261,7 +297,8 @@ void Director::tell_all(const std::string& text) {
 }
 
 std::string Director::current_state() const {
-    return state_text(*session_, {revision_, busy_, parts_.topology, machine_->is_recording()});
+    return state_text(*session_,
+                      {revision_, busy_, parts_.topology, parts_.machine->is_recording()});
 }
 
 void Director::tell_state() {

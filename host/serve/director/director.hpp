@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -20,15 +19,14 @@ namespace pxpl5::host::serve {
 
 inline constexpr double rest_ms = 150;  ///< Time without input before the resting picture is drawn.
 inline constexpr double machine_text_ms = 250;  ///< Between two `machine` messages.
-inline constexpr int max_deaths = 3;  ///< Deaths in `death_window_ms` that end the program.
-inline constexpr double death_window_ms = 60'000;
 
 /// Functions and settings of a director.
 struct DirectorParts {
-    /// Launches the machine, after the previous machine has ended. Throws MachineError.
-    std::function<std::shared_ptr<MachinePort>()> launch;
+    std::shared_ptr<MachinePort> machine;
     std::string topology;             ///< The topology's name for the page.
     std::filesystem::path downloads;  ///< Folder of "download:NAME" in a command.
+    /// Throws RequestError for a viewer's command that may not be run. Empty: all may.
+    std::function<void(const CommandDescriptor&, const Arguments&)> check_command;
     /// Answers an `ask` message with a binary message. Empty: the director answers no questions.
     std::function<std::string(Session&, std::uint32_t id, std::string_view message)> answer;
     /// Returns the object of the message `machine`, the nodes' work. Empty: no such messages.
@@ -47,10 +45,11 @@ class Director {
 
     /// Runs a command of the program, before viewers join. Throws as run_command() does.
     Reply open(const std::string& line);
-    /// Adds the first surfaces of the loaded volume, if the scene has none.
+    /// Adds the first surfaces of the loaded volume, if the scene has none, and fits the view.
     void show_first_surfaces();
 
-    /// Serves until the machine is interrupted or has died too often. Then throws MachineError.
+    /// Serves until the machine is interrupted or cannot be started again. Then throws
+    /// MachineError.
     void run();
     /// Takes the messages that came and does the most urgent work. Returns false if there was no
     /// work. Then due_ms() is the time until the next work.
@@ -66,11 +65,14 @@ class Director {
         bool wants_machine = false;
     };
 
+    void watch_viewers();
     void take_events();
     void take(const Joined& joined);
     void take(const Left& left);
     void take(const Said& said);
+    void take(const Lost& lost);
     void take_wish(const Said& said, Wish wish);
+    bool do_at_once(const Wish& wish);
     bool may(const Said& said, const std::optional<std::string>& ask) const;
     void refuse(const Wish& wish, const RequestError& error);
 
@@ -80,10 +82,11 @@ class Director {
     Reply run(const Arguments& arguments);
     void tell_opened();
     void answer_ask(const Wish& wish);
+    void answer_slices();
     void guard(const std::string& what, const std::function<void()>& act);
-    void start_again(const MachineError& death, Scene scene);
-    std::optional<MachineError> try_again(const History& history, const Scene& scene);
-    void count_death(const MachineError& death);
+    void tell_restart(const std::string& text, bool is_over);
+    void tell_end(const MachineError& death);
+    bool put_back(const History& history, const Scene& scene);
     void start();
     void note(const char* level, const std::string& text);
     void tell_progress(const std::string& what, int done, int total);
@@ -112,14 +115,20 @@ class Director {
 
     Audience& audience_;
     DirectorParts parts_;
-    std::shared_ptr<MachinePort> machine_;
     std::unique_ptr<Session> session_;
     std::map<std::uint32_t, Viewer> viewers_;
     Inbox inbox_;
     Pace pace_;
     std::string opened_;  ///< The open file or folder that the server knows.
     std::string busy_;
-    bool cancels_ = false;  ///< A viewer has canceled the command under way.
+    std::string busy_before_;     ///< Before the machine was started again.
+    bool is_restarting_ = false;  ///< The machine is started again.
+    struct Work {
+        bool is_command = false;  ///< A command is under way, not only a picture.
+        bool waits = false;       ///< The session waits for nodes while events are taken.
+        bool cancels = false;     ///< A viewer has canceled the command under way.
+    };
+    Work work_;
     bool tells_progress_ = false;
     std::int64_t progress_ns_ = 0;  ///< Time of the last message about progress.
     std::uint32_t revision_ = 1;
@@ -128,7 +137,7 @@ class Director {
     std::string last_state_;     ///< The last state sent.
     std::int64_t input_ns_ = 0;  ///< Time of the newest change.
     std::int64_t machine_text_ns_ = 0;
-    std::deque<std::int64_t> deaths_ns_;
+    std::string lost_;  ///< Why the server has ended; empty while it runs.
 };
 
 }  // namespace pxpl5::host::serve

@@ -1,4 +1,4 @@
-// Director: commands, questions, and restarts of dead machines.
+// Director: commands, questions, and what viewers hear of restarts.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -41,16 +41,20 @@ bool same_picture(const Scene& a, const Scene& b) {
 }  // namespace
 
 void Director::do_wish(const Wish& wish) {
-    const Scene before = session_->scene;
     try {
-        wish.is_ask ? answer_ask(wish) : do_command(wish);
+        if (wish.is_ask) {
+            session_->recovery.run([&] { answer_ask(wish); });
+        } else {
+            do_command(wish);
+        }
     } catch (const RequestError& error) {
         refuse(wish, error);
     } catch (const MachineError& death) {
         if (!death.is_interruption) {
             refuse(wish, RequestError(ExitCode::failed, death.what()));
         }
-        start_again(death, before);
+        tell_end(death);
+        throw;
     } catch (const std::exception& error) {  // For example a file system's error.
         refuse(wish, RequestError(ExitCode::failed, error.what()));
     }
@@ -76,27 +80,29 @@ Reply Director::run(const Arguments& arguments) {
 }
 
 void Director::do_command(const Wish& wish) {
-    struct Work {
+    struct UnderWay {
         Director& director;
-        ~Work() {
-            director.machine_->watch(-1, {});
+        ~UnderWay() {
+            director.work_.is_command = false;
             director.busy_.clear();
             director.end_progress();
         }
     };
-    const Work work{*this};
+    const UnderWay under_way{*this};
     const Scene before = session_->scene;
     const int loads = session_->history.loads();
+    std::optional<History> former;
+    if (wish.arguments.name == "play") {
+        former = session_->history;
+    }
     const std::int64_t start_ns = parts_.clock_ns();
-    cancels_ = false;
+    watch_viewers();  // Forgets an earlier cancellation.
+    work_.cancels = false;
+    work_.is_command = true;
     if (find_command(wish.arguments.name).is_long) {
         busy_ = wish.text;
         tell_state();
         tell_progress(wish.arguments.name, 0, 0);
-        machine_->watch(audience_.event_fd(), [this] {
-            take_events();
-            return cancels_;
-        });
     }
     const auto note_change = [&] {
         state_is_old_ |= kind_of(wish.arguments) != CommandKind::question || !busy_.empty();
@@ -123,11 +129,61 @@ void Director::do_command(const Wish& wish) {
                                                    {"revision", std::int64_t{revision_}}}));
         }
     } catch (const MachineError&) {
-        throw;  // The next machine draws again.
+        throw;
+    } catch (const RequestError& error) {
+        const bool is_lost = former && loads != session_->history.loads();
+        const bool is_back = is_lost && put_back(*former, before);
+        note_change();
+        if (is_back) {
+            throw RequestError(error.code,
+                               fmt::format("{}. The scene before it is open again.", error.what()));
+        }
+        throw;
     } catch (const std::exception&) {
         note_change();
         throw;
     }
+}
+
+/// Runs a command that asks no node while the session waits for nodes: a node may be stuck. Returns
+/// false if the command must wait for its turn.
+bool Director::do_at_once(const Wish& wish) {
+    if (!work_.waits || (wish.arguments.name != "kill" && wish.arguments.name != "stats")) {
+        return false;
+    }
+    const Command& command = find_command(wish.arguments.name);
+    check_arguments(command, wish.arguments);
+    const Reply reply = command.run(*session_, wish.arguments);
+    if (wish.id) {
+        audience_.send(wish.viewer, json_text({{"re", std::int64_t{*wish.id}},
+                                               {"ok", true},
+                                               {"text", reply.text},
+                                               {"result", reply.fields},
+                                               {"ms", 0.0},
+                                               {"revision", std::int64_t{revision_}}}));
+    }
+    return true;
+}
+
+/// Restores the scene before a session file that has failed after it opened a volume. Returns
+/// whether the scene is back.
+bool Director::put_back(const History& history, const Scene& scene) {
+    if (!history.load_line()) {
+        return false;
+    }
+    work_.cancels = false;
+    try {
+        session_->recovery.run([&] {
+            const Arguments load = parse_line(*history.load_line());
+            find_command(load.name).run(*session_, load);
+            restore_all(*session_, scene);
+        });
+    } catch (const RequestError& error) {
+        note("error", fmt::format("The scene before it cannot be opened: {}", error.what()));
+        return false;
+    }
+    session_->history = history;
+    return true;
 }
 
 void Director::tell_opened() {
@@ -145,17 +201,33 @@ void Director::answer_ask(const Wish& wish) {
     audience_.send_binary(wish.viewer, parts_.answer(*session_, *wish.id, wish.text));
 }
 
+/// Answers the waiting questions for slices, which need no node: also while a picture is drawn.
+void Director::answer_slices() {
+    while (const std::optional<Wish> ask = inbox_.take_ask("slice ")) {
+        try {
+            answer_ask(*ask);
+        } catch (const RequestError& error) {
+            refuse(*ask, error);
+        }
+    }
+}
+
 Reply Director::open(const std::string& line) {
     state_is_old_ = true;
     ++revision_;
-    return run(parse_line(line));
+    session_->check_command = {};  // The user's own command, from the terminal.
+    Reply reply = run(parse_line(line));
+    session_->check_command = parts_.check_command;
+    return reply;
 }
 
 void Director::show_first_surfaces() {
-    if (!session_->volumes.has_volume() || !session_->scene.surfaces.empty()) {
+    if (!session_->volumes.has_volume()) {
         return;
     }
-    for (const FirstSurface& each : first_surfaces(session_->volumes.volume())) {
+    const bool is_empty = session_->scene.surfaces.empty();
+    for (const FirstSurface& each :
+         is_empty ? first_surfaces(session_->volumes.volume()) : std::vector<FirstSurface>{}) {
         Arguments command{"surface", {each.name}, {}};
         if (each.isovalue) {
             command.options["iso"] = fmt::format("{}", *each.isovalue);
@@ -165,7 +237,8 @@ void Director::show_first_surfaces() {
         }
         run_command(*session_, command);
     }
-    // The surfaces belong to the load: undo does not go back beyond them.
+    run_command(*session_, {"view", {"anterior"}, {{"fit", "yes"}}});
+    // Surfaces and view belong to the load: undo does not go back beyond them.
     History& history = session_->history;
     if (const std::optional<std::string> load = history.load_line()) {
         history.begin_anew(*load);
@@ -173,79 +246,44 @@ void Director::show_first_surfaces() {
     }
 }
 
-/// Runs work that is no command. Starts the machine again if the machine dies.
+/// Runs work that is no command. Starts the machine again if a node dies.
 void Director::guard(const std::string& what, const std::function<void()>& act) {
-    const Scene before = session_->scene;
     try {
-        act();
+        session_->recovery.run(act);
     } catch (const MachineError& death) {
-        start_again(death, before);
+        tell_end(death);
+        throw;
     } catch (const std::exception& error) {
         note("error", fmt::format("{}: {}", what, error.what()));
     }
 }
 
-/// Reports the death. Throws it if the machine was interrupted or has died too often.
-void Director::count_death(const MachineError& death) {
-    if (death.is_interruption) {
-        throw death;
-    }
-    deaths_ns_.push_back(parts_.clock_ns());
-    if (deaths_ns_.size() > max_deaths) {
-        deaths_ns_.pop_front();
-    }
-    if (deaths_ns_.size() == max_deaths && since_ms(deaths_ns_.front()) < death_window_ms) {
-        note("error", fmt::format("The machine has died {} times within a minute. The last error: "
-                                  "{}. The program ends.",
-                                  max_deaths, death.what()));
-        throw death;
-    }
-    note("error", fmt::format("The machine has died: {}. It is started again.", death.what()));
-}
-
-/// Loads the volume and restores the scene. The history continues.
-void Director::start_again(const MachineError& death, Scene scene) {
-    // If the launch fails, the session is gone.
-    const History history = session_->history;
-    busy_ = "starting the machine again";
-    for (std::optional<MachineError> newest = death; newest;) {
-        count_death(*newest);
+/// Tells the viewers that the machine is started again, or that it runs again.
+void Director::tell_restart(const std::string& text, bool is_over) {
+    note(is_over ? "info" : "error", text);
+    if (!is_over) {
+        if (!is_restarting_) {
+            busy_before_ = std::exchange(busy_, "starting the machine again");
+        }
+        is_restarting_ = true;
         tell_progress(busy_, 0, 0);
-        newest = try_again(history, scene);
+        return;
     }
-    busy_.clear();
+    is_restarting_ = false;
+    busy_ = std::exchange(busy_before_, "");
     end_progress();
+    session_->recovery.take_restarts();
+    tell_opened();
     state_is_old_ = true;
-    ++revision_;
+    ++revision_;  // The frames under way are lost.
     input_ns_ = parts_.clock_ns();
 }
 
-/// Returns the error of the new machine, if it dies, too.
-std::optional<MachineError> Director::try_again(const History& history, const Scene& scene) {
-    try {
-        start();
-    } catch (const MachineError& death) {
-        return death;
-    } catch (const std::exception& error) {
-        return MachineError(static_cast<int>(ExitCode::unavailable), error.what());
+/// Tells the viewers why the program ends.
+void Director::tell_end(const MachineError& death) {
+    if (!death.is_interruption) {
+        note("error", fmt::format("{}. The program ends.", death.what()));
     }
-    try {
-        if (history.load_line()) {
-            const Arguments load = parse_line(*history.load_line());
-            find_command(load.name).run(*session_, load);
-        }
-        restore_all(*session_, scene);
-        note("info", "The machine has restarted. Volume and surfaces are restored.");
-    } catch (const MachineError& death) {
-        return death;
-    } catch (const std::exception& error) {
-        note("error", fmt::format("A part was not restored: {}", error.what()));
-    }
-    session_->history = history;
-    if (history.load_line() && !has_picture()) {
-        session_->history.forget_load();
-    }
-    return std::nullopt;
 }
 
 }  // namespace pxpl5::host::serve

@@ -99,6 +99,7 @@ bool Director::draw_resting() {
     guard("drawing", [&] {
         auto picture = session_->frames.draw_samples(samples, [this] {
             take_events();
+            answer_slices();
             return !inbox_.changes_picture();
         });
         is_drawn = picture.has_value();

@@ -100,6 +100,17 @@ Wish Inbox::take() {
     return wish;
 }
 
+std::optional<Wish> Inbox::take_ask(std::string_view kind) {
+    const auto found =
+        std::ranges::find_if(asks_, [kind](const Wish& ask) { return ask.kind.starts_with(kind); });
+    if (found == asks_.end()) {
+        return std::nullopt;
+    }
+    Wish ask = std::move(*found);
+    asks_.erase(found);
+    return ask;
+}
+
 void Inbox::forget_asks(std::uint32_t viewer) {
     std::erase_if(asks_, [viewer](const Wish& ask) { return ask.viewer == viewer; });
 }

@@ -6,6 +6,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "host/commands/commands.hpp"
 
@@ -44,6 +45,8 @@ class Inbox {
     std::size_t size() const { return commands_.size() + asks_.size(); }
     /// The oldest command, or else the oldest question. The inbox must not be empty (asserted).
     Wish take();
+    /// The oldest question whose kind begins so, if any.
+    std::optional<Wish> take_ask(std::string_view kind);
     /// Drops the questions of a viewer that left. Its commands stay.
     void forget_asks(std::uint32_t viewer);
 

@@ -76,7 +76,7 @@ std::int64_t whole_of(const Json& ask, const char* key, std::int64_t low, std::i
     return value;
 }
 
-std::string hex(Colour c) {
+std::string hex(Color c) {
     return fmt::format("#{:02x}{:02x}{:02x}", c.r, c.g, c.b);
 }
 
@@ -120,7 +120,7 @@ Answer answer_slice(Session& session, const Json& ask) {
         const std::size_t count = contour.pieces.size();
         const bool fits = first + count <= max_pieces;
         json["contours"].push_back({{"surface", contour.surface->name},
-                                    {"color", hex(contour.surface->colour)},
+                                    {"color", hex(contour.surface->color)},
                                     {"first", first},
                                     {"count", fits ? count : 0},
                                     {"left_out", fits ? 0 : count}});

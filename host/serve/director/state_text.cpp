@@ -6,6 +6,7 @@
 
 #include "generated/page_schema.hpp"
 #include "host/commands/text/volume_text.hpp"
+#include "host/volume/identity.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -18,8 +19,8 @@ std::vector<double> numbers(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
-std::string colour_text(const Colour& colour) {
-    return fmt::format("#{:02x}{:02x}{:02x}", colour.r, colour.g, colour.b);
+std::string color_text(const Color& color) {
+    return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
 }
 
 /// The filter in the form that `components` reads.
@@ -46,6 +47,7 @@ VolumeState volume_state(const Session& session) {
     VolumeState state;
     state.name = volume.name;
     state.source = volume.source;
+    state.identity = identity_of(volume);
     state.size = numbers(glm::dvec3(volume.nx, volume.ny, volume.nz));
     state.spacing_mm = numbers(spacing_mm(volume));
     state.modality = volume.modality;
@@ -56,7 +58,7 @@ VolumeState volume_state(const Session& session) {
     for (const Finding& finding : volume.findings) {
         state.findings.push_back({finding_name(finding.kind), finding.text});
     }
-    state.centre_mm = numbers(subject.centre_mm);
+    state.center_mm = numbers(subject.center_mm);
     state.radius_mm = subject.radius_mm;
     state.voxel_to_patient = numbers(volume.voxel_to_patient);
     state.slice_places = volume.slice_places;
@@ -87,7 +89,7 @@ SurfaceState surface_state(const Session& session, const Surface& surface) {
     SurfaceState state;
     state.name = surface.name;
     state.isovalue = surface.isovalue;
-    state.color = colour_text(surface.colour);
+    state.color = color_text(surface.color);
     state.visible = surface.visible;
     state.opacity = static_cast<double>(surface.opacity) / full_opacity;
     state.table = enum_name(surface.table);
@@ -95,7 +97,7 @@ SurfaceState surface_state(const Session& session, const Surface& surface) {
     state.triangles = report.triangles;
     state.vertices = report.vertices;
     state.area_mm2 = report.area_mm2;
-    state.volume_ml = report.volume_mm3 / 1000;
+    state.volume_ml = report.triangles > 0 ? report.volume_mm3 / 1000 : 0;
     state.extraction_ms = report.elapsed_ms;
     state.compared_with = surface.compared_with;
     return state;
@@ -107,7 +109,7 @@ void add_looks(const Scene& scene, State& state) {
     }
     state.material = {scene.material.ambient, scene.material.specular,
                       scene.material.specular_power};
-    state.background = colour_text(scene.background);
+    state.background = color_text(scene.background);
     for (const SceneClip& clip : scene.clips) {
         const glm::dvec4& plane = clip.plane;
         state.clips.push_back({clip.words, {plane.x, plane.y, plane.z, plane.w}});

@@ -76,14 +76,17 @@ ViewerMessage read_viewer_message(std::string_view text) {
     }
     read.panel = value<bool>(message, "panel", Json::value_t::boolean);
     read.cancels = value<bool>(message, "cancel", Json::value_t::boolean).value_or(false);
+    read.is_ping = value<bool>(message, "ping", Json::value_t::boolean).value_or(false);
     const int meanings = int{read.line.has_value()} + int{read.ask.has_value()} +
-                         int{read.panel.has_value()} + int{read.cancels};
+                         int{read.panel.has_value()} + int{read.cancels} + int{read.is_ping};
     if (meanings != 1) {
-        refuse_command(fmt::format("message: '{}' has {} of do, ask, panel and cancel, not one",
-                                   text.substr(0, quoted_bytes), meanings));
+        refuse_command(
+            fmt::format("message: '{}' has {} of do, ask, panel, cancel and ping, not one",
+                        text.substr(0, quoted_bytes), meanings));
     }
-    if (read.ask && !read.id) {
-        refuse_command(fmt::format("message: ask \"{}\" has no id to answer to", *read.ask));
+    if ((read.ask || read.is_ping) && !read.id) {
+        refuse_command(fmt::format("message: {} has no id to answer to",
+                                   read.ask ? fmt::format("ask \"{}\"", *read.ask) : "ping"));
     }
     return read;
 }

@@ -8,7 +8,7 @@
 
 namespace pxpl5::host::serve {
 
-/// Exactly one of line, ask, cancels and panel is set.
+/// Exactly one of line, ask, cancels, panel and is_ping is set.
 struct ViewerMessage {
     std::optional<std::uint32_t> id;
     std::optional<std::string> line;  ///< The command of "do".
@@ -16,6 +16,7 @@ struct ViewerMessage {
     std::optional<std::string> axis;  ///< The axis of a question about a slice.
     bool cancels = false;
     std::optional<bool> panel;
+    bool is_ping = false;
 };
 
 /// Throws RequestError (usage) if the text is no message of host/serve/README.md.

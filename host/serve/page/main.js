@@ -16,6 +16,7 @@ import {createPointing} from './shell/pointing.js';
 import {createTabs} from './shell/tabs.js';
 import {createHints, createStall, createVeil, createWork} from './shell/work.js';
 import {Modes} from './state/modes.js';
+import {PageSession} from './state/page_session.js';
 import {Selection} from './state/selection.js';
 import {Store} from './state/store.js';
 import {createLeft} from './surfaces/left.js';
@@ -36,7 +37,7 @@ function start() {
   const picture = new PictureView(connection, store, text => toasts.error(text));
   /** @type {import('./panel/app.js').App} */
   const app = {connection, store, picture, modes: new Modes(), toasts,
-    selection: new Selection()};
+    selection: new Selection(), session: new PageSession()};
   window.pxpl5 = measure(connection, store, picture);
 
   connection.on('state', state => store.take(state));

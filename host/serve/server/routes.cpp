@@ -84,6 +84,9 @@ Route Routes::find(std::string_view path) const {
     if (path == "/upload") {
         return {RouteKind::upload, {}};
     }
+    if (path == "/upload/files") {
+        return {RouteKind::upload_files, {}};
+    }
     if (path == "/upload/done") {
         return {RouteKind::upload_done, {}};
     }

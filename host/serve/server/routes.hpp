@@ -17,7 +17,7 @@ struct ServedFile {
 };
 
 /// The handling of a request's path.
-enum class RouteKind : std::uint8_t { none, file, socket, upload, upload_done };
+enum class RouteKind : std::uint8_t { none, file, socket, upload, upload_files, upload_done };
 
 struct Route {
     RouteKind kind = RouteKind::none;

@@ -37,7 +37,11 @@ struct Said {
     Role role = Role::watcher;
     std::string text;
 };
-using Event = std::variant<Joined, Left, Said>;
+/// The server's thread has ended by itself; the sentence says why. No viewer comes any more.
+struct Lost {
+    std::string reason;
+};
+using Event = std::variant<Joined, Left, Said, Lost>;
 
 /// A frame for all viewers.
 struct Shown {

@@ -48,11 +48,12 @@ bool same_secret(std::string_view a, std::string_view b) {
     return difference == 0;
 }
 
-std::optional<Role> role_of(const AccessRules& rules, std::string_view token) {
-    if (same_secret(token, rules.driver_token)) {
+std::optional<Role> role_of(std::string_view secret, const std::string& drivers,
+                            const std::string& watchers) {
+    if (same_secret(secret, drivers)) {
         return Role::driver;
     }
-    if (same_secret(token, rules.watcher_token)) {
+    if (same_secret(secret, watchers)) {
         return Role::watcher;
     }
     return std::nullopt;
@@ -75,8 +76,9 @@ std::string_view cookie_value(std::string_view cookies, std::string_view name) {
 /// Checks where the request comes from; the reason, if that is not from here.
 std::string foreign(const AccessRules& rules, const Request& request) {
     if (std::ranges::find(rules.names, name_of(request.host)) == rules.names.end()) {
-        return fmt::format("Unknown host name '{}'. Use one of: {}.", request.host,
-                           fmt::join(rules.names, ", "));
+        // The names stay unsaid: whoever asks may be a stranger.
+        return fmt::format("Unknown host name '{}'. Open an address that pxpl5 serve printed.",
+                           request.host);
     }
     const std::string here = (rules.encrypted ? "https://" : "http://") + lower(request.host);
     if (!request.origin.empty() && lower(request.origin) != here) {
@@ -127,16 +129,18 @@ Verdict judge(const AccessRules& rules, const Request& request) {
     }
     const auto in_query = request.query.find("token");
     if (in_query != request.query.end()) {
-        const auto role = role_of(rules, in_query->second);
+        const auto role = role_of(in_query->second, rules.driver_token, rules.watcher_token);
         if (!role) {
             return {403, "The token is wrong. Open an address that pxpl5 serve printed.", {}, {}};
         }
         std::string cookie =
             fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}", rules.cookie_name,
-                        in_query->second, rules.encrypted ? "; Secure" : "");
+                        *role == Role::driver ? rules.driver_session : rules.watcher_session,
+                        rules.encrypted ? "; Secure" : "");
         return {200, "", *role, std::move(cookie)};
     }
-    const auto role = role_of(rules, cookie_value(request.cookie, rules.cookie_name));
+    const auto role = role_of(cookie_value(request.cookie, rules.cookie_name), rules.driver_session,
+                              rules.watcher_session);
     if (!role) {
         return {403, "The token is missing. Open an address that pxpl5 serve printed.", {}, {}};
     }

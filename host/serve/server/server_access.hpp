@@ -20,6 +20,7 @@ struct Request {
 /// Tokens and names that this server accepts.
 struct AccessRules {
     std::string driver_token, watcher_token;
+    std::string driver_session, watcher_session;  ///< Values of cookies, which are no tokens.
     std::string cookie_name;         ///< Other ports of this computer have cookies of their own.
     std::vector<std::string> names;  ///< Allowed in a Host header, without port, lower case.
     bool encrypted = false;

@@ -68,9 +68,13 @@ int Loop::on_http_event(lws* connection, int reason, std::string_view data) {
                 return 0;
             }
             try {
-                found->second.file->append(data);
+                if (found->second.files) {
+                    found->second.files->append(data);
+                } else {
+                    found->second.file->append(data);
+                }
             } catch (const UploadError& error) {
-                found->second = {nullptr, error};
+                found->second = {nullptr, nullptr, error};
             }
             return 0;
         }
@@ -87,9 +91,11 @@ int Loop::on_request(lws* connection) {
     if (verdict.status != 200) {
         return refuse(connection, verdict.status, verdict.reason);
     }
+    accept(connection);
     const Route route = routes_.find(request.path);
     const bool sends = request.method == "POST" || request.method == "PUT";
-    const bool takes = route.kind == RouteKind::upload || route.kind == RouteKind::upload_done;
+    const bool takes = route.kind == RouteKind::upload || route.kind == RouteKind::upload_files ||
+                       route.kind == RouteKind::upload_done;
     if (route.kind == RouteKind::none) {
         return refuse(connection, 404, fmt::format("{} does not exist.", request.path));
     }
@@ -102,7 +108,9 @@ int Loop::on_request(lws* connection) {
     }
     switch (route.kind) {
         case RouteKind::upload:
-            return begin_upload(connection, request);
+            return begin_upload(connection, request, false);
+        case RouteKind::upload_files:
+            return begin_upload(connection, request, true);
         case RouteKind::upload_done:
             return end_batch(connection, request);
         case RouteKind::file:
@@ -126,15 +134,19 @@ int Loop::send_file(lws* connection, const ServedFile& file, const std::string& 
     return sent < 0 || (sent > 0 && lws_http_transaction_completed(connection) != 0) ? -1 : 0;
 }
 
-int Loop::begin_upload(lws* connection, const Request& request) {
+int Loop::begin_upload(lws* connection, const Request& request, bool is_several) {
     const auto length = number<std::uint64_t>(header_of(connection, WSI_TOKEN_HTTP_CONTENT_LENGTH));
     if (!length) {
         return refuse(connection, 411, "An upload needs a Content-Length header.");
     }
     Upload upload;
+    const std::string batch = parameter(request, "batch");
     try {
-        upload.file =
-            uploads_.begin(parameter(request, "name"), parameter(request, "batch"), *length);
+        if (is_several) {
+            upload.files = std::make_unique<UploadingFiles>(uploads_, batch);
+        } else {
+            upload.file = uploads_.begin(parameter(request, "name"), batch, *length);
+        }
     } catch (const UploadError& error) {
         if (error.status == too_large) {
             (void)answer_upload(connection, error);
@@ -153,7 +165,9 @@ int Loop::end_upload(lws* connection) {
     }
     Upload upload = std::move(node.mapped());
     try {
-        if (!upload.error) {
+        if (upload.files) {
+            upload.files->finish();
+        } else if (!upload.error) {
             upload.file->finish();
         }
     } catch (const UploadError& error) {

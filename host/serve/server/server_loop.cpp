@@ -23,7 +23,12 @@ constexpr unsigned short max_headers_at_once = 64;
 // Sent with every answer.
 const lws_protocol_vhost_options no_referrer{nullptr, nullptr, "referrer-policy:", "no-referrer"};
 const lws_protocol_vhost_options no_frame{&no_referrer, nullptr, "x-frame-options:", "deny"};
-const lws_protocol_vhost_options no_sniff{&no_frame, nullptr, "x-content-type-options:", "nosniff"};
+const lws_protocol_vhost_options own_resources{&no_frame, nullptr,
+                                               "cross-origin-resource-policy:", "same-origin"};
+const lws_protocol_vhost_options own_window{&own_resources, nullptr,
+                                            "cross-origin-opener-policy:", "same-origin"};
+const lws_protocol_vhost_options no_sniff{&own_window, nullptr,
+                                          "x-content-type-options:", "nosniff"};
 const lws_protocol_vhost_options policy{
     &no_sniff, nullptr, "content-security-policy:",
     "default-src 'self'; img-src 'self' blob: data:; base-uri 'none'; form-action 'none'; "
@@ -156,6 +161,8 @@ Loop::Loop(const ServerOptions& options, Mail& mail)
     make_folder(options.downloads);
     rules_.driver_token = random_token();
     rules_.watcher_token = random_token();
+    rules_.driver_session = random_token();
+    rules_.watcher_session = random_token();
     rules_.names = reachable_names(options.bind);
     rules_.encrypted = !options.tls_cert.empty();
     listen(options);
@@ -187,6 +194,9 @@ void Loop::listen(const ServerOptions& options) {
         info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
         info.ssl_cert_filepath = options.tls_cert.c_str();
         info.ssl_private_key_filepath = options.tls_key.c_str();
+        // Of TLS 1.2 only what keeps recorded traffic secret after the key is known. TLS 1.3 has
+        // no other suites.
+        info.ssl_cipher_list = "ECDHE+AESGCM:ECDHE+CHACHA20";
     }
     std::string log;
     complaints = &log;
@@ -211,6 +221,9 @@ void Loop::run() {
     // Without an end of its own: libwebsockets sleeps until a connection, a timer or wake().
     while (!stopping_ && lws_service(context_, 0) >= 0) {
     }
+    if (!stopping_) {
+        mail_.push(Lost{"the web server cannot go on: its service of connections has failed"});
+    }
 }
 
 void Loop::wake() {
@@ -229,6 +242,13 @@ int Loop::on_event(lws* connection, int reason, void* data, std::size_t size) {
         if (reason == LWS_CALLBACK_EVENT_WAIT_CANCELLED) {
             deliver();
             return 0;
+        }
+        if (reason == LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED) {
+            meet(connection);
+            return 0;
+        }
+        if (reason == LWS_CALLBACK_TIMER && is_stranger(connection)) {
+            return -1;
         }
         if (reason == LWS_CALLBACK_WSI_DESTROY) {
             forget(connection);

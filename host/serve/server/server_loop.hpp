@@ -5,6 +5,8 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "host/serve/server/routes.hpp"
 #include "host/serve/server/server_access.hpp"
@@ -29,7 +31,7 @@ class Loop {
     int port() const { return port_; }
     const AccessRules& rules() const { return rules_; }
 
-    void run();   ///< Until stop().
+    void run();   ///< Until stop(). Pushes Lost if libwebsockets cannot go on.
     void wake();  ///< From any thread: there is mail.
     void stop();  ///< From any thread.
 
@@ -41,13 +43,15 @@ class Loop {
     struct Socket {
         Viewer viewer;
         bool joined = false;
-        double pinged_ms = 0;  ///< 0: no ping is under way.
+        std::string address = {};  ///< The viewer's computer.
+        double pinged_ms = 0;      ///< 0: no ping is under way.
         bool ping_due = false;
         bool is_leaving = false;  ///< Its reason is said at the next chance.
     };
     /// A body that is being received; discarded once something is wrong.
     struct Upload {
         std::unique_ptr<UploadingFile> file;
+        std::unique_ptr<UploadingFiles> files;  ///< Instead, if several come.
         std::optional<UploadError> error;
     };
 
@@ -56,11 +60,18 @@ class Loop {
     void deliver();
     void advise();
 
+    // server_strangers.cpp
+    /// Notes a connection that has not shown a secret, and ends the oldest if there are too many.
+    void meet(lws* connection);
+    /// The connection has shown a secret.
+    void accept(lws* connection);
+    bool is_stranger(lws* connection) const;
+
     // server_http.cpp
     int on_http_event(lws* connection, int reason, std::string_view data);
     int on_request(lws* connection);
     int send_file(lws* connection, const ServedFile& file, const std::string& cookie);
-    int begin_upload(lws* connection, const Request& request);
+    int begin_upload(lws* connection, const Request& request, bool is_several);
     int end_upload(lws* connection);
     int end_batch(lws* connection, const Request& request);
 
@@ -68,6 +79,8 @@ class Loop {
     int on_socket_event(lws* connection, int reason, std::string_view data);
     int on_handshake(lws* connection);
     void on_joined(lws* connection);
+    /// Why another viewer cannot join; empty if it can.
+    std::string why_full(Role role, const std::string& address) const;
     void on_text(lws* connection, Socket& socket, std::string_view part);
     /// Closes a viewer whose closing is set.
     void close_soon(lws* connection);
@@ -84,6 +97,8 @@ class Loop {
     lws_context* context_ = nullptr;
     int port_ = 0;
     std::atomic<bool> stopping_ = false;
+    /// Connections without a secret, the oldest first, with the address of each.
+    std::vector<std::pair<lws*, std::string>> strangers_;
     std::map<lws*, Role> handshakes_;
     std::map<lws*, Socket> sockets_;
     std::map<lws*, Upload> uploading_;

@@ -10,6 +10,9 @@ struct lws;
 
 namespace pxpl5::host::serve {
 
+/// The other end's address; "loopback" for every address of this computer alone.
+std::string address_of(lws* connection);
+
 /// token  One of libwebsockets' WSI_TOKEN_. Empty if there is no such header, or it is too long.
 std::string header_of(lws* connection, int token);
 

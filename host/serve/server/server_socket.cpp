@@ -102,20 +102,43 @@ int Loop::on_handshake(lws* connection) {
         (void)answer(connection, verdict.status, "text/plain; charset=utf-8", verdict.reason);
         return -1;
     }
+    accept(connection);
     handshakes_[connection] = verdict.role;
     return 0;
 }
 
+std::string Loop::why_full(Role role, const std::string& address) const {
+    std::size_t joined = 0, watchers = 0, there = 0;
+    for (const auto& [connection, socket] : sockets_) {
+        const bool is_watcher = socket.joined && socket.viewer.role == Role::watcher;
+        joined += socket.joined ? 1 : 0;
+        watchers += is_watcher ? 1 : 0;
+        there += is_watcher && socket.address == address ? 1 : 0;
+    }
+    if (joined >= max_viewers) {
+        return fmt::format("{} viewers are connected already.", max_viewers);
+    }
+    if (role == Role::watcher && watchers >= max_watchers) {
+        return fmt::format("{} watchers are connected already.", max_watchers);
+    }
+    // Behind a tunnel all viewers have the loopback's address.
+    if (role == Role::watcher && address != "loopback" && there >= max_watchers_at_address) {
+        return fmt::format("{} watchers of this computer are connected already.",
+                           max_watchers_at_address);
+    }
+    return "";
+}
+
 void Loop::on_joined(lws* connection) {
-    const auto role = handshakes_.extract(connection);
-    const auto joined =
-        std::ranges::count_if(sockets_, [](const auto& entry) { return entry.second.joined; });
-    const bool is_full = static_cast<std::size_t>(joined) >= max_viewers;
+    const auto handshake = handshakes_.extract(connection);
+    const Role role = handshake.empty() ? Role::watcher : handshake.mapped();
+    const std::string address = address_of(connection);
+    std::string full = why_full(role, address);
+    const bool is_full = !full.empty();
     const std::uint32_t number = is_full ? 0 : ++viewers_;
-    Socket socket{Viewer(number, role.empty() ? Role::watcher : role.mapped()), !is_full, 0};
+    Socket socket{Viewer(number, role), !is_full, address};
     if (is_full) {
-        socket.viewer.closing = {1013,
-                                 fmt::format("{} viewers are connected already.", max_viewers)};
+        socket.viewer.closing = {1013, std::move(full)};
         close_soon(connection);
     } else {
         mail_.push(Joined{number, socket.viewer.role});
@@ -238,6 +261,7 @@ int Loop::on_timer(lws* connection, Socket& socket) {
 void Loop::forget(lws* connection) {
     uploading_.erase(connection);
     handshakes_.erase(connection);
+    std::erase_if(strangers_, [&](const auto& entry) { return entry.first == connection; });
     const auto socket = sockets_.extract(connection);
     if (socket.empty() || !socket.mapped().joined) {
         return;

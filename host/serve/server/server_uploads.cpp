@@ -18,6 +18,9 @@ namespace fs = std::filesystem;
 constexpr std::size_t max_part_bytes = 200;  // Of 255 that file systems take.
 constexpr int max_depth = 8;
 constexpr std::size_t max_batch_name = 64;
+constexpr std::size_t max_name_bytes = 4096;  // With folders.
+/// Before a file among several: the length of its name and its size.
+constexpr std::size_t lengths_bytes = sizeof(std::uint32_t) + sizeof(std::uint64_t);
 
 std::string cleaned_part(std::string_view part) {
     std::string clean;
@@ -158,6 +161,57 @@ void UploadingFile::finish() {
     batch.bytes += announced_;
 }
 
+void UploadingFiles::append(std::string_view bytes) {
+    while (!bytes.empty()) {
+        if (file_) {
+            const std::string_view part = bytes.substr(0, left_);
+            file_->append(part);
+            bytes.remove_prefix(part.size());
+            left_ -= part.size();
+        } else {
+            std::uint32_t name_bytes = 0;
+            if (head_.size() >= lengths_bytes) {
+                std::memcpy(&name_bytes, head_.data(), sizeof name_bytes);
+            }
+            if (name_bytes > max_name_bytes) {
+                throw UploadError{400, "The name of a file is too long."};
+            }
+            const std::size_t wanted = lengths_bytes + name_bytes;
+            const std::string_view part = bytes.substr(0, wanted - head_.size());
+            head_ += part;
+            bytes.remove_prefix(part.size());
+            begin_file();
+        }
+        if (file_ && left_ == 0) {
+            file_->finish();
+            file_.reset();
+        }
+    }
+}
+
+/// Begins the next file once its lengths and its name are there.
+void UploadingFiles::begin_file() {
+    if (head_.size() < lengths_bytes) {
+        return;
+    }
+    std::uint32_t name_bytes = 0;
+    std::memcpy(&name_bytes, head_.data(), sizeof name_bytes);
+    if (name_bytes == 0) {
+        throw UploadError{400, "A file has no name."};
+    }
+    if (head_.size() == lengths_bytes + name_bytes) {
+        std::memcpy(&left_, head_.data() + sizeof name_bytes, sizeof left_);
+        file_ = uploads_.begin(head_.substr(lengths_bytes), batch_, left_);
+        head_.clear();
+    }
+}
+
+void UploadingFiles::finish() const {
+    if (file_ || !head_.empty()) {
+        throw UploadError{400, "The request ends within a file."};
+    }
+}
+
 Uploads::Batch& Uploads::open_batch(const std::string& name) {
     check_batch(name);
     if (const auto known = batches_.find(name); known != batches_.end()) {
@@ -180,6 +234,9 @@ std::unique_ptr<UploadingFile> Uploads::begin(const std::string& name, const std
     const fs::path clean = cleaned_name(name);
     if (clean.empty()) {
         throw UploadError{400, fmt::format("A file cannot be named '{}'.", name)};
+    }
+    if (length <= max_upload_bytes) {
+        make_room(length, 1);
     }
     if (length > max_upload_bytes - bytes_) {
         throw UploadError{
@@ -229,15 +286,24 @@ UploadedBatch Uploads::done(const std::string& name) {
 
 void Uploads::opened(const fs::path& path) {
     for (Batch& batch : complete_) {
-        const bool was_open = std::exchange(batch.is_open, is_within(batch.folder, path));
-        if (was_open && !batch.is_open) {
-            std::error_code error;  // What cannot be removed now goes with the run's folder.
-            fs::remove_all(batch.folder, error);
-            bytes_ -= batch.bytes;
-            files_ -= std::exchange(batch.files, 0);
-        }
+        batch.was_open |= batch.is_open;
+        batch.is_open = is_within(batch.folder, path);
     }
-    std::erase_if(complete_, [](const Batch& batch) { return batch.files == 0; });
+}
+
+void Uploads::make_room(std::uint64_t bytes, int files) {
+    while (bytes > max_upload_bytes - bytes_ || files_ + files > max_upload_files) {
+        const auto old = std::ranges::find_if(
+            complete_, [](const Batch& batch) { return batch.was_open && !batch.is_open; });
+        if (old == complete_.end()) {
+            return;
+        }
+        std::error_code error;  // What cannot be removed now goes with the run's folder.
+        fs::remove_all(old->folder, error);
+        bytes_ -= old->bytes;
+        files_ -= old->files;
+        complete_.erase(old);
+    }
 }
 
 }  // namespace pxpl5::host::serve

@@ -45,6 +45,27 @@ class UploadingFile {
     int fd_ = -1;
 };
 
+/// Files that come in one request, one after the other. Each has the length of its name (4 bytes),
+/// its size (8 bytes), both little-endian, its name and its contents.
+class UploadingFiles {
+  public:
+    UploadingFiles(Uploads& uploads, std::string batch)
+        : uploads_(uploads), batch_(std::move(batch)) {}
+    /// All throw UploadError as Uploads and UploadingFile do.
+    void append(std::string_view bytes);
+    /// Throws UploadError if the last file is incomplete.
+    void finish() const;
+
+  private:
+    void begin_file();
+
+    Uploads& uploads_;
+    std::string batch_;
+    std::string head_;  ///< The next file's lengths and name, as far as they have come.
+    std::unique_ptr<UploadingFile> file_;
+    std::uint64_t left_ = 0;  ///< Bytes of `file_` to come.
+};
+
 /// A batch that is complete.
 struct UploadedBatch {
     std::filesystem::path path;  ///< The file, or the folder if several came.
@@ -52,7 +73,8 @@ struct UploadedBatch {
     int files = 0;
 };
 
-/// All functions throw UploadError.
+/// Keeps batches that were open, so that a session can open them again, until their room is needed
+/// for another upload. All functions throw UploadError.
 class Uploads {
   public:
     explicit Uploads(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -63,8 +85,7 @@ class Uploads {
                                          std::uint64_t length);
     /// Ends the batch; its name may be used again, for a folder of its own.
     UploadedBatch done(const std::string& batch);
-    /// This path, which may lie anywhere, is open now and no other: batches that were open before
-    /// are removed.
+    /// This path, which may lie anywhere, is open now and no other.
     void opened(const std::filesystem::path& path);
 
   private:
@@ -73,9 +94,11 @@ class Uploads {
         std::filesystem::path folder;
         int files = 0, under_way = 0;
         std::uint64_t bytes = 0;
-        bool is_open = false;
+        bool is_open = false, was_open = false;
     };
     Batch& open_batch(const std::string& name);
+    /// Removes batches that were open, the longest kept first, until so much more has room.
+    void make_room(std::uint64_t bytes, int files);
 
     std::filesystem::path folder_;
     std::map<std::string, Batch, std::less<>> batches_;  ///< Incomplete batches, by name.

@@ -12,8 +12,10 @@
 namespace pxpl5::host::serve {
 
 inline constexpr std::size_t max_viewers = 8;
-inline constexpr std::size_t max_text_bytes = 64U << 10U;  // Of a message to the server.
-inline constexpr double messages_per_second = 400;         // Of a viewer, on average.
+inline constexpr std::size_t max_watchers = max_viewers - 1;  ///< A place is kept for a driver.
+inline constexpr std::size_t max_watchers_at_address = 2;     ///< From another computer.
+inline constexpr std::size_t max_text_bytes = 64U << 10U;     // Of a message to the server.
+inline constexpr double messages_per_second = 400;            // Of a viewer, on average.
 inline constexpr double messages_at_once = 800;
 inline constexpr std::size_t max_waiting_bytes = 8U << 20U;  // For a viewer.
 inline constexpr std::size_t max_unacknowledged_frames = 2;  // One on its way, one displayed.

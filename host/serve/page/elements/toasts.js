@@ -13,10 +13,17 @@ export class Toasts {
     this.root_ = root;
   }
 
-  /** @param {string} text */
-  info(text) {
+  /**
+   * @param {string} text
+   * @param {HTMLElement[]} [links]  A note with links stays until the user closes it.
+   */
+  info(text, links = []) {
     const toast = this.add_('info', text);
-    setTimeout(() => toast.remove(), NOTE_MS);
+    if (links.length === 0) {
+      setTimeout(() => toast.remove(), NOTE_MS);
+    } else {
+      toast.querySelector('p')?.append(' ', ...links);
+    }
   }
 
   /**

@@ -77,7 +77,6 @@ class InspectorPanel {
       this.message.fail(reply.error ?? '');
       return;
     }
-    this.message.say('');
     this.revision = reply.revision ?? 0;
     this.cards.classList.remove('outdated');
     const unfolded = [...this.cards.querySelectorAll('details[open]')].map(testIdOf);
@@ -89,6 +88,7 @@ class InspectorPanel {
     this.stream.open(x, y, changesOf(reply.result));
     this.pixel = {x, y};
     this.mark();
+    this.tellSamples();
     const {shown, visits} = reply.result;
     const p_mm = visits[shown]?.cell?.hit_mm;
     if (p_mm) {
@@ -114,6 +114,18 @@ class InspectorPanel {
       this.pixel = null;
       this.mark();
       this.message.say('The picture has changed. This explains the previous picture.');
+    } else {
+      this.tellSamples();
+    }
+  }
+
+  /** Says how the shown pixel differs from the explained sample, if it is the mean of several. */
+  tellSamples() {
+    const {picture} = this.app, samples = picture.header?.samples ?? 1;
+    if (this.pixel && this.cards.childElementCount > 0) {
+      this.message.say(samples === 1 ? '' :
+        `The picture shows ${picture.colorAt(this.pixel)}, the mean of ${samples} samples of ` +
+        'the pixel. This explains one sample, at the pixel\'s center.');
     }
   }
 }

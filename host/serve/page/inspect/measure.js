@@ -23,32 +23,45 @@ class MeasurePanel {
     this.app = app;
     /** @type {Distance[]} */
     this.distances = [];
-    /** @type {{x: number, y: number} | null}  Pixel of the first click. */
+    /** @type {Triple | null}  The point of the first click. */
     this.first = null;
+    /** Ends after the clicks so far: a second click waits for the point of the first. */
+    this.clicked = Promise.resolve();
     this.count = 0;
-    this.source = '';
+    this.identity = '';
     this.message = messageLine('measure-message');
     this.list = h('ul', {class: 'distances', 'data-testid': 'measure-list'});
     this.drawing = s('g', {class: 'measure', 'data-testid': 'measure-lines'});
     const button = modeButton(app, {name: MODE, title: 'Measure', hint: HINT,
-      testid: 'measure-mode', click: (x, y) => void this.click(x, y),
+      testid: 'measure-mode',
+      click: (x, y) => { this.clicked = this.clicked.then(() => this.click(x, y)); },
       leave: () => this.forgetFirst()});
     app.picture.overlay.append(this.drawing);
     root.append(intro('Straight-line distance between two points on a surface.'),
       h('div', {class: 'tool-row drives'}, button), this.list, this.message.element);
     app.picture.onChange(() => this.draw());
+    // Slices measure, too.
+    document.addEventListener('distance', event =>
+      this.add(/** @type {CustomEvent} */ (event).detail));
     app.connection.on('hello', () => this.show());
-    // After the view changes, the pixel of the first click shows another point.
-    app.store.subscribe(['camera', 'size'], () => this.forgetFirst());
-    app.store.subscribe(['volume'], ({volume}) => this.open(volume?.source ?? ''));
+    app.store.subscribe(['volume'], ({volume}) => this.open(volume?.identity ?? ''));
+    app.session.add('measurements', {
+      save: () => this.distances,
+      restore: distances => {
+        this.distances = distances;
+        this.count = Math.max(0, ...this.distances.map(({name}) => Number(name)));
+        this.show();
+      },
+    });
     this.show();
   }
 
-  /** @param {string} source  A new source clears the distances. */
-  open(source) {
-    if (source !== this.source) {
-      this.source = source;
+  /** @param {string} identity  Another volume clears the distances. */
+  open(identity) {
+    if (identity !== this.identity) {
+      this.identity = identity;
       this.distances = [];
+      this.first = null;
       this.show();
     }
   }
@@ -65,22 +78,41 @@ class MeasurePanel {
   async click(x, y) {
     const first = this.first;
     if (!first) {
-      this.first = {x, y};
-      this.message.say('Click the second point.');
-      this.draw();
+      await this.begin(x, y);
       return;
     }
     this.forgetFirst();
-    const reply = await this.app.connection.do(
-      `measure ${first.x} ${first.y} ${x} ${y}`, {quiet: true});
+    const reply = await this.app.connection.do(`measure ${first.join(',')} ${x} ${y}`,
+      {quiet: true});
     if (!reply.ok) {
       this.message.fail(reply.error ?? '');
       return;
     }
+    this.add(reply.result);
+  }
+
+  /**
+   * Keeps the point of the first click: the pixel may show another one at the second click.
+   * @param {number} x
+   * @param {number} y
+   */
+  async begin(x, y) {
+    const {ok, error = '', result} = await this.app.connection.do(`pick ${x} ${y}`, {quiet: true});
+    if (!ok || !result?.hit) {
+      this.message.fail(ok ? 'There is no surface. Click a point on a surface.' : error);
+      return;
+    }
+    this.first = result.p_mm;
+    this.message.say('Click the second point.');
+    this.draw();
+  }
+
+  /** @param {Omit<Distance, 'name'>} result  The fields of `measure`. */
+  add(result) {
     if (this.distances.length === MAX_DISTANCES) {
       this.distances.shift();
     }
-    this.distances.push({name: String(++this.count), ...reply.result});
+    this.distances.push({name: String(++this.count), ...result});
     this.show();
   }
 
@@ -109,9 +141,9 @@ class MeasurePanel {
       const a = picture.project(distance.a_mm), b = picture.project(distance.b_mm);
       return a.visible && b.visible ? [this.line(distance, a, b)] : [];
     });
-    if (this.first) {
-      const {x, y} = picture.placeOfPixel(this.first.x, this.first.y);
-      marks.push(s('circle', {cx: x, cy: y, r: 4}));
+    const first = this.first && picture.project(this.first);
+    if (first?.visible) {
+      marks.push(s('circle', {cx: first.x, cy: first.y, r: 4}));
     }
     this.drawing.replaceChildren(...marks);
   }

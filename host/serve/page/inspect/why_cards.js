@@ -27,14 +27,14 @@ import {h} from '../elements/dom.js';
  * @property {number} y
  * @property {number} region
  * @property {number} renderer
- * @property {{isovalue?: number, colour: number[], table?: string}[]} surfaces
+ * @property {{isovalue?: number, color: number[], table?: string}[]} surfaces
  * @property {number} primitives_in_region
  * @property {Visit[]} visits
  * @property {number} [shown]           Index of the visit that the pixel shows.
  * @property {Write[]} prologue
  * @property {Write[]} doors            Writes of stipple masks that hide the pixel.
  * @property {Write[]} end_of_region
- * @property {number} colour            Red in the low byte.
+ * @property {number} color            Red in the low byte.
  */
 
 const MOST_WRITES = 12;
@@ -89,9 +89,9 @@ function writeList(writes) {
 /** @param {Why} why */
 function pixelCard(why) {
   const swatch = h('span', {class: 'swatch'});
-  swatch.style.background = colorText(why.colour);
+  swatch.style.background = colorText(why.color);
   return card('Pixel', 'why-pixel',
-    h('div', {class: 'row'}, swatch, h('code', {}, colorText(why.colour)),
+    h('div', {class: 'row'}, swatch, h('code', {}, colorText(why.color)),
       h('span', {class: 'muted'}, `region ${why.region} on renderer-${why.renderer}`)),
     h('p', {'data-testid': 'why-sentence'}, why.sentence));
 }
@@ -158,7 +158,7 @@ function triangleCard(why, shown) {
 
 /**
  * @param {Cell} cell
- * @param {{isovalue?: number, colour: number[], table?: string} | undefined} surface
+ * @param {{isovalue?: number, color: number[], table?: string} | undefined} surface
  * @param {CellView} view
  */
 function cellCard(cell, surface, view) {
@@ -167,7 +167,7 @@ function cellCard(cell, surface, view) {
     return card(title, 'why-cell', h('p', {class: 'panel-message bad'},
       cell.unknown ?? 'The voxels of this cell are not known.'));
   }
-  view.show(cell, surface.isovalue, colorOf(surface.colour));
+  view.show(cell, surface.isovalue, colorOf(surface.color));
   const inside = cell.values.filter(value => value >= Number(surface.isovalue)).length;
   return card(title, 'why-cell',
     h('p', {class: 'muted'}, `Case ${cell.case}, table ${surface.table ?? '?'}: ${inside} of 8 ` +

@@ -97,6 +97,13 @@ export class Connection {
     return oldest ? performance.now() - Math.max(oldest.sentAt, this.heardAt_) : 0;
   }
 
+  /** Asks the server for a sign of life, unless something else is asked. */
+  ping() {
+    if (this.waiting_.size === 0) {
+      this.request_({ping: true}, {line: '', sentAt: performance.now(), reply: () => {}});
+    }
+  }
+
   /** Whether this page is view-only. */
   get watches() {
     return this.hello?.role === 'watcher';

@@ -19,6 +19,7 @@
  * @property {string} name
  * @property {'question' | 'setting' | 'action' | 'memory'} kind
  * @property {number} subject_words     Number of words that name the subject of a setting.
+ * @property {{type: string}[]} words
  */
 
 /**
@@ -34,5 +35,8 @@
  * @typedef {Omit<ReturnType<import('./vocabulary.js').readFrameHeader>, 'kind'|'flags'|'digest'>
  *   & {kind: 'jpeg' | 'png', rests: boolean, last: boolean, digest: string}} FrameHeader
  */
+
+/** @typedef {{color: string, text: string}} LegendLine  color: of the square, '' for none. */
+/** @typedef {{name: string, script: string}} Session   A file: its name and its contents. */
 
 export {};

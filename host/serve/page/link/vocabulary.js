@@ -56,6 +56,8 @@ export const LIMITS = Object.freeze({
 
 /** @typedef {'ipc' | 'tcp'} Transport */
 
+/** @typedef {'replace' | 'degrade' | 'end'} RestartPolicy */
+
 /** @typedef {'published' | 'recalled' | 'derived' | 'ours' | 'fitted'} Provenance */
 
 /** @typedef {'best' | 'sse4' | 'avx2' | 'avx512'} VectorTarget */
@@ -105,6 +107,7 @@ export function readAnswerHeader(view) {
  * @typedef {object} VolumeState
  * @property {string} name
  * @property {string} source  file, folder or phantom:NAME
+ * @property {string} identity  another one for other voxels, another place or another series
  * @property {[number, number, number]} size  voxels
  * @property {[number, number, number]} spacing_mm
  * @property {string} modality  CT, MR, US, ...; empty if the file does not state it
@@ -113,7 +116,7 @@ export function readAnswerHeader(view) {
  * @property {number} maximum
  * @property {number} gaps  places where slices are missing
  * @property {FindingState[]} findings
- * @property {[number, number, number]} centre_mm
+ * @property {[number, number, number]} center_mm
  * @property {number} radius_mm
  * @property {number[]} voxel_to_patient  4 x 4, column-major
  * @property {number[]} slice_places  z of each slice in the grid; empty if slice z is at z

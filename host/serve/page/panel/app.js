@@ -17,6 +17,7 @@
  * @property {import('../state/modes.js').Modes} modes
  * @property {import('../elements/toasts.js').Toasts} toasts
  * @property {import('../state/selection.js').Selection} selection
+ * @property {import('../state/page_session.js').PageSession} session
  */
 
 export {};

@@ -1,13 +1,17 @@
 // The picture: frames on a canvas, and the layer over the frames.
 import {byId, update} from '../elements/dom.js';
+import {withTexts} from './png_text.js';
 import {projectToPicture} from './projection.js';
+import {paintLegend, paintSvg} from './svg_paint.js';
 
 /** @typedef {import('../link/connection.js').Frame} Frame */
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
 /** @typedef {import('../link/vocabulary.js').CameraState} CameraState */
 /** @typedef {import('../link/types.js').Triple} Triple */
+/** @typedef {import('../link/types.js').LegendLine} LegendLine */
 
 const CAMERAS_KEPT = 64;
+const MOST_MARGIN_PX = 4;
 
 /**
  * Shows the newest frame only. One frame is being decoded and the newest frame waits. Other frames
@@ -127,6 +131,18 @@ export class PictureView {
   }
 
   /**
+   * The color of a pixel of the displayed frame, as "#rrggbb".
+   * @param {{x: number, y: number}} pixel
+   */
+  colorAt({x, y}) {
+    const [width, height] = this.store_.state?.size ?? [1, 1];
+    const {width: columns, height: rows} = this.canvas_;
+    const [r, g, b] = this.context_.getImageData(Math.floor(x / width * columns),
+      Math.floor(y / height * rows), 1, 1).data;
+    return '#' + [r, g, b].map(part => part.toString(16).padStart(2, '0')).join('');
+  }
+
+  /**
    * The place of a patient position in the displayed frame.
    * @param {Triple} p_mm
    */
@@ -135,6 +151,36 @@ export class PictureView {
       return {x: 0, y: 0, visible: false};
     }
     return projectToPicture(this.camera.patient_to_clip, p_mm, this.width, this.height);
+  }
+
+  /**
+   * A picture of the same proportions with the marks that are on the screen.
+   * @param {Blob} file  A PNG. Its texts stay.
+   * @param {{marks: boolean, legend: LegendLine[]}} wish
+   * @returns {Promise<Blob>}
+   */
+  async marked(file, {marks, legend}) {
+    const picture = await createImageBitmap(file);
+    const canvas = document.createElement('canvas');
+    [canvas.width, canvas.height] = [picture.width, picture.height];
+    const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d'));
+    context.drawImage(picture, 0, 0);
+    picture.close();
+    const scale = canvas.width / (this.width || 1);
+    if (marks) {
+      // Browsers show a canvas at whole pixels.
+      const {left, top} = this.canvas_.getBoundingClientRect();
+      const origin = {left: Math.round(left), top: Math.round(top)};
+      for (const svg of this.stage.querySelectorAll('svg')) {
+        paintSvg(context, svg, origin, scale);
+      }
+    }
+    paintLegend(context, this.overlay, legend, scale);
+    const marked = await new Promise(take => canvas.toBlob(take));
+    if (!marked) {
+      throw new Error('The browser cannot write so large a picture.');
+    }
+    return withTexts(marked, file);
   }
 
   /**
@@ -227,9 +273,12 @@ export class PictureView {
   layOut_() {
     const [width, height] = this.store_.state?.size ?? [1, 1];
     const box = this.stage.getBoundingClientRect();
-    const scale = Math.min(box.width / width, box.height / height);
-    this.width = Math.round(width * scale);
-    this.height = Math.round(height * scale);
+    const fit = Math.min(box.width / width, box.height / height), sharp = 1 / devicePixelRatio;
+    // A picture that was made for this panel is shown pixel by pixel, with a narrow margin.
+    const scale = fit >= sharp && (fit - sharp) * Math.min(width, height) < MOST_MARGIN_PX
+      ? sharp : fit;
+    this.width = width * scale;
+    this.height = height * scale;
     for (const element of [this.canvas_, this.overlay]) {
       element.style.width = `${this.width}px`;
       element.style.height = `${this.height}px`;

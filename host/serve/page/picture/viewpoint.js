@@ -92,22 +92,22 @@ export class Viewpoint {
 
   /** Restores the initial view. */
   reset() {
-    this.named('anterior', 1);
+    this.named('anterior');
   }
 
   /**
-   * Resets roll and pan, and drops a pending rotation, which would arrive later.
+   * Shows all visible surfaces whole. Resets roll, and drops a pending rotation, which would arrive
+   * later.
    * @param {string} name  A named view of the command `view`.
-   * @param {number} [zoom]
    */
-  named(name, zoom = this.zoom_) {
+  named(name) {
     if (this.connection_.watches) {
       return;
     }
     cancelAnimationFrame(this.requested_);
     this.requested_ = 0;
     this.connection_.mark();
-    this.set_(name, zoom, 0, '0,0');
+    void this.connection_.do(`view ${name} fit=yes`);
   }
 
   /** Millimeters per place, at the center of the volume. */
@@ -117,7 +117,7 @@ export class Viewpoint {
     if (!camera || !volume || height === 0) {
       return 0;
     }
-    return mmPerPlace(camera.patient_to_eye, camera.patient_to_clip, height, volume.centre_mm);
+    return mmPerPlace(camera.patient_to_eye, camera.patient_to_clip, height, volume.center_mm);
   }
 
   /** Sends at most once per screen refresh. @private */
@@ -136,7 +136,7 @@ export class Viewpoint {
   /**
    * Each line contains the whole view, so that it can replace a waiting line (`subjectOf`).
    * @private
-   * @param {string} from  A named view, or azimuth and elevation in degrees.
+   * @param {string} from  Azimuth and elevation in degrees.
    * @param {number} zoom
    * @param {number} roll_deg
    * @param {string} pan_mm

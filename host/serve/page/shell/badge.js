@@ -106,10 +106,10 @@ function sizeMenu(app) {
 
 /** @param {HTMLElement} stage */
 function sizeOf(stage) {
-  const width = stage.clientWidth * devicePixelRatio;
-  const height = stage.clientHeight * devicePixelRatio;
+  const box = stage.getBoundingClientRect();
+  const width = box.width * devicePixelRatio, height = box.height * devicePixelRatio;
   const scale = Math.min(1, Math.sqrt(MOST_AUTO_PX / Math.max(1, width * height)));
   const even = (/** @type {number} */ px) =>
-    Math.max(16, Math.round(px * scale / STEP_PX) * STEP_PX);
+    Math.max(16, Math.floor(px * scale / STEP_PX) * STEP_PX);
   return `${even(width)}x${even(height)}`;
 }

@@ -56,7 +56,7 @@ async function point(app, {x, y}, words) {
     words.hidden = true;
     return;
   }
-  const {surface, p_mm, value} = reply.result;
+  const {surface, isovalue, p_mm, value} = reply.result;
   /** @type {Hit[]} */
   const hits = reply.result.hits;
   const chosen = hits.findIndex(hit => hit.surface === surface);
@@ -64,7 +64,8 @@ async function point(app, {x, y}, words) {
     `${hits.indexOf(hit) < chosen ? 'in front' : 'behind'}: ${hit.surface}`);
   const unit = app.store.state?.volume?.unit ?? '';
   words.replaceChildren(h('strong', {}, surface),
-    value === undefined ? '' : ` value ${plain(value, 3)} ${unit}`,
+    ` isovalue ${plain(isovalue, 3)}${unit && ` ${unit}`}`,
+    value === undefined ? '' : `, nearest voxel ${plain(value, 3)}`,
     h('span', {class: 'muted'}, ` at ${sides(p_mm)}`),
     ...others.map(other => h('span', {class: 'muted'}, ` · ${other}`)));
   words.hidden = false;

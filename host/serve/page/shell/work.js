@@ -6,12 +6,13 @@ import {address} from '../link/token.js';
 /** @typedef {import('../link/types.js').Progress} Progress */
 
 const SHOW_AFTER_MS = 300;      // Shorter work is not shown.
-/** Work that the server can cancel, by the name in `progress`. */
-const CANCELABLE = ['load', 'reading', 'handing to the GPs'];
+/** Long work that the server does not cancel, by the name in `progress`. */
+const UNCANCELABLE = ['scale', 'starting the machine again'];
 const HINTS_SEEN = 'pxpl5-hints-seen';
 const VEIL_AFTER_MS = 400;
 const STALL_MS = 2500;          // A silence of this length is shown.
 const LOOK_MS = 500;
+const PING_MS = 2000;           // So that a silence is found while nothing is asked, too.
 const FORBIDDEN = 403;
 const RECONNECTING = 'Reconnecting. The session is kept as long as pxpl5 serve runs.';
 const NEW_ADDRESS = 'The server was started again and has a new address. Open the address that '
@@ -33,7 +34,7 @@ export function createWork(app) {
       root.hidden = true;
       return;
     }
-    cancel.hidden = !CANCELABLE.includes(progress.what);
+    cancel.hidden = UNCANCELABLE.includes(progress.what);
     const percent = Math.round(progress.done / progress.total * 100);
     what.textContent = progress.what + (progress.total > 0 ? ` ${percent} %` : '');
     if (progress.total > 0) {
@@ -59,6 +60,7 @@ export function createWork(app) {
  */
 export function createStall(app) {
   const root = byId('stalled');
+  setInterval(() => app.connection.ping(), PING_MS);
   setInterval(() => {
     const {silent_ms} = app.connection;
     const isStalled = silent_ms >= STALL_MS && !app.store.state?.busy;

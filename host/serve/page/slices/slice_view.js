@@ -12,13 +12,14 @@ import {boxAt, paintGray, pixelAt, placedIn, sliceAtBox, voxelAt} from './slice_
  * Callbacks of a slice view.
  * @typedef {object} Events
  * @property {(voxel: Vector) => void} point        The user chose this voxel.
+ * @property {(voxel: Vector) => void} measure      The measuring tool picked this place.
  * @property {(value: number) => void} tissue       The tissue tool picked this value.
  * @property {(voxel: Vector | null, value: number | null) => void} hover
  * @property {(by: number) => void} step            To the next slices.
  * @property {(across: number, down: number) => void} window  Dragged so far, in CSS pixels.
  */
 
-/** @typedef {'point' | 'window' | 'tissue'} Tool */
+/** @typedef {'point' | 'measure' | 'window' | 'tissue'} Tool */
 
 const CROSSHAIR_GAP = 6;    // Free space around the point, CSS pixels.
 const LETTER_MARGIN = 4;
@@ -264,6 +265,8 @@ export class SliceView {
     const under = this.under_(event);
     if (under && tool === 'point') {
       this.events_.point(under.voxel);
+    } else if (under && tool === 'measure') {
+      this.events_.measure(under.voxel);
     } else if (under && tool === 'tissue') {
       this.events_.tissue(under.value);
     }

@@ -38,6 +38,8 @@ class SlicesPanel {
     this.voxel = [0, 0, 0];
     /** @type {ReturnType<typeof planesOf>} */
     this.planes = [];
+    /** The first end of a length, in mm. @type {Vector | null} */
+    this.first = null;
     /** Number of opened volumes. */
     this.opened = 0;
     /** The settings that the contours depend on, as JSON. */
@@ -66,6 +68,7 @@ class SlicesPanel {
   build() {
     this.tools = choiceRow('Tool for the slices', [
       {name: 'point', title: 'Point', help: 'Move the crosshair, here and in the picture'},
+      {name: 'measure', title: 'Measure', help: 'Distance between two clicks, in any slices'},
       {name: 'window', title: 'Window', help: 'Drag across for contrast, down for brightness ' +
         '(with any tool: right button or Shift)'},
       {name: 'tissue', title: 'Tissue', help: 'Set the isovalue to the value under the pointer'},
@@ -87,6 +90,7 @@ class SlicesPanel {
     for (const {view} of this.panes) {
       view.setTool(tool);
     }
+    this.first = null;
     this.tools?.show(tool);
     this.target.hidden = tool !== 'tissue';
   }
@@ -108,6 +112,7 @@ class SlicesPanel {
   pane(number) {
     const view = new SliceView(PLANES[number], {
       point: voxel => this.point(voxel),
+      measure: voxel => void this.measure(voxel),
       tissue: value => this.tissue(value),
       hover: (voxel, value) => this.hover(voxel, value),
       step: by => this.step(number, by),
@@ -143,7 +148,11 @@ class SlicesPanel {
   }
 
   listen() {
-    const {store, connection, modes, selection} = this.app;
+    const {store, connection, modes, selection, session} = this.app;
+    session.add('window', {save: () => this.volume && this.through,
+      restore: through => this.look(through)});
+    session.add('crosshair', {save: () => this.volume && this.voxel,
+      restore: voxel => this.point(voxel)});
     modes.watch(() => this.takeTool());
     selection.watch(name => { this.target.value = name; });
     // Requests that the lost connection dropped are sent again.
@@ -180,10 +189,10 @@ class SlicesPanel {
 
   /** @param {VolumeState | null} volume */
   open(volume) {
-    const same = volume !== null && volume.source === this.volume?.source &&
-      String(volume.size) === String(this.volume?.size);
+    const same = volume !== null && volume.identity === this.volume?.identity;
     this.volume = volume;
     ++this.opened;
+    this.first = null;
     this.root.classList.toggle('empty', volume === null);
     this.message.say(volume ? '' : EMPTY);
     this.notes.textContent = '';
@@ -266,6 +275,28 @@ class SlicesPanel {
       document.dispatchEvent(new CustomEvent('place',
         {detail: {p_mm: toPatient(volume, held), from: SELF}}));
     }
+  }
+
+  /** @param {Vector} voxel  An end of a length, not rounded. */
+  async measure(voxel) {
+    const volume = this.volume, first = this.first;
+    if (!volume) {
+      return;
+    }
+    const p_mm = toPatient(volume, voxel);
+    this.first = first ? null : p_mm;
+    if (!first) {
+      this.message.say('Click the second point, in any slice.');
+      return;
+    }
+    const {ok, error = '', result} = await this.app.connection.do(
+      `measure ${first.join(',')} ${p_mm.join(',')}`, {quiet: true});
+    if (!ok) {
+      this.message.fail(error);
+      return;
+    }
+    this.message.say(`${result.distance_mm.toFixed(1)} mm. The tab Measure lists all distances.`);
+    document.dispatchEvent(new CustomEvent('distance', {detail: result}));
   }
 
   /**

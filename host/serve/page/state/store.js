@@ -32,6 +32,23 @@ export class Store {
     return () => void this.subscribers_.delete(subscriber);
   }
 
+  /**
+   * Waits for a state. `test` is called now, if a state exists, and when one of `keys` has changed.
+   * @param {Key[]} keys
+   * @param {(state: State) => boolean} test
+   * @returns {Promise<State>}
+   */
+  until(keys, test) {
+    return new Promise(take => {
+      const stop = this.subscribe(keys, state => {
+        if (test(state)) {
+          take(state);
+          queueMicrotask(() => stop());  // The first call precedes the end of subscribe().
+        }
+      });
+    });
+  }
+
   /** @param {State} state */
   take(state) {
     const changed = new Set();

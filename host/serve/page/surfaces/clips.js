@@ -8,7 +8,6 @@ import {show} from './surface_card.js';
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/vocabulary.js').ClipState} ClipState */
 
-const OPPOSITE = new Map([['L', 'R'], ['R', 'L'], ['A', 'P'], ['P', 'A'], ['S', 'I'], ['I', 'S']]);
 const SIDE_NAMES = new Map([['L', 'left'], ['R', 'right'], ['A', 'anterior'], ['P', 'posterior'],
   ['S', 'superior'], ['I', 'inferior']]);
 const AXIS = new Map([['L', 0], ['R', 0], ['A', 1], ['P', 1], ['S', 2], ['I', 2]]);
@@ -94,7 +93,7 @@ class PlaneRow {
       onchange: () => void app.connection.do(`clip box ${this.corners_.value}`)});
     const flip = h('button', {class: 'quiet icon', 'data-testid': `clip-flip-${kind}`,
       title: 'Keep the other side', 'aria-label': `Flip the clip plane ${kind}`,
-      onclick: () => this.flip_()}, '⇄');
+      onclick: () => void app.connection.do(`clip ${kind} flip`)}, '⇄');
     this.root = kind === 'box'
       ? h('div', {class: 'row'}, h('span', {class: 'field'}, 'box'), this.corners_, remove)
       : h('div', {class: 'row'}, h('span', {class: 'field'}, SIDE_NAMES.get(kind)), this.place_,
@@ -110,23 +109,13 @@ class PlaneRow {
     const volume = this.app_.store.state?.volume;
     const axis = AXIS.get(this.kind_);
     if (volume && axis !== undefined) {
-      const center = volume.centre_mm[axis];
+      // Places are counted towards the side that is kept.
+      const center = volume.center_mm[axis] * ('RAI'.includes(this.kind_) ? -1 : 1);
       this.place_.min = plain(center - volume.radius_mm, 0);
       this.place_.max = plain(center + volume.radius_mm, 0);
     }
     const at = words.split(' ')[1] ?? '0';
     show(this.place_, at);
     this.text_.textContent = `${plain(Number(at), 1)} mm`;
-  }
-
-  /** @private */
-  async flip_() {
-    const other = OPPOSITE.get(this.kind_);
-    const at = this.place_.value;
-    this.app_.connection.mark();
-    const reply = await this.app_.connection.do(`clip ${this.kind_} off`);
-    if (reply.ok) {
-      await this.app_.connection.do(`clip ${other} ${at}`);
-    }
   }
 }

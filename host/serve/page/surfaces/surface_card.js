@@ -248,6 +248,10 @@ export class SurfaceCard {
       this.offerCertificate_();
       return;
     }
+    if (facts.triangles === 0) {
+      this.certificate_.replaceChildren(h('span', {class: 'muted'}, 'No triangles to check.'));
+      return;
+    }
     const isSound = facts.closed_but_for_border && facts.manifold && facts.oriented;
     const [first, ...rest] = (reply.text ?? '').split('\n');
     this.certificate_.replaceChildren(h('details', {},

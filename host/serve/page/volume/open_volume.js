@@ -1,9 +1,14 @@
 // Opens a volume: a path on the server's computer, dropped files, or a built-in volume.
 import {h} from '../elements/dom.js';
 import {word} from '../link/lines.js';
-import {loadVolume, openFiles} from './upload.js';
+import {sourceOf} from './session_file.js';
+import {continueSession, openFiles} from './upload.js';
 
 /** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('./upload.js').Named} Named */
+
+/** The server's folder of dropped files, which tells nothing to a person. */
+const UPLOAD = /\/\S*\/uploads\/\d+-[\w-]+\//;
 
 const PHANTOMS = [
   {name: 'pelvis', about: 'CT of skin and bone, as in the paper'},
@@ -24,48 +29,88 @@ export function createOpenDialog(app) {
   const options = createOptions();
   const dialog = h('dialog', {id: 'open', 'aria-labeledby': 'open-title', 'data-testid': 'open'});
   const wrong = h('p', {class: 'wrong', role: 'alert', hidden: true, 'data-testid': 'open-error'});
+  const series = createSeries();
   let isLoading = false;
-  /** @param {string} words  Arguments of `load`. */
-  const load = async words => {
+  let dropped = '';  // Path of the files that were not opened: options may be missing.
+  /** @param {string} text  Why nothing was opened. */
+  const say = text => {
+    wrong.textContent = text;
+    wrong.hidden = text === '';
+    series.show('', () => {});
+    if (!dialog.open) {
+      dialog.showModal();
+    }
+  };
+  /**
+   * @param {string} source
+   * @param {string} [given]  Options of `load`, a blank before each.
+   */
+  const load = async (source, given = '') => {
     if (isLoading) {
       return;
     }
     isLoading = true;
     wrong.hidden = true;
-    const reply = await loadVolume(app, words, {quiet: true});
+    const reply = await app.connection.do(`load ${word(source)}${given}`, {quiet: true});
     isLoading = false;
     if (reply.ok) {
+      options.clear();
       dialog.close();
       return;
     }
-    wrong.textContent = reply.error ?? '';
-    wrong.hidden = false;
-    if (!dialog.open) {
-      dialog.showModal();
+    const error = (reply.error ?? '').replace(UPLOAD, '');
+    say(error);
+    [path.value, dropped] = UPLOAD.test(source) ? ['', source] : [source, ''];
+    const isChoice = series.show(error, number => {
+      options.set('series', number);
+      void load(source, options.words());
+    });
+    if (isChoice) {
+      wrong.hidden = true;
+    } else {
+      options.hint(error);
     }
-    options.hint(reply.error ?? '');
   };
+  app.session.ask = ({name, script}, why) => {
+    path.value = sourceOf(script).replace(UPLOAD, '');
+    options.root.open = false;
+    say(`${why.replace(UPLOAD, '').replace(/\.?$/, '.')} The session ${name} continues with `
+      + 'the files that you choose or drop here.');
+  };
+  const dismiss = () => {
+    app.session.wanting = null;
+    dialog.close();
+  };
+  dialog.addEventListener('cancel', dismiss);
   // The progress of a long load appears over the picture, with a Cancel button.
   app.connection.on('progress', progress => {
     if (progress && isLoading) {
       dialog.close();
     }
   });
-  const files = fileInput(app, dialog, false), folder = fileInput(app, dialog, true);
+  const open = (/** @type {Named[]} */ chosen) => {
+    dialog.close();
+    void openFiles(app, chosen, source => void load(source));
+  };
+  const files = fileInput(open, false), folder = fileInput(open, true);
   dialog.append(
     h('div', {class: 'row spread'}, h('h2', {id: 'open-title'}, 'Open a volume'),
       h('button', {class: 'quiet icon', 'aria-label': 'Close',
-        onclick: () => dialog.close()}, '×')),
+        onclick: dismiss}, '×')),
     h('form', {method: 'dialog', onsubmit: (/** @type {Event} */ event) => {
       event.preventDefault();
-      if (path.value.trim() !== '') {
-        void load(word(path.value.trim()) + options.words());
+      const source = path.value.trim() || dropped;
+      if (source !== '' && app.session.wanting) {
+        dialog.close();
+        void continueSession(app, source);
+      } else if (source !== '') {
+        void load(source, options.words());
       }
     }},
       h('label', {for: 'open-path'}, 'File or DICOM folder on the computer that runs pxpl5'),
       h('div', {class: 'row'}, path,
         h('button', {class: 'primary', 'data-testid': 'open-go'}, 'Open')),
-      wrong, options.root),
+      wrong, series.root, options.root),
     h('p', {}, 'From this computer'),
     h('div', {class: 'drop row', 'data-testid': 'drop'},
       h('span', {class: 'grow muted'}, 'Drop files or a DICOM folder anywhere on the page, or'),
@@ -77,15 +122,16 @@ export function createOpenDialog(app) {
       h('strong', {}, name), h('span', {class: 'muted'}, about)))));
   dialog.addEventListener('click', event => {
     if (event.target === dialog) {
-      dialog.close();
+      dismiss();
     }
   });
   document.body.append(dialog);
-  watchDrops(app, dialog);
+  watchDrops(open);
   return () => {
     if (!app.connection.watches) {
-      wrong.hidden = true;
-      dialog.showModal();
+      app.session.wanting = null;
+      dropped = '';
+      say('');
       path.focus();
     }
   };
@@ -100,6 +146,8 @@ function createOptions() {
     ['smooth', 'Smooth', 'Standard deviation in mm, e.g. 1.5'],
     ['series', 'Series', 'Series of a DICOM folder, e.g. 2'],
     ['spacing', 'Spacing', 'In mm, if the file does not state it, e.g. 0.5,0.5,1'],
+    ['orientation', 'Orientation', 'Sides to which x, y, z point, if not stated, e.g. RAI'],
+    ['origin', 'Origin', 'First voxel in mm, LPS, if not stated, e.g. -120,-120,40'],
     ['raw', 'Raw layout', 'Of a file without a header, e.g. 64x64x32,int16'],
   ]).map(([key, label, title]) => {
     const input = h('input', {type: 'text', class: 'grow', id: `open-${key}`, title,
@@ -116,33 +164,61 @@ function createOptions() {
       root.open ||= asked !== undefined;
       asked?.input.focus();
     },
+    /** For the next volume. */
+    clear: () => rows.forEach(({input}) => { input.value = ''; }),
+    /** @param {string} key  @param {string} value */
+    set: (key, value) => {
+      const row = rows.find(each => each.key === key);
+      if (row) {
+        row.input.value = value;
+      }
+    },
     words: () => rows.filter(({input}) => input.value.trim() !== '')
       .map(({key, input}) => ` ${key}=${word(input.value.trim())}`).join(''),
   };
 }
 
+/** A folder's series, of which one is to be chosen. */
+function createSeries() {
+  const cards = h('div', {class: 'cards'}), title = h('p', {role: 'alert'});
+  const root = h('div', {hidden: true, role: 'group', 'aria-label': 'Series of the folder',
+    'data-testid': 'open-choice'}, title, cards);
+  return {
+    root,
+    /**
+     * Returns whether there is a choice.
+     * @param {string} error  Lines of the form "2: UID 'description', CT, 512x512x112".
+     * @param {(number: string) => void} choose
+     */
+    show: (error, choose) => {
+      const found = [...error.matchAll(/^ +(\d+): (?:\S+|\(no UID\)) '(.*)', (.*)$/gm)];
+      root.hidden = found.length === 0;
+      title.textContent = `${error.split(':')[0]} has ${found.length} series. Choose one:`;
+      cards.replaceChildren(...found.map(([, number, name, about]) => h('button', {class: 'card',
+        type: 'button', 'data-testid': `series-${number}`, onclick: () => choose(number)},
+        h('strong', {}, name || `Series ${number}`),
+        h('span', {class: 'muted'}, about.replace(/(\d)x(?=\d)/g, '$1 × ')))));
+      return found.length > 0;
+    },
+  };
+}
+
 /**
- * @param {App} app
- * @param {HTMLDialogElement} dialog
+ * @param {(files: Named[]) => void} open
  * @param {boolean} isFolder
  */
-function fileInput(app, dialog, isFolder) {
+function fileInput(open, isFolder) {
   const input = h('input', {type: 'file', multiple: true, hidden: true, webkitdirectory: isFolder,
     'data-testid': isFolder ? 'open-folder' : 'open-files'});
   input.addEventListener('change', () => {
-    dialog.close();
-    void openFiles(app, [...input.files ?? []].map(file =>
-      ({file, name: file.webkitRelativePath || file.name})));
+    open([...input.files ?? []].map(file => ({file, name: file.webkitRelativePath || file.name})));
     input.value = '';
   });
   return input;
 }
 
-/**
- * @param {App} app
- * @param {HTMLDialogElement} dialog
- */
-function watchDrops(app, dialog) {
+/** @param {(files: Named[]) => void} open */
+function watchDrops(open) {
   const hold = (/** @type {DragEvent} */ event) => {
     if (event.dataTransfer?.types.includes('Files')) {
       event.preventDefault();
@@ -158,14 +234,13 @@ function watchDrops(app, dialog) {
       return;
     }
     event.preventDefault();
-    dialog.close();
     // The browser empties the transfer at the first await.
     const entries = [...event.dataTransfer.items].map(item => item.webkitGetAsEntry());
     const found = [];
     for (const entry of entries) {
       found.push(...entry ? await filesIn(entry) : []);
     }
-    void openFiles(app, found);
+    open(found);
   });
 }
 

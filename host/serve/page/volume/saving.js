@@ -1,8 +1,9 @@
 // Saves a mesh, a picture or the session, and reopens a session.
 import {h} from '../elements/dom.js';
-import {word} from '../link/lines.js';
+import {plain, word} from '../link/lines.js';
 import {address} from '../link/token.js';
-import {openFiles, SESSION_ENDING} from './upload.js';
+import {sessionText} from './session_file.js';
+import {openSession, SESSION_ENDING} from './upload.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
@@ -10,6 +11,10 @@ const MESHES = /** @type {const} */ ([['glb', 'glTF binary (.glb)'], ['stl', 'ST
   ['ply', 'PLY (.ply)'], ['obj', 'Wavefront (.obj)'], ['vtp', 'VTK (.vtp)']]);
 const KEEPS = /** @type {const} */ ([['', 'all triangles'], ['0.5', '50 %'],
   ['0.25', '25 %'], ['0.1', '10 %']]);
+
+const SAMPLES = [16, 4, 1];     // Per pixel, the best first.
+const MOST_PX = 4096;           // A side of a picture that the command `snapshot` accepts.
+const NO_ROOM = /are summed in/;  // A Renderer's memory is too small for the samples.
 
 /**
  * Lets the browser save the file at an address.
@@ -24,18 +29,36 @@ function saveAs(href, name) {
 }
 
 /**
- * Runs a command that writes a download, then saves the file.
- * @param {App} app
- * @param {string} line
+ * @param {Blob} blob
  * @param {string} name
  */
-async function download(app, line, name) {
-  const reply = await app.connection.do(line);
-  const path = reply.result?.download;
-  if (reply.ok && path) {
-    saveAs(address(path).href, name);
-    app.toasts.info(`Saved ${name}.`);
+function saveBlob(blob, name) {
+  const href = URL.createObjectURL(blob);
+  saveAs(href, name);
+  URL.revokeObjectURL(href);
+}
+
+/**
+ * Exports a mesh and saves it. Its certificate, and the colors of an OBJ, are links in the note:
+ * browsers ask before a page saves several files.
+ * @param {App} app
+ * @param {string} name
+ * @param {string} options  Of the command.
+ */
+async function saveMesh(app, name, options) {
+  const {ok, result} = await app.connection.do(`export download:${word(name)}${options}`);
+  if (!ok || !result?.download) {
+    return;
   }
+  const {href} = address(result.download);
+  saveAs(href, name);
+  const besides = [['certificate', String(result.certificate).split('/').at(-1) ?? '']];
+  if (name.endsWith('.obj')) {
+    besides.push(['colors', name.replace(/obj$/, 'mtl')]);
+  }
+  app.toasts.info(`Saved ${name}, ${result.closed ? 'closed' : 'open: see the certificate'}.`,
+    besides.map(([text, file]) => h('a', {download: file, 'data-testid': `saved-${text}`,
+      href: address(result.download.replace(/[^/]*$/, encodeURIComponent(file))).href}, text)));
 }
 
 /**
@@ -89,15 +112,51 @@ function meshPart(app, dialog) {
   const axes = choice([['LPS', 'LPS (DICOM)'], ['RAS', 'RAS (NIfTI)']], 'Axes',
     'save-axes');
   const keep = choice(KEEPS, 'Triangles kept', 'save-keep');
+  const cap = h('input', {type: 'checkbox', 'data-testid': 'save-cap'});
   return h('section', {}, h('h3', {}, 'Mesh'),
     h('p', {class: 'muted'}, 'The visible surfaces, in patient coordinates (mm).'),
-    h('div', {class: 'row wrap'}, format, axes, keep, h('span', {class: 'grow'}),
+    h('div', {class: 'row wrap'}, format, axes, keep,
+      h('label', {class: 'row', title: 'Closes the mesh at the border of the scan and at clip '
+        + 'planes'}, cap, 'closed at cuts'), h('span', {class: 'grow'}),
       h('button', {class: 'primary', 'data-testid': 'export-go', onclick: () => {
-        const name = `${baseName(app)}.${format.value}`;
         dialog.close();
-        void download(app, `export download:${word(name)} axes=${axes.value}`
-          + (keep.value ? ` keep=${keep.value}` : ''), name);
+        void saveMesh(app, `${baseName(app)}.${format.value}`, ` axes=${axes.value}`
+          + (keep.value ? ` keep=${keep.value}` : '') + (cap.checked ? ' cap=yes' : ''));
       }}, 'Save mesh')));
+}
+
+/**
+ * Draws the picture on the machine, with as many samples per pixel as there is memory for.
+ * @param {App} app
+ * @param {string} name
+ * @param {string} size  WIDTHxHEIGHT
+ * @returns {Promise<{href: string, samples: number} | null>}  null after an error, which is shown.
+ */
+async function drawn(app, name, size) {
+  let text = '';
+  for (const samples of SAMPLES) {
+    const {ok, result, error = ''} = await app.connection.do(`snapshot download:${word(name)} `
+      + `size=${size} samples=${samples} overlay=off`, {quiet: true});
+    if (ok && result?.download) {
+      return {href: address(result.download).href, samples};
+    }
+    text = error;
+    if (!NO_ROOM.test(error)) {
+      break;
+    }
+  }
+  app.toasts.error(text);
+  return null;
+}
+
+/**
+ * The size of a saved picture: all sides grow by the same factor, up to MOST_PX.
+ * @param {number[]} size  Of the picture on the screen.
+ * @param {number} factor
+ */
+function enlarged(size, factor) {
+  const least = Math.min(factor, MOST_PX / Math.max(...size));
+  return size.map(side => Math.round(side * least));
 }
 
 /**
@@ -105,18 +164,65 @@ function meshPart(app, dialog) {
  * @param {HTMLDialogElement} dialog
  */
 function picturePart(app, dialog) {
-  const format = choice([['png', 'PNG'], ['tif', 'TIFF'], ['exr', 'OpenEXR']], 'Format',
-    'save-picture-format');
-  const overlay = h('input', {type: 'checkbox', 'data-testid': 'save-overlay'});
+  const format = choice([['png', 'PNG'], ['tif', 'TIFF, no marks'], ['exr', 'OpenEXR, no marks']],
+    'Format', 'save-picture-format');
+  const scale = choice([['1', 'as on the screen'], ['2', 'twice'], ['3', '3 times'],
+    ['4', '4 times']], 'Size', 'save-picture-size');
+  const mark = (/** @type {string} */ testid) =>
+    h('input', {type: 'checkbox', checked: true, 'data-testid': testid});
+  const marks = mark('save-overlay'), legend = mark('save-legend');
+  const save = async () => {
+    const name = `${baseName(app)}.${format.value}`;
+    const [width, height] = enlarged(app.store.state?.size ?? [1, 1], Number(scale.value));
+    dialog.close();
+    const picture = await drawn(app, name, `${width}x${height}`);
+    if (!picture) {
+      return;
+    }
+    const {href, samples} = picture;
+    if (format.value !== 'png') {
+      saveAs(href, name);
+    } else {
+      const drawing = await (await fetch(href)).blob();
+      saveBlob(await app.picture.marked(drawing,
+        {marks: marks.checked, legend: legend.checked ? legendOf(app) : []}), name);
+    }
+    app.toasts.info(`Saved ${name}, ${width} × ${height} pixels, ${samples} `
+      + `sample${samples === 1 ? '' : 's'} per pixel.${fewSamples(app, samples)}`);
+  };
   return h('section', {}, h('h3', {}, 'Picture'),
-    h('div', {class: 'row wrap'}, format,
-      h('label', {class: 'row'}, overlay, 'with letters and scale bar'), h('span', {class: 'grow'}),
-      h('button', {class: 'primary', 'data-testid': 'snapshot', onclick: async () => {
-        const name = `${baseName(app)}.${format.value}`;
-        dialog.close();
-        await app.connection.do(`overlay ${overlay.checked ? 'on' : 'off'}`);
-        void download(app, `snapshot download:${word(name)}`, name);
-      }}, 'Save picture')));
+    h('div', {class: 'row wrap'}, format, scale,
+      h('label', {class: 'row'}, marks, 'letters, scale, measurements'),
+      h('label', {class: 'row'}, legend, 'legend'), h('span', {class: 'grow'}),
+      h('button', {class: 'primary', 'data-testid': 'snapshot', onclick: () => void save()},
+        'Save picture')));
+}
+
+/**
+ * Reports what a picture lacks that is drawn with fewer samples than the screen's.
+ * @param {App} app
+ * @param {number} samples  Per pixel.
+ */
+function fewSamples({store}, samples) {
+  const isTransparent = store.state?.surfaces.some(({visible, opacity}) => visible && opacity < 1);
+  return samples > 1 || !isTransparent ? ''
+    : ' The Renderers have no memory for more samples at this size: transparent surfaces look '
+      + 'like a grid. Choose a smaller size.';
+}
+
+/**
+ * The volume's name and the visible surfaces.
+ * @param {App} app
+ * @returns {import('../link/types.js').LegendLine[]}
+ */
+function legendOf({store}) {
+  const {volume, archive, surfaces = []} = store.state ?? {};
+  const isAssumed = volume?.findings.some(({kind}) => kind === 'assumption');
+  const unit = volume?.unit ?? '';
+  return [{color: '', text: (isAssumed ? 'place or spacing ASSUMED: ' : '')
+    + (volume?.name ?? archive ?? '')},
+  ...surfaces.filter(({visible}) => visible).map(({color, name, isovalue}) =>
+    ({color, text: `${name}  ${plain(isovalue)} ${unit}`.trim()}))];
 }
 
 /**
@@ -128,23 +234,38 @@ function sessionPart(app, dialog) {
     'data-testid': 'session-open'});
   input.addEventListener('change', () => {
     dialog.close();
-    void openFiles(app, [...input.files ?? []].map(file => ({file, name: file.name})));
+    const [file] = input.files ?? [];
+    if (file) {
+      void openSession(app, file);
+    }
     input.value = '';
   });
-  return h('section', {}, h('h3', {}, 'Session'),
-    h('p', {class: 'muted'}, 'A script that repeats all commands of this session, here or with '
-      + 'pxpl5 run.'),
+  const note = h('p', {class: 'muted', 'data-testid': 'session-note'});
+  app.store.subscribe(['volume'], ({volume}) => {
+    note.textContent = 'A script of this scene with the path of its volume, for this page and for '
+      + 'pxpl5 run. It has window, crosshair and measurements, too. ' + (isUpload(volume)
+      ? 'Keep the files that you dropped: the server keeps its copy until it ends or needs the '
+        + 'room, and then asks for the files.' : '');
+  });
+  return h('section', {}, h('h3', {}, 'Session'), note,
     h('div', {class: 'row'}, input, h('span', {class: 'grow'}),
       h('button', {'data-testid': 'reopen-session',
         onclick: () => input.click()}, 'Reopen a session …'),
       h('button', {class: 'primary', 'data-testid': 'session-save', onclick: async () => {
         dialog.close();
-        const reply = await app.connection.do('history');
-        if (reply.ok) {
-          const href = URL.createObjectURL(new Blob([reply.result?.script ?? reply.text ?? ''],
-            {type: 'text/plain'}));
-          saveAs(href, baseName(app) + SESSION_ENDING);
-          URL.revokeObjectURL(href);
+        const text = await sessionText(app);
+        if (text !== '') {
+          const name = baseName(app) + SESSION_ENDING;
+          saveBlob(new Blob([text], {type: 'text/plain'}), name);
+          app.toasts.info(`Saved ${name}.`);
         }
       }}, 'Save session')));
+}
+
+/**
+ * Whether the volume came from the browser: its path is in a folder of the server's uploads.
+ * @param {import('../link/vocabulary.js').VolumeState | null} volume
+ */
+function isUpload(volume) {
+  return /\/uploads\/\d+-[\w-]+\//.test(volume?.source ?? '');
 }

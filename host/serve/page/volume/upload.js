@@ -1,43 +1,67 @@
 // Uploads files and opens them.
 import {byId, h} from '../elements/dom.js';
-import {word} from '../link/lines.js';
 import {address} from '../link/token.js';
+import {playSession, withVolume} from './session_file.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
 const MOST_FILES = 100000;          // The server's limits: host/serve/README.md.
 const MOST_BYTES = 4 * 2 ** 30;
 const AT_ONCE = 4;                  // Requests of an upload.
+const REQUEST_BYTES = 8 * 2 ** 20;  // Files share a request up to this size.
 /** File name ending of a session. */
 export const SESSION_ENDING = '.pxpl5';
 
 /** @typedef {{file: File, name: string}} Named  The name may hold folders: "a/b.dcm". */
 
 /**
- * Uploads files and opens them: replays a session, or loads all files as one volume.
+ * Uploads files and opens them: a session, the volume of a session that waits for it, or a volume.
  * @param {App} app
  * @param {Named[]} files
+ * @param {(path: string) => void} load  Opens a volume on the server.
  */
-export async function openFiles(app, files) {
+export async function openFiles(app, files, load) {
+  if (files.length === 1 && files[0].name.endsWith(SESSION_ENDING)) {
+    await openSession(app, files[0].file);
+    return;
+  }
   const path = await upload(app, files);
-  if (path !== null) {
-    const isSession = files.length === 1 && files[0].name.endsWith(SESSION_ENDING);
-    await (isSession ? app.connection.do(`play ${word(path)}`) : loadVolume(app, word(path)));
+  if (path !== null && app.session.wanting) {
+    await continueSession(app, path);
+  } else if (path !== null) {
+    load(path);
   }
 }
 
 /**
- * Opens a volume and resets the view, whose zoom and pan belong to the previous volume.
+ * Opens the session that waits for its volume.
  * @param {App} app
- * @param {string} words  Arguments of `load`.
- * @param {{quiet?: boolean}} [options]  quiet: the caller shows the error.
+ * @param {string} path  Of the volume, on the server.
  */
-export async function loadVolume({connection}, words, options = {}) {
-  const reply = await connection.do(`load ${words}`, options);
-  if (reply.ok) {
-    await connection.do('view anterior zoom=1');
+export async function continueSession(app, path) {
+  const {wanting} = app.session;
+  app.session.wanting = null;
+  if (wanting) {
+    await play(app, {...wanting, script: withVolume(wanting.script, path)});
   }
-  return reply;
+}
+
+/**
+ * @param {App} app
+ * @param {File} file
+ */
+export async function openSession(app, file) {
+  app.session.wanting = null;
+  await play(app, {name: file.name, script: await file.text()});
+}
+
+/**
+ * @param {App} app
+ * @param {import('../link/types.js').Session} session
+ */
+function play(app, session) {
+  return playSession(app, session, script =>
+    upload(app, [{file: new File([script], session.name), name: session.name}]));
 }
 
 /**
@@ -65,24 +89,22 @@ async function upload(app, files) {
     h('p', {}, `Uploading ${files.length === 1 ? files[0].name : `${files.length} files`} …`),
     share, h('button', {onclick: () => stop.abort()}, 'Cancel'), bar);
   byId('toasts').append(box);
-  /** @type {Map<File, number>} bytes sent of each file */
-  const sent = new Map();
-  const tell = (/** @type {File} */ file, /** @type {number} */ bytes) => {
-    sent.set(file, Math.min(bytes, file.size));
-    bar.value = [...sent.values()].reduce((sum, each) => sum + each, 0);
-    share.textContent = `${Math.floor(bar.value / bar.max * 100)} %`;
-  };
-  // Several at once: on a slow link each request waits mostly for its answer.
-  const rest = [...files];
+  /** @type {number[]} bytes sent of each request */
+  const sent = [];
+  const requests = requestsOf(files);
   const sendRest = async () => {
-    for (let next = rest.shift(); next; next = rest.shift()) {
-      const {file, name} = next;
-      await post(address('upload', {name, batch}), file, stop.signal, bytes => tell(file, bytes));
-      tell(file, file.size);
+    for (let n = sent.length; n < requests.length; n = sent.length) {
+      sent.push(0);
+      await post(address('upload/files', {batch}), bodyOf(requests[n]), stop.signal, bytes => {
+        sent[n] = bytes;
+        bar.value = sent.reduce((sum, each) => sum + each, 0);
+        share.textContent = `${Math.floor(bar.value / bar.max * 100)} %`;
+      });
     }
   };
   try {
-    await Promise.all(Array.from({length: Math.min(AT_ONCE, files.length)}, sendRest));
+    // Several at once: on a slow link each request waits mostly for its answer.
+    await Promise.all(Array.from({length: AT_ONCE}, sendRest));
     return (await post(address('upload/done', {batch}), null, stop.signal)).path;
   } catch (error) {
     if (!stop.signal.aborted) {
@@ -96,9 +118,42 @@ async function upload(app, files) {
 }
 
 /**
+ * Files by request: small files travel together, since each request waits for its answer.
+ * @param {Named[]} files
+ */
+function requestsOf(files) {
+  /** @type {Named[][]} */
+  const requests = [];
+  let bytes = Infinity;
+  for (const named of files) {
+    bytes += named.file.size;
+    if (bytes > REQUEST_BYTES) {
+      requests.push([]);
+      bytes = named.file.size;
+    }
+    requests[requests.length - 1].push(named);
+  }
+  return requests;
+}
+
+/**
+ * Before each file: the length of its name, its size, its name.
+ * @param {Named[]} files
+ */
+function bodyOf(files) {
+  return new Blob(files.flatMap(({file, name}) => {
+    const text = new TextEncoder().encode(name);
+    const lengths = new DataView(new ArrayBuffer(12));
+    lengths.setUint32(0, text.length, true);
+    lengths.setBigUint64(4, BigInt(file.size), true);
+    return [lengths.buffer, text, file];
+  }));
+}
+
+/**
  * Sends with XMLHttpRequest, since `fetch` tells no progress.
  * @param {URL} url
- * @param {File | null} body
+ * @param {Blob | null} body
  * @param {AbortSignal} signal
  * @param {(bytes: number) => void} [progress]  Called with the number of bytes sent so far.
  * @returns {Promise<any>} the answer's JSON; {} if it has none

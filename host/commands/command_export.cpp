@@ -1,0 +1,204 @@
+// The command `export`: surfaces as a mesh file, with the certificate of that file beside it.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
+
+#include "host/base/digest.hpp"
+#include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
+#include "host/commands/command_handlers.hpp"
+#include "host/commands/text/picture_text.hpp"
+#include "host/commands/text/volume_text.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+std::vector<double> triple_of(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+/// The layout as `load raw=` takes it; empty for a file with a header.
+std::string raw_text(const ImportOptions& options) {
+    if (options.raw == nullptr) {
+        return "";
+    }
+    const bus::schema::RawLayoutT& raw = *options.raw;
+    return fmt::format("{}x{}x{},{}{},{}", raw.nx, raw.ny, raw.nz, raw.type,
+                       raw.big_endian ? ",be" : "", raw.offset);
+}
+
+/// Which volume it is, and how it was read.
+Fields volume_identity(const Session& session) {
+    const Volume& volume = session.volumes.volume();
+    const ImportOptions& options = session.volumes.options();
+    const glm::dmat4& m = volume.voxel_to_patient;
+    std::vector<std::string> findings;
+    for (const Finding& finding : volume.findings) {
+        findings.push_back(finding_name(finding.kind) + ": " + finding.text);
+    }
+    const auto counts = [](const std::vector<std::uint32_t>& list) {
+        return std::vector<std::int64_t>(list.begin(), list.end());
+    };
+    return {{"file", volume.source},
+            {"series", volume.series},
+            {"modality", volume.modality},
+            {"digest", fmt::format("fnv1a:{:016x}", volume.digest)},
+            {"dims", std::vector<std::int64_t>{volume.nx, volume.ny, volume.nz}},
+            {"type", std::string(enum_name(volume.type))},
+            {"spacing_mm", triple_of(spacing_mm(volume))},
+            {"origin_mm", triple_of(glm::dvec3(m[3]))},
+            {"x_mm", triple_of(glm::dvec3(m[0]))},
+            {"y_mm", triple_of(glm::dvec3(m[1]))},
+            {"z_mm", triple_of(glm::dvec3(m[2]))},
+            {"read_as", Fields{{"series", options.series},
+                               {"raw", raw_text(options)},
+                               {"spacing_mm", options.spacing_mm},
+                               {"orientation", options.orientation},
+                               {"origin_mm", options.origin_mm},
+                               {"crop_first", counts(options.crop_first)},
+                               {"crop_size", counts(options.crop_size)},
+                               {"resample_size", counts(options.resample_size)},
+                               {"resample_mm", options.resample_spacing_mm},
+                               {"smooth_mm", options.smooth_mm}}},
+            {"findings", findings}};
+}
+
+}  // namespace
+
+std::string filter_text(const ComponentFilter& filter) {
+    using Kind = ComponentFilter::Kind;
+    switch (filter.kind) {
+        case Kind::largest:
+            return "largest";
+        case Kind::at_least_mm2:
+            return fmt::format("min_mm2={}", filter.least);
+        case Kind::at_least_ml:
+            return fmt::format("min_ml={}", filter.least);
+        case Kind::at_point:
+            return fmt::format("at {}, {}, {} mm", filter.p_mm.x, filter.p_mm.y, filter.p_mm.z);
+        case Kind::all:
+            break;
+    }
+    return "all";
+}
+
+std::vector<std::string> clip_words(const Scene& scene) {
+    std::vector<std::string> words;
+    for (const SceneClip& clip : scene.clips) {
+        words.push_back(clip.words);
+    }
+    return words;
+}
+
+namespace {
+
+Fields surface_parameters(const Surface& surface, const FileSurface& file, Fields certificate) {
+    Fields fields = {{"name", surface.name},
+                     {"isovalue", surface.isovalue},
+                     {"table", std::string(enum_name(surface.table))},
+                     {"components", filter_text(surface.components)}};
+    if (file.moved_mm) {
+        fields.push_back({"moved_mm", *file.moved_mm});
+    }
+    fields.push_back({"certificate", std::move(certificate)});
+    return fields;
+}
+
+/// Size and digest of the file, which tie a certificate to it. Throws RequestError.
+Fields file_identity(const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    Digest digest;
+    std::int64_t bytes = 0;
+    std::vector<char> block(std::size_t{1} << 20);
+    while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) ||
+           stream.gcount() > 0) {
+        const auto count = static_cast<std::size_t>(stream.gcount());
+        digest.add(std::as_bytes(std::span(block.data(), count)));
+        bytes += stream.gcount();
+    }
+    if (bytes == 0) {
+        throw RequestError(ExitCode::failed,
+                           path + ": was written, but cannot be read again for its certificate");
+    }
+    return {{"mesh_bytes", bytes}, {"mesh_digest", fmt::format("fnv1a:{:016x}", digest.value())}};
+}
+
+void write_text(const std::string& path, const std::string& text) {
+    PartFile file(path);
+    file.write(text);
+    if (const std::string failure = file.keep(); !failure.empty()) {
+        throw RequestError(ExitCode::failed,
+                           fmt::format("{}: cannot be written: {}", path, failure));
+    }
+}
+
+void add_warnings(Reply& reply, const Session& session, const MeshExportReport& report) {
+    if (const std::size_t at = report.text.find("decimated from"); at != std::string::npos) {
+        reply.warnings.push_back(report.text.substr(at));  // The writer's text has it.
+    }
+    if (is_assumed(session.volumes.volume())) {
+        add_warning(reply,
+                    "place or spacing of the volume is assumed, so the mesh's is too: see info");
+    }
+}
+
+}  // namespace
+
+Reply run_export(Session& session, const Arguments& arguments) {
+    const std::string& path = arguments.words[0];
+    MeshExport wish;
+    wish.keep = arguments.number("keep", 1);
+    wish.cap = arguments.text("cap", "no") == "yes";
+    const std::string axes = arguments.text("axes", "LPS");
+    wish.ras = axes == "RAS";
+    for (std::string left = arguments.text("surfaces", ""); !left.empty();) {
+        const std::size_t comma = std::min(left.find(','), left.size());
+        wish.surfaces.push_back(left.substr(0, comma));
+        left.erase(0, comma + 1);
+    }
+    wish.description = picture_extras(session, session.scene.camera).description;
+    const MeshExportReport report = session.exports.mesh(path, wish);
+    const std::string beside = path + ".certificate.json";
+    Reply reply{
+        fmt::format("wrote {}: {}", path, report.text),
+        {{"file", path}, {"triangles", report.triangles}, {"axes", axes}, {"certificate", beside}}};
+    bool is_closed = true;
+    std::vector<Fields> surfaces;
+    for (const FileSurface& surface : report.surfaces) {
+        const Certificate certificate = file_certificate(surface.file);
+        const Reply one = certificate_reply(certificate, surface.name);
+        reply.text += "\n" + one.text.substr(0, one.text.find('\n'));
+        is_closed = is_closed && certificate.closed();
+        surfaces.push_back(
+            surface_parameters(session.meshes.surface(surface.name), surface, one.fields));
+    }
+    if (!is_closed && !wish.cap) {
+        reply.text += "\ncap=yes closes a mesh at the scan's border and at clip planes";
+    }
+    reply.fields.push_back({"closed", is_closed});
+    Fields file = {{"schema", json_schema},
+                   {"file", std::filesystem::path(path).filename().string()}};
+    std::ranges::move(file_identity(path), std::back_inserter(file));
+    std::ranges::move(Fields{{"axes", axes},
+                             {"unit", "mm"},
+                             {"text", report.text},
+                             {"keep", wish.keep},
+                             {"cap", wish.cap},
+                             {"clips", clip_words(session.scene)},
+                             {"volume", volume_identity(session)},
+                             {"surfaces", surfaces}},
+                      std::back_inserter(file));
+    write_text(beside, json_text(file) + "\n");
+    for (const std::string& name : report.empty) {
+        add_warning(reply, name + " has no triangles and is not in the file");
+    }
+    add_warnings(reply, session, report);
+    return reply;
+}
+
+}  // namespace pxpl5::host

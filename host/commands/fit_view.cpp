@@ -1,0 +1,94 @@
+#include "host/commands/fit_view.hpp"
+
+#include <algorithm>
+#include <array>
+#include <glm/common.hpp>
+#include <limits>
+#include <optional>
+
+#include "host/commands/command_handlers.hpp"
+#include "host/volume/typed_values.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+/// Share of a square picture for the surfaces; the rest is for letters.
+constexpr double fitted_share = 0.86;
+
+/// Voxels, both ends included.
+struct Box {
+    glm::ivec3 first{std::numeric_limits<int>::max()}, last{-1};
+};
+
+/// The box of all voxels at or above `isovalue`. Its last voxel is -1 if there is none.
+Box box_above(const Volume& volume, double isovalue) {
+    Box box;
+    with_values(volume, [&](auto values) {
+        const auto row_length = static_cast<std::size_t>(volume.nx);
+        const auto is_inside = [isovalue](auto value) {
+            return static_cast<double>(value) >= isovalue;
+        };
+        for (int z = 0, row = 0; z < volume.nz; ++z) {
+            for (int y = 0; y < volume.ny; ++y, ++row) {
+                const auto voxels =
+                    values.subspan(static_cast<std::size_t>(row) * row_length, row_length);
+                const auto first = std::ranges::find_if(voxels, is_inside);
+                if (first == voxels.end()) {
+                    continue;
+                }
+                const auto last = std::find_if(voxels.rbegin(), voxels.rend(), is_inside);
+                box.first =
+                    glm::min(box.first, glm::ivec3(static_cast<int>(first - voxels.begin()), y, z));
+                box.last = glm::max(box.last,
+                                    glm::ivec3(static_cast<int>(voxels.rend() - last) - 1, y, z));
+            }
+        }
+    });
+    return box;
+}
+
+double place_of(const Volume& volume, int z) {
+    return volume.slice_places.empty() ? z : volume.slice_places[static_cast<std::size_t>(z)];
+}
+
+/// The corners of a box, in the patient.
+std::array<glm::dvec3, 8> corners_of(const Volume& volume, const Box& box) {
+    std::array<glm::dvec3, 8> corners{};
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        const auto end = [&](int axis) {
+            return (corner >> static_cast<unsigned>(axis) & 1U) != 0 ? box.last[axis]
+                                                                     : box.first[axis];
+        };
+        corners[corner] = glm::dvec3(volume.voxel_to_patient *
+                                     glm::dvec4(end(0), end(1), place_of(volume, end(2)), 1));
+    }
+    return corners;
+}
+
+}  // namespace
+
+Camera fitted_to_surfaces(const Session& session, const Camera& camera) {
+    const Subject subject = session.frames.subject();
+    if (!session.volumes.has_volume()) {  // An archive fills its sphere.
+        return camera;
+    }
+    const Volume& volume = session.volumes.volume();
+    const glm::ivec3 end = glm::ivec3(volume.nx, volume.ny, volume.nz) - 1;
+    std::optional<double> least;
+    for (const Surface& surface : session.scene.surfaces) {
+        if (surface.visible) {
+            least = std::min(least.value_or(surface.isovalue), surface.isovalue);
+        }
+    }
+    Box box{glm::ivec3(0), end};
+    if (const Box above = least ? box_above(volume, *least) : box; above.last.x >= 0) {
+        // A surface lies between a voxel inside and the next one.
+        box = {glm::max(above.first - 1, 0), glm::min(above.last + 1, end)};
+    }
+    Camera fit = fitted(camera, subject, corners_of(volume, box), fitted_share);
+    fit.zoom = std::clamp(fit.zoom, min_zoom, max_zoom);
+    return fit;
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,137 @@
+#include "host/serve/director/file_access.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "host/base/error.hpp"
+
+namespace pxpl5::host::serve {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The path without links, as far as it exists.
+fs::path real_path(const fs::path& path) {
+    std::error_code error;
+    const fs::path real = fs::weakly_canonical(fs::absolute(path), error);
+    return error ? fs::path() : real;
+}
+
+bool is_within(const fs::path& folder, const fs::path& path) {
+    return std::ranges::mismatch(folder, path).in1 == folder.end();
+}
+
+[[noreturn]] void refuse_path(const CommandDescriptor& command, const std::string& path,
+                              const std::string& reason) {
+    refuse_command(fmt::format("{}: {} {}", command.name, path, reason));
+}
+
+/// Whether a file of this name, with any number for "{}", is there.
+bool is_there(const fs::path& file) {
+    const std::string name = file.filename().string();
+    const std::size_t number = name.find("{}");
+    std::error_code error;
+    if (number == std::string::npos) {
+        return fs::exists(fs::symlink_status(file, error));
+    }
+    const std::string begin = name.substr(0, number), end = name.substr(number + 2);
+    for (const fs::directory_entry& entry : fs::directory_iterator(file.parent_path(), error)) {
+        const std::string other = entry.path().filename().string();
+        if (other.size() > begin.size() + end.size() && other.starts_with(begin) &&
+            other.ends_with(end)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// A built-in volume is no file.
+bool is_built_in(const std::string& source) {
+    return source.starts_with("phantom:");
+}
+
+/// A machine of `model` is a file only if it looks like one: the others have names.
+bool is_path(const CommandDescriptor& command, const std::string& word) {
+    return command.name != "model" || word.find_first_of("/.") != std::string::npos;
+}
+
+/// `certificate` takes names of surfaces and files of meshes.
+bool may_be_mesh_file(const CommandDescriptor& command, const std::string& word) {
+    return command.name == "certificate" && word.find('.') != std::string::npos;
+}
+
+}  // namespace
+
+FileAccess::FileAccess(fs::path downloads, std::vector<fs::path> others)
+    : downloads_(real_path(downloads)) {
+    folders_.push_back(downloads_);
+    for (const fs::path& folder : others) {
+        folders_.push_back(real_path(folder));
+    }
+    std::erase(folders_, fs::path());
+}
+
+void FileAccess::allow_volume(const std::string& source) {
+    if (is_built_in(source)) {
+        return;
+    }
+    const fs::path real = real_path(source);
+    std::error_code error;
+    folders_.push_back(fs::is_directory(real, error) ? real : real.parent_path());
+}
+
+bool FileAccess::holds(const fs::path& real) const {
+    return !real.empty() && std::ranges::any_of(folders_, [&](const fs::path& folder) {
+        return is_within(folder, real);
+    });
+}
+
+void FileAccess::check(const CommandDescriptor& command, const Arguments& arguments) const {
+    for (std::size_t i = 0; i < arguments.words.size(); ++i) {
+        const std::string& word = arguments.words[i];
+        const ValueType type = i < command.words.size() ? command.words[i].type : ValueType::text;
+        if (type == ValueType::output) {
+            check_write(command, word);
+        } else if ((type == ValueType::file && is_path(command, word)) ||
+                   may_be_mesh_file(command, word)) {
+            check_read(command, word);
+        }
+    }
+}
+
+void FileAccess::check_read(const CommandDescriptor& command, const std::string& path) const {
+    if (is_built_in(path) || holds(real_path(path))) {
+        return;
+    }
+    refuse_path(command, path,
+                "is outside of the folders that the browser may read: the volume's, uploads, "
+                "downloads and those of --allow. Start serve with --allow DIR, or upload the file");
+}
+
+void FileAccess::check_write(const CommandDescriptor& command, const std::string& path) const {
+    const fs::path file = fs::absolute(path);
+    const fs::path folder = real_path(file.parent_path());
+    const fs::path real = real_path(file);
+    if (!holds(real) || !holds(folder)) {
+        refuse_path(command, path,
+                    "is outside of the folders that the browser may write: the volume's, uploads, "
+                    "downloads and those of --allow. Write download:NAME, start serve with --allow "
+                    "DIR, or run the command in the terminal");
+    }
+    if (file.filename().string().starts_with('.') || real.filename().string().starts_with('.')) {
+        refuse_path(command, path,
+                    "is a hidden file, which the browser may not write. Choose a name without a "
+                    "dot at its begin");
+    }
+    if (!is_within(downloads_, real) && is_there(folder / file.filename())) {
+        refuse_path(command, path,
+                    "exists already, and the browser does not replace files beside downloads. "
+                    "Choose another name, or write download:NAME");
+    }
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,46 @@
+// Parts of a session that only the page knows: window, crosshair, measurements.
+
+/**
+ * A part of the page that a saved session keeps.
+ * @typedef {object} Part
+ * @property {() => unknown} save           What JSON can hold; null for nothing.
+ * @property {(saved: any) => void} restore  Called after the volume is open.
+ */
+
+/** @typedef {import('../link/types.js').Session} Session */
+
+export class PageSession {
+  constructor() {
+    /** @private @type {Map<string, Part>} */
+    this.parts_ = new Map();
+    /** The session that waits for the files of its volume. @type {Session | null} */
+    this.wanting = null;
+    /**
+     * Asks the user for the files. The dialog sets it.
+     * @type {(session: Session, why: string) => void}
+     */
+    this.ask = () => {};
+  }
+
+  /**
+   * @param {string} name
+   * @param {Part} part
+   */
+  add(name, part) {
+    this.parts_.set(name, part);
+  }
+
+  /** @returns {Record<string, unknown>} */
+  saved() {
+    return Object.fromEntries([...this.parts_].map(([name, {save}]) => [name, save()]));
+  }
+
+  /** @param {Record<string, unknown>} saved */
+  restore(saved) {
+    for (const [name, part] of this.parts_) {
+      if (saved[name] !== undefined && saved[name] !== null) {
+        part.restore(saved[name]);
+      }
+    }
+  }
+}
