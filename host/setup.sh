@@ -8,12 +8,14 @@ packages=(
     libzmq3-dev cppzmq-dev libflatbuffers-dev flatbuffers-compiler
     libglm-dev libhwy-dev libuv1-dev libedit-dev libcli11-dev libfmt-dev nlohmann-json3-dev
     libopenimageio-dev libgdcm-dev zlib1g-dev libbz2-dev libpng-dev libzstd-dev
+    libseccomp-dev
     libcairo2-dev fonts-dejavu-core libmeshoptimizer-dev libassimp-dev
     libwebsockets-dev libturbojpeg0-dev node-d3 libnlopt-dev
     doctest-dev libbenchmark-dev
 )
 if [ "${1:-}" = tests ]; then
-    packages+=(chromium python3-jsonschema clang-format clang-tidy-19 gcovr jq)
+    packages+=(chromium python3-jsonschema clang-format clang-19 clang-tidy-19 lld-19
+        libclang-rt-19-dev llvm-19 gcovr jq)
     # Node may have come from elsewhere than Debian, which then must not be asked for another.
     command -v node >/dev/null || packages+=(nodejs)
     command -v npm >/dev/null || packages+=(npm)
