@@ -22,6 +22,8 @@ def main(arguments):
     report = build / "coverage.json"
     subprocess.run(
         ["gcovr", "--root", root, "-j", str(len(os.sched_getaffinity(0))), "--json-summary", report,
+         "--gcov-executable", "llvm-cov-19 gcov",
+         "--gcov-ignore-parse-errors",  # Threads can make the counters of branches negative.
          *(word for folder in PRODUCT for word in ("--filter", f"{root}/{folder}/")),
          *(build / folder for folder in PRODUCT)],
         check=True)

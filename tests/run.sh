@@ -7,12 +7,13 @@ top=$(cd "$(dirname "$0")/.." && pwd)
 
 "$top/host/setup.sh" tests
 cd "$top"
+jobs=$(($(nproc) + 1))  # Some tests wait for the nodes of their machine.
 if [ "${1:-}" = --sanitizers ]; then
     "$top/host/build.sh" dev
     find build/dev -name '*.gcda' -delete
-    ctest --preset dev -L 'unit|system' --output-junit "$top/build/dev/junit.xml"
+    ctest --preset dev -L 'unit|system' -j "$jobs" --output-junit "$top/build/dev/junit.xml"
     python3 -B tests/coverage.py build/dev
 else
     "$top/host/build.sh" release
-    ctest --preset release -LE bench --output-junit "$top/build/release/junit.xml" "$@"
+    ctest --preset release -LE bench -j "$jobs" --output-junit "$top/build/release/junit.xml" "$@"
 fi

@@ -56,7 +56,7 @@ void answer(bus::ZmqLink& link) {
             return;
         }
         benchmark::DoNotOptimize(read_lines(*slices->values()));
-        link.send(near_id, message_of(1, 0, link));
+        link.send(near_id, bus::pack(schema::VolumeReadyT{}));
     }
 }
 
@@ -71,10 +71,10 @@ bool is_lent_if_large(std::size_t bytes, bus::ZmqLink& link) {
 /// There and back. Its CPU time, of all threads, is what two wake-ups and `bytes` cost.
 void there_and_back(benchmark::State& state) {
     const auto bytes = static_cast<std::size_t>(state.range(0));
-    bus::ZmqLink here(near_id, test::ipc_address("near"));
-    bus::ZmqLink there(far_id, test::ipc_address("far"));
-    here.add_peer(far_id, there.endpoint());
-    there.add_peer(near_id, here.endpoint());
+    bus::ZmqLink here({near_id, schema::Role::host}, test::ipc_address("near"));
+    bus::ZmqLink there({far_id, schema::Role::gp}, test::ipc_address("far"));
+    here.add_peer(far_id, schema::Role::gp, there.endpoint());
+    there.add_peer(near_id, schema::Role::host, here.endpoint());
     if (!is_lent_if_large(bytes, here)) {
         state.SkipWithError("the body is not lent: it would be copied");
         return;

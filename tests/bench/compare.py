@@ -113,8 +113,8 @@ def require_same_work(name: str, ours: int, theirs: int):
 def sphere_around(info: dict) -> List[float]:
     """Center and radius, mm, of the sphere around a volume whose axes are the patient's."""
     half = [(count - 1) * spacing / 2 for count, spacing in zip(info["dims"], info["spacing_mm"])]
-    centre = [origin + side for origin, side in zip(info["origin_mm"], half)]
-    return centre + [math.hypot(*half)]
+    center = [origin + side for origin, side in zip(info["origin_mm"], half)]
+    return center + [math.hypot(*half)]
 
 
 def file_of(program: str, load: loads.Load, folder: str) -> str:

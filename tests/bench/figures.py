@@ -34,7 +34,7 @@ def rounded(value: float) -> float:
 
 
 def pairwise_ratio(ours: Sequence[float], others: Sequence[float]) -> float:
-    """The median of each sample over its neighbour in time: what else the computer does is then
+    """The median of each sample over its neighbor in time: what else the computer does is then
     the same for both."""
     if len(ours) != len(others):
         raise ValueError(f"{len(ours)} samples cannot be paired with {len(others)}")

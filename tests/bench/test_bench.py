@@ -39,7 +39,7 @@ class Figures(unittest.TestCase):
         self.assertEqual(figures.median([9, 1, 2, 4]), 3)
         self.assertRaises(ValueError, figures.median, [])
 
-    def test_ratios_are_taken_between_neighbours_in_time(self):
+    def test_ratios_are_taken_between_neighbors_in_time(self):
         # Both halve in the second run: the ratio of the medians would say otherwise.
         self.assertEqual(figures.pairwise_ratio([8, 4, 80], [10, 5, 100]), 0.8)
         self.assertRaises(ValueError, figures.pairwise_ratio, [1], [1, 2])

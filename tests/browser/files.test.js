@@ -72,6 +72,25 @@ test('the mesh is saved as STL with as many triangles as the state says', async 
   assert.equal(count, shown.reduce((sum, { triangles }) => sum + triangles, 0));
 });
 
+test('a mesh is closed at cuts if asked for, and its certificate is there', async () => {
+  const told = () => page.getByTestId('toast-info').last();
+  for (const closed of [false, true]) {
+    await byId('save-menu').click();
+    await byId('export-format').selectOption('obj');
+    await byId('save-cap').setChecked(closed);
+    await saved(() => byId('export-go').click());
+    await told().getByText(closed ? ', closed' : 'open: see').waitFor();
+    const { name, bytes } = await saved(() => told().getByTestId('saved-certificate').click());
+    assert.match(name, /certificate\.json$/);
+    const { cap, surfaces } = JSON.parse(bytes.toString());
+    assert.equal(cap, closed);
+    assert.equal(surfaces.every(({ certificate }) => certificate.closed), closed);
+    const colors = await saved(() => told().getByTestId('saved-colors').click());
+    assert.match(colors.bytes.toString(), /^newmtl bone/m);
+    await told().getByRole('button').click();
+  }
+});
+
 test('the picture is saved as PNG in the size of the state', async () => {
   const { size } = await state(page);
   await byId('save-menu').click();
@@ -200,6 +219,16 @@ test('long work is shown and can be given up; what was open stays', async () => 
   else assert.deepEqual(surfaces, []);
   assert.match((await errorsShown(page)).join(' '), /cancel|given up/i);
   await closeMessages();
+});
+
+test('an orbit is given up by the same button', async () => {
+  const before = await settled(page);
+  const raw = await rawSocket(page, server.url);
+  const reply = say(raw, 'orbit 3000');
+  await byId('cancel').click();
+  assert.equal((await reply).error, 'canceled');
+  await byId('work').waitFor({ state: 'hidden' });
+  assert.equal((await settled(page)).digest, before.digest);
 });
 
 test('when nothing is open any more, no old picture is shown', async () => {

@@ -38,7 +38,7 @@ function required(name) {
 export async function serve(...words) {
   const folder = mkdtempSync(path.join(tmpdir(), 'pxpl5-browser-'));
   const child = spawn(path.join(bin, 'pxpl5'),
-            ['serve', ...words, '--run-folder', path.join(folder, 'run')],
+            ['serve', ...words, '--run-folder', path.join(folder, 'run'), '--allow', folder],
             { cwd: folder, stdio: ['ignore', 'pipe', 'pipe'] });
   let errors = '';
   child.stderr.on('data', chunk => { errors = (errors + chunk).slice(-10_000); });

@@ -141,6 +141,22 @@ test('a server that stops answering is shown while it is asked, and no longer', 
   await close();
 });
 
+test('a server that stops is shown while nothing is asked, to a watcher, too', async () => {
+  const driver = await openPage(browser, server.url);
+  const watcher = await openPage(browser, server.watchUrl);
+  await settled(driver.page);
+  const stalled = [driver, watcher].map(({ page }) => page.getByTestId('stalled'));
+  server.child.kill('SIGSTOP');
+  try {
+    for (const each of stalled) await each.getByText(/No answer .* \d+ s/).waitFor();
+  } finally {
+    server.child.kill('SIGCONT');
+  }
+  for (const each of stalled) await each.waitFor({ state: 'hidden' });
+  await driver.close();
+  await watcher.close();
+});
+
 test('a server that was started again with another token is told of', async () => {
   const first = await serve('phantom:sphere', 'resample=16x16x16');
   const context = await browser.newContext();

@@ -6,7 +6,7 @@ import path from 'node:path';
 import test from 'node:test';
 import { holdMessages } from './holding.js';
 import { browser, byId, openPage, page, server, usePage } from './harness.js';
-import { errorsShown, lookAtPicture, rawSocket, say, settled, state, stateWhen }
+import { after, errorsShown, lookAtPicture, rawSocket, say, settled, state, stateWhen }
   from './steps.js';
 
 const PLANES = ['axial', 'coronal', 'sagittal'];
@@ -80,9 +80,42 @@ test('a pane is labeled by the slice that it shows', async () => {
   await held.close();
 });
 
-test('a session that fails half-way says so until it is read', async () => {
+/**
+ * In the page: changes the view and asks for a slice at once, so that the server has both before
+ * it can begin to refine; reports which of the two came first, the slice or four samples.
+ */
+function askWhileDrawing(self) {
+  return new Promise(resolve => {
+    const order = [];
+    let drawn = false;
+    self.socket.addEventListener('message', ({ data }) => {
+      if (typeof data === 'string') return;
+      const view = new DataView(data);
+      const isFrame = view.getUint32(0, true) === 0x46523550;
+      const samples = isFrame ? view.getUint8(18) : 0;
+      drawn ||= isFrame && samples === 1;
+      // A refined picture before the first frame of the new view is of the view before.
+      if (isFrame && (samples === 1 || !drawn)) return;
+      order.push(isFrame ? `${samples} samples` : 'slice');
+      if (order.length === 2) resolve(order);
+    });
+    void self.do('view 77 11');
+    void self.ask({ ask: 'slice', axis: 'z', index: 5 });
+  });
+}
+
+test('a slice is answered before the picture is refined', async () => {
+  const raw = await rawSocket(page, server.url);
+  assert.deepEqual(await raw.evaluate(askWhileDrawing), ['slice', '4 samples']);
+});
+
+test('a session that fails half-way says so until it is read, and the scene is back', async () => {
   await openPath(page, 'phantom:pelvis');
   await stateWhen(page, now => now.volume?.source === 'phantom:pelvis' && !now.busy);
+  const before = await after(page, async () => {
+    await byId('stage').focus();
+    await page.keyboard.press('ArrowRight');
+  });
   const file = path.join(server.folder, 'half.pxpl5');
   writeFileSync(file, 'load phantom:sphere\nload gone.nrrd\nload phantom:letters\n');
   await byId('save-menu').click();
@@ -91,7 +124,11 @@ test('a session that fails half-way says so until it is read', async () => {
   await stateWhen(page, now => !now.busy);
   await settled(page);
   const told = (await errorsShown(page)).join(' ');
-  assert.match(told, /gone\.nrrd/);
+  assert.match(told, /gone\.nrrd.*open again/s);
+  assert.equal((await settled(page)).digest, before.digest);
+  const { volume, undo } = await state(page);
+  assert.equal(volume.source, 'phantom:pelvis');
+  assert.equal(undo, before.state.undo, 'what was done can still be undone');
   await page.getByTestId('toast-error').getByRole('button').click();
   assert.deepEqual(await errorsShown(page), []);
 });
@@ -99,7 +136,7 @@ test('a session that fails half-way says so until it is read', async () => {
 test('a later success takes the message of a failed opening away', async () => {
   const raw = await rawSocket(page, server.url);
   const file = path.join(server.folder, 'gone.pxpl5');
-  writeFileSync(file, 'load nothing.nrrd\n');
+  writeFileSync(file, 'load nothing.nrrd\nload phantom:torus\n');
   await byId('save-menu').click();
   await byId('session-open').setInputFiles(file);
   await page.getByTestId('toast-error').waitFor();

@@ -250,7 +250,7 @@ function pictureIn(connection, decode) {
   const element = {style: {}, width: 1, height: 1, getAttribute: () => '', setAttribute() {},
     getBoundingClientRect: () => ({width: 100, height: 100}),
     getContext: () => ({drawImage: () => void ++drawn.count, clearRect() {}})};
-  Object.assign(globalThis, {document: {getElementById: () => element},
+  Object.assign(globalThis, {devicePixelRatio: 1, document: {getElementById: () => element},
     ResizeObserver: class { observe() {} }, createImageBitmap: decode,
     requestAnimationFrame: setImmediate});
   /** @type {string[]} */

@@ -127,6 +127,36 @@ test('a distance of two clicks agrees with picks, and follows the camera', async
   assert.equal(await byId('measure-lines').locator('line').count(), 0);
 });
 
+/** The point in mm that a place of the page shows. */
+async function pickAt(x, y) {
+  const box = await byId('frame').boundingBox();
+  const { size } = await state(page);
+  const pixel = [(x - box.x) / box.width * size[0], (y - box.y) / box.height * size[1]];
+  return (await say(raw, `pick ${pixel.map(Math.floor).join(' ')}`)).result.p_mm;
+}
+
+test('the first end of a distance stays where it was clicked', async () => {
+  const { x, y } = await middleOf(byId('stage'));
+  await byId('tab-measure').click();
+  await byId('measure-mode').click();
+  const first = await pickAt(x - 30, y);
+  await page.mouse.click(x - 30, y);
+  await byId('measure-message').getByText('second').waitFor();
+  await after(page, async () => {
+    await byId('stage').focus();
+    for (let n = 0; n < 4; n++) await page.keyboard.press('ArrowRight');
+  });
+  await settled(page);
+  const second = await pickAt(x + 30, y);
+  await page.mouse.click(x + 30, y);
+  await byId('measure-list').locator('li').waitFor();
+  const told = Number.parseFloat(await byId('measure-list').locator('b').innerText());
+  const expected = Math.hypot(...first.map((mm, axis) => mm - second[axis]));
+  assert.ok(Math.abs(told - expected) <= Math.max(0.05, told < 100 ? 0.06 : 0.6),
+            `${told} mm, the clicked points are ${expected} mm apart`);
+  await page.keyboard.press('Escape');
+});
+
 test('why: pixel, instructions, triangle, and the cell with its eight values', async () => {
   const { revision } = await say(raw, 'view anterior');
   await stateWhen(page, (now, set) => now.revision >= set, revision);
@@ -148,6 +178,56 @@ test('why: pixel, instructions, triangle, and the cell with its eight values', a
   await page.waitForFunction(was => document.querySelector('[data-testid=why-sentence]')
     ?.textContent !== was, sentence);
   assert.ok(await byId('why-stores').locator('li').first().isVisible(), 'unfolded stays unfolded');
+});
+
+/** In the page: the color of the displayed picture under a place of the window. */
+function colorUnder({ x, y }) {
+  const canvas = document.querySelector('[data-testid=frame]');
+  const box = canvas.getBoundingClientRect();
+  const { data } = canvas.getContext('2d').getImageData(
+    Math.floor((x - box.left) / box.width * canvas.width),
+    Math.floor((y - box.top) / box.height * canvas.height), 1, 1);
+  return '#' + [...data.slice(0, 3)].map(part => part.toString(16).padStart(2, '0')).join('');
+}
+
+test('a length between two clicks in a slice is the length in the patient', async () => {
+  await byId('tab-slices').click();
+  await byId('choice-measure').click();
+  const at = await middleOf(byId('slice-axial'));
+  const places = [[-20, -5], [25, 10]].map(([x, y]) =>
+    ({ x: Math.round(at.x) + x, y: Math.round(at.y) + y }));
+  const ends = [];
+  for (const { x, y } of places) {
+    await page.mouse.move(x, y);
+    const text = await byId('slices-readout').locator('span').innerText();
+    ends.push([...text.matchAll(/([LRPASI]) ([\d.]+)/g)].map(([, side, mm]) =>
+      'RAI'.includes(side) ? -mm : Number(mm)));
+    await page.mouse.click(x, y);
+  }
+  const known = Math.hypot(...ends[0].map((mm, axis) => mm - ends[1][axis]));
+  await byId('slices-message').getByText(' mm. ').waitFor();
+  const told = Number.parseFloat(await byId('slices-message').innerText());
+  assert.ok(known > 10 && Math.abs(told - known) < 0.3, `${told} mm, not ${known} mm`);
+  await byId('tab-measure').click();
+  const listed = byId('measure-list').locator('li b').last();
+  assert.ok(Math.abs(Number.parseFloat(await listed.innerText()) - known) < 0.6);
+  await byId('tab-slices').click();
+  await byId('choice-point').click();
+});
+
+test('why: the inspector says that the picture shows the mean of all samples', async () => {
+  await byId('tab-inspector').click();
+  await byId('inspect-mode').click();
+  const { samples } = await settled(page);
+  assert.equal(samples, 16);
+  const stage = await middleOf(byId('stage'));
+  const place = { x: Math.round(stage.x), y: Math.round(stage.y) - 30 };
+  await page.mouse.click(place.x, place.y);
+  const message = byId('inspector-message');
+  await message.getByText('16 samples').waitFor();
+  const told = await message.innerText();
+  assert.ok(told.includes(await page.evaluate(colorUnder, place)), told);
+  assert.match(told, /This explains one sample, at the pixel's center\./);
 });
 
 /** In the page: pixels of a region in a picture that the server has for download. */
@@ -241,4 +321,13 @@ test('a killed node is told of, and the same picture comes back', async () => {
   await after(page, () => byId('undo').click());
   assert.notEqual((await settled(page)).digest, before.digest);
   assert.ok((await lookAtPicture(page)).colors > 100);
+});
+
+test('distances end with their volume, also if its file stays', async () => {
+  await byId('tab-measure').click();
+  assert.ok(await byId('measure-list').locator('li').count() > 0);
+  const source = (await state(page)).volume.source;
+  await say(raw, `load ${source} smooth=2`);
+  await byId('measure-list').locator('li').first().waitFor({ state: 'detached' });
+  assert.equal((await state(page)).volume.source, source);
 });

@@ -48,6 +48,12 @@ test('the pointed line names the transparent skin in front', async () => {
   assert.match(await byId('pointed').innerText(), /bone.*in front: skin/s);
 });
 
+test('the pointed line tells the isovalue from the value of the nearest voxel', async () => {
+  const { x, y } = await boneAt();
+  await pointed(x, y);
+  assert.match(await byId('pointed').innerText(), /bone\s+isovalue 250\.5, nearest voxel -?\d/);
+});
+
 test('a distance does not jump with the pixel of its ends', async () => {
   const { x, y } = await boneAt();
   await byId('tab-measure').click();

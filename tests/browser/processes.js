@@ -47,6 +47,29 @@ export function memoryMib(pids) {
   return kib.reduce((sum, each) => sum + (each || 0), 0) / 1024;
 }
 
+/**
+ * What each process holds: its program, its memory in MiB (proportional set size), and how many
+ * descriptors and threads.
+ * @param {number[]} pids
+ */
+export function holdings(pids) {
+  const found = new Map();
+  for (const pid of pids) {
+    const status = read(`/proc/${pid}/status`);
+    if (!status) continue;
+    let descriptors = 0;
+    try {
+      descriptors = readdirSync(`/proc/${pid}/fd`).length;
+    } catch (error) {
+      if (error.code !== 'ENOENT' && error.code !== 'ESRCH') throw error;
+      continue;
+    }
+    found.set(pid, { name: /^Name:\s+(.*)/m.exec(status)[1], mib: memoryMib([pid]), descriptors,
+                  threads: Number(/^Threads:\s+(\d+)/m.exec(status)[1]) });
+  }
+  return found;
+}
+
 /** The browser's processes, which this one has started. */
 export function browserProcesses() {
   const own = treeOf(process.pid);

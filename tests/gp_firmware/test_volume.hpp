@@ -45,8 +45,13 @@ Volume make_volume(Size size, Scalar type, Field field) {
             for (int y = 0; y < size.ny; ++y)
                 for (int x = 0; x < size.nx; ++x) {
                     const double value = field(x, y, z);
-                    values.push_back(
-                        static_cast<T>(std::is_integral_v<T> ? std::round(value) : value));
+                    if constexpr (std::is_integral_v<T>) {
+                        using Limits = std::numeric_limits<T>;
+                        values.push_back(static_cast<T>(
+                            std::clamp<double>(std::round(value), Limits::min(), Limits::max())));
+                    } else {
+                        values.push_back(static_cast<T>(value));
+                    }
                     if (std::isnan(value)) continue;
                     low = std::min(low, static_cast<double>(values.back()));
                     high = std::max(high, static_cast<double>(values.back()));
@@ -100,12 +105,6 @@ inline Volume padded(const Volume& volume, double outside) {
             });
             return value;
         });
-}
-
-/// PXPL5_SEED if it is set, else `usual`: random tests print and take their seed.
-inline unsigned seed_or(unsigned usual) {
-    const char* text = std::getenv("PXPL5_SEED");
-    return text == nullptr ? usual : static_cast<unsigned>(std::stoul(text));
 }
 
 }  // namespace pxpl5::test

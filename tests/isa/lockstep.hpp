@@ -36,7 +36,7 @@ class Lockstep final : public isa::Executor {
         trusted_.execute(in, coefficients);
         tested_.execute(in, coefficients);
         ++executed_;
-        compare(isa::disassemble(in, coefficients), in);
+        compare([&] { return isa::disassemble(in, coefficients); }, in);
     }
 
     bool any_enabled() const override { return tested_.any_enabled(); }
@@ -51,9 +51,10 @@ class Lockstep final : public isa::Executor {
 
     /// Compares all state and all blocks; `context` is part of the message. Throws Divergence.
     void compare_all(const std::string& context) {
-        compare(context, {});
+        const auto text = [&] { return context; };
+        compare(text, {});
         for (std::uint32_t block = 0; block < isa::backing_blocks; ++block) {
-            each_pixel([&](int x, int y) { compare_block(context, x, y, block); });
+            each_pixel([&](int x, int y) { compare_block(text, x, y, block); });
         }
     }
 
@@ -68,37 +69,50 @@ class Lockstep final : public isa::Executor {
         }
     }
 
-    void compare(const std::string& text, isa::Instruction in) const {
+    /// `text` is called for the message only.
+    template <typename Text>
+    void compare(const Text& text, isa::Instruction in) const {
         const isa::OpInfo& row = info(in.op);
         each_pixel([&](int x, int y) {
-            same(text, x, y, "enable", trusted_.enabled(x, y), tested_.enabled(x, y));
-            same(text, x, y, "carry", trusted_.carry(x, y), tested_.carry(x, y));
+            const auto same_state = [&](const char* what, std::uint64_t expected,
+                                        std::uint64_t found) {
+                if (expected != found) {
+                    fail(text(), x, y, what, expected, found);
+                }
+            };
+            same_state("enable", trusted_.enabled(x, y), tested_.enabled(x, y));
+            same_state("carry", trusted_.carry(x, y), tested_.carry(x, y));
             for (std::uint32_t a = 0; a < isa::memory_bits; a += 52) {
-                same(text, x, y, fmt::format("m[{}:52]", a), trusted_.field(x, y, a, 52),
-                     tested_.field(x, y, a, 52));
+                const std::uint64_t expected = trusted_.field(x, y, a, 52);
+                const std::uint64_t found = tested_.field(x, y, a, 52);
+                if (expected != found) {
+                    fail(text(), x, y, fmt::format("m[{}:52]", a), expected, found);
+                }
             }
             if (row.b_role == isa::Role::block) {
                 compare_block(text, x, y, in.operands.b);
             }
             if (in.op == isa::Op::pixels_to_fb) {
                 const auto at = static_cast<std::size_t>(y * region_px + x);
-                same(text, x, y, "readout", trusted_pixels_.at(at), tested_pixels_.at(at));
+                same_state("readout", trusted_pixels_.at(at), tested_pixels_.at(at));
             }
         });
     }
 
-    void compare_block(const std::string& text, int x, int y, std::uint32_t block) const {
-        same(text, x, y, "backing store", trusted_.backing_block(x, y, block),
-             tested_.backing_block(x, y, block));
+    template <typename Text>
+    void compare_block(const Text& text, int x, int y, std::uint32_t block) const {
+        const std::uint32_t expected = trusted_.backing_block(x, y, block);
+        const std::uint32_t found = tested_.backing_block(x, y, block);
+        if (expected != found) {
+            fail(text(), x, y, "backing store", expected, found);
+        }
     }
 
-    void same(const std::string& text, int x, int y, std::string_view what, std::uint64_t expected,
-              std::uint64_t found) const {
-        if (expected != found) {
-            throw Divergence(fmt::format(
-                "instruction {} ({}), pixel ({}, {}): {} is 0x{:x}, the reference has 0x{:x}",
-                executed_, text, x, y, what, found, expected));
-        }
+    [[noreturn]] void fail(const std::string& text, int x, int y, std::string_view what,
+                           std::uint64_t expected, std::uint64_t found) const {
+        throw Divergence(fmt::format(
+            "instruction {} ({}), pixel ({}, {}): {} is 0x{:x}, the reference has 0x{:x}",
+            executed_, text, x, y, what, found, expected));
     }
 
     isa::reference::Reference& trusted_;

@@ -12,12 +12,6 @@
 
 namespace pxpl5::test {
 
-/// Returns the seed of PXPL5_SEED, or `fallback`.
-inline std::uint64_t seed_or(std::uint64_t fallback) {
-    const char* text = std::getenv("PXPL5_SEED");
-    return text == nullptr ? fallback : std::strtoull(text, nullptr, 0);
-}
-
 struct RandomProgramOptions {
     std::size_t instructions = 200;  ///< Minimum; closing loops adds more.
     bool flow = true;                ///< Emit CALL, RET, LOOP, SKIPIFNONE and EOR.

@@ -5,6 +5,7 @@
 #include "isa/disassemble.hpp"
 #include "isa/nearest.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 
@@ -115,7 +116,7 @@ TEST_CASE("parameters are listed with their places") {
 }
 
 TEST_CASE("random programs survive disassembly and assembly") {
-    const std::uint64_t seed = test::seed_or(41);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(41);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms random(seed);
     for (int i = 0; i < 40; ++i) {
@@ -125,7 +126,7 @@ TEST_CASE("random programs survive disassembly and assembly") {
 }
 
 TEST_CASE("damaged text is refused or assembled, never a crash") {
-    const std::uint64_t seed = test::seed_or(42);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(42);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms random(seed);
     std::string text = isa::disassemble(random.program());

@@ -5,6 +5,7 @@
 #include "isa/disassemble.hpp"
 #include "isa/program.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using isa::Op;
@@ -104,7 +105,7 @@ TEST_CASE("what a transfer uses is left alone until BSWAIT") {
 }
 
 TEST_CASE("damaged programs are refused or still valid, never a crash") {
-    const std::uint64_t seed = test::seed_or(31);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(31);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms random(seed);
     std::size_t refusals = 0;

@@ -4,6 +4,7 @@
 #include "isa/conformance/conformance_run.hpp"
 #include "isa/reference/reference.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using isa::parse_conformance;
@@ -108,7 +109,7 @@ TEST_CASE("what is no case is refused with line, column, found and expected") {
 }
 
 TEST_CASE("damaged text is refused with its place or read, never a crash") {
-    const std::uint64_t seed = test::seed_or(43);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(43);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms random(seed);
     const std::string text =

@@ -5,7 +5,7 @@
 
 #include "isa/isa_md.hpp"
 
-TEST_CASE("ISA.md is what the rows say; cmake --build BUILD --target isa_doc rewrites it") {
+TEST_CASE("ISA.md is what the rows say, and cmake --build BUILD --target isa_doc rewrites it") {
     std::ifstream file(PXPL5_SOURCE_DIR "/isa/ISA.md", std::ios::binary);
     std::ostringstream text;
     text << file.rdbuf();

@@ -7,6 +7,7 @@
 
 #include "isa/reference/reference.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using isa::Op;
@@ -170,7 +171,7 @@ bool is_tree(const isa::OpInfo& row) {
 }  // namespace
 
 TEST_CASE("rows of memory and arithmetic agree with 64-bit integers, at every width") {
-    const u64 seed = test::seed_or(21);
+    const u64 seed = test::seed_or<std::uint64_t>(21);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms random(seed);
     for (std::size_t i = 0; i < isa::op_count; ++i) {
@@ -249,7 +250,7 @@ void check_tree_row(test::RandomPrograms& random, Op op, std::uint32_t n) {
 }  // namespace
 
 TEST_CASE("tree rows agree with exact integers, at every width") {
-    const u64 seed = test::seed_or(22);
+    const u64 seed = test::seed_or<std::uint64_t>(22);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms random(seed);
     for (std::size_t i = 0; i < isa::op_count; ++i) {

@@ -8,6 +8,7 @@
 #include "isa/disassemble.hpp"
 #include "isa/reference/reference.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using isa::Instruction;
@@ -86,7 +87,7 @@ void check_effects(const OpInfo& row, const Operands& o, const State& before, co
 }  // namespace
 
 TEST_CASE("a word of any row survives decoding and encoding, assembly and disassembly") {
-    const std::uint64_t seed = test::seed_or(11);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(11);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms random(seed);
     for (const OpInfo& row : isa::op_table) {
@@ -119,7 +120,7 @@ TEST_CASE("a word with a bit set that must be 0 is no instruction") {
 }
 
 TEST_CASE("an instruction changes nothing but what its row says") {
-    const std::uint64_t seed = test::seed_or(12);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(12);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms random(seed);
     for (const OpInfo& row : isa::op_table) {

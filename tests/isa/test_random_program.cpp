@@ -6,11 +6,12 @@
 #include "isa/sequencer.hpp"
 #include "tests/isa/lockstep.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 
 TEST_CASE("random programs are valid and reach every row") {
-    const std::uint64_t seed = test::seed_or(1);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(1);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms programs(seed);
     std::set<std::string_view> seen;
@@ -30,7 +31,7 @@ TEST_CASE("random programs are valid and reach every row") {
 }
 
 TEST_CASE("a window of the reference computes what the whole region computes there") {
-    const std::uint64_t seed = test::seed_or(2);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(2);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms programs(seed);
     const std::vector<std::uint32_t> words = programs.program({.instructions = 120});
@@ -42,7 +43,7 @@ TEST_CASE("a window of the reference computes what the whole region computes the
 }
 
 TEST_CASE("random programs keep a good part of the pixels enabled") {
-    const std::uint64_t seed = test::seed_or(3);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(3);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms programs(seed);
     std::size_t enabled = 0, mixed = 0, steps = 0;

@@ -96,7 +96,7 @@ class Ahead final : public isa::Executor {
 
 }  // namespace
 
-TEST_CASE("an executor may run ahead; its instructions and cycles count") {
+TEST_CASE("an executor may run ahead, and its instructions and cycles count") {
     Ahead executor;
     isa::Controller controller;
     const std::vector<std::uint32_t> words =

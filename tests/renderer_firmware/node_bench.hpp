@@ -21,7 +21,7 @@ using WordList = std::vector<std::uint32_t>;
 inline constexpr bus::NodeId first_gp = 1, first_renderer = 10, frame_buffer = 20;
 inline constexpr std::size_t tile = 128 * 128;
 
-struct Outbox final : bus::Outbox {
+struct RendererOutbox final : bus::Outbox {
     using bus::Outbox::send;
     struct Sent {
         bus::NodeId to;
@@ -113,8 +113,8 @@ inline WordList sheet(std::uint32_t surface, std::uint32_t depth) {
 }
 
 /// One Renderer among `renderers`, with `gps` GPs.
-struct Bench {
-    Bench(int gps, int renderers, int index)
+struct RendererBench {
+    RendererBench(int gps, int renderers, int index)
         : id(static_cast<bus::NodeId>(first_renderer + index)) {
         schema::TopologyT topology;
         const auto add = [&](int node_id, schema::Role role, int i) {
@@ -170,7 +170,7 @@ struct Bench {
 
     std::vector<const schema::RegionPixels*> frames() const {
         std::vector<const schema::RegionPixels*> found;
-        for (const Outbox::Sent& s : out.sent) {
+        for (const RendererOutbox::Sent& s : out.sent) {
             if (s.payload.kind() == Body::RegionPixels) {
                 CHECK(s.to == frame_buffer);
                 found.push_back(
@@ -181,7 +181,7 @@ struct Bench {
     }
     std::vector<const schema::Fault*> fault_messages() const {
         std::vector<const schema::Fault*> found;
-        for (const Outbox::Sent& s : out.sent) {
+        for (const RendererOutbox::Sent& s : out.sent) {
             if (s.payload.kind() == Body::Fault) {
                 CHECK(s.to == bus::host_id);
                 found.push_back(schema::GetMessage(s.payload.bytes().data())->body_as_Fault());
@@ -203,7 +203,7 @@ struct Bench {
 
     bus::NodeId id;
     std::uint64_t sequence = 0;
-    Outbox out;
+    RendererOutbox out;
     renderer::RendererNode node;
 };
 

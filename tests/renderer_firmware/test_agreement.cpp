@@ -5,6 +5,7 @@
 #include "isa/sequencer.hpp"
 #include "tests/isa/lockstep.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/renderer_firmware/targets.hpp"
 
 using namespace pxpl5;
@@ -41,7 +42,7 @@ Window small_window(std::uint64_t seed) {
 }
 
 void check_programs(std::uint64_t begin, std::uint64_t end) {
-    const std::uint64_t first = test::seed_or(first_seed);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(first_seed);
     for (std::uint64_t i = begin; i < end; ++i) {
         test::on_every_target([&](Fast& fast) {
             REQUIRE_NOTHROW(run_in_lockstep(first + i, small_window(i), fast));
@@ -92,14 +93,14 @@ TEST_CASE("random programs agree with the reference on every target: last quarte
 }
 
 TEST_CASE("random programs agree with the reference on the whole region") {
-    const std::uint64_t first = test::seed_or(first_seed + 100'000);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(first_seed + 100'000);
     std::uint64_t seed = first;
     test::on_every_target(
         [&](Fast& fast) { REQUIRE_NOTHROW(run_in_lockstep(seed++, Window{}, fast)); });
 }
 
 TEST_CASE("running ahead leaves what instruction by instruction leaves") {
-    const std::uint64_t first = test::seed_or(first_seed + 200'000);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(first_seed + 200'000);
     for (std::uint64_t i = 0; i < 60; ++i) {
         CAPTURE(first + i);
         const std::vector<std::uint32_t> words = test::RandomPrograms(first + i).program();

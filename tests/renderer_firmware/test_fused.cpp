@@ -11,6 +11,7 @@
 #include "isa/sequencer.hpp"
 #include "renderer_firmware/igc/region_program.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/renderer_firmware/targets.hpp"
 
 using namespace pxpl5;
@@ -134,7 +135,7 @@ std::vector<WordList> all_programs(Shading shading, RandomPrograms& random) {
 }  // namespace
 
 TEST_CASE("region programs, fused, leave what they leave instruction by instruction") {
-    const std::uint64_t seed = test::seed_or(first_seed);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(first_seed);
     INFO("PXPL5_SEED=", seed);
     RandomPrograms random(seed);
     Fast stepped;
@@ -157,7 +158,7 @@ TEST_CASE("region programs, fused, leave what they leave instruction by instruct
 }
 
 TEST_CASE("region programs, fused, leave what the reference leaves") {
-    const std::uint64_t seed = test::seed_or(first_seed + 1);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(first_seed + 1);
     INFO("PXPL5_SEED=", seed);
     RandomPrograms random(seed);
     for (int round = 0; round < 60; ++round) {
@@ -187,7 +188,7 @@ TEST_CASE("region programs, fused, leave what the reference leaves") {
 }
 
 TEST_CASE("a piece of a region program, from anywhere to anywhere, leaves what it leaves") {
-    const std::uint64_t seed = test::seed_or(first_seed + 4);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(first_seed + 4);
     INFO("PXPL5_SEED=", seed);
     RandomPrograms random(seed);
     Fast stepped;
@@ -218,7 +219,7 @@ TEST_CASE("a piece of a region program, from anywhere to anywhere, leaves what i
 }
 
 TEST_CASE("a stream that is nearly a region program is run as it stands") {
-    const std::uint64_t seed = test::seed_or(first_seed + 2);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(first_seed + 2);
     INFO("PXPL5_SEED=", seed);
     RandomPrograms random(seed);
     Fast stepped;
@@ -245,7 +246,7 @@ TEST_CASE("a stream that is nearly a region program is run as it stands") {
 }
 
 TEST_CASE("powers of any length, more than run as one, are exact") {
-    RandomPrograms random(test::seed_or(first_seed + 3));
+    RandomPrograms random(test::seed_or<std::uint64_t>(first_seed + 3));
     // Repeats the steps of power 127.
     Shading shading;
     shading.lights = {{{0.1F, 0.2F, 0.9F}, 1}};

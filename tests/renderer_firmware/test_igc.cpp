@@ -5,6 +5,7 @@
 #include "isa/reference/reference.hpp"
 #include "renderer_firmware/igc/igc.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/renderer_firmware/targets.hpp"
 #include "tests/renderer_firmware/triangles.hpp"
 
@@ -12,7 +13,7 @@ using namespace pxpl5;
 using isa::reference::Reference;
 
 TEST_CASE("the controller counts what the sequencer counts on the reference") {
-    const std::uint64_t first = test::seed_or(77);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(77);
     for (std::uint64_t seed = first; seed < first + 50; ++seed) {
         CAPTURE(seed);
         test::RandomPrograms random(seed);

@@ -8,7 +8,7 @@ using namespace pxpl5;
 using namespace pxpl5::test;
 
 TEST_CASE("a frame leaves as one message, with this Renderer's regions in ascending order") {
-    Bench bench(1, 2, 1);
+    RendererBench bench(1, 2, 1);
     bench.take(first_gp, begin(5, {1, 0, 1, 0}));
     bench.from_gp(0, programs(5, 0, {{2, {{0, 3, sheet(0, 5000)}}}}));
     bench.work();
@@ -31,7 +31,7 @@ TEST_CASE("a frame leaves as one message, with this Renderer's regions in ascend
 
 TEST_CASE("depths leave only if they are asked for, beside the pixels of their tiles") {
     for (const bool wanted : {false, true}) {
-        Bench bench(1, 2, 1);
+        RendererBench bench(1, 2, 1);
         bench.take(first_gp, begin(5, {1, 0, 1}, {16, wanted}));
         bench.from_gp(0, programs(5, 0, {{2, {{0, 3, sheet(0, 5000)}, {1, 3, sheet(1, 4000)}}}}));
         bench.work();
@@ -51,7 +51,7 @@ TEST_CASE("depths leave only if they are asked for, beside the pixels of their t
 }
 
 TEST_CASE("a transparent surface leaves pixels to what is behind it, whichever is drawn first") {
-    Bench bench(1, 1, 0);
+    RendererBench bench(1, 1, 0);
     bench.take(first_gp, begin(1, {0, 0}, {4, false}));
     bench.from_gp(0, programs(1, 0,
                               {{0, {{0, 3, sheet(0, 5000)}, {1, 3, sheet(1, 4000)}}},
@@ -66,7 +66,7 @@ TEST_CASE("a transparent surface leaves pixels to what is behind it, whichever i
 }
 
 TEST_CASE("a stream that reads out does not put the tiles out of step") {
-    Bench bench(1, 1, 0);
+    RendererBench bench(1, 1, 0);
     WordList words = sheet(0, 5000);
     words.push_back(isa::encode({isa::Op::pixels_to_fb, {0, 0, 32}}));
     bench.take(first_gp, begin(1, {0, 0}));
@@ -79,7 +79,7 @@ TEST_CASE("a stream that reads out does not put the tiles out of step") {
 }
 
 TEST_CASE("a Renderer without regions sends its frame all the same") {
-    Bench bench(2, 2, 0);
+    RendererBench bench(2, 2, 0);
     bench.take(first_gp, begin(0, {1, 1}));
     bench.from_gp(0, programs(0, 0, {}));
     bench.from_gp(1, programs(0, 1, {}));
@@ -90,7 +90,7 @@ TEST_CASE("a Renderer without regions sends its frame all the same") {
 }
 
 TEST_CASE("nothing is drawn before the frame has begun and every GP has spoken") {
-    Bench bench(2, 1, 0);
+    RendererBench bench(2, 1, 0);
     bench.from_gp(1, programs(3, 1, {}));
     CHECK_FALSE(bench.node.work(bench.out));
     bench.take(first_gp, begin(3, {0}));
@@ -109,7 +109,7 @@ TEST_CASE("the order in which GPs' messages arrive changes nothing, and slabs de
     const int sources[] = {first_gp, first_gp, first_gp + 1, first_gp + 2};
     int order[] = {0, 1, 2, 3};
     do {
-        Bench bench(3, 1, 0);
+        RendererBench bench(3, 1, 0);
         for (const int i : order) {
             bench.take(sources[i], messages[i]);
             bench.node.work(bench.out);
@@ -121,8 +121,8 @@ TEST_CASE("the order in which GPs' messages arrive changes nothing, and slabs de
     } while (std::next_permutation(std::begin(order), std::end(order)));
 }
 
-TEST_CASE("messages of two frames may interleave; frames leave in ascending order") {
-    Bench bench(2, 1, 0);
+TEST_CASE("messages of two frames may interleave, and frames leave in ascending order") {
+    RendererBench bench(2, 1, 0);
     bench.from_gp(1, programs(8, 1, {}));
     bench.from_gp(1, programs(9, 1, {{0, {{0, 0, sheet(0, 900)}}}}));
     bench.from_gp(0, begin(8, {0}));
@@ -139,8 +139,8 @@ TEST_CASE("messages of two frames may interleave; frames leave in ascending orde
     CHECK(is_all(*frames[1], 0, colors[0]));
 }
 
-TEST_CASE("a bad stream is a fault that names its place; the region is drawn without it") {
-    Bench bench(2, 1, 0);
+TEST_CASE("a bad stream is a fault that names its place, and the region is drawn without it") {
+    RendererBench bench(2, 1, 0);
     WordList bad = sheet(0, 10);
     bad.push_back(0xEE112233);
     bench.from_gp(0, begin(4, {0}));
@@ -162,7 +162,7 @@ TEST_CASE("a bad stream is a fault that names its place; the region is drawn wit
 }
 
 TEST_CASE("segments that do not belong are faults, and the frame is finished") {
-    Bench bench(2, 2, 0);
+    RendererBench bench(2, 2, 0);
     bench.from_gp(0, begin(4, {0, 1}));
     bench.from_gp(0, programs(4, 0, {{1, {}}, {7, {}}, {0, {{0, 1, sheet(0, 1000)}}}}));
     bench.from_gp(1, programs(4, 1, {{0, {{9, 0, sheet(1, 10)}, {0, 1, sheet(1, 10)}}}}));
@@ -182,7 +182,7 @@ TEST_CASE("segments that do not belong are faults, and the frame is finished") {
 }
 
 TEST_CASE("a flood of bad segments is cut short") {
-    Bench bench(1, 1, 0);
+    RendererBench bench(1, 1, 0);
     RegionWords flood{0, {}};
     for (std::uint32_t slab = 0; slab < 1000; ++slab) {
         flood.segments.push_back({0, slab, {0xFFFFFFFF}});
@@ -196,7 +196,7 @@ TEST_CASE("a flood of bad segments is cut short") {
 }
 
 TEST_CASE("messages that cannot be right are refused by name") {
-    Bench bench(2, 1, 0);
+    RendererBench bench(2, 1, 0);
     CHECK(bench.refused(first_gp, bus::pack(schema::GoT())).find("Go") != std::string::npos);
     CHECK(bench.refused(first_gp, programs(0, 1, {})).find("as GP 1") != std::string::npos);
     CHECK(bench.refused(first_gp, programs(0, 2, {})).find("as GP 2") != std::string::npos);
@@ -217,7 +217,7 @@ TEST_CASE("messages that cannot be right are refused by name") {
 }
 
 TEST_CASE("a frame that lost a message is given up, by name, when a later one is complete") {
-    Bench bench(2, 1, 0);
+    RendererBench bench(2, 1, 0);
     bench.from_gp(0, begin(1, {0}));
     bench.from_gp(0, programs(1, 0, {}));
     bench.from_gp(0, begin(2, {0}));
@@ -232,7 +232,7 @@ TEST_CASE("a frame that lost a message is given up, by name, when a later one is
 }
 
 TEST_CASE("a topology without this Renderer is refused") {
-    Bench bench(1, 1, 0);
+    RendererBench bench(1, 1, 0);
     schema::TopologyT topology;
     topology.nodes.push_back(std::make_unique<schema::NodeInfoT>());
     const std::string reason = bench.refused(bus::host_id, bus::pack(topology));
@@ -241,7 +241,7 @@ TEST_CASE("a topology without this Renderer is refused") {
 }
 
 TEST_CASE("a frame that cannot be sent is a fault, and the next one is drawn") {
-    Bench bench(1, 1, 0);
+    RendererBench bench(1, 1, 0);
     bench.take(first_gp, begin(1, {0}));
     bench.from_gp(0, programs(1, 0, {{0, {{0, 3, sheet(0, 5000)}}}}));
     bench.out.refused = Body::RegionPixels;

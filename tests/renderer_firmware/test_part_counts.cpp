@@ -44,11 +44,11 @@ isa::RunCounts sum_of(const std::vector<PartCounts>& parts) {
 }
 
 /// Returns the only FrameCounts of a node, and its receiver.
-schema::FrameCountsT counts_of(const test::Bench& bench) {
+schema::FrameCountsT counts_of(const test::RendererBench& bench) {
     schema::FrameCountsT found;
     int count = 0;
     bool pixels_before = false;
-    for (const test::Outbox::Sent& s : bench.out.sent) {
+    for (const test::RendererOutbox::Sent& s : bench.out.sent) {
         pixels_before = pixels_before || s.payload.kind() == schema::Body::RegionPixels;
         if (s.payload.kind() == schema::Body::FrameCounts) {
             ++count;
@@ -144,7 +144,7 @@ TEST_CASE("parts are counted only for who asks, and the region is the same") {
 
 TEST_CASE("a Renderer tells the host each part of its regions, and their sums are its tiles'") {
     const auto draw = [](bool counts) {
-        auto bench = std::make_unique<test::Bench>(2, 2, 1);
+        auto bench = std::make_unique<test::RendererBench>(2, 2, 1);
         schema::BeginFrameT begin;
         const bus::Payload packed = test::begin(3, {0, 1, 1}, {8, true});
         schema::GetMessage(packed.bytes().data())->body_as_BeginFrame()->UnPackTo(&begin);
@@ -159,7 +159,7 @@ TEST_CASE("a Renderer tells the host each part of its regions, and their sums ar
         return bench;
     };
     const auto counted = draw(true), plain = draw(false);
-    CHECK(std::ranges::none_of(plain->out.sent, [](const test::Outbox::Sent& s) {
+    CHECK(std::ranges::none_of(plain->out.sent, [](const test::RendererOutbox::Sent& s) {
         return s.payload.kind() == schema::Body::FrameCounts;
     }));
     CHECK(std::ranges::equal(*counted->frames()[0]->pixels(), *plain->frames()[0]->pixels()));
@@ -206,7 +206,7 @@ TEST_CASE("a Renderer tells the host each part of its regions, and their sums ar
 }
 
 TEST_CASE("a pass tells what it waits for the backing store") {
-    test::Bench bench(1, 1, 0);
+    test::RendererBench bench(1, 1, 0);
     for (std::uint8_t sample = 0; sample < 2; ++sample) {
         bench.out.sent.clear();
         schema::BeginFrameT begin;

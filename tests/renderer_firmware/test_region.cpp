@@ -71,7 +71,7 @@ TEST_CASE("a region without segments is what its own programs make it") {
         [](renderer::fast::Fast& fast) { CHECK(draw(fast, {}).pixels == WordList(128 * 128, 0)); });
 }
 
-TEST_CASE("a bad segment is left out and named; the others are drawn") {
+TEST_CASE("a bad segment is left out and named, and the others are drawn") {
     test::on_every_target([](renderer::fast::Fast& fast) {
         const WordList good = sheet(4, 6000);
         WordList bad = sheet(5, 100);

@@ -14,6 +14,7 @@
 #include "renderer_firmware/igc/region_program.hpp"
 #include "tests/isa/lockstep.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/renderer_firmware/targets.hpp"
 
 using namespace pxpl5;
@@ -186,7 +187,7 @@ Shading white_lamp(Light::Direction direction) {
 }  // namespace
 
 TEST_CASE("shaded pixels are within 2 of 255 of Phong's formula, the background is exact") {
-    const std::uint64_t seed = test::seed_or(51);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(51);
     INFO("PXPL5_SEED=", seed);
     Random random(seed);
     double worst = 0, worst_at_unit = 0;
@@ -212,7 +213,7 @@ TEST_CASE("shaded pixels are within 2 of 255 of Phong's formula, the background 
 }
 
 TEST_CASE("every specular power follows the formula around the highlight") {
-    Random random(test::seed_or(52));
+    Random random(test::seed_or<std::uint64_t>(52));
     double worst = 0;
     for (std::uint32_t power = 1; power <= max_specular_power; ++power) {
         Shading shading = white_lamp({0.3F, -0.2F, 0.9F});
@@ -240,7 +241,7 @@ TEST_CASE("every specular power follows the formula around the highlight") {
 }
 
 TEST_CASE("a surface looks the same from both of its sides") {
-    Random random(test::seed_or(53));
+    Random random(test::seed_or<std::uint64_t>(53));
     Shading shading = random_shading(random, 3);
     std::vector<Covered> front(pixel_count);
     for (Covered& pixel : front) {
@@ -309,7 +310,7 @@ TEST_CASE("normals of any length are safe, those of length 0 get the ambient lig
 }
 
 TEST_CASE("the fast executor shades bit for bit as the reference does") {
-    const std::uint64_t seed = test::seed_or(54);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(54);
     INFO("PXPL5_SEED=", seed);
     test::on_every_target([seed](renderer::fast::Fast& fast) {
         Random random(seed);

@@ -162,7 +162,7 @@ TEST_CASE("over 16 passes a transparent surface has its share of every pixel") {
 }
 
 TEST_CASE("a Renderer sends the mean with the last pass, and no pixels before") {
-    Bench bench(1, 2, 1);
+    RendererBench bench(1, 2, 1);
     for (std::uint8_t k = 0; k < 4; ++k) {
         bench.take(first_gp, pass(7U + k, k, {1, 0, 1}));
         // One of four passes shows the sheet in region 2.
@@ -184,12 +184,12 @@ TEST_CASE("a Renderer sends the mean with the last pass, and no pixels before") 
 }
 
 TEST_CASE("a pass whose sums are not there is a fault, and the next picture is drawn") {
-    const auto draw = [](Bench& bench, const bus::Payload& payload, std::uint32_t frame) {
+    const auto draw = [](RendererBench& bench, const bus::Payload& payload, std::uint32_t frame) {
         bench.take(first_gp, payload);
         bench.from_gp(0, programs(frame, 0, {}));
         bench.work();
     };
-    Bench bench(1, 1, 0);
+    RendererBench bench(1, 1, 0);
     draw(bench, pass(1, 0, {0}), 1);
     draw(bench, pass(3, 1, {0}), 3);  // Frame 2 is missing.
     CHECK(
@@ -217,7 +217,7 @@ TEST_CASE("a stream may not touch the backing store while it holds sums") {
                             isa::encode({isa::Op::bs_read, {128, 5, 0}}),
                             isa::encode({isa::Op::bs_wait, {}})};
     for (const bool is_pass : {false, true}) {
-        Bench bench(1, 1, 0);
+        RendererBench bench(1, 1, 0);
         bench.take(first_gp, is_pass ? pass(1, 0, {0}) : begin(1, {0}));
         bench.from_gp(0, programs(1, 0, {{0, {{0, 3, reads}}}}));
         bench.work();
@@ -230,7 +230,7 @@ TEST_CASE("a stream may not touch the backing store while it holds sums") {
 }
 
 TEST_CASE("a Renderer is not given more regions than it has room to sum") {
-    Bench bench(1, 1, 0);
+    RendererBench bench(1, 1, 0);
     CHECK(bench.refused(first_gp, pass(1, 0, std::vector<std::uint16_t>(64, 0))) == "taken");
     CHECK(bench.refused(first_gp, begin(2, std::vector<std::uint16_t>(64, 0),
                                         {.sample = 0, .samples = 16})) == "taken");

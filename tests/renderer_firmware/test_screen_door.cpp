@@ -5,6 +5,7 @@
 #include "isa/reference/reference.hpp"
 #include "renderer_firmware/igc/region.hpp"
 #include "renderer_firmware/igc/region_program.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/renderer_firmware/targets.hpp"
 #include "tests/renderer_firmware/triangles.hpp"
 
@@ -172,7 +173,7 @@ std::vector<bool> drawn_screen(renderer::Screen screen) {
 }  // namespace
 
 TEST_CASE("transparent surfaces show in their pixels of the pattern, as the depth test decides") {
-    const std::uint64_t seed = test::seed_or(41);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(41);
     MESSAGE("PXPL5_SEED=", seed);
     for (std::uint64_t n = 0; n < 6; ++n) {
         const Scene scene(seed + n);
@@ -197,7 +198,7 @@ TEST_CASE("transparent surfaces show in their pixels of the pattern, as the dept
 }
 
 TEST_CASE("the reference executor draws doors and depths as the fast one does") {
-    const Scene scene(test::seed_or(43));
+    const Scene scene(test::seed_or<std::uint64_t>(43));
     const renderer::RegionPrograms programs = region_programs(scene.shading, true);
     isa::reference::Reference reference({52, 60, 16, 8});
     renderer::fast::Fast fast;
@@ -288,7 +289,7 @@ TEST_CASE("no pattern has clumps or stripes: the pixels of 4/16 do not touch by 
 }
 
 TEST_CASE("an opaque frame without depths runs just what it ran before") {
-    Scene scene(test::seed_or(44));
+    Scene scene(test::seed_or<std::uint64_t>(44));
     scene.shading.screens.assign(8, {});
     const renderer::RegionPrograms programs = region_programs(scene.shading);
     CHECK(programs.doors.empty());
@@ -298,8 +299,8 @@ TEST_CASE("an opaque frame without depths runs just what it ran before") {
     CHECK(drawn.parts.size() == 1 + scene.slabs.size() + 1);
 }
 
-TEST_CASE("only surfaces that are in a region have doors there; a bad segment opens none") {
-    Scene scene(test::seed_or(45));
+TEST_CASE("only surfaces that are in a region have doors there, and a bad segment opens none") {
+    Scene scene(test::seed_or<std::uint64_t>(45));
     scene.shading.screens.assign(8, {8, 0});
     const renderer::RegionPrograms programs = region_programs(scene.shading);
     const WordList bad = {0xEE000000};

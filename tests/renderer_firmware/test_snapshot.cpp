@@ -8,6 +8,7 @@
 #include "isa/sequencer.hpp"
 #include "renderer_firmware/fast/fast.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using isa::reference::Reference;
@@ -101,7 +102,7 @@ void run_disturbed(const Words& words, Executor& plain, Executor& tried,
 }  // namespace
 
 TEST_CASE("a restored fast executor goes on as if nothing had happened, after every row") {
-    const std::uint64_t seed = test::seed_or(11);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(11);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms programs(seed), noise(seed + 1);
     std::set<isa::Op> seen;
@@ -113,7 +114,7 @@ TEST_CASE("a restored fast executor goes on as if nothing had happened, after ev
 }
 
 TEST_CASE("a restored reference goes on as if nothing had happened, after every row") {
-    const std::uint64_t seed = test::seed_or(12);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(12);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms programs(seed), noise(seed + 1);
     std::set<isa::Op> seen;
@@ -128,7 +129,7 @@ TEST_CASE("a restored reference goes on as if nothing had happened, after every 
 }
 
 TEST_CASE("a state of one fast executor can be restored into another") {
-    const std::uint64_t seed = test::seed_or(13);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(13);
     INFO("PXPL5_SEED=", seed);
     test::RandomPrograms programs(seed);
     Fast one, other;

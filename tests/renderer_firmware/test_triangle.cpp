@@ -1,6 +1,7 @@
 // Compares fused triangles with the reference, which runs them instruction by instruction.
 #include "isa/sequencer.hpp"
 #include "tests/isa/lockstep.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/renderer_firmware/targets.hpp"
 #include "tests/renderer_firmware/triangles.hpp"
 
@@ -40,7 +41,7 @@ void compare_runs(const std::vector<std::uint32_t>& words, Window window, Fast& 
 }  // namespace
 
 TEST_CASE("random triangles, run fused, leave memory, carries and enables of the reference") {
-    const std::uint64_t first = test::seed_or(4711);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(4711);
     for (std::uint64_t seed = first; seed < first + 400; ++seed) {
         CAPTURE(seed);
         test::RandomPrograms random(seed);
@@ -58,7 +59,7 @@ TEST_CASE("random triangles, run fused, leave memory, carries and enables of the
 }
 
 TEST_CASE("edges with any coefficients, wrapped or unbounded, agree with the reference") {
-    const std::uint64_t first = test::seed_or(99);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(99);
     for (std::uint64_t seed = first; seed < first + 200; ++seed) {
         CAPTURE(seed);
         test::RandomPrograms random(seed);
@@ -79,7 +80,7 @@ TEST_CASE("edges with any coefficients, wrapped or unbounded, agree with the ref
 }
 
 TEST_CASE("sign tests of any width, too narrow for their edge too, agree with the reference") {
-    const std::uint64_t first = test::seed_or(500);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(500);
     for (std::uint64_t seed = first; seed < first + 200; ++seed) {
         CAPTURE(seed);
         test::RandomPrograms random(seed);
@@ -102,7 +103,7 @@ TEST_CASE("sign tests of any width, too narrow for their edge too, agree with th
 }
 
 TEST_CASE("slivers and triangles over the whole region agree on every pixel") {
-    const std::uint64_t first = test::seed_or(31);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(31);
     for (std::uint64_t seed = first; seed < first + 2; ++seed) {
         CAPTURE(seed);
         test::RandomPrograms random(seed);
@@ -161,7 +162,7 @@ TEST_CASE("triangles are run fused: the executor takes them all at once") {
 }
 
 TEST_CASE("a fused run that ends before an odd triangle leaves what its instructions leave") {
-    const std::uint64_t first = test::seed_or(1300);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(1300);
     for (std::uint64_t seed = first; seed < first + 60; ++seed) {
         CAPTURE(seed);
         test::RandomPrograms random(seed);

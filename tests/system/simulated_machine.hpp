@@ -31,9 +31,9 @@ class SimulatedMachine final : public host::MachinePort {
         for (host::RosterEntry& entry : roster_) {
             entry.endpoint = "simulated";
             if (entry.id == bus::host_id) {
-                ring_.add(entry.id, mailbox_);
+                ring_.add(entry.id, mailbox_, entry.role);
             } else {
-                ring_.add(entry.id, *nodes_.emplace_back(make_node(entry.role)));
+                ring_.add(entry.id, *nodes_.emplace_back(make_node(entry.role)), entry.role);
             }
         }
         const bus::Payload told = host::topology_message(roster_, topology);
@@ -61,8 +61,10 @@ class SimulatedMachine final : public host::MachinePort {
               const std::function<bool()>& done) override {
         while (!done()) {
             pollfd watched{watched_fd_, POLLIN, 0};
-            if (watched_fd_ >= 0 && poll(&watched, 1, 0) > 0 && give_up_() && can_be_cancelled_) {
-                throw host::Cancelled();
+            has_given_up_ |= watched_fd_ >= 0 && poll(&watched, 1, 0) > 0 && give_up_();
+            if (has_given_up_ && (can_be_canceled_ || may_give_up_)) {
+                has_given_up_ = false;
+                throw host::Canceled();
             }
             if (!mailbox_.messages.empty()) {
                 const bus::Message message = mailbox_.messages.front();
@@ -84,8 +86,10 @@ class SimulatedMachine final : public host::MachinePort {
                                  "a simulated machine has no io process");
     }
     void release_io() override {}
-    void allow_cancel(bool allowed) override { can_be_cancelled_ = allowed; }
+    void allow_cancel(bool allowed) override { can_be_canceled_ = allowed; }
+    void allow_give_up(bool allowed) override { may_give_up_ = allowed; }
     void watch(int fd, std::function<bool()> give_up) override {
+        has_given_up_ = false;
         watched_fd_ = fd;
         give_up_ = std::move(give_up);
     }
@@ -119,7 +123,7 @@ class SimulatedMachine final : public host::MachinePort {
 
     int watched_fd_ = -1;
     std::function<bool()> give_up_;
-    bool can_be_cancelled_ = false;
+    bool can_be_canceled_ = false, may_give_up_ = false, has_given_up_ = false;
     Mailbox mailbox_;
     std::vector<std::unique_ptr<bus::Node>> nodes_;
     bus::SimulatedRing ring_;

@@ -26,7 +26,7 @@ std::string lines_of(Session& session, const PhantomInfo& phantom) {
     for (const PhantomSurface& surface : phantom.surfaces) {
         const SurfaceReport report = session.surfaces.set(
             surface.name, surface.isovalue, CaseRule::watertight,
-            {surface.colour_rgb[0], surface.colour_rgb[1], surface.colour_rgb[2]});
+            {surface.color_rgb[0], surface.color_rgb[1], surface.color_rgb[2]});
         lines += fmt::format("{} {}: {} triangles, mesh {:016x}, frame {:016x}\n", phantom.name,
                              surface.name, report.triangles, session.meshes.digest(surface.name),
                              picture_digest(session.frames.draw()));

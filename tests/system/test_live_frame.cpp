@@ -2,6 +2,7 @@
 // again.
 #include <doctest/doctest.h>
 
+#include "host/commands/commands.hpp"
 #include "host/inspect/why/live_frame.hpp"
 #include "host/machine/machine.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
@@ -48,5 +49,10 @@ TEST_CASE("a scrubbed region ends as the frame shows it, and is kept until the s
     session.scene.camera.angles.azimuth_deg += 10;
     LiveFrame::of(session).why(140, 130);
     CHECK(session.frames.last().frame == frame + 1);
+    const auto why = [&] { return run_command(session, parse_line("why 140 130")).text; };
+    CHECK(why().starts_with("Pixel (140, 130)"));
+    session.scene.samples = 4;
+    CHECK(
+        why().starts_with("Pictures show the mean of 4 samples of the pixel; this explains one "));
     machine.shutdown();
 }

@@ -198,7 +198,7 @@ TEST_CASE("a frame draws each slab's triangles, and no more of them than there a
     CHECK(emitted.size() > 20);
 }
 
-TEST_CASE("each pass of a picture is counted by itself; the last reads out") {
+TEST_CASE("each pass of a picture is counted by itself, and the last reads out") {
     const Result& result = least_machine();
     REQUIRE(result.passes.size() == 4);
     std::uint64_t instructions = 0;

@@ -1,5 +1,6 @@
-// Loading: in sets of any size, with progress, and given up in the middle.
+// Loading: in sets of any size, with progress, and given up in the middle; exports given up, too.
 #include <doctest/doctest.h>
+#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr Colour grey{160, 160, 160};
+constexpr Color gray{160, 160, 160};
 constexpr double isovalue = 118.5;
 
 Topology machine_of(int gps, int gp_memory_mib = 256) {
@@ -76,7 +77,7 @@ struct Result {
 
 Result result_of(Session& session) {
     session.scene.size = {140, 130};
-    const SurfaceReport report = session.surfaces.set("s", isovalue, CaseRule::watertight, grey);
+    const SurfaceReport report = session.surfaces.set("s", isovalue, CaseRule::watertight, gray);
     return {session.meshes.digest("s"), session.volumes.volume().digest,
             report.triangles,           report.area_mm2,
             report.volume_mm3,          session.frames.draw().rgba};
@@ -168,7 +169,7 @@ TEST_CASE("Ctrl-C while a volume is read or handed out gives up the volume alone
                 std::raise(SIGINT);
             }
         };
-        const std::string error = error_of<Cancelled>([&] { session.volumes.load(bench.file); });
+        const std::string error = error_of<Canceled>([&] { session.volumes.load(bench.file); });
         session.load_settings.progress = nullptr;
         CHECK(pressed);
         return error;
@@ -176,7 +177,7 @@ TEST_CASE("Ctrl-C while a volume is read or handed out gives up the volume alone
     // Before anything of it has come, what was loaded stays.
     CHECK(cancel_at([](const LoadProgress& now) { return now.total == 0; }) == "canceled");
     CHECK(session.volumes.volume().name == "phantom:sphere");
-    CHECK(session.surfaces.set("s", 100, CaseRule::watertight, grey).triangles > 0);
+    CHECK(session.surfaces.set("s", 100, CaseRule::watertight, gray).triangles > 0);
 
     using Phase = LoadProgress::Phase;
     const std::vector<std::function<bool(const LoadProgress&)>> later = {
@@ -207,7 +208,7 @@ TEST_CASE("a machine whose last load was given up ends in order") {
             std::raise(SIGINT);
         }
     };
-    CHECK(error_of<Cancelled>([&] { session.volumes.load(bench.file); }) == "canceled");
+    CHECK(error_of<Canceled>([&] { session.volumes.load(bench.file); }) == "canceled");
     // The io process dies of SIGKILL meanwhile, which was the machine's own doing.
     CHECK(error_of<MachineError>([&] { machine.shutdown(); }) == "none");
 }
@@ -226,7 +227,7 @@ TEST_CASE("a second Ctrl-C, and one outside of loading, ends the machine") {
             session.volumes.load(bench.file);
             std::raise(SIGINT);
         } else {
-            CHECK(error_of<Cancelled>([&] { session.volumes.load(bench.file); }) == "canceled");
+            CHECK(error_of<Canceled>([&] { session.volumes.load(bench.file); }) == "canceled");
         }
         CHECK(has(error_of<MachineError>([&] { session.volumes.load("phantom:sphere"); }),
                   "interrupted by SIGINT"));  // The press came before, and is not this load's.
@@ -243,6 +244,28 @@ TEST_CASE("a volume that no GP can hold is refused before all of it is read, and
     CHECK_MESSAGE(has(error, "GPs with 33554432 bytes each would do"), error);
     CHECK_FALSE(session.volumes.has_volume());
     session.volumes.load("phantom:sphere");
-    CHECK(session.surfaces.set("s", 100, CaseRule::watertight, grey).triangles > 0);
+    CHECK(session.surfaces.set("s", 100, CaseRule::watertight, gray).triangles > 0);
     machine.shutdown();
+}
+
+TEST_CASE("an export that is canceled while it writes leaves no file, and the next one is whole") {
+    const Bench bench;
+    Machine machine(machine_of(2), bench.options);
+    Session session(machine);
+    session.volumes.load(bench.file.string());
+    session.surfaces.set("s", isovalue, CaseRule::watertight, gray);
+    const fs::path out = bench.folder / "out";
+    fs::create_directory(out);
+    // It stays readable, so that the machine asks until the file of the io process is there.
+    const int asked = eventfd(1, EFD_CLOEXEC);
+    bool has_begun = false;
+    machine.watch(asked, [&] { return has_begun = has_begun || !fs::is_empty(out); });
+    const fs::path path = out / "s.stl";
+    CHECK(error_of<Canceled>([&] { session.exports.mesh(path, {}); }) == "canceled");
+    CHECK(has_begun);
+    CHECK(fs::is_empty(out));
+    machine.watch(-1, {});
+    const MeshExportReport report = session.exports.mesh(path, {});
+    CHECK(fs::file_size(path) == 84 + 50 * static_cast<std::uintmax_t>(report.triangles));
+    close(asked);
 }

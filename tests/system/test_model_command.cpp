@@ -133,7 +133,7 @@ TEST_CASE("model refuses what it does not know, by name, before it draws") {
     CHECK(bench.refusal("model gp.edge_cycle=3").find("did you mean 'gp.edge_cycles'") !=
           std::string::npos);
     CHECK(bench.refusal("model gp.edge_cycles=much").find("gp.edge_cycles") != std::string::npos);
-    CHECK(bench.refusal("model gp.count=1000").find("1000") != std::string::npos);
+    CHECK(bench.refusal("model gp.count=2000").find("2000") != std::string::npos);
     CHECK(bench.session.frames.last().frame == before);
     // With another number of Renderers, the recorded assignment does not apply.
     CHECK(bench.refusal("model assignment=recorded").find("Renderers") != std::string::npos);

@@ -11,6 +11,7 @@
 
 #include "host/machine/machine.hpp"
 #include "host/session/session.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;
@@ -84,11 +85,6 @@ const Results& least_machine() {
     return results;
 }
 
-std::uint64_t first_seed() {
-    const char* given = std::getenv("PXPL5_SEED");
-    return given != nullptr ? std::stoull(given) : 1;
-}
-
 }  // namespace
 
 TEST_CASE("the least machine draws something") {
@@ -103,9 +99,10 @@ TEST_CASE("the least machine draws something") {
 }
 
 TEST_CASE("meshes and pictures are the same for any machine and any order of arrival") {
-    constexpr int seeds = 20;
+    constexpr int seeds = test::seed_count(20);
     for (const auto& [gps, renderers] : {std::pair{1, 1}, {2, 2}, {3, 5}, {36, 16}}) {
-        for (std::uint64_t seed = first_seed(); seed < first_seed() + seeds; ++seed) {
+        for (std::uint64_t seed = test::seed_or<std::uint64_t>(1);
+             seed < test::seed_or<std::uint64_t>(1) + seeds; ++seed) {
             CAPTURE(gps);
             CAPTURE(renderers);
             CAPTURE(seed);
@@ -128,7 +125,7 @@ TEST_CASE("a large picture from near by is the same for any machine") {
     const auto least = picture_of(plan(1, 1, 0));
     for (const auto& [gps, renderers] : {std::pair{2, 2}, {3, 5}, {36, 16}}) {
         CAPTURE(gps);
-        CHECK(picture_of(plan(gps, renderers, first_seed())) == least);
+        CHECK(picture_of(plan(gps, renderers, test::seed_or<std::uint64_t>(1))) == least);
     }
 }
 
@@ -148,7 +145,7 @@ TEST_CASE("a scene is the same for any machine") {
         for (const auto& [gps, renderers] : {std::pair{2, 2}, {3, 5}, {36, 16}}) {
             CAPTURE(name);
             CAPTURE(gps);
-            CHECK(picture_of(plan(gps, renderers, first_seed())) == least);
+            CHECK(picture_of(plan(gps, renderers, test::seed_or<std::uint64_t>(1))) == least);
         }
     }
 }

@@ -59,7 +59,7 @@ TEST_CASE("a scene's colors, sides and gloss arrive in the picture") {
     session.scene.material = {1, 0, 1};
     session.scene.lights.clear();
     const Picture picture = session.frames.draw();
-    const Colour background = session.scene.background;
+    const Color background = session.scene.background;
     CHECK(pixel(picture, 100, 100) == 0x0000FF);
     CHECK(pixel(picture, 40, 100) == 0xFF0000);
     CHECK(pixel(picture, 160, 100) == (background.r | background.g << 8 | background.b << 16));
@@ -96,7 +96,7 @@ TEST_CASE("volume and scene take each other's place") {
     CHECK(session.frames.draw().rgba == first);
 }
 
-TEST_CASE("a bad archive leaves what is loaded; one that does not fit leaves nothing") {
+TEST_CASE("a bad archive leaves what is loaded, and one that does not fit leaves nothing") {
     test::SimulatedMachine machine(machine_of(4, 1));
     Session session(machine);
     session.volumes.load("phantom:sphere");
@@ -114,7 +114,7 @@ TEST_CASE("a bad archive leaves what is loaded; one that does not fit leaves not
     const std::string error = test::error_of([&] { session.volumes.load(large.path); });
     CHECK(error.find(large.path) == 0);
     CHECK(error.find("bytes of local memory") != std::string::npos);
-    CHECK(error.find("more GPs share a scene") != std::string::npos);
+    CHECK(error.find("use more GPs to share the scene") != std::string::npos);
     CHECK(!session.volumes.has_volume());
     CHECK(session.volumes.archive() == nullptr);
     const ArchiveFile small("sphere 0 0 0 1;\n");

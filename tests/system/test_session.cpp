@@ -13,7 +13,7 @@ using namespace pxpl5::host;
 
 namespace {
 
-constexpr Colour grey{160, 160, 160};
+constexpr Color gray{160, 160, 160};
 
 Topology machine_of(int gps, int renderers, int gp_memory_mib = 64) {
     Topology topology;
@@ -29,7 +29,7 @@ Topology machine_of(int gps, int renderers, int gp_memory_mib = 64) {
 void show_sphere(Session& session, int width, int height, double isovalue) {
     session.volumes.load("phantom:sphere");
     session.scene.size = {width, height};
-    session.surfaces.set("s", isovalue, CaseRule::watertight, grey);
+    session.surfaces.set("s", isovalue, CaseRule::watertight, gray);
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ TEST_CASE("when all GPs refuse a volume, the next volume is not blamed for it") 
     CHECK(error.find("GPs") != std::string::npos);
     CHECK(!session.volumes.has_volume());
     CHECK_NOTHROW(session.volumes.load("phantom:sphere"));
-    CHECK_NOTHROW(session.surfaces.set("s", 0.5, CaseRule::watertight, grey));
+    CHECK_NOTHROW(session.surfaces.set("s", 0.5, CaseRule::watertight, gray));
     CHECK(session.frames.draw().rgba.size() == 512 * 512);
 }
 
@@ -83,7 +83,7 @@ TEST_CASE("a surface that no GP has room for is gone, and the others stay") {
     for (; held < 16 && error.empty(); ++held) {
         error = test::error_of([&] {
             session.surfaces.set("s" + std::to_string(held), 100 + held, CaseRule::watertight,
-                                 grey);
+                                 gray);
         });
     }
     REQUIRE(!error.empty());
@@ -98,9 +98,9 @@ TEST_CASE("the newest isovalue of a surface is what is drawn") {
     Session session(machine);
     show_sphere(session, 100, 100, 0.5);
     const Picture large = session.frames.draw();
-    session.surfaces.set("s", 1500.5, CaseRule::watertight, grey);
+    session.surfaces.set("s", 1500.5, CaseRule::watertight, gray);
     CHECK(session.frames.draw().rgba != large.rgba);
-    session.surfaces.set("s", 0.5, CaseRule::watertight, grey);
+    session.surfaces.set("s", 0.5, CaseRule::watertight, gray);
     CHECK(session.frames.draw().rgba == large.rgba);
 }
 
@@ -112,10 +112,10 @@ TEST_CASE("a sweep shows each isovalue and leaves the surface as it was") {
     const std::vector<double> isovalues = {0.5, 900.5, 1500.5};
     std::vector<std::vector<std::uint32_t>> wanted;
     for (const double isovalue : isovalues) {
-        session.surfaces.set("s", isovalue, CaseRule::watertight, grey);
+        session.surfaces.set("s", isovalue, CaseRule::watertight, gray);
         wanted.push_back(session.frames.draw().rgba);
     }
-    session.surfaces.set("s", 300.5, CaseRule::watertight, grey);
+    session.surfaces.set("s", 300.5, CaseRule::watertight, gray);
     const Picture before = session.frames.draw();
 
     std::vector<std::vector<std::uint32_t>> shown;
@@ -188,12 +188,12 @@ TEST_CASE("an announced frame is requested with the surface, and drawn once") {
     show_sphere(session, 150, 130, 0.5);
     const Picture plain = session.frames.draw();
     const std::uint32_t before = session.frames.last().frame;
-    session.surfaces.set("s", 0.2, CaseRule::watertight, grey);
+    session.surfaces.set("s", 0.2, CaseRule::watertight, gray);
     const Picture expected = session.frames.draw();
     CHECK(expected.rgba != plain.rgba);
-    session.surfaces.set("s", 0.5, CaseRule::watertight, grey);
+    session.surfaces.set("s", 0.5, CaseRule::watertight, gray);
     session.frames.announce(session.scene.size);
-    session.surfaces.set("s", 0.2, CaseRule::watertight, grey);
+    session.surfaces.set("s", 0.2, CaseRule::watertight, gray);
     CHECK(session.frames.has_frame_ahead());
     CHECK(session.frames.draw().rgba == expected.rgba);
     CHECK(session.frames.last().frame == before + 2);
@@ -210,16 +210,16 @@ TEST_CASE("an announced frame that does not show the scene is dropped") {
     const Picture expected = session.frames.draw();
     session.scene.camera.angles.azimuth_deg = 70;
     session.frames.announce(session.scene.size);
-    session.surfaces.set("s", 0.5, CaseRule::watertight, grey);
+    session.surfaces.set("s", 0.5, CaseRule::watertight, gray);
     session.scene.camera.angles.azimuth_deg = 0;
     CHECK(session.frames.draw().rgba == expected.rgba);
     session.frames.announce(session.scene.size);
-    session.surfaces.set("s", 0.5, CaseRule::watertight, grey);
+    session.surfaces.set("s", 0.5, CaseRule::watertight, gray);
     session.surfaces.remove("t");
     const Picture one = session.frames.draw();
     CHECK(session.frames.draw().rgba == one.rgba);
     session.frames.announce(session.scene.size);
-    session.surfaces.set("s", 0.2, CaseRule::watertight, grey);
+    session.surfaces.set("s", 0.2, CaseRule::watertight, gray);
     session.volumes.load("phantom:sphere");
     CHECK_FALSE(session.frames.has_frame_ahead());
     CHECK(session.frames.draw().rgba.size() == 150 * 130);

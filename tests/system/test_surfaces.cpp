@@ -19,7 +19,7 @@ using namespace pxpl5::host;
 
 namespace {
 
-constexpr Colour grey{160, 160, 160};
+constexpr Color gray{160, 160, 160};
 
 Topology machine_of(int gps, int renderers, std::uint64_t seed = 11) {
     Topology topology;
@@ -36,7 +36,7 @@ struct Bone {
     explicit Bone(const Topology& topology) : machine(topology), session(machine) {
         session.volumes.load("phantom:pelvis");
         session.scene.size = {200, 170};
-        session.surfaces.set("bone", 250.5, CaseRule::watertight, grey);
+        session.surfaces.set("bone", 250.5, CaseRule::watertight, gray);
     }
     Reply run(const std::string& line) { return run_command(session, parse_line(line)); }
     std::vector<std::uint32_t> draw() { return session.frames.draw().rgba; }
@@ -180,7 +180,7 @@ TEST_CASE("a pick chooses by surface: the holes of a screen door do not count") 
     CHECK(bone.draw() == before);
 }
 
-TEST_CASE("pick lists all surfaces under the pixel; measure and components choose like pick") {
+TEST_CASE("pick lists all surfaces under the pixel, and measure and components choose like pick") {
     Bone bone(machine_of(2, 2));
     bone.run("surface skin opacity=0.4");
     std::string at;
@@ -215,7 +215,7 @@ TEST_CASE("the atlas tells what the surfaces would be") {
     const auto components = count_components(bone.session.volumes.volume(), isovalues);
     for (std::size_t i = 0; i < isovalues.size(); ++i) {
         const SurfaceReport report =
-            bone.session.surfaces.set("s", isovalues[i], CaseRule::watertight, grey);
+            bone.session.surfaces.set("s", isovalues[i], CaseRule::watertight, gray);
         CHECK(static_cast<std::int64_t>(rows[i].triangles) == report.triangles);
         CHECK(rows[i].area_mm2 == doctest::Approx(report.area_mm2).epsilon(1e-9));
         CHECK(rows[i].volume_mm3 == doctest::Approx(report.volume_mm3).epsilon(1e-9));

@@ -7,13 +7,14 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/base/error.hpp"
 #include "host/serve/director/director.hpp"
-#include "tests/system/simulated_machine.hpp"
+#include "tests/system/mortal_machine.hpp"
 
 namespace pxpl5::test {
 
@@ -55,6 +56,10 @@ class Watchers final : public Audience {
         events.emplace_back(Said{1, role, message.dump()});
         eventfd_write(fd_, 1);
     }
+    void joins(std::uint32_t viewer) {
+        events.emplace_back(Joined{viewer, Role::watcher});
+        eventfd_write(fd_, 1);
+    }
     void does(int id, const std::string& line) { says({{"id", id}, {"do", line}}); }
     Json reply(int id) const {
         for (const auto& [viewer, text] : texts) {
@@ -86,55 +91,15 @@ class Watchers final : public Audience {
     int fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
 };
 
-/// A machine that dies when the test says so.
-class MortalMachine final : public MachinePort {
-  public:
-    MortalMachine(const Topology& topology, int& extractions, bool& dies)
-        : inside_(topology), extractions_(extractions), dies_(dies) {}
-
-    const std::vector<bus::NodeId>& gp_ids() const override { return inside_.gp_ids(); }
-    const std::vector<bus::NodeId>& renderer_ids() const override { return inside_.renderer_ids(); }
-    void send(bus::NodeId to, bus::Payload payload) override {
-        inside_.send(to, std::move(payload));
-    }
-    bool takes_more(bus::NodeId to) const override { return inside_.takes_more(to); }
-    void pump(const std::function<void(const bus::Message&)>& take,
-              const std::function<bool()>& done) override {
-        if (std::exchange(dies_, false)) {
-            throw MachineError(137, "gp-1 was killed by signal 9 (SIGKILL)");
-        }
-        const auto count = [&](const bus::Message& message) {
-            extractions_ +=
-                message.kind() == bus::Body::SurfaceBuilt && message.source() == gp_ids().front()
-                    ? 1
-                    : 0;
-            take(message);
-        };
-        inside_.pump(count, done);
-    }
-    void wait_readable(int fd) override { inside_.wait_readable(fd); }
-    void prepare_io() override {}
-    bus::NodeId start_io(ExitCode code) override { return inside_.start_io(code); }
-    void release_io() override {}
-    void allow_cancel(bool allowed) override { inside_.allow_cancel(allowed); }
-    void watch(int fd, std::function<bool()> give_up) override {
-        inside_.watch(fd, std::move(give_up));
-    }
-    bool is_recording() const override { return false; }
-    SavedTraces save_traces() override { return inside_.save_traces(); }
-
-  private:
-    SimulatedMachine inside_;
-    int& extractions_;
-    bool& dies_;
-};
-
 struct Theatre {
     Watchers watchers;
     std::int64_t now_ns = 0;
     int extractions = 0, launches = 0;
     bool dies = false;
-    int failing_launches = 0;  ///< Number of launches that will fail.
+    std::function<void()> during;  ///< Called once, while the session waits for nodes.
+    int failing_launches = 0;      ///< Number of launches that will fail.
+    bool dies_always = false;      ///< Each further machine dies, too.
+    std::shared_ptr<MortalMachine> machine;
     Director director{watchers, parts()};
 
     Theatre() {
@@ -153,20 +118,26 @@ struct Theatre {
             return std::to_string(id);
         };
         parts.clock_ns = [this] { return now_ns; };
-        parts.launch = [this] {
+        const auto launch = [this] {
             ++launches;
             if (failing_launches > 0) {
                 --failing_launches;
                 throw MachineError(69, "no node can be started");
             }
-            Topology topology;
-            topology.gp.count = 2;
-            topology.renderer.count = 2;
-            topology.frame_buffer.count = 1;
-            topology.gp_memory_mib = 64;
-            topology.seed = 5;
-            return std::make_shared<MortalMachine>(topology, extractions, dies);
+            dies |= dies_always;
+            return bus::SimulatedFault{};
         };
+        Topology topology;
+        topology.gp.count = 2;
+        topology.renderer.count = 2;
+        topology.frame_buffer.count = 1;
+        topology.gp_memory_mib = 64;
+        topology.seed = 5;
+        const auto fate = [this] {
+            return std::exchange(dies, false) ? std::optional(killed()) : std::nullopt;
+        };
+        machine = std::make_shared<MortalMachine>(topology, extractions, fate, during, launch);
+        parts.machine = machine;
         return parts;
     }
     void steps() {

@@ -44,7 +44,7 @@ ROOMS = {
         "surface": {"base", "volume", "scene", "chart"},
         "phigs": {"base", "scene"},
         "phantom": {"base", "volume"},
-        "io": {"base", "volume", "scene", "phantom"},
+        "io": {"base", "volume", "scene", "surface", "phantom"},
         "frame_buffer": {"base"},
         "machine": {"base"},
         "timing": {"base", "machine"},
@@ -56,19 +56,21 @@ ROOMS = {
                      "session", "inspect"},
         "report": {"base", "chart", "phantom", "machine", "timing", "session", "inspect",
                    "commands"},
-        "serve": {"base", "machine", "session", "inspect", "commands"},
+        "serve": {"base", "volume", "machine", "session", "inspect", "commands"},
         ".": {"base", "phantom", "phigs", "machine", "inspect", "commands", "report", "serve"},
     },
     "host/timing": {"counts": set(), "replay": {"counts"}, ".": {"counts", "replay"}},
     "host/surface": {"atlas": set(), ".": set()},
-    "host/session": {"transfer": set(), "pictures": set(), ".": {"transfer"}},
+    "host/session": {"history": set(), "transfer": set(), "pictures": set(),
+                     ".": {"history", "transfer"}},
     "host/io": {
         "values": set(),
         "formats": {"values"},
         "dicom": {"values"},
         "picture": set(),
         "mesh": set(),
-        ".": {"values", "formats", "dicom", "picture", "mesh"},
+        "sandbox": set(),
+        ".": {"values", "formats", "dicom", "picture", "mesh", "sandbox"},
     },
     "host/inspect": {
         "record": set(),
@@ -109,7 +111,8 @@ PAGE = "host/serve/page"
 
 ZMQ = re.compile(r"^zmq(\.hpp|\.h|_addon\.hpp)$")
 SOCKETS = re.compile(r"^(libwebsockets\.h|libwebsockets/.*)$")
-CODECS = re.compile(r"^(itk|OpenImageIO/|assimp/|cairo|ft2build|meshoptimizer|gdcm|nifti|vnl/)")
+CODECS = re.compile(r"^(itk|OpenImageIO/|assimp/|cairo|ft2build|meshoptimizer|gdcm|nifti|vnl/"
+                    r"|seccomp)")
 MESSAGES = re.compile(
     r"^(.*_generated\.h|flatbuffers/.*|ringbus/(message|node|process/process)\.hpp)$")
 
@@ -178,6 +181,10 @@ def error_of(path: pathlib.PurePath, quote: str, included: str) -> str:
     if quote == '"' and target in MAY_INCLUDE and target not in allowed:
         return f"{owner} may not include {target}"
     is_rooted = "/" in included and target in MAY_INCLUDE
+    if quote == "<" and (is_rooted or GENERATED.match(included)):
+        return f"<{included}> is a file of this repository; include it in double quotes"
+    if ".." in included.split("/"):
+        return f'"{included}" is not a path from the top of the repository'
     if quote == '"' and not is_rooted and not GENERATED.match(included):
         return f'"{included}" is not a path from the top of the repository'
     is_link = path.as_posix().startswith(("ringbus/zmq/", "tests/ringbus/test_zmq_link"))

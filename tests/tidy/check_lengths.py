@@ -1,4 +1,4 @@
-"""Files, functions and lines are short."""
+"""Files, functions and lines are short, and classes have few data members."""
 import pathlib
 import re
 from typing import List, Tuple
@@ -8,6 +8,7 @@ import tree
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 70
 MAX_COLUMNS = 100
+MAX_MEMBERS = 20
 MAX_README_LINES = 120  # The README at the top.
 
 _CONTAINER = re.compile(
@@ -40,12 +41,12 @@ def functions_of(text: str) -> List[Tuple[int, int]]:
         elif char == "}" and stack:
             kind, first, opening = stack.pop()
             rest = code[index + 1:index + 200].lstrip()
-            is_initialiser = kind != "container" and rest[:1] in {",", "{"} and \
+            is_initializer = kind != "container" and rest[:1] in {",", "{"} and \
                 all(k == "container" for k, _, _ in stack)
-            if kind == "function" and not is_initialiser:
+            if kind == "function" and not is_initializer:
                 functions.append((first, line))
             # `: a_{x}, b_{y} {`: the head goes on after a member's braces.
-            head, head_line = (opening + "{}", first) if is_initialiser else ("", 0)
+            head, head_line = (opening + "{}", first) if is_initializer else ("", 0)
         elif char == ";":
             head, head_line = "", 0
         elif in_container:
@@ -53,6 +54,28 @@ def functions_of(text: str) -> List[Tuple[int, int]]:
                 head_line = line
             head += char
     return functions
+
+
+_CLASS = re.compile(r"(?<!enum )(?<!<)(?<!, )\bclass\s+(\w+)[^;{}()]*\{")
+_BLOCK = re.compile(r"\{[^{}]*\}")
+_MEMBER = re.compile(r"(?:[\w>&*]\s+|,\s*)(\w+_)\s*(?==|,|;|\[|<>)")
+
+
+def classes_of(text: str) -> List[Tuple[int, str, int]]:
+    """First line, name and number of data members (`name_`) of each class of C++ `text`."""
+    code, classes = tree.bare_code(text), []
+    for match in _CLASS.finditer(code):
+        depth, end = 1, match.end()
+        while depth > 0 and end < len(code):
+            depth += {"{": 1, "}": -1}.get(code[end], 0)
+            end += 1
+        body = code[match.end():end - 1]
+        while _BLOCK.search(body):
+            body = _BLOCK.sub("<>", body)  # A member's first value, or a function's body.
+        body = re.sub(r"\)[^;<]*<>", ");", body)
+        count = len(_MEMBER.findall(body))
+        classes.append((code.count("\n", 0, match.start()) + 1, match[1], count))
+    return classes
 
 
 def _text_errors(path: pathlib.PurePath, text: str) -> List[str]:
@@ -67,6 +90,10 @@ def _text_errors(path: pathlib.PurePath, text: str) -> List[str]:
             if last - first + 1 > MAX_FUNCTION_LINES:
                 errors.append(f"{path}:{first}: function of {last - first + 1} lines, at most "
                               f"{MAX_FUNCTION_LINES}")
+        for line, name, count in classes_of(text):
+            if count > MAX_MEMBERS:
+                errors.append(f"{path}:{line}: {name} has {count} data members, at most "
+                              f"{MAX_MEMBERS}")
     return errors
 
 

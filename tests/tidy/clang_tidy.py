@@ -7,7 +7,7 @@ build/release. PATH selects sources by the beginning of their path below the rep
 clang-tidy spends most of its time on the headers that every source includes. Therefore these are
 precompiled, and many sources are parsed as one: a group is a file that includes them. Sources
 whose names clash do not compile together; a syntax check finds them, and they move to a later
-group.
+group. Sometimes a clash hides another one. Then clang-tidy stops, and its group is formed again.
 """
 import collections
 import concurrent.futures
@@ -22,7 +22,7 @@ import time
 
 PRODUCT = ("isa/", "ringbus/", "gp_firmware/", "renderer_firmware/", "host/")
 COMPILER, TOOL = "clang++-19", "clang-tidy-19"  # Older versions cannot parse all of C++20.
-GROUP_SIZE = 16
+GROUP_SIZE = 64
 OPTIONS = [
     "-std=c++20", "-w", "-ferror-limit=0",
     "-DHWY_COMPILE_ONLY_STATIC"]  # One vector target: the others repeat the same source.
@@ -30,13 +30,21 @@ HEADERS = "ringbus/CMakeFiles/pxpl5_ringbus.dir/cmake_pch.hxx"
 Group = collections.namedtuple("Group", "path sources")
 
 
+def sources_in(file):
+    """The sources that a compiled file stands for: itself, or those that a unity build put in."""
+    if "/Unity/unity_" not in file:
+        return [file]
+    return re.findall(r'^#include "(.*)"$', pathlib.Path(file).read_text(), re.MULTILINE)
+
+
 def read_commands(build, root):
     """The compile command of each product source, by its path below `root`."""
     commands = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
-        path = os.path.relpath(entry["file"], root)
-        if path.startswith(PRODUCT):
-            commands.setdefault(path, shlex.split(entry["command"]))
+        for source in sources_in(entry["file"]):
+            path = os.path.relpath(source, root)
+            if path.startswith(PRODUCT):
+                commands.setdefault(path, shlex.split(entry["command"]))
     return commands
 
 
@@ -88,20 +96,20 @@ class Checker:
             elif re.search(r": (fatal )?error: ", text):
                 failed.add(group.sources[max(line - 1, 0)])
                 errors.append(text)
-        if failed and len(failed) < len(group.sources):
-            # An error can hide others.
-            good = [source for source in group.sources if source not in failed]
-            failed |= self.failing(self.write_group(group.path.stem, good))[0]
         return failed, errors
 
-    def form_groups(self, pool, sources):
-        """Groups that compile, and the errors of the sources that do not compile alone."""
+    def form_groups(self, run, sources, name=""):
+        """Groups that compile, and the errors of the sources that do not compile alone.
+
+        `run` is map() or that of a pool. `name` begins the names of the groups.
+        """
         groups, errors, size, number = [], [], GROUP_SIZE, 0
         while sources:
-            tried = [self.write_group(f"{number}_{first // size}", sources[first:first + size])
+            tried = [self.write_group(f"{name}{number}_{first // size}",
+                                      sources[first:first + size])
                      for first in range(0, len(sources), size)]
             left = []
-            for group, (failed, texts) in zip(tried, pool.map(self.failing, tried)):
+            for group, (failed, texts) in zip(tried, run(self.failing, tried)):
                 if good := [source for source in group.sources if source not in failed]:
                     groups.append(self.write_group(group.path.stem, good))
                 left += [source for source in group.sources if source in failed]
@@ -114,6 +122,15 @@ class Checker:
 
     def findings(self, group):
         """What clang-tidy prints about each fault of a group."""
+        found = self.tool_findings(group)
+        is_broken = any("[clang-diagnostic-error]" in block for block in found)
+        if not is_broken or len(group.sources) == 1:
+            return found
+        groups, errors = self.form_groups(map, group.sources, f"{group.path.stem}_")
+        return errors + [block for part in groups for block in self.findings(part)]
+
+    def tool_findings(self, group):
+        """What clang-tidy prints about each fault of a group and about each error."""
         done = subprocess.run(
             [TOOL, "--quiet", f"--config-file={self.root / '.clang-tidy'}", group.path, "--",
              *self.options],
@@ -144,7 +161,7 @@ def main(arguments):
               if path.startswith(tuple(arguments[1:]) or PRODUCT)]
     seen = {}
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        groups, errors = checker.form_groups(pool, sorted(chosen))
+        groups, errors = checker.form_groups(pool.map, sorted(chosen))
         for error in errors:
             print(error)
         print(f"clang-tidy: {len(chosen)} sources in {len(groups)} groups, "

@@ -6,6 +6,7 @@ import tempfile
 import unittest
 
 import check_decisions
+import check_definitions
 import check_english
 import check_folders
 import check_format
@@ -101,6 +102,8 @@ class Planted(unittest.TestCase):
                 ("gp_firmware/a.cpp", '"renderer_firmware/a.hpp"', "may not include renderer"),
                 ("host/base/a.cpp", '"gp_firmware/volume/slice.hpp"', "host may not include gp"),
                 ("host/base/a.cpp", '"session.hpp"', "not a path from the top"),
+                ("host/base/a.cpp", '"host/base/../io/import.hpp"', "not a path from the top"),
+                ("host/base/a.cpp", "<host/io/import.hpp>", "in double quotes"),
                 ("host/machine/a.cpp", "<zmq.hpp>", "only ringbus/zmq/*"),
                 ("ringbus/node.cpp", "<zmq.h>", "only ringbus/zmq/*"),
                 ("host/serve/director/a.cpp", "<libwebsockets.h>", "only host/serve/server/*.cpp"),
@@ -210,6 +213,14 @@ class Planted(unittest.TestCase):
             self.assertEqual(len(errors), 1, errors)
             self.plant(gone, CLEAN[gone])
 
+    def test_members(self):
+        members = "".join(f"    int a{i}_ = 0;\n" for i in range(21))
+        self.finds(check_lengths, "host/base/text.hpp", "class C {\n" + members + "};\n",
+                   "C has 21 data members")
+        self.plant("host/base/text.hpp", "int g();\nclass C {\n    int f(int a_) { return a_; }\n"
+                   + members.replace("    int a20_ = 0;\n", "") + "};\n")
+        self.assertEqual(check_lengths.check(self.root), [])
+
     def test_english(self):
         for name, text, words in (
                 ("isa/a.cpp", "int a;  ///< Of the tree.\n", "its subject"),
@@ -221,10 +232,12 @@ class Planted(unittest.TestCase):
                 ("README.md", "`info` tells what is odd.\n", "print, report"),
                 ("README.md", "It is drawn anew.\n", "again"),
                 ("isa/a.def", "// the colour\n", "American"),
-                ("isa/a.cpp", "int colour;  ///< The colour.\n", "American"),
+                ("isa/a.cpp", "int colour;\n", "American"),
+                ("isa/a.cpp", "int a;  ///< A colour.\n", "American"),
+                ("isa/a.cpp", 'int a = f("the center of gray", "the colour");\n', "American"),
+                ("isa/a.cpp", 'int a = f("nobody waits");\n', "name the person"),
                 ("README.md", "x " * 51 + "\n", "102 columns")):
             self.finds(check_english, name, text, words)
-        self.plant("isa/a.cpp", "int colour;  ///< Set by `colour`.\n")
         self.plant("isa/README.md", "| a table | " + "x " * 60 + "|\nThose who ask get it.\n")
         self.assertEqual(check_english.check(self.root), [])
 
@@ -260,6 +273,18 @@ class Planted(unittest.TestCase):
         self.finds(check_unused, "isa/b.hpp", "", "isa/b.hpp: no file includes it")
         self.finds(check_unused, "isa/used.hpp", "int used(int x);\nstd::vector<int> listed();\n"
                    "double idle(double x);\n", "idle() is never called")
+
+    def test_definitions(self):
+        for text in ("namespace x {\nstruct Pass {\n};\n}  // namespace x\n",
+                     "namespace x {\nclass Pass final : public Base {\n};\n}  // namespace x\n",
+                     "namespace x {\nint f() {\n}\nenum class Pass { a };\n}  // namespace x\n"):
+            self.plant("isa/pass.hpp", "namespace x {\nnamespace {\nstruct Run {\n};\n"
+                       "}  // namespace\nstruct Pass {\n};\n}  // namespace x\n")
+            self.finds(check_definitions, "ringbus/a.hpp", text,
+                       "x::Pass is defined in isa/pass.hpp")
+        self.plant("isa/a.cpp", "namespace x {\nnamespace {\nstruct Run {\n};\n}  // namespace\n"
+                   "struct Pass;\n}  // namespace x\n")
+        self.assertEqual(check_definitions.check(self.root), [])
 
     def test_words(self):
         for name, text, words in (
@@ -312,6 +337,8 @@ class Planted(unittest.TestCase):
         self.finds(check_links, "isa/README.md", "[x](nowhere.md)\n", "nowhere.md")
         self.finds(check_links, "isa/README.md", "`host/gone.cpp`\n", "host/gone.cpp")
         self.finds(check_links, "isa/README.md", "`gone.*`\n", "gone.*")
+        self.finds(check_links, "isa/README.md", "| file | holds |\n|---|---|\n| `import.cpp` |\n",
+                   "lists import.cpp, which is not in isa")
         self.plant("isa/README.md", "`program.hpp`, `field.cpp`, `host/io/import.*`, `../LICENSE`, "
                    "[up](../README.md#x), [web](https://example.org/a.md), `build/gone.cpp`\n")
         self.assertEqual(check_links.check(self.root), [])

@@ -47,7 +47,7 @@ void main() {
 // Two directional lights and Phong per pixel, normals turned to the viewer, as we draw.
 constexpr const char* fragment_shader = R"(#version 330 core
 in vec3 n_eye;
-out vec4 colour;
+out vec4 color;
 const vec3 directions[2] = vec3[2](vec3(-0.398, 0.530, 0.749), vec3(0.811, -0.139, 0.568));
 const float intensities[2] = float[2](0.72, 0.26);
 void main() {
@@ -59,7 +59,7 @@ void main() {
         vec3 h = normalize(directions[i] + vec3(0, 0, 1));
         gloss += intensities[i] * pow(max(dot(n, h), 0), 24);
     }
-    colour = vec4(vec3(0.93, 0.89, 0.78) * diffuse + 0.25 * gloss, 1);
+    color = vec4(vec3(0.93, 0.89, 0.78) * diffuse + 0.25 * gloss, 1);
 })";
 
 struct Wish {
@@ -84,7 +84,7 @@ Wish parse(int argc, char** argv) {
                 wish.height_px <= max_side_px,
             fmt::format("width and height are 1 .. {}", max_side_px));
     for (int axis = 0; axis < 3; ++axis) {
-        wish.subject.centre_mm[axis] = std::stod(argv[3 + axis]);
+        wish.subject.center_mm[axis] = std::stod(argv[3 + axis]);
     }
     wish.subject.radius_mm = std::stod(argv[6]);
     require(wish.subject.radius_mm > 0, "RADIUS is above 0");

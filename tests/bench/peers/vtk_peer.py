@@ -77,12 +77,12 @@ class Picture:
     def _place_camera(self, image, aspect: float):
         """Anterior, at the distance from which the volume's sphere fills our picture."""
         bounds = image.GetBounds()
-        centre = [(bounds[2 * axis] + bounds[2 * axis + 1]) / 2 for axis in range(3)]
-        radius = math.dist(centre, (bounds[0], bounds[2], bounds[4]))
+        center = [(bounds[2 * axis] + bounds[2 * axis + 1]) / 2 for axis in range(3)]
+        radius = math.dist(center, (bounds[0], bounds[2], bounds[4]))
         distance = radius / math.sin(HALF_ANGLE)
         camera = self.renderer.GetActiveCamera()
-        camera.SetFocalPoint(*centre)
-        camera.SetPosition(centre[0], centre[1] - distance, centre[2])
+        camera.SetFocalPoint(*center)
+        camera.SetPosition(center[0], center[1] - distance, center[2])
         camera.SetViewUp(0, 0, 1)
         tangent = math.tan(HALF_ANGLE) / FILL / min(aspect, 1)
         camera.SetViewAngle(2 * math.degrees(math.atan(tangent)))

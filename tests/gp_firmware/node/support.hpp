@@ -98,8 +98,8 @@ inline bus::Payload topology(MachineSize size) {
 }
 
 /// One GP and what it has sent.
-struct Gp {
-    Gp(MachineSize size, int index)
+struct LoneGp {
+    LoneGp(MachineSize size, int index)
         : id(static_cast<NodeId>(first_gp + index)), share{index, size.gps} {
         receive(topology(size));
     }
@@ -177,7 +177,7 @@ inline bus::Payload slices(int first, int count, std::uint32_t volume = 1) {
     return bus::pack(s);
 }
 
-inline void load(Gp& gp, std::uint32_t volume = 1) {
+inline void load(LoneGp& gp, std::uint32_t volume = 1) {
     gp.receive(header(volume));
     for (const int z : gp::slices_needed(shape(), gp.share)) {
         gp.receive(slices(z, 1, volume));
@@ -215,11 +215,11 @@ inline schema::DrawFrameT draw_frame(std::uint32_t frame, std::uint32_t revision
 }
 
 /// Runs a machine: all GPs load, extract surface 4 and draw `draw`; what each sent.
-inline std::vector<std::unique_ptr<Gp>> run_machine(MachineSize size,
-                                                    const schema::DrawFrameT& draw) {
-    std::vector<std::unique_ptr<Gp>> gps;
+inline std::vector<std::unique_ptr<LoneGp>> run_machine(MachineSize size,
+                                                        const schema::DrawFrameT& draw) {
+    std::vector<std::unique_ptr<LoneGp>> gps;
     for (int i = 0; i < size.gps; ++i) {
-        gps.push_back(std::make_unique<Gp>(size, i));
+        gps.push_back(std::make_unique<LoneGp>(size, i));
         load(*gps.back());
         gps.back()->receive(set_surface(4, 1, 100));
     }
@@ -240,7 +240,7 @@ inline std::vector<std::unique_ptr<Gp>> run_machine(MachineSize size,
 
 /// Words per region and slab over all GPs and Renderers.
 inline std::map<std::pair<int, std::uint32_t>, std::vector<std::uint32_t>> streams(
-    const std::vector<std::unique_ptr<Gp>>& gps) {
+    const std::vector<std::unique_ptr<LoneGp>>& gps) {
     std::map<std::pair<int, std::uint32_t>, std::vector<std::uint32_t>> result;
     for (const auto& gp : gps) {
         for (const auto* programs : gp->box.of<schema::RegionPrograms>()) {

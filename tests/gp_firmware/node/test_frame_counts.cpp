@@ -22,7 +22,7 @@ schema::DrawFrameT counted_frame() {
     return draw;
 }
 
-const schema::FrameCounts& counts_of(const Gp& gp) {
+const schema::FrameCounts& counts_of(const LoneGp& gp) {
     const auto all = gp.box.of<schema::FrameCounts>();
     REQUIRE(all.size() == 1);
     return *all[0];
@@ -65,7 +65,7 @@ TEST_SUITE("gp/node counts") {
         }
     }
 
-    TEST_CASE("drawn are the slabs that hold triangles, whole; emitted is what is not culled") {
+    TEST_CASE("drawn are the slabs that hold triangles, whole, and emitted is what is not culled") {
         for (const bool cull_back : {false, true}) {
             schema::DrawFrameT draw = counted_frame();
             draw.surfaces[0] =
@@ -125,7 +125,7 @@ TEST_SUITE("gp/node counts") {
         CHECK(emitted > drawn.size());
     }
 
-    TEST_CASE("each view counts; what lies behind the viewer is culled") {
+    TEST_CASE("each view counts, and what lies behind the viewer is culled") {
         const auto once = run_machine({1, 1}, counted_frame());
         schema::DrawFrameT draw = counted_frame();
         auto behind = std::make_unique<schema::ViewT>(*draw.views[0]);

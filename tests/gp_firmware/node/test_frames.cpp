@@ -115,7 +115,7 @@ TEST_SUITE("gp/node frames") {
     }
 
     TEST_CASE("a frame waits for the surfaces asked for before it") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         gp.receive(set_surface(4, 1, 100));
         gp.receive(bus::pack(draw_frame(1, 1)));
@@ -132,7 +132,7 @@ TEST_SUITE("gp/node frames") {
     }
 
     TEST_CASE("a frame of what is not held is a fault, and the machine goes on") {
-        Gp gp({1, 3}, 0);
+        LoneGp gp({1, 3}, 0);
         load(gp);
         gp.receive(bus::pack(draw_frame(1, 1)));
         CHECK(gp.fault_of_work() == "frame 1 shows surface 4, which is not held");

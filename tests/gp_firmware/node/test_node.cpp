@@ -8,7 +8,7 @@ using namespace pxpl5::test;
 
 TEST_SUITE("gp/node") {
     TEST_CASE("a volume is acknowledged when its last slice is in") {
-        Gp gp({3, 1}, 1);
+        LoneGp gp({3, 1}, 1);
         load(gp);
         const auto ready = gp.box.of<schema::VolumeReady>();
         REQUIRE(ready.size() == 1);
@@ -22,7 +22,7 @@ TEST_SUITE("gp/node") {
         double area = 0, enclosed = 0;
         std::uint32_t slabs = 0;
         for (int i = 0; i < 3; ++i) {
-            Gp gp({3, 1}, i);
+            LoneGp gp({3, 1}, i);
             load(gp);
             gp.receive(set_surface(4, 7, 100));
             CHECK(gp.work() >= 6);  // A slab to the piece.
@@ -43,7 +43,7 @@ TEST_SUITE("gp/node") {
     }
 
     TEST_CASE("a newer revision takes the place of work that waits or is half done") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         gp.receive(set_surface(4, 1, 100));
         gp.receive(set_surface(5, 1, 100));
@@ -60,7 +60,7 @@ TEST_SUITE("gp/node") {
     }
 
     TEST_CASE("a surface that is extracted again equals one extracted at once") {
-        Gp twice({1, 1}, 0), once({1, 1}, 0);
+        LoneGp twice({1, 1}, 0), once({1, 1}, 0);
         load(twice);
         load(once);
         twice.receive(set_surface(4, 1, 60));
@@ -69,7 +69,7 @@ TEST_SUITE("gp/node") {
         once.receive(set_surface(4, 2, 100));
         schema::FetchMeshT fetch;
         fetch.surface = 4;
-        for (Gp* gp : {&twice, &once}) {
+        for (LoneGp* gp : {&twice, &once}) {
             gp->receive(bus::pack(fetch));
             gp->work();
             REQUIRE(gp->box.of<schema::MeshPart>().size() == 1);
@@ -80,7 +80,7 @@ TEST_SUITE("gp/node") {
     }
 
     TEST_CASE("a fetched mesh lies on the sphere, its normals point outwards") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         gp.receive(set_surface(4, 1, 100));
         schema::FetchMeshT fetch;
@@ -106,7 +106,7 @@ TEST_SUITE("gp/node") {
     }
 
     TEST_CASE("a removed surface is gone, and its memory free") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         const auto empty_bytes = gp.box.of<schema::VolumeReady>()[0]->memory_bytes();
         gp.receive(set_surface(4, 1, 100));
@@ -124,7 +124,7 @@ TEST_SUITE("gp/node") {
     }
 
     TEST_CASE("a new volume drops volume, surfaces and work, but no frame is left waiting for") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         gp.receive(set_surface(4, 1, 100));
         gp.receive(bus::pack(draw_frame(1, 1)));
@@ -140,7 +140,7 @@ TEST_SUITE("gp/node") {
     }
 
     TEST_CASE("slices of another volume, in the wrong order or missing, are faults that name it") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         CHECK(gp.fault_of(slices(0, 1, 8)).find("volume 8 arrived, but no volume") !=
               std::string::npos);
         gp.receive(header());
@@ -162,7 +162,7 @@ TEST_SUITE("gp/node") {
     }
 
     TEST_CASE("a volume beyond the memory is refused with the number of GPs that would do") {
-        Gp gp({1, 1, 20000}, 0);
+        LoneGp gp({1, 1, 20000}, 0);
         const std::string fault = gp.fault_of(header());
         CHECK(gp.code == schema::FaultCode::out_of_memory);
         CHECK(fault.find("GPs with 20000 bytes each would do") != std::string::npos);
@@ -172,10 +172,10 @@ TEST_SUITE("gp/node") {
     }
 
     TEST_CASE("a surface beyond the memory is refused with the number of GPs that would do") {
-        Gp small({1, 1}, 0);
+        LoneGp small({1, 1}, 0);
         load(small);
         const auto needed = small.box.of<schema::VolumeReady>()[0]->memory_bytes();
-        Gp gp({1, 1, needed + 10000}, 0);
+        LoneGp gp({1, 1, needed + 10000}, 0);
         load(gp);
         gp.receive(set_surface(4, 1, 100));
         const std::string fault = gp.fault_of_work();
@@ -191,7 +191,7 @@ TEST_SUITE("gp/node") {
     }
 
     TEST_CASE("messages that a GP cannot obey are faults that say why") {
-        Gp master({2, 1}, 0), other({2, 1}, 1);
+        LoneGp master({2, 1}, 0), other({2, 1}, 1);
         CHECK(other.fault_of(bus::pack(draw_frame(1, 1))) ==
               "DrawFrame came to GP 1; GP 0 is the Master");
         CHECK(master.fault_of(bus::pack(schema::CreditT{})) == "a GP does not accept Credit");

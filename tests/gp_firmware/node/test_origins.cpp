@@ -11,6 +11,7 @@
 #include "gp_firmware/render/draw_slab.hpp"
 #include "gp_firmware/render/triangle_program.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::test;
@@ -170,7 +171,7 @@ std::pair<int, int> check_all(const Scene& s) {
 
 TEST_SUITE("gp/origins") {
     TEST_CASE("every emitted primitive names the cell and triangle that it comes from") {
-        const unsigned seed = seed_or(1);
+        const unsigned seed = seed_or(1U);
         MESSAGE("seed ", seed);
         std::mt19937 random(seed);
         int primitives = 0, pieces = 0;
@@ -188,7 +189,7 @@ TEST_SUITE("gp/origins") {
         CHECK(pieces > 20);
     }
     TEST_CASE("words and meshes are the same with origins and without") {
-        std::mt19937 random(seed_or(2));
+        std::mt19937 random(seed_or<std::uint64_t>(2));
         const Volume volume = noise({9, 9, 9}, random);
         const Gp gp(volume, {0, 1});
         gp::SlabMesh with, without;

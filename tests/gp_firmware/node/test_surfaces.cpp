@@ -57,7 +57,7 @@ schema::MaskSurfaceT mask(const schema::MeshPart& part, std::uint32_t revision, 
 using Primitives = std::multiset<std::vector<std::uint32_t>>;
 
 /// Draws surface 4 at `revision`: the words of every primitive, with region and slab.
-Primitives drawn(Gp& gp, std::uint32_t revision) {
+Primitives drawn(LoneGp& gp, std::uint32_t revision) {
     gp.box.sent.clear();
     gp.receive(bus::pack(draw_frame(1, revision)));
     gp.work();
@@ -77,7 +77,7 @@ Primitives drawn(Gp& gp, std::uint32_t revision) {
     return primitives;
 }
 
-const schema::MeshPart& fetched(Gp& gp, bool origins) {
+const schema::MeshPart& fetched(LoneGp& gp, bool origins) {
     gp.receive(fetch(origins));
     gp.work();
     REQUIRE(gp.box.of<schema::MeshPart>().size() >= 1);
@@ -88,8 +88,8 @@ const schema::MeshPart& fetched(Gp& gp, bool origins) {
 
 TEST_SUITE("gp/node_surfaces") {
     TEST_CASE("origins of a mesh are the same whether they are kept or extracted again") {
-        Gp keeping({2, 1, plenty_bytes, Recording::full}, 1), plain({2, 1}, 1);
-        for (Gp* gp : {&keeping, &plain}) {
+        LoneGp keeping({2, 1, plenty_bytes, Recording::full}, 1), plain({2, 1}, 1);
+        for (LoneGp* gp : {&keeping, &plain}) {
             load(*gp);
             gp->receive(set_surface(4, 1, 60));
             gp->receive(set_surface(4, 2, 100));
@@ -119,7 +119,7 @@ TEST_SUITE("gp/node_surfaces") {
     }
 
     TEST_CASE("a mesh is handed over slab by slab, so that newer wishes are heard in between") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         gp.receive(set_surface(4, 1, 100));
         gp.work();
@@ -128,7 +128,7 @@ TEST_SUITE("gp/node_surfaces") {
     }
 
     TEST_CASE("half a surface is not fetched") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         gp.receive(set_surface(4, 1, 100));
         gp.node.work(gp.box);
@@ -139,7 +139,7 @@ TEST_SUITE("gp/node_surfaces") {
     }
 
     TEST_CASE("a mask hides its triangles, and those alone") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         gp.receive(set_surface(4, 3, 100));
         gp.work();
@@ -177,7 +177,7 @@ TEST_SUITE("gp/node_surfaces") {
     }
 
     TEST_CASE("a mask of a wrong size is refused with both sizes, and changes nothing") {
-        Gp gp({2, 1}, 1);
+        LoneGp gp({2, 1}, 1);
         load(gp);
         gp.receive(set_surface(4, 1, 100));
         const schema::MeshPart& part = fetched(gp, false);
@@ -204,7 +204,7 @@ TEST_SUITE("gp/node_surfaces") {
     TEST_CASE("measured isovalues have the numbers of surfaces extracted at them") {
         const std::vector<double> isovalues = {-5, 20, 100, 100.5, 180, 300};
         for (int i = 0; i < 2; ++i) {
-            Gp gp({2, 1}, i);
+            LoneGp gp({2, 1}, i);
             load(gp);
             gp.receive(measure(isovalues));
             gp.work();
@@ -229,7 +229,7 @@ TEST_SUITE("gp/node_surfaces") {
     }
 
     TEST_CASE("measuring waits behind all else, and a newer request takes its place") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         std::vector<double> many(4000);
         for (std::size_t i = 0; i < many.size(); ++i) {
@@ -252,7 +252,7 @@ TEST_SUITE("gp/node_surfaces") {
     }
 
     TEST_CASE("isovalues cannot be measured without a volume, or without all of it") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         CHECK(gp.fault_of(measure({1, 2})) ==
               "a measurement of 2 isovalues was requested, but no volume is stored");
         gp.receive(header());
@@ -263,7 +263,7 @@ TEST_SUITE("gp/node_surfaces") {
     }
 
     TEST_CASE("of thresholds in quick succession no slab is extracted but the newest one's") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         gp.box.sent.clear();
         std::uint32_t revision = 0;
@@ -284,7 +284,7 @@ TEST_SUITE("gp/node_surfaces") {
     }
 
     TEST_CASE("a surface that has become small gives its memory back") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         const auto loaded_bytes = gp.box.of<schema::VolumeReady>()[0]->memory_bytes();
         const auto bytes_of = [&](std::uint32_t revision, double isovalue) {
@@ -300,7 +300,7 @@ TEST_SUITE("gp/node_surfaces") {
     }
 
     TEST_CASE("a dropped volume is gone with its surfaces, its work and its memory") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         load(gp);
         const auto loaded_bytes = gp.box.of<schema::VolumeReady>()[0]->memory_bytes();
         gp.receive(set_surface(4, 1, 100));
@@ -322,7 +322,7 @@ TEST_SUITE("gp/node_surfaces") {
     }
 
     TEST_CASE("half a volume can be dropped, and what came after it stays") {
-        Gp gp({1, 1}, 0);
+        LoneGp gp({1, 1}, 0);
         gp.receive(header(1));
         gp.receive(slices(0, 5));
         gp.node.work(gp.box);

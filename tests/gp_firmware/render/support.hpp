@@ -15,6 +15,7 @@
 #include "gp_firmware/render/plane_setup.hpp"
 #include "gp_firmware/render/triangle_program.hpp"
 #include "isa/contract/triangle_shape.hpp"
+#include "tests/random_seed.hpp"
 
 namespace pxpl5::test {
 
@@ -22,10 +23,9 @@ namespace shape = isa::triangle;
 using gp::ScreenVertex;
 using Triangle = std::array<ScreenVertex, 3>;
 
-/// From PXPL5_SEED, or 1.
+/// The seed of the tests of drawing.
 inline std::uint64_t seed() {
-    const char* text = std::getenv("PXPL5_SEED");
-    return text != nullptr ? std::strtoull(text, nullptr, 10) : 1;
+    return seed_or<std::uint64_t>(1);
 }
 
 class Random {

@@ -3,6 +3,7 @@
 
 #include "tests/gp_firmware/surface/mesh_check.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::gp;
@@ -29,7 +30,7 @@ Volume random_volume(pxpl5::test::Size size, Scalar type, unsigned levels, Rando
 
 TEST_SUITE("gp/certificate") {
     TEST_CASE("random 4x4x4 fields with the isovalue on a voxel's value are closed manifolds") {
-        const unsigned seed = seed_or(2024);
+        const unsigned seed = seed_or(2024U);
         std::mt19937 random(seed);
         for (int i = 0; i < 3000; ++i) {
             const auto levels = static_cast<unsigned>(2 + random() % 6);
@@ -42,7 +43,7 @@ TEST_SUITE("gp/certificate") {
     }
 
     TEST_CASE("noise is a closed manifold, at isovalues on and between voxel values") {
-        const unsigned seed = seed_or(7);
+        const unsigned seed = seed_or(7U);
         CAPTURE(seed);
         std::mt19937 random(seed);
         const auto volume = random_volume({24, 20, 22}, Scalar::uint16, 11, random);
@@ -61,7 +62,7 @@ TEST_SUITE("gp/certificate") {
 
     TEST_CASE("every case of two neighbors is met: all corners of 3x2x2 voxels, all values") {
         // All 4096 sides of 12 voxels, with values that make every face decision occur.
-        const unsigned seed = seed_or(99);
+        const unsigned seed = seed_or(99U);
         CAPTURE(seed);
         std::mt19937 random(seed);
         std::size_t bad = 0;

@@ -2,6 +2,7 @@
 
 #include "gp_firmware/surface/classify.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::gp;
@@ -54,7 +55,7 @@ void check_rows(const Volume& volume, double isovalue) {
 
 TEST_SUITE("gp/classify") {
     TEST_CASE("range, runs and voxels give the mask that the definition gives, for every type") {
-        const unsigned seed = seed_or(1);
+        const unsigned seed = seed_or(1U);
         CAPTURE(seed);
         std::mt19937 random(seed);
         for (const Scalar type : {Scalar::uint8, Scalar::int16, Scalar::uint16, Scalar::float32})

@@ -9,6 +9,7 @@
 #include "gp_firmware/surface/marching_cubes.hpp"
 #include "isa/contract/vector_target.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::gp;
@@ -88,7 +89,7 @@ Vertex expected_vertex(const SliceStore& store, std::uint64_t key, double isoval
 
 TEST_SUITE("gp/vectors") {
     TEST_CASE("every vector target extracts the same bits") {
-        const unsigned seed = pxpl5::test::seed_or(7);
+        const unsigned seed = pxpl5::test::seed_or(7U);
         CAPTURE(seed);
         std::mt19937 random(seed);
         for (const int nx : {2, 17, 64, 65, 130})
@@ -111,7 +112,7 @@ TEST_SUITE("gp/vectors") {
     }
 
     TEST_CASE("a vertex has the bits that its edge's two voxels give") {
-        const unsigned seed = pxpl5::test::seed_or(8);
+        const unsigned seed = pxpl5::test::seed_or(8U);
         CAPTURE(seed);
         std::mt19937 random(seed);
         std::size_t checked = 0;
@@ -135,7 +136,7 @@ TEST_SUITE("gp/vectors") {
     }
 
     TEST_CASE("area and volume are sums over the triangles in their order") {
-        const unsigned seed = pxpl5::test::seed_or(9);
+        const unsigned seed = pxpl5::test::seed_or(9U);
         CAPTURE(seed);
         std::mt19937 random(seed);
         for (const int nx : {2, 5, 40}) {  // A few triangles, and hundreds.

@@ -3,6 +3,7 @@
 #include "gp_firmware/volume/gradient.hpp"
 #include "gp_firmware/volume/voxel_gradient.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::gp;
@@ -67,7 +68,7 @@ TEST_SUITE("gp/gradient") {
     }
 
     TEST_CASE("a gradient estimated by itself has the bits of the whole slice's") {
-        std::mt19937 random(pxpl5::test::seed_or(20));
+        std::mt19937 random(pxpl5::test::seed_or<std::uint64_t>(20));
         for (const Scalar type : {Scalar::uint8, Scalar::int16, Scalar::uint16, Scalar::float32})
             for (const double top : {200.0, 30000.0}) {
                 const auto volume = make_volume({7, 5, 4}, type, [&](int, int, int) {

@@ -50,7 +50,9 @@ TEST_SUITE("gp/local_memory") {
         CHECK(greatest_with_one_less > memory_bytes);
         CHECK(gp_count_that_would_do(paper_ct(), memory_bytes, 40 << 20) > count);
         CHECK(gp_count_that_would_do(paper_ct(), 1000) == 0);
-        CHECK(gp_count_advice(paper_ct(), 1000) == "even 64 GPs with 1000 bytes each would not do");
+        CHECK(gp_count_advice(paper_ct(), 1000) ==
+              "even 64 GPs with 1000 bytes each would not do; load with crop= or resample= to make "
+              "the volume smaller");
     }
 
     TEST_CASE("the paper's CT fits into 36 GPs of 8 MiB") {

@@ -54,6 +54,14 @@ TEST_SUITE("host/command_line") {
         CHECK(back.options == arguments.options);
     }
 
+    TEST_CASE("names and keys with blanks and equals signs survive being made into a line") {
+        const Arguments arguments{"a b", {}, {{"k=1 x", "y"}, {"#", "z"}}};
+        const Arguments back = parse_line(to_line(arguments));
+        CHECK(back.name == arguments.name);
+        CHECK(back.words.empty());
+        CHECK(back.options == arguments.options);
+    }
+
     TEST_CASE("blank lines and comments are nothing") {
         CHECK(parse_line("   ").name.empty());
         CHECK(parse_line("# all of it").name.empty());
@@ -62,6 +70,11 @@ TEST_SUITE("host/command_line") {
     TEST_CASE("an open quote and a repeated key are refused by name") {
         CHECK(contains(error_of([] { parse_line("load 'abc"); }), "not closed"));
         CHECK(contains(error_of([] { parse_line("surface b iso=1 iso=2"); }), "'iso'"));
+    }
+
+    TEST_CASE("a NUL byte is refused: paths and errors would end there") {
+        CHECK(error_of([] { parse_line(std::string_view("snapshot '\0/x.png'", 18)); }) ==
+              "byte 11 of the command is a NUL; a command must be text");
     }
 
     TEST_CASE("numbers are whole, finite and in range, and the error names both values") {
@@ -77,10 +90,10 @@ TEST_SUITE("host/command_line") {
         CHECK(parse_size("640x480", 1, 4096).height == 480);
         CHECK(contains(error_of([] { parse_size("640", 1, 4096); }), "'640'"));
         CHECK(contains(error_of([] { parse_size("1x9999", 1, 4096); }), "9999"));
-        CHECK(parse_colour("#010203").b == 3);
-        CHECK(parse_colour("1,2,255").g == 2);
-        CHECK(parse_colour("white").r == 255);
-        CHECK(contains(error_of([] { parse_colour("boned"); }), "did you mean 'bone'"));
+        CHECK(parse_color("#010203").b == 3);
+        CHECK(parse_color("1,2,255").g == 2);
+        CHECK(parse_color("white").r == 255);
+        CHECK(contains(error_of([] { parse_color("boned"); }), "did you mean 'bone'"));
     }
 
     TEST_CASE("the nearest name is offered where one is near, else all are listed") {
@@ -88,6 +101,9 @@ TEST_SUITE("host/command_line") {
         CHECK(nearest("orbot", names) == "orbit");
         CHECK(did_you_mean("ligth", names) == "; did you mean 'light'?");
         CHECK(did_you_mean("orb", names) == "; did you mean 'orbit'?");
+        const std::string_view ours[] = {"--scale", "--iso", "anterior"};
+        CHECK(did_you_mean("front", ours) == "; did you mean 'anterior'?");
+        CHECK(did_you_mean("--isovalue", ours) == "; did you mean '--iso'?");
         CHECK(did_you_mean("orbit", names) == "; known: orbit, light");
         CHECK(did_you_mean("zzzzzzzz", names) == "; known: orbit, light");
     }

@@ -45,6 +45,22 @@ TEST_CASE("old spellings of render mean what they meant") {
           Lines{"load phantom:pelvis", "surface bone", "snapshot " + picture_file});
 }
 
+TEST_CASE("an option of a command with words needs the command before it") {
+    CHECK_THROWS_WITH_AS(lines_of({"--min_ml", "5"}, "phantom:pelvis"),
+                         "--min_ml needs --components NAME before it", RequestError);
+}
+
+TEST_CASE("help has the form and the unit of each value") {
+    CLI::App app;
+    const CommandOptions options(app, {RenderStage::load, RenderStage::scene});
+    const auto form_of = [&](const char* name) { return app.get_option(name)->get_type_name(); };
+    CHECK(form_of("--smooth") == "MM");
+    CHECK(form_of("--crop") == "A:B,C:D,E:F");
+    CHECK(form_of("--clip") == "WORDS");
+    CHECK(app.get_option("--components")->get_description().find(".;") == std::string::npos);
+    CHECK(app.get_option("--min_ml")->get_description().ends_with(" (ml)"));
+}
+
 TEST_CASE("an option belongs to the command before it, else it begins one") {
     const std::string mesh = (std::filesystem::temp_directory_path() / "a b.stl").string();
     CHECK(lines_of(

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/frame_buffer/node.hpp"
+#include "tests/random_seed.hpp"
 
 namespace pxpl5::test {
 
@@ -208,8 +209,7 @@ inline Scenario random_scenario(std::mt19937& random, std::uint32_t frame, Shape
 }
 
 inline std::uint32_t seed() {
-    const char* given = std::getenv("PXPL5_SEED");
-    return given != nullptr ? static_cast<std::uint32_t>(std::stoul(given)) : 5;
+    return test::seed_or<std::uint32_t>(5);
 }
 
 inline std::vector<std::uint32_t> picture_of(const bus::Payload& payload) {

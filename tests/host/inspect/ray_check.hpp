@@ -79,7 +79,7 @@ inline void check_pixels(RecordedSurface& recorded, double isovalue, int count, 
         REQUIRE(finding.shown()->cell);
         const inspect::CellFacts& cell = *finding.shown()->cell;
         CAPTURE(inspect::to_text(cell.name));
-        CHECK(may_be_nearest(ray, cell.name, centre_of(x, y)));
+        CHECK(may_be_nearest(ray, cell.name, center_of(x, y)));
         check_cell(cell, recorded.volume(), isovalue);
         // The point where the ray meets the triangle projects to the pixel's center.
         const glm::dvec3 px = view.to_px(cell.hit_voxel);
@@ -87,7 +87,7 @@ inline void check_pixels(RecordedSurface& recorded, double isovalue, int count, 
         CHECK(px.y == doctest::Approx(y + 0.5).epsilon(1e-6));
         const int set = cell.name.k / recorded.volume().slabs_per_set;
         CHECK(finding.shown()->gp == static_cast<unsigned>(set) % run.gp_count());
-        sole += candidates(ray, centre_of(x, y)) == 1 ? 1 : 0;
+        sole += candidates(ray, center_of(x, y)) == 1 ? 1 : 0;
         hidden += ray.sure.size() > 1 ? 1 : 0;
     }
     // The tolerances leave the answer open only at edges.

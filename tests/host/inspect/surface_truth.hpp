@@ -18,6 +18,7 @@
 #include "gp_firmware/surface/case_tables.hpp"
 #include "host/inspect/why/why_not.hpp"
 #include "host/volume/volume.hpp"
+#include "tests/random_seed.hpp"
 
 namespace pxpl5::test {
 
@@ -25,8 +26,7 @@ using host::inspect::TriangleName;
 
 /// PXPL5_SEED, or `usual`; printed.
 inline unsigned test_seed(unsigned usual) {
-    const char* text = std::getenv("PXPL5_SEED");
-    const unsigned seed = text == nullptr ? usual : static_cast<unsigned>(std::stoul(text));
+    const unsigned seed = seed_or(usual);
     MESSAGE("seed ", seed);
     return seed;
 }
@@ -59,6 +59,7 @@ struct TrueTriangle {
     std::array<glm::dvec3, 3> p_voxel;
     std::array<glm::dvec2, 3> p_px;  ///< Snapped.
     std::array<double, 3> z;         ///< Depth, 0..1.
+    glm::dvec2 low_px, high_px;      ///< The box around p_px, with the tolerance of the edges.
 
     /// Twice the area in px^2; negative faces the eye if the volume is not mirrored.
     double area() const {
@@ -77,10 +78,7 @@ struct TrueTriangle {
         return least;
     }
     bool box_holds(glm::dvec2 p) const {
-        const auto [x0, x1] = std::minmax({p_px[0].x, p_px[1].x, p_px[2].x});
-        const auto [y0, y1] = std::minmax({p_px[0].y, p_px[1].y, p_px[2].y});
-        return p.x >= x0 - edge_tolerance_px && p.x <= x1 + edge_tolerance_px &&
-               p.y >= y0 - edge_tolerance_px && p.y <= y1 + edge_tolerance_px;
+        return p.x >= low_px.x && p.x <= high_px.x && p.y >= low_px.y && p.y <= high_px.y;
     }
     double depth_at(glm::dvec2 p) const {
         const glm::dvec2 a = p_px[1] - p_px[0], b = p_px[2] - p_px[0], to = p - p_px[0];
@@ -163,6 +161,9 @@ inline std::vector<TrueTriangle> true_triangles(const host::Volume& volume, doub
                                             std::floor(px.y * 16 + 0.5) / 16};
                         triangle.z[n] = px.z;
                     }
+                    const auto& [a, b, c] = triangle.p_px;
+                    triangle.low_px = glm::min(glm::min(a, b), c) - edge_tolerance_px;
+                    triangle.high_px = glm::max(glm::max(a, b), c) + edge_tolerance_px;
                 }
             }
         }
@@ -173,7 +174,7 @@ inline std::vector<TrueTriangle> true_triangles(const host::Volume& volume, doub
 /// 64 of 2^24 steps: floats give 30, planes at their ends some more.
 inline constexpr double depth_tolerance = 64.0 / (1 << 24);
 
-inline glm::dvec2 centre_of(int x, int y) {
+inline glm::dvec2 center_of(int x, int y) {
     return {x + 0.5, y + 0.5};
 }
 
@@ -184,7 +185,7 @@ struct OnRay {
 
 inline OnRay on_ray(const std::vector<TrueTriangle>& all, int x, int y) {
     OnRay ray;
-    const glm::dvec2 p = centre_of(x, y);
+    const glm::dvec2 p = center_of(x, y);
     for (const TrueTriangle& t : all) {
         if (!t.box_holds(p)) {  // Quick, and of what has no area the edges bound nothing.
             continue;

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -140,6 +141,57 @@ TEST_CASE("a timeline holds every message, whole arrows, the frame and the model
     }
     CHECK(modelled_us == doctest::Approx(static_cast<double>(cycles) / 40));
     CHECK(json["otherData"]["messages_left_out"] == 0);
+}
+
+TEST_CASE("slices of a track lie side by side or within each other, and none is lost") {
+    test::RecordedMachine recorded(test::machine_of(2, 2));
+    test::set_up_sphere(recorded.session, {256, 128});
+    constexpr int frames = 5;
+    recorded.session.frames.orbit(frames, [](int, const host::Picture&, const host::Camera&) {});
+    std::vector<NodeTrace> traces = recorded.traces.traces();
+    for (NodeTrace& node : traces) {  // Pixels that come late, while the next frame is fed.
+        for (bus::trace::Entry& entry : node.entries) {
+            entry.wall_ns += entry.kind() == bus::Body::RegionPixels ? 1'000'003 : 1;
+        }
+    }
+    const RecordedRun run(std::move(traces));
+    const auto [json, counts] = timeline_of(run, {}, 1'000'000);
+    struct Slice {
+        std::int64_t begin, end;
+    };
+    std::map<std::pair<int, int>, std::vector<Slice>> tracks;
+    std::map<std::string, std::size_t> slices;
+    const auto ns = [](const Json& us) {
+        const double exact = us.get<double>() * 1000;
+        CHECK(exact == doctest::Approx(std::round(exact)).epsilon(1e-12));
+        return std::llround(exact);
+    };
+    for (const Json& event : json["traceEvents"]) {
+        CHECK(event["pid"].get<int>() > 0);  // 0 is the idle process of Linux.
+        if (event["ph"] == "X") {
+            const std::int64_t begin = ns(event["ts"]);
+            tracks[{event["pid"], event["tid"]}].push_back({begin, begin + ns(event["dur"])});
+            const std::string name = event["name"];
+            ++slices[event["cat"] == "message"                  ? "messages"
+                     : name.find("region") != std::string::npos ? "regions"
+                                                                : "draws"];
+        }
+    }
+    for (auto& [track, all] : tracks) {
+        CAPTURE(track.first);
+        CAPTURE(track.second);
+        std::ranges::sort(all, {}, [](const Slice& s) { return std::pair(s.begin, -s.end); });
+        std::vector<Slice> open;
+        for (const Slice& slice : all) {
+            std::erase_if(open, [&](const Slice& outer) { return outer.end <= slice.begin; });
+            CHECK((open.empty() || slice.end <= open.back().end));
+            open.push_back(slice);
+        }
+    }
+    CHECK(slices["messages"] == select_messages(run, {}).size());
+    CHECK(slices["draws"] == frames * 2);
+    CHECK(slices["regions"] == frames * 2);
+    CHECK(counts.messages_left_out == 0);
 }
 
 TEST_CASE("a timeline keeps to its limit and says what it left out") {

@@ -15,6 +15,7 @@
 #include "isa/reference/reference.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 namespace inspect = host::inspect;
@@ -110,7 +111,7 @@ struct OwnRegion {
 }  // namespace
 
 TEST_CASE("bit maps are counted bit by bit") {
-    const std::uint64_t seed = test::seed_or(21);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(21);
     INFO("PXPL5_SEED=", seed);
     std::mt19937_64 random(seed);
     inspect::BitMapCounter counter;
@@ -246,7 +247,7 @@ TEST_CASE("the visible GP, slab and case are those of a primitive that has the v
     CHECK(drawn > 1000);
 }
 
-TEST_CASE("turns, and swapping inside and outside, keep a case's class; there are fifteen") {
+TEST_CASE("turns, and swapping inside and outside, keep a case's class, and there are fifteen") {
     std::array<int, 15> sets{};
     for (int set = 0; set < 256; ++set) {
         const int number = inspect::case_class(static_cast<std::uint8_t>(set));
@@ -283,11 +284,11 @@ TEST_CASE("the scale of counts grows lighter all the way") {
 }
 
 TEST_CASE("categories have colors of their own, as far as a paper's machine has GPs") {
-    std::set<std::uint32_t> colours;
+    std::set<std::uint32_t> colors;
     for (std::uint32_t i = 0; i < 36; ++i) {
-        colours.insert(inspect::categorical(i).opaque());
+        colors.insert(inspect::categorical(i).opaque());
     }
-    CHECK(colours.size() == 36);
+    CHECK(colors.size() == 36);
 }
 
 /// Whether a mark of the picture says `text`.
@@ -321,7 +322,7 @@ TEST_CASE("a map's legend has a title, a subject and ticks inside of the picture
     }
 }
 
-TEST_CASE("a map of categories names each category; one by regions labels each region") {
+TEST_CASE("a map of categories names each category, and one by regions labels each region") {
     inspect::MapValues map{MapKind::renderer, 200, 128, {}, {}};
     for (int i = 0; i < 200 * 128; ++i) {
         map.values.push_back(i % 200 < 128 ? 4 : 5);

@@ -16,7 +16,7 @@ using namespace pxpl5::test;
 namespace {
 
 constexpr int width = 300, height = 200;
-const glm::dvec3 sphere_centre_mm(0.3, -0.7, 0.45);  // As of the phantom.
+const glm::dvec3 sphere_center_mm(0.3, -0.7, 0.45);  // As of the phantom.
 constexpr double sphere_radius_mm = 30, sphere_surface = 0.5;
 constexpr double inner_radius_mm = 20, inner_surface = 1000.5;  // 0.01 mm a step.
 
@@ -113,7 +113,7 @@ Seen check_clipped(const RecordedSurface& recorded, double isovalue,
             continue;
         }
         ++seen.surface;
-        const glm::dvec2 p = centre_of(x, y);
+        const glm::dvec2 p = center_of(x, y);
         const double depth = (isa::ndc_of_depth(word >> 8) + 1) / 2;
         CHECK(std::ranges::any_of(left.possible, [&](const TrueTriangle* t) {
             return may_be_nearest(left, t->name, p) &&
@@ -158,7 +158,7 @@ TEST_SUITE("pick") {
             }
             ++hits;
             constexpr double voxel_mm = 1.25;  // The least of the three.
-            CHECK(std::abs(glm::distance(found->p_mm, sphere_centre_mm) - sphere_radius_mm) <
+            CHECK(std::abs(glm::distance(found->p_mm, sphere_center_mm) - sphere_radius_mm) <
                   0.1 * voxel_mm);
             CHECK(found->surface == 0);
             CHECK(found->is_in_volume);
@@ -203,7 +203,7 @@ TEST_SUITE("pick") {
                 if (const auto found = host::pick(view, x, y, recorded.volume())) {
                     // The slices as they were before they were moved give the sphere.
                     const glm::dvec3 p(even.voxel_to_patient * glm::dvec4(found->p_voxel, 1));
-                    CHECK(std::abs(glm::distance(p, sphere_centre_mm) - sphere_radius_mm) < 0.125);
+                    CHECK(std::abs(glm::distance(p, sphere_center_mm) - sphere_radius_mm) < 0.125);
                     beyond += found->p_voxel.z > 21 ? 1 : 0;
                 }
             }
@@ -218,7 +218,7 @@ TEST_SUITE("clip planes") {
         RecordedSurface recorded(host::make_phantom("phantom:sphere"), 2, 2);
         recorded.add_surface(sphere_surface);
         // Patient's y against -0.7, the sphere's middle: the front half goes.
-        const glm::dvec4 in_patient(0, 1, 0, -sphere_centre_mm.y);
+        const glm::dvec4 in_patient(0, 1, 0, -sphere_center_mm.y);
         const std::vector<glm::dvec4> planes = {glm::transpose(recorded.volume().voxel_to_patient) *
                                                 in_patient};
         recorded.draw(camera, width, height, [&](bus::schema::DrawFrameT& draw) {
@@ -240,9 +240,9 @@ TEST_SUITE("clip planes") {
                 if (!found) {
                     continue;
                 }
-                CHECK(found->p_mm.y > sphere_centre_mm.y - 0.2);
+                CHECK(found->p_mm.y > sphere_center_mm.y - 0.2);
                 // Red is 200; the inside's normal, turned to the viewer, meets the light.
-                const double n = (found->p_mm.y - sphere_centre_mm.y) / sphere_radius_mm;
+                const double n = (found->p_mm.y - sphere_center_mm.y) / sphere_radius_mm;
                 const auto red = pixels->Get(static_cast<unsigned>(y * width + x)) & 0xFF;
                 CHECK(std::abs(red - 200 * (0.25 + 0.75 * n)) < 8);
                 ++lit;

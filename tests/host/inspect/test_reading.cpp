@@ -344,7 +344,7 @@ TEST_CASE("messages come in the order of logical time, whoever received them") {
     CHECK(select_messages(run, selecting({{&SelectionText::frame, {"9"}}})).empty());
 }
 
-TEST_CASE("the newest run that holds a trace is found; none is refused") {
+TEST_CASE("the newest run that holds a trace is found, and none is refused") {
     const Folder folder;
     CHECK_THROWS_WITH_AS(find_run("", folder.path), doctest::Contains("no recorded run"),
                          host::RequestError);

@@ -257,7 +257,7 @@ TEST_CASE("primitives count once a view, masked ones too, and only slabs that ar
     CHECK(std::ranges::all_of(frames[0].drawn, [](const auto& s) { return s.primitives > 0; }));
 }
 
-TEST_CASE("a scene's frames are counted; there is nothing to build") {
+TEST_CASE("a scene's frames are counted, and there is nothing to build") {
     const auto work_of = [](int gps, int renderers) {
         test::RecordedMachine recorded(test::machine_of(gps, renderers));
         recorded.session.scene.size = {150, 140};

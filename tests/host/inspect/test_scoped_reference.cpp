@@ -3,6 +3,7 @@
 
 #include "host/inspect/replay/scoped_reference.hpp"
 #include "isa/sequencer.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/renderer_firmware/triangles.hpp"
 
 using namespace pxpl5;
@@ -54,7 +55,7 @@ std::string difference(const isa::Executor& p, const isa::Executor& q) {
 }  // namespace
 
 TEST_CASE("triangles in their boxes leave what they leave on all pixels") {
-    const std::uint64_t first = test::seed_or(2024);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(2024);
     for (std::uint64_t seed = first; seed < first + 6; ++seed) {
         CAPTURE(seed);
         test::RandomPrograms random(seed);
@@ -84,7 +85,7 @@ TEST_CASE("triangles in their boxes leave what they leave on all pixels") {
 }
 
 TEST_CASE("triangles of one step after another are those of one run") {
-    test::RandomPrograms random(test::seed_or(5));
+    test::RandomPrograms random(test::seed_or<std::uint64_t>(5));
     std::vector<std::uint32_t> words = start();
     test::append_random_triangles(random, 6, words);
     ScopedReference stepped, whole;
@@ -100,7 +101,7 @@ TEST_CASE("triangles of one step after another are those of one run") {
 }
 
 TEST_CASE("the box of a triangle holds the pixels that pass its sign tests, and is no larger") {
-    const std::uint64_t first = test::seed_or(77);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(77);
     int empty = 0, filled = 0;
     for (std::uint64_t seed = first; seed < first + 60; ++seed) {
         CAPTURE(seed);

@@ -10,6 +10,7 @@
 #include "isa/sequencer.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
 #include "tests/host/inspect/wrong_executors.hpp"
+#include "tests/random_seed.hpp"
 #include "tests/renderer_firmware/triangles.hpp"
 
 using namespace pxpl5;
@@ -48,7 +49,7 @@ const inspect::NamedExecutor reference = inspect::named(inspect::ExecutorKind::r
 }  // namespace
 
 TEST_CASE("a lost carry in a long random program is reduced to a handful of instructions") {
-    const std::uint64_t first = test::seed_or(900);
+    const std::uint64_t first = test::seed_or<std::uint64_t>(900);
     for (std::uint64_t seed = first; seed < first + 4; ++seed) {
         CAPTURE(seed);
         test::RandomPrograms random(seed);
@@ -75,7 +76,7 @@ TEST_CASE("a lost carry in a long random program is reduced to a handful of inst
 }
 
 TEST_CASE("triangles that go wrong only as one keep their shape, with simple numbers") {
-    test::RandomPrograms random(test::seed_or(8));
+    test::RandomPrograms random(test::seed_or<std::uint64_t>(8));
     Words words = assembled("SETENABS\nCONSTintoMEM m0:32 0xffffff00\n");
     test::append_random_triangles(random, 50, words);
     test::TrianglePlanes front = test::random_triangle(random, {1000, 1000}, 400);

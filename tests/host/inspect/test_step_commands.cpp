@@ -165,7 +165,7 @@ TEST_CASE(
     CHECK(lines[16][50] != ' ');  // (100, 64)
     CHECK(lines[0][1] == ' ');    // (2, 0)
     const std::vector<std::uint32_t> two = {0xFF0000FF, 0xFF00FF00, 0xFFFF0000, 0xFFFFFFFF};
-    CHECK(inspect::terminal_text(two, 2, {.columns = 80, .colour = true}) ==
+    CHECK(inspect::terminal_text(two, 2, {.columns = 80, .color = true}) ==
           "\x1b[38;2;255;0;0m\x1b[48;2;0;0;255m\u2580\x1b[38;2;0;255;0m"
           "\x1b[48;2;255;255;255m\u2580\x1b[0m\n");
 }

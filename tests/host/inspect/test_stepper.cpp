@@ -8,6 +8,7 @@
 #include "host/inspect/step/stepper.hpp"
 #include "tests/host/inspect/recorded_machine.hpp"
 #include "tests/isa/random_program.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 namespace inspect = host::inspect;
@@ -119,7 +120,7 @@ void check_stops(const inspect::Break& stop, const Holds& places_of_frame) {
 TEST_CASE("every place of a region, reached from anywhere, has the pixels of a plain walk") {
     const inspect::RecordedFrame frame = ball().frame(0);
     const inspect::RecordedRegion& region = frame.regions.at(0);
-    const std::uint64_t seed = test::seed_or(5);
+    const std::uint64_t seed = test::seed_or<std::uint64_t>(5);
     INFO("PXPL5_SEED=", seed);
     std::mt19937_64 random(seed);
     Fast executor;

@@ -45,7 +45,7 @@ struct Balls : RecordedSurface {
         for (int frame = 0; frame < 4; ++frame) {
             draw({{30, 25}, 1.0}, width, height, [&](bus::schema::DrawFrameT& draw) {
                 draw.read_back = draw.read_depths = true;
-                draw.surfaces[1].mutable_colour() = bus::schema::Rgb(10, 20, 240);
+                draw.surfaces[1].mutable_color() = bus::schema::Rgb(10, 20, 240);
                 if (frame < 2) {
                     draw.surfaces.erase(draw.surfaces.begin() + (1 - frame));
                     return;

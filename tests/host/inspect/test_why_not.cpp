@@ -62,7 +62,7 @@ Box box_of(const TrueTriangle& t) {
 }
 
 /// Pixels whose centers lie in the box.
-std::vector<glm::ivec2> centres_in(const Box& box) {
+std::vector<glm::ivec2> centers_in(const Box& box) {
     std::vector<glm::ivec2> all;
     for (int y = static_cast<int>(std::ceil(box.y0 - 0.5)); y + 0.5 <= box.y1; ++y) {
         for (int x = static_cast<int>(std::ceil(box.x0 - 0.5)); x + 0.5 <= box.x1; ++x) {
@@ -78,8 +78,8 @@ bool in_picture(glm::ivec2 p) {
 
 /// A pixel that the triangle surely covers.
 std::optional<glm::ivec2> covered_pixel(const TrueTriangle& t) {
-    for (const glm::ivec2 p : centres_in(box_of(t))) {
-        if (in_picture(p) && t.inside(centre_of(p.x, p.y)) >= edge_tolerance_px) {
+    for (const glm::ivec2 p : centers_in(box_of(t))) {
+        if (in_picture(p) && t.inside(center_of(p.x, p.y)) >= edge_tolerance_px) {
             return p;
         }
     }
@@ -136,7 +136,7 @@ void check_outside_edge(const inspect::WhyNotFinding& finding, const TrueTriangl
     REQUIRE(finding.verdict.verdict == Verdict::outside_edge);
     CHECK(finding.verdict.edge_value < 0);
     // Two ends of the edge, each off by a step.
-    const double expected = -t.inside(centre_of(finding.x, finding.y));
+    const double expected = -t.inside(center_of(finding.x, finding.y));
     CHECK(finding.verdict.distance_px == doctest::Approx(expected).epsilon(0.15));
 }
 
@@ -201,7 +201,7 @@ TEST_SUITE("why-not") {
                     CHECK(finding.verdict.regions.size() == 1);
                     CHECK(finding.verdict.regions[0].number == static_cast<unsigned>(*region));
                 }
-            } else if (t.inside(centre_of(p.x, p.y)) < -1 && outside++ < each) {
+            } else if (t.inside(center_of(p.x, p.y)) < -1 && outside++ < each) {
                 check_outside_edge(asked.ask(p.x, p.y, t.name), t);
             }
         }
@@ -214,7 +214,7 @@ TEST_SUITE("why-not") {
             Asked asked({}, {{30, elevation_deg}, 1.0});
             for (int n = 0; n < 2 * each;) {
                 const glm::ivec2 p(asked.random(0, 299), asked.random(0, 199));
-                const auto all = fates(on_ray(asked.truth, p.x, p.y), centre_of(p.x, p.y));
+                const auto all = fates(on_ray(asked.truth, p.x, p.y), center_of(p.x, p.y));
                 for (const auto& [t, fate] : all) {
                     ++n;
                     ++seen[fate.verdict];
@@ -284,9 +284,9 @@ TEST_SUITE("why-not") {
         Asked asked({}, {{30, 25}, 1.0}, 75, 50);
         for (int n = 0; n < each;) {
             const TrueTriangle& t = asked.random_triangle();
-            const auto near = centres_in(box_of(t));
+            const auto near = centers_in(box_of(t));
             const bool covers = std::ranges::any_of(near, [&](glm::ivec2 p) {
-                return t.inside(centre_of(p.x, p.y)) > -edge_tolerance_px;
+                return t.inside(center_of(p.x, p.y)) > -edge_tolerance_px;
             });
             if (near.size() > 4 || covers || std::abs(t.area()) < 0.05) {
                 continue;
@@ -326,7 +326,7 @@ TEST_SUITE("why-not") {
 }
 
 TEST_SUITE("why-not without data") {
-    TEST_CASE("slices that no trace holds are named; a phantom is built again") {
+    TEST_CASE("slices that no trace holds are named, and a phantom is built again") {
         Asked asked;
         auto traces = without(asked.recorded.traces(), bus::Body::Slices);
         const auto with_source = [&](const std::string& source, std::uint64_t digest) {
@@ -357,7 +357,7 @@ TEST_SUITE("why-not without data") {
         CHECK_THROWS_AS(answer_on(without(asked.recorded.traces(), bus::Body::RegionPrograms)),
                         host::RequestError);
     }
-    TEST_CASE("a GP that sent nothing of a slab is found out; other words give no verdict") {
+    TEST_CASE("a GP that sent nothing of a slab is found out, and other words give no verdict") {
         Asked asked;
         const TrueTriangle* hit = nullptr;
         glm::ivec2 p;

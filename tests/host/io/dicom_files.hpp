@@ -110,4 +110,53 @@ inline DicomSet& dicom_place(DicomSet& set, glm::dvec3 origin, glm::dvec3 x, glm
     return set.text(0x28, 0x30, "DS", dicom_numbers({y_mm, x_mm}));
 }
 
+inline std::string padded(std::string text, std::size_t size) {
+    text.resize(size, '\0');
+    return text;
+}
+
+/// A field of a Siemens CSA header ("SV10"), whose items are texts.
+inline std::string csa_field(const std::string& name, const std::vector<std::string>& items) {
+    std::string bytes =
+        padded(name, 64) + bytes_of<std::int32_t>(1) + padded("FD", 4) + bytes_of<std::int32_t>(4) +
+        bytes_of(static_cast<std::int32_t>(items.size())) + bytes_of<std::int32_t>(77);
+    for (const std::string& item : items) {
+        const auto length = static_cast<std::int32_t>(item.size() + 1);
+        bytes += bytes_of(std::vector<std::int32_t>{length, length, 77, length}) +
+                 padded(item, (item.size() + 4) / 4 * 4);
+    }
+    return bytes;
+}
+
+inline std::string csa_header(const std::vector<std::string>& fields) {
+    std::string bytes = std::string("SV10\4\3\2\1") +
+                        bytes_of(static_cast<std::uint32_t>(fields.size())) +
+                        bytes_of<std::uint32_t>(77);
+    for (const std::string& field : fields) {
+        bytes += field;
+    }
+    return bytes.size() % 2 == 0 ? bytes : bytes + '\0';
+}
+
+/// Four tiles of 3x2 voxels, of which the first three are slices. Tile t holds 10 t + 0 to 5.
+inline DicomSet mosaic() {
+    constexpr int tile_columns = 3, tile_rows = 2, across = 2;
+    std::vector<std::int16_t> values;
+    for (int row = 0; row < across * tile_rows; ++row) {
+        for (int column = 0; column < across * tile_columns; ++column) {
+            const int tile = row / tile_rows * across + column / tile_columns;
+            values.push_back(static_cast<std::int16_t>(10 * tile + row % tile_rows * tile_columns +
+                                                       column % tile_columns));
+        }
+    }
+    DicomSet set = dicom_image(across * tile_columns, across * tile_rows, bytes_of(values));
+    set.text(8, 8, "CS", "ORIGINAL\\PRIMARY\\M\\ND\\MOSAIC").text(8, 0x60, "CS", "MR");
+    dicom_place(set, {1, 2, 3}, {1, 0, 0}, {0, 1, 0}, 2, 4);
+    set.text(0x18, 0x88, "DS", "5").text(0x29, 0x10, "LO", "SIEMENS CSA HEADER");
+    return set.put(0x29, 0x1010, "OB",
+                   csa_header({csa_field("EchoLinePosition", {"64"}),
+                               csa_field("NumberOfImagesInMosaic", {"3"}),
+                               csa_field("SliceNormalVector", {"0.0", "0.0", "1.0"})}));
+}
+
 }  // namespace pxpl5::test

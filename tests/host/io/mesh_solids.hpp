@@ -15,11 +15,11 @@ namespace pxpl5::test {
 /// A mesh that owns what MeshSurface looks at.
 struct Solid {
     std::string name;
-    std::array<std::uint8_t, 3> colour{};
+    std::array<std::uint8_t, 3> color{};
     std::vector<host::io::MeshPoint> vertices;
     std::vector<std::uint32_t> indices;
 
-    host::io::MeshSurface view() const { return {name, colour, vertices, indices}; }
+    host::io::MeshSurface view() const { return {name, color, vertices, indices}; }
 };
 
 /// Four corners at unlike places along each axis, so that every swap and every sign shows. Its
@@ -37,14 +37,14 @@ inline Solid tetrahedron() {
 }
 
 /// A sphere of 2 * around * (rings - 1) triangles: `rings` from pole to pole.
-inline Solid sphere(glm::vec3 centre, float radius, std::uint32_t rings, std::uint32_t around) {
+inline Solid sphere(glm::vec3 center, float radius, std::uint32_t rings, std::uint32_t around) {
     constexpr double pi = 3.14159265358979323846;
     Solid solid{"skin of a ball", {30, 144, 255}, {}, {}};
     const auto add = [&](double polar, double azimuth) {
         const glm::vec3 n(static_cast<float>(std::sin(polar) * std::cos(azimuth)),
                           static_cast<float>(std::sin(polar) * std::sin(azimuth)),
                           static_cast<float>(std::cos(polar)));
-        solid.vertices.push_back({centre + radius * n, n});
+        solid.vertices.push_back({center + radius * n, n});
     };
     add(0, 0);
     for (std::uint32_t ring = 1; ring < rings; ++ring) {

@@ -20,7 +20,7 @@ BONE_TRIANGLES, BONE_POINTS = 4, 4
 RINGS, AROUND, RADIUS = 64, 96, 25.0
 SKIN_TRIANGLES = 2 * AROUND * (RINGS - 1)
 SKIN_POINTS = AROUND * (RINGS - 1) + 2
-CENTRE = (-40.0, 5.0, 12.0)
+CENTER = (-40.0, 5.0, 12.0)
 BONE, SKIN = (236, 226, 200), (30, 144, 255)
 # x: from the ball's left end to the corner at 12; y: the ball's; z: from -30 to the ball's top.
 BOUNDS = (-65.0, 12.0, -20.0, 30.0, -30.0, 37.0)
@@ -91,9 +91,9 @@ class Read(unittest.TestCase):
     def check_normals(self, mesh, axes):
         normals = mesh.GetPointData().GetNormals()
         self.assertEqual(normals.GetNumberOfTuples(), BONE_POINTS + SKIN_POINTS)
-        centre = turned(CENTRE, axes)
+        center = turned(CENTER, axes)
         for index in range(BONE_POINTS, BONE_POINTS + SKIN_POINTS):
-            outward = [(p - c) / RADIUS for p, c in zip(mesh.GetPoint(index), centre)]
+            outward = [(p - c) / RADIUS for p, c in zip(mesh.GetPoint(index), center)]
             self.near(normals.GetTuple(index), outward, 1e-5)
 
     def test_stl(self):
@@ -107,9 +107,9 @@ class Read(unittest.TestCase):
             mesh = read(vtk.vtkPLYReader(), self.path(axes, "ply"))
             self.check_shape(mesh, axes)
             self.check_normals(mesh, axes)
-            colours = mesh.GetPointData().GetScalars()
-            self.assertEqual(colours.GetTuple(0), BONE)
-            self.assertEqual(colours.GetTuple(BONE_POINTS), SKIN)
+            colors = mesh.GetPointData().GetScalars()
+            self.assertEqual(colors.GetTuple(0), BONE)
+            self.assertEqual(colors.GetTuple(BONE_POINTS), SKIN)
 
     def test_obj(self):
         for axes in ("LPS", "RAS"):
@@ -122,15 +122,15 @@ class Read(unittest.TestCase):
             mesh = read(vtk.vtkXMLPolyDataReader(), self.path(axes, "vtp"))
             self.check_shape(mesh, axes)
             self.check_normals(mesh, axes)
-            colours = mesh.GetCellData().GetScalars()
+            colors = mesh.GetCellData().GetScalars()
             surfaces = mesh.GetCellData().GetArray("surface")
-            for cell, colour, surface in ((0, BONE, 0), (3, BONE, 0), (4, SKIN, 1),
+            for cell, color, surface in ((0, BONE, 0), (3, BONE, 0), (4, SKIN, 1),
                                           (mesh.GetNumberOfCells() - 1, SKIN, 1)):
-                self.assertEqual(colours.GetTuple(cell), colour)
+                self.assertEqual(colors.GetTuple(cell), color)
                 self.assertEqual(surfaces.GetValue(cell), surface)
             texts = mesh.GetFieldData()
             self.assertEqual(texts.GetAbstractArray("SPACE").GetValue(0), axes)
-            self.assertEqual(texts.GetAbstractArray("unit").GetValue(0), "millimetre")
+            self.assertEqual(texts.GetAbstractArray("unit").GetValue(0), "millimeter")
             self.assertEqual(texts.GetAbstractArray("description").GetValue(0), "two solids")
             names = texts.GetAbstractArray("surface names")
             self.assertEqual([names.GetValue(i) for i in range(2)], ["bone", "skin of a ball"])

@@ -39,6 +39,9 @@ TEST_SUITE("host/io/bad_files") {
     TEST_CASE("a missing file, an empty folder and an unknown suffix are named") {
         const TemporaryFolder folder;
         CHECK(complaint(folder.file("none.nrrd")) == "none.nrrd: No such file or directory");
+        folder.write("scan.nii.gz", "");
+        CHECK(complaint(folder.file("scan.nii")) ==
+              "scan.nii: No such file or directory; did you mean scan.nii.gz?");
         std::filesystem::create_directory(folder.file("series"));
         CHECK(complaint(folder.file("series")) == "series: none of its 0 files is a DICOM image");
         CHECK(complaint(folder.write("x.jpg", "abc")).find("x.jpg: neither its suffix nor") == 0);
@@ -115,7 +118,8 @@ TEST_SUITE("host/io/bad_files") {
         CHECK(nrrd("16 1 16") == "n.nrrd: 1 voxels along y, must be 2 to 4096");
         CHECK(nrrd("4096 4096 4096") ==
               "n.nrrd: 4096x4096x4096 of short need 137438953472 bytes, at most 8589934592 are "
-              "read");
+              "read: write a smaller file first, a part or every second voxel (crop= and "
+              "resample= work on what was read)");
         CHECK(nrrd("16 16 16") == "n.nrrd: 16x16x16 of short need 8192 bytes, n.nrrd has 2");
     }
 
@@ -161,6 +165,9 @@ TEST_SUITE("host/io/bad_files") {
         CHECK(complaint(folder.write("e.nhdr",
                                      nrrd_head + rest + "encoding: raw\ndata file: gone.raw\n")) ==
               "e.nhdr: its data file gone.raw cannot be read: No such file or directory");
+        CHECK(complaint(
+                  folder.write("f.nhdr", nrrd_head + rest + "encoding: raw\ndata file: \f\n")) ==
+              "f.nhdr: data file is '?', must be a name, a pattern or LIST");
     }
 
     TEST_CASE("broken NIfTI headers name the field and its value") {

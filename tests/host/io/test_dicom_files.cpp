@@ -188,7 +188,7 @@ TEST_SUITE("host/io/dicom_files") {
         const Volume asked = import_volume(request);
         CHECK(asked.voxel_to_patient[0].x == 3);
         CHECK(asked.voxel_to_patient[2].z == 2);
-        CHECK(reports(asked, FindingKind::assumption, "along xy: taken as asked for"));
+        CHECK(reports(asked, FindingKind::note, "along xy: taken as asked for"));
     }
 
     TEST_CASE("folders inside the folder are looked into, and two series in them are listed") {
@@ -269,6 +269,15 @@ TEST_SUITE("host/io/dicom_files") {
               fmt::format("element (0008,0060) at byte {} is of type '#!', which DICOM does not "
                           "know",
                           modality));
+        bytes = whole;
+        constexpr std::size_t group_length = 140;  // The value of (0002,0000), and its end below.
+        bytes.resize(group_length + 4 + static_cast<unsigned char>(bytes[group_length]));
+        CHECK(complaint(folder, bytes) == "ends with its meta information, without a data set");
+        bytes = whole;
+        const std::size_t rows = bytes.find("\x28\0\x10\0US"s);
+        bytes.replace(rows + 4, 2, "CS");
+        CHECK(complaint(folder, bytes) ==
+              fmt::format("element (0028,0010) at byte {} is of type CS instead of US", rows));
         bytes = whole;
         bytes.replace(modality + 6, 2, "\xff\x7f");
         CHECK(complaint(folder, bytes) ==

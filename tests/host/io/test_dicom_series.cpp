@@ -95,7 +95,7 @@ TEST_SUITE("host/io/dicom_series") {
         CHECK(volume.slice_places == std::vector<double>{0, 1, 2, 4, 5});
         CHECK(volume.gap_slabs == std::vector<int>{2});
         CHECK(reports(volume, FindingKind::missing_slices,
-                      "about 1 slices are missing, 2.000 mm in all: 4.000 mm from z104 to z108; "
+                      "about 1 slice is missing, 2.000 mm in all: 4.000 mm from z104 to z108; "
                       "elsewhere 2.000 mm"));
     }
 
@@ -284,6 +284,18 @@ TEST_SUITE("host/io/dicom_series") {
         CHECK(reports(volume, FindingKind::assumption, "2.5 mm is taken along z (its thickness)"));
     }
 
+    TEST_CASE("no slice is missing between slices that touch") {
+        Table table;
+        for (int i = 0; i < 8; ++i) {  // Overlapping slices below, touching ones above.
+            const double z = i < 5 ? 3.0 * i : 12 + 6.0 * (i - 4);
+            table.add("z" + std::to_string(i), {0, 0, z}, 1).thickness_mm = 6;
+        }
+        const Volume volume = table.assemble();
+        CHECK_FALSE(reports(volume, FindingKind::missing_slices, ""));
+        CHECK(volume.gap_slabs.empty());
+        CHECK(reports(volume, FindingKind::uneven_slices, "6.000 mm from"));
+    }
+
     TEST_CASE("blocks of thicker slices are no gaps, but a slice missing in a block is") {
         Table table;
         double z = 0;
@@ -305,7 +317,7 @@ TEST_SUITE("host/io/dicom_series") {
         const Volume gap = table.assemble();
         CHECK(gap.gap_slabs == std::vector<int>{11});
         CHECK(reports(gap, FindingKind::missing_slices,
-                      "about 1 slices are missing, 8.000 mm in all: 16.000 mm from thick1 to"));
+                      "about 1 slice is missing, 8.000 mm in all: 16.000 mm from thick1 to"));
     }
 
     TEST_CASE("slices that are 0.06 mm beside the row are told, 0.04 mm are not") {

@@ -15,7 +15,7 @@ using namespace pxpl5::host::io;
 namespace {
 
 constexpr int side = 200;
-constexpr MarkColour white{255, 255, 255, 255};
+constexpr MarkColor white{255, 255, 255, 255};
 
 using Rgba = std::array<int, 4>;
 
@@ -24,10 +24,10 @@ Rgba at(const std::vector<std::uint8_t>& rgba, int x, int y, int width = side) {
     return {rgba[first], rgba[first + 1], rgba[first + 2], rgba[first + 3]};
 }
 
-std::vector<std::uint8_t> grey_picture(std::uint8_t grey, std::uint8_t alpha = 255) {
+std::vector<std::uint8_t> gray_picture(std::uint8_t gray, std::uint8_t alpha = 255) {
     std::vector<std::uint8_t> rgba;
     for (int pixel = 0; pixel < side * side; ++pixel) {
-        rgba.insert(rgba.end(), {grey, grey, grey, alpha});
+        rgba.insert(rgba.end(), {gray, gray, gray, alpha});
     }
     return rgba;
 }
@@ -38,16 +38,16 @@ std::vector<std::uint8_t> drawn(const std::vector<PictureMark>& marks,
     return rgba;
 }
 
-/// The box in which the picture differs from `grey`. Right and bottom are exclusive.
+/// The box in which the picture differs from `gray`. Right and bottom are exclusive.
 struct Extent {
     int left = side, top = side, right = 0, bottom = 0;
 };
 
-Extent extent_of(const std::vector<std::uint8_t>& rgba, int grey) {
+Extent extent_of(const std::vector<std::uint8_t>& rgba, int gray) {
     Extent extent;
     for (int y = 0; y < side; ++y) {
         for (int x = 0; x < side; ++x) {
-            if (at(rgba, x, y) != Rgba{grey, grey, grey, 255}) {
+            if (at(rgba, x, y) != Rgba{gray, gray, gray, 255}) {
                 extent = {std::min(extent.left, x), std::min(extent.top, y),
                           std::max(extent.right, x + 1), std::max(extent.bottom, y + 1)};
             }
@@ -58,7 +58,7 @@ Extent extent_of(const std::vector<std::uint8_t>& rgba, int grey) {
 
 Extent text_extent(float align_x, float align_y) {
     const PictureMark mark = text_mark({100, 100}, "HHHH", white, {20, align_x, align_y, 0});
-    return extent_of(drawn({mark}, grey_picture(60)), 60);
+    return extent_of(drawn({mark}, gray_picture(60)), 60);
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ TEST_SUITE("host/io/draw_marks") {
     TEST_CASE("an area covers its pixels whole, and the edge by its share") {
         const auto rgba =
             drawn({area_mark({{10, 10}, {20.5F, 10}, {20.5F, 20}, {10, 20}}, {200, 100, 50, 255})},
-                  grey_picture(0));
+                  gray_picture(0));
         CHECK(at(rgba, 10, 10) == Rgba{200, 100, 50, 255});
         CHECK(at(rgba, 19, 19) == Rgba{200, 100, 50, 255});
         CHECK(std::abs(at(rgba, 20, 15)[0] - 100) <= 2);
@@ -77,25 +77,25 @@ TEST_SUITE("host/io/draw_marks") {
     }
 
     TEST_CASE("a transparent mark lets what is below shine through, in order of the marks") {
-        const auto square = [](MarkColour colour) {
-            return area_mark({{0, 0}, {9, 0}, {9, 9}, {0, 9}}, colour);
+        const auto square = [](MarkColor color) {
+            return area_mark({{0, 0}, {9, 0}, {9, 9}, {0, 9}}, color);
         };
-        const auto once = drawn({square({255, 255, 255, 51})}, grey_picture(100));
+        const auto once = drawn({square({255, 255, 255, 51})}, gray_picture(100));
         CHECK(std::abs(at(once, 4, 4)[0] - (51 + 80)) <= 1);
         const auto twice =
-            drawn({square({255, 0, 0, 255}), square({0, 0, 255, 255})}, grey_picture(100));
+            drawn({square({255, 0, 0, 255}), square({0, 0, 255, 255})}, gray_picture(100));
         CHECK(at(twice, 4, 4) == Rgba{0, 0, 255, 255});
     }
 
     TEST_CASE("a picture's transparency is kept where no mark is, and joined where one is") {
-        const auto square = [](MarkColour colour) {
-            return area_mark({{0, 0}, {9, 0}, {9, 9}, {0, 9}}, colour);
+        const auto square = [](MarkColor color) {
+            return area_mark({{0, 0}, {9, 0}, {9, 9}, {0, 9}}, color);
         };
-        const auto rgba = drawn({square({200, 200, 200, 255})}, grey_picture(40, 0));
+        const auto rgba = drawn({square({200, 200, 200, 255})}, gray_picture(40, 0));
         CHECK(at(rgba, 4, 4) == Rgba{200, 200, 200, 255});
         CHECK(at(rgba, 40, 40) == Rgba{40, 40, 40, 0});
         // Half over half: alpha 3/4, of which 2/3 are the mark's.
-        const auto half = drawn({square({200, 200, 200, 128})}, grey_picture(80, 128));
+        const auto half = drawn({square({200, 200, 200, 128})}, gray_picture(80, 128));
         CHECK(std::abs(at(half, 4, 4)[3] - 192) <= 1);
         CHECK(std::abs(at(half, 4, 4)[0] - 160) <= 2);
     }
@@ -117,9 +117,9 @@ TEST_SUITE("host/io/draw_marks") {
     }
 
     TEST_CASE("light letters have a dark halo, dark ones a light one, and none has no width") {
-        const auto extremes = [](MarkColour colour, float halo_px) {
-            const auto rgba = drawn({text_mark({100, 100}, "H", colour, {40, 0.5F, 0.5F, halo_px})},
-                                    grey_picture(128));
+        const auto extremes = [](MarkColor color, float halo_px) {
+            const auto rgba = drawn({text_mark({100, 100}, "H", color, {40, 0.5F, 0.5F, halo_px})},
+                                    gray_picture(128));
             int darkest = 255, lightest = 0;
             for (std::size_t index = 0; index < rgba.size(); index += 4) {
                 darkest = std::min<int>(darkest, rgba[index]);
@@ -138,8 +138,8 @@ TEST_SUITE("host/io/draw_marks") {
         const std::vector<PictureMark> marks = {
             line_mark({{-500, -500}, {90'000, 90'000}}, {10, 200, 30, 200}, 3),
             text_mark({195, 100}, "µ ² Ä 50 mm", white, {14, 0, 0, 2})};
-        CHECK(drawn(marks, grey_picture(50)) == drawn(marks, grey_picture(50)));
-        CHECK(at(drawn(marks, grey_picture(50)), 20, 20)[1] > 150);
+        CHECK(drawn(marks, gray_picture(50)) == drawn(marks, gray_picture(50)));
+        CHECK(at(drawn(marks, gray_picture(50)), 20, 20)[1] > 150);
     }
 
     TEST_CASE("marks that cannot be drawn are refused by number") {
@@ -162,7 +162,7 @@ TEST_SUITE("host/io/draw_marks") {
             line_mark({{0, 0}, {10, 10}}, white, 1), area_mark({{0, 0}, {9, 0}, {9, 9}}, white),
             text_mark({50, 50}, "a < b & \"c\"", white, {12, 0, 0, 0}),
             text_mark({50, 80}, "<halo>", white, {12, 0, 0, 2})};
-        for (const auto& rgba : {grey_picture(90), grey_picture(90, 40)}) {
+        for (const auto& rgba : {gray_picture(90), gray_picture(90, 40)}) {
             const std::string text =
                 draw_document(DocumentFormat::svg, {side, side, rgba, marks, "x < y"});
             CHECK(pxpl5::test::xml_fault(text) == "");
@@ -177,7 +177,7 @@ TEST_SUITE("host/io/draw_marks") {
     }
 
     TEST_CASE("a document holds pixels that differ as an image, and marks as shapes") {
-        std::vector<std::uint8_t> rgba = grey_picture(90);
+        std::vector<std::uint8_t> rgba = gray_picture(90);
         rgba[400] = 7;
         const std::vector<PictureMark> marks = {line_mark({{0, 0}, {10, 10}}, white, 1)};
         const DocumentContent content{side, side, rgba, marks, "d"};

@@ -1,7 +1,6 @@
 // Tests the features of each format in small files written byte by byte.
 #include <bzlib.h>
 #include <doctest/doctest.h>
-#include <zlib.h>
 
 #include <algorithm>
 
@@ -43,15 +42,6 @@ std::string bzipped(const std::string& bytes) {
                                      9, 0, 0) == BZ_OK);
     out.resize(size);
     return out;
-}
-
-std::string gzipped(const TemporaryFolder& folder, const std::string& bytes) {
-    const std::string path = folder.file("scratch.gz");
-    gzFile file = gzopen(path.c_str(), "wb");
-    gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
-    gzclose(file);
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 const std::string nrrd_head =
@@ -291,6 +281,78 @@ TEST_SUITE("host/io/formats") {
             ImportError);
         request.raw->type = "int12";
         CHECK_THROWS_WITH_AS(import_volume(request), doctest::Contains("type 'int12' must be"),
+                             ImportError);
+    }
+
+    TEST_CASE("each of the 48 orientations puts a raw file's axes along its letters") {
+        const TemporaryFolder folder;
+        ImportRequest request = request_of(folder.write("v.bin", bytes_of(ramp<std::int16_t>(24))));
+        request.raw = raw_layout();
+        request.spacing_mm = glm::dvec3(0.5, 1, 2);
+        const std::string sides = "LPSRAI";
+        int valid = 0;
+        for (int code = 0; code < 216; ++code) {
+            const std::array<int, 3> at = {code % 6, code / 6 % 6, code / 36};
+            for (std::size_t i = 0; i < 3; ++i) {
+                request.orientation += sides[static_cast<std::size_t>(at[i])];
+            }
+            CAPTURE(request.orientation);
+            const bool is_valid =
+                at[0] % 3 != at[1] % 3 && at[1] % 3 != at[2] % 3 && at[0] % 3 != at[2] % 3;
+            if (is_valid) {
+                ++valid;
+                const Volume volume = import_volume(request);
+                for (int i = 0; i < 3; ++i) {
+                    glm::dvec3 wanted(0);
+                    const int side = at[static_cast<std::size_t>(i)];
+                    wanted[side % 3] = (side < 3 ? 1 : -1) * (*request.spacing_mm)[i];
+                    CHECK(glm::dvec3(volume.voxel_to_patient[i]) == wanted);
+                }
+                CHECK(reports(volume, FindingKind::assumption, "point to " + request.orientation));
+                CHECK(reports(volume, FindingKind::assumption, "origin=X,Y,Z sets its place"));
+                CHECK(!reports(volume, FindingKind::assumption, "no patient space"));
+            } else {
+                CHECK_THROWS_WITH_AS(import_volume(request), doctest::Contains("one of L and R"),
+                                     ImportError);
+            }
+            request.orientation.clear();
+        }
+        CHECK(valid == 48);
+        for (const char* wrong : {"RA", "RAIS", "rai"}) {
+            request.orientation = wrong;
+            CHECK_THROWS_WITH_AS(import_volume(request), doctest::Contains(wrong), ImportError);
+        }
+    }
+
+    TEST_CASE("origin= places the first voxel, and VTK's ORIGIN turns with its axes") {
+        const TemporaryFolder folder;
+        ImportRequest request = request_of(folder.write("v.bin", bytes_of(ramp<std::int16_t>(24))));
+        request.raw = raw_layout();
+        request.spacing_mm = glm::dvec3(1, 1, 1);
+        request.origin_mm = glm::dvec3(-100, 50.5, 7);
+        const Volume placed = import_volume(request);
+        CHECK(glm::dvec3(placed.voxel_to_patient[3]) == *request.origin_mm);
+        CHECK(reports(placed, FindingKind::assumption, "first voxel is at -100, 50.5, 7 mm"));
+        request = request_of(
+            folder.write("v.vtk",
+                         "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\n"
+                         "DIMENSIONS 2 2 2\nSPACING 1 2 3\nORIGIN 10 20 30\nPOINT_DATA 8\n"
+                         "SCALARS s short 1\nLOOKUP_TABLE default\n1 2 3 4 5 6 7 8\n"));
+        request.orientation = "RAS";
+        const Volume turned = import_volume(request);
+        CHECK(glm::dvec3(turned.voxel_to_patient[3]) == glm::dvec3(-10, -20, 30));
+        CHECK(turned.voxel_to_patient[1].y == -2);
+    }
+
+    TEST_CASE("a file that states its place takes no orientation") {
+        const TemporaryFolder folder;
+        ImportRequest request = request_of(folder.write("v.nii", nifti1_file(small_grid())));
+        request.orientation = "RAI";
+        CHECK_THROWS_WITH_AS(import_volume(request), doctest::Contains("states its place"),
+                             ImportError);
+        request.orientation.clear();
+        request.origin_mm = glm::dvec3(0);
+        CHECK_THROWS_WITH_AS(import_volume(request), doctest::Contains("states its place"),
                              ImportError);
     }
 

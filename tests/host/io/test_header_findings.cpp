@@ -1,6 +1,5 @@
 // Findings about headers that leave out, or contradict, a fact; and errors that tell the way on.
 #include <doctest/doctest.h>
-#include <zlib.h>
 
 #include <algorithm>
 
@@ -33,15 +32,6 @@ std::string complaint(const std::string& path) {
 Grid cube() {
     Grid grid{{4, 3, 2}, glm::dmat4(1.0), ramp<std::int16_t>(24)};
     return grid;
-}
-
-std::string gzipped(const TemporaryFolder& folder, const std::string& bytes) {
-    const std::string path = folder.file("scratch.gz");
-    gzFile file = gzopen(path.c_str(), "wb");
-    gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
-    gzclose(file);
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 std::string meta_image(const std::string& orientation) {

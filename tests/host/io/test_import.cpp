@@ -238,7 +238,7 @@ TEST_SUITE("host/io/import") {
         }
     }
 
-    TEST_CASE("NIfTI slope and intercept are applied; whole results stay integers") {
+    TEST_CASE("NIfTI slope and intercept are applied, and whole results stay integers") {
         const TemporaryFolder folder;
         std::vector<std::int16_t> values(voxels, 100);
         values[0] = 0;

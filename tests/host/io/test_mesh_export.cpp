@@ -20,13 +20,13 @@ using namespace pxpl5::test;
 
 namespace {
 
-const glm::vec3 centre(-40, 5, 12);
+const glm::vec3 center(-40, 5, 12);
 constexpr float radius = 25;
 
 /// The two solids; they must outlive what is made of them.
 struct TwoSolids {
     Solid bone = tetrahedron();
-    Solid skin = sphere(centre, radius, 16, 24);
+    Solid skin = sphere(center, radius, 16, 24);
 
     MeshExport mesh(PatientAxes axes) const {
         MeshExport mesh;
@@ -51,10 +51,10 @@ std::size_t files_in(const std::string& folder) {
 /// A file read by assimp: all corners of all triangles in order.
 struct ReadBack {
     std::vector<glm::vec3> corners, normals;
-    std::vector<std::array<int, 3>> colours;  ///< Per corner, of its vertex or its material.
+    std::vector<std::array<int, 3>> colors;  ///< Per corner, of its vertex or its material.
 };
 
-std::array<int, 3> bytes_of_colour(float r, float g, float b) {
+std::array<int, 3> bytes_of_color(float r, float g, float b) {
     return {static_cast<int>(std::lround(r * 255)), static_cast<int>(std::lround(g * 255)),
             static_cast<int>(std::lround(b * 255))};
 }
@@ -78,7 +78,7 @@ ReadBack read_back(const std::string& path) {
                 const aiColor4D c = mesh.mColors[0] != nullptr
                                         ? mesh.mColors[0][at]
                                         : aiColor4D(diffuse.r, diffuse.g, diffuse.b, 1);
-                read.colours.push_back(bytes_of_colour(c.r, c.g, c.b));
+                read.colors.push_back(bytes_of_color(c.r, c.g, c.b));
             }
         }
     }
@@ -103,9 +103,9 @@ double linear(int value) {
 void check_solid(const ReadBack& read, std::size_t first, const Solid& solid, PatientAxes axes,
                  const std::string& suffix) {
     const float tolerance = suffix == ".glb" ? 1e-7F : 0.0F;
-    std::array<int, 3> colour = {solid.colour[0], solid.colour[1], solid.colour[2]};
+    std::array<int, 3> color = {solid.color[0], solid.color[1], solid.color[2]};
     if (suffix == ".glb") {
-        for (int& value : colour) {
+        for (int& value : color) {
             value = static_cast<int>(std::lround(linear(value) * 255));
         }
     }
@@ -116,7 +116,7 @@ void check_solid(const ReadBack& read, std::size_t first, const Solid& solid, Pa
         CHECK(glm::distance(read.corners[first + corner], p) <= tolerance);
         if (suffix != ".stl") {
             CHECK(glm::distance(read.normals[first + corner], n) < 1e-5F);
-            CHECK(read.colours[first + corner] == colour);
+            CHECK(read.colors[first + corner] == color);
         }
     }
 }
@@ -167,7 +167,7 @@ TEST_SUITE("host/io/mesh_export") {
             std::vector<std::uint32_t> first_solid(12);
             std::iota(first_solid.begin(), first_solid.end(), 0);
             CHECK(signed_volume(read.corners, first_solid) == doctest::Approx(4));
-            const glm::vec3 middle = in_file(centre, axes, ".stl", true);
+            const glm::vec3 middle = in_file(center, axes, ".stl", true);
             for (std::size_t at = 12; at < read.corners.size(); at += 3) {
                 const glm::vec3 face =
                     (read.corners[at] + read.corners[at + 1] + read.corners[at + 2]) / 3.0F;
@@ -203,7 +203,7 @@ TEST_SUITE("host/io/mesh_export") {
             }
             const nlohmann::json root = json_of(text(".glb"));
             CHECK(root["asset"]["extras"]["axes"] == name);
-            CHECK(root["asset"]["extras"]["unit"] == "millimetre");
+            CHECK(root["asset"]["extras"]["unit"] == "millimeter");
             CHECK(root["asset"]["extras"]["description"] == "two solids\nwith a second line");
             CHECK(root["nodes"][1]["name"] == "bone");
             CHECK(root["nodes"][2]["name"] == "skin of a ball");

@@ -10,7 +10,6 @@
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <csignal>
 #include <cstdio>
@@ -22,6 +21,7 @@
 #include "host/session/transfer/volume_transfer.hpp"
 #include "ringbus/ranges.hpp"
 #include "tests/host/io/volume_writers.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5::host;
 using namespace pxpl5::host::io;
@@ -82,7 +82,7 @@ void limit_child() {
         try {
             const auto header = volume_header(import_volume(request), 1);
             const auto& message = *pxpl5::bus::schema::GetMessage(header.bytes().data());
-            count.unsent += !pxpl5::bus::out_of_range(message).empty();
+            count.unsent += !pxpl5::bus::out_of_range(message, header.bytes().size()).empty();
             ++count.read;
         } catch (const ImportError& error) {
             const std::string text = error.what();
@@ -143,8 +143,7 @@ std::string mutated(std::string bytes, unsigned seed, int index) {
 }
 
 unsigned seed() {
-    const char* text = std::getenv("PXPL5_SEED");
-    return text == nullptr ? 1993 : static_cast<unsigned>(std::stoul(text));
+    return pxpl5::test::seed_or(1993U);
 }
 
 Grid grid() {
@@ -156,13 +155,6 @@ Grid grid() {
 std::string read_file(const std::string& path) {
     std::ifstream stream(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-std::string gzipped(const TemporaryFolder& folder, const std::string& bytes) {
-    gzFile file = gzopen(folder.file("scratch").c_str(), "wb");
-    gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
-    gzclose(file);
-    return read_file(folder.file("scratch"));
 }
 
 std::string bzipped(std::string bytes) {

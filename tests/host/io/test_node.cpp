@@ -192,7 +192,7 @@ TEST_SUITE("host/io/node") {
         request.marks.push_back(std::make_unique<schema::MarkT>());
         request.marks[0]->kind = MarkKind::text;
         request.marks[0]->points = {{0, 0}};
-        request.marks[0]->colour = std::make_unique<schema::Rgba>(1, 2, 3, 255);
+        request.marks[0]->color = std::make_unique<schema::Rgba>(1, 2, 3, 255);
         request.marks[0]->text = "\xff";
         CHECK(error().find("mark 0 (text") != std::string::npos);
         request.marks.clear();
@@ -249,7 +249,7 @@ TEST_SUITE("host/io/node") {
         request.surfaces.push_back(std::make_unique<schema::ExportSurfaceT>());
         schema::ExportSurfaceT& surface = *request.surfaces[0];
         surface.name = "bone";
-        surface.colour = std::make_unique<schema::Rgb>(1, 2, 3);
+        surface.color = std::make_unique<schema::Rgb>(1, 2, 3);
         surface.vertices = {{1, 2, 3, 0, 0, 1}, {4, 2, 3, 0, 0, 1}, {1, 5, 3, 0, 0, 1}};
         surface.indices = {0, 1, 2};
         const std::vector<bus::Message> answer = answers_to(node, bus::pack(request));

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/matrix.hpp>
 #include <map>
-#include <tuple>
+#include <unordered_map>
 
 #include "host/io/import.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
@@ -99,26 +99,29 @@ Surface surface_of(const host::Volume& from) {
     return surface;
 }
 
-using Cell = std::tuple<long, long, long>;
 constexpr double cell_mm = 0.01;
 
-Cell cell_of(glm::dvec3 p) {
-    return {std::lround(p.x / cell_mm), std::lround(p.y / cell_mm), std::lround(p.z / cell_mm)};
+/// The number of a cube of space: 21 bits for each axis. `step` leads to one of the 26 around it.
+std::uint64_t cell_of(glm::dvec3 p, glm::ivec3 step) {
+    const auto bits = [](double mm, int cells) {
+        const long at = std::lround(mm / cell_mm) + cells;
+        return static_cast<std::uint64_t>(at) & 0x1fffffU;
+    };
+    return bits(p.x, step.x) << 42U | bits(p.y, step.y) << 21U | bits(p.z, step.z);
 }
 
 /// How far the farthest vertex of `a` is from its nearest in `b`, at most one cell.
 double farthest(const Surface& a, const Surface& b) {
-    std::multimap<Cell, glm::dvec3> cells;
+    std::unordered_multimap<std::uint64_t, glm::dvec3> cells;
     for (const glm::dvec3 p : b.vertices_mm) {
-        cells.emplace(cell_of(p), p);
+        cells.emplace(cell_of(p, {0, 0, 0}), p);
     }
     double most = 0;
     for (const glm::dvec3 p : a.vertices_mm) {
         double least = cell_mm;
-        const auto [x, y, z] = cell_of(p);
         for (int i = 0; i < 27; ++i) {
             const auto [begin, end] =
-                cells.equal_range({x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1});
+                cells.equal_range(cell_of(p, {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1}));
             for (auto at = begin; at != end; ++at) {
                 least = std::min(least, glm::length(at->second - p));
             }

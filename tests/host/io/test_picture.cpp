@@ -147,12 +147,12 @@ TEST_SUITE("host/io/picture") {
     TEST_CASE("several pictures are an animation that repeats, with its delay") {
         const TemporaryFolder folder;
         constexpr int side = 64, count = 4;
-        const std::array<std::array<std::uint8_t, 3>, count> colours = {
+        const std::array<std::array<std::uint8_t, 3>, count> colors = {
             {{200, 30, 30}, {30, 200, 30}, {30, 30, 200}, {220, 220, 220}}};
         std::vector<std::uint8_t> rgba;
-        for (const auto& colour : colours) {
+        for (const auto& color : colors) {
             for (int pixel = 0; pixel < side * side; ++pixel) {
-                rgba.insert(rgba.end(), {colour[0], colour[1], colour[2], 255});
+                rgba.insert(rgba.end(), {color[0], color[1], color[2], 255});
             }
         }
         Picture picture{side, side, rgba, ""};
@@ -169,10 +169,10 @@ TEST_SUITE("host/io/picture") {
                   doctest::Approx(1000.0 / 70));
             std::vector<std::uint8_t> got(std::size_t{3} * side * side);
             REQUIRE(input->read_image(index, 0, 0, 3, OIIO::TypeDesc::UINT8, got.data()));
-            const auto& colour = colours[static_cast<std::size_t>(index)];
+            const auto& color = colors[static_cast<std::size_t>(index)];
             for (const std::size_t at : {std::size_t{0}, got.size() / 2, got.size() - 3}) {
                 for (std::size_t channel = 0; channel < 3; ++channel) {
-                    CHECK(std::abs(got[at + channel] - colour[channel]) <= 2);
+                    CHECK(std::abs(got[at + channel] - color[channel]) <= 2);
                 }
             }
         }

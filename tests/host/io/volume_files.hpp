@@ -2,6 +2,7 @@
 #pragma once
 
 #include <unistd.h>
+#include <zlib.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -9,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <type_traits>
@@ -120,5 +122,17 @@ class NiftiHeader {
     bool big_endian_;
     std::string bytes_;
 };
+
+/// The bytes of a gzip file with these contents. Uses a file in `folder`, and removes it.
+inline std::string gzipped(const TemporaryFolder& folder, const std::string& bytes) {
+    const std::string path = folder.file("scratch.gz");
+    gzFile file = gzopen(path.c_str(), "wb");
+    gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
+    gzclose(file);
+    std::ifstream stream(path, std::ios::binary);
+    std::string packed{std::istreambuf_iterator<char>(stream), {}};
+    std::filesystem::remove(path);
+    return packed;
+}
 
 }  // namespace pxpl5::test

@@ -1,7 +1,8 @@
 // A node that does nothing, or misbehaves on request: what the launcher's tests launch.
 //
 // MISBEHAVE in the environment: "build" says Hello with another build, "silent" never says Hello,
-// "deaf" ignores Shutdown and SIGTERM. RemoveSurface{n} is an order, see Order.
+// "deaf" ignores Shutdown and SIGTERM, "secret" says Hello first without the secret, then with it.
+// RemoveSurface{n} and ReadMesh{"n"} are orders, see Order.
 #include <unistd.h>
 
 #include <csignal>
@@ -10,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "host/io/sandbox/system_calls.hpp"
 #include "ringbus/process/process.hpp"
 #include "ringbus/zmq/zmq_link.hpp"
 #include "tests/host/machine/idle_node.hpp"
@@ -29,13 +31,27 @@ void stay_for_ever() {
 class IdleNode final : public bus::Node {
   public:
     void receive(const bus::Message& message, bus::Outbox& out) override {
-        const auto* order = message.as<schema::RemoveSurface>();
-        if (order == nullptr) {
-            return;
+        if (const auto* order = message.as<schema::RemoveSurface>()) {
+            obey(static_cast<test::Order>(order->surface()), out);
+        } else if (const auto* io_order = message.as<schema::ReadMesh>()) {
+            obey(static_cast<test::Order>(std::stoi(io_order->path()->str())), out);
         }
-        switch (static_cast<test::Order>(order->surface())) {
+    }
+    bool work(bus::Outbox&) override { return false; }
+
+  private:
+    static void obey(test::Order order, bus::Outbox& out) {
+        switch (order) {
             case test::Order::answer:
-                out.send(bus::host_id, bus::pack(schema::VolumeReadyT{}));
+                out.send(bus::host_id, role == schema::Role::io
+                                           ? bus::pack(schema::IoDoneT{})
+                                           : bus::pack(schema::VolumeReadyT{}));
+                return;
+            case test::Order::forbidden:
+                out.send(bus::host_id, bus::pack(schema::FrameDoneT{}));
+                return;
+            case test::Order::damaged:
+                out.send(bus::host_id, damaged());
                 return;
             case test::Order::chatter:
                 for (int i = 0; i < test::chatter_messages; ++i) {
@@ -51,16 +67,36 @@ class IdleNode final : public bus::Node {
                 std::exit(0);
             case test::Order::abort:
                 std::abort();
+            case test::Order::hang:
+                stay_for_ever();
+                return;
+            case test::Order::start:
+                host::io::restrict_system_calls(host::io::Task::read);
+                execl("/bin/true", "true", nullptr);
+                return;
         }
     }
-    bool work(bus::Outbox&) override { return false; }
+
+    static bus::Payload damaged() {
+        if (role == schema::Role::io) {
+            schema::VolumeHeaderT header;
+            header.voxel_to_patient = std::make_unique<schema::Matrix>();
+            return bus::pack(header);  // Without a voxel.
+        }
+        schema::SurfaceBuiltT built;
+        built.slabs.emplace_back();
+        built.slabs.back().mutate_slab(~0U);
+        return bus::pack(built);
+    }
 };
 
 void say_hello_as_another_build(int argc, char** argv) {
     const bus::ProcessFlags flags = bus::parse_flags(argc, argv);
-    bus::ZmqLink link(flags.node_id, flags.bind);
-    link.add_peer(bus::host_id, flags.host_endpoint);
+    const bus::Credentials credentials = bus::inherit_credentials(flags.credentials_fd);
+    bus::ZmqLink link({flags.node_id, role}, flags.bind, credentials);
+    link.add_peer(bus::host_id, schema::Role::host, flags.host_endpoint);
     schema::HelloT hello;
+    hello.secret = std::make_unique<schema::Secret>(credentials.secret);
     hello.role = role;
     hello.index = flags.index;
     hello.pid = static_cast<std::uint32_t>(getpid());
@@ -71,15 +107,39 @@ void say_hello_as_another_build(int argc, char** argv) {
     stay_for_ever();
 }
 
+/// A Hello of this node's number from another process, which has not inherited the secret.
+void say_hello_without_the_secret(int argc, char** argv) {
+    const bus::ProcessFlags flags = bus::parse_flags(argc, argv);
+    bus::ZmqLink stranger({flags.node_id, role}, flags.bind + "-stranger");
+    stranger.add_peer(bus::host_id, schema::Role::host, flags.host_endpoint);
+    schema::HelloT hello;
+    hello.role = role;
+    hello.index = flags.index;
+    hello.pid = static_cast<std::uint32_t>(getpid());
+    hello.endpoint = stranger.endpoint();
+    hello.build = bus::build_id();
+    hello.schema_hash = bus::schema_hash();
+    for (const std::uint64_t guess : {0ULL, 1ULL}) {
+        hello.secret = std::make_unique<schema::Secret>(guess, guess);
+        stranger.send(bus::host_id, bus::pack(hello));
+    }
+    hello.secret.reset();
+    stranger.send(bus::host_id, bus::pack(hello));
+    stranger.linger(bus::host_id, -1);  // The host has them before the true Hello leaves.
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-    const char* how = std::getenv("MISBEHAVE");
+    const char* named = std::getenv("PXPL5_MISBEHAVE");  // The name that a topology file may set.
+    const char* how = named != nullptr ? named : std::getenv("MISBEHAVE");
     const std::string misbehave = how == nullptr ? "" : how;
     if (misbehave == "build") {
         say_hello_as_another_build(argc, argv);
     } else if (misbehave == "silent") {
         stay_for_ever();
+    } else if (misbehave == "secret") {
+        say_hello_without_the_secret(argc, argv);
     } else if (misbehave == "deaf") {
         std::signal(SIGTERM, SIG_IGN);
         std::atexit(stay_for_ever);

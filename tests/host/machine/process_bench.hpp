@@ -85,4 +85,41 @@ inline void check_all_ended(const std::vector<Watch>& watches, int timeout_ms = 
     }
 }
 
+inline void ignore(const bus::Message&) {}
+inline bool never() {
+    return false;
+}
+
+/// The error that pumping on comes to.
+inline host::MachineError end_of(host::Machine& machine) {
+    try {
+        machine.pump(ignore, never);
+    } catch (const host::MachineError& error) {
+        return error;
+    }
+    return {0, "no error"};
+}
+
+inline int pid_of(const host::Machine& machine, const std::string& name) {
+    for (const host::Machine::Process& process : machine.processes()) {
+        if (process.name == name) {
+            return process.pid;
+        }
+    }
+    FAIL(name, " is not there");
+    return 0;
+}
+
+/// The io process of this process, which is no node of the ring.
+inline int pid_of_io() {
+    for (const auto& entry : fs::directory_iterator("/proc")) {
+        const std::string stat = text_of(entry.path() / "stat");
+        if (has(stat, "(pxpl5-io) ") && has(stat, " " + std::to_string(getpid()) + " ")) {
+            return std::stoi(entry.path().filename());
+        }
+    }
+    FAIL("there is no io process");
+    return 0;
+}
+
 }  // namespace pxpl5::test

@@ -41,9 +41,10 @@ schema::HelloT hello_of(schema::Role role, int index, int pid) {
     return hello;
 }
 
-void say(Handshake& handshake, const schema::HelloT& hello) {
+/// Says Hello as the node of this process, as the launcher has numbered it.
+void say(Handshake& handshake, const schema::HelloT& hello, bus::NodeId id = 2) {
     const bus::Payload payload = bus::pack(hello);
-    handshake.hello(*schema::GetMessage(payload.bytes().data())->body_as_Hello());
+    handshake.hello(id, *schema::GetMessage(payload.bytes().data())->body_as_Hello());
 }
 
 using Names = std::vector<std::string>;
@@ -85,7 +86,7 @@ TEST_CASE("a node is told the whole ring and its model's numbers") {
 TEST_CASE("the handshake knows who is missing") {
     Handshake handshake(started(), {"build-1", 0xabc});
     CHECK(handshake.without_hello() == Names{"gp-0", "gp-1", "renderer-0", "framebuffer-0"});
-    say(handshake, hello_of(schema::Role::frame_buffer, 0, 104));
+    say(handshake, hello_of(schema::Role::frame_buffer, 0, 104), 4);
     say(handshake, hello_of(schema::Role::gp, 1, 102));
     CHECK(handshake.without_hello() == Names{"gp-0", "renderer-0"});
     CHECK(handshake.nodes()[1].endpoint == "ipc:///run/x");
@@ -116,6 +117,8 @@ TEST_CASE("a node that does not belong is refused with both values") {
           "process 7 says that it is gp-1, which is process 102");
     CHECK(refusal([](schema::HelloT& h) { h.index = 2; }) ==
           "process 102 says that it is gp-2, which was not started");
+    CHECK(refusal([](schema::HelloT& h) { h.index = 0; }) ==
+          "node 2 says that it is gp-0, which is node 1");
     CHECK(refusal([](schema::HelloT& h) { h.endpoint.clear(); }) ==
           "gp-1 does not say where it can be reached");
     Handshake handshake(started(), {"build-1", 0xabc});

@@ -92,7 +92,7 @@ TEST_CASE("Ctrl-C and SIGTERM end the host in order, with their own exit code") 
 
 TEST_CASE("repeated Ctrl-C ends even nodes that will not") {
     const Bench bench;
-    const HostProcess host(bench, {"gp.count=2", "gp.env=MISBEHAVE=deaf"});
+    const HostProcess host(bench, {"gp.count=2", "gp.env=PXPL5_MISBEHAVE=deaf"});
     for (int i = 0; i < 3; ++i) {
         ::kill(host.pid, SIGINT);
     }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "host/base/error.hpp"
+#include "host/machine/modelled_topology.hpp"
 #include "host/machine/timing_section.hpp"
 #include "host/machine/topology.hpp"
 
@@ -54,7 +55,7 @@ int cores() {
 
 }  // namespace
 
-TEST_CASE("a topology file states the machine; what it leaves out has the documented default") {
+TEST_CASE("a topology file states the machine, and what it leaves out has the documented default") {
     const Topology plan = parse_topology(small, "folder/small.json");
     CHECK(plan.name == "small");
     CHECK(plan.gp.count == 3);
@@ -106,6 +107,15 @@ TEST_CASE("text that is not a topology is refused with file and line") {
     CHECK_MESSAGE(has(refusal_of(""), "some/machine.json:"), refusal_of(""));
 }
 
+TEST_CASE("a topology file is one JSON object: text of a schema is refused with its line") {
+    for (const char* text : {"table A { x:string; } root_type A; { x: \"another root\" }",
+                             "table A { x:int; }", "{}\n{}", "include \"other.fbs\"; {}"}) {
+        const std::string error = refusal_of(text);
+        CHECK_MESSAGE(has(error, "some/machine.json:"), error);
+    }
+    CHECK(refusal_of("{} // A comment behind it is no other text.") == "no error");
+}
+
 TEST_CASE("a value out of range is refused with the value and the range") {
     const std::string over = refusal_of("{ roles: { gp: { count: 65 }, renderer: { count: 1 } } }");
     CHECK_MESSAGE(over == "some/machine.json: gp.count is 65, must be 1..64", over);
@@ -118,6 +128,10 @@ TEST_CASE("a value out of range is refused with the value and the range") {
     CHECK(has(refusal_of("{ vector_target: 9 }"),
               "vector_target is 9, must be best, sse4, avx2 or avx512"));
     CHECK(has(refusal_of("{ roles: { gp: { env: [\"=x\"] } } }"), "gp.env has '=x'"));
+    const std::string code = refusal_of("{ roles: { gp: { env: [\"LD_PRELOAD=/x.so\"] } } }");
+    CHECK_MESSAGE(has(code, "gp.env sets 'LD_PRELOAD', but may set only names that begin with"),
+                  code);
+    CHECK(!has(code, "/x.so"));
     CHECK(has(refusal_of("{ roles: { gp: { cpu: [-1] } } }"), "gp.cpu names core -1"));
 }
 
@@ -125,7 +139,7 @@ TEST_CASE("an override sets one value") {
     const Topology plan = parse_topology(
         small, "small.json",
         {"gp.count=4", "gp.memory_mib=16", "ring.transport=ipc", "seed=18446744073709551615",
-         "renderer.cpu=0,1", "frame_buffer.env=A=b=c", "record=full", "vector_target=avx2"});
+         "renderer.cpu=0,1", "frame_buffer.env=OMP_A=b=c", "record=full", "vector_target=avx2"});
     CHECK(plan.vector_target == VectorTarget::avx2);
     CHECK(plan.record == Recording::full);
     CHECK(plan.gp.count == 4);
@@ -133,8 +147,15 @@ TEST_CASE("an override sets one value") {
     CHECK(plan.ring.transport == Transport::ipc);
     CHECK(plan.seed == 18446744073709551615U);
     CHECK(plan.renderer.cpu == std::vector<int>{0, 1});
-    CHECK(plan.frame_buffer.env == std::vector<std::string>{"A=b=c"});
+    CHECK(plan.frame_buffer.env == std::vector<std::string>{"OMP_A=b=c"});
     CHECK(parse_topology(small, "small.json", {"gp.count=0"}).gp.count == cores());
+}
+
+TEST_CASE("a modelled machine is not fitted to this computer's cores") {
+    Topology plan = load_modelled_topology("paper-1993", {"gp.count=2"});
+    CHECK_THROWS_WITH_AS(apply_modelled_override(plan, "gp.count=0"),
+                         "--set gp.count=0: gp.count is 0, must be 1..1024", RequestError);
+    CHECK_THROWS_AS(load_modelled_topology("paper-1993", {"renderer.count=0"}), RequestError);
 }
 
 TEST_CASE("a plan says how large it is, and whether this computer's cores decided that") {
@@ -216,7 +237,7 @@ TEST_CASE("a parameter of the timing that cannot be is refused by name, value an
 
 TEST_CASE("the resolved plan, read again, is the same plan") {
     const Topology plan =
-        load_topology("default", {"gp.cpu=0,1", "renderer.env=NAME=a \"quoted\" value",
+        load_topology("default", {"gp.cpu=0,1", "renderer.env=PXPL5_NAME=a \"quoted\" value",
                                   "seed=12345678901234567890", "ring.transport=tcp",
                                   "ring.hop_ns=0", "record=off", "vector_target=sse4",
                                   "gp.message_us=12.25", "assignment=recorded"});
@@ -238,7 +259,7 @@ TEST_CASE("the resolved plan, read again, is the same plan") {
     CHECK(again.ring.channels == plan.ring.channels);
 }
 
-TEST_CASE("a machine is found by name or by path; an unknown name lists the known ones") {
+TEST_CASE("a machine is found by name or by path, and an unknown name lists the known ones") {
     const auto path = std::filesystem::temp_directory_path() /
                       ("pxpl5-topology-" + std::to_string(getpid()) + ".json");
     std::ofstream(path) << small;
@@ -249,4 +270,22 @@ TEST_CASE("a machine is found by name or by path; an unknown name lists the know
     const std::string far = refusal([] { load_topology("x"); });
     CHECK_MESSAGE(has(far, "default, one-of-each, paper-1993"), far);
     CHECK(has(refusal([&path] { load_topology(path.string()); }), path.string()));
+}
+
+TEST_CASE("the heartbeat has defaults, is read from files and overrides, and is written back") {
+    const HeartbeatSettings usual = parse_topology(small, "small.json").heartbeat;
+    CHECK(usual.interval_ms == 1000);
+    CHECK(usual.misses == 10);
+    CHECK(usual.stuck_s == 300);
+    CHECK(usual.silence_ms() == 10'000);
+    const Topology plan = parse_topology("{ heartbeat: { interval_ms: 200, misses: 0 } }", "a.json",
+                                         {"gp.count=1", "renderer.count=1", "heartbeat.stuck_s=7"});
+    const Topology again = parse_topology(resolved_json(plan), "b.json");
+    CHECK(again.heartbeat.interval_ms == 200);
+    CHECK(again.heartbeat.misses == 0);
+    CHECK(again.heartbeat.stuck_s == 7);
+    CHECK(has(refusal_of_override("heartbeat.misses=2"),
+              "heartbeat.misses is 2, must be 0 (off) or at least 3"));
+    CHECK(has(refusal_of_override("heartbeat.stuck_s=1"), "must be 0 (off) or at least 3"));
+    CHECK(has(refusal_of_override("heartbeat.interval_ms=0"), "must be 10..60000"));
 }

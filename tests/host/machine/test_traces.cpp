@@ -14,6 +14,7 @@
 #include "isa/table_hash.hpp"
 #include "ringbus/process/process.hpp"
 #include "ringbus/trace/trace_file.hpp"
+#include "ringbus/zmq/zmq_link.hpp"
 #include "tests/host/machine/idle_node.hpp"
 #include "tests/host/machine/process_bench.hpp"
 
@@ -24,12 +25,6 @@ namespace schema = bus::schema;
 using bus::trace::TraceFile;
 
 namespace {
-
-bus::Payload order(Order what) {
-    schema::RemoveSurfaceT message;
-    message.surface = static_cast<std::uint16_t>(what);
-    return bus::pack(message);
-}
 
 /// Lets a GP answer once.
 void ask(Machine& machine) {
@@ -205,6 +200,32 @@ TEST_SUITE("host/machine/traces") {
         const TraceFile gp(run.traces() / "gp-0.mcap");
         CHECK(gp.cut() == "");
         CHECK(kinds_in(gp).at("RemoveSurface") == 1);
+    }
+
+    TEST_CASE("a node that has refused a message saves its trace, too") {
+        Recorded run(Recording::flight);
+        ask(run.machine);
+        fs::path sockets;
+        for (const auto& entry : fs::directory_iterator(run.bench.folder)) {
+            sockets =
+                entry.path().filename().string().starts_with("pxpl5-") ? entry.path() : sockets;
+        }
+        // A message "of the host" with a number that the node has had.
+        bus::ZmqLink another({bus::host_id, schema::Role::host},
+                             "ipc://" + (sockets / "another").string());
+        another.add_peer(1, schema::Role::gp, "ipc://" + (sockets / "gp-0").string());
+        another.send(1, order(Order::answer));
+        bool has_fault = false;
+        run.machine.pump(
+            [&](const bus::Message& message) {
+                has_fault = has_fault || message.kind() == bus::Body::Fault;
+            },
+            [&] { return has_fault; });
+        const SavedTraces saved = run.machine.save_traces_after_fault();
+        CHECK(saved.nodes == 6);
+        CHECK(saved.missing.empty());
+        ask(run.machine);
+        run.machine.shutdown();
     }
 
     TEST_CASE("a node whose disk is full says so once, and works on") {

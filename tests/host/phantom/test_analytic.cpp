@@ -11,7 +11,7 @@ namespace {
 constexpr double pi = 3.14159265358979323846;
 
 /// Where the analytic shapes are centered.
-constexpr glm::dvec3 centre_mm(0.3, -0.7, 0.45);
+constexpr glm::dvec3 center_mm(0.3, -0.7, 0.45);
 
 double length_mm(const host::PhantomInfo& info, std::string_view name) {
     for (const host::PhantomLength& length : info.lengths)
@@ -24,7 +24,7 @@ template <class Depth>
 std::size_t wrong_voxels(const Probe& probe, double zero, const Depth& depth_mm) {
     std::size_t wrong = 0;
     probe.each([&](double value, glm::dvec3 p) {
-        const double depth = depth_mm(p - centre_mm);
+        const double depth = depth_mm(p - center_mm);
         const bool off = std::abs(value - (zero + 100 * depth)) > 1 + 1e-3;
         const bool wrong_side = std::abs(depth) > 1e-6 && (value > zero + 0.5) != (depth > 0);
         wrong += off || wrong_side ? 1 : 0;

@@ -38,10 +38,10 @@ glm::dvec3 furthest_mm(const Probe& probe, double isovalue, glm::dvec3 direction
 
 /// Share of voxels that pass, of those in a ball.
 template <class Pass>
-double share(const Probe& probe, glm::dvec3 centre, double radius_mm, const Pass& pass) {
+double share(const Probe& probe, glm::dvec3 center, double radius_mm, const Pass& pass) {
     double all = 0, passed = 0;
     probe.each([&](double value, glm::dvec3 p) {
-        if (glm::distance(p, centre) > radius_mm) return;
+        if (glm::distance(p, center) > radius_mm) return;
         ++all;
         passed += pass(value) ? 1 : 0;
     });

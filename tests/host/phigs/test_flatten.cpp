@@ -40,9 +40,9 @@ TEST_SUITE("phigs/flatten") {
             " execute inner; sphere 0 0 0 1; };");
         REQUIRE(c.parts.size() == 1);
         REQUIRE(c.parts[0].spheres.size() == 2);
-        CHECK(c.parts[0].spheres[0].centre == glm::dvec3(12, 0, 0));
+        CHECK(c.parts[0].spheres[0].center == glm::dvec3(12, 0, 0));
         CHECK(c.parts[0].spheres[0].radius == 2);
-        CHECK(c.parts[0].spheres[1].centre == glm::dvec3(10, 0, 0));
+        CHECK(c.parts[0].spheres[1].center == glm::dvec3(10, 0, 0));
         CHECK(c.low == glm::dvec3(8, -2, -2));
         CHECK(c.high == glm::dvec3(14, 2, 2));
         CHECK(c.radius == 3);
@@ -54,8 +54,8 @@ TEST_SUITE("phigs/flatten") {
             "structure out posted { color sphere { diff 1 2 3 255 }; execute in; "
             "sphere 2 0 0 1; };");
         REQUIRE(c.materials.size() == 2);
-        CHECK(c.materials[0].colour.b == 3);
-        CHECK(c.materials[1].colour.b == 9);
+        CHECK(c.materials[0].color.b == 3);
+        CHECK(c.materials[1].color.b == 9);
         CHECK(c.parts[0].spheres.size() == 2);
         CHECK(c.parts[1].spheres.size() == 1);
     }
@@ -70,7 +70,7 @@ TEST_SUITE("phigs/flatten") {
               "a.phigs:1:1: the posted structures draw nothing");
     }
 
-    TEST_CASE("faces without normals get their own; a mirror keeps the front") {
+    TEST_CASE("faces without normals get their own, and a mirror keeps the front") {
         const phigs::Content plain = content_of(posted(triangle));
         CHECK(facing(plain.parts[0], 0) == glm::dvec3(0, 0, 1));
         CHECK(plain.parts[0].vertices[0].normal == glm::dvec3(0, 0, 1));
@@ -95,7 +95,7 @@ TEST_SUITE("phigs/flatten") {
         CHECK(c.materials[1].cull_back);
         CHECK(facing(c.parts[0], 0) == glm::dvec3(0, 0, 1));
         CHECK(facing(c.parts[1], 0) == glm::dvec3(0, 0, -1));
-        CHECK(c.materials[1].colour.r == 2);
+        CHECK(c.materials[1].color.r == 2);
     }
 
     TEST_CASE("polygon5 culls where it says so, and has the mean of its corners' colors") {
@@ -104,9 +104,9 @@ TEST_SUITE("phigs/flatten") {
                    "0 1 0; }; polygon5 3 3 diff 9 9 9 255 { 0 0 0; 1 0 0; 0 1 0; };"));
         REQUIRE(c.materials.size() == 2);
         CHECK(c.materials[0].cull_back);
-        CHECK(c.materials[0].colour.r == 16);  // 15.5, rounded.
+        CHECK(c.materials[0].color.r == 16);  // 15.5, rounded.
         CHECK(!c.materials[1].cull_back);
-        CHECK(c.materials[1].colour.r == 9);
+        CHECK(c.materials[1].color.r == 9);
         REQUIRE(c.notes.size() == 1);
         CHECK(c.notes[0] == "polygons drawn in the mean of their corners' colors: 1");
     }
@@ -138,7 +138,7 @@ TEST_SUITE("phigs/flatten") {
     }
 
     TEST_CASE("255 colors stay as they are, more lose lower bits") {
-        const auto greys = [](int count) {
+        const auto grays = [](int count) {
             std::string text;
             for (int i = 0; i < count; ++i) {
                 text += fmt::format("color sphere {{ diff {} {} 0 255 }}; sphere {} 0 0 1;",
@@ -146,10 +146,10 @@ TEST_SUITE("phigs/flatten") {
             }
             return content_of(posted(text));
         };
-        const phigs::Content few = greys(255);
+        const phigs::Content few = grays(255);
         CHECK(few.materials.size() == 255);
         CHECK(few.notes.empty());
-        const phigs::Content many = greys(256);
+        const phigs::Content many = grays(256);
         // 200 reds of which 7 bits leave 100, green 0 and 1 become one.
         CHECK(many.materials.size() == 100);
         CHECK(primitives(many) == 256);
@@ -169,7 +169,7 @@ TEST_SUITE("phigs/flatten") {
         const phigs::Content c = content_of(posted(text));
         REQUIRE(c.parts.size() == 4);
         CHECK(c.parts[3].spheres.size() == 1);
-        CHECK(c.parts[3].spheres[0].centre.x == 3 * phigs::primitives_per_part);
+        CHECK(c.parts[3].spheres[0].center.x == 3 * phigs::primitives_per_part);
     }
 
     TEST_CASE("what cannot be executed is said with its place") {

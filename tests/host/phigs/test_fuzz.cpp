@@ -5,16 +5,12 @@
 #include <random>
 
 #include "tests/host/phigs/support.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::test;
 
 namespace {
-
-std::uint64_t seed() {
-    const char* given = std::getenv("PXPL5_SEED");
-    return given != nullptr ? std::stoull(given) : 1;
-}
 
 std::string archive(const std::string& name) {
     std::ifstream file(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/" + name + ".phigs");
@@ -57,8 +53,9 @@ std::string damaged(std::string text, std::mt19937_64& random) {
 
 TEST_SUITE("phigs/fuzz") {
     TEST_CASE("damaged text is read, or refused with its file, line and column") {
-        std::mt19937_64 random(seed());
-        CAPTURE(seed());
+        const std::uint64_t seed = seed_or<std::uint64_t>(1);
+        std::mt19937_64 random(seed);
+        CAPTURE(seed);
         REQUIRE(refusal(all_constructs) == "");
         int refused = 0;
         constexpr int rounds = 20'000;
@@ -72,7 +69,7 @@ TEST_SUITE("phigs/fuzz") {
         CHECK(refused > rounds / 2);
         CHECK(refused < rounds);
     }
-    TEST_CASE("the archives that come along are read; cut off anywhere, they are refused") {
+    TEST_CASE("the archives that come along are read, and cut off anywhere, they are refused") {
         for (const char* name : {"molecule", "room", "tree"}) {
             const std::string text = archive(name);
             CAPTURE(name);

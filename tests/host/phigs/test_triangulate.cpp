@@ -6,16 +6,12 @@
 #include <random>
 
 #include "tests/host/phigs/support.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::test;
 
 namespace {
-
-std::uint64_t seed() {
-    const char* given = std::getenv("PXPL5_SEED");
-    return given != nullptr ? std::stoull(given) : 1;
-}
 
 double area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& n) {
     return glm::dot(glm::cross(b - a, c - a), n) / 2;
@@ -66,8 +62,9 @@ TEST_SUITE("phigs/triangulate") {
         }
     }
     TEST_CASE("random stars in random planes are covered once") {
-        std::mt19937_64 random(seed());
-        CAPTURE(seed());
+        const std::uint64_t seed = seed_or<std::uint64_t>(1);
+        std::mt19937_64 random(seed);
+        CAPTURE(seed);
         std::uniform_real_distribution<double> unit(0, 1);
         for (int round = 0; round < 50; ++round) {
             const glm::dvec3 u = glm::normalize(glm::dvec3(unit(random), unit(random), 1));

@@ -20,7 +20,7 @@ glm::dvec3 project(const Camera& camera, glm::dvec3 p_mm, double aspect = 1) {
 
 /// Where the picture shows a point that lies `step_mm` from the subject's center.
 glm::dvec3 seen(const char* view, glm::dvec3 step_mm) {
-    return project({find_view(view).value(), 1}, subject.centre_mm + step_mm);
+    return project({find_view(view).value(), 1}, subject.center_mm + step_mm);
 }
 
 const glm::dvec3 left{50, 0, 0}, back{0, 50, 0}, head{0, 0, 50};
@@ -66,7 +66,7 @@ TEST_SUITE("host/camera") {
     }
 
     TEST_CASE("zoom and aspect scale the picture, not the depth") {
-        const glm::dvec3 p = subject.centre_mm + glm::dvec3(20, -5, 30);
+        const glm::dvec3 p = subject.center_mm + glm::dvec3(20, -5, 30);
         const glm::dvec3 once = project({{0, 0}, 1}, p), twice = project({{0, 0}, 2}, p);
         CHECK(twice.x == doctest::Approx(2 * once.x));
         CHECK(twice.y == doctest::Approx(2 * once.y));
@@ -81,17 +81,17 @@ TEST_SUITE("host/camera") {
         affine[2] = {0, 1, 3, 0};
         affine[3] = {5, 6, 7, 1};
         const Subject found = subject_of(3, 5, 3, affine);
-        CHECK(found.centre_mm.x == doctest::Approx(5 - 2));
-        CHECK(found.centre_mm.y == doctest::Approx(6 + 2 + 1));
-        CHECK(found.centre_mm.z == doctest::Approx(7 + 3));
+        CHECK(found.center_mm.x == doctest::Approx(5 - 2));
+        CHECK(found.center_mm.y == doctest::Approx(6 + 2 + 1));
+        CHECK(found.center_mm.z == doctest::Approx(7 + 3));
         // The farthest corners from the center are at (+-2, +-(2 + 1), +-3).
         CHECK(found.radius_mm == doctest::Approx(std::sqrt(4.0 + 9 + 9)));
     }
 
     TEST_CASE("a roll of 90 degrees turns the picture counter-clockwise") {
         Camera camera{find_view("anterior").value(), 1, 90};
-        const glm::dvec3 p_left = project(camera, subject.centre_mm + left);
-        const glm::dvec3 p_head = project(camera, subject.centre_mm + head);
+        const glm::dvec3 p_left = project(camera, subject.center_mm + left);
+        const glm::dvec3 p_head = project(camera, subject.center_mm + head);
         CHECK(p_left.y > 0.1);  // Was at the right, is above.
         CHECK(p_left.x == doctest::Approx(0));
         CHECK(p_head.x < -0.1);  // Was above, is at the left.
@@ -102,7 +102,7 @@ TEST_SUITE("host/camera") {
         for (const double roll_deg : {0.0, 33.0, 180.0}) {
             const Camera camera{{20, 10}, 2, roll_deg, {12, -7}};
             const CameraMatrices m = camera_matrices(camera, subject, 1.5);
-            const glm::dvec4 p_eye = m.patient_to_eye * glm::dvec4(subject.centre_mm, 1);
+            const glm::dvec4 p_eye = m.patient_to_eye * glm::dvec4(subject.center_mm, 1);
             CHECK(p_eye.x == doctest::Approx(12));
             CHECK(p_eye.y == doctest::Approx(-7));
             // What lies beyond the pan the other way is in the middle.

@@ -85,7 +85,7 @@ TEST_SUITE("host/scene/overlay") {
     }
 
     TEST_CASE("the scale bar is a round length and as long as that at the subject's center") {
-        const glm::dvec3 c = subject.centre_mm;
+        const glm::dvec3 c = subject.center_mm;
         for (const double zoom : {0.2, 0.37, 1.0, 3.3, 40.0}) {
             for (const Size size : {Size{512, 512}, Size{1600, 1200}, Size{300, 900}}) {
                 CAPTURE(zoom);
@@ -159,12 +159,12 @@ TEST_SUITE("host/scene/overlay") {
     }
 
     TEST_CASE("letters are light over a dark background and dark over a light one") {
-        for (const auto& [grey, is_light] : {std::pair(20, true), std::pair(250, false)}) {
+        for (const auto& [gray, is_light] : {std::pair(20, true), std::pair(250, false)}) {
             Overlay overlay = overlay_of("anterior");
-            const auto value = static_cast<std::uint8_t>(grey);
+            const auto value = static_cast<std::uint8_t>(gray);
             overlay.background = {value, value, value, 255};
             for (const PictureMark& mark : overlay_marks(overlay)) {
-                CHECK((mark.colour.g > 128) == is_light);
+                CHECK((mark.color.g > 128) == is_light);
                 CHECK(mark.width_px > 1);  // The halo.
             }
         }
@@ -197,8 +197,8 @@ TEST_SUITE("host/scene/overlay") {
         CHECK(wire[0]->points[1].y() == 4);
         CHECK(wire[1]->kind == MarkKind::area);
         CHECK(wire[1]->points.size() == 3);
-        CHECK(wire[1]->colour->r() == 9);
-        CHECK(wire[1]->colour->a() == 6);
+        CHECK(wire[1]->color->r() == 9);
+        CHECK(wire[1]->color->a() == 6);
         CHECK(wire[2]->kind == MarkKind::text);
         CHECK(wire[2]->text == "50 mm");
         CHECK(wire[2]->height_px == 20);

@@ -157,10 +157,10 @@ TEST_SUITE("contour") {
             const int count = counts.at(static_cast<std::size_t>(axis));
             for (const int index : {count / 2, count / 3}) {
                 // Radius 30 mm about (0.3, -0.7, 0.45), as the phantom is documented.
-                const glm::dvec3 centre(0.3, -0.7, 0.45);
+                const glm::dvec3 center(0.3, -0.7, 0.45);
                 glm::dvec4 p_voxel(0, 0, 0, 1);
                 p_voxel[axis] = index;
-                const double off = (sphere.voxel_to_patient * p_voxel)[axis] - centre[axis];
+                const double off = (sphere.voxel_to_patient * p_voxel)[axis] - center[axis];
                 const double radius = std::sqrt(30.0 * 30.0 - off * off);
                 const Slice slice = slice_of(sphere, axis, index);
                 CHECK(length_mm(slice, contour(slice, 0.5)) ==

@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 
@@ -8,7 +9,7 @@ namespace pxpl5::host::serve {
 namespace {
 
 AccessRules rules() {
-    return {"d0d0", "eeee", "pxpl5_8080", reachable_names("127.0.0.1"), false};
+    return {"d0d0", "eeee", "dddd", "5e5e", "pxpl5_8080", reachable_names("127.0.0.1"), false};
 }
 
 Request with_token(const std::string& token) {
@@ -17,20 +18,38 @@ Request with_token(const std::string& token) {
 
 }  // namespace
 
-TEST_CASE("a token makes a driver or a watcher, and becomes a cookie that does the same") {
+TEST_CASE("a token makes a driver or a watcher, and gets a cookie that does the same") {
     const Verdict driver = judge(rules(), with_token("d0d0"));
     CHECK(driver.status == 200);
     CHECK(driver.role == Role::driver);
-    CHECK(driver.cookie == "pxpl5_8080=d0d0; HttpOnly; SameSite=Strict; Path=/");
+    CHECK(driver.cookie == "pxpl5_8080=dddd; HttpOnly; SameSite=Strict; Path=/");
     const Verdict watcher = judge(rules(), with_token("eeee"));
     CHECK(watcher.status == 200);
     CHECK(watcher.role == Role::watcher);
-    Request later{"GET", "/main.js", {}, "localhost:9000", "", "a=1; pxpl5_8080=d0d0; b=2"};
+    Request later{"GET", "/main.js", {}, "localhost:9000", "", "a=1; pxpl5_8080=dddd; b=2"};
     CHECK(judge(rules(), later).status == 200);
     CHECK(judge(rules(), later).role == Role::driver);
     CHECK(judge(rules(), later).cookie.empty());
-    later.cookie = "pxpl5_8080=eeee";
+    later.cookie = "pxpl5_8080=5e5e";
     CHECK(judge(rules(), later).role == Role::watcher);
+}
+
+TEST_CASE("a cookie's value is no token, and a token is no cookie's value") {
+    for (const char* session : {"dddd", "5e5e"}) {
+        CHECK(judge(rules(), with_token(session)).status == 403);
+    }
+    for (const char* token : {"d0d0", "eeee"}) {
+        const Request request{"GET", "/", {}, "localhost", "", fmt::format("pxpl5_8080={}", token)};
+        CHECK(judge(rules(), request).status == 403);
+    }
+}
+
+TEST_CASE("a refusal tells a stranger no name of this computer") {
+    Request request = with_token("wrong");
+    request.host = "evil.example";
+    for (const std::string& name : rules().names) {
+        CHECK(judge(rules(), request).reason.find(name) == std::string::npos);
+    }
 }
 
 TEST_CASE("no token, a wrong one or another server's cookie is refused") {
@@ -38,14 +57,14 @@ TEST_CASE("no token, a wrong one or another server's cookie is refused") {
         CAPTURE(token);
         CHECK(judge(rules(), with_token(token)).status == 403);
     }
-    for (const char* cookie : {"", "pxpl5_8080=", "pxpl5_8080=eeed", "pxpl5_80=d0d0",
-                               "xpxpl5_8080=d0d0", "pxpl5_8080", "; ;=", "token=d0d0"}) {
+    for (const char* cookie : {"", "pxpl5_8080=", "pxpl5_8080=eeed", "pxpl5_80=dddd",
+                               "xpxpl5_8080=dddd", "pxpl5_8080", "; ;=", "token=d0d0"}) {
         CAPTURE(cookie);
         CHECK(judge(rules(), {"GET", "/", {}, "localhost", "", cookie}).status == 403);
     }
     // A token that is wrong is not excused by a cookie that is right.
     Request both = with_token("wrong");
-    both.cookie = "pxpl5_8080=d0d0";
+    both.cookie = "pxpl5_8080=dddd";
     CHECK(judge(rules(), both).status == 403);
 }
 

@@ -22,6 +22,8 @@ class Access(Case):
             with_cookie = self.server.request(path, token=False, headers={"Cookie": cookie})
             self.assertEqual(with_cookie[0], 200, path)
         self.join(token="", headers={"Cookie": cookie})
+        token = urllib.parse.parse_qs(urllib.parse.urlsplit(self.server.url).query)["token"][0]
+        self.assertNotIn(token, headers["set-cookie"])
 
     def test_every_answer_forbids_what_a_page_must_not_do(self):
         for path, token, status in (("/", True, 200), ("/", False, 403), ("/nothing", True, 404)):
@@ -70,6 +72,43 @@ class Access(Case):
             connection.sendall(nonsense)
             connection.close()
         self.sync(self.join())
+
+
+class Strangers(Case):
+    def silent(self, count):
+        """Connections that send the begin of a request and no more."""
+        connections = []
+        for _ in range(count):
+            connections.append(connect_to(self.server.url))
+            connections[-1].sendall(b"GET / HTTP/1.1\r\nX-Slow: ")
+        return connections
+
+    def test_unfinished_requests_keep_no_viewer_out(self):
+        crowd = self.silent(300)
+        self.assertEqual(self.server.request("/")[0], 200)
+        self.sync(self.join())
+        for connection in crowd:
+            connection.close()
+
+    def test_an_unfinished_request_ends_by_itself_and_a_viewer_stays(self):
+        viewer = self.join()
+        slow, = self.silent(1)
+        slow.settimeout(20)
+        try:
+            self.assertEqual(slow.recv(1), b"")  # Returns when the server has closed.
+        except ConnectionResetError:
+            pass
+        slow.close()
+        self.sync(viewer)
+
+    def test_watchers_leave_a_place_for_a_driver(self):
+        watchers = [self.join(self.server.watch_url) for _ in range(7)]
+        eighth = WebSocket(self.server.watch_url)
+        self.assertIn("7 watchers", self.closed(1013, eighth))
+        driver = self.join()
+        self.sync(driver)
+        for watcher in watchers:
+            watcher.close()
 
 
 class Messages(Case):

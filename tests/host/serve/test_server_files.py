@@ -38,14 +38,14 @@ class Files(Case):
         self.assertEqual((path / "2.dcm").read_bytes(), content)
         self.assertEqual((path / "empty").read_bytes(), b"")
 
-    def test_an_upload_that_is_open_no_more_is_removed(self):
+    def test_an_upload_stays_after_another_volume_was_opened(self):
         self.upload("/upload?name=a.nrrd&batch=b", b"voxels")
         path = pathlib.Path(self.upload("/upload/done?batch=b")[1]["path"])
         viewer = self.join()
-        for opened, is_kept in ((path, True), ("phantom:torus", False)):
+        for opened in (path, "phantom:torus"):
             viewer.send(json.dumps({"opened": str(opened)}))
             self.sync(viewer)
-            self.assertEqual(path.exists(), is_kept)
+            self.assertEqual(path.read_bytes(), b"voxels")
 
     def test_what_is_wrong_with_an_upload_is_said(self):
         status, answer = self.upload("/upload?name=..&batch=b", b"x" * 1_000_000)
@@ -145,6 +145,24 @@ class Start(unittest.TestCase):
             with self.assertRaises((Refused, Closed, ConnectionResetError)):
                 WebSocket(local.replace("https", "http"))
             viewer.close()
+            self.assertEqual(server.stop(), (0, ""))
+
+    def test_tls_without_forward_secrecy_is_refused(self):
+        if not shutil.which("openssl"):
+            self.skipTest("openssl is not installed")
+        with tempfile.TemporaryDirectory() as folder:
+            key, cert = folder + "/key.pem", folder + "/cert.pem"
+            subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days",
+                            "1", "-subj", "/CN=viewer.example", "-keyout", key, "-out", cert],
+                           check=True, capture_output=True)
+            server = EchoServer(folder, "cert", cert, "key", key)
+            port = urllib.parse.urlsplit(server.url).port
+            for suite, is_taken in (("ECDHE-RSA-AES128-GCM-SHA256", True), ("AES256-SHA", False),
+                                    ("AES128-GCM-SHA256", False)):
+                done = subprocess.run(
+                    ["openssl", "s_client", "-connect", f"127.0.0.1:{port}", "-tls1_2", "-cipher",
+                     suite + ":@SECLEVEL=0"], input="", capture_output=True, text=True, timeout=20)
+                self.assertEqual("Cipher is " + suite in done.stdout, is_taken, (suite, done))
             self.assertEqual(server.stop(), (0, ""))
 
 

@@ -104,7 +104,7 @@ TEST_CASE("uploads are refused when they would be too much, twice the same, or u
     }
 }
 
-TEST_CASE("a batch that was open is removed when another is, and its room is free again") {
+TEST_CASE("a batch that was open is kept until its room is needed, the longest kept goes first") {
     const ScratchFolder scratch;
     Uploads uploads(scratch.path / "uploads");
     std::filesystem::create_directory(scratch.path / "uploads");
@@ -119,16 +119,52 @@ TEST_CASE("a batch that was open is removed when another is, and its room is fre
 
     uploads.opened(first);
     uploads.opened(first / "2.dcm");
-    CHECK(text_of(first / "1.dcm") == "1");
     uploads.opened(next);
-    CHECK_FALSE(std::filesystem::exists(first.parent_path()));
-    CHECK(text_of(waiting) == "345");
-    CHECK(text_of(next) == "6");
+    CHECK(text_of(first / "1.dcm") == "1");
     CHECK(status_of([&] { uploads.begin("a", "d", max_upload_bytes - 3); }) == 413);
+    CHECK_FALSE(std::filesystem::exists(first.parent_path()));
+    CHECK(text_of(next) == "6");
     CHECK(status_of([&] { uploads.begin("a", "d", max_upload_bytes - 4); }) == 200);
     uploads.opened("");
+    CHECK(text_of(next) == "6");
+    CHECK(status_of([&] { uploads.begin("a", "d", max_upload_bytes - 3); }) == 200);
     CHECK_FALSE(std::filesystem::exists(next));
     CHECK(text_of(waiting) == "345");
+}
+
+TEST_CASE("several files come in one request, cut anywhere, and a broken one is refused") {
+    const auto framed = [](const std::string& name, const std::string& text) {
+        const auto little = [](std::uint64_t value, std::size_t bytes) {
+            return std::string(reinterpret_cast<const char*>(&value), bytes);
+        };
+        return little(name.size(), 4) + little(text.size(), 8) + name + text;
+    };
+    const ScratchFolder scratch;
+    Uploads uploads(scratch.path);
+    const std::string body =
+        framed("series/1.dcm", "first") + framed("series/2.dcm", "") + framed("series/3.dcm", "3");
+    for (const std::size_t cut : {std::size_t{1}, std::size_t{7}, body.size()}) {
+        UploadingFiles files(uploads, "b");
+        for (std::size_t at = 0; at < body.size(); at += cut) {
+            files.append(std::string_view(body).substr(at, cut));
+        }
+        files.finish();
+        const UploadedBatch batch = uploads.done("b");
+        CHECK(batch.files == 3);
+        CHECK(text_of(batch.path / "1.dcm") == "first");
+        CHECK(text_of(batch.path / "2.dcm") == "");
+        CHECK(text_of(batch.path / "3.dcm") == "3");
+    }
+    const auto sends = [&](const std::string& text) {
+        UploadingFiles files(uploads, "c");
+        files.append(text);
+        files.finish();
+    };
+    CHECK(status_of([&] { sends(body.substr(0, body.size() - 1)); }) == 400);
+    CHECK(status_of([&] { sends("odd"); }) == 400);
+    CHECK(status_of([&] { sends(framed("", "x")); }) == 400);
+    CHECK(status_of([&] { sends(std::string(12, '\x7f')); }) == 400);
+    CHECK(status_of([&] { sends(framed("..", "x")); }) == 400);
 }
 
 TEST_CASE("batches of a server before are not touched") {

@@ -3,7 +3,7 @@
 
 #include "host/base/error.hpp"
 #include "host/commands/commands.hpp"
-#include "host/session/history.hpp"
+#include "host/session/history/history.hpp"
 
 using namespace pxpl5::host;
 
@@ -113,7 +113,7 @@ TEST_SUITE("host/history") {
         CHECK(memory.scene.camera.zoom == 3);
     }
 
-    TEST_CASE("a change forgets what could be done again; a load also what could be undone") {
+    TEST_CASE("a change forgets what could be done again, and a load also what could be undone") {
         Memory memory;
         memory.does("view zoom=3", 3);
         memory.undo();

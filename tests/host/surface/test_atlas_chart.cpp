@@ -41,7 +41,7 @@ const PictureMark& text_of(const AtlasChart& chart, const std::string& text) {
 std::vector<PictureMark> curves_of(const AtlasChart& chart, std::size_t rows) {
     std::vector<PictureMark> curves;
     for (const PictureMark& mark : chart.marks) {
-        if (mark.kind == MarkKind::line && mark.points.size() == rows && mark.colour.a == 255) {
+        if (mark.kind == MarkKind::line && mark.points.size() == rows && mark.color.a == 255) {
             curves.push_back(mark);
         }
     }

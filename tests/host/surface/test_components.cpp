@@ -8,6 +8,7 @@
 #include "host/surface/components.hpp"
 #include "host/surface/mesh_mask.hpp"
 #include "tests/host/surface/surface_support.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::test;
@@ -24,7 +25,7 @@ constexpr double pi = std::numbers::pi;
 const glm::dmat3 steps{0.9, 0, 0, 0, 1.1, 0, 0, 0, 1.3};
 
 struct Ball {
-    glm::dvec3 centre_mm;
+    glm::dvec3 center_mm;
     double radius_mm;
 };
 const std::vector<Ball> balls = {{{-14, 2, 1}, 9}, {{9, -3, 0}, 5}, {{18, 4, 2}, 3}};
@@ -39,7 +40,7 @@ double chord_error(double radius_mm) {
 double depth_mm(glm::dvec3 p_mm) {
     double depth = -1000;
     for (const Ball& ball : balls)
-        depth = std::max(depth, ball.radius_mm - glm::distance(p_mm, ball.centre_mm));
+        depth = std::max(depth, ball.radius_mm - glm::distance(p_mm, ball.center_mm));
     return depth;
 }
 
@@ -80,12 +81,12 @@ TEST_SUITE("host/surface/components") {
             CHECK(c.area_mm2 == doctest::Approx(4 * pi * r * r).epsilon(chord_error(r)));
             CHECK(c.volume_mm3.value() ==
                   doctest::Approx(4 * pi / 3 * r * r * r).epsilon(chord_error(r)));
-            CHECK(glm::distance(c.centre_mm, balls[i].centre_mm) < 0.02);
+            CHECK(glm::distance(c.center_mm, balls[i].center_mm) < 0.02);
             for (int axis = 0; axis < 3; ++axis) {
                 CHECK(c.bounds_mm.low[axis] ==
-                      doctest::Approx(balls[i].centre_mm[axis] - r).epsilon(0.03));
+                      doctest::Approx(balls[i].center_mm[axis] - r).epsilon(0.03));
                 CHECK(c.bounds_mm.high[axis] ==
-                      doctest::Approx(balls[i].centre_mm[axis] + r).epsilon(0.03));
+                      doctest::Approx(balls[i].center_mm[axis] + r).epsilon(0.03));
             }
             CHECK(p.parts.of_triangle[c.first_triangle] == i);
             CHECK(std::find(p.parts.of_triangle.begin(), p.parts.of_triangle.end(), i) -
@@ -120,7 +121,8 @@ TEST_SUITE("host/surface/components") {
               doctest::Approx(-pi / 6 * 6 * 6 * 6).epsilon(chord_error(6)));
     }
 
-    TEST_CASE("a component that the border cuts has the volume within; one with holes has none") {
+    TEST_CASE(
+        "a component that the border cuts has the volume within, and one with holes has none") {
         const Volume volume = make_volume({20, 16, 14}, Scalar::float32, [](int x, int y, int z) {
             const glm::dvec3 p(x, y, z);
             return std::max(6 - glm::distance(p, glm::dvec3(19, 15, 13)),
@@ -153,8 +155,8 @@ TEST_SUITE("host/surface/components") {
             const MeshComponent& c = p.parts.components[i];
             CHECK(c.triangles == 8);
             if (i > 0) CHECK(c.first_triangle > p.parts.components[i - 1].first_triangle);
-            CHECK(c.centre_mm.x == 1 + 2 * double(i % 4));
-            CHECK(c.centre_mm.z == 1 + 2 * double(i / 4));
+            CHECK(c.center_mm.x == 1 + 2 * double(i % 4));
+            CHECK(c.center_mm.z == 1 + 2 * double(i / 4));
         }
     }
 
@@ -260,7 +262,7 @@ TEST_SUITE("host/surface/components") {
         CHECK(within->distance_mm == doctest::Approx(7).epsilon(0.03));
         CHECK_FALSE(host::nearest_point(WeldedMesh{}, p.grid, inside));
         // No point of any triangle is nearer: corners, middles of sides and of triangles.
-        const unsigned seed = seed_or(8);
+        const unsigned seed = seed_or(8U);
         CAPTURE(seed);
         std::mt19937 random(seed);
         std::uniform_real_distribution<double> place(-25, 25);

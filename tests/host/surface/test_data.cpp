@@ -8,7 +8,10 @@
 
 #include "host/io/import.hpp"
 #include "host/surface/atlas/isovalue_components.hpp"
+#include "host/surface/border_cap.hpp"
 #include "host/surface/components.hpp"
+#include "host/surface/patient_mesh.hpp"
+#include "host/surface/plane_cut.hpp"
 #include "tests/host/surface/surface_support.hpp"
 
 using namespace pxpl5;
@@ -49,6 +52,21 @@ const Row rows[] = {
     {"us/spine_phantom.mha", {{20.5, 115192}, {60.5, 108132}, {120.5, 98004}}},
     {"us/spine_phantom_128x64x96.nrrd", {{13.5, 70232}, {60.5, 56900}, {120.5, 50080}}},
     {"us/ball_phantom.nii.gz", {{60.5, 69088}, {90.5, 35412}, {110.5, 24354}}},
+};
+
+/// A cut of an exported surface: the plane keeps the places where dot(plane, (x, y, z, 1)) >= 0.
+struct CutRow {
+    const char* path;
+    double isovalue;
+    glm::dvec4 plane;
+};
+const CutRow cut_rows[] = {
+    {"ct/knee_128x128x56.nrrd", 180.5, {-1, 0, 0, 28.243}},
+    {"ct/knee_128x128x56.nrrd", 180.5, {1, 0, 0, -28.243}},
+    {"ct/torso_3mm.nii.gz", 0.5, {0, 0, -1, 250.3}},
+    {"ct/torso_3mm.nii.gz", 0.5, {0, -1, 0, -150.7}},
+    {"ct/torso_3mm.nii.gz", 0.5, {-1, 0, 0, 10.1}},
+    {"ct/phantom_head_oblique.nii.gz", 60.5, {-1, 0, 0, 10.1}},
 };
 
 /// Files of other formats, without isovalues of their own.
@@ -131,6 +149,29 @@ TEST_SUITE("host/surface/data") {
                 CHECK(c.good());
                 CHECK(c.components == host::count_components(volume, isovalue)[0].surface());
             }
+        }
+    }
+
+    TEST_CASE("surfaces cut by a plane and closed are manifolds") {
+        if (!has_data()) return;
+        for (const CutRow& row : cut_rows) {
+            CAPTURE(row.path);
+            CAPTURE(row.plane[0]);
+            CAPTURE(row.plane[1]);
+            const host::Volume volume = host::io::import_volume(data_folder + row.path);
+            const host::VolumeGrid grid = host::grid_of(volume);
+            host::WeldedMesh mesh =
+                gather(messages_of(extract_slabs(for_gps(volume), row.isovalue)), grid);
+            host::keep_apart(mesh, grid);
+            host::cap_at_border(mesh, volume, row.isovalue);
+            host::move_to_patient(mesh, grid);
+            host::cut_by_plane(mesh, row.plane, 0.002, true);
+            const host::WeldedFile file = host::weld(mesh.p_grid, mesh.triangles);
+            const Certificate c = host::certify(file.mesh, host::patient_grid());
+            CHECK(file.collapsed == 0);
+            CHECK(c.closed());
+            CHECK(c.manifold());
+            CHECK(c.oriented());
         }
     }
 

@@ -7,6 +7,7 @@
 
 #include "host/base/error.hpp"
 #include "tests/host/surface/surface_support.hpp"
+#include "tests/random_seed.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::test;
@@ -65,7 +66,7 @@ std::size_t shared_vertex(const Slabs& slabs, std::size_t slab, const host::Volu
 
 TEST_SUITE("host/surface/mesh_gather") {
     TEST_CASE("vertices ascend by key, each once, and triangles keep their corners and order") {
-        const unsigned seed = seed_or(5);
+        const unsigned seed = seed_or(5U);
         CAPTURE(seed);
         const Volume volume = noise(seed);
         for (const auto rule : {CaseRule::watertight, CaseRule::asymptotic}) {
@@ -79,12 +80,12 @@ TEST_SUITE("host/surface/mesh_gather") {
                 for (std::size_t i = 0; i < slab.keys.size(); ++i)
                     known[slab.keys[i]] = slab.vertices[i].p_voxel;
             CHECK(mesh.keys.size() == known.size());
-            bool centres = false;
+            bool centers = false;
             for (std::size_t i = 0; i < mesh.keys.size(); ++i) {
                 CHECK(mesh.p_grid[i] == known.at(mesh.keys[i]));
-                centres = centres || mesh.keys[i] % 4 == 3;
+                centers = centers || mesh.keys[i] % 4 == 3;
             }
-            CHECK(centres == (rule == CaseRule::asymptotic));
+            CHECK(centers == (rule == CaseRule::asymptotic));
             std::size_t triangle = 0;
             for (const gp::SlabMesh& slab : slabs) {
                 const host::SlabTriangles& part = mesh.slabs[static_cast<std::size_t>(slab.slab)];
@@ -109,7 +110,7 @@ TEST_SUITE("host/surface/mesh_gather") {
     }
 
     TEST_CASE("the mesh is the same for any number of GPs and order of arrival") {
-        const unsigned seed = seed_or(6);
+        const unsigned seed = seed_or(6U);
         CAPTURE(seed);
         std::mt19937 random(seed);
         const Volume volume = noise(seed);

@@ -55,7 +55,7 @@ double busy(const StepTime& step, Unit unit, std::uint32_t nodes) {
 
 }  // namespace
 
-TEST_CASE("who is free first takes the next region; in turn, everybody the next but one") {
+TEST_CASE("a free Renderer takes the next region, or in turn each takes its own") {
     Machine machine = machine_of(1, 2);
     // Region 0 has many primitives, regions 1 to 3 have one each.
     FrameWork frame = frame_of(512, 128, 4, 1);
@@ -108,7 +108,7 @@ TEST_CASE("longest first, the newest drawn frame's dearest regions are handed ou
     CHECK(length(longest.steps[1]) < length(by_number.steps[1]));
 }
 
-TEST_CASE("spread evenly, a slab's primitives are everybody's; else its GP's alone") {
+TEST_CASE("spread evenly, a slab's primitives are everybody's, and else its GP's alone") {
     Machine machine = machine_of(4, 1);
     const FrameWork frame = pass_of(frame_of(128, 128, 1, 400));
     const RunTime even = simulate(machine, {{frame}, {}});

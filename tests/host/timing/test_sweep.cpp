@@ -157,7 +157,7 @@ TEST_CASE("a sweep over what no machine has is refused") {
         CHECK_THROWS_WITH_AS(sweep(plan, keys, run(), step), doctest::Contains(text), RequestError);
     };
     refused({{"gp.cuont", {"1"}}}, 6, "unknown key 'gp.cuont'; did you mean 'gp.count'?");
-    refused({{"gp.count", {"65"}}}, 6, "gp.count is 65, must be 1..64");
+    refused({{"gp.count", {"1025"}}}, 6, "gp.count is 1025, must be 1..1024");
     refused({{"gp.count", {"1"}}}, 5, "step 5 is no frame");
     refused({{"gp.count", {"1"}}}, 99, "step 99 is no frame");
     refused({}, 6, "0 keys");

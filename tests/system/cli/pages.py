@@ -60,7 +60,8 @@ def commands_of(block: str) -> list:
 
 def paste(commands: str, folder: pathlib.Path, binaries: pathlib.Path):
     """Runs lines in `folder` as a person pastes them. Stops at the first that fails."""
-    env = {**os.environ, "PATH": f"{binaries}:{os.environ['PATH']}",
+    env = {**os.environ, "XDG_STATE_HOME": os.path.join(folder, "run"),
+           "PATH": f"{binaries}:{os.environ['PATH']}",
            "PYTHONDONTWRITEBYTECODE": "1"}
     return subprocess.run(["bash", "-e", "-o", "pipefail", "-c", commands], cwd=folder, env=env,
                           capture_output=True, text=True, timeout=LIMIT_S, check=False)

@@ -1,6 +1,10 @@
 """The processes that a program has started."""
 import pathlib
 
+# The machine ends when a node dies.
+ENDS = tuple(word for role in ("gp", "renderer", "frame_buffer")
+             for word in ("--set", f"{role}.restart.policy=end"))
+
 
 def children_of(pid):
     """Process ids whose parent is `pid`."""

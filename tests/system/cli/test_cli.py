@@ -13,7 +13,7 @@ import sys
 import tempfile
 import unittest
 
-from processes import children_of, name_of
+from processes import ENDS, children_of, name_of
 
 BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin").resolve()
 LIMIT_S = 120
@@ -110,13 +110,34 @@ class Cli(unittest.TestCase):
                 (["render", "phantom:sphere", "--opacty", "1", "-o", "x.png"],
                  "did you mean '--opacity'?"),
                 (["run", "-c", "help", "extra"], "unexpected argument 'extra'"),
+                (["render", "phantom:sphere", "--isovalue", "1", "-o", "x.png"],
+                 "no option '--isovalue'; did you mean '--iso'?"),
+                (["render", "phantom:sphere", "--iso", "-o", "x.png"],
+                 "--iso needs a value V; found '-o'"),
+                (["render"], "usage: pxpl5 render VOLUME [KEY=VALUE ...] -o FILE\n"),
+                (["atlas", "chart.png"],
+                 "'atlas' is a command: pxpl5 run -c \"load FILE; atlas ...\""),
+                (["load", "a.nrrd"], "'load' is a command: pxpl5 run -c \"load ...\""),
                 (["why", "256", "200"], "X and Y of the pixel are missing"),
+                (["why-not", "latest"], "for example: why-not latest-recorded 256 200"),
+                (["why-not", "latest", "1", "1", "--surface", "bone"],
+                 "--surface must be a number, but is 'bone'"),
+                (["run", "-c", "surface a threshold=0"], "did you mean 'iso'?"),
+                (["run", "-c", "load phantom:sphere; view front"], "did you mean 'anterior'?"),
+                (["run", "--set", "gps=2"], "did you mean 'gp.count'?"),
+                (["info", ""], "the name of the volume is empty"),
                 (["run", "-c", "surface a --iso 0"], "write iso=0, not --iso 0"),
                 (["run", "-c", "light 1"], "light 1: give azimuth and elevation, or off")):
             done = self.pxpl5(*arguments, machine=False)
             self.assertEqual(done.returncode, 64, (arguments, done))
             self.assertIn(text, done.stderr, arguments)
         self.assertIn("Usage: pxpl5 [OPTIONS]", self.pxpl5(machine=False).stdout)
+
+    def test_the_certificate_of_no_triangles_warns(self):
+        done = self.pxpl5("run", "--json", "-c",
+                          "load phantom:sphere; surface s iso=9000; certificate s")
+        self.assertEqual(done.returncode, 0, done)
+        self.assertEqual(json.loads(done.stdout.splitlines()[-1])["warnings"], ["s: no triangles"])
 
     def test_an_option_takes_one_value_and_the_volume_may_follow(self):
         done = self.pxpl5("render", "--surface", "bone=300", "--light", "1 30 20", "--opacity",
@@ -179,7 +200,8 @@ class Cli(unittest.TestCase):
     def start(self, topology):
         """A machine that waits for commands, with its processes."""
         child = subprocess.Popen(
-            [BIN / "pxpl5", "run", "-", "--run-folder", self.path("run"), "--topology", topology],
+            [BIN / "pxpl5", "run", "-", "--run-folder", self.path("run"), "--topology", topology,
+             *ENDS],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             cwd=self.folder.name, env={**os.environ, "XDG_RUNTIME_DIR": self.folder.name})
         child.stdin.write("load phantom:sphere\n")
@@ -221,7 +243,8 @@ class Cli(unittest.TestCase):
 
     def test_kill_names_its_victim_and_the_run_ends_of_it(self):
         for commands in ("kill gp-0", "kill gp-0; digest"):
-            done = self.pxpl5("run", "-c", "load phantom:sphere; surface s iso=0.5; " + commands)
+            done = self.pxpl5("run", *ENDS, "-c",
+                              "load phantom:sphere; surface s iso=0.5; " + commands)
             self.assertEqual(done.returncode, 128 + signal.SIGKILL, done.stderr)
             self.assertIn("gp-0 killed", done.stdout)
             self.assertNotIn("frame ", done.stdout)

@@ -4,6 +4,7 @@
 usage: test_files_cli.py BIN_DIR [unittest arguments]
 """
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -26,6 +27,13 @@ reader.Update()
 mesh = reader.GetOutput()
 print(json.dumps({"triangles": mesh.GetNumberOfPolys(), "bounds": mesh.GetBounds()}))
 """
+
+
+def fnv1a(data):
+    value = 0xcbf29ce484222325
+    for byte in data:
+        value = (value ^ byte) * 0x100000001b3 & 0xffffffffffffffff
+    return value
 
 
 def has_vtk():
@@ -80,6 +88,70 @@ class Files(unittest.TestCase):
                     self.assertAlmostEqual(got, wanted, delta=1e-3, msg=name)
         if not has_vtk():
             print("SKIPPED in part: VTK's Python module is not installed")
+
+    def test_the_certificate_is_that_of_the_file(self):
+        """Capped, cut and decimated: what is said of a file is what its reader finds in it."""
+        results = self.run_commands(
+            "load phantom:pelvis", "surface bone iso=300", "export open.stl",
+            "certificate open.stl", "export a.stl cap=yes", "certificate a.stl", "clip L 0",
+            "clip S -20", "export b.ply cap=yes keep=0.3", "certificate b.ply",
+            "export c.vtp axes=RAS", "certificate c.vtp")
+        for name, written, read, is_closed in (
+                ("open.stl", results[2], results[3], False),
+                ("a.stl", results[4], results[5], True),
+                ("b.ply", results[8], results[9], True),
+                ("c.vtp", results[10], results[11], False)):
+            with self.subTest(name):
+                beside = json.loads(pathlib.Path(self.path(written["certificate"])).read_text())
+                said, found = beside["surfaces"][0]["certificate"], read["certificates"][0]
+                for key in ("triangles", "vertices", "edges", "closed", "manifold", "oriented",
+                            "holes", "components"):
+                    self.assertEqual(said[key], found[key], key)
+                self.assertAlmostEqual(said["area_mm2"] / found["area_mm2"], 1, delta=1e-6)
+                self.assertEqual(found["closed"], is_closed)
+                self.assertTrue(found["manifold"] and found["oriented"], found)
+                self.assertEqual(written["closed"], is_closed)
+                self.assertEqual(beside["volume"]["file"], "phantom:pelvis")
+                self.assertRegex(beside["volume"]["digest"], "^fnv1a:[0-9a-f]{16}$")
+        self.assertGreater(results[5]["certificates"][0]["volume_ml"],
+                           results[9]["certificates"][0]["volume_ml"])
+
+    def test_each_mesh_has_its_own_certificate(self):
+        results = self.run_commands(
+            "load phantom:sphere", "surface a iso=0.5", "surface none iso=5000",
+            "surface all iso=-5000", "clip L -5", "certificate a", "export c.stl", "export c.ply",
+            "clip off", "export c.glb surfaces=none,a", "components a min_ml=0.001",
+            "certificate a", "export c.obj keep=0.5")
+        for empty in results[2:4]:
+            self.assertEqual(empty["triangles"], 0)
+            self.assertNotIn("volume_ml", empty)
+        cut, whole = results[5]["certificates"][0], results[11]["certificates"][0]
+        self.assertEqual((cut["of"], cut["clips"]), ("whole surface", ["L -5"]))
+        self.assertEqual((whole["clips"], whole["drawn_components"]), ([], "min_ml=0.001"))
+        for name, is_closed in (("c.stl", False), ("c.ply", False), ("c.glb", True),
+                                ("c.obj", True)):
+            with self.subTest(name):
+                beside = json.loads(pathlib.Path(self.path(name + ".certificate.json")).read_text())
+                mesh = pathlib.Path(self.path(name)).read_bytes()
+                self.assertEqual(beside["file"], name)
+                self.assertEqual(beside["mesh_bytes"], len(mesh))
+                self.assertEqual(beside["mesh_digest"], f"fnv1a:{fnv1a(mesh):016x}")
+                [surface] = beside["surfaces"]
+                self.assertEqual(surface["name"], "a")
+                self.assertEqual(surface["certificate"]["closed"], is_closed)
+                self.assertEqual("volume_ml" in surface["certificate"], is_closed)
+                self.assertEqual("moved_mm" in surface, name == "c.obj")
+        self.assertLess(0, surface["moved_mm"])
+
+    def test_picks_name_their_values(self):
+        """A pick's isovalue is the surface's, and a surface that it sets meets the place."""
+        results = self.run_commands(
+            "load phantom:pelvis", "surface bone iso=300.5", "size 256x256",
+            "pick 128 100 set=t", "pick 128 100 surface=t")
+        first, second = results[3:]
+        self.assertEqual(first["isovalue"], 300.5)
+        self.assertAlmostEqual(first["set"]["isovalue"], first["value_between"], delta=1e-3)
+        self.assertLess(math.dist(first["p_mm"], second["p_mm"]), 1)
 
     def test_meshes_do_not_depend_on_the_machine(self):
         files = {}

@@ -28,8 +28,8 @@ slice z 3; slice z 3 {{}}/slice.png; presets; components s; components s show=la
 compare s; compare s off; export {{}}/s.stl keep=0.5; view 20 30 pan=1,2; light 1 20 30; light
 clip L; clip off; material power=20; background red; tint gaps; antialias 1; overlay on
 pick 32 32 set=t; pick 0 0; measure 30 32 34 32; why 32 32; snapshot {{}}/s.png; orbit 2
-sweep s 0.4 0.5 2 {{}}/sweep.gif; stats; activity; model; digest; trace save; mark; undo; redo
-history; history {{}}/h.txt; remove t; play {{}}/play.txt; help; help load"""
+sweep s 0.4 0.5 2 {{}}/sweep.gif; stats; activity; model; digest; trace save; mark; undo
+redo; scale gp=2; history; history {{}}/h.txt; remove t; play {{}}/play.txt; help; help load"""
 
 
 def type_of(field):
@@ -100,6 +100,30 @@ class Json(unittest.TestCase):
         _, [helped] = self.run_lines("help")
         names = {each["name"] for each in helped["result"]["commands"]} - {"quit", "kill"}
         self.assertEqual(names - {each["name"] for each in replies}, set())
+
+    def test_the_certificate_beside_a_mesh_fits_the_schema(self):
+        raw = pathlib.Path(self.folder, "a.raw")
+        raw.write_bytes(bytes(9 if x == y == z == 2 else 0
+                              for z in range(5) for y in range(5) for x in range(5)))
+        code, replies = self.run_lines(
+            f"load '{raw}' raw=5x5x5,uint8,0 spacing=1,1,1; surface s iso=4; "
+            f"export {self.folder}/a.ply; export {self.folder}/b.stl keep=0.5")
+        self.assertEqual((code, [each["ok"] for each in replies]), (0, [True] * 4))
+        for reply in replies[2:]:
+            beside = json.loads(pathlib.Path(reply["result"]["certificate"]).read_text())
+            jsonschema.validate(beside, {"$ref": "#/$defs/certificate_file",
+                                         "$defs": SCHEMA["$defs"]})
+            self.assertEqual(beside["volume"]["read_as"]["raw"], "5x5x5,uint8,0")
+
+    def test_warnings_name_what_an_export_would_change(self):
+        _, replies = self.run_lines(
+            f"{SPHERE}; surface none iso=9000; clip L 0; certificate s; "
+            f"export {self.folder}/a.stl; export {self.folder}/b.stl surfaces=none")
+        self.assertEqual(replies[5]["warnings"],
+                         ["of the whole surface; `export` cuts the mesh by 1 clip plane"])
+        self.assertIn("none has no triangles and is not in the file", replies[6]["warnings"])
+        self.assertFalse(replies[7]["ok"])
+        self.assertIn("none without triangles", replies[7]["error"])
 
     def test_kill_and_an_archive_fit_the_schema(self):
         archive = COMMANDS.parent / "phigs/archives/molecule.phigs"

@@ -98,6 +98,18 @@ class ModelCli(unittest.TestCase):
         self.assertEqual(told["machine"]["ring.channel_mb_s"], 160)
         self.assertEqual(self.model("--topology", "one-of-each")["machine"]["gp.count"], 1)
 
+    def test_more_gps_than_run_and_why_they_do_not_load_faster(self):
+        words = {}
+        for gps in (1, 2, 4, 128):
+            told = self.model("--set", f"gp.count={gps}")
+            self.assertEqual(told["machine"]["gp.count"], gps)
+            words[gps] = next(row["words"] for row in told["ring"] if row["name"] == "host -> GPs")
+        for gps, copies in ((2, 2), (4, 4), (128, 4)):
+            self.assertAlmostEqual(words[gps] / words[1], copies, delta=0.3)
+        swept = self.output("model", self.small, "--sweep", "gp.count=64..1024*4")
+        self.assertIn("each adds a copy of the volume on the host's link", swept)
+        self.assertRegex(swept, r"(?m)^ *1024 ")
+
     def test_one_frame_of_several(self):
         told = self.model("--frame", "1")
         self.assertEqual([step["kind"] for step in told["steps"]], ["load", "build", "build",
@@ -161,8 +173,8 @@ class ModelCli(unittest.TestCase):
                       self.refusal(64, self.small, "--set", "gp.cuont=3"))
         self.assertIn("did you mean 'gp.count'?",
                       self.refusal(64, self.small, "--sweep", "gp.cuont=1..3"))
-        self.assertIn("gp.count is 65, must be 1..64",
-                      self.refusal(64, self.small, "--sweep", "gp.count=60..65"))
+        self.assertIn("gp.count is 1025, must be 1..1024",
+                      self.refusal(64, self.small, "--sweep", "gp.count=1020..1025"))
         self.assertIn("8 is greater than 4", self.refusal(64, self.small, "--sweep",
                                                           "gp.count=8..4"))
         self.assertIn("--plot needs --sweep", self.refusal(64, self.small, "--plot", "x.svg"))
@@ -176,8 +188,8 @@ class ModelCli(unittest.TestCase):
                                                           "assignment=recorded"))
 
     def test_what_is_asked_wrongly_is_said_before_anything_is_read(self):
-        self.assertIn("gp.count is 65, must be 1..64",
-                      self.refusal(64, "nowhere", "--sweep", "gp.count=1,65"))
+        self.assertIn("gp.count is 1025, must be 1..1024",
+                      self.refusal(64, "nowhere", "--sweep", "gp.count=1,1025"))
         self.assertIn("gp.count: the key is there twice",
                       self.refusal(64, "nowhere", "--sweep", "gp.count=1", "--sweep", "gp.count=2"))
         self.assertIn("share is 'own', but an axis needs numbers",

@@ -18,6 +18,7 @@ README = "README.md"
 BENCH = "tests/bench/README.md"
 MINUTES = "takes minutes; the bench tests run the same program for a short time"
 LONG = "takes minutes and needs the peers or a quiet machine"
+FUZZ = "builds with sanitizers and takes minutes; CI runs the same script for 20 s per target"
 EXCUSED = {
     (README, "host/launch.sh"): "installs packages as root and builds the release preset",
     (README, "export PATH=$PWD/build/release/bin:$PATH"): "every test has the binaries in its PATH",
@@ -27,6 +28,9 @@ EXCUSED = {
         "takes minutes with sanitizers; system/paper_fit and system/report run both parts",
     ("tests/isa/conformance/README.md", "python3 tests/isa/conformance/generate.py --record"):
         "writes a file of the repository",
+    ("tests/fuzz/README.md", "tests/fuzz.sh 10"): FUZZ,
+    ("tests/fuzz/README.md", "tests/fuzz.sh 0.5 volume dicom"): FUZZ,
+    ("tests/fuzz/README.md", "tests/fuzz.sh --seed 1 0.33"): FUZZ,
     (BENCH, "ninja -C build/release"): "builds the release preset",
     (BENCH, "../../build/release/tests/stage_bench --benchmark_min_time=0.1"): MINUTES,
     (BENCH, "python3 machine.py ../../build/release/bin/pxpl5 --check"): MINUTES,

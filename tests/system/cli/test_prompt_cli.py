@@ -9,10 +9,15 @@ import sys
 import tempfile
 import unittest
 
-from processes import children_of, name_of
+from processes import ENDS, children_of, name_of
 
 BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin").resolve()
 LIMIT_S = 120
+
+
+def kill_renderer(_, pid):
+    os.kill(next(node for node in children_of(pid) if name_of(node) == "pxpl5-renderer"),
+            signal.SIGKILL)
 
 
 class Prompt(unittest.TestCase):
@@ -20,12 +25,12 @@ class Prompt(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
 
-    def at_a_terminal(self, act):
+    def at_a_terminal(self, act, *words):
         """Runs the prompt and act(terminal, pid) when it is there. Returns exit code and screen."""
         pid, terminal = pty.fork()
         if pid == 0:
             os.chdir(self.folder.name)
-            os.execve(BIN / "pxpl5", ["pxpl5", "run", "--topology", "one-of-each"],
+            os.execve(BIN / "pxpl5", ["pxpl5", "run", "--topology", "one-of-each", *words],
                       {**os.environ, "TERM": "dumb", "XDG_RUNTIME_DIR": self.folder.name})
         screen = self.read_until(terminal, b"pxpl5> ")
         act(terminal, pid)
@@ -62,11 +67,17 @@ class Prompt(unittest.TestCase):
         self.assertIn("interrupted by SIGINT", screen)
         self.assertNotIn("still running", screen)
 
-    def test_a_node_killed_at_the_prompt_ends_the_program(self):
-        def kill(_, pid):
-            os.kill(next(node for node in children_of(pid) if
-                         name_of(node) == "pxpl5-renderer"), signal.SIGKILL)
+    def test_a_node_killed_at_the_prompt_is_replaced(self):
+        def kill(terminal, pid):
+            kill_renderer(terminal, pid)
+            self.read_until(terminal, b"The machine runs again")
+            os.write(terminal, b"load phantom:sphere\nquit\n")
         code, screen = self.at_a_terminal(kill)
+        self.assertEqual(code, 0, screen)
+        self.assertIn("distributed in", screen)
+
+    def test_a_node_killed_at_the_prompt_ends_the_program_if_the_plan_says_so(self):
+        code, screen = self.at_a_terminal(kill_renderer, *ENDS)
         self.assertEqual(code, 128 + 9, screen)
         self.assertIn("renderer-0 was killed by signal 9", screen)
 

@@ -50,10 +50,12 @@ class Readme(unittest.TestCase):
         for name in ("pelvis.png", "bone.png"):
             self.assertEqual(pages.png_size(self.folder / name), (512, 512))
         self.assertEqual(pages.png_size(self.folder / "disc.png"), (128, 128))
+        self.assertIn("wrote disc.png (128x128)\n", output)
         for name in ("bone.stl", "patient0.nii.stl", "patient1.nii.stl"):
             self.assertGreater((self.folder / name).stat().st_size, 1000, name)
         # The balls of radius 6 and 9 voxels enclose 0.9 and 3.1 ml.
-        volumes = [float(line) for line in output.splitlines() if re.fullmatch(r"\d+\.\d+", line)]
+        row = re.compile(r"^patient\d\.nii\.stl\t(\d+\.\d+)$", re.M)
+        volumes = [float(volume) for volume in row.findall(output)]
         for measured, radius in zip(volumes, (6, 9)):
             truth = 4 / 3 * math.pi * radius ** 3 / 1000
             self.assertAlmostEqual(measured / truth, 1, delta=0.15)

@@ -106,11 +106,23 @@ class Viewer:
         return self.answer_to(self.send(line))
 
     def resting(self, revision):
-        """The picture itself of that revision, or a newer one; it may have come already."""
+        """The picture of one sample of that revision, or a newer one; it may have come already.
+
+        On a busy computer a refined picture takes its place: then the picture is drawn again.
+        """
         def fits(message):
-            return message.get("rests") and message["revision"] >= revision \
-                and message["samples"] == 1
-        return next(filter(fits, self.frames), None) or self.until(fits)
+            return message.get("rests") and message["revision"] >= revision
+        frame = next((each for each in self.frames if fits(each) and each["samples"] == 1), None)
+        frame = frame or self.until(fits)
+        while frame["samples"] != 1:
+            width, height = frame["size"]
+            self.do(f"size {width + 1}x{height}")
+            reply = self.do(f"size {width}x{height}")
+            if not reply["ok"]:
+                break  # A watcher takes what comes.
+            revision = reply["revision"]
+            frame = self.until(fits)
+        return frame
 
 
 class Case(unittest.TestCase):
@@ -199,10 +211,41 @@ class Serve(Case):
         os.kill(node, signal.SIGKILL)
         note = viewer.until(lambda message: "note" in message)["note"]
         self.assertRegex(note["text"], "gp-0 was killed by signal 9")
-        viewer.until(lambda message: "has restarted" in str(message.get("note")))
+        viewer.until(lambda message: "The machine runs again" in str(message.get("note")))
         self.assertEqual(viewer.resting(reply["revision"] + 1)["digest"], before)
         self.assertTrue(viewer.do("undo")["ok"])
         self.assertEqual(program.stop()[0], 0)
+
+    def test_a_stopped_node_silences_nobody_and_can_be_killed(self):
+        """The picture afterwards is the one before."""
+        program = self.program("phantom:sphere", "--set", "heartbeat.interval_ms=100", "--set",
+                               "heartbeat.misses=1000")
+        viewer = self.viewer(program.url)
+        before = viewer.do("digest")["result"]
+        os.kill(program.nodes("pxpl5-gp")[0], signal.SIGSTOP)
+        waits = viewer.send("digest")
+        another = self.viewer(program.watch_url)
+        self.assertEqual(another.until(lambda m: "hello" in m)["hello"]["role"], "watcher")
+        state = another.until(lambda m: "state" in m)["state"]
+        self.assertEqual(state["volume"]["name"], "phantom:sphere")
+        self.assertTrue(viewer.do("stats")["ok"])
+        self.assertTrue(viewer.do("kill gp-0")["ok"])
+        # The machine was lost under this command, or under a picture before it.
+        answer = viewer.answer_to(waits)
+        self.assertIn("gp-0 was killed by signal 9", str(viewer.texts))
+        self.assertEqual(answer.get("result", before), before)
+        self.assertEqual(viewer.do("digest")["result"], before)
+
+    def test_a_stopped_node_is_found_and_the_session_goes_on(self):
+        program = self.program("phantom:sphere", "--set", "heartbeat.interval_ms=100", "--set",
+                               "heartbeat.misses=20")
+        viewer = self.viewer(program.url)
+        before = viewer.do("digest")["result"]
+        os.kill(program.nodes("pxpl5-renderer")[0], signal.SIGSTOP)
+        viewer.send("orbit 4")
+        viewer.until(lambda message: "does not answer: last heard" in str(message.get("note")))
+        self.assertRegex(str(viewer.texts), r"renderer-0 \(process \d+\) does not answer")
+        self.assertEqual(viewer.do("digest")["result"], before)
 
     def test_who_watches_sees_and_changes_nothing(self):
         program = self.program("phantom:sphere")
@@ -214,6 +257,49 @@ class Serve(Case):
         watcher.resting(reply["revision"])
         with self.assertRaises(Refused):
             self.viewer(program.url.split("?")[0] + "?token=" + "0" * 32)
+
+    def test_commands_of_the_browser_stay_in_their_folders(self):
+        base = pathlib.Path(self.folder.name)
+        allowed, private = base / "allowed", base / "private"
+        allowed.mkdir()
+        private.mkdir()
+        (private / "secret").write_bytes(b"s" * 64)
+        (allowed / "link").symlink_to(private / "secret")
+        (allowed / "out").symlink_to(private)
+        (allowed / "script").write_text(f"history {private}/by-script\n")
+        viewer = self.viewer(self.program("phantom:sphere", "--allow", str(allowed)).url)
+        layout = "raw=4x4x4,uint8 spacing=1,1,1"
+        for line in (f"load {private}/secret {layout}", f"load {allowed}/link {layout}",
+                     f"load {allowed}/../private/secret {layout}", f"info {private}/secret",
+                     f"play {private}/secret", f"model {private}/secret",
+                     f"history {private}/new", f"history {allowed}/out/new",
+                     f"snapshot {private}/x.png", f"orbit 2 {private}/x{{}}.png",
+                     f"export {private}/x.ply", f"certificate {private}/x.ply",
+                     f"play {allowed}/script"):
+            reply = viewer.do(line)
+            self.assertFalse(reply["ok"], line)
+            self.assertIn("outside of the folders that the browser may", reply["error"], line)
+        self.assertEqual(os.listdir(private), ["secret"])
+        for name, reason in ((".bashrc", "hidden"), ("script", "exists already")):
+            reply = viewer.do(f"history {allowed}/{name}")
+            self.assertIn(reason, reply["error"])
+        for line in (f"history {allowed}/new", f"snapshot {allowed}/new.png",
+                     "history download:new", "history download:new"):
+            self.assertTrue(viewer.do(line)["ok"], line)
+        reply = viewer.do(f"play {allowed}/new")
+        self.assertTrue(reply["ok"], reply)
+        self.assertIn("control character", viewer.do("surface 'a\nb' iso=0")["error"])
+
+    def test_uploads_are_gone_at_the_end(self):
+        program = self.program("phantom:sphere")
+        query = urllib.parse.urlsplit(program.url).query
+        url = urllib.parse.urljoin(program.url, "/upload") + f"?{query}&name=a.raw&batch=u"
+        with urllib.request.urlopen(urllib.request.Request(url, b"x" * 100), timeout=20) as answer:
+            self.assertEqual(answer.status, 200)
+        uploads = list(pathlib.Path(self.folder.name).glob("*/uploads"))
+        self.assertEqual([path.name for path in uploads[0].rglob("*.raw")], ["a.raw"])
+        self.assertEqual(program.stop(), (0, ""))
+        self.assertFalse(uploads[0].exists())
 
     def test_no_process_is_left_by_either_signal(self):
         for by in (signal.SIGINT, signal.SIGTERM):

@@ -35,22 +35,24 @@ class TraceCli(unittest.TestCase):
                          "load phantom:sphere; surface s iso=0.5; size 200x128; digest; "
                          "view 30 10; digest")
         assert done.returncode == 0, done.stderr
-        runs = list(pathlib.Path(cls.folder.name, "run").iterdir())
+        runs = list(pathlib.Path(cls.folder.name, "state", "pxpl5").iterdir())
         assert len(runs) == 1, runs
         cls.run_folder = runs[0]
 
     @classmethod
     def pxpl5(cls, *arguments, **more):
         return subprocess.run([BIN / "pxpl5", *arguments], capture_output=True, text=True,
-                              timeout=LIMIT_S, cwd=cls.folder.name, **more)
+                              timeout=LIMIT_S, cwd=cls.folder.name,
+                              env={**os.environ, "XDG_STATE_HOME": cls.path("state")}, **more)
 
     def output(self, *arguments, code=0):
         done = self.pxpl5(*arguments)
         self.assertEqual(done.returncode, code, (arguments, done.stderr))
         return done.stdout
 
-    def path(self, name):
-        return os.path.join(self.folder.name, name)
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder.name, name)
 
     def test_ls_tells_nodes_and_frames_and_which_run_was_taken(self):
         done = self.pxpl5("trace", "ls")
@@ -95,7 +97,8 @@ class TraceCli(unittest.TestCase):
         done = subprocess.run(["bash", "-o", "pipefail", "-c",
                                f"'{BIN}/pxpl5' trace dump --instructions --all | head -n 3"],
                               capture_output=True, text=True, timeout=LIMIT_S,
-                              cwd=self.folder.name)
+                              cwd=self.folder.name,
+                              env={**os.environ, "XDG_STATE_HOME": self.path("state")})
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(len(done.stdout.splitlines()), 3)
         self.assertNotIn("error", done.stderr)

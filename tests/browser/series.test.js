@@ -1,0 +1,100 @@
+// Folders from this computer: few requests, several series as a choice, first views that fit.
+import assert from 'node:assert/strict';
+import path from 'node:path';
+import test from 'node:test';
+import { writeSeries } from './dicom.js';
+import { byId, page, server, usePage } from './harness.js';
+import { errorsShown, rawSocket, say, settled, state, stateWhen, unfold } from './steps.js';
+import { writeEllipsoid } from './volumes.js';
+
+usePage();
+
+/** Chooses a folder of this computer, and counts the requests that upload it. */
+async function chooseFolder(folder) {
+  const requests = [];
+  page.on('request', request => {
+    if (request.url().includes('/upload')) requests.push(new URL(request.url()).pathname);
+  });
+  await byId('open-panel').click();
+  await byId('open-folder').setInputFiles(folder);
+  return requests;
+}
+
+test('a folder with several series is a choice, and the chosen one opens', async () => {
+  const folder = path.join(server.folder, 'study');
+  writeSeries(folder, [{ description: 'Thorax 5 mm', side: 10 },
+    { description: 'Thorax 1 mm', side: 14 }]);
+  const requests = await chooseFolder(folder);
+  await byId('series-2').waitFor();
+  assert.doesNotMatch(await byId('open').innerText(), /\/uploads\//, "the server's own folder");
+  assert.match(await byId('series-1').innerText(), /Thorax 5 mm.*10 × 10 × 10/s);
+  assert.deepEqual(requests, ['/upload/files', '/upload/done'], '24 files in one request');
+  await byId('series-2').click();
+  const { volume } = await stateWhen(page, now => now.volume?.size[2] === 14 && !now.busy);
+  assert.match(volume.name, /study|Thorax/);
+  await byId('open').waitFor({ state: 'hidden' });
+  assert.deepEqual(await errorsShown(page), []);
+});
+
+test('a tissue of CT is refused for another modality, with advice', async () => {
+  const folder = path.join(server.folder, 'knee');
+  writeSeries(folder, [{ description: 'Knee', side: 11, modality: 'MR' }]);
+  await chooseFolder(folder);
+  await stateWhen(page, now => now.volume?.size[2] === 11 && !now.busy);
+  const raw = await rawSocket(page, server.url);
+  const { ok, error } = await say(raw, 'surface bone preset=bone');
+  assert.equal(ok, false);
+  assert.match(error, /this volume is MR.*give iso=V/);
+});
+
+test('the options of a path are there for a dropped folder, too', async () => {
+  const folder = path.join(server.folder, 'options');
+  writeSeries(folder, [{ description: 'A', side: 10 }, { description: 'B', side: 12 }]);
+  await chooseFolder(folder);
+  await byId('series-1').waitFor();
+  await unfold(page);
+  await byId('open-resample').fill('6x6x6');
+  await byId('series-1').click();
+  await stateWhen(page, now => now.volume?.size.every(each => each === 6) && !now.busy);
+  await byId('open').waitFor({ state: 'hidden' });
+});
+
+/** In the page: the part of the picture that is not its ground, as shares of its sides. */
+function shownPart(canvas) {
+  const { width, height } = canvas;
+  const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+  const pixels = new Uint32Array(data.buffer);
+  const found = { left: width, right: -1, top: height, bottom: -1 };
+  pixels.forEach((pixel, at) => {
+    if (pixel !== pixels[0]) {
+      const x = at % width, y = Math.floor(at / width);
+      found.left = Math.min(found.left, x);
+      found.right = Math.max(found.right, x);
+      found.top = Math.min(found.top, y);
+      found.bottom = Math.max(found.bottom, y);
+    }
+  });
+  return { left: found.left / width, right: 1 - (found.right + 1) / width,
+           top: found.top / height, bottom: 1 - (found.bottom + 1) / height };
+}
+
+for (const [name, size, radii] of /** @type {const} */ ([
+  ['tall', [20, 20, 90], [9, 9, 44]], ['wide', [90, 20, 20], [44, 9, 9]],
+  ['small in a corner', [60, 60, 60], [10, 10, 10]]])) {
+  test(`the first view shows a ${name} surface whole and large`, async () => {
+    const file = writeEllipsoid(path.join(server.folder, `${name.split(' ')[0]}.nrrd`), size,
+                                radii);
+    await byId('open-panel').click();
+    await byId('open-path').fill(file);
+    await byId('open-go').click();
+    await stateWhen(page, (now, file) => now.volume?.source === file && !now.busy, file);
+    await settled(page);
+    const free = await byId('frame').evaluate(shownPart);
+    const least = Math.min(...Object.values(free));
+    assert.ok(least > 0.02, `touches the edge: ${JSON.stringify(free)}`);
+    assert.ok(Math.min(free.left + free.right, free.top + free.bottom) < 0.35,
+              `small: ${JSON.stringify(free)}`);
+    const { camera } = await state(page);
+    assert.deepEqual([camera.azimuth_deg, camera.elevation_deg], [0, 0]);
+  });
+}

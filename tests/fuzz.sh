@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Builds the fuzz targets and runs each for some minutes, as many at a time as there are cores:
+# fuzz.sh [--seed N] MINUTES [TARGET...]. With a seed, each run tries the same inputs. Prints a
+# table. Inputs that fail go to tests/fuzz/regressions.
+set -euo pipefail
+top=$(cd "$(dirname "$0")/.." && pwd)
+seed=0  # 0: another one each time.
+if [ "${1:-}" = --seed ]; then
+    seed=${2:-}
+    shift $(($# > 1 ? 2 : 1))
+fi
+if ! [[ $seed =~ ^[0-9]+$ ]] || [ $# -eq 0 ] || ! [[ $1 =~ ^[0-9]+(\.[0-9]+)?$ ]]; then
+    echo "usage: fuzz.sh [--seed N] MINUTES [TARGET...]" >&2
+    echo "MINUTES may be a fraction, for example 0.5" >&2
+    exit 64
+fi
+seconds=$(awk "BEGIN { s = int($1 * 60 + 0.5); print (s > 0 ? s : 1) }")
+shift
+cd "$top"
+host/build.sh dev pxpl5_fuzz_targets
+
+folder=$top/build/dev/fuzz
+targets=("$@")
+[ $# -gt 0 ] || mapfile -t targets <"$folder/targets"
+for target in "${targets[@]}"; do
+    if ! grep -qx "$target" "$folder/targets"; then
+        echo "fuzz: no target '$target'; the targets are: $(tr '\n' ' ' <"$folder/targets")" >&2
+        exit 64
+    fi
+done
+
+# One target: new inputs stay in build/dev, for the next run.
+run_target() {
+    local folder=$1 top=$2 seconds=$3 seed=$4 target=$5 options=()
+    local found=$folder/found/$target regressions=$top/tests/fuzz/regressions/$target
+    local dictionary=$top/tests/fuzz/$target.dict
+    # GDCM reserves what a length asks for; pxpl5-io has a limit of its own.
+    local limit_mib=512
+    [ "$target" != dicom ] || limit_mib=4096
+    mkdir -p "$found" "$regressions"
+    [ ! -f "$dictionary" ] || options+=("-dict=$dictionary")
+    "$folder/fuzz_$target" "$found" "$top/tests/fuzz/corpus/$target" "$regressions" \
+        "-max_total_time=$seconds" "-seed=$seed" -timeout=25 "-rss_limit_mb=$((2 * limit_mib))" \
+        "-malloc_limit_mb=$limit_mib" -print_final_stats=1 -close_fd_mask=1 \
+        "-artifact_prefix=$regressions/" "${options[@]}" \
+        >"$folder/$target.log" 2>&1 || touch "$folder/$target.failed"
+    rmdir --ignore-fail-on-non-empty "$regressions"
+}
+export -f run_target
+export ASAN_OPTIONS=detect_leaks=1
+rm -f "$folder"/*.failed
+printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -I{} \
+    bash -c 'run_target "$@"' _ "$folder" "$top" "$seconds" "$seed" {}
+
+# The table.
+failed=0
+printf '%-16s %12s %9s %8s  %s\n' target executions "per s" edges result
+for target in "${targets[@]}"; do
+    log=$folder/$target.log
+    result=ok
+    if [ -e "$folder/$target.failed" ]; then
+        failed=1
+        result=$(grep -ao 'Test unit written to .*' "$log" | tail -n 1 | sed "s|.* $top/||" || true)
+        result="FAILED: ${result:-see $log}"
+    fi
+    executions=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
+    rate=$(sed -n 's/^stat::average_exec_per_sec: *//p' "$log")
+    edges=$(grep -ao 'cov: [0-9]*' "$log" | tail -n 1 | cut -d' ' -f2 || true)
+    printf '%-16s %12s %9s %8s  %s\n' "$target" "${executions:--}" "${rate:--}" "${edges:--}" \
+        "$result"
+done
+for target in "${targets[@]}"; do
+    [ -e "$folder/$target.failed" ] || continue
+    log=$folder/$target.log
+    grep -aE '^broken promise|ERROR: |runtime error|#[0-9] ' "$log" | head -n 25 || true
+    # For whoever has the output alone.
+    input=$(sed -n 's/^.*Test unit written to //p' "$log" | tail -n 1)
+    [ ! -f "$input" ] || echo "$target: the input in base64: $(base64 -w 0 "$input" | head -c 8000)"
+done
+exit $failed

@@ -1,0 +1,162 @@
+// A viewer's words: messages over the WebSocket, paths, headers of requests, names of uploads.
+#include <fmt/format.h>
+
+#include <array>
+
+#include "host/base/error.hpp"
+#include "host/serve/director/viewer_message.hpp"
+#include "host/serve/server/routes.hpp"
+#include "host/serve/server/server_access.hpp"
+#include "host/serve/server/server_uploads.hpp"
+#include "host/serve/server/server_viewer.hpp"
+#include "tests/fuzz/fuzz.hpp"
+#include "tests/fuzz/scratch.hpp"
+
+namespace pxpl5::fuzz {
+
+namespace {
+
+using namespace host::serve;
+namespace fs = std::filesystem;
+
+bool accepts_message(const std::string& text) {
+    Viewer viewer(1, Role::driver);
+    const std::optional<std::string> heard = viewer.hear(text, true, 1);
+    require(!heard || *heard == text, "a text that changes on its way");
+    shown_number(text);
+    try {
+        const ViewerMessage message = read_viewer_message(text);
+        const int meanings = int{message.line.has_value()} + int{message.ask.has_value()} +
+                             int{message.panel.has_value()} + int{message.cancels} +
+                             int{message.is_ping};
+        require(meanings == 1, "a message of several meanings");
+        require(message.id || !(message.ask || message.is_ping), "a question without a number");
+        return true;
+    } catch (const host::RequestError& error) {
+        require(error.code == host::ExitCode::usage &&
+                    std::string(error.what()).starts_with("message: "),
+                error.what());
+        return false;
+    }
+}
+
+/// A name leads to a file below the folder, which is not hidden.
+bool accepts_name(const std::string& name) {
+    const fs::path path = cleaned_name(name);
+    require(!path.is_absolute(), "an absolute path: " + path.string());
+    for (const fs::path& part : path) {
+        const std::string text = part.string();
+        require(!text.empty() && text.front() != '.', "a hidden part: " + text);
+        require(std::ranges::none_of(text, [](unsigned char c) { return c < ' ' || c == 0x7f; }),
+                "a control character in a name");
+    }
+    return !path.empty();
+}
+
+/// A path names a file of the page, or one directly in the folder of downloads.
+bool accepts_path(const std::string& text) {
+    static const Scratch scratch;
+    static const Routes routes([] {
+        scratch.write("picture.png", "picture");
+        RouteFolders folders = built_in_folders();
+        folders.downloads = scratch.path();
+        return folders;
+    }());
+    const Route route = routes.find(text);
+    if (route.kind == RouteKind::file) {
+        const fs::path page = built_in_folders().page, path = route.file.path;
+        const auto begin = std::mismatch(page.begin(), page.end(), path.begin(), path.end());
+        require(begin.first == page.end() || path.parent_path() == scratch.path() ||
+                    path == built_in_folders().d3,
+                "a file elsewhere: " + path.string());
+        require(path.lexically_normal() == path, "a path that leads up: " + path.string());
+    }
+    return route.kind != RouteKind::none;
+}
+
+/// Only a request that shows a secret, to a known name, is allowed.
+bool accepts_request(Bytes bytes) {
+    const AccessRules rules{"driver-token",
+                            "watcher-token",
+                            "driver-session",
+                            "watcher-session",
+                            "pxpl5_1",
+                            {"localhost"},
+                            false};
+    constexpr char end = '\n';
+    Request request;
+    request.method = bytes.text_before(end);
+    request.path = bytes.text_before(end);
+    request.host = bytes.text_before(end);
+    request.origin = bytes.text_before(end);
+    request.cookie = bytes.text_before(end);
+    while (!bytes.empty()) {
+        const std::string key = bytes.text_before('=');
+        request.query[key] = bytes.text_before(end);
+    }
+    const Verdict verdict = judge(rules, request);
+    require((verdict.status == 200) == verdict.reason.empty(), "a reason for each refusal");
+    if (verdict.status != 200) {
+        require(verdict.status == 400 || verdict.status == 403, "the status of a refusal");
+        return false;
+    }
+    bool shows = false;
+    for (const auto& [key, value] : request.query) {
+        shows = shows || value == rules.driver_token || value == rules.watcher_token;
+    }
+    shows = shows || request.cookie.find(rules.driver_session) != std::string::npos ||
+            request.cookie.find(rules.watcher_session) != std::string::npos;
+    require(shows, "a request without a secret is allowed");
+    std::string name = request.host.substr(0, request.host.find(':'));
+    std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+    require(name == "localhost", "a request to another name is allowed: " + request.host);
+    return true;
+}
+
+/// Files that come in one body. All lie below the folder of uploads.
+bool accepts_upload(Bytes bytes) {
+    static const Scratch scratch;
+    scratch.clear();
+    Uploads uploads(scratch.path());
+    try {
+        UploadingFiles files(uploads, "batch");
+        while (!bytes.empty()) {
+            std::array<char, 16> part{};
+            const std::size_t count = 1 + bytes.take<std::uint8_t>() % part.size();
+            std::size_t size = 0;
+            while (size < count && !bytes.empty()) {
+                part.at(size++) = bytes.take<char>();
+            }
+            files.append({part.data(), size});
+        }
+        files.finish();
+        const UploadedBatch done = uploads.done("batch");
+        const auto relative = fs::weakly_canonical(done.path).lexically_relative(scratch.path());
+        require(!relative.empty() && *relative.begin() != "..", "an upload elsewhere");
+        return true;
+    } catch (const UploadError& error) {
+        require(error.status >= 400 && !error.text.empty(), "an upload's error without a text");
+        return false;
+    }
+}
+
+}  // namespace
+
+/// Input: a letter, and what it says.
+bool accepts(Input input) {
+    Bytes bytes(input);
+    switch (bytes.take<char>()) {
+        case 'm':
+            return accepts_message(bytes.text());
+        case 'n':
+            return accepts_name(bytes.text());
+        case 'p':
+            return accepts_path(bytes.text());
+        case 'u':
+            return accepts_upload(bytes);
+        default:
+            return accepts_request(bytes);
+    }
+}
+
+}  // namespace pxpl5::fuzz

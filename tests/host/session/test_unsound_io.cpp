@@ -1,0 +1,91 @@
+// An io process that sends lawful messages at the wrong time.
+#include <doctest/doctest.h>
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "host/session/session.hpp"
+#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/wire_bytes.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+namespace schema = bus::schema;
+
+namespace {
+
+/// A machine whose io process answers each request with `answers`.
+class UnsoundMachine final : public MachinePort {
+  public:
+    const std::vector<bus::NodeId>& gp_ids() const override { return ids_; }
+    const std::vector<bus::NodeId>& renderer_ids() const override { return ids_; }
+    void send(bus::NodeId to, bus::Payload payload) override {
+        is_asked_ = is_asked_ || to == io_id;
+        const auto* end = schema::GetMessage(payload.bytes().data())->body_as_SceneEnd();
+        scene_ = end == nullptr ? scene_ : end->scene();
+    }
+    void pump(const std::function<void(const bus::Message&)>& take,
+              const std::function<bool()>& done) override {
+        while (!done()) {
+            if (scene_ != 0) {  // The GP has taken the empty scene after a failed load.
+                schema::VolumeReadyT ready;
+                ready.volume = scene_;
+                take(test::WireBytes(bus::pack(ready)).read());
+                continue;
+            }
+            if (!is_asked_ || answers.empty()) {
+                throw RequestError(ExitCode::failed, "no answer is left");
+            }
+            const bus::Payload answer = answers.front();
+            answers.pop_front();
+            take(test::WireBytes(answer).read());
+        }
+    }
+    void wait_readable(int) override {}
+    void prepare_io() override {}
+    bus::NodeId start_io(ExitCode) override { return io_id; }
+    void release_io() override { ++released; }
+    bool takes_more(bus::NodeId) const override { return true; }
+    void allow_cancel(bool) override {}
+    void watch(int, std::function<bool()>) override {}
+    bool is_recording() const override { return false; }
+    SavedTraces save_traces() override { return {}; }
+
+    static constexpr bus::NodeId io_id = 9;
+    std::deque<bus::Payload> answers;
+    int released = 0;
+
+  private:
+    bool is_asked_ = false;
+    std::uint32_t scene_ = 0;  ///< The last scene that was sent whole.
+    std::vector<bus::NodeId> ids_ = {3};
+};
+
+}  // namespace
+
+TEST_SUITE("host/session/unsound_io") {
+    TEST_CASE("a second header during an import ends the request") {
+        UnsoundMachine machine;
+        schema::VolumeHeaderT larger = test::example_header();
+        larger.nx *= 2;
+        machine.answers = {bus::pack(test::example_header()), bus::pack(larger)};
+        Session session(machine);
+        CHECK_THROWS_WITH_AS(session.volumes.load("scan.nrrd"),
+                             "the io process announced a volume that was not due", RequestError);
+        CHECK(machine.released == 1);
+    }
+
+    TEST_CASE("a volume instead of a written file ends the request, and the next import works") {
+        UnsoundMachine machine;
+        machine.answers = {bus::pack(test::example_header())};
+        Session session(machine);
+        CHECK_THROWS_WITH_AS(session.io.write("x.png", bus::pack(schema::ReadMeshT{{}, "x"})),
+                             "the io process announced a volume that was not due", RequestError);
+        schema::IoDoneT done;
+        done.error = "as ordered";
+        machine.answers = {bus::pack(test::example_header()), bus::pack(done)};
+        CHECK_THROWS_WITH_AS(session.volumes.load("scan.nrrd"), "as ordered", RequestError);
+    }
+}

@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+"""Files of the program and of strangers: test_private_files.py FOLDER_OF_BINARIES [words].
+
+Who may read run folders, what is kept, what is refused, and where errors go.
+"""
+import os
+import pathlib
+import shutil
+import socket
+import stat
+import subprocess
+import sys
+import tempfile
+import unittest
+
+BIN = pathlib.Path()  # From the command line.
+LIMIT_S = 120
+
+
+class PrivateFiles(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pxpl5-private-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.state = self.folder / "state"
+        self.sockets = self.folder / "sockets"
+        self.sockets.mkdir()
+        self.work = self.folder / "work"
+        self.work.mkdir()
+
+    def pxpl5(self, *words, env=None, **more):
+        return subprocess.run(
+            [BIN / "pxpl5", *words], capture_output=not more, text=True, timeout=LIMIT_S,
+            cwd=self.work, check=False, env={**os.environ, "XDG_STATE_HOME": str(self.state),
+                                             "XDG_RUNTIME_DIR": str(self.sockets), **(env or {})},
+            **more)
+
+    def run_commands(self, commands, *flags, **more):
+        return self.pxpl5("run", "--topology", "one-of-each", *flags, "-c", commands, **more)
+
+    def runs(self):
+        return sorted((self.state / "pxpl5").iterdir())
+
+    def test_run_folders_lie_in_the_state_folder_for_the_owner_alone(self):
+        done = self.run_commands("load phantom:sphere; surface s iso=0.5; digest", "--record",
+                                 "full", preexec_fn=lambda: os.umask(0),
+                                 stdout=subprocess.DEVNULL)
+        self.assertEqual(done.returncode, 0)
+        run, = self.runs()
+        self.assertEqual(os.listdir(self.work), [])
+        for folder, _, files in os.walk(self.state / "pxpl5"):
+            mode = stat.S_IMODE(os.stat(folder).st_mode)
+            if folder in (str(run), str(run.parent)):
+                self.assertEqual(mode, 0o700, folder)
+            for name in files:
+                mode = stat.S_IMODE(os.lstat(os.path.join(folder, name)).st_mode)
+                self.assertEqual(mode, 0o600, name)
+        self.assertTrue((run / "traces/gp-0.mcap").exists())
+
+    def test_old_runs_go_and_running_ones_stay(self):
+        base = self.state / "pxpl5"
+        ended = subprocess.Popen(["true"])
+        ended.wait()
+        for day in range(1, 6):
+            (base / f"2020010{day}T000000Z-{ended.pid}" / "uploads").mkdir(parents=True)
+        running = base / f"20190101T000000Z-{os.getpid()}"
+        (running / "uploads").mkdir(parents=True)
+        other = base / "notes"
+        other.mkdir()
+        done = self.run_commands("stats", "--keep-runs", "3")
+        self.assertEqual(done.returncode, 0, done)
+        names = [run.name for run in self.runs()]
+        self.assertEqual(names[:3], [running.name, f"20200104T000000Z-{ended.pid}",
+                                     f"20200105T000000Z-{ended.pid}"])
+        self.assertEqual(len(names), 5, names)
+        self.assertIn("notes", names)
+        self.assertTrue((running / "uploads").exists())
+        self.assertFalse((base / names[1] / "uploads").exists())
+
+    def test_sockets_of_a_killed_host_go_with_the_next_start(self):
+        def folder_of_sockets(name):
+            folder = self.sockets / name
+            folder.mkdir()
+            server = socket.socket(socket.AF_UNIX)
+            server.bind(str(folder / "host"))
+            server.listen()
+            return folder, server
+
+        dead, server = folder_of_sockets("pxpl5-aaaaaa")
+        server.close()
+        young, server = folder_of_sockets("pxpl5-bbbbbb")
+        server.close()
+        alive, listening = folder_of_sockets("pxpl5-cccccc")
+        other = self.sockets / "pxpl5-longer-name"
+        other.mkdir()
+        for folder in (dead, alive, other):
+            os.utime(folder, (1, 1))
+        self.run_commands("help")  # Needs no machine.
+        self.assertTrue(dead.exists())
+        self.run_commands("presets")
+        self.assertFalse(dead.exists())
+        self.assertEqual(sorted(os.listdir(self.sockets)),
+                         [young.name, alive.name, "pxpl5-longer-name"])
+        listening.close()
+
+    def test_a_folder_for_temporary_files_that_is_none_is_named(self):
+        (self.folder / "file").write_text("")
+        done = self.run_commands("presets", env={"TMPDIR": str(self.folder / "file"),
+                                                 "XDG_RUNTIME_DIR": ""})
+        self.assertEqual(done.returncode, 1, done)
+        self.assertIn(str(self.folder / "file"), done.stderr)
+        self.assertIn("TMPDIR", done.stderr)
+        self.assertNotIn("Success", done.stderr)
+        (self.work / "t").mkdir()
+        done = self.run_commands("presets", env={"TMPDIR": "t", "XDG_RUNTIME_DIR": ""})
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_closed_streams_do_no_harm(self):
+        for closed in ((0,), (1,), (2,), (0, 1, 2)):
+            def close(closed=closed):
+                for fd in closed:
+                    os.close(fd)
+            done = self.run_commands("load phantom:sphere", preexec_fn=close,
+                                     stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                     stderr=subprocess.DEVNULL)
+            self.assertEqual(done.returncode, 0, closed)
+
+    def test_a_full_device_is_told(self):
+        with open("/dev/full", "w") as full:
+            done = self.pxpl5("--help", stdout=full, stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 1, done)
+        self.assertIn("standard output cannot be written: No space left", done.stderr)
+        done = self.run_commands("load phantom:sphere; history /dev/full")
+        self.assertEqual(done.returncode, 1, done)
+        self.assertIn("history: '/dev/full' cannot be written: No space left", done.stderr)
+        self.assertTrue(stat.S_ISCHR(os.stat("/dev/full").st_mode))
+
+    def test_scripts_are_written_beside_no_file_of_the_user(self):
+        (self.work / "x.part").write_text("mine")
+        done = self.run_commands("load phantom:sphere; history x")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.work / "x.part").read_text(), "mine")
+        self.assertEqual(sorted(os.listdir(self.work)), ["x", "x.part"])
+
+    def test_fifos_are_refused_at_once(self):
+        os.mkfifo(self.work / "scene.phigs")
+        done = self.run_commands("load scene.phigs")
+        self.assertEqual(done.returncode, 65, done)
+        self.assertIn("scene.phigs: is no regular file", done.stderr)
+        os.mkfifo(self.work / "gp-0.mcap")
+        done = self.pxpl5("trace", "ls", ".")
+        self.assertEqual(done.returncode, 65, done)
+        self.assertIn("is no file", done.stderr)
+
+    def test_control_bytes_of_files_do_not_reach_the_terminal(self):
+        (self.work / "e.pxasm").write_bytes(b"\033[31mFOO\n")
+        done = self.pxpl5("asm", "e.pxasm")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertNotIn("\033", done.stderr)
+        self.assertIn("[31mFOO", done.stderr)
+        done = self.run_commands("load 'no\033[31msuch.nrrd'")
+        self.assertEqual(done.returncode, 65, done)
+        self.assertNotIn("\033", done.stderr)
+
+    def test_a_name_has_no_line_break(self):
+        done = self.pxpl5("render", "phantom:sphere", "--surface", "a\nb=0.5", "-o", "x.png")
+        self.assertEqual(done.returncode, 64, done)
+        self.assertIn("control character", done.stderr)
+
+    def test_a_header_reads_data_elsewhere_only_if_that_is_allowed(self):
+        (self.folder / "private").mkdir()
+        (self.folder / "private/data.raw").write_bytes(bytes(range(64)))
+        (self.work / "a.nhdr").write_text(
+            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspacings: 1 1 1\n"
+            "encoding: raw\ndata file: ../private/data.raw\n\n")
+        done = self.pxpl5("info", "a.nhdr")
+        self.assertEqual(done.returncode, 65, done)
+        for text in ("a.nhdr", "../private/data.raw", "--allow DIR"):
+            self.assertIn(text, done.stderr)
+        for allow in (str(self.folder / "private"), "../private"):
+            done = self.pxpl5("info", "a.nhdr", "--allow", allow)
+            self.assertEqual(done.returncode, 0, done.stderr)
+
+
+if __name__ == "__main__":
+    BIN = pathlib.Path(sys.argv.pop(1))
+    unittest.main()
