@@ -30,6 +30,7 @@ EXCUSED = {
         "writes a file of the repository",
     ("tests/fuzz/README.md", "tests/fuzz.sh 10"): FUZZ,
     ("tests/fuzz/README.md", "tests/fuzz.sh 0.5 volume dicom"): FUZZ,
+    ("tests/fuzz/README.md", "tests/fuzz.sh --report 0.33"): FUZZ,
     ("tests/fuzz/README.md", "tests/fuzz.sh --seed 1 0.33"): FUZZ,
     (BENCH, "ninja -C build/release"): "builds the release preset",
     (BENCH, "../../build/release/tests/stage_bench --benchmark_min_time=0.1"): MINUTES,
