@@ -58,17 +58,19 @@ void JobQueue::pop() {
     }
 }
 
-std::vector<DrawJob> JobQueue::clear() {
-    std::vector<DrawJob> frames;
+std::vector<Job> JobQueue::clear() {
+    std::vector<Job> owed;
     for (Job& job : jobs_) {
-        if (auto* draw = std::get_if<DrawJob>(&job)) {
-            frames.push_back(std::move(*draw));
+        if (std::holds_alternative<DrawJob>(job) || std::holds_alternative<FetchJob>(job)) {
+            owed.push_back(std::move(job));
         }
     }
+    if (std::optional<Job> measurement = drop_measurement()) {
+        owed.push_back(std::move(*measurement));
+    }
     jobs_.clear();
-    measurement_.reset();
     announced_.clear();
-    return frames;
+    return owed;
 }
 
 }  // namespace pxpl5::gp

@@ -31,14 +31,16 @@ class JobQueue {
     void add_removal(std::uint16_t surface);
 
     void set_measurement(MeasureJob job) { measurement_ = std::move(job); }
-    void drop_measurement() { measurement_.reset(); }
+    /// Removes the measurement and returns it, if there is one: its answer is still owed.
+    std::optional<Job> drop_measurement() { return std::exchange(measurement_, std::nullopt); }
 
     /// Returns the next job; null if no job is left, or if the next one is a frame that waits.
     Job* front();
     /// Removes the job that front() returned.
     void pop();
-    /// Removes all jobs and announcements. Returns the frames among the jobs.
-    std::vector<DrawJob> clear();
+    /// Removes all jobs and announcements. Returns the frames, meshes and measurements among the
+    /// jobs, because other nodes count their answers.
+    std::vector<Job> clear();
 
     bool empty() const { return jobs_.empty() && !measurement_; }
     bool is_full() const { return jobs_.size() >= max_jobs; }

@@ -26,9 +26,16 @@ std::size_t cost_ns(const VolumeShape& shape, const SlabCounts& counts) {
 
 }  // namespace
 
-void note_measure(const bus::Message& message, const Board& board, JobQueue& queue) {
+void answer_dropped(const MeasureJob& job, bus::Outbox& out) {
+    out.send(job.to, isovalues_measured_message({}, {}));
+}
+
+void note_measure(const bus::Message& message, const Board& board, JobQueue& queue,
+                  bus::Outbox& out) {
     const auto& measure = *message.as<schema::MeasureIsovalues>();
-    queue.drop_measurement();
+    if (const std::optional<Job> dropped = queue.drop_measurement()) {
+        answer_dropped(std::get<MeasureJob>(*dropped), out);
+    }
     if (!board.store) {
         throw NodeFault(
             FaultCode::bad_input,

@@ -60,4 +60,11 @@ bool step(FetchJob& job, Board& board, bus::Outbox& out) {
     return false;
 }
 
+void answer_dropped(const FetchJob& job, const Board& board, bus::Outbox& out) {
+    const auto held = board.surfaces.find(job.surface);
+    if (held != board.surfaces.end()) {
+        out.send(job.to, MeshPartBuilder(job.surface, held->second, job.origins).finish());
+    }
+}
+
 }  // namespace pxpl5::gp

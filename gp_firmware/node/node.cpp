@@ -103,7 +103,7 @@ void GpNode::dispatch(const bus::Message& message, bus::Outbox& out) {
         case bus::Body::MaskSurface:
             return queue_.add(MaskJob{message});
         case bus::Body::MeasureIsovalues:
-            return note_measure(message, *board_, queue_);
+            return note_measure(message, *board_, queue_, out);
         case bus::Body::DrawFrame:
             return begin_frame(message, *board_, queue_, out);
         case bus::Body::BeginFrame:
@@ -147,10 +147,16 @@ void GpNode::set_machine(const bus::Message& topology) {
 }
 
 /// Discards the volume or scene and all jobs. Answers the discarded frames, because the Renderers
-/// wait for a message of each GP.
+/// wait for a message of each GP, and the discarded questions, because the host counts the answers.
 void GpNode::drop_all(bus::Outbox& out) {
-    for (const DrawJob& frame : queue_.clear()) {
-        send_nothing(frame, *board_, out);
+    for (const Job& job : queue_.clear()) {
+        if (const auto* frame = std::get_if<DrawJob>(&job)) {
+            send_nothing(*frame, *board_, out);
+        } else if (const auto* fetch = std::get_if<FetchJob>(&job)) {
+            answer_dropped(*fetch, *board_, out);
+        } else if (const auto* measurement = std::get_if<MeasureJob>(&job)) {
+            answer_dropped(*measurement, out);
+        }
     }
     drop_content(*board_);
 }

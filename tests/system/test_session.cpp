@@ -1,7 +1,12 @@
 // A session on a simulated machine: what one request leaves behind for the next.
 #include <doctest/doctest.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
+#include <array>
+#include <cstdint>
 #include <stdexcept>
+#include <vector>
 
 #include "host/base/error.hpp"
 #include "host/session/session.hpp"
@@ -31,6 +36,26 @@ void show_sphere(Session& session, int width, int height, double isovalue) {
     session.scene.size = {width, height};
     session.surfaces.set("s", isovalue, CaseRule::watertight, gray);
 }
+
+/// A viewer who can cancel what a machine's session waits for.
+class Canceling {
+  public:
+    explicit Canceling(test::SimulatedMachine& machine) {
+        machine.watch(fd_, [this] {
+            eventfd_t count = 0;
+            eventfd_read(fd_, &count);
+            return true;
+        });
+    }
+    ~Canceling() { close(fd_); }
+    Canceling(const Canceling&) = delete;
+    Canceling& operator=(const Canceling&) = delete;
+    /// The next wait that may be canceled ends at once.
+    void press() const { eventfd_write(fd_, 1); }
+
+  private:
+    int fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+};
 
 }  // namespace
 
@@ -223,4 +248,35 @@ TEST_CASE("an announced frame that does not show the scene is dropped") {
     session.volumes.load("phantom:sphere");
     CHECK_FALSE(session.frames.has_frame_ahead());
     CHECK(session.frames.draw().rgba.size() == 150 * 130);
+}
+
+TEST_CASE("a canceled question spoils no later one, also if its volume is discarded meanwhile") {
+    test::SimulatedMachine machine(machine_of(3, 1));
+    Session session(machine);
+    const Canceling viewer(machine);
+    constexpr std::array isovalues = {0.2, 0.5};
+    const auto ask = [&] {
+        std::vector<std::uint64_t> triangles;
+        for (const AtlasRow& row : session.meshes.measure(isovalues, CaseRule::watertight)) {
+            triangles.push_back(row.triangles);
+        }
+        return triangles;
+    };
+    session.volumes.load("phantom:sphere");
+    const std::vector<std::uint64_t> first = ask();
+    CHECK(first[0] > 0);
+    for (int times = 0; times < 2; ++times) {
+        // All GPs answer after the cancellation.
+        viewer.press();
+        CHECK_THROWS_AS(ask(), Canceled);
+        CHECK(ask() == first);
+        viewer.press();
+        CHECK_THROWS_AS(ask(), Canceled);
+        session.load_settings.progress = [&](const LoadProgress&) { viewer.press(); };
+        CHECK_THROWS_AS(session.volumes.load("phantom:letters"), Canceled);
+        CHECK_FALSE(session.volumes.has_volume());
+        session.load_settings.progress = {};
+        session.volumes.load("phantom:sphere");
+        CHECK(ask() == first);
+    }
 }

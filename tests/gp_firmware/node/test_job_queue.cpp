@@ -93,13 +93,18 @@ TEST_SUITE("gp_firmware/node/job_queue") {
         CHECK(order_of(queue) == std::vector<std::string>{"remove 4", "measure"});
     }
 
-    TEST_CASE("clearing returns the frames and forgets announcements") {
+    TEST_CASE("clearing returns the jobs that owe an answer and forgets announcements") {
         JobQueue queue;
         queue.announce(4, 1);
         queue.add(RemoveJob{5});
         queue.add(frame_showing(4, 2));
+        queue.add(FetchJob{4});
         queue.set_measurement(MeasureJob{});
-        CHECK(queue.clear().size() == 1);
+        const std::vector<Job> owed = queue.clear();
+        REQUIRE(owed.size() == 3);
+        CHECK(std::holds_alternative<DrawJob>(owed[0]));
+        CHECK(std::holds_alternative<FetchJob>(owed[1]));
+        CHECK(std::holds_alternative<MeasureJob>(owed[2]));
         CHECK(queue.empty());
         queue.add(frame_showing(4, 2));
         CHECK(queue.front() != nullptr);

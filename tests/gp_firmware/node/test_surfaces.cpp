@@ -245,10 +245,35 @@ TEST_SUITE("gp/node_surfaces") {
         CHECK(gp.box.of<schema::SurfaceBuilt>().size() == 1);
         gp.receive(measure({100}));
         CHECK_FALSE(gp.node.work(gp.box));
-        REQUIRE(gp.box.of<schema::IsovaluesMeasured>().size() == 1);
-        const auto& slabs = *gp.box.of<schema::IsovaluesMeasured>()[0]->slabs();
+        // The replaced request has an answer, too, because the host counts the answers.
+        REQUIRE(gp.box.of<schema::IsovaluesMeasured>().size() == 2);
+        CHECK(gp.box.of<schema::IsovaluesMeasured>()[0]->slabs()->size() == 0);
+        const auto& slabs = *gp.box.of<schema::IsovaluesMeasured>()[1]->slabs();
         CHECK(slabs.size() == n - 1);
         CHECK(slabs.Get(0)->counts()->size() == 1);
+    }
+
+    TEST_CASE("questions that a new volume drops are answered before the volume is ready") {
+        LoneGp gp({1, 1}, 0);
+        load(gp);
+        gp.receive(set_surface(4, 7, 100));
+        gp.work();
+        schema::FetchMeshT fetch;
+        fetch.surface = 4;
+        gp.receive(bus::pack(fetch));
+        gp.receive(measure({100}));
+        gp.box.sent.clear();
+        load(gp);
+        REQUIRE(gp.box.sent.size() == 3);
+        const auto* part = gp.box.sent[0].as<schema::MeshPart>();
+        REQUIRE(part != nullptr);
+        CHECK(part->surface() == 4);
+        CHECK(part->revision() == 7);
+        CHECK(part->slabs()->size() == 0);
+        const auto* measured = gp.box.sent[1].as<schema::IsovaluesMeasured>();
+        REQUIRE(measured != nullptr);
+        CHECK(measured->slabs()->size() == 0);
+        CHECK(gp.box.sent[2].as<schema::VolumeReady>() != nullptr);
     }
 
     TEST_CASE("isovalues cannot be measured without a volume, or without all of it") {
@@ -311,7 +336,8 @@ TEST_SUITE("gp/node_surfaces") {
         gp.receive(drop(1));
         CHECK_FALSE(gp.node.work(gp.box));
         CHECK(gp.box.of<schema::SurfaceBuilt>().empty());
-        CHECK(gp.box.of<schema::IsovaluesMeasured>().empty());
+        REQUIRE(gp.box.of<schema::IsovaluesMeasured>().size() == 1);  // Empty: the host waits.
+        CHECK(gp.box.of<schema::IsovaluesMeasured>()[0]->slabs()->size() == 0);
         CHECK(gp.box.of<schema::RegionPrograms>().size() == 1);  // Empty: Renderers wait for it.
         CHECK(gp.fault_of(set_surface(4, 2, 100)) ==
               "surface 4 was requested, but no volume is stored");
