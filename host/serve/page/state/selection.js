@@ -18,10 +18,14 @@ export class Selection {
     }
   }
 
-  /** @param {(name: string) => void} act  Called now and at each change. */
+  /**
+   * @param {(name: string) => void} act  Called now and at each change.
+   * @returns {() => void} ends it
+   */
   watch(act) {
     this.watchers_.add(act);
     act(this.name);
+    return () => void this.watchers_.delete(act);
   }
 
   /**

@@ -120,11 +120,18 @@ export class SurfaceCard {
           onclick: () => void app.connection.do(`remove ${word(name)}`)}, 'Remove')));
     this.root = h('li', {class: 'surface', 'data-testid': id},
       h('div', {class: 'row'}, this.visible_, this.color_, this.title_, this.iso_), this.more_);
-    selection.watch(chosen => {
+    /** @private  A watcher would keep a removed card in memory. */
+    this.unwatch_ = selection.watch(chosen => {
       this.more_.hidden = chosen !== name;
       this.root.classList.toggle('chosen', chosen === name);
       this.title_.setAttribute('aria-expanded', String(chosen === name));
     });
+  }
+
+  /** Removes the card from the page for good. */
+  remove() {
+    this.unwatch_();
+    this.root.remove();
   }
 
   /** @param {SurfaceState} surface */

@@ -36,7 +36,7 @@ export function createSurfaces(root, app, selection) {
     add.disabled = !state.volume || own.length >= LIMITS.max_user_surfaces;
     for (const [name, card] of cards) {
       if (!own.some(each => each.name === name)) {
-        card.root.remove();
+        card.remove();
         cards.delete(name);
       }
     }
@@ -62,6 +62,7 @@ function announcer() {
     clearTimeout(timer);
     timer = window.setTimeout(() => {
       const changed = surfaces.filter(each => told.get(each.name) !== each.isovalue);
+      told.clear();  // Removed surfaces would stay.
       for (const {name, isovalue} of surfaces) {
         told.set(name, isovalue);
       }
