@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
+#include <sstream>
 #include <utility>
 
 namespace pxpl5::host {
@@ -18,6 +19,8 @@ const double least_component = std::sin(glm::pi<double>() / 8);
 constexpr std::size_t max_legend_lines = 8;
 /// Width of DejaVu Sans' letters over its size, on average and a little more.
 constexpr double letter_width = 0.62;
+/// Distance of two lines over the letters' size.
+constexpr double line_step = 1.35;
 
 /// Lengths in pixels, by the picture's shorter side.
 struct Measures {
@@ -27,6 +30,7 @@ struct Measures {
     float letter, small, halo;
     MarkColor ink, shade;  ///< Letters, and what parts lines from the surface behind them.
     MarkColor disc;        ///< Behind the body of directions.
+    bool over_light;
 };
 
 Measures measures_of(const Overlay& overlay) {
@@ -43,7 +47,8 @@ Measures measures_of(const Overlay& overlay) {
             static_cast<float>(std::max(2 * unit, 1.5)),
             over_light ? MarkColor{24, 26, 30, 255} : MarkColor{240, 240, 236, 255},
             over_light ? MarkColor{255, 255, 255, 170} : MarkColor{0, 0, 0, 150},
-            over_light ? MarkColor{0, 0, 0, 36} : MarkColor{0, 0, 0, 90}};
+            over_light ? MarkColor{0, 0, 0, 36} : MarkColor{0, 0, 0, 90},
+            over_light};
 }
 
 glm::vec2 at(double x, double y) {
@@ -178,15 +183,15 @@ std::string cut_to(const std::string& text, std::size_t most) {
 }
 
 void add_legend(const Overlay& overlay, const Measures& m, std::vector<PictureMark>& marks) {
-    const double step = m.small * 1.35, swatch = m.small * 0.62;
+    const double step = m.small * line_step, swatch = m.small * 0.62;
     const double room = m.width * 0.42 / (m.small * letter_width);
     const auto most = static_cast<std::size_t>(std::max(room, 8.0));  // Up to the bottom letter.
     double y = m.height - m.margin;
     const auto write = [&](double x, const std::string& text) {
         marks.push_back(text_mark(at(x, y), cut_to(text, most), m.ink, {m.small, 0, 1, m.halo}));
     };
-    if (!overlay.title.empty()) {
-        write(m.margin, overlay.title);
+    if (const std::string& title = overlay.caption.title; !title.empty()) {
+        write(m.margin, title);
         y -= step;
     }
     const auto lines = static_cast<std::size_t>(m.height / 3 / step);
@@ -209,7 +214,46 @@ void add_legend(const Overlay& overlay, const Measures& m, std::vector<PictureMa
     }
 }
 
+/// Left of the letter at the top, or, where that is too narrow, below the letter.
+void add_alert(const Overlay& overlay, const Measures& m, std::vector<PictureMark>& marks) {
+    const bool is_small = std::min(overlay.size.width, overlay.size.height) < smallest_legend_px;
+    const double room = is_small ? m.width - 2 * m.margin : m.width / 2 - 2 * m.margin - m.letter;
+    const double top = m.margin + (is_small ? m.letter * 1.2 : 0);
+    for (PictureMark& mark : warning_marks(
+             overlay.caption.warning, {at(m.margin, top), room, m.small, m.halo, m.over_light})) {
+        marks.push_back(std::move(mark));
+    }
+}
+
+/// `text` in lines of at most `most` characters. A longer word has a line of its own.
+std::vector<std::string> wrapped(const std::string& text, std::size_t most) {
+    std::vector<std::string> lines;
+    std::istringstream words(text);
+    for (std::string word; words >> word;) {
+        if (lines.empty() || lines.back().size() + 1 + word.size() > most) {
+            lines.push_back(word);
+        } else {
+            lines.back() += " " + word;
+        }
+    }
+    return lines;
+}
+
 }  // namespace
+
+std::vector<PictureMark> warning_marks(const std::string& warning, const WarningPlace& place) {
+    const MarkColor ink =
+        place.over_light ? MarkColor{130, 60, 0, 255} : MarkColor{255, 208, 112, 255};
+    const double room = place.room_px / (place.height_px * letter_width);
+    std::vector<PictureMark> marks;
+    glm::vec2 at = place.at;
+    for (std::string& line : wrapped(warning, static_cast<std::size_t>(std::max(room, 1.0)))) {
+        marks.push_back(
+            text_mark(at, std::move(line), ink, {place.height_px, 0, 0, place.halo_px}));
+        at.y += place.height_px * static_cast<float>(line_step);
+    }
+    return marks;
+}
 
 std::string direction_letters(const glm::dvec3& direction) {
     const double length = glm::length(direction);
@@ -273,6 +317,7 @@ std::vector<PictureMark> overlay_marks(const Overlay& overlay) {
     if (overlay.letters) {
         add_letters(overlay, m, marks);
     }
+    add_alert(overlay, m, marks);
     if (overlay.scale) {
         add_scale(overlay, m, marks);
     }
@@ -283,13 +328,13 @@ std::vector<PictureMark> overlay_marks(const Overlay& overlay) {
 }
 
 std::vector<PictureMark> overlay_marks(const Scene& scene, const Subject& subject,
-                                       std::string_view title) {
+                                       const Caption& caption) {
     const Color& c = scene.background;
     return overlay_marks({scene.camera,
                           subject,
                           scene.size,
                           {c.r, c.g, c.b, 255},
-                          std::string(title),
+                          caption,
                           legend_of(scene.surfaces),
                           true,
                           true,

@@ -5,7 +5,6 @@
 #include <glm/vec3.hpp>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "host/scene/camera.hpp"
@@ -39,6 +38,12 @@ struct LegendLine {
     std::string text;
 };
 
+/// The words of a picture about its volume.
+struct Caption {
+    std::string title;    ///< Bottom line, as the volume's name; UTF-8. A long title is cut.
+    std::string warning;  ///< Never cut: it wraps at the top left. ASCII, empty for none.
+};
+
 /// Contents of the marks. The flags switch parts off.
 struct Overlay {
     Camera camera;
@@ -46,18 +51,30 @@ struct Overlay {
     Size size;
     MarkColor background{18, 22, 30,
                          255};  ///< Background of the picture: ink is light over a dark background.
-    std::string title;          ///< Bottom line, as the volume's name; UTF-8.
+    Caption caption;
     std::vector<LegendLine> legend;  ///< Above the title; what has no room is counted.
     bool letters = true;             ///< Patient directions at the four sides.
     bool directions = true;          ///< The six directions as a small body at the top right.
     bool scale = true;               ///< The scale bar.
 };
 
+/// Where a warning stands: its top left corner, how wide a line may be, and the letters' style.
+struct WarningPlace {
+    glm::vec2 at{0};
+    double room_px = 0;
+    float height_px = 12, halo_px = 2;
+    bool over_light = false;  ///< Over a light background: the letters are dark.
+};
+
+/// A warning of ASCII as texts, one per line, from the top downwards. It wraps between words and
+/// is never cut.
+std::vector<PictureMark> warning_marks(const std::string& warning, const WarningPlace& place);
+
 /// The legend of a scene's visible surfaces: "bone  300".
 std::vector<LegendLine> legend_of(std::span<const Surface> surfaces);
 
 /// The marks, to be drawn in order. Sizes follow the picture's shorter side; below
-/// `smallest_legend_px` there is room for letters and the scale bar alone, below
+/// `smallest_legend_px` there is room for letters, the scale bar and the warning alone, below
 /// `smallest_overlay_px` for none.
 std::vector<PictureMark> overlay_marks(const Overlay& overlay);
 
@@ -65,6 +82,6 @@ inline constexpr int smallest_overlay_px = 96, smallest_legend_px = 200;
 
 /// The whole overlay of a scene in which `subject` is shown.
 std::vector<PictureMark> overlay_marks(const Scene& scene, const Subject& subject,
-                                       std::string_view title);
+                                       const Caption& caption);
 
 }  // namespace pxpl5::host

@@ -3,8 +3,9 @@ import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import test from 'node:test';
-import { byId, page, shots, usePage } from './harness.js';
+import { byId, page, server, shots, usePage } from './harness.js';
 import { after, middleOf, settled, state, stateWhen } from './steps.js';
+import { writeEllipsoid } from './volumes.js';
 
 usePage(['phantom:pelvis']);
 
@@ -22,7 +23,8 @@ async function savedPicture({ marks, legend, size = '1' }) {
 
 /**
  * In the page: how two PNG files differ. A pixel is `far` if no pixel beside it in the other file
- * is like it: the edges of letters depend on where within a pixel they begin.
+ * is like it: the edges of letters depend on where within a pixel they begin. `corner` counts the
+ * different pixels at the top left.
  */
 async function compare({ a, b }) {
   const pixels = async url => {
@@ -33,18 +35,20 @@ async function compare({ a, b }) {
     return context.getImageData(0, 0, picture.width, picture.height);
   };
   const [one, other] = await Promise.all([pixels(a), pixels(b)]);
-  let different = 0, far = 0;
+  let different = 0, far = 0, corner = 0;
   for (let at = 0; at < one.data.length; at += 4) {
     const by = (from = at) =>
       Math.max(...[0, 1, 2].map(k => Math.abs(one.data[at + k] - other.data[from + k])));
     different += by() > 0;
+    const x = at / 4 % one.width, y = Math.floor(at / 4 / one.width);
+    corner += by() > 0 && x < one.width * 0.35 && y < one.height * 0.12;
     if (by() > 64) {
       const row = 4 * one.width;
       far += [-row - 4, -row, 4 - row, -4, 4, row - 4, row, row + 4].every(step =>
         by(at + step) > 64);
     }
   }
-  return { sizes: [one.width, one.height, other.width, other.height], different, far,
+  return { sizes: [one.width, one.height, other.width, other.height], different, far, corner,
            count: one.data.length / 4 };
 }
 
@@ -149,4 +153,25 @@ test('a saved picture says what it shows, as those of the terminal do', async ()
     const { count } = await compared(url, url);
     assert.ok(count > 0, 'browsers still read it');
   }
+});
+
+test('a saved picture has the warning of an assumed place with letters or legend', async () => {
+  await page.setViewportSize({ width: 390, height: 844 });
+  const corner = async marks => {
+    const { url } = await savedPicture({ marks, legend: false });
+    return (await compared(await canvasUrl(), url)).corner;
+  };
+  await settled(page);
+  assert.equal(await corner(true), 0, 'a stated place needs no warning');
+  const file = writeEllipsoid(path.join(server.folder, 'unplaced.nrrd'), [20, 20, 20], [8, 8, 8],
+                              false);
+  await after(page, async () => {
+    await byId('open-panel').click();
+    await byId('open-path').fill(file);
+    await byId('open-go').click();
+  }, (now, file) => now.volume?.source === file, file);
+  assert.ok(await corner(true) > 100);
+  assert.equal(await corner(false), 0);
+  const { bytes } = await savedPicture({ marks: true, legend: true });
+  writeFileSync(path.join(shots, 'saved-assumed.png'), bytes);
 });

@@ -1,10 +1,12 @@
 // Sizes of windows: everything can be reached and read in small ones, and the picture has the size
 // of the window that is used.
 import assert from 'node:assert/strict';
+import path from 'node:path';
 import test from 'node:test';
 import { lookFor } from './layout.js';
 import { browser, openPage, server, shoot, useServer } from './harness.js';
 import { after, settled, stateWhen } from './steps.js';
+import { writeEllipsoid } from './volumes.js';
 
 const SIZES = [[390, 844], [640, 360], [844, 390], [910, 512], [960, 540], [1000, 700], [1100, 700],
              [1280, 720]];
@@ -15,7 +17,7 @@ useServer(['phantom:pelvis']);
 /** In the page: pairs of things over the picture that lie over each other. */
 function overlaps() {
   const things = [...document.querySelectorAll(
-    '#overlay .side, #overlay [data-testid=scale-bar], #hint, #cube, #views')]
+    '#overlay .side, #overlay [data-testid=scale-bar], #hint, #cube, #views, #assumed, .toast')]
     .filter(each => each.checkVisibility() && each.getBoundingClientRect().width > 0);
   const nameOf = each => each.id || each.textContent || each.getAttribute('data-testid');
   const found = [];
@@ -57,6 +59,45 @@ for (const [width, height] of SIZES) {
     await close();
   });
 }
+
+test('the warning of an assumed place is whole in windows of any size', async () => {
+  const raw = await openPage(browser, server.url);
+  const file = writeEllipsoid(path.join(server.folder, 'unplaced.nrrd'), [20, 20, 20], [8, 8, 8],
+                              false);
+  await after(raw.page, async () => {
+    await raw.page.getByTestId('open-panel').click();
+    await raw.page.getByTestId('open-path').fill(file);
+    await raw.page.getByTestId('open-go').click();
+  }, (now, file) => now.volume?.source === file, file);
+  await raw.close();
+  for (const [width, height] of [...SIZES, [1920, 1080]]) {
+    const { page, close } = await openPage(browser, server.url, { viewport: { width, height } });
+    await settled(page);
+    const warning = page.getByTestId('assumed');
+    assert.equal(await warning.innerText(), 'place or spacing ASSUMED');
+    const box = await warning.boundingBox(), stage = await page.getByTestId('stage').boundingBox();
+    assert.ok(box.x >= stage.x && box.x + box.width <= stage.x + stage.width,
+              `${width} x ${height}: ${JSON.stringify(box)}`);
+    assert.deepEqual(await page.evaluate(overlaps), [], `${width} x ${height}`);
+    const seen = await warning.evaluate(element => {
+      const { left, right, top, bottom } = element.getBoundingClientRect();
+      element.style.pointerEvents = 'auto';
+      return [[left + 2, top + 2], [right - 2, top + 2], [left + 2, bottom - 2],
+              [right - 2, bottom - 2]].every(at => document.elementFromPoint(...at) === element);
+    });
+    assert.ok(seen, `${width} x ${height}: something lies over the warning`);
+    await shoot(page, `assumed-${width}x${height}`);
+    await close();
+  }
+  const last = await openPage(browser, server.url);
+  await after(last.page, async () => {
+    await last.page.getByTestId('open-panel').click();
+    await last.page.getByTestId('open-path').fill('phantom:pelvis');
+    await last.page.getByTestId('open-go').click();
+  }, now => now.volume?.name === 'phantom:pelvis');
+  assert.ok(await last.page.getByTestId('assumed').isHidden());
+  await last.close();
+});
 
 test('the first hint goes with the first drag of a threshold', async () => {
   const { page, close } = await openPage(browser, server.url);

@@ -24,18 +24,19 @@ std::vector<PictureMark> archive_marks(const Session& session) {
     overlay.subject = session.frames.subject();
     overlay.size = session.scene.size;
     overlay.background = {back.r, back.g, back.b};
-    overlay.title = session.volumes.archive()->file;
+    overlay.caption.title = session.volumes.archive()->file;
     overlay.letters = overlay.directions = overlay.scale = false;
     return overlay_marks(overlay);
 }
 
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
-std::string title_of(const Session& session) {
+Caption caption_of(const Session& session) {
     if (session.volumes.archive() != nullptr) {
-        return session.volumes.archive()->file;
+        return {session.volumes.archive()->file, ""};
     }
-    return legend_title(session.volumes.volume());
+    const Volume& volume = session.volumes.volume();
+    return {volume.name, place_warning(volume)};
 }
 
 std::string spacing_text(const Volume& volume) {
@@ -147,7 +148,7 @@ PictureExtras picture_extras(const Session& session, const Camera& camera) {
         }
         extras.marks = session.volumes.archive() != nullptr
                            ? archive_marks(session)
-                           : overlay_marks(seen, session.frames.subject(), title_of(session));
+                           : overlay_marks(seen, session.frames.subject(), caption_of(session));
     }
     return extras;
 }
@@ -161,7 +162,7 @@ PictureExtras animation_extras(const Session& session) {
         overlay.subject = session.frames.subject();
         overlay.size = scene.size;
         overlay.background = {scene.background.r, scene.background.g, scene.background.b};
-        overlay.title = title_of(session);
+        overlay.caption = caption_of(session);
         overlay.legend = legend_of(scene.surfaces);
         overlay.letters = overlay.directions = false;
         extras.marks = overlay_marks(overlay);

@@ -88,8 +88,8 @@ Fields histogram_fields(const Histogram& counted) {
     return {{"first", counted.first}, {"width", counted.width}, {"counts", counts}};
 }
 
-std::string legend_title(const Volume& volume) {
-    return (is_assumed(volume) ? "place or spacing ASSUMED (see info): " : "") + volume.name;
+std::string place_warning(const Volume& volume) {
+    return is_assumed(volume) ? "place or spacing ASSUMED" : "";
 }
 
 glm::dvec3 spacing_mm(const Volume& volume) {

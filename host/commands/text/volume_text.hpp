@@ -19,9 +19,9 @@ enum class VolumeDetail : std::uint8_t { brief, all };
 /// Describes a volume: shape, spacing, orientation, range, histogram, findings.
 Reply describe_volume(const Volume& volume, VolumeDetail detail = VolumeDetail::all);
 
-/// The volume's name for a picture's legend, after a warning if its place or spacing is assumed: a
-/// long line loses its end.
-std::string legend_title(const Volume& volume);
+/// The warning on every picture of a volume whose place or spacing is assumed; empty for others. It
+/// is short, so that it is readable in small pictures.
+std::string place_warning(const Volume& volume);
 
 /// Distance between voxel centers along x, y and z in millimeters.
 glm::dvec3 spacing_mm(const Volume& volume);

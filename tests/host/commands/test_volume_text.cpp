@@ -6,12 +6,12 @@
 using namespace pxpl5;
 using namespace pxpl5::host;
 
-TEST_CASE("the legend of an assumed place begins with the warning, which is not cut off") {
+TEST_CASE("pictures of a volume whose place is assumed have a warning") {
     Volume volume;
     volume.name = "head";
-    CHECK(legend_title(volume) == "head");
+    CHECK(place_warning(volume).empty());
     volume.findings.push_back({FindingKind::note, "no unit of length"});
-    CHECK(legend_title(volume) == "head");
+    CHECK(place_warning(volume).empty());
     volume.findings.push_back({FindingKind::assumption, "no patient space"});
-    CHECK(legend_title(volume) == "place or spacing ASSUMED (see info): head");
+    CHECK(place_warning(volume) == "place or spacing ASSUMED");
 }

@@ -17,7 +17,7 @@ const Subject subject{{10, -20, 30}, 100};
 
 Overlay overlay_of(const char* view, Size size = {512, 512}) {
     return {
-        {find_view(view).value(), 1}, subject, size, {0, 0, 0, 255}, "", {}, true, false, false};
+        {find_view(view).value(), 1}, subject, size, {0, 0, 0, 255}, {}, {}, true, false, false};
 }
 
 /// The texts at the picture's left, right, top and bottom.
@@ -40,6 +40,26 @@ double distance_px(const Camera& camera, Size size, glm::dvec3 a_mm, glm::dvec3 
         return glm::dvec2(clip.x / clip.w * size.width / 2, clip.y / clip.w * size.height / 2);
     };
     return glm::distance(pixel(a_mm), pixel(b_mm));
+}
+
+struct TextBox {
+    double left, right, top, bottom;
+};
+
+/// A little more than a text takes: DejaVu Sans' letters are 0.62 of their size wide on average,
+/// capital ones 0.71.
+TextBox box_of(const PictureMark& mark) {
+    double width = 0;
+    for (const char letter : mark.text) {
+        width += mark.height_px * (letter >= 'A' && letter <= 'Z' ? 0.71 : 0.62);
+    }
+    const double left = mark.points[0].x - width * mark.align_x;
+    const double top = mark.points[0].y - mark.height_px * mark.align_y;
+    return {left, left + width, top, top + mark.height_px};
+}
+
+bool overlap(const TextBox& a, const TextBox& b) {
+    return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 }
 
 }  // namespace
@@ -109,7 +129,7 @@ TEST_SUITE("host/scene/overlay") {
     TEST_CASE("all marks lie within the picture, and small pictures have none") {
         Overlay overlay = overlay_of("anterior");
         overlay.directions = overlay.scale = true;
-        overlay.title = "a volume";
+        overlay.caption.title = "a volume";
         for (int line = 0; line < 20; ++line) {
             overlay.legend.push_back({{200, 100, 50, 255}, "surface " + std::to_string(line)});
         }
@@ -146,7 +166,7 @@ TEST_SUITE("host/scene/overlay") {
         hidden.visible = false;
         scene.surfaces.insert(scene.surfaces.begin(), hidden);
         std::multiset<std::string> texts;
-        for (const PictureMark& mark : overlay_marks(scene, subject, "pelvis")) {
+        for (const PictureMark& mark : overlay_marks(scene, subject, {"pelvis", ""})) {
             texts.insert(mark.text);
         }
         CHECK(texts.count("pelvis") == 1);
@@ -174,7 +194,7 @@ TEST_SUITE("host/scene/overlay") {
         Overlay overlay = overlay_of("anterior", {200, 200});
         overlay.letters = false;
         for (int i = 0; i < 100; ++i) {
-            overlay.title += "ä";
+            overlay.caption.title += "ä";
         }
         const std::vector<PictureMark> marks = overlay_marks(overlay);
         REQUIRE(marks.size() == 1);
@@ -182,6 +202,50 @@ TEST_SUITE("host/scene/overlay") {
         CHECK(text.size() < 100);
         CHECK(text.ends_with("ä…"));
         CHECK(text.find("ä") == 0);
+    }
+
+    TEST_CASE("a warning is whole in pictures of any size, and lies over no other text") {
+        Overlay overlay = overlay_of("anterior");
+        overlay.camera.angles = {30, 20};  // Two letters at each side.
+        overlay.directions = overlay.scale = true;
+        const std::string name = "a long name of a volume";
+        for (const Size size :
+             {Size{96, 96}, Size{96, 400}, Size{150, 150}, Size{200, 200}, Size{256, 256},
+              Size{300, 200}, Size{512, 512}, Size{1280, 1280}, Size{1920, 1080}}) {
+            CAPTURE(size.width);
+            overlay.size = size;
+            overlay.caption = {name, ""};
+            const std::vector<PictureMark> without = overlay_marks(overlay);
+            overlay.caption.warning = "place or spacing ASSUMED";
+            const std::vector<PictureMark> with = overlay_marks(overlay);
+            REQUIRE(with.size() > without.size());
+            std::vector<PictureMark> lines, others;
+            for (const PictureMark& mark : with) {
+                const bool is_other = std::ranges::any_of(without, [&](const PictureMark& each) {
+                    return each.kind == mark.kind && each.points == mark.points &&
+                           each.text == mark.text;
+                });
+                (is_other ? others : lines).push_back(mark);
+            }
+            CHECK(others.size() == without.size());
+            std::string read;
+            for (const PictureMark& line : lines) {
+                read += (read.empty() ? "" : " ") + line.text;
+                const TextBox box = box_of(line);
+                CHECK(box.left >= 0);
+                CHECK(box.right <= size.width);
+                CHECK(box.bottom <= size.height);
+                CHECK(line.height_px >= 9);
+                for (const PictureMark& other : with) {
+                    if (&other != &line && other.kind == MarkKind::text &&
+                        other.text != line.text) {
+                        CHECK_MESSAGE(!overlap(box, box_of(other)),
+                                      line.text << " over " << other.text);
+                    }
+                }
+            }
+            CHECK(read == "place or spacing ASSUMED");
+        }
     }
 
     TEST_CASE("marks cross the ring as they are") {

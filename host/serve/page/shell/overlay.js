@@ -1,5 +1,6 @@
 // Over the picture: letters of the patient's sides, scale bar, cube and crosshair.
 import {byId, h, s, update} from '../elements/dom.js';
+import {placeWarning} from '../panel/volume_words.js';
 import {lettersTowards, roundLength, SIDES, toEye} from '../picture/projection.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
@@ -60,10 +61,19 @@ export function createOverlay(app, viewpoint) {
   app.store.subscribe(['background'], ({background}) => {
     picture.overlay.classList.toggle('on-light', isLight(background));
   });
-  app.store.subscribe(['volume'], () => {
+  app.store.subscribe(['volume'], ({volume}) => {
     place = null;
     redraw();
+    showWarning(placeWarning(volume));
   });
+}
+
+/** @param {string} text */
+function showWarning(text) {
+  const warning = byId('assumed');
+  warning.textContent = text;
+  warning.hidden = text === '';
+  byId('middle').classList.toggle('assumes', text !== '');
 }
 
 /**

@@ -2,10 +2,12 @@
 import {h} from '../elements/dom.js';
 import {plain, word} from '../link/lines.js';
 import {address} from '../link/token.js';
+import {placeWarning} from '../panel/volume_words.js';
 import {sessionText} from './session_file.js';
 import {openSession, SESSION_ENDING} from './upload.js';
 
 /** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/types.js').LegendLine} LegendLine */
 
 const MESHES = /** @type {const} */ ([['glb', 'glTF binary (.glb)'], ['stl', 'STL (.stl)'],
   ['ply', 'PLY (.ply)'], ['obj', 'Wavefront (.obj)'], ['vtp', 'VTK (.vtp)']]);
@@ -185,7 +187,8 @@ function picturePart(app, dialog) {
     } else {
       const drawing = await (await fetch(href)).blob();
       saveBlob(await app.picture.marked(drawing,
-        {marks: marks.checked, legend: legend.checked ? legendOf(app) : []}), name);
+        {marks: marks.checked, legend: [...marks.checked || legend.checked ? warningOf(app) : [],
+          ...legend.checked ? legendOf(app) : []]}), name);
     }
     app.toasts.info(`Saved ${name}, ${width} × ${height} pixels, ${samples} `
       + `sample${samples === 1 ? '' : 's'} per pixel.${fewSamples(app, samples)}`);
@@ -211,18 +214,25 @@ function fewSamples({store}, samples) {
 }
 
 /**
+ * @param {App} app
+ * @returns {LegendLine[]}
+ */
+function warningOf({store}) {
+  const text = placeWarning(store.state?.volume ?? null);
+  return text === '' ? [] : [{color: '', text}];
+}
+
+/**
  * The volume's name and the visible surfaces.
  * @param {App} app
- * @returns {import('../link/types.js').LegendLine[]}
+ * @returns {LegendLine[]}
  */
 function legendOf({store}) {
   const {volume, archive, surfaces = []} = store.state ?? {};
-  const isAssumed = volume?.findings.some(({kind}) => kind === 'assumption');
   const unit = volume?.unit ?? '';
-  return [{color: '', text: (isAssumed ? 'place or spacing ASSUMED: ' : '')
-    + (volume?.name ?? archive ?? '')},
-  ...surfaces.filter(({visible}) => visible).map(({color, name, isovalue}) =>
-    ({color, text: `${name}  ${plain(isovalue)} ${unit}`.trim()}))];
+  return [{color: '', text: volume?.name ?? archive ?? ''},
+    ...surfaces.filter(({visible}) => visible).map(({color, name, isovalue}) =>
+      ({color, text: `${name}  ${plain(isovalue)} ${unit}`.trim()}))];
 }
 
 /**
