@@ -1,5 +1,6 @@
 // Commands that ask about the volume and the picture, and change nothing.
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <glm/geometric.hpp>
 
@@ -44,7 +45,8 @@ void write_slice(Session& session, const Arguments& arguments, const Slice& slic
     const GrayWindow window = parse_window(session, arguments);
     const SlicePicture drawn = slice_picture(
         slice, contours, window, session.scene.size,
-        fmt::format("{}, window {:.6g} level {:.6g}", title, window.width, window.level));
+        {fmt::format("{}, window {:.6g} level {:.6g}", title, window.width, window.level),
+         place_warning(session.volumes.volume())});
     PictureExtras extras;
     extras.description = fmt::format("{} of {}", title, session.volumes.volume().name);
     if (session.scene.overlay) {
@@ -128,6 +130,11 @@ Reply run_slice(Session& session, const Arguments& arguments) {
         reply.text += fmt::format("\n{}: {} pieces of contour at {:.6g}", contour.surface->name,
                                   contour.pieces.size(), contour.surface->isovalue);
     }
+    const std::vector<std::string> hidden = hidden_in_3d(session.scene, contours);
+    if (!hidden.empty()) {
+        reply.text += fmt::format("\nthe 3D picture hides parts that the slice shows: {}",
+                                  fmt::join(hidden, ", "));
+    }
     reply.fields = {{"size", std::vector<std::int64_t>{across.count, down.count}},
                     {"spacing", std::vector<double>{across.spacing_mm, down.spacing_mm}},
                     {"letters", Fields{{"left", across.begin},
@@ -135,7 +142,8 @@ Reply run_slice(Session& session, const Arguments& arguments) {
                                        {"top", down.begin},
                                        {"bottom", down.end}}},
                     {"skew_deg", slice.frame.skew_deg},
-                    {"contours", pieces}};
+                    {"contours", pieces},
+                    {"hidden_in_3d", hidden}};
     if (arguments.words.size() > 2) {
         write_slice(session, arguments, slice, contours, title);
         reply.text += "\nwrote " + arguments.words[2];

@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import path from 'node:path';
 import test from 'node:test';
+import { writeSeries } from './dicom.js';
 import { holdMessages } from './holding.js';
 import { browser, byId, openPage, page, server, usePage } from './harness.js';
 import { after, errorsShown, lookAtPicture, rawSocket, say, settled, state, stateWhen }
@@ -153,8 +154,33 @@ test('a tilt is told from 0.1 degrees on, and never as 0.0', async () => {
   await byId('slice-count-2').getByText('/ 12').waitFor();
   await settled(page);
   assert.equal(await byId('slices-notes').innerText(), '');
-  await openPath(page, writeSheared('tilted.nrrd', Math.tan(5 * Math.PI / 180)));
-  await byId('slices-notes').getByText(/tilted by 5\.0°/).waitFor();
+  const shift_mm = Math.tan(5 * Math.PI / 180);
+  await openPath(page, writeSheared('sheared.nrrd', shift_mm));
+  await byId('slices-notes').getByText(/slices are sheared by 5\.0°/).waitFor();
+  for (const [modality, words] of [['CT', 'gantry was tilted'], ['MR', 'slices are sheared']]) {
+    const folder = path.join(server.folder, modality);
+    writeSeries(folder, [{ description: 'Head', side: 12, modality, shift_mm }]);
+    await openPath(page, folder);
+    await stateWhen(page, (now, is) => now.volume?.modality === is && !now.busy, modality);
+    await byId('slices-notes').getByText(new RegExp(`${words} by 5\\.0°`)).waitFor();
+  }
+});
+
+test('slices say what the picture hides', async () => {
+  const note = byId('slices-beyond'), raw = await rawSocket(page, server.url);
+  const { surfaces } = await state(page);
+  assert.equal(await note.isVisible(), false);
+  assert.equal((await say(raw, 'clip L')).ok, true);
+  await note.getByText('Not in the 3D picture: parts behind clip planes.').waitFor();
+  assert.equal((await say(raw, `components ${surfaces[0].name} show=largest`)).ok, true);
+  await note.getByText(`behind clip planes and components of ${surfaces[0].name}.`).waitFor();
+  const { result, text } = await say(raw, 'slice z 5');
+  assert.match(result.hidden_in_3d.join(), /^clip L [-\d.]+,components of /);
+  assert.match(text, /the 3D picture hides parts that the slice shows: clip L /);
+  for (const line of ['clip off', `components ${surfaces[0].name} show=all`]) {
+    assert.equal((await say(raw, line)).ok, true);
+  }
+  await note.waitFor({ state: 'hidden' });
 });
 
 test('an upload tells its name in a line and its progress, of one file, too', async () => {

@@ -8,6 +8,10 @@ import {isoCommand, plain, roundIso, subjectOf, toLine, word}
 import {parseAnswer, parseFrame} from '../../host/serve/page/link/messages.js';
 import {lettersTowards, mmPerPlace, projectToPicture, roundLength}
   from '../../host/serve/page/picture/projection.js';
+import {wrapped} from '../../host/serve/page/picture/svg_paint.js';
+import {beyond} from '../../host/serve/page/slices/slice_words.js';
+import {placeWarning} from '../../host/serve/page/panel/volume_words.js';
+import {Selection} from '../../host/serve/page/state/selection.js';
 import {Store} from '../../host/serve/page/state/store.js';
 
 /** @param {number[]} a @param {number[]} b */
@@ -203,4 +207,45 @@ test('the store tells of what has changed, and of nothing else', () => {
   store.take({...state, revision: 2, camera: {zoom: 1}});
   store.take({...state, revision: 3, camera: {zoom: 2}});
   assert.deepEqual(told, ['camera', 'size', 'camera']);
+});
+
+test('a long line of a legend wraps between words, and loses none', () => {
+  const widthOf = text => text.length;
+  assert.deepEqual(wrapped('place or spacing ASSUMED', widthOf, 30), ['place or spacing ASSUMED']);
+  assert.deepEqual(wrapped('place or spacing ASSUMED', widthOf, 16),
+    ['place or spacing', 'ASSUMED']);
+  assert.deepEqual(wrapped('place or spacing ASSUMED', widthOf, 3),
+    ['place', 'or', 'spacing', 'ASSUMED']);
+});
+
+test('a volume with an assumption has a warning, others have none', () => {
+  const volume = kinds => ({findings: kinds.map(kind => ({kind, text: ''}))});
+  assert.equal(placeWarning(null), '');
+  assert.equal(placeWarning(volume(['note', 'gantry tilt'])), '');
+  assert.equal(placeWarning(volume(['note', 'assumption'])), 'place or spacing ASSUMED');
+});
+
+test('slices name what they show and the picture hides', () => {
+  const surface = (name, components, visible = true, compared_with = '') =>
+    ({name, components, visible, compared_with});
+  const clips = [{words: 'L 20', plane: []}];
+  assert.equal(beyond({surfaces: [surface('skin', 'all')], clips: []}), '');
+  assert.equal(beyond({surfaces: [surface('skin', 'all')], clips}),
+    'Not in the 3D picture: parts behind clip planes.');
+  const surfaces = [surface('bone', 'largest'), surface('fat', 'min_ml=1'),
+    surface('hidden', 'largest', false), surface('other', 'largest', true, 'bone')];
+  assert.equal(beyond({surfaces, clips: []}),
+    'Not in the 3D picture: components of bone, fat.');
+  assert.equal(beyond({surfaces, clips}),
+    'Not in the 3D picture: parts behind clip planes and components of bone, fat.');
+  assert.equal(beyond({surfaces: [], clips}), '', 'the picture is empty');
+});
+
+test('a watcher of the selection ends, so that what it refers to can go', () => {
+  const selection = new Selection(), heard = [];
+  const end = selection.watch(name => heard.push(name));
+  selection.choose('bone');
+  end();
+  selection.choose('skin');
+  assert.deepEqual(heard, ['', 'bone']);
 });

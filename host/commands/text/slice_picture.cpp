@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "host/commands/text/volume_text.hpp"
@@ -66,7 +67,7 @@ std::uint32_t gray_of(double value, const GrayWindow& window) {
     return opaque_black | gray << 16 | gray << 8 | gray;
 }
 
-void add_letters(const SliceFrame& frame, const Picture& picture, const std::string& title,
+void add_letters(const SliceFrame& frame, const Picture& picture, const Caption& caption,
                  std::vector<PictureMark>& marks) {
     const auto width = static_cast<float>(picture.width);
     const auto height = static_cast<float>(picture.height);
@@ -79,7 +80,15 @@ void add_letters(const SliceFrame& frame, const Picture& picture, const std::str
     add({width - margin_px, height / 2}, frame.across.end, 1, 0.5F, letter_px);
     add({width / 2, margin_px}, frame.down.begin, 0.5F, 0, letter_px);
     add({width / 2, height - margin_px - title_px}, frame.down.end, 0.5F, 1, letter_px);
-    add({margin_px, height - margin_px / 2}, title, 0, 1, title_px);
+    add({margin_px, height - margin_px / 2}, caption.title, 0, 1, title_px);
+    // Left of the letter at the top, or, where that is too narrow, below the letter.
+    const bool is_narrow = picture.width < smallest_legend_px;
+    const float room = is_narrow ? width - 2 * margin_px : width / 2 - 2 * margin_px - letter_px;
+    const float top = margin_px + (is_narrow ? letter_px * 1.2F : 0);
+    for (PictureMark& mark :
+         warning_marks(caption.warning, {{margin_px, top}, room, title_px, halo_px, false})) {
+        marks.push_back(std::move(mark));
+    }
 }
 
 }  // namespace
@@ -106,8 +115,29 @@ std::vector<SurfaceContour> contours_of(const Scene& scene, const Slice& slice) 
     return contours;
 }
 
+std::vector<std::string> hidden_in_3d(const Scene& scene,
+                                      const std::vector<SurfaceContour>& contours) {
+    std::vector<std::string> settings;
+    if (std::ranges::all_of(contours, [](const auto& each) { return each.pieces.empty(); })) {
+        return settings;
+    }
+    for (const SceneClip& clip : scene.clips) {
+        // The six planes of a box are one setting.
+        if (std::string words = "clip " + clip.words; std::ranges::count(settings, words) == 0) {
+            settings.push_back(std::move(words));
+        }
+    }
+    for (const SurfaceContour& contour : contours) {
+        const Surface& surface = *contour.surface;
+        if (!contour.pieces.empty() && surface.components.kind != ComponentFilter::Kind::all) {
+            settings.push_back("components of " + surface.name);
+        }
+    }
+    return settings;
+}
+
 SlicePicture slice_picture(const Slice& slice, const std::vector<SurfaceContour>& contours,
-                           const GrayWindow& window, Size size, const std::string& title) {
+                           const GrayWindow& window, Size size, const Caption& caption) {
     const SliceSide &across = slice.frame.across, &down = slice.frame.down;
     const Scale scale = scale_of(slice.frame, size);
     SlicePicture out{{scale.length_px(across), scale.length_px(down), {}}, {}};
@@ -138,7 +168,7 @@ SlicePicture slice_picture(const Slice& slice, const std::vector<SurfaceContour>
                 line_mark({at(piece.from), at(piece.to)}, {c.r, c.g, c.b, 255}, contour_px));
         }
     }
-    add_letters(slice.frame, out.picture, title, out.marks);
+    add_letters(slice.frame, out.picture, caption, out.marks);
     return out;
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/scene/overlay.hpp"
 #include "host/scene/slice.hpp"
 #include "host/session/session.hpp"
 
@@ -29,6 +30,11 @@ struct SurfaceContour {
 /// that `compare` made have no contours.
 std::vector<SurfaceContour> contours_of(const Scene& scene, const Slice& slice);
 
+/// Settings by which the 3D picture hides parts that the contours show: "clip L 20", "components of
+/// bone". Empty if there are none, or no contours.
+std::vector<std::string> hidden_in_3d(const Scene& scene,
+                                      const std::vector<SurfaceContour>& contours);
+
 inline constexpr std::size_t max_contour_marks = 50'000;
 
 struct SlicePicture {
@@ -39,9 +45,9 @@ struct SlicePicture {
 /// The slice in the patient's proportions, as large as fits into `size`; between voxels values are
 /// linear, also where these are unevenly spaced.
 ///
-/// title   At the bottom left.
-/// Throws  RequestError (failed) for more than max_contour_marks pieces of contours.
+/// caption  The title at the bottom left, and the warning at the top left.
+/// Throws   RequestError (failed) for more than max_contour_marks pieces of contours.
 SlicePicture slice_picture(const Slice& slice, const std::vector<SurfaceContour>& contours,
-                           const GrayWindow& window, Size size, const std::string& title);
+                           const GrayWindow& window, Size size, const Caption& caption);
 
 }  // namespace pxpl5::host

@@ -7,6 +7,7 @@ import {CT_WINDOWS, allValues, firstWindow, isHounsfield} from './slice_pixels.j
 import {planesOf} from './slice_planes.js';
 import {SliceSource} from './slice_source.js';
 import {SliceView} from './slice_view.js';
+import {beyond} from './slice_words.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {import('./slice_pixels.js').Window} Window */
@@ -51,6 +52,7 @@ class SlicesPanel {
     this.message = messageLine('slices-message');
     this.readout = h('p', {class: 'readout', 'data-testid': 'slices-readout'});
     this.notes = h('p', {class: 'legend', 'data-testid': 'slices-notes'});
+    this.beyond = h('p', {class: 'legend', 'data-testid': 'slices-beyond'});
     this.panes = PLANES.map((_, number) => this.pane(number));
     this.grid = h('div', {class: 'slice-grid'}, ...this.panes.map(pane => pane.element));
     this.target = h('select', {'aria-label': 'Surface to adjust', hidden: true,
@@ -81,7 +83,7 @@ class SlicesPanel {
       intro('Three slices of the scan. Lines show the surfaces.'),
       h('div', {class: 'tool-row'}, this.tools.element, this.target),
       h('div', {class: 'tool-row'}, this.window.element, this.level.element), this.presets,
-      this.message.element, this.grid, this.readout, this.notes);
+      this.message.element, this.beyond, this.grid, this.readout, this.notes);
   }
 
   /** A click sets an isovalue while the tissue mode is on. */
@@ -158,6 +160,7 @@ class SlicesPanel {
     // Requests that the lost connection dropped are sent again.
     connection.on('hello', () => this.refresh());
     store.subscribe(['volume'], state => this.open(state.volume));
+    store.subscribe(['surfaces', 'clips'], state => { this.beyond.textContent = beyond(state); });
     store.subscribe(['surfaces'], ({surfaces}) => {
       this.target.replaceChildren(...surfaces.filter(each => each.compared_with === '')
         .map(({name}) => h('option', {value: name}, name)));
