@@ -26,7 +26,7 @@ function short(value) {
 }
 
 /** A slice of a ball of 400 HU. */
-function slice({ uid, number, description, modality, side, z }) {
+function slice({ uid, number, description, modality, shift_mm, side, z }) {
   const pixels = Buffer.alloc(2 * side * side);
   for (let at = 0; at < side * side; at++) {
     const place = [at % side, Math.floor(at / side), z].map(each => each - (side - 1) / 2);
@@ -45,7 +45,7 @@ function slice({ uid, number, description, modality, side, z }) {
     element(0x0020, 0x000e, 'UI', uid),
     element(0x0020, 0x0011, 'IS', String(number)),
     element(0x0020, 0x0013, 'IS', String(z + 1)),
-    element(0x0020, 0x0032, 'DS', `0\\0\\${z}`),
+    element(0x0020, 0x0032, 'DS', `0\\${(shift_mm * z).toFixed(6)}\\${z}`),
     element(0x0020, 0x0037, 'DS', '1\\0\\0\\0\\1\\0'),
     element(0x0028, 0x0002, 'US', short(1)),
     element(0x0028, 0x0004, 'CS', 'MONOCHROME2'),
@@ -63,17 +63,18 @@ function slice({ uid, number, description, modality, side, z }) {
 
 /**
  * Writes a folder of series, a file for each slice.
- * @param {{description: string, side: number, modality?: string}[]} series with as many slices as
- *   pixels aside
+ * @param {{description: string, side: number, modality?: string, shift_mm?: number}[]} series
+ *   with as many slices as pixels aside; `shift_mm` moves each slice to posterior, as a tilted
+ *   gantry does
  * @returns {string[]} the files
  */
 export function writeSeries(folder, series) {
   mkdirSync(folder, { recursive: true });
-  return series.flatMap(({ description, side, modality = 'CT' }, index) =>
+  return series.flatMap(({ description, side, modality = 'CT', shift_mm = 0 }, index) =>
     Array.from({ length: side }, (_, z) => {
       const file = path.join(folder, `${index}-${z}.dcm`);
       writeFileSync(file, slice({ uid: `1.2.3.${index + 1}`, number: index + 1, description,
-        modality, side, z }));
+        modality, shift_mm, side, z }));
       return file;
     }));
 }

@@ -230,7 +230,7 @@ class SlicesPanel {
       ? `Too many lines in this slice: contours of ${left.join(', ')} are incomplete.` : '');
     const gaps = this.volume?.gaps ?? 0;
     const isTilted = Math.abs(skew_deg) >= LEAST_TILT_DEG;
-    const isGantry = ['', 'CT'].includes(this.volume?.modality ?? '');
+    const isGantry = this.volume?.modality === 'CT';
     this.notes.textContent = [
       gaps > 0 ? `Slices are missing in ${gaps} ${gaps === 1 ? 'place' : 'places'}: rows beside ` +
         'a gap are taller.' : '',
