@@ -5,7 +5,7 @@ import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import test from 'node:test';
 import { browser, byId, openPage, page, serve, server, usePage } from './harness.js';
-import { after, errorsShown, lookAtPicture, rawSocket, say, settled, state, stateWhen }
+import { after, drop, errorsShown, lookAtPicture, rawSocket, say, settled, state, stateWhen }
   from './steps.js';
 
 const STL_HEADER_BYTES = 84;
@@ -27,7 +27,7 @@ async function openPath(text) {
   await byId('open-go').click();
 }
 
-/** Opens a small volume by its card: the options of the path are not for it. */
+/** Opens a small volume by its card. */
 async function openTorus() {
   await byId('open-panel').click();
   await byId('phantom-torus').click();
@@ -158,23 +158,12 @@ test('a file that is no volume is told in a sentence, and what was open stays', 
   await closeMessages();
 });
 
-/** Drops files on the picture as a person does; paths are of this computer. */
-async function drop(files) {
-  const session = await page.context().newCDPSession(page);
-  const box = await byId('stage').boundingBox();
-  const data = { items: [], files, dragOperationsMask: 1 };
-  for (const type of ['dragEnter', 'dragOver', 'drop']) {
-    await session.send('Input.dispatchDragEvent',
-                      { type, x: box.x + box.width / 2, y: box.y + box.height / 2, data });
-  }
-}
-
 test('a file that is dropped on the page is opened, with a first surface', async () => {
   const folder = path.join(server.folder, 'mine');
   mkdirSync(folder);
   const file = path.join(folder, 'ball.nrrd');
   writeBall(file);
-  await drop([file]);
+  await drop(page, [file]);
   const { volume, surfaces } = await stateWhen(page,
     (now, side) => now.volume?.size.every(each => each === side), SIDE);
   await settled(page);

@@ -4,7 +4,7 @@ import path from 'node:path';
 import test from 'node:test';
 import { writeSeries } from './dicom.js';
 import { byId, page, server, usePage } from './harness.js';
-import { errorsShown, rawSocket, say, settled, state, stateWhen, unfold } from './steps.js';
+import { drop, errorsShown, rawSocket, say, settled, state, stateWhen, unfold } from './steps.js';
 import { writeEllipsoid } from './volumes.js';
 
 usePage();
@@ -57,6 +57,36 @@ test('the options of a path are there for a dropped folder, too', async () => {
   await byId('series-1').click();
   await stateWhen(page, now => now.volume?.size.every(each => each === 6) && !now.busy);
   await byId('open').waitFor({ state: 'hidden' });
+});
+
+test('options that are typed first are used for a folder that is chosen or dropped', async () => {
+  const folder = path.join(server.folder, 'typed');
+  writeSeries(folder, [{ description: 'One', side: 12 }]);
+  for (const [count, give] of /** @type {const} */ ([
+    [5, () => byId('open-folder').setInputFiles(folder)], [7, () => drop(page, [folder])]])) {
+    await byId('open-panel').click();
+    await unfold(page);
+    await byId('open-resample').fill(Array(3).fill(count).join('x'));
+    await give();
+    await stateWhen(page, (now, count) => now.volume?.size[2] === count && !now.busy, count);
+    await byId('open-panel').click();
+    assert.equal(await byId('open-resample').inputValue(), '', 'of one volume only');
+    await page.keyboard.press('Escape');
+  }
+});
+
+test('options that are typed are used for a built-in volume, and end with the dialog', async () => {
+  await byId('open-panel').click();
+  await unfold(page);
+  await byId('open-resample').fill('9x9x9');
+  await byId('phantom-torus').click();
+  await stateWhen(page, now => now.volume?.size.every(each => each === 9) && !now.busy);
+  await byId('open-panel').click();
+  await byId('open-resample').fill('4x4x4');
+  await page.keyboard.press('Escape');
+  await drop(page, [path.join(server.folder, 'typed')]);
+  const { volume } = await stateWhen(page, now => now.volume?.size[0] !== 9 && !now.busy);
+  assert.deepEqual(volume.size, [12, 12, 12]);
 });
 
 /** In the page: the part of the picture that is not its ground, as shares of its sides. */

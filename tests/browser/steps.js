@@ -77,6 +77,17 @@ export async function drag(page, from, to, { steps = 8, button = 'left' } = {}) 
   await page.mouse.up({ button });
 }
 
+/** Drops files on the picture as a person does; paths are of this computer. */
+export async function drop(page, files) {
+  const session = await page.context().newCDPSession(page);
+  const box = await page.getByTestId('stage').boundingBox();
+  const data = { items: [], files, dragOperationsMask: 1 };
+  for (const type of ['dragEnter', 'dragOver', 'drop']) {
+    await session.send('Input.dispatchDragEvent',
+                      { type, x: box.x + box.width / 2, y: box.y + box.height / 2, data });
+  }
+}
+
 /** The middle of an element, in CSS pixels of the page. */
 export async function middleOf(locator) {
   await locator.scrollIntoViewIfNeeded();

@@ -37,6 +37,7 @@ export function createOpenDialog(app) {
     wrong.textContent = text;
     wrong.hidden = text === '';
     series.show('', () => {});
+    options.root.hidden = app.session.wanting !== null;  // The session has its own options.
     if (!dialog.open) {
       dialog.showModal();
     }
@@ -73,12 +74,13 @@ export function createOpenDialog(app) {
   };
   app.session.ask = ({name, script}, why) => {
     path.value = sourceOf(script).replace(UPLOAD, '');
-    options.root.open = false;
+    options.clear();
     say(`${why.replace(UPLOAD, '').replace(/\.?$/, '.')} The session ${name} continues with `
       + 'the files that you choose or drop here.');
   };
   const dismiss = () => {
     app.session.wanting = null;
+    options.clear();
     dialog.close();
   };
   dialog.addEventListener('cancel', dismiss);
@@ -89,8 +91,14 @@ export function createOpenDialog(app) {
     }
   });
   const open = (/** @type {Named[]} */ chosen) => {
+    // A file that is dropped beside the closed dialog has no options that the user sees.
+    const given = dialog.open ? options.words() : '';
     dialog.close();
-    void openFiles(app, chosen, source => void load(source));
+    void openFiles(app, chosen, source => void load(source, given));
+  };
+  const openPhantom = (/** @type {string} */ name) => {
+    app.session.wanting = null;
+    void load(`phantom:${name}`, options.words());
   };
   const files = fileInput(open, false), folder = fileInput(open, true);
   dialog.append(
@@ -118,7 +126,7 @@ export function createOpenDialog(app) {
       h('button', {onclick: () => folder.click()}, 'Choose a folder'), files, folder),
     h('p', {}, 'Built in'),
     h('div', {class: 'cards'}, ...PHANTOMS.map(({name, about}) => h('button', {class: 'card',
-      'data-testid': `phantom-${name}`, onclick: () => void load(`phantom:${name}`)},
+      'data-testid': `phantom-${name}`, onclick: () => openPhantom(name)},
       h('strong', {}, name), h('span', {class: 'muted'}, about)))));
   dialog.addEventListener('click', event => {
     if (event.target === dialog) {
@@ -155,7 +163,9 @@ function createOptions() {
     return {key, input, row: h('label', {class: 'row', title}, h('span', {class: 'field'}, label),
       input, h('span', {class: 'muted example'}, title))};
   });
-  const root = h('details', {}, h('summary', {}, 'Options'), ...rows.map(({row}) => row));
+  const root = h('details', {},
+    h('summary', {}, 'Options for files, folders and built-in volumes'),
+    ...rows.map(({row}) => row));
   return {
     root,
     /** Shows the option that an error names, for example series=N. */
