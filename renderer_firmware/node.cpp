@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
 #include <span>
 #include <utility>
 
@@ -79,6 +80,19 @@ std::uint64_t held_bytes(const FrameMessages& messages) {
         bytes += message.bytes().size();
     }
     return bytes;
+}
+
+/// The fault of a frame that can no longer become complete.
+schema::FaultT lost_frame(std::uint32_t frame, const FrameMessages& messages, std::size_t gps) {
+    schema::FaultT fault;
+    fault.code = FaultCode::lost_message;
+    fault.frame = frame;
+    fault.request = static_cast<std::uint16_t>(schema::Body::BeginFrame);
+    fault.reason = fmt::format(
+        "frame {} is dropped: {}BeginFrame and the programs of {} of {} GPs "
+        "arrived",
+        frame, messages.begin ? "" : "no ", messages.programs.size(), gps);
+    return fault;
 }
 
 }  // namespace
@@ -245,6 +259,20 @@ void RendererNode::on_programs(const bus::Message& message) {
 }
 
 bool RendererNode::work(bus::Outbox& out) {
+    try {
+        return draw(out);
+    } catch (const std::bad_alloc&) {
+        // A part of the frame is missing, so the rest is of no use to the frame buffer.
+        executor_.read_out_into({});
+        drawing_.reset();
+        sums_.reset();
+        throw NodeFault(FaultCode::out_of_memory, bus::memory_exhausted,
+                        {schema::Body::BeginFrame, newest_drawn_});
+    }
+}
+
+/// Does a piece of the frame that is being drawn, or begins the next.
+bool RendererNode::draw(bus::Outbox& out) {
     if (!drawing_) {
         start_next(out);
     }
@@ -279,11 +307,7 @@ void RendererNode::start_next(bus::Outbox& out) {
     auto drawing = std::make_unique<Drawing>(std::move(inputs), index_, out.body_allocator());
     // Senders keep their order, so the missing messages of older frames are lost.
     for (auto old = waiting_.begin(); old != newer; ++old) {
-        drawing->note(FaultCode::lost_message, no_gp,
-                      fmt::format("before it: frame {} is dropped: {}BeginFrame and the programs "
-                                  "of {} of {} GPs arrived",
-                                  old->first, old->second.begin ? "" : "no ",
-                                  old->second.programs.size(), gp_ids_.size()));
+        drawing->faults.push_back(lost_frame(old->first, old->second, gp_ids_.size()));
     }
     waiting_.erase(waiting_.begin(), newer);
     for (const FrameFault& fault : drawing->plan.faults) {

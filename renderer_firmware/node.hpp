@@ -46,6 +46,7 @@ class RendererNode final : public bus::Node {
     void on_begin(const bus::Message& message);
     void on_programs(const bus::Message& message);
     FrameMessages& inputs_of(std::uint32_t frame);
+    bool draw(bus::Outbox& out);
     void start_next(bus::Outbox& out);
     bool goes_on_from_sums(bus::Outbox& out);
     void draw_next_region(bus::StageClock* clock);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "isa/contract/region_layout.hpp"
@@ -208,17 +210,22 @@ void FrameBufferNode::on_begin_frame(const schema::BeginFrame& begin, bus::Outbo
     take_early(out);
 }
 
+/// Takes the regions that came before their frame began. Those of an older frame cannot be drawn
+/// any more: the fault is that frame's, not the new one's.
 void FrameBufferNode::take_early(bus::Outbox& out) {
-    std::string reasons;
+    std::map<std::uint32_t, std::string> reasons;
     for (const bus::Message& message : std::exchange(early_, {})) {
         try {
             on_region_pixels(message, out);
         } catch (const NodeFault& fault) {  // The other Renderers' regions are taken all the same.
-            reasons += (reasons.empty() ? "" : "; ") + std::string(fault.what());
+            std::string& text = reasons[message.as<schema::RegionPixels>()->frame()];
+            text += (text.empty() ? "" : "; ") + std::string(fault.what());
         }
     }
     if (!reasons.empty()) {
-        throw_fault(schema::FaultCode::bad_message, reasons);
+        const auto& [oldest, text] = *reasons.begin();  // The host gives up all frames from it on.
+        throw NodeFault(schema::FaultCode::bad_message, text,
+                        {schema::Body::RegionPixels, oldest});
     }
 }
 

@@ -48,10 +48,12 @@ void Conversation::ask_cancelable(const std::string& what, const bus::Payload& r
             }
             return is_answer;
         });
-    } catch (const Canceled&) {
+    } catch (const RequestError&) {  // Canceled, or recording has stopped.
         Late late{answers, {gps().begin(), gps().end()}};
         std::erase_if(late.from, [this](bus::NodeId gp) { return answered_.contains(gp); });
-        late_.push_back(std::move(late));
+        if (!late.from.empty()) {
+            late_.push_back(std::move(late));
+        }
         throw;
     }
 }

@@ -103,9 +103,32 @@ SurfaceReport Surfaces::extract(const Surface& surface) {
     return report;
 }
 
+/// Extracts the surface of before a failed change once more: the GPs no longer have it. Removes the
+/// surface if there was none, or if that fails, too.
+void Surfaces::put_back(const std::string& name, const std::optional<Surface>& before) {
+    if (before) {
+        Surface& surface = meshes_.surface(name);
+        const std::uint32_t revision = surface.revision + 1;
+        surface = *before;
+        surface.revision = revision;
+        const Conversation::Uncancelable whole(conversation_);
+        try {
+            reports_.insert_or_assign(name, extract(surface));
+            if (surface.components.kind != ComponentFilter::Kind::all) {
+                set_components(name, ComponentFilter(surface.components));
+            }
+            return;
+        } catch (const RequestError&) {
+            frames_.abandon();
+        }
+    }
+    remove(name);
+}
+
 SurfaceReport Surfaces::set(const std::string& name, double isovalue, CaseRule table, Color color) {
     volumes_.volume();  // Throws if no volume is loaded.
     frames_.drop_ahead();
+    const std::optional<Surface> before = find(name);
     Surface& surface = put(name);
     surface.isovalue = isovalue;
     surface.table = table;
@@ -116,7 +139,7 @@ SurfaceReport Surfaces::set(const std::string& name, double isovalue, CaseRule t
         report = extract(surface);
     } catch (const RequestError&) {
         frames_.abandon();
-        remove(name);  // The GPs do not have it.
+        put_back(name, before);
         throw;
     }
     reports_.insert_or_assign(name, report);

@@ -7,7 +7,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/base/spread.hpp"
@@ -46,7 +45,8 @@ class Surfaces {
 
     /// Adds the surface, or gives it a new isovalue, and extracts it on all GPs. Requests the
     /// announced frame (Frames::announce) at the same time: a GP draws its part as soon as it has
-    /// extracted it. Removes a surface that cannot be extracted.
+    /// extracted it. If the surface cannot be extracted, the surface of before is put back, or
+    /// removed if there was none.
     SurfaceReport set(const std::string& name, double isovalue, CaseRule table, Color color);
     void remove(const std::string& name);
     /// The surface of that name, if it exists.
@@ -76,6 +76,7 @@ class Surfaces {
 
   private:
     Surface& put(const std::string& name);
+    void put_back(const std::string& name, const std::optional<Surface>& before);
     SurfaceReport extract(const Surface& surface);
 
     Conversation& conversation_;

@@ -18,17 +18,22 @@ inline MachineError killed() {
     return {137, "gp-1 was killed by signal 9 (SIGKILL)"};
 }
 
+/// What disturbs a machine from its start on.
+struct Disturbance {
+    bus::SimulatedFault ring;
+    Stall stall;
+};
+
 /// A machine that dies when the test says so.
 class MortalMachine final : public MachinePort {
   public:
     /// during  Called once, at the first message of a pump.
     /// fate    Asked before each step of a pump. Its error, if any, ends the machine.
-    /// launch  Called before each start. Returns the damage of the ring. Throws if the machine
-    /// cannot
-    ///         be started.
+    /// launch  Called before each start. Returns what disturbs the machine. Throws if the machine
+    ///         cannot be started.
     MortalMachine(const Topology& topology, int& extractions,
                   std::function<std::optional<MachineError>()> fate, std::function<void()>& during,
-                  std::function<bus::SimulatedFault()> launch)
+                  std::function<Disturbance()> launch)
         : topology_(topology),
           extractions_(extractions),
           fate_(std::move(fate)),
@@ -40,8 +45,8 @@ class MortalMachine final : public MachinePort {
     RestartSettings restart_of(const std::string&) const override { return topology_.gp.restart; }
     void start_again(const NodeChange& change, int = 0) override {
         Topology plan = with_nodes(topology_, change.gps, change.renderers);
-        const bus::SimulatedFault damage = launch_();
-        inside_.emplace(plan, damage);
+        const Disturbance disturbance = launch_();
+        inside_.emplace(plan, disturbance.ring, bus::SimulatedRing::Tap{}, disturbance.stall);
         topology_ = std::move(plan);
         inside_->watch(watched_fd_, give_up_);
     }
@@ -104,7 +109,7 @@ class MortalMachine final : public MachinePort {
     std::function<std::optional<MachineError>()> fate_;
     bool is_killed_ = false;
     std::function<void()>& during_;
-    std::function<bus::SimulatedFault()> launch_;
+    std::function<Disturbance()> launch_;
     int watched_fd_ = -1;
     std::function<bool()> give_up_;
 };

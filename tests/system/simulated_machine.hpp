@@ -16,6 +16,7 @@
 #include "host/machine/roster.hpp"
 #include "renderer_firmware/node.hpp"
 #include "ringbus/simulated_link.hpp"
+#include "tests/system/troubled_node.hpp"
 
 namespace pxpl5::test {
 
@@ -25,7 +26,7 @@ class SimulatedMachine final : public host::MachinePort {
   public:
     /// tap  Sees every delivery, from the first Topology on.
     explicit SimulatedMachine(const host::Topology& topology, bus::SimulatedFault fault = {},
-                              bus::SimulatedRing::Tap tap = {})
+                              bus::SimulatedRing::Tap tap = {}, const Stall& stall = {})
         : ring_(topology.seed, fault), roster_(host::roster_of(topology)) {
         ring_.on_delivery(std::move(tap));
         for (host::RosterEntry& entry : roster_) {
@@ -33,7 +34,9 @@ class SimulatedMachine final : public host::MachinePort {
             if (entry.id == bus::host_id) {
                 ring_.add(entry.id, mailbox_, entry.role);
             } else {
-                ring_.add(entry.id, *nodes_.emplace_back(make_node(entry.role)), entry.role);
+                const Stall own = nodes_.size() == stall.node ? stall : Stall{};
+                nodes_.push_back(std::make_unique<TroubledNode>(make_node(entry.role), own));
+                ring_.add(entry.id, *nodes_.back(), entry.role);
             }
         }
         const bus::Payload told = host::topology_message(roster_, topology);

@@ -1,11 +1,13 @@
-// Sessions on a simulated machine whose nodes die and whose messages are damaged, by a seed: each
-// gives the pictures and numbers of an undisturbed one, or an error that names its cause.
+// Sessions on a simulated machine whose nodes die, stall and run out of memory, and whose messages
+// are damaged, by a seed: each gives the pictures and numbers of an undisturbed one, or an error
+// that names its cause.
 // PXPL5_CHAOS_SEEDS is the number of seeds, PXPL5_CHAOS_FIRST the first one.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <new>
 #include <random>
 #include <string>
 #include <vector>
@@ -18,6 +20,22 @@
 
 using namespace pxpl5;
 using namespace pxpl5::host;
+using test::FailingAllocation;
+
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
+    void* memory =
+        FailingAllocation::fails() ? nullptr : std::malloc(std::max<std::size_t>(bytes, 1));
+    if (memory == nullptr) {
+        throw std::bad_alloc();
+    }
+    return memory;
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
 
 namespace {
 
@@ -25,6 +43,7 @@ constexpr int usual_seeds = test::seed_count(60);
 constexpr std::uint64_t last_damaged = 400;  ///< Messages of a session, about.
 constexpr int last_step = 1500;              ///< Steps of a session, about.
 constexpr int most_restarts = 3;
+constexpr std::uint64_t last_stall = 60, longest_stall = 400;  ///< Messages, and steps.
 
 int number_from(const char* variable, int usual) {
     const char* text = std::getenv(variable);
@@ -74,7 +93,8 @@ struct Fate {
     std::vector<int> deaths;  ///< Steps of all pumps at which a node dies.
     std::vector<std::string> victims;
     int failing_launches = 0;
-    bus::SimulatedFault damage;  ///< Damage on the first machine's ring.
+    test::Disturbance first;  ///< What disturbs the first machine.
+    std::uint64_t failing_allocation = FailingAllocation::never;  ///< Counted over all nodes.
 };
 
 Fate fate_of(Chance& chance, const Topology& topology) {
@@ -89,7 +109,13 @@ Fate fate_of(Chance& chance, const Topology& topology) {
     }
     fate.failing_launches = static_cast<int>(below(chance, 6) / 4);
     if (below(chance, 3) == 0) {
-        fate.damage = {static_cast<bus::Damage>(1 + below(chance, 4)), below(chance, last_damaged)};
+        fate.first.ring = {static_cast<bus::Damage>(1 + below(chance, 4)),
+                           below(chance, last_damaged)};
+    }
+    const auto nodes = static_cast<std::uint64_t>(topology.gp.count + topology.renderer.count + 1);
+    if (below(chance, 3) == 0) {
+        fate.first.stall = {below(chance, nodes), below(chance, last_stall),
+                            static_cast<int>(1 + below(chance, longest_stall))};
     }
     return fate;
 }
@@ -110,15 +136,32 @@ Topology machine_of(Chance& chance) {
 struct Outcome {
     std::vector<std::string> answers;  ///< Digests of pictures, and texts without times.
     std::string error;                 ///< The first one. Empty: all commands have answered.
-    int restarts = 0;
+    int restarts = 0, failures = 0;
+    std::uint64_t allocations = 0;  ///< By nodes.
 };
 
+/// Calls `act`, and once more after an error about memory.
+template <typename Act>
+auto despite_memory(int& failures, const Act& act) {
+    try {
+        return act();
+    } catch (const RequestError& error) {
+        if (std::string_view(error.what()).find(bus::memory_exhausted) == std::string_view::npos) {
+            throw;
+        }
+        ++failures;
+        return act();
+    }
+}
+
 /// The picture after a command, and what the command answers beside times.
-std::string answer_of(Session& session, const std::string& line) {
+///
+/// failures  The number of commands that have failed for memory.
+std::string answer_of(Session& session, const std::string& line, int& failures) {
     const Arguments arguments = parse_line(line);
     Reply reply;
     try {
-        reply = run_command(session, arguments);
+        reply = despite_memory(failures, [&] { return run_command(session, arguments); });
     } catch (const RequestError& error) {
         if (error.code != ExitCode::usage) {
             throw;
@@ -129,7 +172,11 @@ std::string answer_of(Session& session, const std::string& line) {
                              arguments.name == "digest" || arguments.name == "components";
     std::uint64_t digest = 0;
     if (session.volumes.has_volume()) {
-        session.recovery.run([&] { digest = picture_digest(session.frames.draw()); });
+        digest = despite_memory(failures, [&] {
+            std::uint64_t drawn = 0;
+            session.recovery.run([&] { drawn = picture_digest(session.frames.draw()); });
+            return drawn;
+        });
     }
     return std::to_string(digest) + (has_numbers ? " " + json_text(reply.fields) : "");
 }
@@ -153,21 +200,23 @@ Outcome run_session(const std::vector<std::string>& commands, const Topology& to
         if (launches > 1 && launches <= 1 + fate.failing_launches) {
             throw MachineError(69, "no node can be started");
         }
-        return launches == 1 ? fate.damage : bus::SimulatedFault{};
+        return launches == 1 ? fate.first : test::Disturbance{};
     };
     test::MortalMachine machine(topology, extractions, dies, during, launch);
     Session session(machine);
     session.scene.overlay = false;
     Outcome outcome;
+    FailingAllocation::count_from_zero(fate.failing_allocation);
     try {
         for (const std::string& line : commands) {
-            outcome.answers.push_back(answer_of(session, line));
+            outcome.answers.push_back(answer_of(session, line, outcome.failures));
         }
     } catch (const RequestError& error) {
         outcome.error = error.what();
     } catch (const MachineError& error) {
         outcome.error = error.what();
     }
+    outcome.allocations = FailingAllocation::counted();
     outcome.restarts = static_cast<int>(session.recovery.take_restarts().size());
     return outcome;
 }
@@ -175,7 +224,7 @@ Outcome run_session(const std::vector<std::string>& commands, const Topology& to
 /// Whether a session may end with this error: damage of messages may fail any command.
 bool is_lawful(const std::string& error, const Topology& topology, const Fate& fate) {
     const auto has = [&error](const char* part) { return error.find(part) != std::string::npos; };
-    return fate.damage.damage != bus::Damage::none || has(" for this work; ") ||
+    return fate.first.ring.damage != bus::Damage::none || has(" for this work; ") ||
            (topology.gp.restart.policy == RestartPolicy::degrade && has("it was the last "));
 }
 
@@ -197,6 +246,9 @@ TEST_CASE("deaths and damage change no picture and no number, or are named") {
         REQUIRE(expected.restarts == 0);
         const Outcome outcome = run_session(commands, topology, fate);
         restarts += outcome.restarts;
+        if (fate.deaths.empty() && fate.first.ring.damage == bus::Damage::none) {
+            CHECK(outcome.restarts == 0);  // A stall alone costs time alone.
+        }
         if (outcome.error.empty()) {
             ++right;
             CHECK(outcome.answers == expected.answers);
@@ -212,5 +264,34 @@ TEST_CASE("deaths and damage change no picture and no number, or are named") {
     if (count >= usual_seeds) {
         CHECK(right > count / 2);
         CHECK(restarts > count / 2);
+    }
+}
+
+TEST_CASE(
+    "a failed allocation in a node costs one command, which succeeds when it is given again") {
+    const int first = number_from("PXPL5_CHAOS_FIRST", 1);
+    const int count = number_from("PXPL5_CHAOS_SEEDS", usual_seeds);
+    int failures = 0;
+    for (int seed = first; seed < first + count; ++seed) {
+        CAPTURE(seed);
+        Chance chance(static_cast<std::uint64_t>(seed));
+        const std::vector<std::string> commands = commands_of(chance);
+        const Topology topology = machine_of(chance);
+        const Outcome expected = run_session(commands, topology, {});
+        REQUIRE_MESSAGE(expected.error.empty(), expected.error);
+        Fate fate;
+        fate.failing_allocation = below(chance, expected.allocations);
+        CAPTURE(fate.failing_allocation);
+        const Outcome outcome = run_session(commands, topology, fate);
+        CHECK_MESSAGE(outcome.error.empty(), outcome.error);
+        REQUIRE(outcome.answers.size() == expected.answers.size());
+        for (std::size_t n = 0; n < commands.size(); ++n) {
+            CHECK_MESSAGE(outcome.answers[n] == expected.answers[n], commands[n]);
+        }
+        failures += outcome.failures;
+    }
+    MESSAGE(failures, " of ", count, " sessions had a command that failed for memory");
+    if (count >= usual_seeds) {
+        CHECK(failures > count / 2);
     }
 }

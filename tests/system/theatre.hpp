@@ -125,7 +125,7 @@ struct Theatre {
                 throw MachineError(69, "no node can be started");
             }
             dies |= dies_always;
-            return bus::SimulatedFault{};
+            return Disturbance{};
         };
         Topology topology;
         topology.gp.count = 2;
