@@ -21,7 +21,8 @@ using schema::Role;
 
 constexpr auto failed_code = static_cast<int>(ExitCode::failed);
 constexpr int unavailable_code = 69;
-constexpr int quiet_ms = 50;  // After this time without messages, the host writes its trace.
+constexpr int max_unused = 4096;  // Messages that one call drops.
+constexpr int quiet_ms = 50;      // After this time without messages, the host writes its trace.
 
 std::filesystem::path own_folder() {
     return std::filesystem::read_symlink("/proc/self/exe").parent_path();
@@ -212,6 +213,9 @@ Roster Launcher::bring_up(Roster nodes) {
 }
 
 int Launcher::wait_ms(std::int64_t most_ms) const {
+    if (link_.has_more()) {
+        return 0;
+    }
     const int due_ms = heartbeat_.due_ms(now_ms());
     return most_ms < 0  ? due_ms
            : due_ms < 0 ? static_cast<int>(most_ms)
@@ -285,7 +289,7 @@ std::optional<bus::Message> Launcher::take_from_link() {
     if (io_.early_hello && !io_.prepared) {  // The process is in use now.
         return std::exchange(io_.early_hello, std::nullopt);
     }
-    while (true) {
+    for (int unused = 0; unused < max_unused; ++unused) {
         std::optional<bus::Message> message;
         try {
             message = link_.receive();
@@ -312,6 +316,8 @@ std::optional<bus::Message> Launcher::take_from_link() {
             return message;
         }
     }
+    link_.come_again();
+    return std::nullopt;
 }
 
 std::optional<bus::Message> Launcher::receive() {
@@ -351,7 +357,7 @@ void Launcher::wait() {
         return;
     }
     const std::int64_t start_ms = now_ms();
-    supervisor_.wait(link_.poll_fd(), quiet_ms);
+    supervisor_.wait(link_.poll_fd(), link_.has_more() ? 0 : quiet_ms);
     if (now_ms() - start_ms >= quiet_ms) {
         flush_trace();
     }

@@ -156,8 +156,10 @@ SavedTraces Launcher::save_traces(int limit_ms) {
     AwaitedTraces awaited{ask_for_traces(saved), {}};
     const std::int64_t deadline_ms = now_ms() + limit_ms;
     while (!awaited.nodes.empty() && now_ms() < deadline_ms) {
-        while (const auto message = take_from_link()) {
-            if (!take_trace_answer(*message, awaited, saved)) {
+        for (bool more = true; more && now_ms() < deadline_ms;) {
+            const std::optional<bus::Message> message = take_from_link();
+            more = message.has_value();
+            if (message && !take_trace_answer(*message, awaited, saved)) {
                 keep(*message);
             }
         }

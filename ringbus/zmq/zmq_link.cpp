@@ -24,6 +24,9 @@ namespace pxpl5::bus {
 
 namespace {
 
+/// Messages for nobody that receive() takes in one call.
+constexpr int max_unreturned = 1024;
+
 struct Peer {
     std::string endpoint;
     zmq::socket_t socket;  ///< Opened by the first message: most peers never get one.
@@ -59,6 +62,7 @@ struct ZmqLink::Parts {
     std::map<NodeId, Peer> peers;
     std::map<NodeId, std::shared_ptr<ArenaView>> views;  ///< Arenas that peers have offered.
     std::size_t queued = 0;                              ///< Waiting messages of all peers.
+    bool has_more = false;
     Gate gate;
     Wire wire{self.id};
 
@@ -291,7 +295,8 @@ void ZmqLink::linger(NodeId peer, int patience_ms) {
 
 std::optional<Message> ZmqLink::receive() {
     parts_->gate.count_strangers(parts_->guard.strangers(), parts_->endpoint);
-    while (true) {
+    parts_->has_more = false;
+    for (int unreturned = 0; unreturned < max_unreturned; ++unreturned) {
         zmq::message_t head;
         if (!uninterrupted([&] {
                 return parts_->inbound.recv(head, zmq::recv_flags::dontwait).has_value();
@@ -314,6 +319,16 @@ std::optional<Message> ZmqLink::receive() {
         }
         parts_->take_back(message, *credit);
     }
+    come_again();
+    return std::nullopt;
+}
+
+void ZmqLink::come_again() {
+    parts_->has_more = true;
+}
+
+bool ZmqLink::has_more() const {
+    return parts_->has_more;
 }
 
 bool ZmqLink::wait(int timeout_ms) {

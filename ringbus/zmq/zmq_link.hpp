@@ -52,6 +52,11 @@ class ZmqLink final : public Link {
     flatbuffers::Allocator* body_allocator() override;
     std::optional<Message> receive() override;
     bool wait(int timeout_ms) override;
+    /// True if the last receive() stopped among messages for nobody, so that a flood of them keeps
+    /// no caller. Call it again before waiting for poll_fd().
+    bool has_more() const;
+    /// Makes has_more() true until the next receive().
+    void come_again();
 
     /// Sets the time for messages to `peer` to leave when the link is destroyed. Default:
     /// closing_ms.

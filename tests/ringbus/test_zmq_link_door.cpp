@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <cstring>
+#include <optional>
 #include <vector>
 #include <zmq.hpp>
 
@@ -76,6 +77,27 @@ TEST_SUITE("ringbus/zmq/zmq_link_door") {
         victim.host.send_as(host_id, gp_id, 0, remove_surface(5));
         CHECK(next_of(victim.link).as<schema::RemoveSurface>()->surface() == 5);
         CHECK(victim.link.traffic().received_messages == 1);
+    }
+
+    TEST_CASE("a flood of refused messages keeps no caller in receive()") {
+        constexpr std::uint64_t flood = 5000;
+        Victim victim;
+        for (std::uint64_t n = 0; n < flood; ++n) {
+            victim.host.send_as(stranger_id, gp_id, n, remove_surface(1));
+        }
+        victim.host.send_as(host_id, gp_id, 0, remove_surface(5));
+        int stops = 0;
+        std::optional<Message> message;
+        while (!message) {
+            constexpr int patience_ms = 30000;
+            REQUIRE(victim.link.wait(patience_ms));
+            message = victim.link.receive();
+            stops += !message && victim.link.has_more() ? 1 : 0;
+        }
+        CHECK(message->as<schema::RemoveSurface>()->surface() == 5);
+        CHECK(stops >= 4);
+        CHECK(victim.link.traffic().refused_messages == flood);
+        CHECK_FALSE(victim.link.has_more());
     }
 
     TEST_CASE("a peer's message that its role may not send is dropped and has no number") {
