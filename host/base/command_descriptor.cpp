@@ -227,15 +227,23 @@ void check_arguments(const CommandDescriptor& command, const Arguments& argument
 
 void check_output(std::string_view command, const std::string& path,
                   std::span<const std::string_view> suffixes) {
+    std::error_code absent;
+    if (std::filesystem::is_directory(path, absent)) {  // More useful than a word on its suffix.
+        throw RequestError(ExitCode::failed, wrong_place(path));
+    }
+    const std::filesystem::file_status there = std::filesystem::status(path, absent);
+    if (suffixes.empty() && exists(there) && !is_regular_file(there)) {
+        return;  // A script may go to a device, for example to /dev/stdout.
+    }
     const std::string suffix = suffix_of(path);
     if (!suffixes.empty() && std::ranges::find(suffixes, suffix) == suffixes.end()) {
         refuse_command(
             fmt::format("{}: '{}' must end in {}", command, path, fmt::join(suffixes, ", ")));
     }
-    if (const std::string missing = missing_folder(path); !missing.empty()) {
-        throw RequestError(ExitCode::failed, missing);
+    if (const std::string wrong = wrong_place(path); !wrong.empty()) {
+        throw RequestError(ExitCode::failed, wrong);
     }
-    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    const std::filesystem::path folder = place_of(path).parent_path();
     if (access(folder.empty() ? "." : folder.c_str(), W_OK) != 0) {
         throw RequestError(ExitCode::failed,
                            fmt::format("{}: its folder {} cannot be written", path,

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/random.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -53,13 +54,87 @@ std::string suffix_of(const fs::path& path) {
     return suffix;
 }
 
-std::string missing_folder(const fs::path& path) {
-    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-    std::error_code unreadable;
-    if (fs::is_directory(folder, unreadable)) {
-        return "";
+namespace {
+
+constexpr int max_links = 40;  // As in the kernel.
+
+fs::path folder_of(const fs::path& path) {
+    return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+/// The rule of the kernel (fs.protected_symlinks), which does not see that a link is followed
+/// here.
+bool may_follow(const fs::path& link) {
+    struct stat own {};
+    struct stat folder {};
+    if (lstat(link.c_str(), &own) != 0 || stat(folder_of(link).c_str(), &folder) != 0) {
+        return false;
     }
-    return fmt::format("{}: its folder {} does not exist", path.string(), folder.string());
+    const bool is_shared = (folder.st_mode & S_ISVTX) != 0 && (folder.st_mode & S_IWOTH) != 0;
+    return !is_shared || own.st_uid == geteuid() || own.st_uid == folder.st_uid;
+}
+
+const char* kind_of(fs::file_type type) {
+    switch (type) {
+        case fs::file_type::directory:
+            return "a folder";
+        case fs::file_type::fifo:
+            return "a FIFO";
+        case fs::file_type::socket:
+            return "a socket";
+        default:
+            return "a device";
+    }
+}
+
+}  // namespace
+
+fs::path place_of(const fs::path& path) {
+    fs::path place = path;
+    std::error_code failure;
+    for (int links = 0; links < max_links && fs::is_symlink(place, failure); ++links) {
+        if (!may_follow(place)) {
+            return place;
+        }
+        const fs::path target = fs::read_symlink(place, failure);
+        if (failure) {
+            return place;
+        }
+        place = place.parent_path() / target;  // An absolute target replaces the folder.
+    }
+    return place;
+}
+
+std::string wrong_place(const fs::path& path) {
+    const fs::path place = place_of(path), folder = folder_of(place);
+    std::error_code unreadable;
+    if (!fs::is_directory(folder, unreadable)) {
+        return fmt::format("{}: its folder {} does not exist", path.string(), folder.string());
+    }
+    const fs::file_status there = fs::symlink_status(place, unreadable);
+    if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_symlink(there)) {
+        return fmt::format("{}: is {}, not a file: give the name of a file{}", path.string(),
+                           kind_of(there.type()), fs::is_directory(there) ? " in it" : "");
+    }
+    return "";
+}
+
+std::string why_unreadable(const fs::path& path) {
+    std::error_code failure;
+    const fs::file_status there = fs::status(path, failure);
+    if (there.type() == fs::file_type::not_found) {
+        return "does not exist";
+    }
+    if (fs::status_known(there) && !fs::is_regular_file(there)) {
+        return fmt::format("is {}, not a file", kind_of(there.type()));
+    }
+    const int fd = failure ? -1 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const int reason = failure ? failure.value() : errno;
+    if (fd < 0) {
+        return "cannot be opened: " + std::generic_category().message(reason);
+    }
+    ::close(fd);
+    return "";
 }
 
 namespace {
@@ -69,10 +144,10 @@ std::array<std::atomic<const char*>, 4> open_parts{};
 
 }  // namespace
 
-PartFile::PartFile(fs::path target)
-    : target_(std::move(target)),
+PartFile::PartFile(const fs::path& target)
+    : target_(place_of(target)),
       part_(target_.parent_path() / fmt::format(".{}.{}.part{}", target_.stem().string(),
-                                                random_text(), suffix_of(target_))) {
+                                                random_text(), suffix_of(target))) {
     errno = 0;
     const int fd =
         ::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
@@ -148,8 +223,7 @@ std::string PartFile::keep() {
     fs::rename(part_, target_, failure);
     if (!failure) {
         // The file is there; a folder that cannot be read cannot be synced either.
-        [[maybe_unused]] const bool synced =
-            is_synced(target_.has_parent_path() ? target_.parent_path() : fs::path("."));
+        [[maybe_unused]] const bool synced = is_synced(folder_of(target_));
     }
     return failure ? failure.message() : "";
 }

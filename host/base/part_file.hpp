@@ -15,16 +15,25 @@ namespace pxpl5::host {
 /// The path's suffix in small letters, with its dot.
 std::string suffix_of(const std::filesystem::path& path);
 
-/// The folder in which `path` is to be written, if it is not there: "FILE: its folder FOLDER does
-/// not exist". Otherwise empty.
-std::string missing_folder(const std::filesystem::path& path);
+/// The file that is written under the name `path`: links are followed, also to a file that does not
+/// exist yet. A link of another user in a folder that all users may write, for example /tmp, is not
+/// followed, because it could name any file of this user: the file then replaces the link.
+std::filesystem::path place_of(const std::filesystem::path& path);
 
-/// A file until it is whole: written as `.NAME.RANDOM.part.SUFFIX` beside its place, because
-/// renaming within a folder is atomic. The name is new, so that no file of the user and no link is
-/// written. Removed with this object unless it was kept.
+/// Why no file can be written as `path`: "FILE: its folder FOLDER does not exist", or FILE itself
+/// is a folder or a device. Empty if nothing of this kind is in the way.
+std::string wrong_place(const std::filesystem::path& path);
+
+/// Why `path` cannot be read as a file: "does not exist", "is a FIFO, not a file", or the system's
+/// reason. Empty if it can be read.
+std::string why_unreadable(const std::filesystem::path& path);
+
+/// A file until it is whole: written as `.NAME.RANDOM.part.SUFFIX` beside place_of(target), because
+/// renaming within a folder is atomic. The name is new, so that no file of the user is written.
+/// Removed with this object unless it was kept.
 class PartFile {
   public:
-    explicit PartFile(std::filesystem::path target);
+    explicit PartFile(const std::filesystem::path& target);
     ~PartFile();
     PartFile(const PartFile&) = delete;
     PartFile& operator=(const PartFile&) = delete;

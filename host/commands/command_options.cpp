@@ -179,11 +179,32 @@ void name_surfaces(const RenderRequest& request, std::vector<Arguments>& command
     }
 }
 
+/// The view of the picture shows the surfaces whole, unless the user chose its scale. An orbit
+/// turns about the middle of the volume, so its view stays there.
+///
+/// commands  Named by the user. A wish for such a view is taken out: surfaces come later.
+bool takes_fit(const RenderRequest& request, std::vector<Arguments>& commands) {
+    bool is_chosen = phigs::is_archive(request.volume), is_wished = false;
+    for (Arguments& each : commands) {
+        if (each.name == "view") {
+            is_wished |= each.text("fit", "no") == "yes";
+            is_chosen |= each.has("zoom") || each.has("pan") || each.text("fit", "yes") == "no";
+            each.options.erase("fit");
+        }
+        is_chosen |= each.name == "orbit";
+    }
+    std::erase_if(commands, [](const Arguments& each) {
+        return each.name == "view" && each.words.empty() && each.options.empty();
+    });
+    return is_wished || !is_chosen;
+}
+
 }  // namespace
 
 std::vector<Arguments> render_commands(const RenderRequest& request, CommandTable table) {
     std::vector<Arguments> named = request.commands;
     name_surfaces(request, named);
+    const bool fits = takes_fit(request, named);
     const auto of_stage = [&](RenderStage stage, std::vector<Arguments>& into) {
         std::ranges::copy_if(named, std::back_inserter(into), [&](const Arguments& each) {
             return find_command(each.name, table).stage == stage;
@@ -198,6 +219,9 @@ std::vector<Arguments> render_commands(const RenderRequest& request, CommandTabl
     of_stage(RenderStage::look, all);
     all.push_back(load);
     of_stage(RenderStage::scene, all);
+    if (fits) {
+        all.push_back({"view", {}, {{"fit", "yes"}}});
+    }
     all.push_back({"snapshot", {request.output}, {}});
     of_stage(RenderStage::output, all);
     for (const Arguments& each : all) {

@@ -68,15 +68,11 @@ std::array<glm::dvec3, 8> corners_of(const Volume& volume, const Box& box) {
 
 }  // namespace
 
-Camera fitted_to_surfaces(const Session& session, const Camera& camera) {
-    const Subject subject = session.frames.subject();
-    if (!session.volumes.has_volume()) {  // An archive fills its sphere.
-        return camera;
-    }
-    const Volume& volume = session.volumes.volume();
+Camera fitted_to_surfaces(const Volume& volume, std::span<const Surface> surfaces,
+                          const Camera& camera) {
     const glm::ivec3 end = glm::ivec3(volume.nx, volume.ny, volume.nz) - 1;
     std::optional<double> least;
-    for (const Surface& surface : session.scene.surfaces) {
+    for (const Surface& surface : surfaces) {
         if (surface.visible) {
             least = std::min(least.value_or(surface.isovalue), surface.isovalue);
         }
@@ -86,9 +82,17 @@ Camera fitted_to_surfaces(const Session& session, const Camera& camera) {
         // A surface lies between a voxel inside and the next one.
         box = {glm::max(above.first - 1, 0), glm::min(above.last + 1, end)};
     }
+    const Subject subject =
+        subject_of(glm::dvec3(end.x, end.y, last_place(volume)), volume.voxel_to_patient);
     Camera fit = fitted(camera, subject, corners_of(volume, box), fitted_share);
     fit.zoom = std::clamp(fit.zoom, min_zoom, max_zoom);
     return fit;
+}
+
+Camera fitted_to_surfaces(const Session& session, const Camera& camera) {
+    return session.volumes.has_volume()
+               ? fitted_to_surfaces(session.volumes.volume(), session.scene.surfaces, camera)
+               : camera;
 }
 
 }  // namespace pxpl5::host

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <new>
 
+#include "host/base/part_file.hpp"
 #include "host/io/dicom/dicom_file.hpp"
 #include "host/io/formats/picture_stack.hpp"
 #include "host/io/formats/stored_header.hpp"
@@ -224,8 +225,8 @@ Volume import_stored(const fs::path& path, const StoredHeader& header,
 }
 
 Volume import_raw(const fs::path& path, const ImportRequest& request) {
-    if (!fs::is_regular_file(path)) {
-        throw ImportError(path.string() + ": is not a readable file");
+    if (const std::string reason = why_unreadable(path); !reason.empty()) {
+        throw ImportError(fmt::format("{}: {}", path.string(), reason));
     }
     const StoredHeader header = read_raw_layout(path, *request.raw);
     if (!request.spacing_mm) {

@@ -3,6 +3,7 @@
 #include <optional>
 #include <system_error>
 
+#include "host/base/part_file.hpp"
 #include "host/io/formats/stored_header.hpp"
 #include "host/io/picture/draw_marks.hpp"
 #include "host/phantom/phantom.hpp"
@@ -67,11 +68,20 @@ void add_system_files(FileRules& files) {
                           {"/sys/devices/system/cpu", "/etc/localtime", "/usr/share/zoneinfo"});
 }
 
+/// The folders in which the writer of `path` makes files: links lead to other folders.
+std::vector<fs::path> written_folders(const fs::path& path) {
+    std::vector<fs::path> folders = {folder_of(place_of(path))};
+    if (suffix_of(path) == ".obj") {
+        folders.push_back(folder_of(place_of(fs::path(path).replace_extension(".mtl"))));
+    }
+    return folders;
+}
+
 Needs needs_of_export(const fs::path& path, std::size_t request_bytes) {
     Needs needs;
     needs.task = Task::write;
     needs.files.readable.emplace_back(mark_font_file);
-    needs.files.writable.push_back(folder_of(path));
+    needs.files.writable = written_folders(path);
     needs.file_bytes = least_file_bytes + file_bytes_per_byte * request_bytes;
     return needs;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <fstream>
 
+#include "host/base/part_file.hpp"
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/import_request.hpp"
 #include "isa/nearest.hpp"
@@ -154,8 +155,8 @@ Format format_of(const fs::path& path) {
     if (fs::is_directory(status)) {
         return Format::dicom;
     }
-    if (!fs::is_regular_file(status) || !std::ifstream(path)) {
-        throw ImportError(path.string() + ": is not a readable file");
+    if (const std::string reason = why_unreadable(path); !reason.empty()) {
+        throw ImportError(fmt::format("{}: {}", path.string(), reason));
     }
     const std::string name = lower_case(path.filename().string());
     if (ends_with_any(name, {".nrrd", ".nhdr"})) {

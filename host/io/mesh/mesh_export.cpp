@@ -36,8 +36,8 @@ void check(const fs::path& path, const MeshExport& mesh) {
         throw MeshError(fmt::format("{}: suffix is '{}', meshes are .stl, .ply, .obj, .vtp or .glb",
                                     file, path.extension().string()));
     }
-    if (const std::string missing = missing_folder(path); !missing.empty()) {
-        throw MeshError(missing);
+    if (const std::string wrong = wrong_place(path); !wrong.empty()) {
+        throw MeshError(wrong);
     }
     if (mesh.surfaces.empty() || mesh.surfaces.size() > max_surfaces) {
         throw MeshError(fmt::format("{}: {} surfaces, must be 1 to {}", file, mesh.surfaces.size(),

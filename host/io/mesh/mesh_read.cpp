@@ -100,8 +100,8 @@ MeshFile read_obj(const std::string& path, std::istream& stream) {
 
 MeshFile read_mesh(const std::string& path) {
     const std::string suffix = suffix_of(path);
-    if (!std::filesystem::is_regular_file(path)) {
-        throw MeshError(path + ": is not a readable file");
+    if (const std::string reason = why_unreadable(path); !reason.empty()) {
+        throw MeshError(fmt::format("{}: {}", path, reason));
     }
     MeshFile out;
     if (suffix == ".vtp" || suffix == ".stl" || suffix == ".ply") {

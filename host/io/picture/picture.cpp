@@ -86,8 +86,8 @@ void check(const fs::path& path, const Picture& picture) {
                                        picture.rgba.size()));
     }
     check_attributes(file, picture);
-    if (const std::string missing = missing_folder(path); !missing.empty()) {
-        throw PictureError(missing);
+    if (const std::string wrong = wrong_place(path); !wrong.empty()) {
+        throw PictureError(wrong);
     }
 }
 

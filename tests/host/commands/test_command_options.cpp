@@ -40,9 +40,29 @@ TEST_CASE("old spellings of render mean what they meant") {
                 "snapshot " + picture_file});
     CHECK(lines_of({"--surface", "skin=-300,skin", "--surface", "bone=300"}, "a.nrrd") ==
           Lines{"load a.nrrd", "surface skin color=skin iso=-300", "surface bone iso=300",
-                "snapshot " + picture_file});
+                "view fit=yes", "snapshot " + picture_file});
     CHECK(lines_of({}, "phantom:pelvis") ==
-          Lines{"load phantom:pelvis", "surface bone", "snapshot " + picture_file});
+          Lines{"load phantom:pelvis", "surface bone", "view fit=yes", "snapshot " + picture_file});
+}
+
+TEST_CASE("the view of render fits the surfaces unless the user chose its scale") {
+    const auto views_of = [](const std::vector<std::string>& words, const char* volume) {
+        Lines views = lines_of(words, volume);
+        std::erase_if(views, [](const std::string& line) { return !line.starts_with("view"); });
+        return views;
+    };
+    const char* volume = "phantom:pelvis";
+    CHECK(views_of({"--view", "left"}, volume) == Lines{"view left", "view fit=yes"});
+    CHECK(views_of({"--roll", "9"}, volume) == Lines{"view roll=9", "view fit=yes"});
+    CHECK(views_of({"--zoom", "1"}, volume) == Lines{"view zoom=1"});
+    CHECK(views_of({"--view", "left pan=1,2"}, volume) == Lines{"view left pan=1,2"});
+    CHECK(views_of({"--view", "left fit=no"}, volume) == Lines{"view left"});
+    CHECK(views_of({"--orbit", "9 o.gif"}, volume).empty());
+    CHECK(views_of({}, "scene.phigs").empty());
+    // A wish before the volume is loaded would fit nothing.
+    CHECK(views_of({"--view", "left zoom=2 fit=yes"}, volume) ==
+          Lines{"view left zoom=2", "view fit=yes"});
+    CHECK(views_of({"--fit", "yes"}, volume) == Lines{"view fit=yes"});
 }
 
 TEST_CASE("an option of a command with words needs the command before it") {
@@ -68,7 +88,7 @@ TEST_CASE("an option belongs to the command before it, else it begins one") {
                "1 30 20", "--intensity", "2", "--clip", "L 5", "--export", mesh, "--keep", "0.5"},
               "phantom:pelvis") ==
           Lines{"light 1 30 20 intensity=2", "load phantom:pelvis crop=0:9,0:9,0:9",
-                "surface bone opacity=0.5", "clip L 5", "snapshot " + picture_file,
+                "surface bone opacity=0.5", "clip L 5", "view fit=yes", "snapshot " + picture_file,
                 "export '" + mesh + "' keep=0.5"});
     CHECK(lines_of({"--opacity", "0.5"}, "phantom:pelvis")[1] == "surface bone opacity=0.5");
     CHECK(lines_of({"--preset", "bone"}, "a.nrrd")[1] == "surface surface preset=bone");

@@ -310,7 +310,9 @@ TEST_SUITE("host/io/picture") {
         std::filesystem::create_directory(folder.file("folder.png"));
         folder.write("folder.png/file", "");
         CHECK_THROWS_WITH_AS(write_picture(inside + "folder.png", {width, height, rgba, ""}),
-                             doctest::Contains("cannot be written"), PictureError);
+                             doctest::Contains("folder.png: is a folder, not a file: give the name "
+                                               "of a file in it"),
+                             PictureError);
         CHECK(files_in(inside) == 1);
     }
 }

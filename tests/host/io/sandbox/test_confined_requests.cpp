@@ -143,6 +143,32 @@ TEST_SUITE("host/io/confined_requests") {
         CHECK(has(answer_to(bus::pack(read)), "MeshContent"));
     }
 
+    TEST_CASE("a confined process writes where a link of the output leads") {
+        const TemporaryFolder base;
+        fs::create_directory(base.file("far"));
+        fs::create_symlink(base.file("far/p.png"), base.file("p.png"));
+        fs::create_symlink(base.file("far/other.obj"), base.file("m.obj"));
+        schema::ExportPictureT picture;
+        picture.path = base.file("p.png");
+        picture.width = picture.height = 2;
+        picture.rgba.resize(16, 255);
+        const std::string answer = answer_to(bus::pack(picture));
+        CHECK_MESSAGE(has(answer, "IoDone \n"), answer);
+        schema::ExportMeshT mesh;
+        mesh.path = base.file("m.obj");
+        mesh.surfaces.push_back(std::make_unique<schema::ExportSurfaceT>());
+        mesh.surfaces[0]->color = std::make_unique<schema::Rgb>(1, 2, 3);
+        mesh.surfaces[0]->vertices = {{1, 2, 3, 0, 0, 1}, {4, 2, 3, 0, 0, 1}, {1, 5, 3, 0, 0, 1}};
+        mesh.surfaces[0]->indices = {0, 1, 2};
+        const std::string written = answer_to(bus::pack(mesh));
+        CHECK_MESSAGE(has(written, "IoDone \n"), written);
+        CHECK(fs::is_symlink(base.file("p.png")));
+        CHECK(fs::is_symlink(base.file("m.obj")));
+        CHECK(fs::is_regular_file(base.file("far/p.png")));
+        CHECK(fs::is_regular_file(base.file("far/other.obj")));
+        CHECK(fs::is_regular_file(base.file("m.mtl")));  // The name that the OBJ file states.
+    }
+
     TEST_CASE("links of a DICOM folder are followed inside it and into allowed folders") {
         const TemporaryFolder base;
         const auto name = [&base](const char* part) { return base.file(part); };

@@ -1,0 +1,107 @@
+// Where files are written, and why files cannot be written or read.
+#include <doctest/doctest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "host/base/part_file.hpp"
+#include "tests/host/io/volume_files.hpp"
+
+using namespace pxpl5::host;
+using pxpl5::test::TemporaryFolder;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string text_of(const std::string& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Returns why that failed.
+std::string write(const std::string& path, const std::string& text) {
+    PartFile file(path);
+    file.write(text);
+    return file.keep();
+}
+
+}  // namespace
+
+TEST_CASE("a file that is written under the name of a link takes the place of the link's target") {
+    const TemporaryFolder folder;
+    fs::create_directories(folder.file("far/away"));
+    folder.write("far/away/real.txt", "old");
+    fs::create_symlink("far/away/hop.txt", folder.file("link.txt"));
+    fs::create_symlink("real.txt", folder.file("far/away/hop.txt"));
+    CHECK(place_of(folder.file("link.txt")) == folder.file("far/away/real.txt"));
+    CHECK(write(folder.file("link.txt"), "new") == "");
+    CHECK(text_of(folder.file("far/away/real.txt")) == "new");
+    CHECK(fs::is_symlink(folder.file("link.txt")));
+    CHECK(fs::is_symlink(folder.file("far/away/hop.txt")));
+    CHECK(std::distance(fs::directory_iterator(folder.file("far/away")), {}) == 2);
+}
+
+TEST_CASE("a link to a file that does not exist yet makes that file") {
+    const TemporaryFolder folder;
+    fs::create_directory(folder.file("data"));
+    fs::create_symlink(folder.file("data/new.txt"), folder.file("link.txt"));
+    CHECK(write(folder.file("link.txt"), "text") == "");
+    CHECK(text_of(folder.file("data/new.txt")) == "text");
+    fs::create_symlink(folder.file("gone/new.txt"), folder.file("lost.txt"));
+    CHECK(wrong_place(folder.file("lost.txt")) ==
+          folder.file("lost.txt") + ": its folder " + folder.file("gone") + " does not exist");
+}
+
+TEST_CASE("links that lead in a circle come to an end") {
+    const TemporaryFolder folder;
+    fs::create_symlink(folder.file("b"), folder.file("a"));
+    fs::create_symlink(folder.file("a"), folder.file("b"));
+    CHECK(write(folder.file("a"), "text") == "");  // It replaces one of the two.
+}
+
+TEST_CASE("a link of another user in a shared folder is replaced and not followed") {
+    if (geteuid() != 0) {
+        MESSAGE("SKIPPED: only root can make a link of another user");
+        return;
+    }
+    constexpr unsigned other_user = 65534;
+    const TemporaryFolder folder;
+    folder.write("own.txt", "own");
+    fs::create_directory(folder.file("shared"));
+    REQUIRE(chmod(folder.file("shared").c_str(), 01777) == 0);
+    fs::create_symlink(folder.file("own.txt"), folder.file("shared/trap.txt"));
+    CHECK(place_of(folder.file("shared/trap.txt")) == folder.file("own.txt"));
+    REQUIRE(lchown(folder.file("shared/trap.txt").c_str(), other_user, other_user) == 0);
+    CHECK(write(folder.file("shared/trap.txt"), "new") == "");
+    CHECK(text_of(folder.file("own.txt")) == "own");
+    CHECK(text_of(folder.file("shared/trap.txt")) == "new");
+}
+
+TEST_CASE("folders, FIFOs and devices are no places for a file") {
+    const TemporaryFolder folder;
+    fs::create_directory(folder.file("f.stl"));
+    CHECK(wrong_place(folder.file("f.stl")) ==
+          folder.file("f.stl") + ": is a folder, not a file: give the name of a file in it");
+    REQUIRE(mkfifo(folder.file("pipe").c_str(), 0600) == 0);
+    CHECK(wrong_place(folder.file("pipe")) ==
+          folder.file("pipe") + ": is a FIFO, not a file: give the name of a file");
+    CHECK(wrong_place("/dev/null") ==
+          "/dev/null: is a device, not a file: give the name of a file");
+    CHECK(wrong_place(folder.file("new.stl")) == "");
+    CHECK(wrong_place("new.stl") == "");
+}
+
+TEST_CASE("a file that cannot be read is named by what it is") {
+    const TemporaryFolder folder;
+    CHECK(why_unreadable(folder.write("f", "text")) == "");
+    CHECK(why_unreadable(folder.file("none")) == "does not exist");
+    CHECK(why_unreadable(folder.file("f/none")) == "does not exist");
+    CHECK(why_unreadable(folder.file("")) == "is a folder, not a file");
+    CHECK(why_unreadable("/dev/zero") == "is a device, not a file");
+    REQUIRE(mkfifo(folder.file("pipe").c_str(), 0600) == 0);
+    CHECK(why_unreadable(folder.file("pipe")) == "is a FIFO, not a file");
+}
