@@ -23,6 +23,10 @@ std::vector<double> numbers_of(const std::string& file, const gdcm::DataSet& dat
 /// A US element; GDCM has put it into this machine's byte order. 0 if it is absent or too short.
 int unsigned_of(const gdcm::DataSet& data, gdcm::Tag tag);
 
+/// Fills the slice's samples, bits, bits_stored, is_signed and photometric.
+/// Throws   ImportError for a layout of the pixels on which GDCM asserts, or that it misreads.
+void read_pixel_layout(const std::string& file, const gdcm::DataSet& data, DicomSlice& slice);
+
 /// Throws   NoSlices if the file holds what is no volume of gray values: a directory of files, a
 ///          segmentation, float pixels.
 void refuse_other_kinds(const std::string& file, const gdcm::DataSet& data);

@@ -14,6 +14,7 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 
+#include "host/io/values/file_at_work.hpp"
 #include "host/io/values/header_text.hpp"
 
 namespace pxpl5::host::io {
@@ -213,10 +214,7 @@ DicomSlice read_shared(const fs::path& path, const gdcm::Reader& reader) {
     }
     slice.frames = static_cast<int>(frames);
     slice.is_lossy = is_lossy(reader, data);
-    slice.is_inverted = text_of(data, gdcm::Tag(0x0028, 0x0004)) == "MONOCHROME1";
     slice.frame_step_mm = frame_step(file, data);
-    slice.samples = std::max(unsigned_of(data, gdcm::Tag(0x0028, 0x0002)), 1);
-    slice.bits = unsigned_of(data, gdcm::Tag(0x0028, 0x0100));
     using gdcm::TransferSyntax;
     // Positions in a deflated file are not those in its text.
     if (reader.GetFile().GetHeader().GetDataSetTransferSyntax() !=
@@ -276,6 +274,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
         return {};
     }
     const PixelBytes pixels = check_dicom_structure(path);
+    const FileAtWork at_work(file);
     gdcm::Trace::WarningOff();
     gdcm::Trace::ErrorOff();
     gdcm::Reader reader;
@@ -285,12 +284,13 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
     }
     const gdcm::DataSet& data = reader.GetFile().GetDataSet();
     refuse_other_kinds(file, data);
-    const DicomSlice shared = read_shared(path, reader);
+    DicomSlice shared = read_shared(path, reader);
     if (!data.FindDataElement(gdcm::Tag(0x0028, 0x0010)) &&
         !data.FindDataElement(gdcm::Tag(0x0028, 0x0011))) {
         return {};
     }
     check_shape(file, shared);
+    read_pixel_layout(file, data, shared);
     check_size(file, reader, shared);
     if (pixels.stated > pixels.left + 1) {  // Some writers forget the byte that makes it even.
         throw ImportError(fmt::format("{}: pixel data (7fe0,0010) state {} bytes, {} are left",

@@ -1,10 +1,16 @@
 // The pixels of DICOM files.
 #include <fmt/format.h>
-#include <gdcmImageReader.h>
+#include <gdcmBitmap.h>
+#include <gdcmReader.h>
 
 #include <algorithm>
+#include <array>
+#include <cstring>
+#include <type_traits>
 
 #include "host/io/dicom/dicom_file.hpp"
+#include "host/io/values/file_at_work.hpp"
+#include "host/io/values/header_text.hpp"
 
 namespace pxpl5::host::io {
 
@@ -46,12 +52,19 @@ Component component_of(const std::string& file, const gdcm::PixelFormat& format)
                                   format.GetScalarTypeAsString()));
 }
 
-/// GDCM asserts on more than four samples.
+/// GDCM asserts on some numbers of samples, and on broken color tables.
 void check_gray(const std::string& file, const DicomSlice& slice) {
     if (slice.samples != 1) {
         throw ImportError(
             fmt::format("{}: samples per pixel (0028,0002) are {}, must be 1: color is not read",
                         file, slice.samples));
+    }
+    constexpr std::array grays = {"", "MONOCHROME1", "MONOCHROME2"};
+    if (std::ranges::find(grays, slice.photometric) == grays.end()) {
+        throw ImportError(
+            fmt::format("{}: photometric interpretation (0028,0004) is '{}', must be MONOCHROME1 "
+                        "or MONOCHROME2: color is not read",
+                        file, shown(slice.photometric)));
     }
 }
 
@@ -69,15 +82,60 @@ void check_ratio(const std::string& file, const DicomSlice& slice) {
     }
 }
 
-void check_pixels(const std::string& file, const DicomSlice& slice, const gdcm::Image& image,
+/// The pixels of a file. gdcm::ImageReader would also read icons, overlays, curves, color tables
+/// and places, and asserts on many values of theirs.
+class StoredPixels : public gdcm::Bitmap {
+  public:
+    StoredPixels(const DicomSlice& slice, const gdcm::File& file) {
+        SetTransferSyntax(file.GetHeader().GetDataSetTransferSyntax());
+        SetNumberOfDimensions(slice.frames > 1 ? 3 : 2);
+        SetDimension(0, static_cast<unsigned>(slice.stored_columns()));
+        SetDimension(1, static_cast<unsigned>(slice.stored_rows()));
+        if (slice.frames > 1) {
+            SetDimension(2, static_cast<unsigned>(slice.frames));
+        }
+        gdcm::PixelFormat format;
+        format.SetSamplesPerPixel(1);
+        format.SetBitsAllocated(static_cast<std::uint16_t>(slice.bits));
+        if (slice.bits > 8) {  // GDCM's decoders assert that all bits of a byte are stored.
+            format.SetBitsStored(static_cast<std::uint16_t>(slice.bits_stored));
+        }
+        format.SetPixelRepresentation(slice.is_signed ? 1 : 0);
+        SetPixelFormat(format);
+        SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+        SetNeedByteSwap(GetTransferSyntax() == gdcm::TransferSyntax::ImplicitVRBigEndianPrivateGE);
+        SetDataElement(file.GetDataSet().GetDataElement(gdcm::Tag(0x7fe0, 0x0010)));
+        take_raw_pixels();
+        ComputeLossyFlag();  // Takes size and bits of a compressed picture from its own header.
+    }
+
+    int bits_stored(const DicomSlice& slice) const {
+        const bool states_bits = GetTransferSyntax().IsEncapsulated() &&
+                                 GetTransferSyntax() != gdcm::TransferSyntax::RLELossless;
+        return states_bits || slice.bits > 8 ? GetPixelFormat().GetBitsStored() : slice.bits_stored;
+    }
+
+  private:
+    /// Some writers state a compression, and write none.
+    void take_raw_pixels() {
+        const gdcm::ByteValue* raw = GetDataElement().GetByteValue();
+        if (!GetTransferSyntax().IsEncapsulated() || raw == nullptr) {
+            return;
+        }
+        if (const std::size_t length = raw->GetLength();
+            length == GetBufferLength() || length == GetBufferLength() + 1) {
+            SetTransferSyntax(gdcm::TransferSyntax::ExplicitVRLittleEndian);
+        }
+    }
+};
+
+void check_pixels(const std::string& file, const DicomSlice& slice, const gdcm::Bitmap& image,
                   std::size_t needed) {
-    const gdcm::PixelFormat& format = image.GetPixelFormat();
-    if (format.GetSamplesPerPixel() != 1 ||
-        image.GetPhotometricInterpretation() == gdcm::PhotometricInterpretation::PALETTE_COLOR) {
-        throw ImportError(fmt::format(
-            "{}: samples per pixel (0028,0002) are {}, photometric interpretation "
-            "(0028,0004) is {}: color is not read",
-            file, format.GetSamplesPerPixel(), image.GetPhotometricInterpretation().GetString()));
+    if (const int samples = image.GetPixelFormat().GetSamplesPerPixel(); samples != 1) {
+        throw ImportError(
+            fmt::format("{}: its compressed pixels have {} samples, its header states 1: color is "
+                        "not read",
+                        file, samples));
     }
     const unsigned frames = image.GetNumberOfDimensions() > 2 ? image.GetDimension(2) : 1;
     if (image.GetDimension(0) != static_cast<unsigned>(slice.stored_columns()) ||
@@ -93,6 +151,31 @@ void check_pixels(const std::string& file, const DicomSlice& slice, const gdcm::
                                       file, image.GetBufferLength(), slice.stored_columns(),
                                       slice.stored_rows(), slice.frames, needed));
     }
+}
+
+template <typename T>
+void clear_unused(std::vector<char>& values, int stored) {
+    const int unused = static_cast<int>(8 * sizeof(T)) - stored;
+    for (std::size_t at = 0; at + sizeof(T) <= values.size(); at += sizeof(T)) {
+        std::make_unsigned_t<T> bits = 0;
+        std::memcpy(&bits, values.data() + at, sizeof bits);
+        bits = static_cast<std::make_unsigned_t<T>>(bits << unused);
+        // The shift of a signed value repeats the sign.
+        const T value = static_cast<T>(static_cast<T>(bits) >> unused);
+        std::memcpy(values.data() + at, &value, sizeof value);
+    }
+}
+
+/// Bits above the `stored` ones may hold an overlay: they become 0, or the sign.
+void clear_unused_bits(std::vector<char>& values, Component component, int stored) {
+    if (stored == static_cast<int>(8 * component_bytes(component))) {
+        return;
+    }
+    with_type(component, [&]<typename T>(T*) {
+        if constexpr (std::is_integral_v<T>) {
+            clear_unused<T>(values, stored);
+        }
+    });
 }
 
 /// The values of one frame, or of one tile of it.
@@ -119,12 +202,14 @@ void DicomPixels::add(const DicomSlice& slice, ValueSink& sink) {
         *file_ = File{};
         check_ratio(file, slice);
         check_gray(file, slice);
-        gdcm::ImageReader reader;
+        const FileAtWork at_work(file);
+        gdcm::Reader reader;
         reader.SetFileName(file.c_str());
-        if (!reader.Read()) {
+        if (!reader.Read() ||
+            !reader.GetFile().GetDataSet().FindDataElement(gdcm::Tag(0x7fe0, 0x0010))) {
             throw ImportError(file + ": its pixel data (7fe0,0010) cannot be read: cut or broken");
         }
-        const gdcm::Image& image = reader.GetImage();
+        const StoredPixels image(slice, reader.GetFile());
         file_->component = component_of(file, image.GetPixelFormat());
         const std::size_t needed = static_cast<std::size_t>(slice.stored_columns()) *
                                    static_cast<std::size_t>(slice.stored_rows()) *
@@ -137,6 +222,7 @@ void DicomPixels::add(const DicomSlice& slice, ValueSink& sink) {
                 "{}: its pixel data of transfer syntax {} (0002,0010) cannot be decoded", file,
                 image.GetTransferSyntax().GetString()));
         }
+        clear_unused_bits(file_->values, file_->component, image.bits_stored(slice));
         file_->path = slice.path;
     }
     const std::size_t frame_bytes = file_->values.size() / static_cast<std::size_t>(slice.frames);

@@ -130,7 +130,7 @@ void report_slices(const Series& slices, std::vector<Finding>& findings) {
                             fmt::format("a Siemens mosaic of {} slices, placed by its CSA header",
                                         slices.size())});
     }
-    if (slices.front().is_inverted) {
+    if (slices.front().is_inverted()) {
         findings.push_back({FindingKind::note,
                             "MONOCHROME1: small values are meant to look bright; the values are "
                             "as stored"});

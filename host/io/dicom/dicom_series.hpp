@@ -26,7 +26,10 @@ struct DicomSlice {
     int series_number = 0, instance_number = 0;
     int columns = 0, rows = 0;
     int tiles_across = 1, tile = 0;  ///< A mosaic's picture has tiles_across^2 tiles of this size.
-    int samples = 1, bits = 0;       ///< Samples per pixel (1 is gray); bits allocated per sample.
+    int samples = 1;                 ///< Samples per pixel (1 is gray).
+    int bits = 0, bits_stored = 0;   ///< Bits of a sample in the file; the lowest that are in use.
+    bool is_signed = false;
+    std::string photometric;  ///< (0028,0004), for example "MONOCHROME2"; may be empty.
     glm::dvec3 x_step_mm{1, 0, 0}, y_step_mm{0, 1, 0};  ///< One column and one row further, LPS.
     glm::dvec3 origin_mm{0};                            ///< Center of the first voxel, LPS.
     bool spacing_stated = true;                         ///< False: x and y steps have length 1.
@@ -36,7 +39,9 @@ struct DicomSlice {
     std::optional<double> frame_step_mm;
     Scale scale;
     std::uint64_t pixel_offset_bytes = 0;  ///< Position of the values in the file; 0 if unknown.
-    bool is_lossy = false, is_inverted = false;  ///< JPEG and the like; MONOCHROME1.
+    bool is_lossy = false;                 ///< JPEG and the like.
+
+    bool is_inverted() const { return photometric == "MONOCHROME1"; }
 
     int stored_columns() const { return columns * tiles_across; }
     int stored_rows() const { return rows * tiles_across; }

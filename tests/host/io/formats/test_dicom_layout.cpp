@@ -1,0 +1,153 @@
+// How the pixels of a DICOM file lie in their bits: what is read, and what is refused because GDCM
+// would assert on it, which ends the process.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstring>
+
+#include "host/io/import.hpp"
+#include "tests/host/io/dicom_files.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+using namespace pxpl5::host::io;
+using namespace pxpl5::test;
+
+namespace {
+
+/// Two columns and two rows.
+template <typename T>
+DicomSet image_of(const std::array<T, 4>& values, std::uint16_t stored, bool is_signed) {
+    DicomSet set = dicom_image(2, 2, bytes_of(std::vector<T>(values.begin(), values.end())));
+    set.number(0x28, 0x100, 8 * sizeof(T)).number(0x28, 0x101, stored);
+    set.number(0x28, 0x102, static_cast<std::uint16_t>(stored - 1));
+    set.number(0x28, 0x103, is_signed ? 1 : 0);
+    return dicom_place(set, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1, 1);
+}
+
+DicomSet plain() {
+    return image_of<std::int16_t>({1, 2, 3, 4}, 16, true);
+}
+
+std::string complaint(const TemporaryFolder& folder, const DicomSet& set) {
+    try {
+        import_volume(folder.write("x.dcm", set.file()));
+    } catch (const ImportError& error) {
+        return std::string(error.what()).substr(folder.file("x.dcm: ").size());
+    }
+    return "";
+}
+
+std::array<double, 2> range_of(const TemporaryFolder& folder, const DicomSet& set) {
+    const Volume volume = import_volume(folder.write("x.dcm", set.file()));
+    return {volume.minimum, volume.maximum};
+}
+
+using Range = std::array<double, 2>;
+
+}  // namespace
+
+TEST_SUITE("host/io/dicom_layout") {
+    TEST_CASE("numbers of samples and bits on which GDCM asserts are refused by name") {
+        const TemporaryFolder folder;
+        CHECK(complaint(folder, plain().number(0x28, 2, 0)) ==
+              "samples per pixel (0028,0002) are 0, must be 1. The file is damaged");
+        CHECK(complaint(folder, plain().number(0x28, 2, 2)) ==
+              "pixel data (7fe0,0010) have 8 bytes, 2x2x1 of 2 bytes need 16");
+        for (const int bits : {0, 1, 7, 12, 24, 64, 128, 255, 4095, 65535}) {
+            CHECK(
+                complaint(folder, plain().number(0x28, 0x100, static_cast<std::uint16_t>(bits))) ==
+                "bits allocated (0028,0100) are " + std::to_string(bits) + ", must be 8, 16 or 32");
+        }
+        CHECK(complaint(folder, plain().remove(0x28, 0x100)) ==
+              "bits allocated (0028,0100) are 0, must be 8, 16 or 32");
+        for (const int stored : {0, 17, 255, 65535}) {
+            CHECK(complaint(folder,
+                            plain().number(0x28, 0x101, static_cast<std::uint16_t>(stored))) ==
+                  "bits stored (0028,0101) are " + std::to_string(stored) +
+                      ", must be 1 to the 16 bits allocated (0028,0100)");
+        }
+        for (const int representation : {2, 3, 65535}) {
+            CHECK(complaint(folder, plain().number(0x28, 0x103,
+                                                   static_cast<std::uint16_t>(representation))) ==
+                  "pixel representation (0028,0103) is " + std::to_string(representation) +
+                      ", must be 0 (unsigned) or 1 (signed)");
+        }
+    }
+
+    TEST_CASE("values that do not begin at bit 0 are refused, because GDCM would misread them") {
+        const TemporaryFolder folder;
+        CHECK(complaint(folder, plain().number(0x28, 0x101, 12).number(0x28, 0x102, 15)) ==
+              "high bit (0028,0102) is 15, must be 11, because bits stored (0028,0101) are 12: "
+              "values that do not begin at bit 0 are not read");
+        CHECK(complaint(folder, plain().number(0x28, 0x101, 12).number(0x28, 0x102, 5)) != "");
+        CHECK(range_of(folder, plain().remove(0x28, 0x101).remove(0x28, 0x102)) == Range{1, 4});
+        CHECK(range_of(folder, plain().number(0x28, 0x102, 11)) == Range{1, 4});
+    }
+
+    TEST_CASE("unused bits are no part of the value, whatever the number of bits") {
+        const TemporaryFolder folder;
+        CHECK(range_of(folder, image_of<std::uint8_t>({0x85, 0x86, 0x87, 0xff}, 7, false)) ==
+              Range{5, 127});
+        CHECK(range_of(folder, image_of<std::int8_t>({0x3f, 0x40, 1, 2}, 7, true)) ==
+              Range{-64, 63});
+        CHECK(range_of(folder, image_of<std::uint16_t>({0xf001, 0xf002, 0x0fff, 7}, 12, false)) ==
+              Range{1, 4095});
+        CHECK(range_of(folder, image_of<std::uint16_t>({0xf001, 0x0800, 0x0fff, 7}, 12, true)) ==
+              Range{-2048, 7});
+        CHECK(range_of(folder, image_of<std::uint32_t>({0xff000001, 2, 3, 4}, 24, false)) ==
+              Range{1, 4});
+        CHECK(range_of(folder, image_of<std::uint32_t>({0x00ffffff, 2, 3, 4}, 24, true)) ==
+              Range{-1, 4});
+        CHECK(range_of(folder, image_of<std::uint16_t>({1, 0, 3, 2}, 1, false)) == Range{0, 1});
+    }
+
+    TEST_CASE("a color space with one sample is refused before GDCM reads its tables") {
+        const TemporaryFolder folder;
+        DicomSet palette = plain().text(0x28, 4, "CS", "PALETTE COLOR");
+        palette.put(0x28, 0x1101, "US", std::string(6, '\1'));
+        CHECK(complaint(folder, palette) ==
+              "photometric interpretation (0028,0004) is 'PALETTE COLOR', must be MONOCHROME1 or "
+              "MONOCHROME2: color is not read");
+        for (const char* space : {"RGB", "YBR_FULL_422", "YBR_PARTIAL_420", "UNKNOWN", "CMYK"}) {
+            CHECK(complaint(folder, plain().text(0x28, 4, "CS", space)).find(space) !=
+                  std::string::npos);
+        }
+        CHECK(range_of(folder, plain().remove(0x28, 4)) == Range{1, 4});
+        CHECK(range_of(folder, plain().text(0x28, 4, "CS", "MONOCHROME1 ")) == Range{1, 4});
+    }
+
+    TEST_CASE("damage in what is not shown does not keep the pixels from being read") {
+        const TemporaryFolder folder;
+        DicomSet icon;
+        icon.number(0x28, 2, 9).number(0x28, 0x10, 2).number(0x28, 0x11, 2);
+        icon.number(0x28, 0x100, 8).text(0x28, 4, "CS", "PALETTE COLOR");
+        DicomSet empty;
+        const std::array broken = {
+            plain().sequence(0x88, 0x200, {icon}),
+            plain().sequence(0x88, 0x200, {empty}),
+            plain().text(8, 0x10, "LO", "another code"),
+            plain().number(0x28, 6, 7),
+            plain().text(0x28, 0x120, "LO", "padding"),
+            plain().put(0x28, 0x2110, "CS", ""),
+            plain().number(0x6000, 0x10, 2).number(0x6000, 0x11, 2).text(0x6000, 0x40, "CS", "X"),
+            plain().number(0x6000, 0x100, 1).put(0x6000, 0x3000, "OW", "ab"),
+            plain().number(0x5000, 5, 7).put(0x5000, 0x3000, "OW", "ab"),
+            plain().text(8, 0x16, "UI", "1.2.3").text(8, 0x60, "CS", "XX"),
+            plain().text(0x18, 0x88, "DS", "0").text(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.4"),
+            plain().sequence(0x28, 0x9145, {empty}).sequence(0x5200, 0x9229, {empty}),
+        };
+        for (std::size_t i = 0; i < broken.size(); ++i) {
+            CAPTURE(i);
+            CHECK(complaint(folder, broken[i]) == "");
+        }
+    }
+
+    TEST_CASE("a file that states a compression and has none is read as it is") {
+        const TemporaryFolder folder;
+        std::string bytes = plain().file();
+        const std::string raw("1.2.840.10008.1.2.1\0", 20), rle("1.2.840.10008.1.2.5\0", 20);
+        bytes.replace(bytes.find(raw), raw.size(), rle);
+        CHECK(import_volume(folder.write("x.dcm", bytes)).maximum == 4);
+    }
+}
