@@ -21,8 +21,17 @@ fs::path real_path(const fs::path& path) {
     return error ? fs::path() : real;
 }
 
+bool is_hidden(const fs::path& name) {
+    return name.native().starts_with('.');
+}
+
 bool is_within(const fs::path& folder, const fs::path& path) {
     return std::ranges::mismatch(folder, path).in1 == folder.end();
+}
+
+/// True if a name of the path below the folder begins with a dot: keys, start-up files, settings.
+bool is_hidden_within(const fs::path& folder, const fs::path& path) {
+    return std::any_of(std::ranges::mismatch(folder, path).in2, path.end(), is_hidden);
 }
 
 [[noreturn]] void refuse_path(const CommandDescriptor& command, const std::string& path,
@@ -80,14 +89,27 @@ void FileAccess::allow_volume(const std::string& source) {
         return;
     }
     const fs::path real = real_path(source);
+    if (real.empty()) {
+        return;  // An empty path would be the beginning of every path.
+    }
+    folders_.push_back(real);  // The volume itself may be hidden.
     std::error_code error;
-    folders_.push_back(fs::is_directory(real, error) ? real : real.parent_path());
+    if (!fs::is_directory(real, error)) {
+        folders_.push_back(real.parent_path());
+    }
 }
 
-bool FileAccess::holds(const fs::path& real) const {
-    return !real.empty() && std::ranges::any_of(folders_, [&](const fs::path& folder) {
-        return is_within(folder, real);
-    });
+FileAccess::Place FileAccess::place_of(const fs::path& real) const {
+    Place place = Place::outside;
+    for (const fs::path& folder : folders_) {
+        if (!real.empty() && is_within(folder, real)) {
+            if (!is_hidden_within(folder, real)) {
+                return Place::allowed;
+            }
+            place = Place::hidden;
+        }
+    }
+    return place;
 }
 
 void FileAccess::check(const CommandDescriptor& command, const Arguments& arguments) const {
@@ -104,28 +126,41 @@ void FileAccess::check(const CommandDescriptor& command, const Arguments& argume
 }
 
 void FileAccess::check_read(const CommandDescriptor& command, const std::string& path) const {
-    if (is_built_in(path) || holds(real_path(path))) {
-        return;
+    const Place place = is_built_in(path) ? Place::allowed : place_of(real_path(path));
+    if (place == Place::hidden) {
+        refuse_path(command, path,
+                    "is a hidden file or in a hidden folder, which the browser may not read. Start "
+                    "serve with --allow and the hidden folder, or upload the file");
     }
-    refuse_path(command, path,
-                "is outside of the folders that the browser may read: the volume's, uploads, "
-                "downloads and those of --allow. Start serve with --allow DIR, or upload the file");
+    if (place == Place::outside) {
+        refuse_path(command, path,
+                    "is outside of the folders that the browser may read: the volume's, uploads, "
+                    "downloads and those of --allow. Start serve with --allow DIR, or upload the "
+                    "file");
+    }
 }
 
 void FileAccess::check_write(const CommandDescriptor& command, const std::string& path) const {
     const fs::path file = fs::absolute(path);
     const fs::path folder = real_path(file.parent_path());
     const fs::path real = real_path(file);
-    if (!holds(real) || !holds(folder)) {
+    const Place place = std::max(place_of(real), place_of(folder));
+    if (place == Place::outside) {
         refuse_path(command, path,
                     "is outside of the folders that the browser may write: the volume's, uploads, "
                     "downloads and those of --allow. Write download:NAME, start serve with --allow "
                     "DIR, or run the command in the terminal");
     }
-    if (file.filename().string().starts_with('.') || real.filename().string().starts_with('.')) {
+    if (is_hidden(file.filename()) || is_hidden(real.filename())) {
         refuse_path(command, path,
                     "is a hidden file, which the browser may not write. Choose a name without a "
                     "dot at its begin");
+    }
+    if (place == Place::hidden) {
+        refuse_path(command, path,
+                    "is in a hidden folder, which the browser may not write. Write download:NAME, "
+                    "start serve with --allow and the hidden folder, or run the command in the "
+                    "terminal");
     }
     if (!is_within(downloads_, real) && is_there(folder / file.filename())) {
         refuse_path(command, path,

@@ -10,7 +10,9 @@
 namespace pxpl5::host::serve {
 
 /// Confines the paths of commands to folders. Whoever has the driver's address may steer the
-/// viewer, and shall not read or write every file of the user.
+/// viewer, and shall not read or write every file of the user. A hidden file or folder below an
+/// allowed folder is not allowed: it holds keys, settings or commands that a program runs. It is
+/// allowed if it was named itself.
 class FileAccess {
   public:
     /// downloads  Commands write any file here.
@@ -25,7 +27,8 @@ class FileAccess {
     void check(const CommandDescriptor& command, const Arguments& arguments) const;
 
   private:
-    bool holds(const std::filesystem::path& real) const;
+    enum class Place { allowed, hidden, outside };
+    Place place_of(const std::filesystem::path& real) const;
     void check_read(const CommandDescriptor& command, const std::string& path) const;
     void check_write(const CommandDescriptor& command, const std::string& path) const;
 
