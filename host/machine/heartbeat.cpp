@@ -178,11 +178,11 @@ std::optional<Heartbeat::Finding> Heartbeat::judge(Node& node, std::int64_t pass
     node.still_ms = has_moved ? 0 : node.still_ms + (has_beaten ? passed_ms : 0);
     works_ |= !has_beaten || now.worked != last.worked || now.phase != Phase::waiting;
     node.is_suspect &= !has_beaten;
-    const auto finding = [&](const std::string& fact, bool is_dead) {
+    const auto finding = [&](const std::string& fact, bool is_dead, bool is_stopped = false) {
         node.is_done |= is_dead;
         return Finding{node.process.name,
                        fmt::format("{} (process {}) {}", node.process.name, node.process.pid, fact),
-                       is_dead};
+                       is_dead, is_stopped};
     };
     const std::string work = work_text(now, name_of_surface_);
     if (settings_.stuck_s > 0 && node.still_ms >= ms_per_s * settings_.stuck_s) {
@@ -204,15 +204,17 @@ std::optional<Heartbeat::Finding> Heartbeat::judge(Node& node, std::int64_t pass
                         "(heartbeat.misses {} of {} ms)",
                         seconds(node.silent_ms), work, state_text(state),
                         seconds(settings_.silence_ms()), settings_.misses, settings_.interval_ms),
-            true);
+            true, state == 'T');
     }
     if (std::exchange(node.is_suspect, true)) {
         return std::nullopt;
     }
     return finding(
-        fmt::format("has not answered for {} {}{}; it is ended after {}", seconds(node.silent_ms),
-                    work, state_text(state), seconds(settings_.silence_ms())),
-        false);
+        fmt::format(
+            "has not answered for {} {}{}; it is ended after {}{}", seconds(node.silent_ms), work,
+            state_text(state), seconds(settings_.silence_ms()),
+            state == 'T' ? fmt::format("; kill -CONT {} continues it", node.process.pid) : ""),
+        false, state == 'T');
 }
 
 }  // namespace pxpl5::host

@@ -54,6 +54,7 @@ class Heartbeat {
         std::string name;
         std::string text;  ///< "gp-0 does not answer: last heard 10 s ago while ..."
         bool is_dead = false;
+        bool is_stopped = false;  ///< By SIGSTOP.
     };
     /// Looks at all nodes, at most once per interval. Reports each suspect once.
     std::vector<Finding> look(std::int64_t now_ms);

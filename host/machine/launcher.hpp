@@ -2,6 +2,7 @@
 #pragma once
 
 #include <csignal>
+#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>
@@ -40,6 +41,24 @@ inline constexpr std::size_t flight_kib = std::size_t{64} << 10;
 /// the node.
 inline constexpr std::size_t max_backlog_messages = std::size_t{1} << 14;
 inline constexpr std::size_t max_backlog_bytes = 2 * bus::max_body_bytes;
+
+/// Whether memory ran out while a process lived.
+enum class MemoryLack { none, found, unknown };
+
+/// All that is known about the death of an io process.
+struct IoDeath {
+    Death death;
+    std::string file;   ///< File or folder of the request.
+    std::string doing;  ///< "while reading a volume"; may be empty.
+    std::string said;   ///< The last line of the log; may be empty.
+    std::filesystem::path log;
+    MemoryLack memory = MemoryLack::unknown;
+    int cpu_s = 0;                            ///< The limit of processor time.
+    ExitCode otherwise = ExitCode::bad_data;  ///< The code if the death has no other cause.
+};
+
+/// The error names file, process, signal and work, and a cause only if the cause is known.
+RequestError error_of(const IoDeath& io);
 
 /// Blocks signals for this thread, so that no signal interrupts construction or destruction.
 class HeldSignals {
@@ -212,6 +231,7 @@ class Launcher {
         std::optional<bus::Message> early_hello;  ///< The prepared process's first message.
         unsigned started = 0;
         ExitCode death_code = ExitCode::bad_data;
+        std::optional<std::uint64_t> memory_kills;     ///< See memory_kills(), at the start.
         std::map<bus::NodeId, RosterEntry> dismissed;  ///< Earlier io processes.
         std::optional<bus::Refusal> offense;           ///< A forbidden message of an io process.
     };

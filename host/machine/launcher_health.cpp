@@ -142,9 +142,10 @@ void Launcher::check_health() {
         check_heartbeat();
     }
     if (io_death) {
+        const RequestError error = io_error(*io_death);
         io_.used->endpoint.clear();
         dismiss_io();
-        throw io_error(*io_death);
+        throw error;
     }
     if (record_failure_) {
         const std::string text = *std::exchange(record_failure_, std::nullopt);
@@ -163,7 +164,13 @@ void Launcher::check_heartbeat() {
             drop_prepared_io();
         } else if (io_.used && io_.used->name() == found.name) {
             kill_io();
-            throw RequestError(ExitCode::failed, found.text);
+            throw RequestError(
+                ExitCode::failed,
+                fmt::format("{}: {}. The host has ended this process: repeat the command{}", work_,
+                            found.text,
+                            found.is_stopped ? ". With --set heartbeat.misses=0, the host waits "
+                                               "for a stopped process"
+                                             : ""));
         } else {
             // The kernel then writes a core file if the limits allow one. A stopped process must
             // continue to receive the signal.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/memory_kills.hpp"
 #include "host/base/kernel/protections.hpp"
 #include "host/machine/launcher.hpp"
 
@@ -85,6 +86,7 @@ bus::NodeId Launcher::start_io(ExitCode on_death) {
     check_health();  // A prepared process that has died was not killed by bad data.
     io_.used = io_.prepared ? *std::exchange(io_.prepared, std::nullopt) : spawn_io();
     io_.death_code = on_death;
+    io_.memory_kills = memory_kills();
     io_.used = bring_up({*io_.used}).front();
     return io_.used->id;
 }
@@ -156,23 +158,20 @@ RequestError Launcher::io_error(const Death& death) {
     const std::string said = last_words(log);
     std::error_code error;
     std::filesystem::rename(log, kept, error);
-    const std::string place = fmt::format(" (log: {})", (error ? log : kept).string());
-    if (death.signal == SIGKILL) {  // By the kernel: an order of the host dismisses the process.
-        return {ExitCode::unavailable,
-                fmt::format("{} was killed (out of memory?): this computer or its control group "
-                            "has probably run out of memory. Load a part with crop=, or fewer "
-                            "voxels with resample=, or end other programs{}",
-                            death.name, place)};
-    }
-    if (death.signal == SIGSYS) {
-        return {ExitCode::failed,
-                fmt::format("{} was ended by its sandbox: {}. A sound file does not lead to this "
-                            "call. If the file is trusted, a library of this system may need the "
-                            "call: load the file with --no-io-sandbox{}",
-                            death.name, said.empty() ? "system call unknown" : said, place)};
-    }
-    return {io_.death_code,
-            fmt::format("{}{}{}{}", death.text(), said.empty() ? "" : ": ", said, place)};
+    const bus::PulseCell* const cell = heartbeat_.cell_of(death.name);
+    const auto kills = memory_kills();
+    IoDeath io;
+    io.death = death;
+    io.file = work_;
+    io.doing = cell == nullptr ? "" : work_text(cell->read(), {});
+    io.said = said;
+    io.log = error ? log : kept;
+    io.memory = !kills || !io_.memory_kills   ? MemoryLack::unknown
+                : *kills == *io_.memory_kills ? MemoryLack::none
+                                              : MemoryLack::found;
+    io.cpu_s = options_.io_cpu_s;
+    io.otherwise = io_.death_code;
+    return error_of(io);
 }
 
 }  // namespace pxpl5::host

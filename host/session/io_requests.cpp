@@ -23,6 +23,7 @@ void IoRequests::run(const std::string& what, ExitCode on_death, bus::Payload re
         ~Release() { machine.release_io(); }
     };
     MachinePort& machine = conversation_.machine();
+    machine.name_work(what);
     const bus::NodeId io = machine.start_io(on_death);
     const Release release{machine};
     is_done_ = false;

@@ -91,6 +91,10 @@ TEST_CASE("a stopped io process fails its request, and the machine continues") {
     }
     CHECK_MESSAGE(has(text, "io-0 (process "), text);
     CHECK_MESSAGE(has(text, "does not answer"), text);
+    CHECK_MESSAGE(has(text,
+                      "The host has ended this process: repeat the command. With --set "
+                      "heartbeat.misses=0"),
+                  text);
     machine.start_io();
     machine.shutdown();
 }
