@@ -1,15 +1,19 @@
 #include "host/machine/topology.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sched.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
+#include <cstring>
+#include <memory>
 
 #include "host/base/error.hpp"
 #include "host/base/nearest.hpp"
@@ -34,6 +38,7 @@ struct NumberKey {
 
 // One view of a picture needs one frame buffer; both eyes of a stereo picture share it, stacked.
 constexpr int max_frame_buffers = 1;
+constexpr off_t max_file_bytes = off_t{1} << 20;
 constexpr int max_memory_mib = 1 << 20;
 constexpr int max_restarts = 1000;
 constexpr int max_backoff_ms = 60'000;
@@ -246,14 +251,33 @@ void complete_timing(Topology& topology) {
     }
 }
 
+/// The text of a topology file, which may come from a stranger.
 std::string read_text(const std::filesystem::path& path) {
-    std::ifstream file(path);
-    std::ostringstream text;
-    text << file.rdbuf();
-    if (!file) {
-        refuse(fmt::format("topology {}: cannot be read", path.string()));
+    const auto refuse_file = [&path](const std::string& reason) {
+        refuse(fmt::format("topology {}: {}", path.string(), reason));
+    };
+    // O_NONBLOCK: a FIFO without a writer would block here for ever.
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (file < 0) {
+        refuse_file(fmt::format("cannot be read: {}", std::strerror(errno)));
     }
-    return text.str();
+    const std::shared_ptr<void> closer(nullptr, [file](void*) { ::close(file); });
+    struct stat facts {};
+    if (fstat(file, &facts) != 0 || !S_ISREG(facts.st_mode)) {
+        refuse_file("is no regular file");
+    }
+    if (facts.st_size > max_file_bytes) {
+        refuse_file(fmt::format("has {} bytes, {} are the most", facts.st_size, max_file_bytes));
+    }
+    std::string text(static_cast<std::size_t>(facts.st_size), '\0');
+    for (std::size_t done = 0; done < text.size();) {
+        const ssize_t got = ::read(file, text.data() + done, text.size() - done);
+        if (got == 0 || (got < 0 && errno != EINTR)) {
+            refuse_file("cannot be read");
+        }
+        done += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
+    }
+    return text;
 }
 
 std::filesystem::path find_named(const std::string& name) {

@@ -146,6 +146,17 @@ class PrivateFiles(unittest.TestCase):
         done = self.run_commands("load scene.phigs")
         self.assertEqual(done.returncode, 65, done)
         self.assertIn("scene.phigs: is no regular file", done.stderr)
+        os.mkfifo(self.work / "plan.json")
+        model = "load phantom:sphere; surface s iso=0.5; model plan.json"
+        for done in (self.pxpl5("run", "--topology", "plan.json", "-c", "stats"),
+                     self.run_commands(model)):
+            self.assertEqual(done.returncode, 64, done)
+            self.assertIn("plan.json: is no regular file", done.stderr)
+        with open(self.work / "large.json", "wb") as large:
+            large.truncate((1 << 20) + 1)
+        done = self.pxpl5("run", "--topology", "large.json", "-c", "stats")
+        self.assertEqual(done.returncode, 64, done)
+        self.assertIn("large.json: has 1048577 bytes, 1048576 are the most", done.stderr)
         os.mkfifo(self.work / "gp-0.mcap")
         done = self.pxpl5("trace", "ls", ".")
         self.assertEqual(done.returncode, 65, done)
