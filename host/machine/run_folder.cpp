@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -72,9 +73,96 @@ std::optional<pid_t> maker_of(const std::string& name) {
                                                                             : std::nullopt;
 }
 
-bool is_running(pid_t pid) {
-    return kill(pid, 0) == 0 || errno == EPERM;
+/// The name of this computer or container, as manifests record it.
+std::string host_name() {
+    utsname system{};
+    uname(&system);
+    return system.nodename;
 }
+
+/// The numbers of processes mean something only in here.
+std::string pid_namespace() {
+    std::error_code ignored;
+    return fs::read_symlink("/proc/self/ns/pid", ignored).string();
+}
+
+constexpr const char* lock_name = "lock";
+
+/// Waits for the lock. True once this program has it.
+bool take_lock(int file) {
+    int result = 0;
+    while ((result = flock(file, LOCK_EX)) != 0 && errno == EINTR) {
+    }
+    return result == 0;
+}
+
+/// Locks the run folder until this process ends, however it ends: the descriptor stays open, and no
+/// child inherits it. The folders of one program share one lock, because each start of the machine
+/// makes a folder. A file system without locks leaves the folder without a lock file.
+void lock_run(const fs::path& folder) {
+    static std::vector<fs::path> locks;
+    fs::path lock = folder / lock_name;
+    for (const fs::path& held : locks) {
+        if (link(held.c_str(), lock.c_str()) == 0) {
+            return;
+        }
+    }
+    const int file = ::open(lock.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+    if (file < 0) {
+        refuse("cannot write", lock, std::strerror(errno));
+    }
+    if (take_lock(file)) {
+        locks.push_back(std::move(lock));
+    } else {
+        ::unlink(lock.c_str());
+        ::close(file);
+    }
+}
+
+enum class RunState { ended, running, unknown };
+
+/// Without a lock, the manifest says where the number of the maker is that of a process.
+RunState state_by_manifest(const fs::path& run, pid_t maker) {
+    std::ifstream file(run / "manifest.json");
+    const nlohmann::json read = nlohmann::json::parse(file, nullptr, false);
+    const nlohmann::json host = read.is_object() ? read.value("host", nlohmann::json()) : read;
+    const auto is_here = [&](const char* key, const std::string& here, bool if_absent) {
+        return host.is_object() && host.contains(key) ? host[key] == here : if_absent;
+    };
+    if (!is_here("name", host_name(), false) || !is_here("pid_namespace", pid_namespace(), true)) {
+        return RunState::unknown;
+    }
+    return kill(maker, 0) == 0 || errno == EPERM ? RunState::running : RunState::ended;
+}
+
+/// Finds out whether the program of a run has ended, also one on another computer or in another
+/// container that shares the folder. Keeps it locked as long as the object exists.
+class RunProbe {
+  public:
+    RunProbe(const fs::path& run, pid_t maker)
+        : file_(::open((run / lock_name).c_str(),
+                       O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {
+        if (file_ < 0) {
+            state = errno == ENOENT ? state_by_manifest(run, maker) : RunState::unknown;
+        } else if (flock(file_, LOCK_EX | LOCK_NB) == 0) {
+            state = RunState::ended;
+        } else {
+            state = errno == EWOULDBLOCK ? RunState::running : RunState::unknown;
+        }
+    }
+    ~RunProbe() {
+        if (file_ >= 0) {
+            ::close(file_);
+        }
+    }
+    RunProbe(const RunProbe&) = delete;
+    RunProbe& operator=(const RunProbe&) = delete;
+
+    RunState state;
+
+  private:
+    int file_;
+};
 
 /// Removes what ended runs need not keep, see make_run_folder().
 void tidy_runs(const fs::path& base, int keep) {
@@ -90,8 +178,12 @@ void tidy_runs(const fs::path& base, int keep) {
     std::set<pid_t> running;  // A program whose machine was started again counts once.
     std::size_t ended = 0;
     for (const fs::path& run : runs) {
-        if (const pid_t maker = *maker_of(run.filename().string()); is_running(maker)) {
+        const pid_t maker = *maker_of(run.filename().string());
+        const RunProbe probe(run, maker);
+        if (probe.state == RunState::running) {
             running.insert(maker);
+        }
+        if (probe.state != RunState::ended) {
             continue;
         }
         ++ended;
@@ -184,7 +276,8 @@ std::string manifest(const Topology& topology, const std::string& started) {
         {"pid", getpid()},
         {"host",
          {{"system", fmt::format("{} {} {}", system.sysname, system.release, system.machine)},
-          {"name", system.nodename},
+          {"name", host_name()},
+          {"pid_namespace", pid_namespace()},
           {"processor", proc_value("/proc/cpuinfo", "model name")},
           {"cores", sysconf(_SC_NPROCESSORS_ONLN)},
           {"memory", proc_value("/proc/meminfo", "MemTotal")}}}}
@@ -210,6 +303,7 @@ fs::path make_run_folder(const fs::path& base, const Topology& topology, int kee
         }
         folder = parent / fmt::format("{}-{}", name, n);
     }
+    lock_run(folder);
     write_file(folder / "config.resolved.json", resolved_json(topology));
     write_file(folder / "manifest.json",
                manifest(topology, fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)) + "\n");

@@ -11,8 +11,12 @@ namespace pxpl5::host {
 /// Makes <base>/<utc>-<pid> with config.resolved.json and manifest.json, for the owner alone: logs
 /// and traces name and hold patients' data. Returns its absolute path.
 ///
-/// Removes uploads from the runs in `base` whose programs have ended, and these runs except for the
-/// newest `keep`; 0 keeps all. Throws RequestError (failed) naming the folder and the reason.
+/// Locks the folder until this process ends. Removes uploads from the runs in `base` whose programs
+/// have ended, and these runs except for the newest `keep`; 0 keeps all. Programs on other
+/// computers and in other containers may share `base`: a run has ended if its lock is free. A run
+/// without a lock file has ended if its manifest is from here and its process is gone.
+///
+/// Throws RequestError (failed) naming the folder and the reason.
 std::filesystem::path make_run_folder(const std::filesystem::path& base, const Topology& topology,
                                       int keep = 0);
 

@@ -3,6 +3,8 @@
 
 Who may read run folders, what is kept, what is refused, and where errors go.
 """
+import fcntl
+import json
 import os
 import pathlib
 import shutil
@@ -12,6 +14,8 @@ import subprocess
 import sys
 import tempfile
 import unittest
+
+from processes import children_of
 
 BIN = pathlib.Path()  # From the command line.
 LIMIT_S = 120
@@ -56,14 +60,21 @@ class PrivateFiles(unittest.TestCase):
                 self.assertEqual(mode, 0o600, name)
         self.assertTrue((run / "traces/gp-0.mcap").exists())
 
+    def run_without_lock(self, name, host):
+        """A run with uploads, as a program on this host leaves it where files have no locks."""
+        run = self.state / "pxpl5" / name
+        (run / "uploads").mkdir(parents=True)
+        (run / "manifest.json").write_text(json.dumps({"host": host}))
+        return run
+
     def test_old_runs_go_and_running_ones_stay(self):
         base = self.state / "pxpl5"
         ended = subprocess.Popen(["true"])
         ended.wait()
+        here = {"name": os.uname().nodename}
         for day in range(1, 6):
-            (base / f"2020010{day}T000000Z-{ended.pid}" / "uploads").mkdir(parents=True)
-        running = base / f"20190101T000000Z-{os.getpid()}"
-        (running / "uploads").mkdir(parents=True)
+            self.run_without_lock(f"2020010{day}T000000Z-{ended.pid}", here)
+        running = self.run_without_lock(f"20190101T000000Z-{os.getpid()}", here)
         other = base / "notes"
         other.mkdir()
         done = self.run_commands("stats", "--keep-runs", "3")
@@ -75,6 +86,68 @@ class PrivateFiles(unittest.TestCase):
         self.assertIn("notes", names)
         self.assertTrue((running / "uploads").exists())
         self.assertFalse((base / names[1] / "uploads").exists())
+
+    def test_runs_of_other_computers_and_containers_stay(self):
+        ended = subprocess.Popen(["true"])
+        ended.wait()
+        here = {"name": os.uname().nodename}
+        pids = os.readlink("/proc/self/ns/pid")
+        unsure = [self.run_without_lock(f"2020010{n}T000000Z-{ended.pid}", host)
+                  for n, host in enumerate(({"name": "elsewhere"}, {}, 5,
+                                            {**here, "pid_namespace": "pid:[1]"}))]
+        (unsure[1] / "manifest.json").write_text('{"host')
+        gone = [self.run_without_lock(f"2020020{n}T000000Z-{ended.pid}", host)
+                for n, host in enumerate((here, {**here, "pid_namespace": pids}))]
+        # A program that runs elsewhere has a lock, whatever process has its number here.
+        locked = self.run_without_lock(f"20200301T000000Z-{ended.pid}", here)
+        freed = self.run_without_lock(f"20200302T000000Z-{os.getpid()}", {"name": "elsewhere"})
+        (freed / "lock").write_text("")
+        with open(locked / "lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.assertEqual(self.run_commands("presets", "--keep-runs", "1").returncode, 0)
+            for run in (*unsure, locked):
+                self.assertTrue((run / "uploads").exists(), run)
+            for run in (*gone, freed):
+                self.assertFalse(run.exists(), run)
+        self.assertEqual(self.run_commands("presets", "--keep-runs", "1").returncode, 0)
+        self.assertFalse(locked.exists())
+
+    def is_locked(self, run):
+        with open(run / "lock", "r+") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                return True
+        return False
+
+    def test_a_program_locks_its_runs_until_it_ends(self):
+        # The pulses of the children replace the lowest descriptors: the lock's must be above.
+        low = [os.open("/dev/null", os.O_RDONLY) for _ in range(8)]
+        self.addCleanup(lambda: [os.close(fd) for fd in low])
+        program = subprocess.Popen(
+            [BIN / "pxpl5", "run", "--json", "--topology", "one-of-each", "-"], text=True,
+            pass_fds=low, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            cwd=self.work, env={**os.environ, "XDG_STATE_HOME": str(self.state),
+                                "XDG_RUNTIME_DIR": str(self.sockets)})
+        self.addCleanup(program.wait)
+        self.addCleanup(program.kill)
+        for line in ("kill gp-0", "load phantom:sphere"):
+            program.stdin.write(line + "\n")
+            program.stdin.flush()
+            self.assertTrue(program.stdout.readline())
+        first, second = self.runs()  # The restarted machine has a folder of its own.
+        children = children_of(program.pid)
+        self.assertEqual(len(children), 3)
+        for child in children:
+            for fd in os.listdir(f"/proc/{child}/fd"):
+                self.assertNotIn("lock", os.path.basename(os.readlink(f"/proc/{child}/fd/{fd}")))
+        self.assertEqual(os.stat(first / "lock").st_ino, os.stat(second / "lock").st_ino)
+        self.assertTrue(self.is_locked(first) and self.is_locked(second))
+        program.kill()
+        program.wait()
+        self.assertFalse(self.is_locked(first) or self.is_locked(second))
+        program.stdin.close()
+        program.stdout.close()
 
     def test_sockets_of_a_killed_host_go_with_the_next_start(self):
         def folder_of_sockets(name):
