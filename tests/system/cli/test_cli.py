@@ -145,7 +145,7 @@ class Cli(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done)
         lines = [json.loads(line)["command"] for line in done.stdout.splitlines()]
         self.assertEqual(lines, ["light 1 30 20", "load phantom:pelvis",
-                                 "surface bone iso=300 opacity=0.5",
+                                 "surface bone iso=300 opacity=0.5", "view fit=yes",
                                  f"snapshot {self.path('x.png')}"])
 
     def test_outputs_are_checked_before_any_work(self):
