@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <csetjmp>
+#include <cstdlib>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/fuzz/fuzz.hpp"
@@ -40,6 +43,39 @@ void check_structure(const std::string& path, std::size_t size) {
     }
 }
 
+/// The end of an input on which a library asserts. pxpl5-io ends there, and the host continues.
+sigjmp_buf refusal;
+bool is_importing = false;
+bool has_left = false;  ///< The objects of an import were left behind.
+
+/// The folder of this program's sources, as the compiler names it.
+constexpr std::string_view own_folder() {
+    constexpr std::string_view here = __FILE__, name = "tests/fuzz/dicom.cpp";
+    return here.substr(0, here.size() - name.size());
+}
+
+/// imports(), but an assertion of a library is a refusal.
+bool imports_or_asserts(const host::io::ImportRequest& request) {
+    if (sigsetjmp(refusal, 0) != 0) {
+        is_importing = false;
+        return false;
+    }
+    is_importing = true;
+    const bool accepted = imports(request);
+    is_importing = false;
+    return accepted;
+}
+
+/// Leaves the import unless the assertion is this program's own.
+[[noreturn]] void leave(const char* expression, const char* source, unsigned line) {
+    std::fprintf(stderr, "assertion at %s:%u: %s\n", source, line, expression);
+    if (!is_importing || std::string_view(source).starts_with(own_folder())) {
+        std::abort();
+    }
+    has_left = true;
+    siglongjmp(refusal, 1);
+}
+
 }  // namespace
 
 /// Input: the processing, then the elements of one file, or of several with a mark between them.
@@ -57,7 +93,18 @@ bool accepts(Input input) {
     if (files.size() > 1) {
         request.path = scratch.path().string() + "/.";
     }
-    return imports(request);
+    return imports_or_asserts(request);
 }
 
 }  // namespace pxpl5::fuzz
+
+/// Takes the place of the C library's function, also for the libraries that this program loads.
+extern "C" void __assert_fail(  // NOLINT(bugprone-reserved-identifier): the name is given.
+    const char* expression, const char* source, unsigned line, const char*) noexcept {
+    pxpl5::fuzz::leave(expression, source, line);
+}
+
+/// Asked by LeakSanitizer. pxpl5-io ends with the assertion, and so do its objects.
+extern "C" int __lsan_is_turned_off() {  // NOLINT(bugprone-reserved-identifier)
+    return pxpl5::fuzz::has_left ? 1 : 0;
+}
