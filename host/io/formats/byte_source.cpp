@@ -1,5 +1,6 @@
 #include "host/io/formats/byte_source.hpp"
 
+#include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -102,8 +103,8 @@ ByteSource::ByteSource(const std::filesystem::path& path, Encoding encoding,
                        std::uint64_t offset_bytes)
     : file_(path, std::ios::binary), encoding_(encoding), in_(chunk_bytes) {
     file_.seekg(0, std::ios::end);
-    const auto size_bytes = static_cast<std::uint64_t>(std::max<std::streamoff>(file_.tellg(), 0));
-    unread_bytes_ = size_bytes - std::min(size_bytes, offset_bytes);
+    size_bytes_ = static_cast<std::uint64_t>(std::max<std::streamoff>(file_.tellg(), 0));
+    unread_bytes_ = size_bytes_ - std::min(size_bytes_, offset_bytes);
     file_.seekg(static_cast<std::streamoff>(offset_bytes));
     if (!file_) {
         throw ImportError(path.string() + ": cannot be opened");
@@ -189,6 +190,18 @@ std::size_t ByteSource::read_hex(std::span<std::byte> out) {
         }
     }
     return got;
+}
+
+std::string ByteSource::damage() const {
+    if (damaged_) {
+        return fmt::format("; its compressed data are broken at byte {} of the file",
+                           size_bytes_ - unread_bytes_ - (in_end_ - in_at_));
+    }
+    return is_cut() ? fmt::format(
+                          "; its compressed data are cut: the file ends at byte {}, before "
+                          "their end",
+                          size_bytes_)
+                    : "";
 }
 
 std::uint64_t ByteSource::bytes_after_end() const {

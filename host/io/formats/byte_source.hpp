@@ -6,6 +6,7 @@
 #include <fstream>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace pxpl5::host::io {
@@ -16,9 +17,6 @@ enum class Encoding : std::uint8_t { raw, gzip, bzip2, ascii, hex };
 constexpr bool is_compressed(Encoding encoding) {
     return encoding == Encoding::gzip || encoding == Encoding::bzip2;
 }
-
-/// The end of an error text, for data that stop in a wrong code.
-inline constexpr const char* damaged_data = ": its compressed data are damaged";
 
 class ByteSource {
   public:
@@ -41,6 +39,10 @@ class ByteSource {
     /// Whether the file ended within a gzip stream, before its checksum.
     bool is_cut() const { return ended_ && encoding_ == Encoding::gzip && !between_streams_; }
 
+    /// The end of an error's text: "; its compressed data are broken at byte 812 of the file", or
+    /// cut. Empty if the data are neither.
+    std::string damage() const;
+
     /// Bytes of the file after the last gzip stream, once read() has come to its end.
     std::uint64_t bytes_after_end() const;
 
@@ -57,6 +59,7 @@ class ByteSource {
     Encoding encoding_;
     std::vector<char> in_;  ///< A chunk of the file.
     std::size_t in_at_ = 0, in_end_ = 0;
+    std::uint64_t size_bytes_ = 0;       ///< Size of the file.
     std::uint64_t unread_bytes_ = 0;     ///< Bytes of the file.
     std::uint64_t bytes_after_end_ = 0;  ///< After the last stream that was whole.
     bool ended_ = false;                 ///< Nothing more comes.

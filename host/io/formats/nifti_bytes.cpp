@@ -23,7 +23,7 @@ struct RawHeader {
     std::array<std::byte, nifti2_bytes> bytes{};
     std::size_t size_bytes = 0;  ///< Available bytes.
     bool big_endian = false;
-    bool is_damaged = false;  ///< Its compressed data end in a wrong code.
+    std::string damage;  ///< See ByteSource::damage().
 
     template <typename T>
     T at(std::size_t offset) const {
@@ -51,7 +51,7 @@ RawHeader read_bytes(const fs::path& path) {
     const Encoding encoding = is_gzip(path) ? Encoding::gzip : Encoding::raw;
     ByteSource source(path, encoding, 0);
     raw.size_bytes = source.read(raw.bytes);
-    raw.is_damaged = source.is_damaged();
+    raw.damage = source.damage();
     return raw;
 }
 
@@ -117,8 +117,7 @@ NiftiFields read_nifti_fields(const fs::path& path) {
     RawHeader raw = read_bytes(path);
     if (raw.size_bytes < nifti1_bytes) {
         throw ImportError(fmt::format("{}: its header needs {} bytes, {} could be read{}", file,
-                                      nifti1_bytes, raw.size_bytes,
-                                      raw.is_damaged ? damaged_data : ""));
+                                      nifti1_bytes, raw.size_bytes, raw.damage));
     }
     const auto little = raw.at<std::int32_t>(0);
     raw.big_endian = little != nifti1_bytes && little != nifti2_bytes;
@@ -130,8 +129,8 @@ NiftiFields read_nifti_fields(const fs::path& path) {
             file, little, nifti1_bytes, nifti2_bytes));
     }
     if (raw.size_bytes < size) {
-        throw ImportError(fmt::format("{}: its header needs {} bytes, {} could be read", file, size,
-                                      raw.size_bytes));
+        throw ImportError(fmt::format("{}: its header needs {} bytes, {} could be read{}", file,
+                                      size, raw.size_bytes, raw.damage));
     }
     NiftiFields fields;
     fields.big_endian = raw.big_endian;

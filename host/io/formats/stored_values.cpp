@@ -34,12 +34,12 @@ void swap_bytes(std::span<std::byte> bytes, std::size_t size) {
 
 /// The error for a data file that is too short.
 ImportError too_short(const std::string& file, const StoredHeader& header, const fs::path& data,
-                      std::uint64_t got, bool is_damaged = false) {
+                      std::uint64_t got, const std::string& damage = {}) {
     const std::uint64_t needed = needed_bytes(header) / header.data_files.size();
     return ImportError(fmt::format("{}: {} of {} need {} bytes{}, {} has {}{}", file,
                                    join_sizes(header.sizes), header.type, needed,
                                    is_compressed(header.encoding) ? " when decompressed" : "",
-                                   data.filename().string(), got, is_damaged ? damaged_data : ""));
+                                   data.filename().string(), got, damage));
 }
 
 /// Where values begin in a file whose lines are skipped.
@@ -89,7 +89,7 @@ void read_binary(const std::string& file, const StoredHeader& header, const fs::
             std::span(chunk).first(std::min<std::uint64_t>(chunk.size(), needed - got));
         const std::size_t came = source.read(part);
         if (came < part.size()) {
-            throw too_short(file, header, data, got + came, source.is_damaged());
+            throw too_short(file, header, data, got + came, source.damage());
         }
         if (header.big_endian) {
             swap_bytes(part, size);

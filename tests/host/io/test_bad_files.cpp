@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <string>
 
@@ -99,12 +100,13 @@ TEST_SUITE("host/io/bad_files") {
 
     TEST_CASE("a compressed MetaImage that is cut is refused") {
         const TemporaryFolder folder;
-        CHECK(
-            complaint(folder.write(
-                "cut.mha", meta_head + "CompressedData = True\nDimSize = 16 16 16\n" + meta_tail +
-                               "ElementDataFile = LOCAL\n" + std::string(100, 'x'))) ==
-            "cut.mha: 16x16x16 of MET_SHORT need 8192 bytes when decompressed, cut.mha has 0: its "
-            "compressed data are damaged");
+        const std::string head = meta_head + "CompressedData = True\nDimSize = 16 16 16\n" +
+                                 meta_tail + "ElementDataFile = LOCAL\n";
+        // The first two bytes are no begin of compressed data.
+        CHECK(complaint(folder.write("cut.mha", head + std::string(100, 'x'))) ==
+              fmt::format("cut.mha: 16x16x16 of MET_SHORT need 8192 bytes when decompressed, "
+                          "cut.mha has 0; its compressed data are broken at byte {} of the file",
+                          head.size() + 2));
     }
 
     TEST_CASE("sizes beyond the limits are refused before anything is allocated") {
@@ -158,10 +160,11 @@ TEST_SUITE("host/io/bad_files") {
         CHECK(complaint(
                   folder.write("c.nrrd", nrrd_head + rest + "encoding: raw\nbyte skip: -5\n\n")) ==
               "c.nrrd: byte skip is -5, must be -1 or more");
-        CHECK(
-            complaint(folder.write("d.nrrd", nrrd_head + rest + "encoding: gzip\n\ngarbage")) ==
-            "d.nrrd: 2x2x2 of short need 16 bytes when decompressed, d.nrrd has 0: its compressed "
-            "data are damaged");
+        const std::string zipped = nrrd_head + rest + "encoding: gzip\n\n";
+        CHECK(complaint(folder.write("d.nrrd", zipped + "garbage")) ==
+              fmt::format("d.nrrd: 2x2x2 of short need 16 bytes when decompressed, d.nrrd has 0; "
+                          "its compressed data are broken at byte {} of the file",
+                          zipped.size() + 2));
         CHECK(complaint(folder.write("e.nhdr",
                                      nrrd_head + rest + "encoding: raw\ndata file: gone.raw\n")) ==
               "e.nhdr: its data file gone.raw cannot be read: No such file or directory");

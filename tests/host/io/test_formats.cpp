@@ -107,10 +107,9 @@ TEST_SUITE("host/io/formats") {
         };
         std::string bad = bzipped(bytes);
         bad[bad.size() / 2] = static_cast<char>(~bad[bad.size() / 2]);
-        CHECK(
-            complaint("encoding: bzip2", bad) ==
-            "4x3x2 of short need 48 bytes when decompressed, v.nrrd has 0: its compressed data are "
-            "damaged");
+        CHECK(complaint("encoding: bzip2", bad)
+                  .find("4x3x2 of short need 48 bytes when decompressed, v.nrrd has 0; its "
+                        "compressed data are broken at byte ") == 0);
         CHECK(complaint("encoding: hex", std::string(97, 'g')) ==
               "4x3x2 of short need 48 bytes, v.nrrd has 0");
         CHECK(complaint("encoding: ascii", "70000" + std::string(50, '1')) != "");

@@ -148,13 +148,13 @@ TEST_SUITE("host/io/header_findings") {
             "little\nencoding: ";
         CHECK(complaint(folder.write("v.nrrd", nrrd + "ascii\n\n1 2 3\n")) ==
               "24 values of short as text need 47 bytes or more, v.nrrd has 6");
-        CHECK(complaint(folder.write("v.nrrd", nrrd + "gzip\n\ngarbage")) ==
-              "4x3x2 of short need 48 bytes when decompressed, v.nrrd has 0: its compressed data "
-              "are damaged");
+        CHECK(complaint(folder.write("v.nrrd", nrrd + "gzip\n\ngarbage"))
+                  .find("v.nrrd has 0; its compressed data are broken at byte ") !=
+              std::string::npos);
         std::string cut = gzipped(folder, nifti1_file(cube()));
         cut.replace(20, 40, 40, '\xff');
-        CHECK(complaint(folder.write("v.nii.gz", cut)).find("its compressed data are damaged") !=
-              std::string::npos);
+        CHECK(complaint(folder.write("v.nii.gz", cut))
+                  .find("its compressed data are broken at byte ") != std::string::npos);
         std::string vtk = vtk_file(cube());
         vtk.replace(vtk.find("short"), 5, "bit");
         CHECK(complaint(folder.write("v.vtk", vtk)) ==
