@@ -21,8 +21,7 @@ Reply run_kill(Session& session, const Arguments& arguments) {
     session.nodes.kill(name);
     const RestartSettings rule = session.conversation.machine().restart_of(name);
     const bool ends = rule.policy == RestartPolicy::end || rule.max == 0;
-    return {fmt::format("{} killed; the machine {} at the next command", name,
-                        ends ? "will stop" : "is started again"),
+    return {fmt::format("{} killed; the machine {}", name, ends ? "stops" : "is started again"),
             {{"node", name}}};
 }
 

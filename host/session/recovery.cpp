@@ -113,8 +113,12 @@ Recovery::Attempt Recovery::plan(const MachineError& death, int number,
     if (unfinished.gps == 0 && unfinished.renderers == 0) {
         next.change = change_of(rule, death, session_.conversation);
     }
-    tell(fmt::format("{}. The machine is started again (restart {} of {})", death.what(), number,
-                     rule.max),
+    const std::string pause =
+        next.pause_ms == 0
+            ? ""
+            : fmt::format(" after a pause of {:g} s", static_cast<double>(next.pause_ms) / 1000);
+    tell(fmt::format("{}. The machine is started again{} (restart {} of {})", death.what(), pause,
+                     number, rule.max),
          false);
     return next;
 }

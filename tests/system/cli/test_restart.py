@@ -72,6 +72,23 @@ class Restarts(unittest.TestCase):
         self.assertRegex(second, r"^note: The machine runs again with 2 GPs, 2 Renderers\. "
                                  r"Everything is restored after \d+ ms$")
 
+    def test_the_user_reads_of_the_pause_before_another_restart(self):
+        _, _, complaint = self.run_lines(
+            ["load phantom:sphere", "kill gp-1", "surface a iso=0.5", "kill gp-1", "digest"],
+            "--set", "gp.restart.backoff_ms=20")
+        first, _, third, _ = complaint.splitlines()
+        self.assertIn("The machine is started again (restart 1 of 3)", first)
+        self.assertIn("The machine is started again after a pause of 0.02 s (restart 1 of 3)",
+                      third)
+
+    def test_kill_states_what_the_machine_does(self):
+        for word, outcome in (("replace", "is started again"), ("end", "stops")):
+            done = subprocess.run(
+                [BIN / "pxpl5", "run", "--run-folder", self.folder / "run", *TWO_OF_EACH,
+                 *policy("gp", word), "-c", "kill gp-1"], capture_output=True, text=True,
+                check=False, timeout=LIMIT_S)
+            self.assertEqual(done.stdout, f"gp-1 killed; the machine {outcome}\n")
+
     def test_an_archive_is_restored(self):
         load = f"load '{ARCHIVE}'"
         scene = [load, "view 20 10", "clip L 10"]
