@@ -82,19 +82,6 @@ std::uint64_t held_bytes(const FrameMessages& messages) {
     return bytes;
 }
 
-/// The fault of a frame that can no longer become complete.
-schema::FaultT lost_frame(std::uint32_t frame, const FrameMessages& messages, std::size_t gps) {
-    schema::FaultT fault;
-    fault.code = FaultCode::lost_message;
-    fault.frame = frame;
-    fault.request = static_cast<std::uint16_t>(schema::Body::BeginFrame);
-    fault.reason = fmt::format(
-        "frame {} is dropped: {}BeginFrame and the programs of {} of {} GPs "
-        "arrived",
-        frame, messages.begin ? "" : "no ", messages.programs.size(), gps);
-    return fault;
-}
-
 }  // namespace
 
 /// A frame whose messages have all arrived. The readout of its regions goes directly into the

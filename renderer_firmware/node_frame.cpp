@@ -150,4 +150,16 @@ std::string missing_sums(const std::optional<HeldSums>& held, const FramePlan& p
     return {};
 }
 
+schema::FaultT lost_frame(std::uint32_t frame, const FrameMessages& messages, std::size_t gps) {
+    schema::FaultT fault;
+    fault.code = FaultCode::lost_message;
+    fault.frame = frame;
+    fault.request = static_cast<std::uint16_t>(schema::Body::BeginFrame);
+    fault.reason = fmt::format(
+        "frame {} is dropped: {}BeginFrame and the programs of {} of {} GPs "
+        "arrived",
+        frame, messages.begin ? "" : "no ", messages.programs.size(), gps);
+    return fault;
+}
+
 }  // namespace pxpl5::renderer

@@ -75,4 +75,7 @@ std::optional<HeldSums> sums_behind(const FramePlan& plan);
 /// Returns why a pass cannot add to the stored sums. Empty if the pass can, or is the first one.
 std::string missing_sums(const std::optional<HeldSums>& held, const FramePlan& plan);
 
+/// The fault of a frame that can no longer become complete: `gps` GPs should have sent programs.
+bus::schema::FaultT lost_frame(std::uint32_t frame, const FrameMessages& messages, std::size_t gps);
+
 }  // namespace pxpl5::renderer

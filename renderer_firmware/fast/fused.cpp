@@ -233,6 +233,7 @@ std::span<const Fused> fused_programs() {
         fused<colored_finish>,
         fused<texts::color_first>,
         fused<texts::color_next>,
+        fused<texts::limit_light>,
         fused<texts::enable_covered>,
         fused<texts::finish>,
         fused<summed_4>,

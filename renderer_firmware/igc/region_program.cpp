@@ -18,8 +18,10 @@
 namespace pxpl5::renderer {
 namespace {
 
-constexpr double light_one = 16384;      ///< 1.0 in `light`.
-constexpr double light_half_step = 16;   ///< finish.pxasm drops 5 bits of `light`.
+constexpr double light_one = 16384;     ///< 1.0 in `light`.
+constexpr double light_half_step = 16;  ///< finish.pxasm drops 5 bits of `light`.
+constexpr double finish_one = 512;      ///< 1.0 of the light's bits that finish.pxasm uses.
+constexpr std::int64_t light_per_step = 32;
 constexpr double diffuse_one = 8192;     ///< 1.0 of a light in its dot product.
 constexpr double dot_one = 32768;        ///< Unit length in the dot product of a highlight.
 constexpr double cosine_one = 65536;     ///< 1.0 in `cosine`.
@@ -52,6 +54,24 @@ std::optional<Vector> normalized(Vector v) {
         return std::nullopt;
     }
     return Vector{v.x / length, v.y / length, v.z / length};
+}
+
+/// Returns the most light that a pixel can have. A pixel faces some of the lights: their sum is
+/// greatest where the normal is the direction of their sum.
+double brightest_light(const Shading& shading) {
+    const std::size_t count = shading.lights.size();
+    double most = 0;
+    for (std::size_t facing = 0; facing < std::size_t{1} << count; ++facing) {
+        Vector sum{0, 0, 0};
+        for (std::size_t i = 0; i < count; ++i) {
+            const Light& light = shading.lights[i];
+            const Vector l = *normalized({light.direction.x, light.direction.y, light.direction.z});
+            const double share = (facing >> i & 1U) != 0 ? light.intensity : 0;
+            sum = {sum.x + share * l.x, sum.y + share * l.y, sum.z + share * l.z};
+        }
+        most = std::max(most, std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z));
+    }
+    return shading.ambient + most;
 }
 
 std::int64_t packed(Rgb c) {
@@ -201,9 +221,27 @@ class Writer {
             add(programs::color_next, {{"surface_number", static_cast<std::int64_t>(i + 1)},
                                        {"color", spread(surfaces[i])}});
         }
-        if (surfaces.size() > 1) {
+        const bool limited = limit_light();
+        if (surfaces.size() > 1 || limited) {
             add(programs::enable_covered);
         }
+    }
+
+    /// Limits the light of the surfaces that the lights could overexpose. Returns whether any is.
+    bool limit_light() {
+        const double brightest = brightest_light(shading_) + 1 / finish_one;
+        bool limited = false;
+        for (std::size_t i = 0; i < shading_.surfaces.size(); ++i) {
+            const Rgb color = shading_.surfaces[i];
+            const double limit = 255.0 / std::max({color.r, color.g, color.b, std::uint8_t{1}});
+            if (brightest > limit) {
+                const auto steps = static_cast<std::int64_t>(limit * finish_one);
+                add(programs::limit_light, {{"surface_number", static_cast<std::int64_t>(i + 1)},
+                                            {"limit", (steps + 1) * light_per_step - 1}});
+                limited = true;
+            }
+        }
+        return limited;
     }
 
     const Shading& shading_;

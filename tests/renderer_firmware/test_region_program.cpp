@@ -101,6 +101,7 @@ std::array<double, 3> phong(const Shading& s, const Covered& c) {
         gloss += double{lamp.intensity} * s.specular *
                  std::pow(std::max(0.0, dot(n, h)), s.specular_power);
     }
+    light = std::min(light, 255.0 / std::max({color.r, color.g, color.b, std::uint8_t{1}}));
     const auto mixed = [&](std::uint8_t value) {
         return std::min(255.0, value * light + 255 * gloss);
     };
@@ -258,7 +259,7 @@ TEST_CASE("a surface looks the same from both of its sides") {
     CHECK(shade(shading, front) == shade(shading, back));
 }
 
-TEST_CASE("colors are held at 255, channel by channel") {
+TEST_CASE("the brightest channel is held at 255, and the hue stays") {
     Shading shading = white_lamp({0, 0, 1});
     shading.lights[0].intensity = 2;
     shading.specular = 1;
@@ -266,9 +267,26 @@ TEST_CASE("colors are held at 255, channel by channel") {
     const std::vector<Covered> facing(pixel_count, {1, {0, 0, 510}});
     CHECK(shade(shading, facing)[0] == Color{255, 255, 255});
     shading.specular = 0;
-    CHECK(shade(shading, facing)[0] == Color{255, 200, 100});
+    CHECK(shade(shading, facing)[0] == Color{255, 127, 64});
     shading.ambient = 1.75F;
-    CHECK(shade(shading, facing)[0] == Color{255, 255, 188});
+    shading.surfaces = {{20, 40, 10}, {100, 200, 50}};
+    std::vector<Covered> both = facing;
+    both[1].surface = 2;
+    CHECK(shade(shading, both)[0] == Color{75, 150, 38});  // 3.75 times: not overexposed.
+    CHECK(shade(shading, both)[1] == Color{127, 255, 64});
+}
+
+TEST_CASE("lights that overexpose nothing cost nothing") {
+    const auto instructions = [](std::vector<Light> lights, std::uint8_t red) {
+        Shading shading = white_lamp({0, 0, 1});
+        shading.lights = std::move(lights);
+        shading.surfaces = {{red, 100, 50}};
+        return renderer::region_programs(shading).end_of_region.size();
+    };
+    CHECK(instructions({{{0, 0, 1}, 1.27F}}, 200) < instructions({{{0, 0, 1}, 1.28F}}, 200));
+    // No normal faces both lights wholly: together they are 0.9 times the root of 1.04 at most.
+    const std::vector<Light> apart = {{{0, 0.6F, 0.8F}, 0.9F}, {{0.6F, -0.8F, 0}, 0.9F}};
+    CHECK(instructions(apart, 255) == instructions(apart, 10));
 }
 
 TEST_CASE("black stays black and white stays white") {
