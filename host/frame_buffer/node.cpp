@@ -224,8 +224,7 @@ void FrameBufferNode::take_early(bus::Outbox& out) {
     }
     if (!reasons.empty()) {
         const auto& [oldest, text] = *reasons.begin();  // The host gives up all frames from it on.
-        throw NodeFault(schema::FaultCode::bad_message, text,
-                        {schema::Body::RegionPixels, oldest});
+        throw NodeFault(schema::FaultCode::bad_message, text, {schema::Body::RegionPixels, oldest});
     }
 }
 

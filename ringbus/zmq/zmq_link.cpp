@@ -24,7 +24,7 @@ namespace pxpl5::bus {
 
 namespace {
 
-/// Messages for nobody that receive() takes in one call.
+/// Refused messages, and credit, that receive() takes in one call.
 constexpr int max_unreturned = 1024;
 
 struct Peer {

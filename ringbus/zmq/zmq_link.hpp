@@ -52,7 +52,7 @@ class ZmqLink final : public Link {
     flatbuffers::Allocator* body_allocator() override;
     std::optional<Message> receive() override;
     bool wait(int timeout_ms) override;
-    /// True if the last receive() stopped among messages for nobody, so that a flood of them keeps
+    /// True if the last receive() stopped among refused messages, so that a flood of them keeps
     /// no caller. Call it again before waiting for poll_fd().
     bool has_more() const;
     /// Makes has_more() true until the next receive().

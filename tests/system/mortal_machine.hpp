@@ -18,7 +18,7 @@ inline MachineError killed() {
     return {137, "gp-1 was killed by signal 9 (SIGKILL)"};
 }
 
-/// What disturbs a machine from its start on.
+/// Disturbances of a machine from its start on.
 struct Disturbance {
     bus::SimulatedFault ring;
     Stall stall;
@@ -29,7 +29,7 @@ class MortalMachine final : public MachinePort {
   public:
     /// during  Called once, at the first message of a pump.
     /// fate    Asked before each step of a pump. Its error, if any, ends the machine.
-    /// launch  Called before each start. Returns what disturbs the machine. Throws if the machine
+    /// launch  Called before each start. Returns the disturbances. Throws if the machine
     ///         cannot be started.
     MortalMachine(const Topology& topology, int& extractions,
                   std::function<std::optional<MachineError>()> fate, std::function<void()>& during,

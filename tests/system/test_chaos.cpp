@@ -93,7 +93,7 @@ struct Fate {
     std::vector<int> deaths;  ///< Steps of all pumps at which a node dies.
     std::vector<std::string> victims;
     int failing_launches = 0;
-    test::Disturbance first;  ///< What disturbs the first machine.
+    test::Disturbance first;  ///< Disturbances of the first machine.
     std::uint64_t failing_allocation = FailingAllocation::never;  ///< Counted over all nodes.
 };
 
