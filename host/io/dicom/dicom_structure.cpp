@@ -107,6 +107,7 @@ class Walker {
         while (at + 8 <= bytes_.size() && bytes_.substr(at, 2) == std::string_view("\2\0", 2)) {
             const Element element = read(at, bytes_.size());
             require_value(element, bytes_.size());
+            require_meta_type(element, at == first_element);
             if (element.tag == transfer_syntax) {
                 syntax = bytes_.substr(element.value, element.length);
                 syntax = syntax.substr(0, syntax.find('\0'));
@@ -190,6 +191,18 @@ class Walker {
         if (is_known && typed != typed_elements.end() && typed->tag == element.tag &&
             typed->vr != element.vr) {
             fail(element, fmt::format("is of type {} instead of {}", element.vr, typed->vr));
+        }
+    }
+
+    /// GDCM reads all meta information as its first element, and asserts where that leads nowhere.
+    void require_meta_type(const Element& element, bool is_first) {
+        is_meta_implicit_ = is_first ? element.vr.empty() : is_meta_implicit_;
+        if (is_meta_implicit_ && !element.vr.empty()) {
+            fail(element,
+                 fmt::format("states the type {}, but the first element states none", element.vr));
+        }
+        if (element.vr == "SQ") {
+            fail(element, "is a sequence, which meta information cannot have");
         }
     }
 
@@ -297,7 +310,7 @@ class Walker {
 
     std::string file_;
     std::string_view bytes_;
-    bool is_explicit_ = true, is_big_endian_ = false;
+    bool is_explicit_ = true, is_big_endian_ = false, is_meta_implicit_ = false;
     std::uint64_t elements_ = 0;
     PixelBytes pixels_;
 };

@@ -143,6 +143,28 @@ TEST_SUITE("host/io/dicom_layout") {
         }
     }
 
+    TEST_CASE("meta information of mixed types, and with a sequence, is refused before GDCM") {
+        const TemporaryFolder folder;
+        const auto refusal = [&folder](const std::string& from, const std::string& to) {
+            std::string bytes = plain().file();
+            bytes.replace(bytes.find(from), from.size(), to);
+            CHECK_THROWS_AS(import_volume(folder.write("x.dcm", bytes)), ImportError);
+            try {
+                import_volume(folder.file("x.dcm"));
+            } catch (const ImportError& error) {
+                return std::string(error.what()).substr(folder.file("x.dcm: ").size());
+            }
+            return std::string();
+        };
+        const std::string length("\2\0\0\0", 4), version("\2\0\1\0", 4);
+        CHECK(
+            refusal(length + "UL" + std::string("\4\0", 2), length + std::string("\4\0\0\0", 4)) ==
+            "element (0002,0001) at byte 144 states the type OB, but the first element states "
+            "none");
+        CHECK(refusal(version + "OB", version + "SQ") ==
+              "element (0002,0001) at byte 144 is a sequence, which meta information cannot have");
+    }
+
     TEST_CASE("a file that states a compression and has none is read as it is") {
         const TemporaryFolder folder;
         std::string bytes = plain().file();
