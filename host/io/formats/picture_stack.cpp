@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cctype>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/place.hpp"
-#include "host/io/values/value_sink.hpp"
 
 namespace pxpl5::host::io {
 
@@ -18,12 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Values that all pages of a stack share.
-struct Page {
-    int columns = 0, rows = 0;
-    Component component = Component::uint8;
-    friend bool operator==(const Page&, const Page&) = default;
-};
+using Page = PicturePages::Page;
 
 std::optional<Component> component_of(OIIO::TypeDesc type) {
     switch (type.basetype) {
@@ -110,32 +105,72 @@ int count_pages(const fs::path& path, std::optional<Page>& page) {
     return pages;
 }
 
-void read_pages(const fs::path& path, const Page& page, ValueSink& sink) {
-    const auto input = opened(path);
-    std::vector<std::byte> values(static_cast<std::size_t>(page.columns) *
-                                  static_cast<std::size_t>(page.rows) *
-                                  component_bytes(page.component));
-    for (int index = 0; input->seek_subimage(index, 0) && index < static_cast<int>(max_pages);
-         ++index) {
-        // The file may have changed since its pages were counted.
-        if (page_of(path.string(), input->spec()) != page) {
-            throw ImportError(
-                fmt::format("{}: page {} has changed while it was read: it is {}x{}, "
-                            "was {}x{}; read the file again when it is complete",
-                            path.string(), index + 1, input->spec().width, input->spec().height,
-                            page.columns, page.rows));
-        }
-        if (!input->read_image(index, 0, 0, 1, type_of(page.component), values.data())) {
-            std::string reason = input->geterror();
-            std::replace(reason.begin(), reason.end(), '\n', ' ');
-            throw ImportError(fmt::format("{}: page {} cannot be read: {}", path.string(),
-                                          index + 1, shown(reason)));
-        }
-        sink.add(values, page.component);
-    }
+[[noreturn]] void refuse_change(const fs::path& path, const std::string& change) {
+    throw ImportError(
+        fmt::format("{}: {}: the file has changed while it was read. Read the file again when it "
+                    "is complete",
+                    path.string(), change));
 }
 
 }  // namespace
+
+PicturePages::PicturePages(const std::string& source, const std::vector<fs::path>& files) {
+    std::optional<Page> page;
+    for (const fs::path& file : files) {
+        files_.push_back({file, count_pages(file, page)});
+        if (count() > max_pages) {
+            throw ImportError(fmt::format("{}: has more than {} pages", source, max_pages));
+        }
+    }
+    if (!page) {
+        throw ImportError(source + ": has no page");
+    }
+    page_ = *page;
+}
+
+std::size_t PicturePages::count() const {
+    return std::accumulate(files_.begin(), files_.end(), std::size_t{0},
+                           [](std::size_t sum, const File& file) {
+                               return sum + static_cast<std::size_t>(file.pages);
+                           });
+}
+
+void PicturePages::read(ValueSink& sink) const {
+    for (const File& file : files_) {
+        read_file(file, sink);
+    }
+}
+
+void PicturePages::read_file(const File& file, ValueSink& sink) const {
+    const auto input = opened(file.path);
+    std::vector<std::byte> values(static_cast<std::size_t>(page_.columns) *
+                                  static_cast<std::size_t>(page_.rows) *
+                                  component_bytes(page_.component));
+    int index = 0;
+    for (; input->seek_subimage(index, 0); ++index) {
+        if (index == file.pages) {
+            refuse_change(file.path, fmt::format("has more pages than before, {}", file.pages));
+        }
+        const Page now = page_of(file.path.string(), input->spec());
+        if (now != page_) {
+            refuse_change(file.path,
+                          fmt::format("page {} is {}x{} of {}, was {}x{} of {}", index + 1,
+                                      now.columns, now.rows, component_name(now.component),
+                                      page_.columns, page_.rows, component_name(page_.component)));
+        }
+        if (!input->read_image(index, 0, 0, 1, type_of(page_.component), values.data())) {
+            std::string reason = input->geterror();
+            std::replace(reason.begin(), reason.end(), '\n', ' ');
+            throw ImportError(fmt::format("{}: page {} cannot be read: {}", file.path.string(),
+                                          index + 1, shown(reason)));
+        }
+        sink.add(values, page_.component);
+    }
+    if (index < file.pages) {
+        refuse_change(file.path,
+                      fmt::format("has fewer pages than before, {} of {}", index, file.pages));
+    }
+}
 
 bool is_picture(const fs::path& path) {
     const std::string suffix = lower_case(path.extension().string());
@@ -177,27 +212,18 @@ Volume read_pictures(const std::string& source, const std::vector<fs::path>& fil
                           ": pictures state no distances: give spacing=x,y,z in millimeters");
     }
     OIIO::attribute("threads", 1);
-    std::optional<Page> page;
-    std::size_t pages = 0;
-    for (const fs::path& file : files) {
-        pages += static_cast<std::size_t>(count_pages(file, page));
-        if (pages > max_pages) {
-            throw ImportError(fmt::format("{}: has more than {} pages", source, max_pages));
-        }
-    }
-    if (!page) {
-        throw ImportError(source + ": has no page");
-    }
+    const PicturePages pages(source, files);
+    const Page& page = pages.page();
     Volume volume;
-    volume.nx = page->columns;
-    volume.ny = page->rows;
-    volume.nz = static_cast<int>(pages);
+    volume.nx = page.columns;
+    volume.ny = page.rows;
+    volume.nz = static_cast<int>(pages.count());
     const std::size_t values =
-        static_cast<std::size_t>(volume.nx) * static_cast<std::size_t>(volume.ny) * pages;
+        static_cast<std::size_t>(volume.nx) * static_cast<std::size_t>(volume.ny) * pages.count();
     check_volume_bytes(source,
                        fmt::format("{}x{}x{} of {}", volume.nx, volume.ny, volume.nz,
-                                   component_name(page->component)),
-                       values * component_bytes(page->component));
+                                   component_name(page.component)),
+                       values * component_bytes(page.component));
     for (int axis = 0; axis < 3; ++axis) {
         volume.voxel_to_patient[axis] *= (*request.spacing_mm)[axis];
     }
@@ -206,9 +232,7 @@ Volume read_pictures(const std::string& source, const std::vector<fs::path>& fil
                     "posterior, slices as superior, at the distances asked for",
                     volume);
     ValueSink sink(values);
-    for (const fs::path& file : files) {
-        read_pages(file, *page, sink);
-    }
+    pages.read(sink);
     sink.finish(source, volume);
     return volume;
 }

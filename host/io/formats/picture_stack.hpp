@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "host/io/values/component.hpp"
 #include "host/io/values/import_request.hpp"
+#include "host/io/values/value_sink.hpp"
 #include "host/volume/volume.hpp"
 
 namespace pxpl5::host::io {
@@ -17,6 +19,40 @@ bool is_picture(const std::filesystem::path& path);
 
 /// Puts "s2" before "s10": runs of digits compare as numbers.
 bool is_naturally_before(const std::string& a, const std::string& b);
+
+/// The pages of picture files, which have one size and type. The files are read twice, first for
+/// the size of the volume: they may change in between, when another program still writes them.
+class PicturePages {
+  public:
+    struct Page {
+        int columns = 0, rows = 0;
+        Component component = Component::uint8;
+        friend bool operator==(const Page&, const Page&) = default;
+    };
+
+    /// Counts the pages of the files.
+    ///
+    /// source   File or folder, for error texts.
+    /// Throws   ImportError: no page or too many, color, pictures that differ.
+    PicturePages(const std::string& source, const std::vector<std::filesystem::path>& files);
+
+    const Page& page() const { return page_; }
+    std::size_t count() const;
+
+    /// Adds the values of all pages. Throws ImportError that names the file if it is broken, or if
+    /// its pages are not the counted ones.
+    void read(ValueSink& sink) const;
+
+  private:
+    struct File {
+        std::filesystem::path path;
+        int pages = 0;
+    };
+    void read_file(const File& file, ValueSink& sink) const;
+
+    Page page_;
+    std::vector<File> files_;
+};
 
 /// Reads pictures of one size and type as slices, in this order; a file may hold several pages.
 ///

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "host/io/formats/picture_stack.hpp"
 #include "host/io/import.hpp"
@@ -119,5 +120,42 @@ TEST_SUITE("host/io/picture_stack") {
                              doctest::Contains("c.png: has 3 channels"), ImportError);
         CHECK_THROWS_WITH_AS(import_volume(request_of(folder.write("d.png", "no picture"))),
                              doctest::Contains("d.png: "), ImportError);
+    }
+
+    TEST_CASE("a file that changes after its pages were counted is refused") {
+        const TemporaryFolder folder;
+        const std::string first = folder.file("s0.tif"), second = folder.file("s1.tif");
+        const auto write_both = [&] {
+            for (const std::string& path : {first, second}) {
+                write_page(path, page(0), width);
+                write_page(path, page(1), width, 1, true);
+            }
+        };
+        const auto refusal = [&](const std::function<void()>& change) {
+            write_both();
+            const PicturePages pages("stack", {first, second});
+            CHECK(pages.count() == 4);
+            change();
+            const std::size_t counted = std::size_t{width} * height * pages.count();
+            ValueSink sink(counted);
+            try {
+                pages.read(sink);
+            } catch (const ImportError& refused) {
+                CHECK(sink.count() <= counted);
+                return std::string(refused.what());
+            }
+            return std::string("nothing");
+        };
+        const std::string end =
+            ": the file has changed while it was read. Read the file again when it is complete";
+        CHECK(refusal([&] { write_page(second, std::vector<std::uint16_t>(4000), 1000); }) ==
+              second + ": page 1 is 1000x4 of uint16, was 5x4 of uint16" + end);
+        CHECK(refusal([&] { write_page(first, std::vector<std::uint16_t>(16), 4); }) ==
+              first + ": page 1 is 4x4 of uint16, was 5x4 of uint16" + end);
+        CHECK(refusal([&] { write_page(first, page(2), width, 1, true); }) ==
+              first + ": has more pages than before, 2" + end);
+        CHECK(refusal([&] { write_page(second, page(0), width); }) ==
+              second + ": has fewer pages than before, 1 of 2" + end);
+        CHECK(refusal([] {}) == "nothing");
     }
 }
