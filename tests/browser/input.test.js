@@ -128,7 +128,7 @@ test('targets are large enough for fingers', async () => {
       }
     }
     return found;
-  }, [LEAST_TARGET_PX - 4, FINGER_PX]);
+  }, [LEAST_TARGET_PX, FINGER_PX]);
   assert.deepEqual(small, []);
   await touch.close();
 });

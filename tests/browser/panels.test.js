@@ -6,6 +6,7 @@ import { after, ask, drag, lookAtPicture, middleOf, rawSocket, say, settled, sta
   from './steps.js';
 
 const REGION = 128;  // Pixels along a region's edge.
+const SPHERE_MM = 60;  // Diameter: host/phantom/analytic.cpp.
 
 let raw;
 
@@ -330,4 +331,55 @@ test('distances end with their volume, also if its file stays', async () => {
   await say(raw, `load ${source} smooth=2`);
   await byId('measure-list').locator('li').first().waitFor({ state: 'detached' });
   assert.equal((await state(page)).volume.source, source);
+});
+
+/**
+ * In the page: opposite points of a red contour, left and right, top and bottom, in CSS pixels of
+ * the window: the middles of the line's first and last pixels in its middle row and column.
+ */
+function oppositePoints(canvas) {
+  const { width, height } = canvas;
+  const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+  const line = Array.from({ length: width * height }, (_, at) =>
+    [at % width, Math.floor(at / width), data[4 * at] - data[4 * at + 2]])
+    .filter(([, , red]) => red > 80);
+  const box = canvas.getBoundingClientRect();
+  const inWindow = ([x, y]) => ({ x: box.left + (x + 0.5) * box.width / width,
+                                  y: box.top + (y + 0.5) * box.height / height });
+  return [0, 1].map(along => {
+    const across = line.map(place => place[1 - along]);
+    const middle = Math.round((Math.min(...across) + Math.max(...across)) / 2);
+    const places = line.filter(place => place[1 - along] === middle)
+      .map(place => place[along]).sort((a, b) => a - b);
+    const gap = places.findIndex((place, at) => places[at + 1] > place + 8);
+    return [places.slice(0, gap + 1), places.slice(gap + 1)].map(run => {
+      const end = (run[0] + run.at(-1)) / 2;
+      return inWindow(along === 0 ? [end, middle] : [middle, end]);
+    });
+  });
+}
+
+test('two clicks on opposite points of a contour measure the diameter of the sphere', async () => {
+  await say(raw, 'load phantom:sphere');
+  const { revision } = await say(raw, 'surface surface color=#ff4020');
+  const { volume } = await stateWhen(page, (now, set) => now.revision >= set, revision);
+  await byId('tab-slices').click();
+  await byId('slice-count-0').getByText(`${volume.size[2] / 2 + 1} / ${volume.size[2]}`).waitFor();
+  await byId('choice-point').click();
+  const box = await byId('slice-axial').boundingBox();
+  // Beside the sphere, so that the crosshair covers no point of the contour that is clicked.
+  await redrawn('slice-axial', () =>
+    page.mouse.click(box.x + 0.24 * box.width, box.y + 0.06 * box.height));
+  await byId('choice-measure').click();
+  const found = await page.waitForFunction(new Function('canvas',
+    `const ends = (${oppositePoints})(canvas);
+     return ends.flat().every(({ x, y }) => x > 0 && y > 0) && ends;`),
+                                           await byId('slice-axial').elementHandle());
+  for (const [axis, pair] of (await found.jsonValue()).entries()) {
+    for (const { x, y } of pair) await page.mouse.click(x, y);
+    await byId('measure-list').locator('li').nth(axis).waitFor({ state: 'attached' });
+    const told = Number.parseFloat(await byId('slices-message').innerText());
+    assert.ok(Math.abs(told - SPHERE_MM) <= volume.spacing_mm[axis] / 2,
+              `${told} mm along ${'xy'[axis]}, the sphere has ${SPHERE_MM} mm`);
+  }
 });

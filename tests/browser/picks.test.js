@@ -5,6 +5,7 @@ import test from 'node:test';
 import { byId, page, usePage } from './harness.js';
 import { after, errorsShown, middleOf, settled, state, stateWhen } from './steps.js';
 
+const BONE_HU = 250.5;
 const NEAR_PX = [[0, 0], [1, 0], [0, 1], [1, 1], [2, 1], [3, 2]];
 
 usePage(['phantom:pelvis']);
@@ -82,4 +83,18 @@ test('a part is chosen by any pixel of its surface', async () => {
     await stateWhen(page, now => now.surfaces.every(
       ({ components }) => !components.startsWith('at')));
   }
+});
+
+test('a click on tissue gives one isovalue, whichever pixel it meets', async () => {
+  await byId('choose-bone').click();
+  const values = [];
+  for (const [dx, dy] of NEAR_PX.slice(0, 4)) {
+    const { x, y } = await boneAt();
+    await byId('tissue-mode').click();
+    const { state: now } = await after(page, () => page.mouse.click(x + dx, y + dy));
+    values.push(now.surfaces.find(({ name }) => name === 'bone').isovalue);
+    await page.keyboard.press('Escape');
+  }
+  // Each click starts from the isovalue that the last one set. The skin's is hundreds of HU lower.
+  assert.ok(values.every(value => Math.abs(value - BONE_HU) < 5), `isovalues ${values}`);
 });
