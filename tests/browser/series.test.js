@@ -36,16 +36,24 @@ test('a folder with several series is a choice, and the chosen one opens', async
   assert.deepEqual(await errorsShown(page), []);
 });
 
-test('a tissue of CT is refused for another modality, with advice', async () => {
-  const folder = path.join(server.folder, 'knee');
-  writeSeries(folder, [{ description: 'Knee', side: 11, modality: 'MR' }]);
-  await chooseFolder(folder);
-  await stateWhen(page, now => now.volume?.size[2] === 11 && !now.busy);
-  const raw = await rawSocket(page, server.url);
-  const { ok, error } = await say(raw, 'surface bone preset=bone');
-  assert.equal(ok, false);
-  assert.match(error, /this volume is MR.*give iso=V/);
-});
+for (const [side, modality, name] of /** @type {const} */ ([[11, 'MR', 'knee'],
+                                                            [13, 'PT', 'tumor']])) {
+  test(`a tissue of CT is refused for ${modality}, with advice`, async () => {
+    const folder = path.join(server.folder, name);
+    writeSeries(folder, [{ description: name, side, modality }]);
+    await chooseFolder(folder);
+    await stateWhen(page, (now, side) => now.volume?.size[2] === side && !now.busy, side);
+    const raw = await rawSocket(page, server.url);
+    const { ok, error } = await say(raw, 'surface bone preset=bone');
+    assert.equal(ok, false);
+    assert.match(error, new RegExp(`this volume is ${modality}.*give iso=V`));
+    assert.equal(await page.getByRole('group', { name: 'Tissues' }).isVisible(), false);
+    assert.ok(await byId('window-Bone').isHidden(), 'a window in HU');
+    await byId('tab-volume').click();
+    assert.match(await byId('volume-facts').innerText(), new RegExp(`\\b${modality}\\b`));
+    await byId('tab-slices').click();
+  });
+}
 
 test('the options of a path are there for a dropped folder, too', async () => {
   const folder = path.join(server.folder, 'options');
