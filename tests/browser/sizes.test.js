@@ -87,6 +87,14 @@ test('the warning of an assumed place is whole in windows of any size', async ()
     });
     assert.ok(seen, `${width} x ${height}: something lies over the warning`);
     await shoot(page, `assumed-${width}x${height}`);
+    await page.evaluate(() => {
+      const toast = document.createElement('div');
+      toast.className = 'toast error';
+      toast.textContent = 'A message that stays until it is closed';
+      document.getElementById('toasts').append(toast);
+    });
+    const covered = (await page.evaluate(overlaps)).filter(pair => pair.includes('assumed'));
+    assert.deepEqual(covered, [], `${width} x ${height}: a message lies over the warning`);
     await close();
   }
   const last = await openPage(browser, server.url);
