@@ -1,7 +1,7 @@
 // Sessions: a saved one is the scene with its volume's identity and the page's own part. Opening
 // one writes no file, asks for a volume that is missing, and never shows another volume.
 import assert from 'node:assert/strict';
-import { mkdirSync, readFileSync, readdirSync, renameSync, writeFileSync } from 'node:fs';
+import { mkdirSync, readFileSync, readdirSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import test from 'node:test';
 import { byId, page, server, usePage } from './harness.js';
@@ -26,6 +26,13 @@ async function saveSession(name) {
   const file = path.join(server.folder, name);
   writeFileSync(file, readFileSync(await download.path()));
   return file;
+}
+
+/** Saves the picture; returns its name and bytes. */
+async function savePicture() {
+  await byId('save-menu').click();
+  const [download] = await Promise.all([page.waitForEvent('download'), byId('snapshot').click()]);
+  return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
 }
 
 async function openSession(file) {
@@ -71,7 +78,7 @@ test('a session is the scene: opened again, picture, window, crosshair and dista
   await openPath('phantom:torus');
   await openPath('phantom:pelvis');
   await makeScene();
-  const before = { ...await settled(page), own: await ownPart() };
+  const before = { ...await settled(page), own: await ownPart(), picture: await savePicture() };
   const file = await saveSession('scene.pxpl5');
   const script = readFileSync(file, 'utf8');
   assert.equal(script.match(/^load /gm).length, 1, 'the scene, not the way to it');
@@ -86,6 +93,9 @@ test('a session is the scene: opened again, picture, window, crosshair and dista
     !now.busy);
   assert.equal((await settled(page)).digest, before.digest);
   await byId('measure-list').locator('b').waitFor({ state: 'attached' });
+  const { name, bytes } = await savePicture();
+  assert.equal(name, before.picture.name);
+  assert.ok(bytes.equals(before.picture.bytes), 'another picture was saved');
   assert.deepEqual(await ownPart(), before.own);
   assert.deepEqual(await errorsShown(page), []);
 });
@@ -156,6 +166,33 @@ test('a session of dropped files opens again while the server keeps them', async
   await openSession(session);
   await stateWhen(page, now => now.volume?.source.endsWith('dropped.nrrd') && !now.busy);
   assert.equal((await settled(page)).digest, before.digest);
+});
+
+test('a session of dropped files that are gone asks for them', async () => {
+  const file = writeEllipsoid(path.join(server.folder, 'gone.nrrd'), [22, 22, 22], [8, 9, 8]);
+  await byId('open-panel').click();
+  await byId('open-files').setInputFiles(file);
+  const { volume } = await stateWhen(page,
+    now => now.volume?.source.endsWith('gone.nrrd') && !now.busy);
+  const before = await settled(page);
+  const session = await saveSession('gone.pxpl5');
+  const ended = path.join(server.folder, 'ended.pxpl5');  // Of a server that has ended.
+  writeFileSync(ended, readFileSync(session, 'utf8').replace(server.folder, '/tmp/pxpl5-ended'));
+  rmSync(path.dirname(volume.source), { recursive: true });
+  for (const each of [session, ended]) {
+    await openPath('phantom:sphere');
+    await openSession(each);
+    const error = byId('open-error');
+    await error.getByText(new RegExp(
+      `gone\\.nrrd.*${path.basename(each)} continues with the files`, 's')).waitFor();
+    for (const text of [await error.innerText(), await byId('open-path').inputValue()]) {
+      assert.doesNotMatch(text, /\/uploads\//, 'a folder of the server');
+    }
+    assert.ok(await byId('open').locator('details').isHidden(), 'the session has its own options');
+    await byId('open-files').setInputFiles(file);
+    await stateWhen(page, now => now.volume?.source.endsWith('gone.nrrd') && !now.busy);
+    assert.equal((await settled(page)).digest, before.digest);
+  }
 });
 
 test('one undo takes back the flip of a clip plane, at its place', async () => {
