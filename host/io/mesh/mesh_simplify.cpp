@@ -8,8 +8,10 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
+#include "host/io/mesh/mesh_flips.hpp"
 #include "host/surface/disjoint_sets.hpp"
 #include "host/surface/edge_table.hpp"
 #include "host/surface/mesh_distance.hpp"
@@ -157,21 +159,56 @@ std::vector<bool> bad_vertices(const std::vector<std::uint32_t>& indices, std::s
     return bad;
 }
 
-/// Triangles that decimation leaves alone, because what it made of them was no manifold.
+/// Corners of triangles without area.
+std::vector<bool> flat_vertices(const SimplifiedSurface& surface,
+                                const std::vector<std::uint32_t>& indices) {
+    std::vector<bool> flat(surface.vertices.size());
+    for (const Triangle& t : triangles_of(indices)) {
+        if (is_flat(surface.vertices, t)) {
+            flat[t[0]] = flat[t[1]] = flat[t[2]] = true;
+        }
+    }
+    return flat;
+}
+
+/// Triangles that decimation leaves alone, because what it made of them was no manifold or had no
+/// area.
 class Frozen {
   public:
     explicit Frozen(const SimplifiedSurface& whole)
         : whole_(whole),
           is_frozen_(whole.indices.size() / 3),
-          bad_before_(bad_vertices(whole.indices, whole.vertices.size())) {}
+          bad_before_(bad_vertices(whole.indices, whole.vertices.size())),
+          flat_before_(flat_vertices(whole, whole.indices)) {}
 
-    /// Freezes the triangles around vertices that have become bad, and those around these.
-    /// Returns whether there are such vertices.
-    bool add(const std::vector<std::uint32_t>& simplified, int rings) {
-        std::vector<bool> near = bad_vertices(simplified, whole_.vertices.size());
+    /// Freezes the triangles around vertices that have become bad. Returns whether there are some.
+    bool add_bad(const std::vector<std::uint32_t>& simplified, int rings) {
+        return add(bad_vertices(simplified, whole_.vertices.size()), bad_before_, rings);
+    }
+
+    /// Freezes the triangles around triangles that have lost their area. Returns whether there are
+    /// some.
+    bool add_flat(const std::vector<std::uint32_t>& simplified, int rings) {
+        return add(flat_vertices(whole_, simplified), flat_before_, rings);
+    }
+
+    /// Corners of the triangles that are frozen, or of the others.
+    std::vector<std::uint32_t> indices(bool frozen) const {
+        std::vector<std::uint32_t> some;
+        for (std::size_t i = 0; i < whole_.indices.size(); ++i) {
+            if (is_frozen_[i / 3] == frozen) {
+                some.push_back(whole_.indices[i]);
+            }
+        }
+        return some;
+    }
+
+  private:
+    /// Freezes the triangles around vertices that were not there before, and those around these.
+    bool add(std::vector<bool> near, const std::vector<bool>& before, int rings) {
         bool has_bad = false;
         for (std::size_t v = 0; v < near.size(); ++v) {
-            near[v] = near[v] && !bad_before_[v];
+            near[v] = near[v] && !before[v];
             has_bad = has_bad || near[v];
         }
         for (int ring = 0; has_bad && ring < rings; ++ring) {
@@ -188,21 +225,9 @@ class Frozen {
         return has_bad;
     }
 
-    /// Corners of the triangles that are frozen, or of the others.
-    std::vector<std::uint32_t> indices(bool frozen) const {
-        std::vector<std::uint32_t> some;
-        for (std::size_t i = 0; i < whole_.indices.size(); ++i) {
-            if (is_frozen_[i / 3] == frozen) {
-                some.push_back(whole_.indices[i]);
-            }
-        }
-        return some;
-    }
-
-  private:
     const SimplifiedSurface& whole_;
     std::vector<bool> is_frozen_;
-    std::vector<bool> bad_before_;
+    std::vector<bool> bad_before_, flat_before_;
 };
 
 double farthest_vertex_mm(const SimplifiedSurface& whole, const SimplifiedSurface& fewer) {
@@ -235,7 +260,8 @@ SimplifiedSurface simplify(const MeshSurface& surface, double keep) {
         double{most_moved} *
         double{meshopt_simplifyScale(positions, whole.vertices.size(), sizeof(MeshPoint))};
     Frozen frozen(whole);
-    float limit = most_moved;  // meshoptimizer's estimates are below the distances.
+    float limit = most_moved;               // meshoptimizer's estimates are below the distances.
+    std::optional<SimplifiedSurface> flat;  // A manifold with triangles without area.
     constexpr int max_rounds = 8, max_nearer = 3;
     for (int round = 1, nearer = 0; round <= max_rounds; ++round) {
         SimplifiedSurface result{whole.vertices, frozen.indices(true)};
@@ -247,16 +273,25 @@ SimplifiedSurface simplify(const MeshSurface& surface, double keep) {
                                       meshopt_SimplifyLockBorder, nullptr));
         result.indices.insert(result.indices.end(), fewer.begin(), fewer.end());
         remove_flaps(result.indices);
-        if (!frozen.add(result.indices, round + 1)) {
-            compact(result);
-            result.moved_mm = farthest_vertex_mm(whole, result);
-            if (result.moved_mm <= most_mm || ++nearer > max_nearer) {
-                return result;
-            }
+        flip_flat_triangles(result.vertices, result.indices);
+        const bool has_flat = frozen.add_flat(result.indices, round + 1);
+        if (frozen.add_bad(result.indices, round + 1)) {
+            continue;
+        }
+        compact(result);
+        result.moved_mm = farthest_vertex_mm(whole, result);
+        const bool is_near = result.moved_mm <= most_mm || ++nearer > max_nearer;
+        if (is_near && !has_flat) {
+            return result;
+        }
+        if (is_near && !flat) {
+            flat = std::move(result);
+        } else if (!is_near) {
             limit *= static_cast<float>(0.9 * most_mm / result.moved_mm);
         }
     }
-    return whole;  // Rather all triangles than a surface that is connected in another way.
+    // Rather all triangles than a surface that is connected in another way.
+    return flat ? *std::move(flat) : whole;
 }
 
 }  // namespace pxpl5::host::io

@@ -10,7 +10,9 @@ namespace pxpl5::host::io {
 /// Edges with a triangle on one side alone stay. Vertices at one place become one, and triangles
 /// that have no area for that reason go first. Where the result would have an edge of more than two
 /// triangles, or fans that share nothing but a vertex, its surroundings keep all their triangles;
-/// if that does not help, all triangles stay.
+/// if that does not help, all triangles stay. Triangles without area are
+/// flipped away. Where flip_flat_triangles() leaves some, their surroundings keep all their
+/// triangles, too; if that does not help, these triangles stay.
 ///
 /// keep     In (0, 1].
 /// Source   Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <map>
 #include <random>
 #include <set>
 #include <utility>
 
+#include "host/io/mesh/mesh_flips.hpp"
 #include "host/io/mesh/mesh_simplify.hpp"
 #include "host/surface/certificate.hpp"
 #include "host/surface/mesh_distance.hpp"
@@ -64,6 +66,53 @@ std::vector<glm::vec3> places(const std::vector<MeshPoint>& vertices) {
 bool has(const std::vector<MeshPoint>& vertices, const glm::vec3& p) {
     return std::any_of(vertices.begin(), vertices.end(),
                        [&](const MeshPoint& vertex) { return vertex.p_mm == p; });
+}
+
+std::int64_t flat_triangles(const std::vector<MeshPoint>& vertices,
+                            const std::vector<std::uint32_t>& indices) {
+    std::int64_t count = 0;
+    for (std::size_t first = 0; first < indices.size(); first += 3) {
+        const glm::dvec3 a(vertices[indices[first]].p_mm), b(vertices[indices[first + 1]].p_mm),
+            c(vertices[indices[first + 2]].p_mm);
+        count += glm::cross(b - a, c - a) == glm::dvec3(0) ? 1 : 0;
+    }
+    return count;
+}
+
+/// A box of squares of 1 mm, as a cap over voxels is one.
+Solid box(std::array<int, 3> size) {
+    Solid solid{"box", {200, 200, 200}, {}, {}};
+    std::map<std::array<int, 3>, std::uint32_t> number;
+    const auto vertex = [&](const std::array<int, 3>& p) {
+        const auto [at, is_new] =
+            number.emplace(p, static_cast<std::uint32_t>(solid.vertices.size()));
+        if (is_new) {
+            solid.vertices.push_back({glm::vec3(p[0], p[1], p[2]), glm::vec3(0, 0, 1)});
+        }
+        return at->second;
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+        for (const bool high : {false, true}) {
+            for (int i = 0; i < size[u]; ++i) {
+                for (int j = 0; j < size[v]; ++j) {
+                    const auto at = [&](int du, int dv) {
+                        std::array<int, 3> p{};
+                        p[axis] = high ? size[axis] : 0;
+                        p[u] = i + du;
+                        p[v] = j + dv;
+                        return vertex(p);
+                    };
+                    std::array<std::uint32_t, 4> c = {at(0, 0), at(1, 0), at(1, 1), at(0, 1)};
+                    if (!high) {
+                        std::swap(c[1], c[3]);
+                    }
+                    solid.indices.insert(solid.indices.end(), {c[0], c[1], c[2], c[0], c[2], c[3]});
+                }
+            }
+        }
+    }
+    return solid;
 }
 
 }  // namespace
@@ -143,6 +192,59 @@ TEST_SUITE("host/io/mesh_simplify") {
                                                      triangles) <= got.moved_mm);
             }
         }
+    }
+
+    TEST_CASE("no triangle of the result is without an area") {
+        for (const double keep : {0.5, 0.2, 0.05, 0.01}) {
+            CAPTURE(keep);
+            const Solid solid = box({31, 17, 23});
+            const SimplifiedSurface got = simplify(solid.view(), keep);
+            CHECK(flat_triangles(got.vertices, got.indices) == 0);
+            CHECK(open_edges(got.indices).empty());
+            CHECK(static_cast<double>(got.indices.size()) <=
+                  keep * static_cast<double>(solid.indices.size()) + 3 * 12);
+            CHECK(signed_volume(places(got.vertices), got.indices) ==
+                  doctest::Approx(31 * 17 * 23).epsilon(1e-6));
+            CHECK(got.moved_mm < 1e-5);
+        }
+        Solid rounded = sphere({0, 0, 0}, 30, 120, 180);
+        for (MeshPoint& vertex : rounded.vertices) {
+            vertex.p_mm = glm::round(vertex.p_mm);
+        }
+        for (const double keep : {0.5, 0.2, 0.05}) {
+            CAPTURE(keep);
+            const SimplifiedSurface got = simplify(rounded.view(), keep);
+            CHECK(flat_triangles(got.vertices, got.indices) == 0);
+            CHECK(open_edges(got.indices).empty());
+        }
+    }
+
+    TEST_CASE("a triangle without an area splits the triangle behind its longest side") {
+        // A tetrahedron 0 1 2 3 with vertex 4 in the middle of the edge from 0 to 1, and a
+        // triangle 0 4 1 that has no area.
+        Solid solid = tetrahedron();
+        solid.vertices.push_back(
+            {(solid.vertices[0].p_mm + solid.vertices[1].p_mm) / 2.0F, glm::vec3(0, 0, 1)});
+        // The faces at this edge are 0 2 1 and 0 1 3, of which the second is split.
+        std::vector<std::uint32_t> indices = {0, 2, 1, 1, 4, 0, 0, 4, 3, 4, 1, 3, 0, 3, 2, 1, 2, 3};
+        CHECK(open_edges(indices).empty());
+        CHECK(flat_triangles(solid.vertices, indices) == 1);
+        flip_flat_triangles(solid.vertices, indices);
+        CHECK(flat_triangles(solid.vertices, indices) == 0);
+        CHECK(indices.size() == 18);
+        CHECK(open_edges(indices).empty());
+        CHECK(signed_volume(places(solid.vertices), indices) == doctest::Approx(4));
+    }
+
+    TEST_CASE("a triangle without an area stays if nothing lies behind its longest side") {
+        const std::vector<MeshPoint> vertices = {{{0, 0, 0}, {0, 0, 1}},
+                                                 {{1, 0, 0}, {0, 0, 1}},
+                                                 {{2, 0, 0}, {0, 0, 1}},
+                                                 {{1, 1, 0}, {0, 0, 1}}};
+        std::vector<std::uint32_t> indices = {0, 2, 1, 0, 1, 3, 1, 2, 3};
+        const std::vector<std::uint32_t> before = indices;
+        flip_flat_triangles(vertices, indices);
+        CHECK(indices == before);
     }
 
     TEST_CASE("decimation stops before it is another surface") {
