@@ -144,14 +144,15 @@ TEST_SUITE("host/io/confined_requests") {
     }
 
     TEST_CASE("a confined process writes where a link of the output leads") {
-        const TemporaryFolder base;
-        fs::create_directory(base.file("far"));
-        fs::create_symlink(base.file("far/p.png"), base.file("p.png"));
-        fs::create_symlink(base.file("far/other.obj"), base.file("m.obj"));
+        const TemporaryFolder base, far;
+        fs::create_symlink(far.file("p.png"), base.file("p.png"));
+        fs::create_symlink(far.file("other.obj"), base.file("m.obj"));
         schema::ExportPictureT picture;
         picture.path = base.file("p.png");
         picture.width = picture.height = 2;
         picture.rgba.resize(16, 255);
+        const auto folders = needs_of(received(bus::pack(picture)), {}).files.writable;
+        CHECK(folders == std::vector<fs::path>{fs::path(far.file("p.png")).parent_path()});
         const std::string answer = answer_to(bus::pack(picture));
         CHECK_MESSAGE(has(answer, "IoDone \n"), answer);
         schema::ExportMeshT mesh;
@@ -164,8 +165,8 @@ TEST_SUITE("host/io/confined_requests") {
         CHECK_MESSAGE(has(written, "IoDone \n"), written);
         CHECK(fs::is_symlink(base.file("p.png")));
         CHECK(fs::is_symlink(base.file("m.obj")));
-        CHECK(fs::is_regular_file(base.file("far/p.png")));
-        CHECK(fs::is_regular_file(base.file("far/other.obj")));
+        CHECK(fs::is_regular_file(far.file("p.png")));
+        CHECK(fs::is_regular_file(far.file("other.obj")));
         CHECK(fs::is_regular_file(base.file("m.mtl")));  // The name that the OBJ file states.
     }
 
