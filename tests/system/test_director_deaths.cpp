@@ -294,6 +294,19 @@ TEST_CASE("a question about a mesh is canceled, and the next one does not get it
     }
 }
 
+TEST_CASE("a cancellation that no command takes does not cancel the picture behind it") {
+    Theatre stage;
+    const std::string name = stage.watchers.last("state")["surfaces"][0]["name"];
+    stage.during = [&] { stage.watchers.says({{"cancel", true}}); };
+    stage.watchers.texts.clear();
+    stage.watchers.frames.clear();
+    stage.watchers.does(1, "components " + name + " show=largest");  // A mask must be whole.
+    stage.steps();
+    CHECK(stage.watchers.reply(1)["ok"] == true);
+    CHECK(stage.watchers.last("note").is_null());
+    CHECK(stage.watchers.frames.size() == 1);
+}
+
 TEST_CASE("viewers are told of a node that does not answer") {
     Theatre stage;
     stage.machine->tell_suspect("gp-0 (process 71) has not answered for 2.0 s");

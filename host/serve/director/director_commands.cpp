@@ -84,6 +84,7 @@ void Director::do_command(const Wish& wish) {
         Director& director;
         ~UnderWay() {
             director.work_.is_command = false;
+            director.watch_viewers();  // Forgets a cancellation that came too late.
             director.busy_.clear();
             director.end_progress();
         }
@@ -114,7 +115,7 @@ void Director::do_command(const Wish& wish) {
         }
     };
     try {
-        announce_frame(wish.arguments);
+        session_->recovery.run([&] { announce_frame(wish.arguments); });
         const Reply reply = run(wish.arguments);
         if (wish.arguments.name == "load") {
             show_first_surfaces();
