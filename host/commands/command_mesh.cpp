@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::size_t listed_components = 10;
 
-/// The filter of the options; nothing if no option is given.
-std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& arguments) {
+/// The filter of the options that select components; nothing if no option does.
+std::optional<ComponentFilter> selected_components(Session& session, const Arguments& arguments) {
     using Kind = ComponentFilter::Kind;
-    if (arguments.options.size() > 1) {
+    if (arguments.options.size() - (arguments.has("cavities") ? 1 : 0) > 1) {
         refuse_command("components: give one of show=, min_mm2=, min_ml=, at=, at_mm=");
     }
     if (arguments.has("min_mm2")) {
@@ -48,34 +48,156 @@ std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& 
     return std::nullopt;
 }
 
-Reply list_components(const MeshComponents& parts) {
-    Reply reply{counted(parts.components.size(), "component"), {}};
-    std::vector<Fields> list;
-    for (std::size_t i = 0; i < std::min(listed_components, parts.components.size()); ++i) {
-        const MeshComponent& part = parts.components[i];
-        const std::string volume = part.volume_mm3
-                                       ? fmt::format("{:.3f} ml", *part.volume_mm3 / 1000)
-                                       : "no volume (holes)";
-        reply.text += fmt::format(
-            "\n{:>3}: {:>9} triangles, {:>10.2f} cm2, {}{}, center ({:.1f}, {:.1f}, {:.1f}) mm",
-            i + 1, part.triangles, part.area_mm2 / 100, volume, part.closed ? "" : ", open",
-            part.center_mm.x, part.center_mm.y, part.center_mm.z);
-        Fields fields = {{"triangles", static_cast<std::int64_t>(part.triangles)},
-                         {"area_mm2", part.area_mm2},
-                         {"closed", part.closed},
-                         {"center_mm", std::vector<double>{part.center_mm.x, part.center_mm.y,
-                                                           part.center_mm.z}}};
-        if (part.volume_mm3) {
-            fields.push_back({"volume_ml", *part.volume_mm3 / 1000});
+/// The filter of all options; nothing if no option is given.
+std::optional<ComponentFilter> wished_filter(Session& session, const Arguments& arguments) {
+    std::optional<ComponentFilter> filter = selected_components(session, arguments);
+    if (!arguments.has("cavities")) {
+        return filter;
+    }
+    const bool fills = arguments.text("cavities", "") == "no";
+    if (!filter || (fills && filter->kind == ComponentFilter::Kind::all)) {
+        refuse_command(
+            "components: cavities= needs show=largest, min_mm2=, min_ml=, at= or at_mm=; "
+            "min_mm2=0 cavities=no leaves out the cavities alone");
+    }
+    filter->fills_cavities = fills;
+    return filter;
+}
+
+std::string volume_text(const MeshComponent& part) {
+    if (!part.volume_mm3) {
+        return "no volume (holes)";
+    }
+    const bool is_outside = !part.cavity && *part.volume_mm3 < 0;
+    return fmt::format("{:.3f} ml{}", *part.volume_mm3 / 1000,
+                       part.closed  ? ""
+                       : is_outside ? " (of the outside, closed by the volume's faces)"
+                                    : " (closed by the volume's faces)");
+}
+
+/// Returns ", open", ", cavity" or ", open cavity of 3"; numbers count from 1.
+std::string kind_text(const MeshComponent& part) {
+    std::string text = part.closed ? "" : " open";
+    if (part.cavity) {
+        text += " cavity";
+    }
+    if (part.cavity_of) {
+        text += fmt::format(" of {}", *part.cavity_of + 1);
+    }
+    return text.empty() ? "" : "," + text;
+}
+
+Fields component_fields(const MeshComponent& part, bool is_drawn) {
+    Fields fields = {
+        {"triangles", static_cast<std::int64_t>(part.triangles)},
+        {"area_mm2", part.area_mm2},
+        {"closed", part.closed},
+        {"closed_but_for_border", part.closed_but_for_border},
+        {"cavity", part.cavity},
+        {"drawn", is_drawn},
+        {"center_mm", std::vector<double>{part.center_mm.x, part.center_mm.y, part.center_mm.z}}};
+    if (part.cavity_of) {
+        fields.push_back({"cavity_of", static_cast<std::int64_t>(*part.cavity_of) + 1});
+    }
+    if (part.volume_mm3) {
+        fields.push_back({"volume_ml", *part.volume_mm3 / 1000});
+    }
+    return fields;
+}
+
+/// Counts of a surface's components.
+struct DrawnCounts {
+    std::int64_t all = 0, cavities = 0, drawn = 0, drawn_cavities = 0;
+    /// Cavities that are not drawn although the components around them are.
+    std::int64_t filled = 0;
+    double filled_ml = 0;
+    std::optional<double> drawn_ml = 0;  ///< Nothing unless all drawn components are closed.
+};
+
+DrawnCounts counts_of(const DrawnComponents& components) {
+    DrawnCounts counts;
+    const std::vector<MeshComponent>& list = components.parts.components;
+    for (const MeshComponent& part : list) {
+        const bool is_drawn = components.is_drawn(part);
+        ++counts.all;
+        counts.cavities += part.cavity ? 1 : 0;
+        counts.drawn += is_drawn ? 1 : 0;
+        counts.drawn_cavities += is_drawn && part.cavity ? 1 : 0;
+        if (is_drawn) {
+            counts.drawn_ml = counts.drawn_ml && part.closed
+                                  ? std::optional(*counts.drawn_ml + *part.volume_mm3 / 1000)
+                                  : std::nullopt;
+        } else if (part.cavity_of && components.is_drawn(list[*part.cavity_of])) {
+            ++counts.filled;
+            counts.filled_ml -= *part.volume_mm3 / 1000;
         }
-        list.push_back(std::move(fields));
     }
-    if (parts.components.size() > listed_components) {
-        reply.text +=
-            fmt::format("\nand {} smaller ones", parts.components.size() - listed_components);
+    return counts;
+}
+
+std::string cavities_text(std::int64_t cavities) {
+    return cavities == 0
+               ? ""
+               : fmt::format(", {} of them {}", cavities, cavities == 1 ? "a cavity" : "cavities");
+}
+
+Fields count_fields(const DrawnCounts& counts, const ComponentFilter& filter) {
+    Fields fields = {{"components", counts.all},
+                     {"cavities", counts.cavities},
+                     {"filter", filter_text(filter)},
+                     {"drawn", counts.drawn},
+                     {"drawn_cavities", counts.drawn_cavities},
+                     {"filled_cavities", counts.filled},
+                     {"filled_ml", counts.filled_ml}};
+    if (counts.drawn_ml) {
+        fields.push_back({"drawn_ml", *counts.drawn_ml});
     }
-    reply.fields = {{"components", static_cast<std::int64_t>(parts.components.size())},
-                    {"largest", list}};
+    return fields;
+}
+
+/// States what is drawn of the components, and which cavities are filled by that.
+std::string drawn_text(const DrawnCounts& counts) {
+    std::string text = fmt::format("draws {} of {}{}", counts.drawn,
+                                   counted(static_cast<std::uint64_t>(counts.all), "component"),
+                                   cavities_text(counts.drawn_cavities));
+    if (counts.drawn_ml) {
+        text += fmt::format("; {:.3f} ml", *counts.drawn_ml);
+    }
+    if (counts.filled > 0) {
+        text +=
+            fmt::format("; {} of {:.3f} ml {} filled",
+                        counts.filled == 1 ? "1 cavity" : fmt::format("{} cavities", counts.filled),
+                        counts.filled_ml, counts.filled == 1 ? "is" : "are");
+    }
+    return text;
+}
+
+Reply list_components(const DrawnComponents& components, const ComponentFilter& filter) {
+    const std::vector<MeshComponent>& parts = components.parts.components;
+    const DrawnCounts counts = counts_of(components);
+    const bool draws_all = filter.kind == ComponentFilter::Kind::all;
+    Reply reply{counted(parts.size(), "component") + cavities_text(counts.cavities), {}};
+    std::vector<Fields> list;
+    for (std::size_t i = 0; i < std::min(listed_components, parts.size()); ++i) {
+        const MeshComponent& part = parts[i];
+        const bool is_drawn = components.is_drawn(part);
+        reply.text += fmt::format(
+            "\n{:>3}: {:>9} triangles, {:>10.2f} cm2, {}{}{}, center ({:.1f}, {:.1f}, {:.1f}) mm",
+            i + 1, part.triangles, part.area_mm2 / 100, volume_text(part), kind_text(part),
+            draws_all  ? ""
+            : is_drawn ? ", drawn"
+                       : ", not drawn",
+            part.center_mm.x, part.center_mm.y, part.center_mm.z);
+        list.push_back(component_fields(part, is_drawn));
+    }
+    if (parts.size() > listed_components) {
+        reply.text += fmt::format("\nand {} smaller ones", parts.size() - listed_components);
+    }
+    if (!draws_all) {
+        reply.text += fmt::format("\n{}: {}", filter_text(filter), drawn_text(counts));
+    }
+    reply.fields = count_fields(counts, filter);
+    reply.fields.push_back({"largest", list});
     return reply;
 }
 
@@ -97,13 +219,12 @@ Certificate file_certificate(const WeldedFile& file) {
 Reply run_components(Session& session, const Arguments& arguments) {
     const std::string& name = arguments.words[0];
     const std::optional<ComponentFilter> filter = wished_filter(session, arguments);
+    const Surface& surface = session.meshes.surface(name);
     if (!filter) {
-        return list_components(find_components(session.meshes.fetch(name), session.meshes.grid()));
+        return list_components(session.meshes.components(surface), surface.components);
     }
-    const auto [all, drawn] = session.surfaces.set_components(name, *filter);
-    return {fmt::format("{}: draws {} of {}", name, drawn, counted(all, "component")),
-            {{"components", static_cast<std::int64_t>(all)},
-             {"drawn", static_cast<std::int64_t>(drawn)}}};
+    const DrawnCounts counts = counts_of(session.surfaces.set_components(name, *filter));
+    return {name + ": " + drawn_text(counts), count_fields(counts, *filter)};
 }
 
 namespace {

@@ -25,8 +25,9 @@ namespace pxpl5::host {
 struct ComponentFilter {
     enum class Kind : std::uint8_t { all, largest, at_least_mm2, at_least_ml, at_point };
     Kind kind = Kind::all;
-    double least = 0;    ///< For the kinds at_least_*; largest is by number of triangles.
-    glm::dvec3 p_mm{0};  ///< For at_point: the component nearest to it; patient, LPS.
+    double least = 0;             ///< For the kinds at_least_*; largest is by number of triangles.
+    glm::dvec3 p_mm{0};           ///< For at_point: the component nearest to it; patient, LPS.
+    bool fills_cavities = false;  ///< The cavities of the drawn components are not drawn.
     friend bool operator==(const ComponentFilter&, const ComponentFilter&) = default;
 };
 

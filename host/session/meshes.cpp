@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "host/base/digest.hpp"
 #include "host/base/error.hpp"
@@ -30,23 +29,37 @@ std::uint64_t digest_of(const schema::SlabMesh& mesh) {
     return digest.value();
 }
 
+/// Returns the component nearest to the point; for a cavity, the component around the cavity.
+std::size_t component_at(glm::dvec3 p_mm, const WeldedMesh& mesh, const MeshComponents& parts,
+                         const VolumeGrid& grid) {
+    const std::optional<SurfacePoint> nearest = nearest_point(mesh, grid, p_mm);
+    const std::uint32_t found = parts.of_triangle[nearest.value().triangle];
+    return parts.components[found].cavity_of.value_or(found);
+}
+
 Shown shown_by(const ComponentFilter& filter, const WeldedMesh& mesh, const MeshComponents& parts,
                const VolumeGrid& grid) {
+    const Cavities cavities = filter.fills_cavities ? Cavities::filled : Cavities::shown;
     switch (parts.components.empty() ? ComponentFilter::Kind::all : filter.kind) {
         case ComponentFilter::Kind::largest:
-            return show_component(parts, 0);
+            return show_component(parts, largest_component(parts), cavities);
         case ComponentFilter::Kind::at_least_mm2:
-            return show_at_least(parts, ComponentMeasure::area_mm2, filter.least);
+            return show_at_least(parts, ComponentMeasure::area_mm2, filter.least, cavities);
         case ComponentFilter::Kind::at_least_ml:
-            return show_at_least(parts, ComponentMeasure::volume_ml, filter.least);
-        case ComponentFilter::Kind::at_point: {
-            const std::optional<SurfacePoint> nearest = nearest_point(mesh, grid, filter.p_mm);
-            return show_component(parts, parts.of_triangle[nearest.value().triangle]);
-        }
+            return show_at_least(parts, ComponentMeasure::volume_ml, filter.least, cavities);
+        case ComponentFilter::Kind::at_point:
+            return show_component(parts, component_at(filter.p_mm, mesh, parts, grid), cavities);
         case ComponentFilter::Kind::all:
             break;
     }
     return Shown(mesh.triangles.size(), 1);
+}
+
+DrawnComponents drawn_by(const ComponentFilter& filter, const WeldedMesh& mesh,
+                         const VolumeGrid& grid) {
+    DrawnComponents drawn{find_components(mesh, grid), {}};
+    drawn.shown = shown_by(filter, mesh, drawn.parts, grid);
+    return drawn;
 }
 
 }  // namespace
@@ -112,18 +125,15 @@ void Meshes::show(const std::string& name, const WeldedMesh& mesh, const Shown& 
                       });
 }
 
-std::pair<std::size_t, std::size_t> Meshes::apply_filter(const Surface& surface) {
+DrawnComponents Meshes::components(const Surface& surface) {
+    return drawn_by(surface.components, fetch(surface.name), grid());
+}
+
+DrawnComponents Meshes::apply_filter(const Surface& surface) {
     const WeldedMesh whole = fetch(surface.name);
-    const MeshComponents parts = find_components(whole, grid());
-    const Shown shown = shown_by(surface.components, whole, parts, grid());
-    show(surface.name, whole, shown);
-    std::set<std::uint32_t> drawn;
-    for (std::size_t t = 0; t < shown.size(); ++t) {
-        if (shown[t] != 0) {
-            drawn.insert(parts.of_triangle[t]);
-        }
-    }
-    return {parts.components.size(), drawn.size()};
+    DrawnComponents drawn = drawn_by(surface.components, whole, grid());
+    show(surface.name, whole, drawn.shown);
+    return drawn;
 }
 
 WeldedMesh Meshes::fetch_drawn(const Surface& surface) {
@@ -131,8 +141,7 @@ WeldedMesh Meshes::fetch_drawn(const Surface& surface) {
     if (surface.components.kind == ComponentFilter::Kind::all) {
         return whole;
     }
-    const MeshComponents parts = find_components(whole, grid());
-    return shown_part(whole, shown_by(surface.components, whole, parts, grid()));
+    return shown_part(whole, drawn_by(surface.components, whole, grid()).shown);
 }
 
 std::vector<AtlasRow> Meshes::measure(std::span<const double> isovalues, CaseRule table) {

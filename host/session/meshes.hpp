@@ -5,7 +5,6 @@
 #include <functional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/scene/scene.hpp"
@@ -16,6 +15,16 @@
 #include "host/surface/welded_mesh.hpp"
 
 namespace pxpl5::host {
+
+/// The components of a surface, and which of its triangles are drawn.
+struct DrawnComponents {
+    MeshComponents parts;
+    Shown shown;
+
+    bool is_drawn(const MeshComponent& component) const {
+        return shown[component.first_triangle] != 0;
+    }
+};
 
 class Meshes {
   public:
@@ -35,9 +44,10 @@ class Meshes {
     std::uint64_t digest(const std::string& name);
     /// Draws only the shown triangles of `mesh`, until the surface changes.
     void show(const std::string& name, const WeldedMesh& mesh, const Shown& shown);
-    /// Draws only the components that the surface's filter selects. Returns the number of
-    /// components, and the number of components drawn.
-    std::pair<std::size_t, std::size_t> apply_filter(const Surface& surface);
+    /// The surface's components; its filter selects those that are drawn.
+    DrawnComponents components(const Surface& surface);
+    /// Draws only the components that the surface's filter selects.
+    DrawnComponents apply_filter(const Surface& surface);
     /// The measures of the surface at each isovalue (ascending), without components.
     std::vector<AtlasRow> measure(std::span<const double> isovalues, CaseRule table);
 

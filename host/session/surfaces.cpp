@@ -195,8 +195,7 @@ const SurfaceReport& Surfaces::report_of(const std::string& name) const {
     return found->second;
 }
 
-std::pair<std::size_t, std::size_t> Surfaces::set_components(const std::string& name,
-                                                             const ComponentFilter& filter) {
+DrawnComponents Surfaces::set_components(const std::string& name, const ComponentFilter& filter) {
     Surface& surface = meshes_.surface(name);
     surface.components = filter;
     const Conversation::Uncancelable whole(conversation_);  // The GPs' mask is the filter's.

@@ -58,10 +58,8 @@ class Surfaces {
     /// Forgets all reports, because the volume is replaced.
     void forget_reports() { reports_.clear(); }
 
-    /// Draws only these components, also after the isovalue changes. Returns the number of
-    /// components, and the number of components drawn.
-    std::pair<std::size_t, std::size_t> set_components(const std::string& name,
-                                                       const ComponentFilter& filter);
+    /// Draws only these components, also after the isovalue changes.
+    DrawnComponents set_components(const std::string& name, const ComponentFilter& filter);
     /// Shows the cells where `watertight` and `lorensen1987` differ, as two surfaces of their own,
     /// in place of `name`. Ends with end_comparison(), or when one of the three changes.
     MeshComparison compare(const std::string& name);

@@ -3,11 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "host/surface/disjoint_sets.hpp"
@@ -59,6 +61,8 @@ std::vector<std::uint32_t> number_components(DisjointSets& pieces, std::size_t t
 
 void finish(const ComponentSums& sums, const MeshMeasure& measure, MeshComponent& component) {
     component.closed = sums.border_edges + sums.open_edges == 0;
+    component.closed_but_for_border = sums.open_edges == 0;
+    component.cavity = component.closed && measure.is_cavity(sums.volume);
     if (component.closed) {
         component.volume_mm3 = measure.plain_mm3(sums.volume);
     } else if (sums.open_edges == 0) {
@@ -84,16 +88,152 @@ bool is_at_least(const MeshComponent& c, ComponentMeasure measure, double least)
     return false;
 }
 
+/// Shows the components that wanted(number, component) chooses.
 template <class Wanted>
 Shown show_if(const MeshComponents& parts, Wanted wanted) {
     std::vector<std::uint8_t> of_component(parts.components.size());
     for (std::size_t i = 0; i < of_component.size(); ++i)
-        of_component[i] = wanted(parts.components[i]) ? 1 : 0;
+        of_component[i] = wanted(i, parts.components[i]) ? 1 : 0;
     Shown shown(parts.of_triangle.size());
     std::transform(parts.of_triangle.begin(), parts.of_triangle.end(), shown.begin(),
                    [&](std::uint32_t component) { return of_component[component]; });
     return shown;
 }
+
+constexpr std::uint32_t no_component = 0xFFFFFFFF;
+
+/// Whether the inside of the surface lies around the component, as far as its volume tells.
+bool is_around(const MeshComponent& c) {
+    return c.closed ? c.cavity : c.volume_mm3.value_or(0) < 0;
+}
+
+/// Finds the components that cavities belong to: those that bound the same solid. The lines of the
+/// grid meet a surface in vertices, and between two neighbors on a line the side does not change.
+/// So where the solid lies on the left of a component's leftmost vertex, the next vertex there
+/// belongs to a component around the same solid. The same is true on the right.
+class CavityOwners {
+  public:
+    CavityOwners(const WeldedMesh& mesh, const VolumeGrid& grid, MeshComponents& parts,
+                 bool is_last_inside)
+        : mesh_(mesh),
+          grid_(grid),
+          parts_(parts.components),
+          is_last_inside_(is_last_inside),
+          has_holes_(std::any_of(parts_.begin(), parts_.end(),
+                                 [](const auto& c) { return !c.closed_but_for_border; })),
+          of_vertex_(mesh.keys.size(), no_component),
+          ends_(parts_.size()) {
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+            for (const std::uint32_t vertex : mesh.triangles[t]) {
+                of_vertex_[vertex] = parts.of_triangle[t];
+            }
+        }
+        find_ends();
+    }
+
+    void run() {
+        const auto count = static_cast<std::uint32_t>(parts_.size());
+        DisjointSets solids(count + 1);  // The last is the solid of the volume's first voxel.
+        for (std::uint32_t i = 0; i < count; ++i) {
+            for (const Side side : {left, right}) {
+                if (!is_solid_beyond(i, side)) continue;
+                const std::uint32_t found = next_component(ends_[i][side], side);
+                solids.join(i, found == no_component ? count : found);
+            }
+        }
+        // The largest component of each solid that has the solid within, else the largest open one.
+        std::vector<std::uint32_t> owner(count + 1, no_component);
+        for (const bool any : {false, true}) {
+            for (std::uint32_t i = 0; i < count; ++i) {
+                std::uint32_t& known = owner[solids.root(i)];
+                const bool can_own = any ? !parts_[i].closed : !is_around(parts_[i]);
+                if (known == no_component && can_own) known = i;
+            }
+        }
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const std::uint32_t found = owner[solids.root(i)];
+            if (found == no_component || found == i || !is_around(parts_[i])) continue;
+            parts_[i].cavity_of = found;
+            parts_[i].cavity = true;
+        }
+    }
+
+  private:
+    using Voxel = std::array<int, 3>;
+    enum Side : std::size_t { left, right };
+
+    /// The voxels beyond each component's outermost vertices on edges along x.
+    void find_ends() {
+        for (auto& ends : ends_) {
+            ends[left][0] = std::numeric_limits<int>::max();
+            ends[right][0] = -1;
+        }
+        for (std::size_t v = 0; v < mesh_.keys.size(); ++v) {
+            const EdgePlace place = edge_place(mesh_.keys[v], grid_);
+            if (place.axis != 0 || of_vertex_[v] == no_component) continue;
+            auto& ends = ends_[of_vertex_[v]];
+            if (place.voxel[0] < ends[left][0]) ends[left] = place.voxel;
+            if (place.voxel[0] >= ends[right][0]) {
+                ends[right] = {place.voxel[0] + 1, place.voxel[1], place.voxel[2]};
+            }
+        }
+    }
+
+    /// Whether the solid that a component bounds lies beyond its outermost vertex on a side. Of a
+    /// closed one it does if the component is a cavity.
+    bool is_solid_beyond(std::uint32_t component, Side side) const {
+        if (ends_[component][right][0] < 0) return false;
+        if (parts_[component].closed) return parts_[component].cavity;
+        return !has_holes_ && is_inside(ends_[component][side]);
+    }
+
+    /// The component of the next vertex beyond a voxel. Where the line ends at the border, the way
+    /// goes on within the border, to two corners of the volume and along its edges.
+    std::uint32_t next_component(Voxel voxel, Side side) const {
+        const Voxel size = {grid_.nx, grid_.ny, grid_.nz};
+        const bool up = side == right;
+        const std::array<std::pair<std::size_t, bool>, 6> legs = {
+            {{0, up}, {1, false}, {2, false}, {0, !up}, {1, true}, {2, true}}};
+        for (const auto& [axis, upwards] : legs) {
+            while (upwards ? voxel[axis] + 1 < size[axis] : voxel[axis] > 0) {
+                voxel[axis] -= upwards ? 0 : 1;
+                const std::uint32_t found = component_on(voxel, axis);
+                if (found != no_component) return found;
+                voxel[axis] += upwards ? 1 : 0;
+            }
+        }
+        return no_component;
+    }
+
+    /// Counts the vertices on the way to the last voxel.
+    bool is_inside(Voxel voxel) const {
+        const Voxel size = {grid_.nx, grid_.ny, grid_.nz};
+        bool inside = is_last_inside_;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            for (; voxel[axis] + 1 < size[axis]; ++voxel[axis]) {
+                if (component_on(voxel, axis) != no_component) inside = !inside;
+            }
+        }
+        return inside;
+    }
+
+    std::uint32_t component_on(const Voxel& voxel, std::size_t axis) const {
+        const auto at = [&](std::size_t i) { return static_cast<std::uint64_t>(voxel[i]); };
+        const std::uint64_t index =
+            at(2) * grid_.slice_voxels() + at(1) * static_cast<std::uint64_t>(grid_.nx) + at(0);
+        const std::uint64_t key = 4 * index + axis;
+        const auto found = std::lower_bound(mesh_.keys.begin(), mesh_.keys.end(), key);
+        if (found == mesh_.keys.end() || *found != key) return no_component;
+        return of_vertex_[static_cast<std::size_t>(found - mesh_.keys.begin())];
+    }
+
+    const WeldedMesh& mesh_;
+    const VolumeGrid& grid_;
+    std::vector<MeshComponent>& parts_;
+    bool is_last_inside_, has_holes_;
+    std::vector<std::uint32_t> of_vertex_;
+    std::vector<std::array<Voxel, 2>> ends_;
+};
 
 }  // namespace
 
@@ -157,20 +297,39 @@ MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid) {
         }
     }
     for (std::size_t i = 0; i < sums.size(); ++i) finish(sums[i], measure, out.components[i]);
+    if (grid.nx != 0 && std::any_of(out.components.begin(), out.components.end(), is_around)) {
+        VolumeSums whole;
+        for (const ComponentSums& each : sums) whole.add(each.volume);
+        CavityOwners(mesh, grid, out, measure.is_last_voxel_inside(whole)).run();
+    }
     return out;
 }
 
-Shown show_component(const MeshComponents& parts, std::size_t component) {
+Shown show_component(const MeshComponents& parts, std::size_t component, Cavities cavities) {
     if (component >= parts.components.size()) {
         throw RequestError(ExitCode::failed, fmt::format("component {}: the surface has {}",
                                                          component + 1, parts.components.size()));
     }
-    const MeshComponent* const wanted = &parts.components[component];
-    return show_if(parts, [wanted](const MeshComponent& c) { return &c == wanted; });
+    const bool has_cavities = cavities == Cavities::shown;
+    return show_if(parts, [=](std::size_t number, const MeshComponent& c) {
+        return number == component || (has_cavities && c.cavity_of == component);
+    });
 }
 
-Shown show_at_least(const MeshComponents& parts, ComponentMeasure measure, double least) {
-    return show_if(parts, [=](const MeshComponent& c) { return is_at_least(c, measure, least); });
+std::size_t largest_component(const MeshComponents& parts) {
+    const auto found = std::find_if(parts.components.begin(), parts.components.end(),
+                                    [](const MeshComponent& c) { return !c.cavity_of; });
+    assert(found != parts.components.end());  // A component with a cavity is none itself.
+    return static_cast<std::size_t>(found - parts.components.begin());
+}
+
+Shown show_at_least(const MeshComponents& parts, ComponentMeasure measure, double least,
+                    Cavities cavities) {
+    return show_if(parts, [&](std::size_t, const MeshComponent& c) {
+        if (!c.cavity_of) return is_at_least(c, measure, least);
+        return cavities == Cavities::shown &&
+               is_at_least(parts.components[*c.cavity_of], measure, least);
+    });
 }
 
 std::optional<SurfacePoint> nearest_point(const WeldedMesh& mesh, const VolumeGrid& grid,

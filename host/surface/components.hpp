@@ -20,6 +20,14 @@ struct MeshComponent {
     /// negative if that is the outside. Component with holes: none.
     std::optional<double> volume_mm3;
     bool closed = false;
+    bool closed_but_for_border = false;  ///< All open edges lie in one of the volume's six faces.
+    /// A component around which the inside of the surface lies: its volume is negative. An open
+    /// one only if the solid around it has another component, because the volume of a body that
+    /// fills most of the box is negative, too.
+    bool cavity = false;
+    /// For a cavity: the component that bounds the same solid from outside. None if the solid
+    /// reaches the borders of the volume all around, or if the mesh has no grid.
+    std::optional<std::uint32_t> cavity_of;
     BoxMm bounds_mm;
     glm::dvec3 center_mm{0};  ///< Center of its area.
 };
@@ -34,13 +42,23 @@ MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid);
 /// Per triangle: 1 if it is shown.
 using Shown = std::vector<std::uint8_t>;
 
-/// The component of that number alone; 0 is the largest. Throws RequestError naming how many there
-/// are.
-Shown show_component(const MeshComponents& parts, std::size_t component);
+/// Whether the cavities of the chosen components are shown, too. Without its cavities, a component
+/// encloses a solid in which they are filled.
+enum class Cavities : std::uint8_t { shown, filled };
+
+/// The component of that number with its cavities; 0 is the largest. Throws RequestError naming
+/// how many there are.
+Shown show_component(const MeshComponents& parts, std::size_t component,
+                     Cavities cavities = Cavities::shown);
+/// The number of the largest component that is no cavity of another component. The mesh has
+/// components (asserted).
+std::size_t largest_component(const MeshComponents& parts);
 
 enum class ComponentMeasure : std::uint8_t { triangles, area_mm2, volume_ml };
-/// The components of at least `least`; volumes count without their sign, open ones as none.
-Shown show_at_least(const MeshComponents& parts, ComponentMeasure measure, double least);
+/// The components of at least `least` with their cavities. Volumes count without their sign, and
+/// components with holes have none. A cavity of a component is never chosen for itself.
+Shown show_at_least(const MeshComponents& parts, ComponentMeasure measure, double least,
+                    Cavities cavities = Cavities::shown);
 
 /// The point of triangle a, b, c that is nearest to p.
 /// Source  Ericson, Real-Time Collision Detection, 5.1.5.

@@ -5,6 +5,13 @@
 
 namespace pxpl5::host {
 
+void VolumeSums::add(const VolumeSums& other) {
+    flux += other.flux;
+    border += other.border;
+    middle_flux += other.middle_flux;
+    middle_border += other.middle_border;
+}
+
 std::vector<DoubledMiddle> doubled_middles(const WeldedMesh& mesh, const VolumeGrid& grid) {
     std::vector<DoubledMiddle> middles;
     if (grid.nx == 0) {
@@ -83,6 +90,17 @@ double MeshMeasure::plain_mm3(const VolumeSums& sums) const {
     return scale_ * sums.flux / 6;
 }
 
+bool MeshMeasure::is_cavity(const VolumeSums& sums) const {
+    return scale_ * (sums.middle_flux == 0 ? sums.flux : sums.middle_flux) < 0;
+}
+
+bool MeshMeasure::is_last_voxel_inside(const VolumeSums& sums) const {
+    // Crossings do not say if the rim's upper end is inside. If it is inside, exactly the whole box
+    // is missing from the sums, and they are negative.
+    const double last_x = grid_.nx - 1;
+    return (scale_ < 0 ? -1 : 1) * (sums.middle_flux / 6 + 2 * last_x * sums.middle_border) < 0;
+}
+
 double MeshMeasure::box_mm3() const {
     const double height = grid_.place(grid_.nz - 1) - grid_.place(0);
     return std::abs(scale_) * (grid_.nx - 1) * (grid_.ny - 1) * height;
@@ -91,11 +109,8 @@ double MeshMeasure::box_mm3() const {
 double MeshMeasure::within_box_mm3(const VolumeSums& sums) const {
     const double sign = scale_ < 0 ? -1 : 1;
     const double last_x = grid_.nx - 1, last_y = grid_.ny - 1;
-    // Crossings do not say if the rim's upper end is inside. If it is inside, exactly the whole box
-    // is missing from the sums, and they are negative.
-    const double middle = sign * (sums.middle_flux / 6 + 2 * last_x * sums.middle_border);
     const double height = grid_.place(grid_.nz - 1) - grid_.place(0);
-    const double lacking = middle < 0 ? last_x * last_y * height : 0;
+    const double lacking = is_last_voxel_inside(sums) ? last_x * last_y * height : 0;
     return std::abs(scale_) * (sign * (sums.flux / 6 + last_x * sums.border) + lacking);
 }
 

@@ -25,6 +25,8 @@ struct VolumeSums {
     /// The same with all vertices in the middle of their edges: whole numbers below 2^53, thus
     /// exact. They tell sides where the true sums drown in rounding.
     double middle_flux = 0, middle_border = 0;
+
+    void add(const VolumeSums& other);
 };
 
 /// Measures triangles and sums volumes: by Gauss's theorem the flux of (x, 0, 0) through the
@@ -53,6 +55,12 @@ class MeshMeasure {
 
     /// The plain divergence sum of a closed surface, negative if it is a cavity.
     double plain_mm3(const VolumeSums& sums) const;
+    /// Whether a closed surface has the inside around it. Exact, also where volumes drown in
+    /// rounding, unless the mesh has no grid.
+    bool is_cavity(const VolumeSums& sums) const;
+    /// Whether the last voxel of the volume is inside. Takes the sums of the whole surface, which
+    /// has no holes.
+    bool is_last_voxel_inside(const VolumeSums& sums) const;
     /// Box of the whole volume, between the outermost voxels' centers.
     double box_mm3() const;
     /// Volume of the inside, between 0 and the whole box; 0 without triangles.

@@ -62,7 +62,8 @@ Options style_of(const Surface& surface) {
             {"visible", surface.visible ? "yes" : "no"}};
 }
 
-Options filter_of(const ComponentFilter& filter) {
+/// The option that selects components.
+Options selection_of(const ComponentFilter& filter) {
     switch (filter.kind) {
         case ComponentFilter::Kind::largest:
             return {{"show", "largest"}};
@@ -77,6 +78,14 @@ Options filter_of(const ComponentFilter& filter) {
             break;
     }
     return {};
+}
+
+Options filter_of(const ComponentFilter& filter) {
+    Options options = selection_of(filter);
+    if (filter.fills_cavities) {
+        options["cavities"] = "no";
+    }
+    return options;
 }
 
 /// In drawing order: which of two surfaces at one depth is seen depends on the order.

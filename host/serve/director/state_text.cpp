@@ -25,16 +25,17 @@ std::string color_text(const Color& color) {
 
 /// The filter in the form that `components` reads.
 std::string filter_text(const ComponentFilter& filter) {
+    const std::string_view end = filter.fills_cavities ? " cavities=no" : "";
     switch (filter.kind) {
         case ComponentFilter::Kind::largest:
-            return "largest";
+            return fmt::format("largest{}", end);
         case ComponentFilter::Kind::at_least_mm2:
-            return fmt::format("min_mm2={:.6g}", filter.least);
+            return fmt::format("min_mm2={:.6g}{}", filter.least, end);
         case ComponentFilter::Kind::at_least_ml:
-            return fmt::format("min_ml={:.6g}", filter.least);
+            return fmt::format("min_ml={:.6g}{}", filter.least, end);
         case ComponentFilter::Kind::at_point:
-            return fmt::format("at {:.1f},{:.1f},{:.1f} mm", filter.p_mm.x, filter.p_mm.y,
-                               filter.p_mm.z);
+            return fmt::format("at {:.1f},{:.1f},{:.1f} mm{}", filter.p_mm.x, filter.p_mm.y,
+                               filter.p_mm.z, end);
         case ComponentFilter::Kind::all:
             break;
     }

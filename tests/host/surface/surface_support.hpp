@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/surface/certificate.hpp"
+#include "host/surface/components.hpp"
 #include "host/surface/mesh_gather.hpp"
 #include "ringbus/message.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
@@ -128,6 +129,21 @@ Volume placed_volume(Size size, const glm::dmat3& steps, Field field) {
     });
     volume.shape.voxel_to_patient = m;
     return volume;
+}
+
+/// A surface with its components.
+struct Parts {
+    host::VolumeGrid grid;
+    host::WeldedMesh mesh;
+    host::MeshComponents parts;
+};
+
+inline Parts parts_of(const Volume& volume, double isovalue) {
+    Parts out;
+    out.grid = grid_of(volume.shape);
+    out.mesh = mesh_of(volume, isovalue);
+    out.parts = host::find_components(out.mesh, out.grid);
+    return out;
 }
 
 inline host::Certificate certify_volume(const Volume& volume, double isovalue,

@@ -44,20 +44,6 @@ double depth_mm(glm::dvec3 p_mm) {
     return depth;
 }
 
-struct Parts {
-    host::VolumeGrid grid;
-    WeldedMesh mesh;
-    MeshComponents parts;
-};
-
-Parts parts_of(const Volume& volume, double isovalue) {
-    Parts out;
-    out.grid = grid_of(volume.shape);
-    out.mesh = mesh_of(volume, isovalue);
-    out.parts = find_components(out.mesh, out.grid);
-    return out;
-}
-
 Parts three_balls() {
     return parts_of(placed_volume({56, 32, 24}, steps, depth_mm), 0);
 }

@@ -4,6 +4,7 @@
 usage: test_json_cli.py BIN_DIR [--write-page | unittest arguments]
 """
 import json
+import math
 import os
 import pathlib
 import subprocess
@@ -141,6 +142,50 @@ class Json(unittest.TestCase):
         self.assertTrue(all(each["ok"] for each in replies))
         _, replies = self.run_lines(f"{SPHERE}; export {self.folder}/s.stl keep=0.5")
         self.assertIn("decimated from", replies[-1]["warnings"][0])
+
+    def raw_volume(self, size, value_of):
+        """A file of cubic voxels of 1 mm, and the command that loads it."""
+        path = os.path.join(self.folder, "a.raw")
+        span = range(size)
+        pathlib.Path(path).write_bytes(bytes(
+            max(0, min(255, round(128 + 40 * value_of(x, y, z))))
+            for z in span for y in span for x in span))
+        return f"load {path} raw={size}x{size}x{size},uint8,0 spacing=1,1,1"
+
+    def test_cavities_are_named_and_follow_the_component_around_them(self):
+        def shell(*p):
+            r = math.dist(p, (14, 16, 16))
+            return max(min(11 - r, r - 6), 2.5 - math.dist(p, (29, 5, 5)))
+        mesh = os.path.join(self.folder, "s.stl")
+        _, replies = self.run_lines(
+            f"{self.raw_volume(34, shell)}; surface s iso=128; components s; "
+            f"components s show=largest; components s; export {mesh}; certificate {mesh}; "
+            f"components s show=largest cavities=no; export {mesh}; certificate {mesh}; "
+            "components s min_ml=3; components s min_ml=0.1 cavities=yes; "
+            "components s min_mm2=0 cavities=no; history form=scene")
+        results = [each.get("result") for each in replies]
+        listed = results[2]["largest"]
+        self.assertEqual([each["cavity"] for each in listed], [False, True, False])
+        self.assertEqual([each.get("cavity_of") for each in listed], [None, 1, None])
+        outer, cavity, island = (each["volume_ml"] for each in listed)
+        self.assertAlmostEqual(outer + cavity, 4.66, delta=0.1)
+        self.assertEqual([each["drawn"] for each in listed], [True] * 3)
+        self.assertEqual([each["drawn"] for each in results[4]["largest"]], [True, True, False])
+        for result in results[3:5]:
+            self.assertEqual((result["filter"], result["drawn"], result["drawn_cavities"]),
+                             ("largest", 2, 1))
+            self.assertAlmostEqual(result["drawn_ml"], outer + cavity)
+        self.assertAlmostEqual(results[6]["certificates"][0]["volume_ml"], outer + cavity, 3)
+        filled = results[7]
+        self.assertEqual((filled["drawn"], filled["filled_cavities"]), (1, 1))
+        self.assertAlmostEqual(filled["filled_ml"], -cavity)
+        self.assertAlmostEqual(results[9]["certificates"][0]["volume_ml"], outer, 3)
+        self.assertLess(-cavity, 3)  # Its amount would leave the cavity out.
+        self.assertAlmostEqual(results[10]["drawn_ml"], outer + cavity)
+        self.assertAlmostEqual(results[11]["drawn_ml"], outer + cavity)
+        self.assertGreater(0.1, island)
+        self.assertAlmostEqual(results[12]["drawn_ml"], outer + island)
+        self.assertIn("components s cavities=no min_mm2=0", json.dumps(results[13]))
 
     def test_strict_makes_a_warning_an_error(self):
         code, replies = self.run_lines("load phantom:sphere; surface s iso=9000; view", "--strict")
