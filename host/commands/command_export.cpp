@@ -7,6 +7,7 @@
 #include <iterator>
 #include <span>
 
+#include "host/base/chart_axis.hpp"
 #include "host/base/digest.hpp"
 #include "host/base/error.hpp"
 #include "host/base/part_file.hpp"
@@ -72,15 +73,17 @@ Fields volume_identity(const Session& session) {
 
 std::string filter_text(const ComponentFilter& filter) {
     using Kind = ComponentFilter::Kind;
+    const std::string_view end = filter.fills_cavities ? " cavities=no" : "";
     switch (filter.kind) {
         case Kind::largest:
-            return "largest";
+            return fmt::format("largest{}", end);
         case Kind::at_least_mm2:
-            return fmt::format("min_mm2={}", filter.least);
+            return fmt::format("min_mm2={}{}", filter.least, end);
         case Kind::at_least_ml:
-            return fmt::format("min_ml={}", filter.least);
+            return fmt::format("min_ml={}{}", filter.least, end);
         case Kind::at_point:
-            return fmt::format("at {}, {}, {} mm", filter.p_mm.x, filter.p_mm.y, filter.p_mm.z);
+            return fmt::format("at {}, {}, {} mm{}", filter.p_mm.x, filter.p_mm.y, filter.p_mm.z,
+                               end);
         case Kind::all:
             break;
     }
@@ -104,6 +107,7 @@ Fields surface_parameters(const Surface& surface, const FileSurface& file, Field
                      {"components", filter_text(surface.components)}};
     if (file.moved_mm) {
         fields.push_back({"moved_mm", *file.moved_mm});
+        fields.push_back({"components_before", file.components_before});
     }
     fields.push_back({"certificate", std::move(certificate)});
     return fields;
@@ -138,12 +142,71 @@ void write_text(const std::string& path, const std::string& text) {
 }
 
 void add_warnings(Reply& reply, const Session& session, const MeshExportReport& report) {
-    if (const std::size_t at = report.text.find("decimated from"); at != std::string::npos) {
-        reply.warnings.push_back(report.text.substr(at));  // The writer's text has it.
+    for (const char* words : {"; decimated from", "; not decimated"}) {
+        if (const std::size_t at = report.text.find(words); at != std::string::npos) {
+            reply.warnings.push_back(report.text.substr(at + 2));  // The writer's text has it.
+        }
     }
     if (is_assumed(session.volumes.volume())) {
         add_warning(reply,
                     "place or spacing of the volume is assumed, so the mesh's is too: see info");
+    }
+}
+
+/// Returns "; " and what closes an open mesh of the surface.
+std::string open_remedy(const Surface& surface, const MeshExport& wish) {
+    std::string remedy;
+    if (!wish.cap) {
+        remedy = "; cap=yes closes a mesh at the scan's border and at clip planes";
+    }
+    if (surface.table == CaseRule::lorensen1987) {
+        remedy += fmt::format("; table={} leaves no holes", enum_name(CaseRule::watertight));
+    }
+    return remedy;
+}
+
+/// The facts of a surface in the file that a batch decides by.
+Fields file_facts(const FileSurface& surface, const Certificate& certificate) {
+    Fields fields = {{"name", surface.name},
+                     {"triangles", certificate.triangles},
+                     {"vertices", surface.vertices},
+                     {"closed", certificate.closed()},
+                     {"manifold", certificate.manifold()},
+                     {"oriented", certificate.oriented()},
+                     {"inside_out", certificate.is_inside_out()},
+                     {"holes", certificate.holes},
+                     {"open_edges", certificate.count(DefectKind::open_edge)},
+                     {"components", certificate.components}};
+    if (surface.moved_mm) {
+        fields.push_back({"components_before", surface.components_before});
+        fields.push_back({"moved_mm", *surface.moved_mm});
+    }
+    return fields;
+}
+
+/// Adds a line about a surface in the file: a warning if it is open, or no solid for another
+/// reason, or has fewer components than before its decimation.
+void add_file_surface(Reply& reply, const FileSurface& surface, const Certificate& certificate,
+                      const std::string& verdict, const std::string& remedy) {
+    const std::int64_t lost = surface.components_before - certificate.components;
+    std::string line = verdict;
+    if (lost > 0) {
+        line += fmt::format("; decimation dropped {} of {} components", lost,
+                            surface.components_before);
+    } else if (surface.moved_mm) {
+        line +=
+            fmt::format("; {} before and after the decimation",
+                        counted(static_cast<std::uint64_t>(certificate.components), "component"));
+    }
+    if (!certificate.closed()) {
+        line += remedy;
+    }
+    const bool is_solid =
+        certificate.closed() && certificate.good() && !certificate.is_inside_out();
+    if (is_solid && lost <= 0) {
+        reply.text += "\n" + line;
+    } else {
+        add_warning(reply, line);
     }
 }
 
@@ -164,23 +227,24 @@ Reply run_export(Session& session, const Arguments& arguments) {
     wish.description = picture_extras(session, session.scene.camera).description;
     const MeshExportReport report = session.exports.mesh(path, wish);
     const std::string beside = path + ".certificate.json";
-    Reply reply{
-        fmt::format("wrote {}: {}", path, report.text),
-        {{"file", path}, {"triangles", report.triangles}, {"axes", axes}, {"certificate", beside}}};
-    bool is_closed = true;
-    std::vector<Fields> surfaces;
+    Reply reply{fmt::format("wrote {}: {}", path, report.text), {}};
+    std::int64_t vertices = 0, holes = 0, open_edges = 0;
+    std::vector<Fields> surfaces, facts;
     for (const FileSurface& surface : report.surfaces) {
         const Certificate certificate = file_certificate(surface.file);
+        const Surface& drawn = session.meshes.surface(surface.name);
         const Reply one = certificate_reply(certificate, surface.name);
-        reply.text += "\n" + one.text.substr(0, one.text.find('\n'));
-        is_closed = is_closed && certificate.closed();
-        surfaces.push_back(
-            surface_parameters(session.meshes.surface(surface.name), surface, one.fields));
+        add_file_surface(reply, surface, certificate, one.text.substr(0, one.text.find('\n')),
+                         open_remedy(drawn, wish));
+        vertices += surface.vertices;
+        holes += certificate.holes;
+        open_edges += certificate.count(DefectKind::open_edge);
+        facts.push_back(file_facts(surface, certificate));
+        surfaces.push_back(surface_parameters(drawn, surface, one.fields));
     }
-    if (!is_closed && !wish.cap) {
-        reply.text += "\ncap=yes closes a mesh at the scan's border and at clip planes";
-    }
-    reply.fields.push_back({"closed", is_closed});
+    reply.fields = {{"file", path},   {"triangles", report.triangles}, {"vertices", vertices},
+                    {"axes", axes},   {"certificate", beside},         {"closed", open_edges == 0},
+                    {"holes", holes}, {"open_edges", open_edges},      {"surfaces", facts}};
     Fields file = {{"schema", json_schema},
                    {"file", std::filesystem::path(path).filename().string()}};
     std::ranges::move(file_identity(path), std::back_inserter(file));

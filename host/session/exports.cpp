@@ -9,6 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/scene/marks_messages.hpp"
 #include "host/surface/border_cap.hpp"
+#include "host/surface/certificate.hpp"
 #include "host/surface/mesh_distance.hpp"
 #include "host/surface/plane_cut.hpp"
 
@@ -53,7 +54,7 @@ WeldedFile welded(const schema::ExportSurface& surface) {
 void take_decimated(const schema::MeshContent& content, MeshExportReport& report) {
     const std::vector<FileSurface> whole = std::exchange(report.surfaces, {});
     for (const auto* surface : *content.surfaces()) {
-        FileSurface now{surface->name()->str(), welded(*surface), {}};
+        FileSurface now{surface->name()->str(), welded(*surface), surface->vertices()->size()};
         const auto before = std::ranges::find(whole, now.name, &FileSurface::name);
         if (now.file.mesh.triangles.empty()) {
             report.empty.push_back(now.name);
@@ -62,6 +63,7 @@ void take_decimated(const schema::MeshContent& content, MeshExportReport& report
         if (before != whole.end()) {
             now.moved_mm = farthest_distance(before->file.mesh.p_grid, now.file.mesh.p_grid,
                                              now.file.mesh.triangles);
+            now.components_before = certify(before->file.mesh, patient_grid()).components;
         }
         report.surfaces.push_back(std::move(now));
     }
@@ -143,7 +145,8 @@ MeshExportReport Exports::mesh(const std::string& path, const MeshExport& wish) 
             report.empty.push_back(surface.name);
             continue;
         }
-        report.surfaces.push_back({surface.name, weld(mesh.p_grid, mesh.triangles), {}});
+        report.surfaces.push_back({surface.name, weld(mesh.p_grid, mesh.triangles),
+                                   static_cast<std::int64_t>(mesh.keys.size())});
         const std::size_t bytes = builder.GetSize() +
                                   mesh.keys.size() * sizeof(schema::MeshVertex) +
                                   mesh.triangles.size() * sizeof(mesh.triangles[0]);

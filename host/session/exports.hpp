@@ -36,7 +36,9 @@ struct MeshExport {
 struct FileSurface {
     std::string name;
     WeldedFile file;
-    std::optional<double> moved_mm;  ///< Largest move by decimation; nothing if keep is 1.
+    std::int64_t vertices = 0;            ///< In the file, which may have several at one place.
+    std::optional<double> moved_mm = {};  ///< Largest move by decimation; nothing if keep is 1.
+    std::int64_t components_before = 0;   ///< Before decimation; 0 if keep is 1.
 };
 
 struct MeshExportReport {

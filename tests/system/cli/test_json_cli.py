@@ -152,6 +152,46 @@ class Json(unittest.TestCase):
             for z in span for y in span for x in span))
         return f"load {path} raw={size}x{size}x{size},uint8,0 spacing=1,1,1"
 
+    def test_an_open_mesh_warns_and_states_its_holes(self):
+        path = os.path.join(self.folder, "a.stl")
+        commands = f"load phantom:pelvis; surface bone iso=300; export {path}"
+        _, replies = self.run_lines(f"{commands}; certificate {path}; export {path} cap=yes")
+        opened, [told], capped = (replies[2]["result"], replies[3]["result"]["certificates"],
+                                  replies[4]["result"])
+        self.assertFalse(opened["closed"])
+        for key in ("triangles", "vertices", "holes", "open_edges"):
+            self.assertEqual(opened[key], told[key], key)
+            self.assertEqual(opened["surfaces"][0][key], told[key], key)
+        self.assertRegex(replies[2]["warnings"][0], "^bone: not closed: 4 holes .*; cap=yes closes")
+        self.assertEqual((capped["closed"], capped["holes"], replies[4]["warnings"]),
+                         (True, 0, []))
+        code, replies = self.run_lines(commands, "--strict")
+        self.assertEqual((code, replies[-1]["exit_code"]), (3, 3))
+        self.assertIn("bone: not closed", replies[-1]["error"])
+        self.assertEqual(self.run_lines(f"{commands} cap=yes", "--strict")[0], 0)
+
+    def test_a_mesh_that_is_not_decimated_as_asked_warns(self):
+        load = self.raw_volume(5, lambda *p: 3 if p == (2, 2, 2) else -3)
+        _, small = self.run_lines(f"{load}; surface s iso=128; export {self.folder}/s.stl keep=0.9")
+        self.assertIn("not decimated", small[-1]["warnings"][0])
+
+    def test_decimation_tells_the_components_that_it_drops(self):
+        mesh = os.path.join(self.folder, "s.ply")
+        _, replies = self.run_lines(
+            f"load phantom:pelvis; surface s iso=20; export {mesh} cap=yes; "
+            f"export {mesh} cap=yes keep=0.2; certificate {mesh}")
+        [whole], [fewer] = (each["result"]["surfaces"] for each in replies[2:4])
+        [told] = replies[4]["result"]["certificates"]
+        self.assertNotIn("components_before", whole)
+        before, after = fewer["components_before"], fewer["components"]
+        self.assertEqual((before, after), (whole["components"], told["components"]))
+        self.assertLess(after, before)
+        self.assertIn(f"s: closed, manifold, oriented; decimation dropped {before - after} of "
+                      f"{before} components", replies[3]["warnings"])
+        beside = json.loads(pathlib.Path(mesh + ".certificate.json").read_text())
+        self.assertEqual(beside["surfaces"][0]["components_before"], before)
+        self.assertEqual(told["degenerate"], 0)
+
     def test_cavities_are_named_and_follow_the_component_around_them(self):
         def shell(*p):
             r = math.dist(p, (14, 16, 16))
