@@ -3,10 +3,12 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <limits>
 #include <optional>
 
 #include "tests/golden.hpp"
 #include "tests/host/commands/info_text.hpp"
+#include "tests/host/io/dicom_files.hpp"
 #include "tests/host/io/volume_writers.hpp"
 
 using namespace pxpl5;
@@ -92,12 +94,21 @@ void add_dicom(Texts& texts) {
             dicom_place(set, {-10, 20 + 0.1 * z, z}, {1, 0, 0}, {0, 1, 0}, 0.5, 0.5).file());
     }
     texts.add_series("tilted_ct", tilted);
+    std::vector<std::string> sideways;
+    for (const double x : {0., 0.2, -0.1}) {
+        DicomSet set = slice_at(0);
+        sideways.push_back(dicom_place(set, {x - 10, 20, static_cast<double>(sideways.size())},
+                                       {1, 0, 0}, {0, 1, 0}, 0.5, 0.5)
+                               .file());
+    }
+    texts.add_series("slices_step_sideways", sideways);
     texts.add_series(
         "two_series",
         {slice_at(0).text(0x20, 0x11, "IS", "3").file(),
          slice_at(1).text(0x20, 0x11, "IS", "3").file(),
          slice_at(0).text(0x20, 0xe, "UI", "1.2.9").text(0x20, 0x11, "IS", "7").file(),
          slice_at(1).text(0x20, 0xe, "UI", "1.2.9").text(0x20, 0x11, "IS", "7").file()});
+    texts.add("mosaic.dcm", mosaic().file());
     texts.add("mosaic_without_csa.dcm",
               image().text(8, 8, "CS", "ORIGINAL\\PRIMARY\\M\\ND\\MOSAIC").file());
     texts.add("cine.dcm", frames(0x1063).text(0x18, 0x1063, "DS", "33.3").file());
@@ -130,6 +141,9 @@ void add_stored(Texts& texts) {
     texts.add("no_unit.nii", unitless.bytes() + bytes_of(cube().values));
     bits.put<std::int16_t>(72, 8);
     texts.add("wrong_bitpix.nii", bits.bytes() + bytes_of(cube().values));
+    NiftiHeader no_slope = nifti1_header(cube());
+    no_slope.put<float>(112, std::numeric_limits<float>::quiet_NaN());
+    texts.add("slope_is_nan.nii", no_slope.bytes() + bytes_of(cube().values));
     const std::string packed = gzipped(texts.folder(), nifti1_file(cube()));
     texts.add("words_behind.nii.gz", packed + "trailing words");
     texts.add("broken.nii.gz", packed.substr(0, packed.size() - 12) + std::string(12, 'x'));
