@@ -10,9 +10,11 @@ namespace pxpl5::isa {
 void Sequencer::count(std::uint64_t instructions, std::uint64_t cycles) {
     state_.counts.instructions += instructions;
     state_.counts.cycles += cycles;
-    if (state_.counts.instructions > controller_.step_limit) {
+    const std::uint64_t limit =
+        controller_.step_limit ? *controller_.step_limit : usual_step_limit(words_.size());
+    if (state_.counts.instructions > limit) {
         throw RunError(fmt::format("word {}: the run executed {} instructions; the limit is {}",
-                                   state_.at, state_.counts.instructions, controller_.step_limit));
+                                   state_.at, state_.counts.instructions, limit));
     }
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -15,8 +16,16 @@
 
 namespace pxpl5::isa {
 
-/// Limits the instructions of one run, so that every run ends.
-inline constexpr std::uint64_t default_step_limit = std::uint64_t{1} << 32;
+/// The instructions that loops and calls may add to one run. The slowest ones take 24 us on the
+/// fast executor (QUADclampintoMEM of 32 bits), so that a crafted stream ends within two minutes,
+/// before the heartbeat's stuck_s. Programs that people write repeat some thousands.
+inline constexpr std::uint64_t max_repeated_instructions = std::uint64_t{1} << 22;
+
+/// The most instructions of a run of `words` words. A program without loops and calls executes at
+/// most one instruction per word, so that it ends below the limit however long it is.
+constexpr std::uint64_t usual_step_limit(std::size_t words) {
+    return words + max_repeated_instructions;
+}
 
 /// Thrown when a run cannot continue: step limit reached, CALL or LOOP too deep, RET without CALL.
 /// The text names the word offset and the limit.
@@ -26,8 +35,8 @@ struct RunError : std::runtime_error {
 
 /// The state of the controller that lasts from stream to stream.
 struct Controller {
-    bool flag = true;  ///< Result of the last ANYENAB. Initially 1: no skip.
-    std::uint64_t step_limit = default_step_limit;
+    bool flag = true;                         ///< Result of the last ANYENAB. Initially 1: no skip.
+    std::optional<std::uint64_t> step_limit;  ///< Instructions of one run, else the usual limit.
     std::function<void(std::uint32_t)> on_signal;  ///< Called with the number of each SIGNAL.
 };
 

@@ -1,5 +1,8 @@
 // Tests the controller: calls, loops, skips, signals and limits.
 #include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <string>
 
 #include "isa/assemble.hpp"
 #include "isa/reference/reference.hpp"
@@ -60,6 +63,38 @@ TEST_CASE("a run that would never end stops at the limit and says so") {
     CHECK_THROWS_WITH_AS(m.run("LOOP #255\nLOOP #255\nNOP\nENDLOOP\nENDLOOP"),
                          "word 2: the run executed 1001 instructions; the limit is 1000",
                          isa::RunError);
+}
+
+TEST_CASE("the usual limit ends loops and calls that repeat too much") {
+    Machine m;
+    REQUIRE(isa::max_repeated_instructions == 4'194'304);
+    std::string loops, ends;
+    for (std::size_t depth = 0; depth < isa::max_loop_depth; ++depth) {
+        loops += "LOOP #255\n";
+        ends += "ENDLOOP\n";
+    }
+    CHECK_THROWS_WITH_AS(m.run(loops + "NOP\n" + ends),
+                         "word 9: the run executed 4194322 instructions; the limit is 4194321",
+                         isa::RunError);
+    // Seven levels of 16 calls each are 16^7 rounds of the last routine.
+    std::string calls;
+    for (int level = 0; level < 7; ++level) {
+        calls += fmt::format("level{}:\n", level);
+        for (int i = 0; i < 16; ++i) {
+            calls += fmt::format("CALL level{}\n", level + 1);
+        }
+        calls += level == 0 ? "EOR\n" : "RET\n";
+    }
+    CHECK_THROWS_WITH_AS(m.run(calls + "level7: NOP\nRET\n"), doctest::Contains("; the limit is "),
+                         isa::RunError);
+}
+
+TEST_CASE("the usual limit ends no program that executes each word once") {
+    Machine m;
+    const std::size_t count = isa::max_repeated_instructions + 1000;
+    const std::vector<std::uint32_t> words(count, isa::assemble("NOP").words.at(0));
+    REQUIRE(isa::check(words).ok());
+    CHECK(isa::run(words, m.pixel, m.controller).instructions == count);
 }
 
 TEST_CASE("calls and loops that go too deep end the run") {
