@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 
+from pages import write_nrrd
 from processes import children_of, name_of
 
 TOPOLOGIES = ("default", "one-of-each", "paper-1993")
@@ -32,6 +33,13 @@ MOMENTS = {"load": "load phantom:pelvis",
            "idle": None}
 AFTER = ("surface skin iso=-300 opacity=0.5", "surface bone iso=250", "digest", "snapshot {}/p.png")
 NODES = ("pxpl5-gp", "pxpl5-renderer", "pxpl5-framebuff")
+# The work under which pxpl5-io dies. The request may fail, and nothing else.
+IO_MOMENTS = {"load a file": "load {}/scan.nrrd",
+              "export": "export {}/old.ply surfaces=bone",
+              "orbit": "orbit 8 {}/o{{}}.png",
+              "snapshot": "snapshot {}/s.png"}
+IO_SIZE = 96  # Voxels per edge of the file: some milliseconds of reading.
+LONGEST_IO_WORK_S = 0.03
 LONGEST_WORK_S = 0.3  # Deaths are spread over this time after the command.
 DEADLINE_S = 60
 LIVELY = ("--set", "heartbeat.interval_ms=100", "--set", "heartbeat.misses=20")
@@ -41,15 +49,22 @@ class Failure(Exception):
     pass
 
 
+def is_named(pid, name):
+    try:
+        return name_of(pid) == name
+    except (FileNotFoundError, ProcessLookupError):
+        return False  # It has ended meanwhile.
+
+
 class Host:
     """`pxpl5 run --json -`."""
 
-    def __init__(self, binaries, folder, topology):
+    def __init__(self, binaries, folder, topology, *flags):
         self.folder = folder
         self.errors = open(folder / "errors", "w+", encoding="utf-8")
         self.process = subprocess.Popen(
             [binaries / "pxpl5", "run", "--json", "--topology", topology, "--run-folder",
-             folder / "run", *LIVELY, "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+             folder / "run", *LIVELY, *flags, "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
             stderr=self.errors, env={**os.environ, "XDG_RUNTIME_DIR": str(folder)},
             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0)))
         self.unread = b""
@@ -82,6 +97,26 @@ class Host:
 
     def nodes(self):
         return [pid for pid in children_of(self.process.pid) if name_of(pid) in NODES]
+
+    def ios(self):
+        """Its pxpl5-io, as soon as there is one or an answer."""
+        deadline = time.monotonic() + DEADLINE_S
+        while time.monotonic() < deadline:
+            found = [pid for pid in children_of(self.process.pid) if is_named(pid, "pxpl5-io")]
+            if found or select.select([self.process.stdout], [], [], 0)[0]:
+                return found
+        raise Failure("neither pxpl5-io nor an answer")
+
+    def parts(self):
+        """Files that are being written."""
+        return [name for name in os.listdir(self.folder) if ".part" in name]
+
+    def wait_for_part(self):
+        """Until a file is being written, or the answer is there."""
+        deadline = time.monotonic() + DEADLINE_S
+        while (time.monotonic() < deadline and not self.parts() and
+               not select.select([self.process.stdout], [], [], 0)[0]):
+            pass
 
     def end(self):
         """Exit code. Raises Failure if a process or a socket is left."""
@@ -188,10 +223,60 @@ def trial(binaries, seed, expected):
             host.kill()
 
 
+def check_io_answer(answer):
+    """The request works, or its error names the process and how it has died."""
+    if answer is None:
+        raise Failure("the program has ended without an answer")
+    if not answer["ok"] and "io-" not in answer["error"] and "pxpl5-io" not in answer["error"]:
+        raise Failure(f"{answer['command']}: the error does not name pxpl5-io: {answer['error']}")
+
+
+def io_trial(binaries, seed, expected):
+    """Returns a line about the trial, and whether a request has failed."""
+    chance = random.Random(seed)
+    number, moment = chance.choice(SIGNALS), chance.choice(tuple(IO_MOMENTS))
+    digests, mesh, picture = expected
+    with tempfile.TemporaryDirectory(prefix="pxpl5-chaos-") as name:
+        folder = pathlib.Path(name)
+        write_nrrd(folder / "scan.nrrd", IO_SIZE, 30)
+        host = Host(binaries, folder, "one-of-each", "--keep-going")
+        try:
+            for line in (*SCENE, "export {}/old.ply surfaces=skin"):
+                check_answer(host.ask(line.format(folder)))
+            old = (folder / "old.ply").read_bytes()
+            host.say(IO_MOMENTS[moment].format(folder))
+            if chance.random() < 0.5 and moment != "load a file":
+                host.wait_for_part()
+            else:
+                host.wait_for_answer(chance.uniform(0, LONGEST_IO_WORK_S))
+            for victim in host.ios():
+                if is_named(victim, "pxpl5-io"):
+                    os.kill(victim, number)
+            answer = host.answer()
+            check_io_answer(answer)
+            if (folder / "old.ply").read_bytes() not in (old, mesh):
+                raise Failure("the exported mesh is neither the old nor the new one")
+            after = []
+            for line in (*SCENE, *AFTER):
+                after.append(host.ask(line.format(folder)))
+                check_answer(after[-1])
+            host.end()  # Its exit code is that of the failed request.
+            if digests_of(after) != digests or (folder / "p.png").read_bytes() != picture:
+                raise Failure("the picture or a mesh differs")
+            return (f"{seed}: pxpl5-io, {moment}, {number.name}: {answer.get('error', 'done')}",
+                    not answer["ok"])
+        except Failure as failure:
+            raise Failure(f"seed {seed}: pxpl5-io, {moment}, {number.name}: {failure}\n"
+                          f"{(folder / 'errors').read_text()}") from failure
+        finally:
+            host.kill()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("binaries", type=lambda text: pathlib.Path(text).resolve())
     parser.add_argument("--trials", type=int, default=15)
+    parser.add_argument("--io-trials", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     expected = undisturbed(options.binaries)
@@ -211,6 +296,19 @@ def main():
           "death to the next right picture")
     if restarts == 0:
         failures.append("no trial has met a death: the test checks nothing")
+    met = 0
+    for seed in range(options.seed, options.seed + options.io_trials):
+        try:
+            line, has_failed = io_trial(options.binaries, seed, expected)
+        except Failure as failure:
+            failures.append(str(failure))
+            print(f"FAILED {failure}", flush=True)
+            continue
+        print(line, flush=True)
+        met += has_failed
+    print(f"{options.io_trials} deaths of pxpl5-io: {met} requests failed")
+    if options.io_trials > 5 and met == 0:
+        failures.append("no request has met the death of pxpl5-io: the test checks nothing")
     sys.exit(1 if failures else 0)
 
 
