@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
+constexpr std::size_t random_digits = 16;
 
 /// Characters that no other program can foresee.
 std::string random_text() {
@@ -29,7 +30,7 @@ std::string random_text() {
         static std::uint64_t count = 0;  // Early at boot: O_EXCL still keeps other files safe.
         bits = static_cast<std::uint64_t>(getpid()) << 32 | ++count;
     }
-    return fmt::format("{:016x}", bits);
+    return fmt::format("{:0{}x}", bits, random_digits);
 }
 
 /// Returns once the file or folder is on the disk. False and errno if it is not.
@@ -174,6 +175,28 @@ PartFile::~PartFile() {
     for (std::atomic<const char*>& place : open_parts) {
         const char* own = part_.c_str();
         place.compare_exchange_strong(own, nullptr);
+    }
+}
+
+void remove_parts_of(const fs::path& target, fs::file_time_type since) {
+    const fs::path place = place_of(target);
+    const std::string begin = "." + place.stem().string() + ".";
+    const auto is_part = [&](const std::string& name) {
+        return name.starts_with(begin) &&
+               name.compare(std::min(name.size(), begin.size() + random_digits), 5, ".part") == 0 &&
+               std::all_of(name.begin() + static_cast<std::ptrdiff_t>(begin.size()),
+                           name.begin() + static_cast<std::ptrdiff_t>(begin.size() + random_digits),
+                           [](unsigned char c) { return std::isxdigit(c) != 0; });
+    };
+    std::error_code failure;
+    for (fs::directory_iterator at(folder_of(place), failure);
+         !failure && at != fs::directory_iterator(); at.increment(failure)) {
+        std::error_code unknown;
+        if (is_part(at->path().filename().string()) &&
+            fs::is_regular_file(at->symlink_status(unknown)) &&
+            at->last_write_time(unknown) >= since && !unknown) {
+            fs::remove(at->path(), unknown);
+        }
     }
 }
 

@@ -184,7 +184,12 @@ void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
     if (cell >= 0) {
         command.inherited.push_back(cell);
     }
-    node.pid = supervisor_.spawn(command);
+    try {
+        node.pid = supervisor_.spawn(command);
+    } catch (...) {
+        heartbeat_.forget(name);  // No process will beat in the cell.
+        throw;
+    }
     if (cell >= 0) {
         heartbeat_.watch({name, node.pid, node.role == Role::io}, now_ms());
     }
@@ -235,10 +240,13 @@ void Launcher::await(const std::string& what, Handshake& handshake, const Missin
         check_health();
         const std::int64_t left_ms = deadline_ms - now_ms();
         if (left_ms <= 0) {
-            fail(timeout_code,
-                 fmt::format("{} {} not {} within {} s", fmt::join(names, ", "),
-                             names.size() == 1 ? "has" : "have", what, options_.start_timeout_s),
-                 names.front());
+            const std::string text =
+                fmt::format("{} {} not {} within {} s", fmt::join(names, ", "),
+                            names.size() == 1 ? "has" : "have", what, options_.start_timeout_s);
+            if (io_.used && names.front() == io_.used->name()) {
+                blame(io_.used->id, timeout_code, text);  // The machine works without it.
+            }
+            fail(timeout_code, text, names.front());
         }
         supervisor_.wait(link_.poll_fd(), wait_ms(left_ms));
     }

@@ -126,7 +126,13 @@ WeldedFile Exports::read_mesh(const std::string& path) {
     schema::ReadMeshT request;
     request.path = path;
     const IoOutcome read = io_.write(path, bus::pack(request));
-    return welded(*read.content.value().as<schema::MeshContent>()->surfaces()->Get(0));
+    const auto* content = read.content ? read.content->as<schema::MeshContent>() : nullptr;
+    if (content == nullptr || content->surfaces()->size() != 1) {
+        throw RequestError(ExitCode::bad_data,
+                           fmt::format("{}: the io process answered with {} meshes instead of one",
+                                       path, content == nullptr ? 0 : content->surfaces()->size()));
+    }
+    return welded(*content->surfaces()->Get(0));
 }
 
 MeshExportReport Exports::mesh(const std::string& path, const MeshExport& wish) {

@@ -1,8 +1,11 @@
 #include "host/session/io_requests.hpp"
 
+#include <chrono>
+#include <filesystem>
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
 
 namespace pxpl5::host {
 
@@ -34,7 +37,14 @@ void IoRequests::run(const std::string& what, ExitCode on_death, bus::Payload re
 
 IoOutcome IoRequests::write(const std::string& path, bus::Payload request) {
     const Conversation::Cancelable cancelable(conversation_);
-    run(path, ExitCode::failed, std::move(request), [this] { return is_done_; });
+    // File systems keep times in steps of some milliseconds.
+    const auto start = std::filesystem::file_time_type::clock::now() - std::chrono::seconds(1);
+    try {
+        run(path, ExitCode::failed, std::move(request), [this] { return is_done_; });
+    } catch (...) {
+        remove_parts_of(path, start);  // A killed process cannot remove them.
+        throw;
+    }
     return std::exchange(outcome_, {});
 }
 

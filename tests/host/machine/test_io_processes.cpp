@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <set>
 #include <string>
 
@@ -106,6 +107,28 @@ TEST_CASE("an io process that somebody kills is named with its work, and memory 
     const fs::path log = text.substr(at, text.size() - at - 1);
     machine.start_io();
     CHECK_MESSAGE(has(text_of(log), "--host-endpoint"), log);
+    machine.shutdown();
+}
+
+TEST_CASE("an io process that never says Hello fails its request, and the machine continues") {
+    Bench bench;
+    bench.options.start_timeout_s = 8;
+    Machine machine(bench.topology, bench.options);
+    setenv("MISBEHAVE", "silent", 1);
+    std::string text;
+    try {
+        machine.start_io();
+    } catch (const RequestError& error) {
+        text = error.what();
+    }
+    unsetenv("MISBEHAVE");
+    CHECK_MESSAGE(has(text, "io-0 has not said Hello within 8 s"), text);
+    bool answered = false;
+    const bus::NodeId io = machine.start_io();
+    machine.send(io, io_order(Order::answer));
+    machine.pump([&](const bus::Message& m) { answered = answered || m.source() == io; },
+                 [&] { return answered; });
+    CHECK(answered);
     machine.shutdown();
 }
 

@@ -88,4 +88,19 @@ TEST_SUITE("host/session/unsound_io") {
         machine.answers = {bus::pack(test::example_header()), bus::pack(done)};
         CHECK_THROWS_WITH_AS(session.volumes.load("scan.nrrd"), "as ordered", RequestError);
     }
+
+    TEST_CASE("an answer without a mesh, or with none in it, ends the request") {
+        UnsoundMachine machine;
+        Session session(machine);
+        schema::IoDoneT done;
+        done.ok = true;
+        schema::MeshContentT nothing;
+        for (const std::deque<bus::Payload>& answers :
+             {std::deque{bus::pack(done)}, std::deque{bus::pack(nothing), bus::pack(done)}}) {
+            machine.answers = answers;
+            CHECK_THROWS_WITH_AS(session.exports.read_mesh("x.stl"),
+                                 "x.stl: the io process answered with 0 meshes instead of one",
+                                 RequestError);
+        }
+    }
 }

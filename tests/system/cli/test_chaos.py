@@ -254,6 +254,8 @@ def io_trial(binaries, seed, expected):
                     os.kill(victim, number)
             answer = host.answer()
             check_io_answer(answer)
+            if host.parts():
+                raise Failure(f"unfinished files are left: {host.parts()}")
             if (folder / "old.ply").read_bytes() not in (old, mesh):
                 raise Failure("the exported mesh is neither the old nor the new one")
             after = []
