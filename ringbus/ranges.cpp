@@ -11,6 +11,7 @@
 #include "ringbus/activity.hpp"
 #include "ringbus/channel_model.hpp"
 #include "ringbus/range_check.hpp"
+#include "ringbus/rules/light_sum.hpp"
 #include "ringbus/rules/regions.hpp"
 
 namespace pxpl5::bus {
@@ -82,12 +83,15 @@ std::string range_of(const schema::DrawFrame& draw) {
         check.finite("voxel_to_eye", *view->voxel_to_eye())
             .finite("projection", *view->projection());
     }
+    double sum = draw.ambient();
     for (const auto* light : *draw.lights()) {
         const schema::Vec3& d = light->direction();
         const float length = std::sqrt(d.x() * d.x() + d.y() * d.y() + d.z() * d.z());
         check.within("length of a light's direction", length, 0.999F, 1.001F)
-            .within("intensity", light->intensity(), 0.0F, 16.0F);
+            .within("intensity", light->intensity(), 0.0F, max_light_sum);
+        sum += light->intensity();
     }
+    check.within("ambient light and all intensities", sum, 0.0, double{max_light_sum});
     for (std::size_t i = 0; i < size_of(draw.clip_planes()); ++i) {
         const auto* plane = draw.clip_planes()->Get(static_cast<flatbuffers::uoffset_t>(i));
         check.finite("clip plane", plane->a()).finite("clip plane", plane->b());

@@ -14,6 +14,7 @@
 #include "isa/contract/screen_door.hpp"
 #include "isa/program.hpp"
 #include "renderer_firmware/programs/texts.hpp"
+#include "ringbus/rules/light_sum.hpp"
 
 namespace pxpl5::renderer {
 namespace {
@@ -285,8 +286,9 @@ void verify(const Shading& s) {
                 fmt::format("a light's direction ({}, {}, {}) has no length", d.x, d.y, d.z));
         sum += light.intensity;
     }
-    require(sum <= max_light_sum,
-            fmt::format("ambient and intensities sum up to {}; at most {}", sum, max_light_sum));
+    require(
+        sum <= bus::max_light_sum,
+        fmt::format("ambient and intensities sum up to {}; at most {}", sum, bus::max_light_sum));
 }
 
 /// u or v of a screen's rank: a linear form in x and y.

@@ -14,8 +14,6 @@
 
 namespace pxpl5::renderer {
 
-inline constexpr float max_light_sum = 3.9F;  ///< Limit of ambient + all intensities; 1 is white.
-
 /// Directional light in eye space: x right, y up, z toward the viewer.
 struct Light {
     struct Direction {

@@ -145,6 +145,9 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(DrawFrameT, m.lights.assign(5, m.lights[0]), "number of lights is 5");
         CHECK_REFUSED(DrawFrameT, m.lights[0].mutable_direction().mutate_z(2), "direction is 2");
         CHECK_REFUSED(DrawFrameT, m.lights[0].mutate_intensity(-1), "intensity is -1");
+        CHECK_REFUSED(DrawFrameT, m.ambient = 1; m.lights.assign(2, m.lights[0]);
+                      m.lights[0].mutate_intensity(1.5F);
+                      m.lights[1].mutate_intensity(1.5F), "ambient light and all intensities is 4");
         CHECK_REFUSED(DrawFrameT, m.surfaces.resize(256, m.surfaces[0]), "surfaces is 256");
         CHECK_REFUSED(DrawFrameT, m.clip_planes.resize(17), "number of clip planes is 17");
         CHECK_REFUSED(DrawFrameT, m.clip_planes[0] = schema::ClipPlane(0, 0, INFINITY, 0),

@@ -250,9 +250,17 @@ TEST_CASE("wrong words about surfaces are refused and change nothing") {
                              "atlas steps=1",
                              "load phantom:pelvis crop=1:2",
                              "load phantom:pelvis resample=2x2x2 resample_mm=1,1,1",
-                             "orbit 3 picture.png"}) {
+                             "orbit 3 picture.png",
+                             "light 1 0 0 intensity=3.8"}) {
         CAPTURE(line);
         CHECK_THROWS_AS(bone.run(line), RequestError);
     }
     CHECK(bone.draw() == before);
+    bone.run("light off");
+    bone.run("light 1 0 0 intensity=3.4");
+    CHECK_NOTHROW(bone.draw());
+    CHECK_THROWS_WITH_AS(bone.run("material ambient=0.6"),
+                         doctest::Contains("all intensities add up to 4, 3.9 are the most"),
+                         RequestError);
+    CHECK_NOTHROW(bone.draw());
 }
