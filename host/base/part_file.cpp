@@ -181,8 +181,11 @@ PartFile::~PartFile() {
 void remove_parts_of(const fs::path& target, fs::file_time_type since) {
     const fs::path place = place_of(target);
     const std::string begin = "." + place.stem().string() + ".";
+    const std::string end = ".part" + place.extension().string();
+    const bool has_colors = place.extension() == ".obj";  // Beside it, in a file of their own.
     const auto is_part = [&](const std::string& name) {
         return name.starts_with(begin) &&
+               (name.ends_with(end) || (has_colors && name.ends_with(".part.mtl"))) &&
                name.compare(std::min(name.size(), begin.size() + random_digits), 5, ".part") == 0 &&
                std::all_of(name.begin() + static_cast<std::ptrdiff_t>(begin.size()),
                            name.begin() + static_cast<std::ptrdiff_t>(begin.size() + random_digits),

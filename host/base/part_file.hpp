@@ -72,7 +72,7 @@ class PartFile {
     int failure_ = 0;  ///< The first errno; 0 if all went well.
 };
 
-/// Removes the unfinished files of `target`, and of files beside it with the same stem, that have
+/// Removes the unfinished files of `target`, and the colors of an unfinished OBJ file, that have
 /// changed since then: for a program whose writer was killed. Another program that writes the same
 /// target at this moment gets an error.
 void remove_parts_of(const std::filesystem::path& target, std::filesystem::file_time_type since);

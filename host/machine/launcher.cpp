@@ -244,7 +244,10 @@ void Launcher::await(const std::string& what, Handshake& handshake, const Missin
                 fmt::format("{} {} not {} within {} s", fmt::join(names, ", "),
                             names.size() == 1 ? "has" : "have", what, options_.start_timeout_s);
             if (io_.used && names.front() == io_.used->name()) {
-                blame(io_.used->id, timeout_code, text);  // The machine works without it.
+                kill_io();  // The machine works without it.
+                throw RequestError(
+                    ExitCode::unavailable,
+                    work_ + ": " + text + "; the computer may be busy: repeat the command");
             }
             fail(timeout_code, text, names.front());
         }

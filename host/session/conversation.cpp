@@ -44,12 +44,13 @@ void Conversation::ask_cancelable(const std::string& what, const bus::Payload& r
         ask(what, request, [&](const bus::Message& message) {
             const bool is_answer = answers(message);
             if (is_answer) {
+                answered_.insert(message.source());  // `take` may throw.
                 take(message);
             }
             return is_answer;
         });
     } catch (const RequestError&) {  // Canceled, or recording has stopped.
-        Late late{answers, {gps().begin(), gps().end()}};
+        Late late{request.kind(), answers, {gps().begin(), gps().end()}};
         std::erase_if(late.from, [this](bus::NodeId gp) { return answered_.contains(gp); });
         if (!late.from.empty()) {
             late_.push_back(std::move(late));
@@ -115,14 +116,17 @@ void Conversation::discard_until(const Handler& take_one, const std::function<bo
     fault_.reset();
 }
 
-/// A GP answers in the order of the requests, so an answer belongs to the oldest that waits for it.
+/// A GP answers the requests of one kind in their order, so an answer or a fault belongs to the
+/// oldest that waits for it.
 bool Conversation::is_late(const bus::Message& message) {
-    const bool is_fault = message.kind() == bus::Body::Fault;
-    if (is_fault && message.as<schema::Fault>()->frame()) {
+    const auto* fault = message.as<schema::Fault>();
+    if (fault != nullptr && fault->frame()) {
         return false;
     }
     for (auto late = late_.begin(); late != late_.end(); ++late) {
-        if (late->from.contains(message.source()) && (is_fault || late->answers(message))) {
+        if (late->from.contains(message.source()) &&
+            (fault != nullptr ? fault->request() == static_cast<std::uint16_t>(late->request)
+                              : late->answers(message))) {
             late->from.erase(message.source());
             if (late->from.empty()) {
                 late_.erase(late);

@@ -109,6 +109,7 @@ class Conversation {
 
     /// Answers of a canceled request that are still to come.
     struct Late {
+        bus::Body request = bus::Body::NONE;
         Answer answers;
         std::set<bus::NodeId> from;
     };

@@ -125,7 +125,7 @@ WeldedMesh Exports::ready_for_file(const Surface& surface, bool cap) {
 WeldedFile Exports::read_mesh(const std::string& path) {
     schema::ReadMeshT request;
     request.path = path;
-    const IoOutcome read = io_.write(path, bus::pack(request));
+    const IoOutcome read = io_.read(path, bus::pack(request));
     const auto* content = read.content ? read.content->as<schema::MeshContent>() : nullptr;
     if (content == nullptr || content->surfaces()->size() != 1) {
         throw RequestError(ExitCode::bad_data,

@@ -35,17 +35,23 @@ void IoRequests::run(const std::string& what, ExitCode on_death, bus::Payload re
     conversation_.wait(what, [&] { return done() || conversation_.has_fault(); });
 }
 
-IoOutcome IoRequests::write(const std::string& path, bus::Payload request) {
+IoOutcome IoRequests::read(const std::string& path, bus::Payload request) {
     const Conversation::Cancelable cancelable(conversation_);
-    // File systems keep times in steps of some milliseconds.
-    const auto start = std::filesystem::file_time_type::clock::now() - std::chrono::seconds(1);
+    run(path, ExitCode::failed, std::move(request), [this] { return is_done_; });
+    return std::exchange(outcome_, {});
+}
+
+IoOutcome IoRequests::write(const std::string& path, bus::Payload request) {
+    // File systems keep times in steps of up to 2 s.
+    const auto start = std::filesystem::file_time_type::clock::now() - std::chrono::seconds(3);
     try {
-        run(path, ExitCode::failed, std::move(request), [this] { return is_done_; });
+        return read(path, std::move(request));
     } catch (...) {
-        remove_parts_of(path, start);  // A killed process cannot remove them.
+        if (!is_done_) {
+            remove_parts_of(path, start);  // A killed process cannot remove them.
+        }
         throw;
     }
-    return std::exchange(outcome_, {});
 }
 
 void IoRequests::take(const schema::IoDone& done) {

@@ -25,6 +25,8 @@ class IoRequests {
     void run(const std::string& what, ExitCode on_death, bus::Payload request,
              const std::function<bool()>& done);
     /// Waits until the io process reports the end of `request`. Throws as run().
+    IoOutcome read(const std::string& path, bus::Payload request);
+    /// The same. Removes the unfinished files of `path` if the io process dies.
     IoOutcome write(const std::string& path, bus::Payload request);
 
   private:
