@@ -14,6 +14,11 @@ namespace {
 
 constexpr int max_animation_frames = 2'000;
 
+/// Whether all pixels are the background.
+bool is_blank(const Picture& picture) {
+    return std::ranges::count(picture.rgba, picture.rgba[0]) == std::ssize(picture.rgba);
+}
+
 /// Where the pictures of a command go that draws many: nowhere, into a file each, or into one
 /// animation.
 class PictureFiles {
@@ -37,6 +42,7 @@ class PictureFiles {
     }
 
     void take(int index, const Picture& picture, const Camera& camera) {
+        is_blank_ = is_blank_ && !pattern_.empty() && is_blank(picture);
         if (is_animation_) {
             pictures_.push_back(picture);
         } else if (!pattern_.empty()) {
@@ -56,6 +62,12 @@ class PictureFiles {
         }
     }
     std::int64_t written() const { return written_; }
+    /// Adds a warning if pictures were written in which nothing is visible.
+    void warn(Reply& reply) const {
+        if (is_blank_ && written_ != 0) {
+            add_warning(reply, "nothing is visible in any of the pictures", "; ");
+        }
+    }
     /// Whether files were written between the pictures: times then tell of writing.
     bool has_interrupted() const { return written_ != 0 && !is_animation_; }
     /// For the end of the command's answer.
@@ -69,7 +81,7 @@ class PictureFiles {
     Session& session_;
     double delay_ms_;
     std::string pattern_;
-    bool is_animation_ = false;
+    bool is_animation_ = false, is_blank_ = true;
     std::int64_t written_ = 0;
     std::vector<Picture> pictures_;
 };
@@ -114,15 +126,13 @@ Reply run_snapshot(Session& session, const Arguments& arguments) {
     const double draw_ms = session.frames.last().elapsed_ms;
     session.exports.pictures({&picture, 1}, arguments.words[0],
                              picture_extras(session, session.scene.camera));
-    const bool is_empty =
-        std::ranges::count(picture.rgba, picture.rgba[0]) == std::ssize(picture.rgba);
     Reply reply{fmt::format("wrote {} ({}x{}, drawn in {:.1f} ms)", arguments.words[0],
                             picture.width, picture.height, draw_ms),
                 {{"file", arguments.words[0]},
                  {"width", std::int64_t{picture.width}},
                  {"height", std::int64_t{picture.height}},
                  {"draw_ms", draw_ms}}};
-    if (is_empty) {
+    if (is_blank(picture)) {
         add_warning(reply, "nothing is visible in it", "; ");
     }
     return reply;
@@ -153,6 +163,7 @@ Reply run_orbit(Session& session, const Arguments& arguments) {
         reply.fields.push_back({"frames_per_s", rate});
     }
     reply.text += files.text();
+    files.warn(reply);
     return reply;
 }
 
@@ -193,6 +204,7 @@ Reply run_sweep(Session& session, const Arguments& arguments) {
             fmt::format("{} of them have no surface: the volume's values are {} .. {}", empty,
                         session.volumes.volume().minimum, session.volumes.volume().maximum));
     }
+    files.warn(reply);
     return reply;
 }
 

@@ -135,10 +135,14 @@ class Json(unittest.TestCase):
     def test_warnings_of_the_text_are_in_json(self):
         path = os.path.join(self.folder, "empty.png")
         _, replies = self.run_lines(
-            f"load phantom:sphere; surface s iso=9000; snapshot {path}; view")
+            f"load phantom:sphere; surface s iso=9000; snapshot {path}; view; "
+            f"orbit 2 {self.folder}/empty.gif; orbit 2; surface s iso=0.5; "
+            f"orbit 2 {self.folder}/full.gif")
         self.assertIn("no surface there", replies[1]["warnings"][0])
         self.assertEqual(replies[2]["warnings"], ["nothing is visible in it"])
         self.assertEqual(replies[3]["warnings"], [])
+        self.assertEqual(replies[4]["warnings"], ["nothing is visible in any of the pictures"])
+        self.assertEqual([replies[at]["warnings"] for at in (5, 7)], [[], []])
         self.assertTrue(all(each["ok"] for each in replies))
         _, replies = self.run_lines(f"{SPHERE}; export {self.folder}/s.stl keep=0.5")
         self.assertIn("decimated from", replies[-1]["warnings"][0])
