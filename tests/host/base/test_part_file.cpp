@@ -3,6 +3,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -104,4 +106,35 @@ TEST_CASE("a file that cannot be read is named by what it is") {
     CHECK(why_unreadable("/dev/zero") == "is a device, not a file");
     REQUIRE(mkfifo(folder.file("pipe").c_str(), 0600) == 0);
     CHECK(why_unreadable(folder.file("pipe")) == "is a FIFO, not a file");
+}
+
+TEST_CASE("unfinished files of a killed writer go, and no other file does") {
+    const TemporaryFolder folder;
+    const std::string digits = "0123456789abcdef";
+    fs::create_directory(folder.file("far"));
+    fs::create_symlink("far/b.obj", folder.file("link.obj"));
+    for (const char* name :
+         {"a.b.stl", ".a.b.DIGITS.part.ply", ".c.DIGITS.part.stl", ".a.b.DIGITS.stl",
+          ".a.b.0123.part.stl", ".a.b.DIGITS.part.mtl", ".a.b.DIGITS.part.stl",
+          "far/.b.DIGITS.part.obj", "far/.b.DIGITS.part.mtl"}) {
+        std::string named = name;
+        if (const std::size_t at = named.find("DIGITS"); at != std::string::npos) {
+            named.replace(at, 6, digits);
+        }
+        folder.write(named, "x");
+    }
+    const auto files = [&] {
+        const auto all = fs::recursive_directory_iterator(folder.file(""));
+        return std::count_if(begin(all), end(all),
+                             [](const auto& entry) { return entry.is_regular_file(); });
+    };
+    const auto now = fs::last_write_time(folder.file("a.b.stl"));
+    remove_parts_of(folder.file("a.b.stl"), now + std::chrono::hours(1));
+    CHECK(files() == 9);  // They are older than the writer.
+    remove_parts_of(folder.file("a.b.stl"), now - std::chrono::hours(1));
+    CHECK(files() == 8);
+    CHECK_FALSE(fs::exists(folder.file(".a.b." + digits + ".part.stl")));
+    remove_parts_of(folder.file("link.obj"), now - std::chrono::hours(1));
+    CHECK(files() == 6);
+    remove_parts_of(folder.file("none/x.stl"), now - std::chrono::hours(1));
 }
