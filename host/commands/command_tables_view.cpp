@@ -46,8 +46,10 @@ std::vector<Command> view_commands() {
          run_light},
         {{.name = "clip",
           .help = "Cuts the scene; without words, lists the cuts. The letter names the side that "
-                  "is kept, from MM or the center on. A plane replaces an earlier plane with its "
-                  "letter, a box replaces a box. 'flip' keeps the other side of a plane.",
+                  "is kept, from MM or the center on. MM counts towards the letter: 'S 20' keeps "
+                  "what lies above z = 20 mm, 'I -20' what lies below. A plane replaces an "
+                  "earlier plane with its letter, a box replaces a box. 'flip' keeps the other "
+                  "side of a plane.",
           .words = {{"SIDE", "L|R|P|A|S|I|box|off", "side to keep"},
                     {"PLACE", "MM|I,J,K|flip|off", "place, or first voxel of a box"},
                     {"LAST", "I,J,K", "last voxel of a box"}},
