@@ -87,7 +87,7 @@ TEST_CASE("ids and logs of io processes are used again") {
     machine.shutdown();
 }
 
-TEST_CASE("an io process that somebody kills is named with its work, and memory is not blamed") {
+TEST_CASE("an io process that is killed is named with its work, and memory is not blamed") {
     Bench bench;
     Machine machine(bench.topology, bench.options);
     machine.name_work("scan.nii");
