@@ -1,11 +1,10 @@
 // Volume files: the header and the values of each format, through the whole import.
-#include <zlib.h>
-
 #include <array>
 
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/fuzz/imported.hpp"
 #include "tests/fuzz/scratch.hpp"
+#include "tests/gzip.hpp"
 
 namespace pxpl5::fuzz {
 
@@ -32,17 +31,6 @@ constexpr std::array forms = {
 };
 constexpr std::size_t analyze_bytes = 348;  ///< Size of an Analyze header.
 constexpr char next_file = 0x1e;            ///< Precedes the values behind a text header.
-
-std::string gzipped(const Scratch& scratch, const std::string& bytes) {
-    const std::string path = scratch.at("packed");
-    gzFile file = gzopen(path.c_str(), "wb1");
-    gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
-    gzclose(file);
-    std::ifstream stream(path, std::ios::binary);
-    std::string packed{std::istreambuf_iterator<char>(stream), {}};
-    std::filesystem::remove(path);
-    return packed;
-}
 
 host::io::RawLayout layout(Bytes& bytes) {
     constexpr std::array types = {"uint8", "int8",   "uint16",  "int16",
@@ -80,7 +68,9 @@ bool accepts(Input input) {
         scratch.write(form->values, header.substr(std::min(end, header.size())));
         header.resize(std::min(end, header.size()));
     }
-    request.path = scratch.write(form->name, form->is_packed ? gzipped(scratch, header) : header);
+    request.path = scratch.write(
+        form->name,
+        form->is_packed ? test::gzipped_at(scratch.at("packed"), header, "wb1") : header);
     return imports(request);
 }
 

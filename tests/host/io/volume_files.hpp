@@ -2,7 +2,6 @@
 #pragma once
 
 #include <unistd.h>
-#include <zlib.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -10,11 +9,12 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <type_traits>
 #include <vector>
+
+#include "tests/gzip.hpp"
 
 namespace pxpl5::test {
 
@@ -125,14 +125,7 @@ class NiftiHeader {
 
 /// The bytes of a gzip file with these contents. Uses a file in `folder`, and removes it.
 inline std::string gzipped(const TemporaryFolder& folder, const std::string& bytes) {
-    const std::string path = folder.file("scratch.gz");
-    gzFile file = gzopen(path.c_str(), "wb");
-    gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
-    gzclose(file);
-    std::ifstream stream(path, std::ios::binary);
-    std::string packed{std::istreambuf_iterator<char>(stream), {}};
-    std::filesystem::remove(path);
-    return packed;
+    return gzipped_at(folder.file("scratch.gz"), bytes);
 }
 
 }  // namespace pxpl5::test
