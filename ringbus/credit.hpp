@@ -23,10 +23,19 @@ inline constexpr std::uint64_t batch_bytes = slices_window_bytes / 2;
 inline constexpr std::size_t max_waiting_messages = std::size_t{1} << 20;
 inline constexpr std::uint64_t max_waiting_bytes = std::uint64_t{16} << 30;
 
-/// Returns false for control messages. They need no credit, or no credit could be granted.
+/// Returns false for Hello, Topology, Connected, Go and Shutdown, which a node gets once, and for
+/// Credit, whose number depends on the messages with credit.
 constexpr bool needs_credit(Body kind) {
-    return kind > Body::Fault;
+    return kind > Body::Credit;
 }
+
+/// Messages of one connection that a receiver stores unread. A sender that keeps to its window
+/// never sends as many. The messages of other senders then stay in the memory of their sender.
+inline constexpr std::uint32_t max_unread_messages = 2 * window_messages;
+/// The most credit of one peer that may be unread, and the messages that a node gets once.
+inline constexpr std::uint32_t max_unread_control =
+    static_cast<std::uint32_t>(window_messages / batch_messages + window_bytes / batch_bytes) + 8;
+static_assert(window_messages + max_unread_control < max_unread_messages);
 
 constexpr std::uint64_t window_bytes_of(Body kind) {
     return kind == Body::Slices ? slices_window_bytes : window_bytes;

@@ -27,6 +27,12 @@ namespace {
 /// Refused messages, and credit, that receive() takes in one call.
 constexpr int max_unreturned = 1024;
 
+/// A sender that does not keep to its window waits. No sender blocks: each stores what waits.
+void prepare_inbound(zmq::socket_t& socket) {
+    prepare(socket);
+    socket.set(zmq::sockopt::rcvhwm, static_cast<int>(max_unread_messages));
+}
+
 struct Peer {
     std::string endpoint;
     zmq::socket_t socket;  ///< Opened by the first message: most peers never get one.
@@ -192,7 +198,7 @@ ZmqLink::ZmqLink(const Self& self, const std::string& bind, const Credentials& c
                  std::size_t lendable_bytes)
     : parts_(std::make_unique<Parts>(self, credentials, lendable_bytes)) {
     check_address("listen at", bind, credentials);
-    prepare(parts_->inbound);
+    prepare_inbound(parts_->inbound);
     if (credentials.keys && !is_near(bind)) {
         guard_inbound(parts_->inbound, *credentials.keys);
         parts_->guard.start(parts_->context, parts_->inbound, *credentials.keys);
