@@ -16,6 +16,8 @@ import pages
 BIN = pathlib.Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else None
 README = "README.md"
 BENCH = "tests/bench/README.md"
+CLUSTER = "tests/cluster/README.md"
+ROOT = "needs root and namespaces; cluster/harness runs the program where they are"
 MINUTES = "takes minutes; the bench tests run the same program for a short time"
 LONG = "takes minutes and needs the peers or a quiet machine"
 FUZZ = "builds with sanitizers and takes minutes; CI runs the same script for 20 s per target"
@@ -32,6 +34,10 @@ EXCUSED = {
     ("tests/fuzz/README.md", "tests/fuzz.sh 0.5 volume dicom"): FUZZ,
     ("tests/fuzz/README.md", "tests/fuzz.sh --report 0.33"): FUZZ,
     ("tests/fuzz/README.md", "tests/fuzz.sh --seed 1 0.33"): FUZZ,
+    (CLUSTER, "host/setup.sh cluster"): "installs packages as root, from the network",
+    (CLUSTER, "sudo python3 tests/cluster/cluster.py"): ROOT,
+    (CLUSTER, "sudo python3 tests/cluster/cluster.py --computers 8 --on n2 --user root hostname"):
+        ROOT,
     (BENCH, "ninja -C build/release"): "builds the release preset",
     (BENCH, "../../build/release/tests/stage_bench --benchmark_min_time=0.1"): MINUTES,
     (BENCH, "python3 machine.py ../../build/release/bin/pxpl5 --check"): MINUTES,
