@@ -1,6 +1,9 @@
 #!/usr/bin/env bash
-# Installs what the build needs (Debian 12), with the argument "tests" also what the tests and
-# checks need. Quiet and quick when nothing is missing.
+# Installs what the build needs (Debian 12). Quiet and quick when nothing is missing. Arguments:
+#   tests     also what the tests and checks need
+#   cluster   also the daemons that tests/cluster starts in namespaces. They are installed, but
+#             neither started nor enabled on this machine. As root where systemd does not run, in
+#             a container, "tests" includes them.
 set -euo pipefail
 
 packages=(
@@ -13,12 +16,31 @@ packages=(
     libwebsockets-dev libturbojpeg0-dev node-d3 libnlopt-dev
     doctest-dev libbenchmark-dev
 )
-if [ "${1:-}" = tests ]; then
+has_tests=false has_cluster=false
+for argument in "$@"; do
+    case $argument in
+    tests) has_tests=true ;;
+    cluster) has_cluster=true ;;
+    *)
+        echo "setup: no set of packages is called $argument; there are tests and cluster" >&2
+        exit 64
+        ;;
+    esac
+done
+if $has_tests; then
     packages+=(chromium python3-jsonschema clang-format clang-19 clang-tidy-19 lld-19
         libclang-rt-19-dev llvm-19 gcovr jq)
     # Node may have come from elsewhere than Debian, which then must not be asked for another.
     command -v node >/dev/null || packages+=(nodejs)
     command -v npm >/dev/null || packages+=(npm)
+    if [ "$(id -u)" -eq 0 ] && [ ! -d /run/systemd/system ]; then
+        has_cluster=true
+    fi
+fi
+declare -A services=()  # By package.
+if $has_cluster; then
+    services=([munge]=munge [openssh-server]=ssh [slurmctld]=slurmctld [slurmd]=slurmd)
+    packages+=("${!services[@]}" slurm-client openssh-client openmpi-bin iproute2 util-linux)
 fi
 
 missing=()
@@ -32,6 +54,12 @@ as_root=()
 if [ "$(id -u)" -ne 0 ]; then
     as_root=(sudo)
 fi
+policy=/usr/sbin/policy-rc.d  # Packages ask it whether they may start their services.
+if $has_cluster && [ ! -e $policy ]; then
+    trap '"${as_root[@]}" rm -f $policy' EXIT
+    printf '#!/bin/sh\nexit 101\n' | "${as_root[@]}" tee $policy >/dev/null
+    "${as_root[@]}" chmod 755 $policy
+fi
 log=$(mktemp)
 echo "setup: installing ${#missing[@]} packages: ${missing[*]}"
 if ! { "${as_root[@]}" apt-get update &&
@@ -42,4 +70,9 @@ if ! { "${as_root[@]}" apt-get update &&
     exit 69
 fi
 rm -f "$log"
+for package in "${missing[@]}"; do
+    if [ -n "${services[$package]:-}" ]; then
+        "${as_root[@]}" update-rc.d "${services[$package]}" disable
+    fi
+done
 echo "setup: done"
