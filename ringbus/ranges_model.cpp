@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "ringbus/range_check.hpp"
 #include "ringbus/ranges.hpp"
@@ -263,10 +264,14 @@ std::string range_of(const schema::SceneBegin& begin) {
         .reason();
 }
 
-std::string range_of(const schema::ScenePart& part) {
+std::string range_of(const schema::ScenePart& part, Elements& elements) {
     const auto& vertices = *part.vertices();
     const auto& indices = *part.indices();
     Check check;
+    if (!elements.take(check, std::size_t{vertices.size()} + indices.size() +
+                                  part.spheres()->size() + part.lines()->size())) {
+        return check.reason();
+    }
     check.at_most("slab", part.slab(), max_scene_slab)
         .equal("indices beyond whole triangles", indices.size() % 3, 0U);
     const auto outside = std::find_if(indices.begin(), indices.end(),
@@ -296,10 +301,49 @@ std::string range_of(const schema::ScenePart& part) {
     return check.reason();
 }
 
+/// Checks the box, the counts and the notes of an archive.
+void check_facts(Check& check, const schema::ArchiveContent& content) {
+    const schema::ScenePoint &low = *content.low(), &high = *content.high();
+    for (const auto& [from, to] : {std::pair(low.x(), high.x()), std::pair(low.y(), high.y()),
+                                   std::pair(low.z(), high.z())}) {
+        check.finite("low", from).finite("high", to).at_most("low", from, to);
+    }
+    check.within("structures", content.structures(), 1, max_archive_structures)
+        .within("posted", content.posted(), 1, content.structures())
+        .within("specular", content.specular(), 0.0, 1.0)
+        .at_most("specular_power", content.specular_power(), max_specular_power)
+        .at_most("number of notes", size_of(content.notes()), max_archive_notes);
+    if (check.reason().empty() && content.notes() != nullptr) {
+        for (const auto* note : *content.notes()) {
+            check.at_most("length of a note", note->size(), max_note_length);
+        }
+    }
+}
+
+std::string range_of(const schema::ArchiveContent& content, Elements elements) {
+    Check check;
+    check.within("number of materials", content.materials()->size(), 1, max_surfaces);
+    check_facts(check, content);
+    std::uint64_t primitives = 0;
+    std::uint32_t slab = 0;
+    for (const auto* part : *content.parts()) {
+        if (!check.reason().empty()) {
+            break;  // No more lists, which parts may share.
+        }
+        check.equal("scene of a part", part->scene(), 0U)
+            .equal("slab of a part", part->slab(), slab++)
+            .within("material of a part", part->surface(), 0, content.materials()->size() - 1);
+        check.add(range_of(*part, elements));
+        primitives += part->indices()->size() / 3;
+        primitives += std::uint64_t{part->spheres()->size()} + part->lines()->size();
+    }
+    return check.within("number of primitives", primitives, 1, max_archive_primitives).reason();
+}
+
 }  // namespace
 
 std::string model_out_of_range(const schema::Message& message, std::size_t body_bytes) {
-    const Elements elements(body_bytes);
+    Elements elements(body_bytes);
     switch (message.body_type()) {
         case Body::ImportVolume:
             return range_of(*message.body_as_ImportVolume());
@@ -318,7 +362,9 @@ std::string model_out_of_range(const schema::Message& message, std::size_t body_
         case Body::SceneBegin:
             return range_of(*message.body_as_SceneBegin());
         case Body::ScenePart:
-            return range_of(*message.body_as_ScenePart());
+            return range_of(*message.body_as_ScenePart(), elements);
+        case Body::ArchiveContent:
+            return range_of(*message.body_as_ArchiveContent(), elements);
         case Body::MaskSurface:
             return range_of(*message.body_as_MaskSurface());
         case Body::MeasureIsovalues:

@@ -20,7 +20,7 @@ Reply run_stats(Session& session, const Arguments&) {
                         report.cells_active, report.cells_ambiguous, report.rows_skipped);
         list.push_back(surface_fields(surface, report));
     }
-    if (const phigs::Content* archive = session.volumes.archive()) {
+    if (const ArchiveFacts* archive = session.volumes.archive()) {
         reply.text += fmt::format("{}: {} triangles, {} spheres, {} lines\n", archive->file,
                                   archive->triangles, archive->spheres, archive->lines);
     }

@@ -8,7 +8,7 @@
 
 #include "host/base/error.hpp"
 #include "host/phantom/phantom.hpp"
-#include "host/phigs/archive.hpp"
+#include "host/session/transfer/scene_transfer.hpp"
 
 namespace pxpl5::host {
 
@@ -165,7 +165,7 @@ void name_surfaces(const RenderRequest& request, std::vector<Arguments>& command
             each.words = {usual_surface(request, &each)};
         }
     }
-    if (has_surface || phigs::is_archive(request.volume)) {
+    if (has_surface || is_archive(request.volume)) {
         return;
     }
     if (!is_phantom(request.volume)) {
@@ -184,7 +184,7 @@ void name_surfaces(const RenderRequest& request, std::vector<Arguments>& command
 ///
 /// commands  Named by the user. A wish for such a view is taken out: surfaces come later.
 bool takes_fit(const RenderRequest& request, std::vector<Arguments>& commands) {
-    bool is_chosen = phigs::is_archive(request.volume), is_wished = false;
+    bool is_chosen = is_archive(request.volume), is_wished = false;
     for (Arguments& each : commands) {
         if (each.name == "view") {
             is_wished |= each.text("fit", "no") == "yes";

@@ -21,7 +21,7 @@ constexpr int atlas_bins = 256;
 constexpr const char* usual_steps = "256";
 
 Reply describe_loaded(const Session& session, VolumeDetail detail) {
-    const phigs::Content* archive = session.volumes.archive();
+    const ArchiveFacts* archive = session.volumes.archive();
     return archive != nullptr ? describe_archive(*archive)
                               : describe_volume(session.volumes.volume(), detail);
 }
@@ -123,8 +123,8 @@ Reply run_info(Session& session, const Arguments& arguments) {
         return describe_loaded(session, VolumeDetail::all);
     }
     const std::string& source = arguments.words[0];
-    if (phigs::is_archive(source)) {
-        return describe_archive(phigs::flatten(phigs::read_archive(source)));
+    if (is_archive(source)) {
+        return describe_archive(session.volumes.read_archive(source));
     }
     const Volume volume = session.volumes.read(source, load_options(arguments));
     check_identity(volume, arguments);

@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "host/io/archive_requests.hpp"
 #include "host/io/export_requests.hpp"
 #include "host/io/import.hpp"
 #include "host/io/request_needs.hpp"
@@ -112,6 +113,7 @@ void IoNode::receive(const bus::Message& message, bus::Outbox&) {
         case bus::Body::ExportPicture:
         case bus::Body::ExportMesh:
         case bus::Body::ReadMesh:
+        case bus::Body::ReadArchive:
             break;
         default:
             throw bus::NodeFault(schema::FaultCode::bad_message,
@@ -153,6 +155,8 @@ bool IoNode::work(bus::Outbox& out) {
             send_all(export_mesh(*request.as<schema::ExportMesh>()), request.source(), out);
         } else if (request.kind() == bus::Body::ReadMesh) {
             send_all(read_mesh_file(*request.as<schema::ReadMesh>()), request.source(), out);
+        } else if (request.kind() == bus::Body::ReadArchive) {
+            send_all(read_archive_file(*request.as<schema::ReadArchive>()), request.source(), out);
         } else {
             out.send(request.source(),
                      bus::pack(export_picture(*request.as<schema::ExportPicture>())));

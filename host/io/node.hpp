@@ -3,10 +3,11 @@
 //   ImportVolume  --->+--------+---> VolumeHeader, Slices..., VolumeEnd   (to who asked)
 //   ExportPicture --->|   io   |---> IoDone
 //   ExportMesh    --->|        |---> MeshContent (what was decimated or read), then IoDone
-//   ReadMesh      --->+--------+
+//   ReadMesh      --->|        |
+//   ReadArchive   --->+--------+---> ArchiveContent, then IoDone
 //
-// An import that fails is answered by IoDone{ok: false}; an export always by IoDone. Requests are
-// served in the order of their arrival.
+// A request that fails is answered by IoDone{ok: false}. Requests are served in the order of their
+// arrival.
 #pragma once
 
 #include <cstdint>

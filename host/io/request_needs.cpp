@@ -94,6 +94,8 @@ Needs needs_of(const bus::Message& request, const std::vector<std::string>& allo
         needs.files = files_of_import(*import, allowed);
     } else if (const auto* mesh = request.as<schema::ReadMesh>()) {
         needs.files.readable.emplace_back(mesh->path()->str());
+    } else if (const auto* archive = request.as<schema::ReadArchive>()) {
+        needs.files.readable.emplace_back(archive->path()->str());
     } else if (const auto* picture = request.as<schema::ExportPicture>()) {
         needs = needs_of_export(picture->path()->str(), request.bytes().size());
     } else if (const auto* surfaces = request.as<schema::ExportMesh>()) {

@@ -9,7 +9,7 @@
 
 namespace pxpl5::host::io {
 
-/// Returns the needs of an ImportVolume, ReadMesh, ExportPicture or ExportMesh.
+/// Returns the needs of an ImportVolume, ReadMesh, ReadArchive, ExportPicture or ExportMesh.
 ///
 /// allowed  Folders in which headers may name data files, beside their own.
 Needs needs_of(const bus::Message& request, const std::vector<std::string>& allowed);

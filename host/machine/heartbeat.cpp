@@ -43,6 +43,8 @@ std::string_view verb_of(Body kind) {
             return "writing a mesh";
         case Body::ReadMesh:
             return "reading a mesh";
+        case Body::ReadArchive:
+            return "reading an archive";
         default:
             return {};
     }

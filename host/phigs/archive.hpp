@@ -16,7 +16,6 @@ namespace pxpl5::host::phigs {
 
 // Limits: an archive is untrusted input.
 inline constexpr std::size_t max_file_bytes = std::size_t{64} << 20;
-inline constexpr std::size_t max_structures = 65'536;
 inline constexpr std::size_t max_elements = 2'000'000;  ///< Limit for all structures together.
 inline constexpr std::size_t max_name_length = 256;
 inline constexpr std::size_t max_polygon_corners = 1024;
@@ -104,9 +103,6 @@ Archive parse_archive(std::string_view text, const std::string& file);
 
 /// Reads the file and takes it apart. Throws RequestError.
 Archive read_archive(const std::string& path);
-
-/// True for paths that end in .phigs, in letters of any case.
-bool is_archive(std::string_view path);
 
 /// Throws RequestError (bad data) for a place in a file.
 [[noreturn]] void refuse_text(const std::string& file, Place at, const std::string& text);

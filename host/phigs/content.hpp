@@ -14,9 +14,8 @@
 namespace pxpl5::host::phigs {
 
 inline constexpr std::size_t max_execute_depth = 64;
-inline constexpr std::size_t max_visits = 8'000'000;      ///< Elements, each time it is executed.
-inline constexpr std::size_t max_primitives = 2'000'000;  ///< Triangles, spheres and lines.
-inline constexpr std::size_t primitives_per_part = 256;   ///< Parts are what GPs share.
+inline constexpr std::size_t max_visits = 8'000'000;     ///< Elements, each time it is executed.
+inline constexpr std::size_t primitives_per_part = 256;  ///< Parts are what GPs share.
 
 /// How a primitive looks: the frame's list of surfaces.
 struct Material {

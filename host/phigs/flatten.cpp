@@ -255,10 +255,10 @@ class Flattener {
     /// The part that takes `count` primitives of this material.
     Part& part_for(const Material& material, std::size_t count, const Structure& structure) {
         primitives_ += count;
-        if (primitives_ > max_primitives) {
+        if (primitives_ > std::size_t{max_archive_primitives}) {
             refuse_at(structure.at, fmt::format("more than {} triangles, spheres and lines are "
                                                 "drawn, here by structure {}",
-                                                max_primitives, structure.name));
+                                                max_archive_primitives, structure.name));
         }
         const auto key =
             std::tuple(material.color.r, material.color.g, material.color.b, material.cull_back);

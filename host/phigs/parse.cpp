@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -13,6 +12,7 @@
 #include <memory>
 #include <set>
 
+#include "generated/vocabulary.hpp"
 #include "host/base/error.hpp"
 #include "host/phigs/lexer.hpp"
 
@@ -43,8 +43,8 @@ class Parser {
     Structure structure() {
         const Place at = lexer_.peek().at;
         lexer_.expect("structure", "at the top level");
-        if (archive_.structures.size() == max_structures) {
-            lexer_.refuse_at(at, fmt::format("{} structures are the most", max_structures));
+        if (archive_.structures.size() == std::size_t{max_archive_structures}) {
+            lexer_.refuse_at(at, fmt::format("{} structures are the most", max_archive_structures));
         }
         Structure result;
         const Place name_at = lexer_.peek().at;
@@ -336,14 +336,6 @@ Archive read_archive(const std::string& path) {
         done += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
     }
     return parse_archive(text, path);
-}
-
-bool is_archive(std::string_view path) {
-    constexpr std::string_view suffix = ".phigs";
-    return path.size() > suffix.size() &&
-           std::ranges::equal(path.substr(path.size() - suffix.size()), suffix, {}, [](char c) {
-               return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-           });
 }
 
 }  // namespace pxpl5::host::phigs

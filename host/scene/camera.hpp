@@ -43,6 +43,10 @@ Subject subject_of(const glm::dvec3& last, const glm::dmat4& voxel_to_patient);
 /// The same for nx x ny x nz voxel centers that are evenly spaced.
 Subject subject_of(int nx, int ny, int nz, const glm::dmat4& voxel_to_patient);
 
+/// The radius at which an archive is shown, whatever its units: depth and clipping are made for
+/// the sizes of patients.
+inline constexpr double scene_radius_mm = 100;
+
 struct Camera {
     ViewAngles angles;
     double zoom =

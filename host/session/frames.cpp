@@ -53,7 +53,7 @@ Frames::Frames(Conversation& conversation, Scene& scene, const Volumes& volumes,
 
 Stage Frames::stage() const {
     if (volumes_.archive() != nullptr) {
-        return {volumes_.archive_surfaces(), phigs::scene_subject(), glm::dmat4(1.0), false};
+        return {volumes_.archive_surfaces(), scene_subject(), glm::dmat4(1.0), false};
     }
     const Volume& held = volumes_.volume();
     const glm::dvec3 last(held.nx - 1, held.ny - 1, last_place(held));

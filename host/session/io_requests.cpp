@@ -15,8 +15,13 @@ IoRequests::IoRequests(Conversation& conversation) : conversation_(conversation)
     conversation_.handle(bus::Body::IoDone, [this](const bus::Message& message) {
         take(*message.as<schema::IoDone>());
     });
-    conversation_.handle(bus::Body::MeshContent,
-                         [this](const bus::Message& message) { outcome_.content = message; });
+    for (const bus::Body kind : {bus::Body::MeshContent, bus::Body::ArchiveContent}) {
+        conversation_.handle(kind, [this](const bus::Message& message) {
+            if (message.kind() == content_kind_) {
+                outcome_.content = message;
+            }
+        });
+    }
 }
 
 void IoRequests::run(const std::string& what, ExitCode on_death, bus::Payload request,
@@ -31,13 +36,15 @@ void IoRequests::run(const std::string& what, ExitCode on_death, bus::Payload re
     const Release release{machine};
     is_done_ = false;
     outcome_ = {};
+    content_kind_ = request.kind() == bus::Body::ReadArchive ? bus::Body::ArchiveContent
+                                                             : bus::Body::MeshContent;
     machine.send(io, std::move(request));
     conversation_.wait(what, [&] { return done() || conversation_.has_fault(); });
 }
 
-IoOutcome IoRequests::read(const std::string& path, bus::Payload request) {
+IoOutcome IoRequests::read(const std::string& path, bus::Payload request, ExitCode on_death) {
     const Conversation::Cancelable cancelable(conversation_);
-    run(path, ExitCode::failed, std::move(request), [this] { return is_done_; });
+    run(path, on_death, std::move(request), [this] { return is_done_; });
     return std::exchange(outcome_, {});
 }
 

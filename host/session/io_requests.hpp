@@ -13,7 +13,7 @@ namespace pxpl5::host {
 struct IoOutcome {
     std::int64_t triangles = 0;
     std::string text;
-    std::optional<bus::Message> content;  ///< MeshContent, if the request has such an answer.
+    std::optional<bus::Message> content;  ///< MeshContent, or ArchiveContent of ReadArchive.
 };
 
 class IoRequests {
@@ -25,7 +25,8 @@ class IoRequests {
     void run(const std::string& what, ExitCode on_death, bus::Payload request,
              const std::function<bool()>& done);
     /// Waits until the io process reports the end of `request`. Throws as run().
-    IoOutcome read(const std::string& path, bus::Payload request);
+    IoOutcome read(const std::string& path, bus::Payload request,
+                   ExitCode on_death = ExitCode::failed);
     /// The same. Removes the unfinished files of `path` if the io process dies.
     IoOutcome write(const std::string& path, bus::Payload request);
 
@@ -34,6 +35,7 @@ class IoRequests {
 
     Conversation& conversation_;
     bool is_done_ = false;
+    bus::Body content_kind_ = bus::Body::NONE;  ///< Of the request under way.
     IoOutcome outcome_;
 };
 

@@ -7,7 +7,6 @@
 
 #include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
-#include "host/session/transfer/scene_transfer.hpp"
 
 namespace pxpl5::host {
 
@@ -19,6 +18,7 @@ Volumes::Volumes(Conversation& conversation, IoRequests& io, Scene& scene,
       scene_(scene),
       settings_(settings),
       on_replaced_(std::move(on_replaced)),
+      io_(io),
       reader_(conversation, io, settings) {}
 
 const Volume& Volumes::volume() const {
@@ -26,7 +26,7 @@ const Volume& Volumes::volume() const {
         throw RequestError(ExitCode::usage,
                            fmt::format("{} is a scene of polygons, spheres and lines: it has no "
                                        "voxels and no isosurfaces; load a volume for them",
-                                       archive_->content.file));
+                                       archive_->facts.file));
     }
     if (!volume_) {
         throw RequestError(ExitCode::usage, "no volume is loaded; load one first: load VOLUME");
@@ -35,7 +35,7 @@ const Volume& Volumes::volume() const {
 }
 
 Volume Volumes::read(const std::string& source, const ImportOptions& options) {
-    if (phigs::is_archive(source)) {
+    if (is_archive(source)) {
         throw RequestError(ExitCode::usage, source + " is a scene, not a volume");
     }
     return reader_.read(source, options);
@@ -52,14 +52,9 @@ LoadReport Volumes::load(const std::string& source, const ImportOptions& options
     if (source.empty()) {
         throw RequestError(ExitCode::usage, "load: the name of the volume is empty");
     }
-    if (phigs::is_archive(source)) {
+    if (is_archive(source)) {
         return load_archive(source);
     }
-    struct Cancellable {
-        MachinePort& machine;
-        explicit Cancellable(MachinePort& port) : machine(port) { machine.allow_cancel(true); }
-        ~Cancellable() { machine.allow_cancel(false); }
-    };
     const Cancellable cancellable(conversation_.machine());
     Loading loading{source, {}, {}};
     try {
@@ -122,7 +117,7 @@ void Volumes::give_again() {
     if (archive_) {
         const HeldArchive held = *archive_;
         try {
-            load_archive(held.content.file);
+            distribute_archive(held.facts.file, read_content(held.facts.file));
         } catch (const std::exception&) {
             archive_ = held;
             throw;
@@ -235,8 +230,8 @@ void Volumes::discard_volume() {
     ++id_;
     for (const bus::NodeId gp : conversation_.gps()) {
         machine.send(gp, bus::pack(drop));
-        machine.send(gp, phigs::scene_begin(id_, {}));
-        machine.send(gp, phigs::scene_end(id_));
+        machine.send(gp, scene_begin(id_, {}));
+        machine.send(gp, scene_end(id_));
     }
     std::set<bus::NodeId> ready;
     conversation_.discard_until(

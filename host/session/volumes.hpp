@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "host/phigs/content.hpp"
 #include "host/scene/scene.hpp"
+#include "host/session/transfer/scene_transfer.hpp"
 #include "host/session/transfer/volume_transfer.hpp"
 #include "host/session/volume_reader.hpp"
 
@@ -40,12 +40,14 @@ class Volumes {
     void drop();
     /// Reads a volume without distributing it.
     Volume read(const std::string& source, const ImportOptions& options = {});
+    /// Reads an archive without distributing it.
+    ArchiveFacts read_archive(const std::string& source);
 
     bool has_volume() const { return volume_.has_value(); }
     /// Throws RequestError if no volume is loaded.
     const Volume& volume() const;
     /// The archive that is loaded, without its parts; null if none is.
-    const phigs::Content* archive() const { return archive_ ? &archive_->content : nullptr; }
+    const ArchiveFacts* archive() const { return archive_ ? &archive_->facts : nullptr; }
     /// The surfaces of the archive, one per material.
     const std::vector<Surface>& archive_surfaces() const { return archive_.value().surfaces; }
 
@@ -59,12 +61,28 @@ class Volumes {
 
   private:
     struct HeldArchive {
-        phigs::Content content;  ///< The GPs hold its parts.
+        ArchiveFacts facts;
         std::vector<Surface> surfaces;
     };
 
+    /// While it exists, Ctrl-C ends only the load.
+    class Cancellable {
+      public:
+        explicit Cancellable(MachinePort& machine) : machine_(machine) {
+            machine_.allow_cancel(true);
+        }
+        ~Cancellable() { machine_.allow_cancel(false); }
+        Cancellable(const Cancellable&) = delete;
+        Cancellable& operator=(const Cancellable&) = delete;
+
+      private:
+        MachinePort& machine_;
+    };
+
     struct Loading;
+    bus::Message read_content(const std::string& source);
     LoadReport load_archive(const std::string& source);
+    LoadReport distribute_archive(const std::string& source, const bus::Message& message);
     LoadReport load_volume(Loading& loading, const ImportOptions& options);
     void send(Volume& volume, Loading& loading);
     void begin_distribution(Volume& volume, Loading& loading);
@@ -78,6 +96,7 @@ class Volumes {
     Scene& scene_;
     const LoadSettings& settings_;
     std::function<void()> on_replaced_;
+    IoRequests& io_;
     VolumeReader reader_;
     std::optional<Volume> volume_;
     ImportOptions options_;

@@ -201,6 +201,33 @@ void check(const ScenePart& part) {
     }
 }
 
+void check(const ArchiveContent& content) {
+    in("materials", content.materials()->size(), 1, max_surfaces);
+    finite("box", content.low()->x(), content.low()->y(), content.low()->z(), content.high()->x(),
+           content.high()->y(), content.high()->z());
+    require(content.low()->x() <= content.high()->x() &&
+                content.low()->y() <= content.high()->y() &&
+                content.low()->z() <= content.high()->z(),
+            "low and high");
+    in("structures", content.structures(), 1, max_archive_structures);
+    in("posted", content.posted(), 1, content.structures());
+    in("specular", content.specular(), 0, 1);
+    in("specular_power", content.specular_power(), 0, max_specular_power);
+    in("notes", length(content.notes()), 0, max_archive_notes);
+    each(content.notes(), [](const flatbuffers::String& note) {
+        in("length of a note", note.size(), 0, max_note_length);
+    });
+    std::uint64_t slab = 0, primitives = 0;
+    each(content.parts(), [&](const ScenePart& part) {
+        check(part);
+        require(part.scene() == 0 && part.slab() == slab++, "number of a part");
+        in("material", part.surface(), 0, content.materials()->size() - 1);
+        primitives += part.indices()->size() / 3 + std::uint64_t{part.spheres()->size()} +
+                      part.lines()->size();
+    });
+    in("primitives", primitives, 1, max_archive_primitives);
+}
+
 /// Checks the body if it is one of these tables.
 template <typename... Tables>
 void check_model_of(const bus::Message& message) {
@@ -212,7 +239,8 @@ void check_model_of(const bus::Message& message) {
 void require_documented_ranges(const bus::Message& message) {
     check_model_of<Hello, Topology, Fault, ImportVolume, VolumeHeader, Slices, ExportPicture,
                    ExportMesh, MeshContent, SetSurface, SurfaceBuilt, MeshPart, MaskSurface,
-                   MeasureIsovalues, IsovaluesMeasured, SceneBegin, ScenePart>(message);
+                   MeasureIsovalues, IsovaluesMeasured, SceneBegin, ScenePart, ArchiveContent>(
+        message);
     require_documented_frame(message);
 }
 

@@ -199,6 +199,27 @@ std::vector<Payload> frame_examples() {
     return {pack(example_draw()), pack(begin), pack(example_programs()), pack(pixels), pack(done)};
 }
 
+schema::ArchiveContentT example_archive(const schema::ScenePartT& part) {
+    schema::ArchiveContentT content;
+    content.materials = {schema::SceneMaterial(schema::Rgb(1, 2, 3), true),
+                         schema::SceneMaterial(schema::Rgb(4, 5, 6), false)};
+    for (std::uint32_t slab = 0; slab < 2; ++slab) {
+        content.parts.push_back(std::make_unique<schema::ScenePartT>(part));
+        content.parts.back()->scene = 0;
+        content.parts.back()->surface = static_cast<std::uint16_t>(slab);
+        content.parts.back()->slab = slab;
+    }
+    content.low = std::make_unique<schema::ScenePoint>(1, 2, 3);
+    content.high = std::make_unique<schema::ScenePoint>(4, 5, 6);
+    content.structures = 5;
+    content.posted = 2;
+    content.polygons = 1;
+    content.specular = 0.25;
+    content.specular_power = 40;
+    content.notes = {"translucent colors, drawn opaque: 2"};
+    return content;
+}
+
 std::vector<Payload> scene_examples() {
     schema::SceneBeginT begin;
     begin.scene = 3;
@@ -213,7 +234,9 @@ std::vector<Payload> scene_examples() {
     part.lines = {schema::SceneLine(1, 2, 3, 4, 5, 6)};
     schema::SceneEndT end;
     end.scene = 3;
-    return {pack(begin), pack(part), pack(end)};
+    schema::ReadArchiveT read;
+    read.path = "room.phigs";
+    return {pack(begin), pack(part), pack(end), pack(read), pack(example_archive(part))};
 }
 
 std::vector<Payload> activity_examples() {
@@ -352,13 +375,13 @@ std::vector<Payload> one_of_each_kind() {
 
 Payload repacked(const bus::Message& message) {
     using namespace bus::schema;
-    return repacked_as_one_of<Hello, Topology, Connected, Go, Shutdown, Credit, Fault, ImportVolume,
-                              VolumeHeader, Slices, VolumeEnd, VolumeReady, ExportPicture, IoDone,
-                              SetSurface, RemoveSurface, SurfaceBuilt, FetchMesh, MeshPart,
-                              DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone,
-                              SaveTrace, TraceSaved, SceneBegin, ScenePart, SceneEnd, DropVolume,
-                              MaskSurface, MeasureIsovalues, IsovaluesMeasured, ExportMesh,
-                              AskActivity, Activity, FrameCounts, ReadMesh, MeshContent>(message);
+    return repacked_as_one_of<
+        Hello, Topology, Connected, Go, Shutdown, Credit, Fault, ImportVolume, VolumeHeader, Slices,
+        VolumeEnd, VolumeReady, ExportPicture, IoDone, SetSurface, RemoveSurface, SurfaceBuilt,
+        FetchMesh, MeshPart, DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone,
+        SaveTrace, TraceSaved, SceneBegin, ScenePart, SceneEnd, DropVolume, MaskSurface,
+        MeasureIsovalues, IsovaluesMeasured, ExportMesh, AskActivity, Activity, FrameCounts,
+        ReadMesh, MeshContent, ReadArchive, ArchiveContent>(message);
 }
 
 }  // namespace pxpl5::test

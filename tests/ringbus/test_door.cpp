@@ -48,7 +48,7 @@ TEST_SUITE("ringbus/door") {
     TEST_CASE("only the host may give orders, and nodes answer only to it") {
         for (const Body kind :
              {Body::Topology, Body::Go, Body::Shutdown, Body::SaveTrace, Body::ImportVolume,
-              Body::ExportPicture, Body::ExportMesh, Body::ReadMesh}) {
+              Body::ExportPicture, Body::ExportMesh, Body::ReadMesh, Body::ReadArchive}) {
             CAPTURE(kind_name(kind));
             for (const Role sender : {Role::gp, Role::renderer, Role::frame_buffer, Role::io}) {
                 for (const Role receiver :

@@ -135,6 +135,27 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(ScenePartT, m.lines[0].mutate_bz(INFINITY), "a line's coordinate is inf");
     }
 
+    TEST_CASE("an archive") {
+        CHECK_REFUSED(ArchiveContentT, m.materials.clear(), "number of materials is 0");
+        CHECK_REFUSED(ArchiveContentT, m.materials.resize(256), "number of materials is 256");
+        CHECK_REFUSED(ArchiveContentT, m.low->mutate_y(5.5), "low is 5.5, allowed are at most 5");
+        CHECK_REFUSED(ArchiveContentT, m.low->mutate_z(nan_value), "low is nan");
+        CHECK_REFUSED(ArchiveContentT, m.high->mutate_x(INFINITY), "high is inf");
+        CHECK_REFUSED(ArchiveContentT, m.structures = 65537, "structures is 65537");
+        CHECK_REFUSED(ArchiveContentT, m.posted = 6, "posted is 6, allowed are 1 .. 5");
+        CHECK_REFUSED(ArchiveContentT, m.specular = nan_value, "specular is nan");
+        CHECK_REFUSED(ArchiveContentT, m.specular_power = 129, "specular_power is 129");
+        CHECK_REFUSED(ArchiveContentT, m.notes.resize(17), "number of notes is 17");
+        CHECK_REFUSED(ArchiveContentT, m.notes[0].resize(257), "length of a note is 257");
+        CHECK_REFUSED(ArchiveContentT, m.parts.clear(), "number of primitives is 0");
+        CHECK_REFUSED(ArchiveContentT, m.parts[1]->scene = 1, "scene of a part is 1, expected 0");
+        CHECK_REFUSED(ArchiveContentT, m.parts[1]->slab = 0, "slab of a part is 0, expected 1");
+        CHECK_REFUSED(ArchiveContentT, m.parts[1]->surface = 2, "material of a part is 2");
+        CHECK_REFUSED(ArchiveContentT, m.parts[1]->indices[2] = 3, "index 3 of 3 vertices");
+        CHECK_REFUSED(ArchiveContentT, m.parts[0]->spheres[0].mutate_radius(0),
+                      "a sphere's radius is 0");
+    }
+
     TEST_CASE("a request for a frame") {
         CHECK_REFUSED(DrawFrameT, m.frame = 0xffffffff,
                       "frame is 4294967295, allowed are at most 4294967294");

@@ -12,16 +12,18 @@
 #include "gp_firmware/node/node.hpp"
 #include "host/base/error.hpp"
 #include "host/frame_buffer/node.hpp"
+#include "host/io/archive_requests.hpp"
 #include "host/machine/port.hpp"
 #include "host/machine/roster.hpp"
 #include "renderer_firmware/node.hpp"
 #include "ringbus/simulated_link.hpp"
+#include "tests/ringbus/wire_bytes.hpp"
 #include "tests/system/troubled_node.hpp"
 
 namespace pxpl5::test {
 
 /// Behaves as host::Machine does for a session. The arrival order is drawn from the
-/// topology's seed. Volumes come from phantoms: there is no io process.
+/// topology's seed. Volumes come from phantoms: the io process reads archives only, off the ring.
 class SimulatedMachine final : public host::MachinePort {
   public:
     /// tap  Sees every delivery, from the first Topology on.
@@ -55,7 +57,11 @@ class SimulatedMachine final : public host::MachinePort {
     bus::Traffic traffic() const override { return ring_.traffic(bus::host_id); }
 
     void send(bus::NodeId to, bus::Payload payload) override {
-        ring_.send(bus::host_id, to, payload);
+        if (to == io_id) {
+            answer(payload);
+        } else {
+            ring_.send(bus::host_id, to, payload);
+        }
     }
 
     bool takes_more(bus::NodeId) const override { return true; }
@@ -84,10 +90,7 @@ class SimulatedMachine final : public host::MachinePort {
     void wait_readable(int) override {}
 
     void prepare_io() override {}
-    bus::NodeId start_io(host::ExitCode) override {
-        throw host::RequestError(host::ExitCode::unavailable,
-                                 "a simulated machine has no io process");
-    }
+    bus::NodeId start_io(host::ExitCode) override { return io_id; }
     void release_io() override {}
     void allow_cancel(bool allowed) override { can_be_canceled_ = allowed; }
     void allow_give_up(bool allowed) override { may_give_up_ = allowed; }
@@ -112,6 +115,21 @@ class SimulatedMachine final : public host::MachinePort {
         bool work(bus::Outbox&) override { return false; }
         std::deque<bus::Message> messages;
     };
+
+    static constexpr bus::NodeId io_id = 0xfffe;
+
+    /// The io process: its messages are not on the ring, whose order they would change.
+    void answer(const bus::Payload& request) {
+        const auto* archive =
+            bus::schema::GetMessage(request.bytes().data())->body_as_ReadArchive();
+        if (archive == nullptr) {
+            throw host::RequestError(host::ExitCode::unavailable,
+                                     "the io process of a simulated machine reads archives only");
+        }
+        for (const bus::Payload& message : host::io::read_archive_file(*archive)) {
+            mailbox_.messages.push_back(WireBytes(message).read());
+        }
+    }
 
     static std::unique_ptr<bus::Node> make_node(bus::schema::Role role) {
         switch (role) {

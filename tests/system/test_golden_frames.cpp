@@ -56,7 +56,7 @@ TEST_CASE("meshes and frames of the built-in volumes and archives are what they 
     for (const char* name : {"molecule", "room", "tree"}) {
         session.volumes.load(std::string(PXPL5_SOURCE_DIR) + "/host/phigs/archives/" + name +
                              ".phigs");
-        const phigs::Content& scene = *session.volumes.archive();
+        const ArchiveFacts& scene = *session.volumes.archive();
         lines += fmt::format("{}.phigs: {} triangles, {} spheres, {} lines, frame {:016x}\n", name,
                              scene.triangles, scene.spheres, scene.lines,
                              picture_digest(session.frames.draw()));

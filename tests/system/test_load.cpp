@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/io/sandbox/sanitizer.hpp"
 #include "host/machine/machine.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/session/session.hpp"
@@ -245,6 +246,37 @@ TEST_CASE("a volume that no GP can hold is refused before all of it is read, and
     CHECK_FALSE(session.volumes.has_volume());
     session.volumes.load("phantom:sphere");
     CHECK(session.surfaces.set("s", 100, CaseRule::watertight, gray).triangles > 0);
+    machine.shutdown();
+}
+
+TEST_CASE("an archive is read under the limits of the io process, and fails alone") {
+    if (host::io::has_sanitizer) {
+        MESSAGE("SKIPPED: builds with a sanitizer have no limit of memory");
+        return;
+    }
+    Bench bench;
+    bench.options.io_memory_mib = 1024;
+    const fs::path small = bench.folder / "small.phigs", large = bench.folder / "large.phigs";
+    std::ofstream(small) << "structure s posted { sphere 0 0 0 1; }";
+    std::ofstream out(large);  // 1.9 million triangles.
+    out << "structure s posted { ";
+    for (int i = 0; i < 1900; ++i) {
+        out << "execute t; ";
+    }
+    out << "}\nstructure t { ";
+    for (int i = 0; i < 1000; ++i) {
+        out << "polygon 3 { 0 0 0; 1 0 0; 0 1 " << i << "; }; ";
+    }
+    out << "}\n";
+    out.close();
+    Machine machine(machine_of(2), bench.options);
+    Session session(machine);
+    session.volumes.load(small.string());
+    CHECK(error_of<RequestError>([&] { session.volumes.load(large.string()); }) ==
+          large.string() + ": does not fit in the memory that the io process may use");
+    REQUIRE(session.volumes.archive() != nullptr);
+    CHECK(session.volumes.archive()->file == small.string());
+    CHECK(session.volumes.read_archive(small.string()).spheres == 1);
     machine.shutdown();
 }
 

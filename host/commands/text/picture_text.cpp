@@ -115,7 +115,7 @@ Attributes attributes_of(const Session& session, const Camera& camera) {
 std::string describe_scene(const Session& session, const Camera& camera) {
     const Scene& scene = session.scene;
     std::string text;
-    if (const phigs::Content* archive = session.volumes.archive()) {
+    if (const ArchiveFacts* archive = session.volumes.archive()) {
         text = fmt::format("scene {}, {} triangles, {} spheres, {} lines", archive->file,
                            archive->triangles, archive->spheres, archive->lines);
     } else {
@@ -176,7 +176,7 @@ std::uint64_t picture_digest(const Picture& picture) {
     return digest.value();
 }
 
-Reply describe_archive(const phigs::Content& content) {
+Reply describe_archive(const ArchiveFacts& content) {
     const glm::dvec3 &low = content.low, &high = content.high;
     Reply reply;
     reply.text = fmt::format(

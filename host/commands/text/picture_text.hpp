@@ -17,7 +17,7 @@ PictureExtras picture_extras(const Session& session, const Camera& camera);
 PictureExtras animation_extras(const Session& session);
 
 /// The reply of `load` and `info` for an archive.
-Reply describe_archive(const phigs::Content& content);
+Reply describe_archive(const ArchiveFacts& content);
 
 /// Digest of the picture's pixels.
 std::uint64_t picture_digest(const Picture& picture);

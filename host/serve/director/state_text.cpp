@@ -131,7 +131,7 @@ std::string state_text(const Session& session, const StateExtras& extras) {
     if (session.volumes.has_volume()) {
         state.volume = volume_state(session);
     }
-    if (const phigs::Content* archive = session.volumes.archive()) {
+    if (const ArchiveFacts* archive = session.volumes.archive()) {
         state.archive = archive->file;
     }
     state.camera = camera_state(session);

@@ -1,6 +1,9 @@
 #include "host/session/transfer/scene_transfer.hpp"
 
-namespace pxpl5::host::phigs {
+#include <algorithm>
+#include <cctype>
+
+namespace pxpl5::host {
 
 namespace {
 
@@ -9,30 +12,49 @@ namespace schema = bus::schema;
 /// The camera shows this part of its subject's sphere at zoom 1.
 constexpr double camera_fill = 1.3;
 
-glm::dvec3 to_patient_axes(const glm::dvec3& v) {
-    return {v.x, -v.z, v.y};
-}
-
-double scale_of(const Content& content) {
-    return content.radius > 0 ? scene_radius_mm / content.radius : 1.0;
-}
-
-struct Float3 {
-    float x, y, z;
-};
-
-Float3 to_float(const glm::dvec3& v) {
-    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+glm::dvec3 point_of(const schema::ScenePoint& p) {
+    return {p.x(), p.y(), p.z()};
 }
 
 }  // namespace
 
-Subject scene_subject() {
-    return {glm::dvec3(0), scene_radius_mm * camera_fill};
+bool is_archive(std::string_view path) {
+    constexpr std::string_view suffix = ".phigs";
+    return path.size() > suffix.size() &&
+           std::ranges::equal(path.substr(path.size() - suffix.size()), suffix, {}, [](char c) {
+               return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+           });
 }
 
-glm::dvec3 place_mm(const Content& content, const glm::dvec3& p) {
-    return to_patient_axes((p - content.middle()) * scale_of(content));
+ArchiveFacts facts_of(const std::string& file, const schema::ArchiveContent& content) {
+    ArchiveFacts facts;
+    facts.file = file;
+    for (const schema::SceneMaterial* material : *content.materials()) {
+        const schema::Rgb& color = material->color();
+        facts.materials.push_back({{color.r(), color.g(), color.b()}, material->cull_back()});
+    }
+    facts.low = point_of(*content.low());
+    facts.high = point_of(*content.high());
+    facts.specular = content.specular();
+    facts.specular_power = content.specular_power();
+    facts.structures = content.structures();
+    facts.posted = content.posted();
+    facts.polygons = content.polygons();
+    for (const schema::ScenePart* part : *content.parts()) {
+        facts.triangles += part->indices()->size() / 3;
+        facts.spheres += part->spheres()->size();
+        facts.lines += part->lines()->size();
+    }
+    if (content.notes() != nullptr) {
+        for (const flatbuffers::String* note : *content.notes()) {
+            facts.notes.push_back(note->str());
+        }
+    }
+    return facts;
+}
+
+Subject scene_subject() {
+    return {glm::dvec3(0), scene_radius_mm * camera_fill};
 }
 
 bus::Payload scene_begin(std::uint32_t scene, std::span<const std::uint16_t> surface_ids) {
@@ -42,28 +64,11 @@ bus::Payload scene_begin(std::uint32_t scene, std::span<const std::uint16_t> sur
     return bus::pack(begin);
 }
 
-bus::Payload scene_part(const Content& content, std::size_t slab, std::uint32_t scene,
-                        std::uint16_t surface) {
-    const Part& part = content.parts[slab];
+bus::Payload scene_part(const schema::ScenePart& part, std::uint32_t scene, std::uint16_t surface) {
     schema::ScenePartT wire;
+    part.UnPackTo(&wire);
     wire.scene = scene;
     wire.surface = surface;
-    wire.slab = static_cast<std::uint32_t>(slab);
-    const auto place = [&](const glm::dvec3& p) { return to_float(place_mm(content, p)); };
-    wire.vertices.reserve(part.vertices.size());
-    for (const ContentVertex& v : part.vertices) {
-        const Float3 p = place(v.p), n = to_float(to_patient_axes(v.normal));
-        wire.vertices.emplace_back(p.x, p.y, p.z, n.x, n.y, n.z);
-    }
-    wire.indices = part.indices;
-    for (const ContentSphere& s : part.spheres) {
-        const Float3 p = place(s.center);
-        wire.spheres.emplace_back(p.x, p.y, p.z, static_cast<float>(s.radius * scale_of(content)));
-    }
-    for (const ContentLine& l : part.lines) {
-        const Float3 a = place(l.from), b = place(l.to);
-        wire.lines.emplace_back(a.x, a.y, a.z, b.x, b.y, b.z);
-    }
     return bus::pack(wire);
 }
 
@@ -71,4 +76,4 @@ bus::Payload scene_end(std::uint32_t scene) {
     return bus::pack(schema::SceneEndT{{}, scene});
 }
 
-}  // namespace pxpl5::host::phigs
+}  // namespace pxpl5::host

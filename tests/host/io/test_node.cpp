@@ -102,6 +102,59 @@ TEST_SUITE("host/io/node") {
         CHECK(got[4].as<schema::VolumeEnd>()->volume() == header->volume());
     }
 
+    TEST_CASE("an archive is answered by its content, in the millimeters of its picture") {
+        const TemporaryFolder folder;
+        schema::ReadArchiveT request;
+        request.path = folder.write("a.phigs",
+                                    "structure s posted {\n"
+                                    "color sphere { diff 1 2 3 128 spec 51 51 51 40 };\n"
+                                    "sphere 5 0 0 1; sphere 7 0 0 1;\n"
+                                    "color line { diff 4 5 6 255 }; line 2 { 6 0 1; 6 1 0; }; };");
+        IoNode node({0, 0});
+        const std::vector<bus::Message> got = answers_to(node, bus::pack(request));
+        REQUIRE(got.size() == 2);
+        const auto* content = got[0].as<schema::ArchiveContent>();
+        REQUIRE(content != nullptr);
+        CHECK(content->materials()->size() == 2);
+        CHECK(content->materials()->Get(0)->color().b() == 3);
+        CHECK(content->low()->x() == 4);
+        CHECK(content->high()->x() == 8);
+        CHECK(content->posted() == 1);
+        CHECK(content->specular() == doctest::Approx(0.2));
+        CHECK(content->specular_power() == 40);
+        REQUIRE(content->notes()->size() == 1);
+        CHECK(content->notes()->Get(0)->str() == "translucent colors, drawn opaque: 1");
+        REQUIRE(content->parts()->size() == 2);
+        const auto& spheres = *content->parts()->Get(0)->spheres();
+        REQUIRE(spheres.size() == 2);  // The scene's radius of 2 is shown as 100 mm.
+        CHECK(spheres.Get(0)->x() == -50);
+        CHECK(spheres.Get(1)->x() == 50);
+        CHECK(spheres.Get(1)->radius() == 50);
+        const schema::SceneLine& line = *content->parts()->Get(1)->lines()->Get(0);
+        CHECK(line.ay() == -50);  // The archive's z, towards the viewer: anterior.
+        CHECK(line.bz() == 50);   // The archive's y: up.
+        CHECK(got[1].as<schema::IoDone>()->ok());
+    }
+
+    TEST_CASE("an archive that cannot be read is answered by the reason, file and place included") {
+        const TemporaryFolder folder;
+        schema::ReadArchiveT request;
+        request.path = folder.write("a.phigs", "structure s posted { sphere 0 0 0; }");
+        IoNode node({0, 0});
+        std::vector<bus::Message> got = answers_to(node, bus::pack(request));
+        REQUIRE(got.size() == 1);
+        const auto* done = got[0].as<schema::IoDone>();
+        REQUIRE(done != nullptr);
+        CHECK(!done->ok());
+        CHECK(done->bad_data());
+        CHECK(done->error()->str() == request.path + ":1:34: found ';', expected radius, a number");
+        request.path = folder.file("none.phigs");
+        got = answers_to(node, bus::pack(request));
+        REQUIRE(got.size() == 1);
+        CHECK(got[0].as<schema::IoDone>()->error()->str() ==
+              request.path + ": cannot be opened: No such file or directory");
+    }
+
     TEST_CASE("all that a request asks for reaches the import, and findings come back") {
         const TemporaryFolder folder;
         IoNode node({0, 0});

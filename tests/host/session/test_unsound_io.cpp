@@ -103,4 +103,42 @@ TEST_SUITE("host/session/unsound_io") {
                                  RequestError);
         }
     }
+
+    TEST_CASE("an answer without the content of an archive ends the request") {
+        UnsoundMachine machine;
+        Session session(machine);
+        schema::IoDoneT done;
+        done.ok = true;
+        for (const std::deque<bus::Payload>& answers :
+             {std::deque{bus::pack(done)},
+              std::deque{bus::pack(schema::MeshContentT{}), bus::pack(done)}}) {
+            machine.answers = answers;
+            CHECK_THROWS_WITH_AS(
+                session.volumes.load("a.phigs"),
+                "a.phigs: the io process answered without the content of the archive",
+                RequestError);
+        }
+    }
+
+    TEST_CASE("content of another kind than the request's is dropped") {
+        UnsoundMachine machine;
+        Session session(machine);
+        schema::IoDoneT done;
+        done.ok = true;
+        for (const bus::Payload& payload : test::one_of_each_kind()) {
+            if (payload.kind() == bus::Body::ArchiveContent) {
+                machine.answers = {payload, bus::pack(done)};
+            }
+        }
+        REQUIRE(machine.answers.size() == 2);
+        const IoOutcome read = session.io.read("x.stl", bus::pack(schema::ReadMeshT{{}, "x.stl"}));
+        CHECK(!read.content);
+    }
+
+    TEST_CASE("only names that end in .phigs are archives") {
+        CHECK(is_archive("a.phigs"));
+        CHECK(is_archive("x/A.PHIGS"));
+        CHECK(!is_archive(".phigs"));
+        CHECK(!is_archive("a.phigs.nrrd"));
+    }
 }

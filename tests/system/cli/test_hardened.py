@@ -48,6 +48,11 @@ class Hardened(unittest.TestCase):
         for program in ("pxpl5", "pxpl5-io"):
             self.assertTrue(checked[program], checked)
 
+    def test_only_the_io_process_has_the_reader_of_archives(self):
+        text = b"'scale', 'translate' or 'rotate' behind Pre"
+        having = [program for program in PROGRAMS if text in (BIN / program).read_bytes()]
+        self.assertEqual(having, ["pxpl5-io"])
+
     def test_a_process_that_writes_pictures_is_confined_in_every_thread(self):
         if "\nSeccomp:" not in pathlib.Path("/proc/self/status").read_text():
             self.skipTest("this kernel has no seccomp")

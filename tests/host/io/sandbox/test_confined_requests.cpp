@@ -115,6 +115,17 @@ TEST_SUITE("host/io/confined_requests") {
         CHECK(has(answer_to(import_of(folder.file("scam.nii"))), "did you mean scan.nii?"));
     }
 
+    TEST_CASE("a confined process reads an archive") {
+        const TemporaryFolder folder;
+        schema::ReadArchiveT request;
+        request.path = folder.write("a.phigs", "structure s posted { sphere 0 0 0 1; }");
+        const std::string answer = answer_to(bus::pack(request));
+        CHECK_MESSAGE(has(answer, "ArchiveContent \nIoDone \nsecond: the sandbox"), answer);
+        const auto files = needs_of(received(bus::pack(request)), {}).files;
+        CHECK(files.readable.front() == request.path);
+        CHECK(files.writable.empty());
+    }
+
     TEST_CASE("a confined process writes a picture with text, and a mesh") {
         const TemporaryFolder folder;
         for (const char* name : {"p.png", "p.tif", "p.exr", "p.svg", "p.pdf"}) {
