@@ -65,7 +65,24 @@ bool Door::is_allowed(const Entry& entry, Body kind) const {
     return false;
 }
 
-bool Door::lets_in(const schema::Header& header) {
+bool Door::may_use(const schema::Header& header, Entrance entrance) {
+    const NodeId id = header.source();
+    if (!apart_ || standing_of(id) < Standing::expected ||
+        (entries_[id].role == *apart_) == (entrance == Entrance::apart)) {
+        return true;
+    }
+    // The sender is not known. It is probably not the node that the header names.
+    refuse(RefusalReason::wrong_entrance,
+           fmt::format("{}, on the socket for nodes of {} {}", name_of(header),
+                       entrance == Entrance::apart ? "role" : "roles other than",
+                       schema::EnumNameRole(*apart_)));
+    return false;
+}
+
+bool Door::lets_in(const schema::Header& header, Entrance entrance) {
+    if (!may_use(header, entrance)) {
+        return false;
+    }
     if (header.source() < entries_.size() &&
         is_allowed(entries_[header.source()], known_kind(header))) {
         return true;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,15 @@ enum class RefusalReason : std::uint8_t {
     unlawful,        ///< The sender's role or standing does not allow this kind.
     wrong_secret,    ///< A Hello without the machine's secret.
     stranger,        ///< A connection that did not prove the session's key.
+    wrong_entrance,  ///< The sender's role has another socket.
 };
-inline constexpr std::size_t refusal_reasons = 5;
+inline constexpr std::size_t refusal_reasons = 6;
+
+/// The socket by which a message came.
+enum class Entrance : std::uint8_t {
+    common,
+    apart,  ///< For one role only, see Door::keep_apart().
+};
 
 /// The first refusal of a node that has said Hello, or the first for a reason otherwise.
 struct Refusal {
@@ -40,6 +48,8 @@ class Door {
     /// role  This node's role.
     explicit Door(schema::Role role) : role_(role) {}
 
+    /// Lets nodes of this role in by the entrance `apart` only, and other nodes by `common` only.
+    void keep_apart(schema::Role role) { apart_ = role; }
     /// Lets only a Hello of node `id` in, then only Connected and Fault, then all lawful kinds.
     void expect(NodeId id, schema::Role role);
     /// Lets all lawful kinds of node `id` in, unless the node is expected or has joined.
@@ -47,9 +57,9 @@ class Door {
     /// Drops what node `id` still sends, without a count, because its process has ended.
     void forget(NodeId id);
 
-    /// Returns whether the source of `header` may send this kind now. Counts a refusal. Requires
-    /// Wire::is_ours(header).
-    bool lets_in(const schema::Header& header);
+    /// Returns whether the source of `header` may send this kind now, and by this entrance. Counts
+    /// a refusal. Requires Wire::is_ours(header).
+    bool lets_in(const schema::Header& header, Entrance entrance = Entrance::common);
     /// Returns whether `hello` is of the node that `header` names and has `secret`, and lets the
     /// node join. Counts a refusal.
     bool lets_join(const schema::Header& header, const schema::Hello& hello,
@@ -80,10 +90,13 @@ class Door {
         return id < entries_.size() ? entries_[id].standing : Standing::unknown;
     }
     Entry& entry_of(NodeId id);
+    /// Returns whether the source of `header` may use `entrance`. Counts a refusal.
+    bool may_use(const schema::Header& header, Entrance entrance);
     bool is_allowed(const Entry& entry, Body kind) const;
     void refuse_known(const schema::Header& header, RefusalReason reason, const std::string& why);
 
     schema::Role role_;
+    std::optional<schema::Role> apart_;
     std::vector<Entry> entries_;  ///< By node id.
     std::array<bool, refusal_reasons> is_reported_{};
     std::uint64_t refused_ = 0;

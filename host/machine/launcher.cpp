@@ -113,6 +113,8 @@ void Launcher::prepare_link() {
     std::vector<bus::NodeId> order(roster_.size());
     std::iota(order.begin(), order.end(), bus::host_id);
     link_.set_model(bus::ChannelModel(ring, order));
+    io_.host_endpoint =
+        link_.listen_apart(Role::io, bind_address(topology_.ring.transport, sockets_, "host-io"));
     link_.on_refusal([this](const bus::Refusal& refusal) { take_refusal(refusal); });
 }
 
@@ -147,7 +149,7 @@ void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
                      std::vector<std::string> arguments) {
     const std::string name = node.name();
     bus::ProcessFlags flags;
-    flags.host_endpoint = link_.endpoint();
+    flags.host_endpoint = node.role == Role::io ? io_.host_endpoint : link_.endpoint();
     // A late connection to an earlier io process must not reach a later one of the same name.
     flags.bind = bind_address(topology_.ring.transport, sockets_,
                               node.role == Role::io ? fmt::format("io-node-{}", node.id) : name);
@@ -281,19 +283,6 @@ void Launcher::keep(const bus::Message& message) {
                          max_backlog_bytes));
     }
     backlog_.push_back(message);
-}
-
-/// Whether an earlier io process sent the message, or a prepared one, whose Hello is kept. A
-/// prepared process sends no other message on its own.
-bool Launcher::is_not_for_now(const bus::Message& message) {
-    if (io_.prepared && io_.prepared->id == message.source()) {
-        note(message);
-        if (message.kind() == schema::Body::Hello) {
-            io_.early_hello = message;
-        }
-        return true;
-    }
-    return io_.dismissed.count(message.source()) != 0;
 }
 
 std::optional<bus::Message> Launcher::take_from_link() {

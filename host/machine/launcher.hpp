@@ -226,6 +226,7 @@ class Launcher {
 
     /// The io process and its successor. A new io process is started after each death.
     struct IoProcesses {
+        std::string host_endpoint;  ///< The host's socket for io processes.
         std::optional<RosterEntry> used;
         std::optional<RosterEntry> prepared;      ///< Started, but not in use yet.
         std::optional<bus::Message> early_hello;  ///< The prepared process's first message.

@@ -75,6 +75,19 @@ RosterEntry Launcher::spawn_io() {
     return node;
 }
 
+/// Whether an earlier io process sent the message, or a prepared one, whose Hello is kept. A
+/// prepared process sends no other message on its own.
+bool Launcher::is_not_for_now(const bus::Message& message) {
+    if (io_.prepared && io_.prepared->id == message.source()) {
+        note(message);
+        if (message.kind() == bus::Body::Hello) {
+            io_.early_hello = message;
+        }
+        return true;
+    }
+    return io_.dismissed.count(message.source()) != 0;
+}
+
 void Launcher::prepare_io() {
     if (!io_.prepared) {
         io_.prepared = spawn_io();

@@ -10,7 +10,8 @@
 
 namespace pxpl5::bus {
 
-std::optional<Arrived> Gate::receive(zmq::socket_t& inbound, const zmq::message_t& head) {
+std::optional<Arrived> Gate::receive(zmq::socket_t& inbound, Entrance entrance,
+                                     const zmq::message_t& head) {
     Arrived arrived;
     std::size_t parts = 1;
     for (bool more = head.more(); more; ++parts) {
@@ -19,7 +20,7 @@ std::optional<Arrived> Gate::receive(zmq::socket_t& inbound, const zmq::message_
             uninterrupted([&] { return inbound.recv(*arrived.body, zmq::recv_flags::none); }));
         more = arrived.body->more();
     }
-    if (!has_header(arrived, head, parts) || !door_.lets_in(arrived.header)) {
+    if (!has_header(arrived, head, parts) || !door_.lets_in(arrived.header, entrance)) {
         return std::nullopt;
     }
     if (door_.is_expected(arrived.header.source()) && !may_join(arrived)) {

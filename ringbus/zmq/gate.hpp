@@ -28,7 +28,8 @@ class Gate {
 
     /// Receives the other parts of the message that begins with `head`. Returns nothing if the
     /// door refuses the message. Erases the secret in a Hello, because messages are recorded.
-    std::optional<Arrived> receive(zmq::socket_t& inbound, const zmq::message_t& head);
+    std::optional<Arrived> receive(zmq::socket_t& inbound, Entrance entrance,
+                                   const zmq::message_t& head);
     /// Counts connections to `endpoint` that proved no key. `strangers` is their number so far.
     void count_strangers(std::uint64_t strangers, const std::string& endpoint);
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr const char* zap_address = "inproc://zeromq.zap.01";
 constexpr const char* events_address = "inproc://pxpl5-events";
+constexpr const char* followed_address = "inproc://pxpl5-followed-events";
 constexpr std::size_t key_bytes = 32;
 
 std::vector<zmq::message_t> receive_all(zmq::socket_t& socket) {
@@ -117,6 +118,44 @@ void guard_until_the_context_ends(zmq::socket_t zap, zmq::socket_t events,
     }
 }
 
+void follow_until_the_context_ends(zmq::socket_t events, std::atomic<std::uint64_t>& strangers) {
+    Connections connections;
+    try {
+        while (true) {
+            if (connections.take(events)) {
+                strangers.fetch_add(1, std::memory_order_relaxed);
+            }
+        }
+    } catch (const zmq::error_t&) {
+        // ETERM: the context ends.
+    }
+}
+
+/// A socket that receives what happens to the connections of `inbound`.
+zmq::socket_t events_of(zmq::context_t& context, zmq::socket_t& inbound, const char* address) {
+    constexpr int wanted = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
+                           ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                           ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+    zmq::socket_t events(context, zmq::socket_type::pair);
+    prepare(events);
+    if (zmq_socket_monitor(inbound.handle(), address, wanted) != 0) {
+        throw zmq::error_t();
+    }
+    events.connect(address);
+    return events;
+}
+
+/// Starts a thread that gets no signals: these are for the thread that uses the link.
+template <typename... Arguments>
+std::thread thread_without_signals(Arguments&&... arguments) {
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    std::thread thread(std::forward<Arguments>(arguments)...);
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    return thread;
+}
+
 }  // namespace
 
 void guard_inbound(zmq::socket_t& inbound, const CurveKeys& keys) {
@@ -137,29 +176,24 @@ void Guard::start(zmq::context_t& context, zmq::socket_t& inbound, const CurveKe
         throw std::runtime_error("the session's public key is damaged");
     }
     zmq::socket_t zap(context, zmq::socket_type::rep);
-    zmq::socket_t events(context, zmq::socket_type::pair);
     prepare(zap);
-    prepare(events);
     zap.bind(zap_address);
-    constexpr int wanted = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
-                           ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
-                           ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
-    if (zmq_socket_monitor(inbound.handle(), events_address, wanted) != 0) {
-        throw zmq::error_t();
-    }
-    events.connect(events_address);
-    // Signals are for the thread that uses the link.
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    thread_ = std::thread(guard_until_the_context_ends, std::move(zap), std::move(events), key,
-                          std::ref(strangers_));
-    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    thread_ = thread_without_signals(guard_until_the_context_ends, std::move(zap),
+                                     events_of(context, inbound, events_address), key,
+                                     std::ref(strangers_));
+}
+
+void Guard::follow(zmq::context_t& context, zmq::socket_t& inbound) {
+    follower_ =
+        thread_without_signals(follow_until_the_context_ends,
+                               events_of(context, inbound, followed_address), std::ref(strangers_));
 }
 
 Guard::~Guard() {
-    if (thread_.joinable()) {
-        thread_.join();
+    for (std::thread* const thread : {&thread_, &follower_}) {
+        if (thread->joinable()) {
+            thread->join();
+        }
     }
 }
 

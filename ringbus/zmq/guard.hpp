@@ -19,7 +19,7 @@ void guard_outbound(zmq::socket_t& outbound, const CurveKeys& keys);
 
 /// Accepts the session's own key and counts the connections that do not prove it.
 ///
-/// The destructor waits for the thread, which ends with the context. So the guard must outlive the
+/// The destructor waits for the threads, which end with the context. So the guard must outlive the
 /// context.
 class Guard {
   public:
@@ -30,12 +30,14 @@ class Guard {
 
     /// Starts the thread. Call before `inbound` is bound.
     void start(zmq::context_t& context, zmq::socket_t& inbound, const CurveKeys& keys);
+    /// Also counts the connections to another socket of the context. Call before it is bound.
+    void follow(zmq::context_t& context, zmq::socket_t& inbound);
     /// Connections so far that ended without a proof of the key.
     std::uint64_t strangers() const { return strangers_.load(std::memory_order_relaxed); }
 
   private:
     std::atomic<std::uint64_t> strangers_{0};
-    std::thread thread_;
+    std::thread thread_, follower_;
 };
 
 }  // namespace pxpl5::bus

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <cassert>
-#include <chrono>
 #include <cstring>
 #include <deque>
 #include <map>
@@ -18,6 +17,7 @@
 #include "ringbus/zmq/arena.hpp"
 #include "ringbus/zmq/gate.hpp"
 #include "ringbus/zmq/guard.hpp"
+#include "ringbus/zmq/inbound.hpp"
 #include "ringbus/zmq/zmq_parts.hpp"
 
 namespace pxpl5::bus {
@@ -63,7 +63,7 @@ struct ZmqLink::Parts {
     Arena arena;  ///< Destroyed after the context, whose thread may send bodies from it.
     Guard guard;  ///< Outlives the context, which ends its thread.
     zmq::context_t context = make_context();
-    zmq::socket_t inbound{context, zmq::socket_type::pull};
+    Inbound inbound{context};
     std::string endpoint;
     std::map<NodeId, Peer> peers;
     std::map<NodeId, std::shared_ptr<ArenaView>> views;  ///< Arenas that peers have offered.
@@ -198,17 +198,25 @@ ZmqLink::ZmqLink(const Self& self, const std::string& bind, const Credentials& c
                  std::size_t lendable_bytes)
     : parts_(std::make_unique<Parts>(self, credentials, lendable_bytes)) {
     check_address("listen at", bind, credentials);
-    prepare_inbound(parts_->inbound);
+    zmq::socket_t& inbound = parts_->inbound.socket(Entrance::common);
+    prepare_inbound(inbound);
     if (credentials.keys && !is_near(bind)) {
-        guard_inbound(parts_->inbound, *credentials.keys);
-        parts_->guard.start(parts_->context, parts_->inbound, *credentials.keys);
+        guard_inbound(inbound, *credentials.keys);
+        parts_->guard.start(parts_->context, inbound, *credentials.keys);
     }
-    try {
-        uninterrupted([&] { parts_->inbound.bind(bind); });
-    } catch (const zmq::error_t& error) {
-        throw std::runtime_error(fmt::format("cannot listen at {}: {}", bind, error.what()));
+    parts_->endpoint = parts_->inbound.bind(Entrance::common, bind);
+}
+
+std::string ZmqLink::listen_apart(schema::Role role, const std::string& bind) {
+    check_address("listen at", bind, parts_->credentials);
+    zmq::socket_t& apart = parts_->inbound.open_apart();
+    prepare_inbound(apart);
+    if (parts_->credentials.keys && !is_near(bind)) {
+        guard_inbound(apart, *parts_->credentials.keys);
+        parts_->guard.follow(parts_->context, apart);
     }
-    parts_->endpoint = parts_->inbound.get(zmq::sockopt::last_endpoint);
+    parts_->gate.door().keep_apart(role);
+    return parts_->inbound.bind(Entrance::apart, bind);
 }
 
 ZmqLink::~ZmqLink() = default;
@@ -223,7 +231,7 @@ flatbuffers::Allocator* ZmqLink::body_allocator() {
     return &parts_->arena;
 }
 int ZmqLink::poll_fd() const {
-    return static_cast<int>(parts_->inbound.get(zmq::sockopt::fd));
+    return parts_->inbound.poll_fd();
 }
 std::size_t ZmqLink::queued() const {
     return parts_->queued;
@@ -304,12 +312,12 @@ std::optional<Message> ZmqLink::receive() {
     parts_->has_more = false;
     for (int unreturned = 0; unreturned < max_unreturned; ++unreturned) {
         zmq::message_t head;
-        if (!uninterrupted([&] {
-                return parts_->inbound.recv(head, zmq::recv_flags::dontwait).has_value();
-            })) {
+        const std::optional<Entrance> entrance = parts_->inbound.take(head);
+        if (!entrance) {
             return std::nullopt;
         }
-        const std::optional<Arrived> arrived = parts_->gate.receive(parts_->inbound, head);
+        const std::optional<Arrived> arrived =
+            parts_->gate.receive(parts_->inbound.socket(*entrance), *entrance, head);
         if (!arrived) {
             continue;
         }
@@ -325,6 +333,7 @@ std::optional<Message> ZmqLink::receive() {
         }
         parts_->take_back(message, *credit);
     }
+    parts_->inbound.change_turns();  // A flood at one socket delays no message at the other.
     come_again();
     return std::nullopt;
 }
@@ -338,15 +347,7 @@ bool ZmqLink::has_more() const {
 }
 
 bool ZmqLink::wait(int timeout_ms) {
-    zmq::pollitem_t item{parts_->inbound.handle(), 0, ZMQ_POLLIN, 0};
-    try {
-        return zmq::poll(&item, 1, std::chrono::milliseconds(timeout_ms)) > 0;
-    } catch (const zmq::error_t& error) {
-        if (error.num() == EINTR) {
-            return false;
-        }
-        throw;
-    }
+    return parts_->inbound.wait(timeout_ms);
 }
 
 bool ZmqLink::takes_more(NodeId peer) const {

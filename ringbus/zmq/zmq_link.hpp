@@ -1,4 +1,4 @@
-// The ring between processes: one hop over ZeroMQ, one inbound socket per node.
+// The ring between processes: one hop over ZeroMQ, one inbound socket per node, two of the host.
 #pragma once
 
 #include <functional>
@@ -37,6 +37,11 @@ class ZmqLink final : public Link {
     ~ZmqLink() override;
     ZmqLink(const ZmqLink&) = delete;
     ZmqLink& operator=(const ZmqLink&) = delete;
+
+    /// Binds a second inbound socket: only for nodes of `role`, which may not use the first one.
+    /// Call before the first message and before poll_fd(). Throws as the constructor does.
+    /// Returns its address.
+    std::string listen_apart(schema::Role role, const std::string& bind);
 
     NodeId id() const override;
     const std::string& endpoint() const override;

@@ -84,6 +84,34 @@ TEST_SUITE("ringbus/door") {
               "FrameDone from node 77, which is not a node of this machine");
     }
 
+    TEST_CASE("a role with an entrance of its own has no other, and other nodes may not use it") {
+        Reported host;
+        host.door.keep_apart(Role::io);
+        host.door.admit(gp_id, Role::gp);
+        host.door.admit(4, Role::io);
+        const auto built = header_of(gp_id, Body::SurfaceBuilt), done = header_of(4, Body::IoDone);
+        CHECK(host.door.lets_in(built, Entrance::common));
+        CHECK(host.door.lets_in(done, Entrance::apart));
+        CHECK(host.door.refused() == 0);
+        for (int i = 0; i < 2; ++i) {
+            CHECK(!host.door.lets_in(built, Entrance::apart));
+            CHECK(!host.door.lets_in(done, Entrance::common));
+        }
+        CHECK(host.door.refused() == 4);
+        REQUIRE(host.refusals.size() == 1);
+        CHECK(host.refusals[0].reason == RefusalReason::wrong_entrance);
+        CHECK(!host.refusals[0].has_joined);  // The node that the header names did not send it.
+        CHECK(host.refusals[0].text ==
+              "SurfaceBuilt from node 3, on the socket for nodes of role io");
+        Reported other;
+        other.door.keep_apart(Role::io);
+        other.door.expect(4, Role::io);
+        CHECK(!other.door.lets_in(header_of(4, Body::Hello), Entrance::common));
+        CHECK(other.refusals.at(0).text ==
+              "Hello from node 4, on the socket for nodes of roles other than io");
+        CHECK(other.door.lets_in(header_of(4, Body::Hello), Entrance::apart));
+    }
+
     TEST_CASE("a kind that the sender's role may not send is named once per node") {
         Reported host;
         host.door.admit(gp_id, Role::gp);

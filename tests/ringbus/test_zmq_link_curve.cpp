@@ -225,6 +225,27 @@ TEST_SUITE("ringbus/zmq/zmq_link_curve") {
         CHECK(contains(near.endpoint(), "tcp://127.0.0.1:"));
     }
 
+    TEST_CASE("the socket for io processes asks for the session's key, too") {
+        const Credentials credentials = make_credentials(Protection::curve);
+        ZmqLink host({host_id, Role::host}, any_port, credentials);
+        const std::string apart = host.listen_apart(Role::io, any_port);
+        CHECK(apart != host.endpoint());
+        ZmqLink io({gp_id, Role::io}, any_port, credentials);
+        host.add_peer(gp_id, Role::io, io.endpoint());
+        io.add_peer(host_id, Role::host, apart);
+        Forger forger(std::nullopt, credentials.keys->open);
+        forger.send_to(apart);
+        const auto deadline =
+            std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
+        while (host.traffic().refused_messages < 1) {
+            REQUIRE(!host.receive());
+            REQUIRE(std::chrono::steady_clock::now() < deadline);
+            std::this_thread::yield();
+        }
+        io.send(host_id, pack(schema::IoDoneT{}));
+        CHECK(next_of(host).kind() == Body::IoDone);
+    }
+
     TEST_CASE("a stranger without the session's key changes nothing, and is counted") {
         Session session;
         const Credentials other = make_credentials(Protection::curve);

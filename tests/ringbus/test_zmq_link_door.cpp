@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
+#include <poll.h>
 
+#include <chrono>
 #include <cstring>
 #include <optional>
 #include <vector>
@@ -7,6 +9,7 @@
 
 #include "ringbus/wire.hpp"
 #include "ringbus/zmq/arena.hpp"
+#include "ringbus/zmq/inbound.hpp"
 #include "tests/ringbus/examples.hpp"
 #include "tests/ringbus/ipc_address.hpp"
 #include "tests/ringbus/large_bodies.hpp"
@@ -210,6 +213,81 @@ TEST_SUITE("ringbus/zmq/zmq_link_door") {
         REQUIRE(named.size() == 4);
         CHECK(contains(named[0].text, "Hello from node 1, without the secret of this machine"));
         CHECK(contains(named[3].text, "Hello from node 1, which a node of role gp may not send"));
+    }
+
+    TEST_CASE("a message on the socket for io processes counts for no other node") {
+        ZmqLink host({host_id, Role::host}, ipc_address("two-sockets"));
+        const std::string apart = host.listen_apart(Role::io, ipc_address("for-io"));
+        constexpr NodeId io_id = 9;
+        host.add_peer(gp_id, Role::gp, ipc_address("beside-io"));
+        host.add_peer(io_id, Role::io, ipc_address("io"));
+        std::vector<Refusal> named;
+        host.on_refusal([&](const Refusal& refusal) { named.push_back(refusal); });
+        RawPeer gp(host.endpoint()), io(apart);
+        io.send_as(gp_id, host_id, 0, pack(schema::VolumeReadyT{}));
+        await_refusals(host, 1);
+        gp.send_as(io_id, host_id, 0, pack(schema::IoDoneT{}));
+        await_refusals(host, 2);
+        REQUIRE(named.size() == 1);
+        CHECK(named[0].text == "VolumeReady from node 1, on the socket for nodes of role io");
+        // The numbers of both nodes are still due.
+        io.send_as(io_id, host_id, 0, pack(schema::IoDoneT{}));
+        CHECK(next_of(host).kind() == Body::IoDone);
+        gp.send_as(gp_id, host_id, 0, pack(schema::VolumeReadyT{}));
+        CHECK(next_of(host).kind() == Body::VolumeReady);
+    }
+
+    TEST_CASE("the descriptor of a link with two sockets is readable for each of them") {
+        ZmqLink host({host_id, Role::host}, ipc_address("watched"));
+        const std::string apart = host.listen_apart(Role::io, ipc_address("watched-io"));
+        constexpr NodeId io_id = 9;
+        host.add_peer(gp_id, Role::gp, ipc_address("watched-gp"));
+        host.add_peer(io_id, Role::io, ipc_address("watched-sender"));
+        RawPeer gp(host.endpoint()), io(apart);
+        constexpr int patience_ms = 30000;
+        const auto await = [&](Body kind) {
+            std::optional<Message> message;
+            while (!(message = host.receive())) {  // Empties both sockets before each wait.
+                pollfd entry{host.poll_fd(), POLLIN, 0};
+                REQUIRE(poll(&entry, 1, patience_ms) == 1);
+            }
+            CHECK(message->kind() == kind);
+        };
+        for (std::uint64_t number = 0; number < 20; ++number) {
+            io.send_as(io_id, host_id, number, pack(schema::IoDoneT{}));
+            await(Body::IoDone);
+            gp.send_as(gp_id, host_id, number, pack(schema::VolumeReadyT{}));
+            await(Body::VolumeReady);
+        }
+        while (host.receive()) {
+        }
+        pollfd entry{host.poll_fd(), POLLIN, 0};
+        CHECK(poll(&entry, 1, 0) == 0);  // Else the host would not sleep.
+    }
+
+    TEST_CASE("the second socket has its turn when the first is empty, or after a change") {
+        zmq::context_t context;
+        Inbound inbound(context);
+        inbound.open_apart();
+        RawPeer common(inbound.bind(Entrance::common, ipc_address("turns"))),
+            apart(inbound.bind(Entrance::apart, ipc_address("turns-io")));
+        const auto arrive = [&](RawPeer& peer, Entrance entrance) {
+            peer.socket().send(zmq::buffer("x", 1));
+            constexpr std::chrono::milliseconds patience(30000);
+            zmq::pollitem_t item{inbound.socket(entrance).handle(), 0, ZMQ_POLLIN, 0};
+            REQUIRE(zmq::poll(&item, 1, patience) == 1);
+        };
+        for (int round = 0; round < 2; ++round) {
+            arrive(apart, Entrance::apart);
+            arrive(common, Entrance::common);
+            zmq::message_t head;
+            CHECK(inbound.take(head) == Entrance::common);
+            arrive(common, Entrance::common);
+            inbound.change_turns();  // A flood at the first socket.
+            CHECK(inbound.take(head) == Entrance::apart);
+            CHECK(inbound.take(head) == Entrance::common);
+            CHECK(!inbound.take(head));
+        }
     }
 
     TEST_CASE("an arena is opened only for nodes that share memory, and never for the io process") {

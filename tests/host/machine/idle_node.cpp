@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "host/io/sandbox/system_calls.hpp"
 #include "ringbus/process/process.hpp"
@@ -28,8 +29,23 @@ void stay_for_ever() {
     }
 }
 
+/// A process that a file has taken over can write any header on its connection to the host.
+void write_in_the_name_of_gp_0(const bus::ProcessFlags& flags) {
+    constexpr bus::NodeId gp_0 = 1;
+    bus::Credentials credentials;
+    credentials.allows_plain_tcp = true;
+    const bool is_ipc = flags.bind.starts_with("ipc:");
+    bus::ZmqLink forger({gp_0, schema::Role::gp}, flags.bind + (is_ipc ? "-forger" : ""),
+                        credentials);
+    forger.add_peer(bus::host_id, schema::Role::host, flags.host_endpoint);
+    forger.send(bus::host_id, bus::pack(schema::VolumeReadyT{}));
+    forger.linger(bus::host_id, -1);
+}
+
 class IdleNode final : public bus::Node {
   public:
+    explicit IdleNode(bus::ProcessFlags flags) : flags_(std::move(flags)) {}
+
     void receive(const bus::Message& message, bus::Outbox& out) override {
         if (const auto* order = message.as<schema::RemoveSurface>()) {
             obey(static_cast<test::Order>(order->surface()), out);
@@ -40,8 +56,11 @@ class IdleNode final : public bus::Node {
     bool work(bus::Outbox&) override { return false; }
 
   private:
-    static void obey(test::Order order, bus::Outbox& out) {
+    void obey(test::Order order, bus::Outbox& out) const {
         switch (order) {
+            case test::Order::forge:
+                write_in_the_name_of_gp_0(flags_);
+                [[fallthrough]];
             case test::Order::answer:
                 out.send(bus::host_id, role == schema::Role::io
                                            ? bus::pack(schema::IoDoneT{})
@@ -88,6 +107,8 @@ class IdleNode final : public bus::Node {
         built.slabs.back().mutate_slab(~0U);
         return bus::pack(built);
     }
+
+    bus::ProcessFlags flags_;
 };
 
 void say_hello_as_another_build(int argc, char** argv) {
@@ -144,5 +165,6 @@ int main(int argc, char** argv) {
         std::signal(SIGTERM, SIG_IGN);
         std::atexit(stay_for_ever);
     }
-    return bus::run_process(argc, argv, role, [] { return std::make_unique<IdleNode>(); });
+    return bus::run_process(
+        argc, argv, role, [&] { return std::make_unique<IdleNode>(bus::parse_flags(argc, argv)); });
 }

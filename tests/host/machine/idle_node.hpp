@@ -18,6 +18,7 @@ enum class Order : std::uint16_t {
     forbidden,  ///< FrameDone to the host, which neither GPs nor io processes may send.
     damaged,    ///< A VolumeHeader or SurfaceBuilt whose values are out of range.
     hang,       ///< Takes no further message.
+    forge,      ///< VolumeReady in the name of gp-0 at the host's address, then as answer.
     start,      ///< Starts a program, which the sandbox of an io process does not allow.
 };
 

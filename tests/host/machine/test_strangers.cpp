@@ -1,5 +1,7 @@
 // Processes that do not belong to a machine, and io processes that a file has taken over.
 #include <doctest/doctest.h>
+#include <fcntl.h>
+#include <unistd.h>
 
 #include <functional>
 #include <string>
@@ -15,6 +17,27 @@ using namespace pxpl5::test;
 namespace schema = bus::schema;
 
 namespace {
+
+/// Keeps what this process writes to standard error, while it lives.
+class StandardError {
+  public:
+    explicit StandardError(const fs::path& file) : file_(file), before_(dup(STDERR_FILENO)) {
+        const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+        dup2(fd, STDERR_FILENO);
+        close(fd);
+    }
+    ~StandardError() {
+        dup2(before_, STDERR_FILENO);
+        close(before_);
+    }
+    StandardError(const StandardError&) = delete;
+    StandardError& operator=(const StandardError&) = delete;
+    std::string text() const { return text_of(file_); }
+
+  private:
+    fs::path file_;
+    int before_;
+};
 
 /// Waits until a GP has answered once.
 void check_works(Machine& machine) {
@@ -74,6 +97,28 @@ TEST_CASE("a damaged message of an io process ends its request, not the machine"
                  [&] { return answered; });
     machine.release_io();
     machine.shutdown();
+}
+
+TEST_CASE("an io process that writes in the name of a GP is dropped, named and counted") {
+    for (const Transport transport : {Transport::ipc, Transport::tcp}) {
+        Bench bench;
+        bench.topology.ring.transport = transport;
+        bench.options.insecure_tcp = true;  // The forger of the test has no keys.
+        Machine machine(bench.topology, bench.options);
+        const StandardError said(bench.folder / "said");
+        const bus::NodeId io = machine.start_io();
+        machine.send(io, io_order(Order::forge));
+        bool answered = false;
+        machine.pump([&](const bus::Message& m) { answered = answered || m.source() == io; },
+                     [&] { return answered && machine.traffic().refused_messages > 0; });
+        CHECK(machine.traffic().refused_messages == 1);
+        check_works(machine);  // The numbers of the GP are as before.
+        machine.shutdown();
+        CHECK_MESSAGE(has(said.text(),
+                          "warning: the ring dropped VolumeReady from node 1, on the "
+                          "socket for nodes of role io; "),
+                      said.text());
+    }
 }
 
 TEST_CASE("a damaged message of a GP ends the machine, which names the node") {
