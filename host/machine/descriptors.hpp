@@ -1,4 +1,4 @@
-// File descriptors: looks at the limit before a machine starts.
+// File descriptors and threads: looks at the limits before a machine starts.
 #pragma once
 
 #include <cstddef>
@@ -12,5 +12,17 @@ std::size_t needed_descriptors(std::size_t nodes);
 /// Raises the soft limit of this process and of its children, so that a machine of `nodes` nodes
 /// fits. Throws RequestError (unavailable) with both numbers if the hard limit is too low.
 void provide_descriptors(std::size_t nodes);
+
+/// Threads that start after the host for a machine of `nodes` nodes, which include the host: those
+/// of the host, of the nodes, and of two io processes.
+std::size_t needed_threads(std::size_t nodes, bool is_tcp);
+
+/// Raises the soft limit of this user's threads. Throws RequestError (unavailable) with all numbers
+/// if this user or the control group may not start the threads of a machine of `nodes` nodes.
+/// ZeroMQ would end the process that cannot start a thread.
+void provide_threads(std::size_t nodes, bool is_tcp);
+
+/// Does both.
+void provide_limits(std::size_t nodes, bool is_tcp);
 
 }  // namespace pxpl5::host

@@ -62,7 +62,7 @@ std::string bind_address(Transport transport, const SocketFolder& sockets,
 
 /// The plan, after the limit of file descriptors has been raised. Sockets need descriptors.
 Topology with_descriptors(const Topology& topology) {
-    provide_descriptors(roster_of(topology).size());
+    provide_limits(roster_of(topology).size(), topology.ring.transport == Transport::tcp);
     return topology;
 }
 
