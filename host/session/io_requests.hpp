@@ -35,7 +35,7 @@ class IoRequests {
 
     Conversation& conversation_;
     bool is_done_ = false;
-    bus::Body content_kind_ = bus::Body::NONE;  ///< Of the request under way.
+    bus::Body content_kind_ = bus::Body::NONE;  ///< The kind that the request has.
     IoOutcome outcome_;
 };
 

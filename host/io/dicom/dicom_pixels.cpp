@@ -82,6 +82,72 @@ void check_ratio(const std::string& file, const DicomSlice& slice) {
     }
 }
 
+using RleHeader = std::array<std::uint32_t, 16>;  ///< The number of segments, and their places.
+
+/// A frame of RLE: the bytes of its header, and the size of all.
+struct RleFrame {
+    std::string header;
+    std::size_t size_bytes = 0;
+
+    void add(const gdcm::Fragment& fragment) {
+        if (const gdcm::ByteValue* const value = fragment.GetByteValue()) {
+            const std::size_t bytes = value->GetLength();
+            header.append(value->GetPointer(), std::min(bytes, sizeof(RleHeader) - header.size()));
+            size_bytes += bytes;
+        }
+    }
+};
+
+/// GDCM divides by the number of segments, and trusts their places.
+/// Source: DICOM PS3.5, annex G.
+void check_rle_header(const std::string& place, const RleFrame& frame, std::size_t value_bytes) {
+    constexpr const char* remedy = ". The file is damaged";
+    RleHeader header{};
+    if (frame.header.size() < sizeof header) {
+        throw ImportError(fmt::format("{} has {} bytes, its header needs {}{}", place,
+                                      frame.size_bytes, sizeof header, remedy));
+    }
+    std::memcpy(header.data(), frame.header.data(), sizeof header);
+    if (header[0] != value_bytes) {
+        throw ImportError(fmt::format("{} has {} segments, values of {} bytes need {}{}", place,
+                                      header[0], value_bytes, value_bytes, remedy));
+    }
+    std::size_t least = sizeof header;
+    for (std::size_t segment = 1; segment <= value_bytes; ++segment) {
+        if (header[segment] < least || header[segment] >= frame.size_bytes) {
+            throw ImportError(fmt::format("{} has segment {} at byte {}, allowed are {} .. {}{}",
+                                          place, segment, header[segment], least,
+                                          frame.size_bytes - 1, remedy));
+        }
+        least = std::size_t{header[segment]} + 1;
+    }
+}
+
+/// Checks RLE fragments: one per frame, but GDCM joins the fragments of a single frame.
+void check_rle(const DicomSlice& slice, const gdcm::Bitmap& image) {
+    const std::string file = slice.path.string();
+    const gdcm::SequenceOfFragments* const fragments =
+        image.GetDataElement().GetSequenceOfFragments();
+    if (image.GetTransferSyntax() != gdcm::TransferSyntax::RLELossless || fragments == nullptr) {
+        return;
+    }
+    const std::size_t count = fragments->GetNumberOfFragments();
+    std::vector<RleFrame> frames(static_cast<std::size_t>(slice.frames));
+    if (frames.size() > 1 && count != frames.size()) {
+        throw ImportError(
+            fmt::format("{}: its RLE pixels have {} fragments, {} frames need {}. The file is "
+                        "damaged",
+                        file, count, frames.size(), frames.size()));
+    }
+    for (std::size_t at = 0; at < count; ++at) {
+        frames[frames.size() == 1 ? 0 : at].add(fragments->GetFragment(at));
+    }
+    for (std::size_t at = 0; at < frames.size(); ++at) {
+        check_rle_header(fmt::format("{}: frame {} of its RLE pixels", file, at + 1), frames[at],
+                         static_cast<std::size_t>(slice.bits) / 8);
+    }
+}
+
 /// The pixels of a file. gdcm::ImageReader would also read icons, overlays, curves, color tables
 /// and places, and asserts on many values of theirs.
 class StoredPixels : public gdcm::Bitmap {
@@ -106,6 +172,7 @@ class StoredPixels : public gdcm::Bitmap {
         SetNeedByteSwap(GetTransferSyntax() == gdcm::TransferSyntax::ImplicitVRBigEndianPrivateGE);
         SetDataElement(file.GetDataSet().GetDataElement(gdcm::Tag(0x7fe0, 0x0010)));
         take_raw_pixels();
+        check_rle(slice, *this);
         ComputeLossyFlag();  // Takes size and bits of a compressed picture from its own header.
     }
 

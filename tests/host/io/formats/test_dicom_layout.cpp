@@ -45,6 +45,33 @@ std::array<double, 2> range_of(const TemporaryFolder& folder, const DicomSet& se
 
 using Range = std::array<double, 2>;
 
+/// A file of RLE (1.2.840.10008.1.2.5) with these fragments, after an empty table of offsets.
+std::string rle_file(DicomSet set, const std::vector<std::string>& fragments) {
+    const auto element = [](std::uint16_t number, const std::string& content) {
+        return bytes_of<std::uint16_t>(0xfffe) + bytes_of(number) +
+               bytes_of(static_cast<std::uint32_t>(content.size())) + content;
+    };
+    std::string pixels = element(0xe000, "");
+    for (const std::string& fragment : fragments) {
+        pixels += element(0xe000, fragment);
+    }
+    pixels += element(0xe0dd, "");
+    std::string bytes = set.put(0x7fe0, 0x10, "OB", pixels).file();
+    bytes.replace(bytes.size() - pixels.size() - 4, 4, "\xff\xff\xff\xff");  // Undefined length.
+    const std::string raw("1.2.840.10008.1.2.1\0", 20), rle("1.2.840.10008.1.2.5\0", 20);
+    return bytes.replace(bytes.find(raw), raw.size(), rle);
+}
+
+/// The values 1, 2, 3, 4: a segment of upper and one of lower bytes, behind their header.
+std::string rle_fragment(std::uint32_t segments = 2, std::uint32_t first = 64,
+                         std::uint32_t second = 70) {
+    std::vector<std::uint32_t> header(16);
+    header[0] = segments;
+    header[1] = first;
+    header[2] = second;
+    return bytes_of(header) + std::string("\3\0\0\0\0\0", 6) + std::string("\3\1\2\3\4\0", 6);
+}
+
 }  // namespace
 
 TEST_SUITE("host/io/dicom_layout") {
@@ -171,5 +198,58 @@ TEST_SUITE("host/io/dicom_layout") {
         const std::string raw("1.2.840.10008.1.2.1\0", 20), rle("1.2.840.10008.1.2.5\0", 20);
         bytes.replace(bytes.find(raw), raw.size(), rle);
         CHECK(import_volume(folder.write("x.dcm", bytes)).maximum == 4);
+    }
+
+    TEST_CASE("fragments of RLE whose header GDCM would divide by are refused before") {
+        const TemporaryFolder folder;
+        const auto refusal = [&](const std::vector<std::string>& fragments) {
+            try {
+                import_volume(folder.write("x.dcm", rle_file(plain(), fragments)));
+            } catch (const ImportError& error) {
+                return std::string(error.what()).substr(folder.file("x.dcm: ").size());
+            }
+            return std::string();
+        };
+        const Volume whole =
+            import_volume(folder.write("x.dcm", rle_file(plain(), {rle_fragment()})));
+        CHECK(whole.minimum == 1);
+        CHECK(whole.maximum == 4);
+        const std::string damaged = ". The file is damaged";
+        for (const std::uint32_t segments : {0U, 1U, 3U, 16U, 0xffffffffU}) {
+            CHECK(refusal({rle_fragment(segments)}) ==
+                  "frame 1 of its RLE pixels has " + std::to_string(segments) +
+                      " segments, values of 2 bytes need 2" + damaged);
+        }
+        CHECK(refusal({rle_fragment(2, 63)}) ==
+              "frame 1 of its RLE pixels has segment 1 at byte 63, allowed are 64 .. 75" + damaged);
+        CHECK(refusal({rle_fragment(2, 64, 64)}) ==
+              "frame 1 of its RLE pixels has segment 2 at byte 64, allowed are 65 .. 75" + damaged);
+        CHECK(refusal({rle_fragment(2, 64, 76)}) ==
+              "frame 1 of its RLE pixels has segment 2 at byte 76, allowed are 65 .. 75" + damaged);
+        CHECK(refusal({rle_fragment().substr(0, 62)}) ==
+              "frame 1 of its RLE pixels has 62 bytes, its header needs 64" + damaged);
+        CHECK(refusal({}) ==
+              "frame 1 of its RLE pixels has 0 bytes, its header needs 64" + damaged);
+    }
+
+    TEST_CASE("each frame of RLE is one fragment") {
+        const TemporaryFolder folder;
+        const auto file = [&](const std::vector<std::string>& fragments) {
+            DicomSet set = plain().text(0x28, 8, "IS", "2").text(0x18, 0x88, "DS", "1");
+            return folder.write("x.dcm", rle_file(set, fragments));
+        };
+        CHECK(import_volume(file({rle_fragment(), rle_fragment()})).nz == 2);
+        const std::string name = folder.file("x.dcm");
+        CHECK_THROWS_WITH_AS(
+            import_volume(file({rle_fragment(), rle_fragment(0)})),
+            (name + ": frame 2 of its RLE pixels has 0 segments, values of 2 bytes need 2. The "
+                    "file is damaged")
+                .c_str(),
+            ImportError);
+        CHECK_THROWS_WITH_AS(import_volume(file({rle_fragment()})),
+                             (name + ": its RLE pixels have 1 fragments, 2 frames need 2. The file "
+                                     "is damaged")
+                                 .c_str(),
+                             ImportError);
     }
 }
