@@ -2,7 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <latch>
 #include <stdexcept>
+#include <system_error>
+#include <thread>
 #include <vector>
 
 namespace pxpl5::bus {
@@ -12,6 +15,28 @@ namespace {
 /// Option 10 of a context: without zero-copy receive, buffers come from malloc and are aligned.
 constexpr int zero_copy_receive = 10;
 
+/// Threads that ZeroMQ starts with the first socket of a context.
+constexpr std::size_t context_threads = 2;
+
+/// Throws std::runtime_error if this process may not start the threads of a context. ZeroMQ would
+/// abort.
+void try_threads() {
+    std::latch all_started(1);
+    std::vector<std::jthread> tried;  // Ends before the latch.
+    try {
+        while (tried.size() < context_threads) {
+            tried.emplace_back([&all_started] { all_started.wait(); });
+        }
+    } catch (const std::system_error& error) {
+        all_started.count_down();
+        throw std::runtime_error(
+            fmt::format("cannot start thread {} of the {} that ZeroMQ needs: {}. Raise the limit "
+                        "of this user's threads (ulimit -u) or of the control group (pids.max)",
+                        tried.size() + 1, context_threads, error.code().message()));
+    }
+    all_started.count_down();
+}
+
 void release_payload(void*, void* hint) {
     delete static_cast<Payload*>(hint);
 }
@@ -19,6 +44,7 @@ void release_payload(void*, void* hint) {
 }  // namespace
 
 zmq::context_t make_context() {
+    try_threads();
     zmq::context_t context(1);
     zmq_ctx_set(context.handle(), zero_copy_receive, 0);
     return context;

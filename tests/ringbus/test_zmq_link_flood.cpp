@@ -1,6 +1,11 @@
-// What waits for a receiver that takes nothing.
+// Limits: messages for a receiver that takes nothing, and threads.
 #include <doctest/doctest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <zmq.hpp>
 
@@ -104,5 +109,40 @@ TEST_SUITE("ringbus/zmq/zmq_link_flood") {
             taken += take_all(host);
         }
         CHECK(taken == sent);
+    }
+
+    TEST_CASE("another user of the computer who may start one thread gets an error, no abort") {
+        if (geteuid() != 0) {
+            MESSAGE("skipped: only root can act as another user");
+            return;
+        }
+        int out[2];
+        REQUIRE(pipe(out) == 0);
+        const pid_t child = fork();
+        REQUIRE(child >= 0);
+        if (child == 0) {
+            constexpr uid_t lone_user = 64322;  // Has no other process.
+            const rlimit two_threads{2, 2};
+            if (setrlimit(RLIMIT_NPROC, &two_threads) != 0 || setgid(lone_user) != 0 ||
+                setuid(lone_user) != 0) {
+                _exit(2);
+            }
+            try {
+                const ZmqLink link({gp_id, schema::Role::gp}, "ipc:///tmp/pxpl5-not-reached");
+            } catch (const std::runtime_error& error) {
+                const std::string text = error.what();
+                _exit(write(out[1], text.data(), text.size()) > 0 ? 0 : 3);
+            }
+            _exit(1);
+        }
+        close(out[1]);
+        std::string text(1024, '\0');
+        text.resize(
+            static_cast<std::size_t>(std::max<ssize_t>(0, read(out[0], text.data(), text.size()))));
+        close(out[0]);
+        int status = 0;
+        REQUIRE(waitpid(child, &status, 0) == child);
+        CHECK(status == 0);
+        CHECK_MESSAGE(text.starts_with("cannot start thread 2 of the 2 that ZeroMQ needs: "), text);
     }
 }
