@@ -54,6 +54,8 @@ struct CommandDescriptor {
     bool is_long = false;           ///< Shows progress and can be canceled.
     RenderStage stage = RenderStage::never;
     std::vector<std::string_view> aliases = {};
+    /// The further files that appear beside the output `file`.
+    std::vector<std::string> (*files_beside)(const std::string& file) = nullptr;
 };
 
 /// Isovalues and gray values beyond this are no floats.

@@ -55,6 +55,10 @@ std::string suffix_of(const fs::path& path) {
     return suffix;
 }
 
+fs::path color_file_of(const fs::path& mesh) {
+    return suffix_of(mesh) == ".obj" ? fs::path(mesh).replace_extension(".mtl") : fs::path();
+}
+
 namespace {
 
 constexpr int max_links = 40;  // As in the kernel.
@@ -234,16 +238,25 @@ std::string PartFile::lack_of_room(std::uint64_t bytes) const {
     return is_lack ? std::generic_category().message(failure) : "";
 }
 
-std::string PartFile::keep() {
+std::string PartFile::finish() {
     errno = 0;
-    if (file_ != nullptr && std::fclose(std::exchange(file_, nullptr)) != 0) {
-        note_failure();
+    if (file_ != nullptr) {
+        if (std::ferror(file_) != 0) {
+            note_failure();  // A library has written, and the reason is lost.
+        }
+        if (std::fclose(std::exchange(file_, nullptr)) != 0) {
+            note_failure();
+        }
+        if (failure_ == 0 && !is_synced(part_)) {
+            note_failure();
+        }
     }
-    if (failure_ == 0 && !is_synced(part_)) {
-        note_failure();
-    }
-    if (failure_ != 0) {
-        return std::generic_category().message(failure_);
+    return failure_ == 0 ? "" : std::generic_category().message(failure_);
+}
+
+std::string PartFile::keep() {
+    if (std::string reason = finish(); !reason.empty()) {
+        return reason;
     }
     std::error_code failure;
     fs::rename(part_, target_, failure);

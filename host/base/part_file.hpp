@@ -20,6 +20,9 @@ std::string suffix_of(const std::filesystem::path& path);
 /// followed, because it could name any file of this user: the file then replaces the link.
 std::filesystem::path place_of(const std::filesystem::path& path);
 
+/// The file of colors that is written beside an OBJ file. Empty for other meshes.
+std::filesystem::path color_file_of(const std::filesystem::path& mesh);
+
 /// Why no file can be written as `path`: "FILE: its folder FOLDER does not exist", or FILE itself
 /// is a folder or a device. Empty if nothing of this kind is in the way.
 std::string wrong_place(const std::filesystem::path& path);
@@ -38,8 +41,12 @@ class PartFile {
     PartFile(const PartFile&) = delete;
     PartFile& operator=(const PartFile&) = delete;
 
-    /// For a library that writes the file itself.
+    /// For a library that writes the file itself. Whoever closes such a file must check that this
+    /// has worked.
     const std::filesystem::path& path() const { return part_; }
+    /// For a library that writes into an open file; null if the file could not be made. keep()
+    /// finds failures, also of bytes that were still in a buffer.
+    std::FILE* stream() const { return file_; }
 
     /// Appends. After a failure what follows is dropped, and keep() tells the reason.
     void write(std::string_view bytes);
@@ -60,8 +67,13 @@ class PartFile {
     /// discarded.
     std::string lack_of_room(std::uint64_t bytes) const;
 
-    /// Hands the bytes to the disk, and gives the file its name: after a power failure the file is
-    /// whole or the one before. Returns why that failed, as "No space left on device", or nothing.
+    /// Hands the bytes to the disk; nothing is written afterwards. Returns why that failed, as "No
+    /// space left on device", or nothing. For files that appear together: the first is kept once
+    /// all have reached the disk.
+    std::string finish();
+
+    /// finish(), and gives the file its name: after a power failure the file is whole or the one
+    /// before. Returns why that failed, or nothing.
     std::string keep();
 
   private:

@@ -210,7 +210,19 @@ void add_file_surface(Reply& reply, const FileSurface& surface, const Certificat
     }
 }
 
+std::string certificate_file_of(const std::string& mesh) {
+    return mesh + ".certificate.json";
+}
+
 }  // namespace
+
+std::vector<std::string> files_beside_mesh(const std::string& mesh) {
+    std::vector<std::string> files = {certificate_file_of(mesh)};
+    if (const std::filesystem::path colors = color_file_of(mesh); !colors.empty()) {
+        files.push_back(colors.string());
+    }
+    return files;
+}
 
 Reply run_export(Session& session, const Arguments& arguments) {
     const std::string& path = arguments.words[0];
@@ -226,7 +238,7 @@ Reply run_export(Session& session, const Arguments& arguments) {
     }
     wish.description = picture_extras(session, session.scene.camera).description;
     const MeshExportReport report = session.exports.mesh(path, wish);
-    const std::string beside = path + ".certificate.json";
+    const std::string beside = certificate_file_of(path);
     Reply reply{fmt::format("wrote {}: {}", path, report.text), {}};
     std::int64_t vertices = 0, holes = 0, open_edges = 0;
     std::vector<Fields> surfaces, facts;

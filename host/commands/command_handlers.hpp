@@ -42,6 +42,8 @@ Reply run_compare(Session& session, const Arguments& arguments);
 /// The certificate of a surface in a file.
 Certificate file_certificate(const WeldedFile& file);
 Reply run_export(Session& session, const Arguments& arguments);
+/// The files that `export` writes beside a mesh: the certificate, and the colors of an OBJ file.
+std::vector<std::string> files_beside_mesh(const std::string& mesh);
 Reply run_digest(Session& session, const Arguments& arguments);
 Reply run_model(Session& session, const Arguments& arguments);
 Reply run_activity(Session& session, const Arguments& arguments);

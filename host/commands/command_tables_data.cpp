@@ -156,7 +156,8 @@ std::vector<Command> mesh_commands() {
                                    "close the mesh at the scan's border and at clip planes", "no")},
           .kind = CommandKind::action,
           .is_long = true,
-          .stage = RenderStage::output},
+          .stage = RenderStage::output,
+          .files_beside = files_beside_mesh},
          run_export},
     };
 }

@@ -71,8 +71,8 @@ void add_system_files(FileRules& files) {
 /// The folders in which the writer of `path` makes files: links lead to other folders.
 std::vector<fs::path> written_folders(const fs::path& path) {
     std::vector<fs::path> folders = {folder_of(place_of(path))};
-    if (suffix_of(path) == ".obj") {
-        folders.push_back(folder_of(place_of(fs::path(path).replace_extension(".mtl"))));
+    if (const fs::path colors = color_file_of(path); !colors.empty()) {
+        folders.push_back(folder_of(place_of(colors)));
     }
     return folders;
 }

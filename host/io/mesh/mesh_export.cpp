@@ -76,12 +76,12 @@ std::string written(const fs::path& path, const MeshExport& mesh) {
     } else if (suffix == ".glb") {
         write_glb(mesh, file);
     } else {
-        const fs::path materials = fs::path(path).replace_extension(".mtl");
+        const fs::path materials = color_file_of(path);
         PartFile beside(materials);
         write_mtl(mesh, beside);
         write_obj(mesh, materials.filename().string(), file);
-        if (file.has_failed()) {
-            return file.keep();  // The reason; neither file appears.
+        if (std::string failure = file.finish(); !failure.empty()) {
+            return failure;  // Neither file appears.
         }
         if (std::string failure = beside.keep(); !failure.empty()) {
             return failure;
@@ -108,8 +108,7 @@ std::string sentence(const fs::path& path, const MeshExport& mesh, std::size_t b
     } else if (suffix == ".glb") {
         text += ", which its node turns to glTF's meters, Y up";
     } else if (suffix == ".obj") {
-        text += fmt::format("; colors in {}",
-                            fs::path(path).replace_extension(".mtl").filename().string());
+        text += fmt::format("; colors in {}", color_file_of(path).filename().string());
     }
     return text;
 }

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -39,23 +41,37 @@ bool is_hidden_within(const fs::path& folder, const fs::path& path) {
     refuse_command(fmt::format("{}: {} {}", command.name, path, reason));
 }
 
-/// Whether a file of this name, with any number for "{}", is there.
-bool is_there(const fs::path& file) {
-    const std::string name = file.filename().string();
+/// The files that are there under a name with any number for "{}".
+std::vector<fs::path> numbered_files(const fs::path& pattern) {
+    const std::string name = pattern.filename().string();
     const std::size_t number = name.find("{}");
-    std::error_code error;
     if (number == std::string::npos) {
-        return fs::exists(fs::symlink_status(file, error));
+        return {};
     }
     const std::string begin = name.substr(0, number), end = name.substr(number + 2);
-    for (const fs::directory_entry& entry : fs::directory_iterator(file.parent_path(), error)) {
-        const std::string other = entry.path().filename().string();
+    std::vector<fs::path> files;
+    std::error_code error;
+    for (fs::directory_iterator at(pattern.parent_path(), error);
+         !error && at != fs::directory_iterator(); at.increment(error)) {
+        const std::string other = at->path().filename().string();
         if (other.size() > begin.size() + end.size() && other.starts_with(begin) &&
             other.ends_with(end)) {
-            return true;
+            files.push_back(at->path());
         }
     }
-    return false;
+    return files;
+}
+
+/// All files that the command may write for this word: itself, files of this pattern that are
+/// there, and files beside it.
+std::vector<fs::path> written_files(const CommandDescriptor& command, const std::string& path) {
+    const fs::path file = fs::absolute(path);
+    std::vector<fs::path> files = numbered_files(file);
+    files.insert(files.begin(), file);
+    if (command.files_beside != nullptr) {
+        std::ranges::move(command.files_beside(file.string()), std::back_inserter(files));
+    }
+    return files;
 }
 
 /// A built-in volume is no file.
@@ -117,7 +133,9 @@ void FileAccess::check(const CommandDescriptor& command, const Arguments& argume
         const std::string& word = arguments.words[i];
         const ValueType type = i < command.words.size() ? command.words[i].type : ValueType::text;
         if (type == ValueType::output) {
-            check_write(command, word);
+            for (const fs::path& file : written_files(command, word)) {
+                check_write(command, file);
+            }
         } else if ((type == ValueType::file && is_path(command, word)) ||
                    may_be_mesh_file(command, word)) {
             check_read(command, word);
@@ -140,10 +158,11 @@ void FileAccess::check_read(const CommandDescriptor& command, const std::string&
     }
 }
 
-void FileAccess::check_write(const CommandDescriptor& command, const std::string& path) const {
-    const fs::path file = fs::absolute(path);
+void FileAccess::check_write(const CommandDescriptor& command, const fs::path& file) const {
+    const std::string path = file.string();
     const fs::path folder = real_path(file.parent_path());
-    const fs::path real = real_path(file);
+    const fs::path real = real_path(host::place_of(file));  // A link's target may not exist yet.
+    std::error_code unknown;
     const Place place = std::max(place_of(real), place_of(folder));
     if (place == Place::outside) {
         refuse_path(command, path,
@@ -162,7 +181,8 @@ void FileAccess::check_write(const CommandDescriptor& command, const std::string
                     "start serve with --allow and the hidden folder, or run the command in the "
                     "terminal");
     }
-    if (!is_within(downloads_, real) && is_there(folder / file.filename())) {
+    if (!is_within(downloads_, real) &&
+        fs::exists(fs::symlink_status(folder / file.filename(), unknown))) {
         refuse_path(command, path,
                     "exists already, and the browser does not replace files beside downloads. "
                     "Choose another name, or write download:NAME");

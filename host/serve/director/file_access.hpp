@@ -23,14 +23,15 @@ class FileAccess {
     void allow_volume(const std::string& source);
 
     /// Throws RequestError (usage) that names the path and the remedy if a word of the command is a
-    /// file that it may not read or write. Links count as what they lead to.
+    /// file that it may not read or write, or if it would write such a file beside an output. Links
+    /// count as what they lead to.
     void check(const CommandDescriptor& command, const Arguments& arguments) const;
 
   private:
     enum class Place { allowed, hidden, outside };
     Place place_of(const std::filesystem::path& real) const;
     void check_read(const CommandDescriptor& command, const std::string& path) const;
-    void check_write(const CommandDescriptor& command, const std::string& path) const;
+    void check_write(const CommandDescriptor& command, const std::filesystem::path& file) const;
 
     std::filesystem::path downloads_;
     std::vector<std::filesystem::path> folders_;  ///< All, their links followed.

@@ -2,10 +2,12 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "host/base/command_descriptor.hpp"
 #include "host/base/error.hpp"
+#include "host/commands/commands.hpp"
 #include "host/serve/director/file_access.hpp"
 #include "tests/host/serve/scratch_folder.hpp"
 
@@ -102,6 +104,59 @@ TEST_CASE("links count as their targets, hidden or not") {
     CHECK_FALSE(may_write(access, home.path / "keys/new"));
     CHECK(may_read(access, home.path / ".data/other.nrrd"));
     CHECK(may_write(access, home.path / ".data/new"));
+}
+
+TEST_CASE("a link whose target does not exist yet counts as its target") {
+    const Home home;
+    fs::create_directory(home.path / "outside");
+    fs::create_symlink(home.path / "outside/new", home.scratch.path / "run/.downloads/link");
+    const FileAccess access = home.access({home.path / "data"});
+    CHECK_FALSE(may_write(access, home.scratch.path / "run/.downloads/link"));
+    CHECK(may_write(access, home.scratch.path / "run/.downloads/new"));
+}
+
+TEST_CASE("the files that export writes beside a mesh are checked, too") {
+    const CommandDescriptor& command = find_command("export");
+    for (const char* beside : {"bone.mtl", "bone.obj.certificate.json"}) {
+        CAPTURE(beside);
+        const Home home;
+        const FileAccess access = home.access({home.path / "data"});
+        for (const fs::path& folder : {home.path / "data", home.scratch.path / "run/.downloads"}) {
+            CHECK(refusal(access, command, folder / "bone.obj") == "");
+            fs::create_symlink(home.path / ".ssh/id", folder / beside);
+            const std::string reason = refusal(access, command, folder / "bone.obj");
+            CHECK_MESSAGE(
+                reason.find((folder / beside).string() + " is outside") != std::string::npos,
+                reason);
+            fs::remove(folder / beside);
+            std::ofstream(folder / beside) << "text";
+        }
+        const std::string reason = refusal(access, command, home.path / "data/bone.obj");
+        CHECK_MESSAGE(reason.find(std::string(beside) + " exists already") != std::string::npos,
+                      reason);
+        CHECK(refusal(access, command, home.scratch.path / "run/.downloads/bone.obj") == "");
+        CHECK(refusal(access, writer(), home.path / "data/bone.obj") == "");
+    }
+    const Home home;
+    const FileAccess access = home.access({home.path / "data"});
+    home.scratch.write("home/data/bone.mtl", "text");
+    CHECK(refusal(access, command, home.path / "data/bone.stl") == "");  // It has no colors.
+}
+
+TEST_CASE("each file that a numbered name may replace is checked") {
+    const Home home;
+    const FileAccess access = home.access({home.path / "data"});
+    const fs::path downloads = home.scratch.path / "run/.downloads";
+    std::ofstream(downloads / "turn0000.png") << "text";
+    CHECK(may_write(access, downloads / "turn{}.png"));
+    fs::create_symlink(home.path / ".ssh/id", downloads / "turn0001.png");
+    const std::string reason = refusal(access, writer(), downloads / "turn{}.png");
+    CHECK_MESSAGE(
+        reason.find((downloads / "turn0001.png").string() + " is outside") != std::string::npos,
+        reason);
+    home.scratch.write("home/data/turn0007.png", "text");
+    CHECK(refusal(access, writer(), home.path / "data/turn{}.png").find("turn0007.png exists") !=
+          std::string::npos);
 }
 
 TEST_CASE("a hidden folder that was named itself is allowed, what it hides is not") {
