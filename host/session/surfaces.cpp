@@ -3,8 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
+#include "host/base/command_descriptor.hpp"
 #include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
 
@@ -103,6 +105,32 @@ SurfaceReport Surfaces::extract(const Surface& surface) {
     return report;
 }
 
+/// Ends a canceled extraction in all GPs, and drops their answers and faults that are still to
+/// come: a fault would count as the answer to the next extraction.
+void Surfaces::end_extraction(Surface& surface) {
+    schema::SetSurfaceT nothing;  // Replaces the extraction, and has no triangles.
+    nothing.surface = surface.id;
+    nothing.revision = ++surface.revision;
+    nothing.isovalue = max_float;
+    nothing.table = surface.table;
+    schema::MaskSurfaceT
+        last;  // GPs answer it behind all that came before, and apply no such mask.
+    last.surface = surface.id;
+    last.revision = ++surface.revision;
+    conversation_.broadcast(bus::pack(nothing));
+    conversation_.broadcast(bus::pack(last));
+    std::set<bus::NodeId> waiting(conversation_.gps().begin(), conversation_.gps().end());
+    conversation_.discard_until(
+        [&](const bus::Message& message) {
+            const auto* built = message.as<schema::SurfaceBuilt>();
+            if (built != nullptr && built->surface() == last.surface &&
+                built->revision() == last.revision) {
+                waiting.erase(message.source());
+            }
+        },
+        [&] { return waiting.empty(); });
+}
+
 /// Extracts the surface of before a failed change once more: the GPs no longer have it. Removes the
 /// surface if there was none, or if that fails, too.
 void Surfaces::put_back(const std::string& name, const std::optional<Surface>& before) {
@@ -137,8 +165,11 @@ SurfaceReport Surfaces::set(const std::string& name, double isovalue, CaseRule t
     SurfaceReport report;
     try {
         report = extract(surface);
-    } catch (const RequestError&) {
+    } catch (const RequestError& error) {
         frames_.abandon();
+        if (dynamic_cast<const Canceled*>(&error) != nullptr) {
+            end_extraction(surface);
+        }
         put_back(name, before);
         throw;
     }

@@ -74,6 +74,7 @@ class Surfaces {
 
   private:
     Surface& put(const std::string& name);
+    void end_extraction(Surface& surface);
     void put_back(const std::string& name, const std::optional<Surface>& before);
     SurfaceReport extract(const Surface& surface);
 

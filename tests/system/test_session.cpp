@@ -280,3 +280,35 @@ TEST_CASE("a canceled question spoils no later one, also if its volume is discar
         CHECK(ask() == first);
     }
 }
+
+TEST_CASE("a GP that has no room for a canceled surface spoils neither the old nor the next one") {
+    constexpr double empty = 30000, large = 100;  // Isovalues of the letters.
+    for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+        CAPTURE(seed);
+        Topology topology = machine_of(2, 1, 6);
+        topology.seed = seed;
+        test::SimulatedMachine machine(topology);
+        Session session(machine);
+        const Canceling viewer(machine);
+        const auto set = [&](const std::string& name, double isovalue) {
+            return session.surfaces.set(name, isovalue, CaseRule::watertight, gray).triangles;
+        };
+        session.volumes.load("phantom:letters");
+        set("old", empty);
+        std::string full;
+        for (int n = 0; n < 16 && full.empty(); ++n) {
+            full = test::error_of([&] { set("s" + std::to_string(n), large + n); });
+        }
+        REQUIRE(full.find("GPs") != std::string::npos);
+        viewer.press();
+        CHECK_THROWS_AS(set("old", large), Canceled);
+        REQUIRE(session.surfaces.find("old"));
+        CHECK(session.surfaces.find("old")->isovalue == empty);
+        viewer.press();
+        CHECK_THROWS_AS(set("new", large), Canceled);
+        CHECK(!session.surfaces.find("new"));
+        session.surfaces.remove("old");  // Also a surface without triangles needs memory.
+        CHECK(set("next", empty) == 0);
+        CHECK_NOTHROW(session.frames.draw());
+    }
+}
