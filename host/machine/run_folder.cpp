@@ -99,12 +99,12 @@ bool take_lock(int file) {
 /// Locks the run folder until this process ends, however it ends: the descriptor stays open, and no
 /// child inherits it. The folders of one program share one lock, because each start of the machine
 /// makes a folder. A file system without locks leaves the folder without a lock file.
-void lock_run(const fs::path& folder) {
-    static std::vector<fs::path> locks;
-    fs::path lock = folder / lock_name;
+/// Returns true if the folder has a lock of its own, for `locks`.
+bool lock_run(const fs::path& folder, const std::vector<fs::path>& locks) {
+    const fs::path lock = folder / lock_name;
     for (const fs::path& held : locks) {
         if (link(held.c_str(), lock.c_str()) == 0) {
-            return;
+            return false;
         }
     }
     const int file = ::open(lock.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
@@ -112,12 +112,74 @@ void lock_run(const fs::path& folder) {
         refuse("cannot write", lock, std::strerror(errno));
     }
     if (take_lock(file)) {
-        locks.push_back(std::move(lock));
-    } else {
-        ::unlink(lock.c_str());
-        ::close(file);
+        return true;
+    }
+    ::unlink(lock.c_str());
+    ::close(file);
+    return false;
+}
+
+/// True if this is a folder that mkdtemp() has made for this user, and that is so old that its
+/// program is not about to use it.
+bool is_stale(const fs::path& folder, std::string_view begin) {
+    constexpr std::chrono::seconds youth{10};
+    constexpr std::size_t random_letters = 6;
+    const std::string name = folder.filename().string();
+    struct stat facts {};
+    return name.starts_with(begin) && name.size() == begin.size() + random_letters &&
+           lstat(folder.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) &&
+           facts.st_uid == geteuid() && std::time(nullptr) - facts.st_mtime >= youth.count();
+}
+
+/// Begin of a run folder's name until it is locked: programs that tidy now do not see it.
+constexpr std::string_view new_begin = ".new-";
+
+/// Removes the new folders of programs that were killed before they had named them.
+void remove_stale_new(const fs::path& base) {
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
+        if (is_stale(entry.path(), new_begin)) {
+            fs::remove_all(entry.path(), ignored);
+        }
     }
 }
+
+/// A folder that is removed unless it gets its name.
+class NewFolder {
+  public:
+    explicit NewFolder(const fs::path& parent) {
+        std::string pattern = parent / (std::string(new_begin) + "XXXXXX");
+        if (mkdtemp(pattern.data()) == nullptr) {
+            refuse("cannot make the run folder", pattern, std::strerror(errno));
+        }
+        path_ = pattern;
+    }
+    ~NewFolder() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    NewFolder(const NewFolder&) = delete;
+    NewFolder& operator=(const NewFolder&) = delete;
+
+    const fs::path& path() const { return path_; }
+
+    /// Names it `name`, or `name`-2 and so on, because a program may start a second machine within
+    /// the same second: a run folder is not empty, and renaming replaces only an empty folder.
+    fs::path become(const fs::path& name) {
+        fs::path folder = name;
+        for (int n = 2; ::rename(path_.c_str(), folder.c_str()) != 0; ++n) {
+            if (errno != EEXIST && errno != ENOTEMPTY) {
+                refuse("cannot make the run folder", folder, std::strerror(errno));
+            }
+            folder = fmt::format("{}-{}", name.string(), n);
+        }
+        path_.clear();
+        return folder;
+    }
+
+  private:
+    fs::path path_;
+};
 
 enum class RunState { ended, running, unknown };
 
@@ -220,20 +282,12 @@ bool is_served(const fs::path& socket_path) {
 /// Removes folders of sockets at which no program listens any more. A young folder stays, because
 /// its program may be about to listen.
 void remove_stale_sockets(const fs::path& parent) {
-    constexpr std::chrono::seconds youth{10};
-    constexpr std::string_view begin = "pxpl5-";
-    constexpr std::size_t name_length = begin.size() + 6;
     std::error_code ignored;
     for (const fs::directory_entry& entry : fs::directory_iterator(parent, ignored)) {
-        const std::string name = entry.path().filename().string();
-        struct stat facts {};
-        const bool is_ours = name.starts_with(begin) && name.size() == name_length &&
-                             lstat(entry.path().c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) &&
-                             facts.st_uid == geteuid();
         struct stat socket_facts {};
         const fs::path host = entry.path() / "host";
-        if (is_ours && lstat(host.c_str(), &socket_facts) == 0 && S_ISSOCK(socket_facts.st_mode) &&
-            std::time(nullptr) - facts.st_mtime >= youth.count() && !is_served(host)) {
+        if (is_stale(entry.path(), "pxpl5-") && lstat(host.c_str(), &socket_facts) == 0 &&
+            S_ISSOCK(socket_facts.st_mode) && !is_served(host)) {
             fs::remove_all(entry.path(), ignored);
         }
     }
@@ -292,21 +346,20 @@ fs::path make_run_folder(const fs::path& base, const Topology& topology, int kee
     std::error_code error;
     const fs::path parent = fs::absolute(base);
     fs::create_directories(parent.parent_path(), error);
-    fs::path folder = parent / name;
     if (mkdir(parent.c_str(), 0700) != 0 && errno != EEXIST) {
-        refuse("cannot make the run folder", folder, std::strerror(errno));
+        refuse("cannot make the run folder", parent / name, std::strerror(errno));
     }
-    // A program that starts a second machine within the same second numbers the folders.
-    for (int n = 2; mkdir(folder.c_str(), 0700) != 0; ++n) {
-        if (errno != EEXIST) {
-            refuse("cannot make the run folder", folder, std::strerror(errno));
-        }
-        folder = parent / fmt::format("{}-{}", name, n);
-    }
-    lock_run(folder);
-    write_file(folder / "config.resolved.json", resolved_json(topology));
-    write_file(folder / "manifest.json",
+    static std::vector<fs::path> locks;
+    NewFolder made(parent);
+    const bool has_own_lock = lock_run(made.path(), locks);
+    write_file(made.path() / "config.resolved.json", resolved_json(topology));
+    write_file(made.path() / "manifest.json",
                manifest(topology, fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)) + "\n");
+    fs::path folder = made.become(parent / name);
+    if (has_own_lock) {
+        locks.push_back(folder / lock_name);
+    }
+    remove_stale_new(parent);
     tidy_runs(parent, keep);
     return folder;
 }

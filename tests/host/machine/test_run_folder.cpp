@@ -1,0 +1,96 @@
+// Run folders that several programs make and tidy at the same time.
+#include <doctest/doctest.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include "host/machine/run_folder.hpp"
+#include "tests/host/io/volume_files.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Called once, before the next lock that waits.
+std::function<void()> before_lock;  // NOLINT(cert-err58-cpp): an empty function does not throw.
+
+/// Makes a run folder in a process of its own, which keeps the newest run. Returns its exit code.
+int start_elsewhere(const fs::path& base) {
+    const pid_t child = fork();
+    if (child == 0) {
+        try {
+            make_run_folder(base, Topology{}, 1);
+        } catch (...) {
+            _exit(1);
+        }
+        _exit(0);
+    }
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    return status;
+}
+
+std::ptrdiff_t entries_of(const fs::path& folder) {
+    return std::distance(fs::directory_iterator(folder), {});
+}
+
+}  // namespace
+
+/// The C library's function, with a call before.
+extern "C" int flock(int file, int operation) noexcept {
+    if (operation == LOCK_EX && before_lock) {
+        std::exchange(before_lock, nullptr)();
+    }
+    return static_cast<int>(syscall(SYS_flock, file, operation));
+}
+
+TEST_CASE("a start does not remove the run folder of another start that has no lock yet") {
+    const test::TemporaryFolder folder;
+    const fs::path base = folder.file("runs");
+    int elsewhere = -1;
+    before_lock = [&] { elsewhere = start_elsewhere(base); };
+    const fs::path run = make_run_folder(base, Topology{}, 1);
+    CHECK(elsewhere == 0);
+    CHECK(!before_lock);
+    CHECK(fs::exists(run / "lock"));
+    CHECK(fs::exists(run / "manifest.json"));
+    CHECK(fs::exists(run / "config.resolved.json"));
+}
+
+TEST_CASE("two run folders of one second and one program have two names") {
+    const test::TemporaryFolder folder;
+    const fs::path base = folder.file("runs");
+    const fs::path one = make_run_folder(base, Topology{}), two = make_run_folder(base, Topology{});
+    CHECK(one != two);
+    CHECK(entries_of(base) == 2);
+    CHECK(entries_of(one) == 3);
+    CHECK(entries_of(two) == 3);
+}
+
+TEST_CASE("a folder that a killed start has left goes with a later start, and a young one stays") {
+    const test::TemporaryFolder folder;
+    const fs::path base = folder.file("runs");
+    for (const char* name : {".new-aaaaaa", ".new-bbbbbb", ".new-much-longer", ".news"}) {
+        fs::create_directories(base / name);
+        if (name != std::string(".new-bbbbbb")) {
+            fs::last_write_time(base / name,
+                                fs::file_time_type::clock::now() - std::chrono::hours(1));
+        }
+    }
+    make_run_folder(base, Topology{});
+    CHECK(!fs::exists(base / ".new-aaaaaa"));
+    CHECK(fs::exists(base / ".new-bbbbbb"));
+    CHECK(fs::exists(base / ".new-much-longer"));
+    CHECK(fs::exists(base / ".news"));
+}
