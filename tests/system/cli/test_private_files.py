@@ -214,6 +214,28 @@ class PrivateFiles(unittest.TestCase):
         self.assertEqual((self.work / "x.part").read_text(), "mine")
         self.assertEqual(sorted(os.listdir(self.work)), ["x", "x.part"])
 
+    def test_many_programs_write_the_same_files_at_once(self):
+        commands = "load phantom:sphere; surface s iso=0.5; snapshot a.png; export a.stl; digest"
+        variables = {**os.environ, "XDG_STATE_HOME": str(self.state),
+                     "XDG_RUNTIME_DIR": str(self.sockets)}
+        running = [subprocess.Popen(
+            [BIN / "pxpl5", "run", "--topology", "one-of-each", "-c", commands], cwd=self.work,
+            env=variables, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            for _ in range(12)]
+        digests = set()
+        for program in running:
+            said, errors = program.communicate(timeout=LIMIT_S)
+            self.assertEqual((program.returncode, errors), (0, ""))
+            digests.add(said.splitlines()[-1])
+        self.assertEqual(len(digests), 1, digests)
+        self.assertEqual(len(self.runs()), 12)
+        self.assertEqual(os.listdir(self.sockets), [])
+        self.assertEqual(sorted(os.listdir(self.work)),
+                         ["a.png", "a.stl", "a.stl.certificate.json"])
+        mesh = (self.work / "a.stl").read_bytes()
+        self.assertEqual(len(mesh), 84 + 50 * int.from_bytes(mesh[80:84], "little"))
+        self.assertTrue((self.work / "a.png").read_bytes().endswith(b"IEND\xaeB`\x82"))
+
     def test_fifos_are_refused_at_once(self):
         os.mkfifo(self.work / "scene.phigs")
         done = self.run_commands("load scene.phigs")
