@@ -21,6 +21,12 @@ std::string cause_of_kill(MemoryLack memory) {
                 "The kernel ended a process at that time because this computer or its control "
                 "group had run out of memory: {}",
                 less_memory);
+        case MemoryLack::perhaps:
+            return fmt::format(
+                "The kernel ended a process of this computer at that time because memory had run "
+                "out, perhaps this one: {}. Otherwise a user or another program sent the signal: "
+                "repeat the command",
+                less_memory);
         case MemoryLack::none:
             return "The kernel did not end it for lack of memory, so a user or another program "
                    "sent the signal. Repeat the command";
@@ -34,6 +40,17 @@ std::string cause_of_kill(MemoryLack memory) {
 }
 
 }  // namespace
+
+MemoryLack memory_lack(const std::optional<MemoryKills>& before,
+                       const std::optional<MemoryKills>& after) {
+    if (!before || !after || before->is_own != after->is_own) {
+        return MemoryLack::unknown;
+    }
+    if (before->count == after->count) {
+        return MemoryLack::none;
+    }
+    return after->is_own ? MemoryLack::found : MemoryLack::perhaps;
+}
 
 RequestError error_of(const IoDeath& io) {
     const std::string place = fmt::format(" (log: {})", io.log.string());

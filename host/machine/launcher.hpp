@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/kernel/memory_kills.hpp"
 #include "host/machine/handshake.hpp"
 #include "host/machine/heartbeat.hpp"
 #include "host/machine/machine.hpp"
@@ -43,7 +44,16 @@ inline constexpr std::size_t max_backlog_messages = std::size_t{1} << 14;
 inline constexpr std::size_t max_backlog_bytes = 2 * bus::max_body_bytes;
 
 /// Whether memory ran out while a process lived.
-enum class MemoryLack { none, found, unknown };
+enum class MemoryLack {
+    none,
+    found,    ///< The kernel has killed a process of this program's control group.
+    perhaps,  ///< The kernel has killed a process of this computer.
+    unknown
+};
+
+/// Compares the counts of before and after a death.
+MemoryLack memory_lack(const std::optional<MemoryKills>& before,
+                       const std::optional<MemoryKills>& after);
 
 /// All that is known about the death of an io process.
 struct IoDeath {
@@ -232,7 +242,7 @@ class Launcher {
         std::optional<bus::Message> early_hello;  ///< The prepared process's first message.
         unsigned started = 0;
         ExitCode death_code = ExitCode::bad_data;
-        std::optional<std::uint64_t> memory_kills;     ///< See memory_kills(), at the start.
+        std::optional<MemoryKills> memory_kills;       ///< At the start of `used`.
         std::map<bus::NodeId, RosterEntry> dismissed;  ///< Earlier io processes.
         std::optional<bus::Refusal> offense;           ///< A forbidden message of an io process.
     };

@@ -172,16 +172,13 @@ RequestError Launcher::io_error(const Death& death) {
     std::error_code error;
     std::filesystem::rename(log, kept, error);
     const bus::PulseCell* const cell = heartbeat_.cell_of(death.name);
-    const auto kills = memory_kills();
     IoDeath io;
     io.death = death;
     io.file = work_;
     io.doing = cell == nullptr ? "" : work_text(cell->read(), {});
     io.said = said;
     io.log = error ? log : kept;
-    io.memory = !kills || !io_.memory_kills   ? MemoryLack::unknown
-                : *kills == *io_.memory_kills ? MemoryLack::none
-                                              : MemoryLack::found;
+    io.memory = memory_lack(io_.memory_kills, memory_kills());
     io.cpu_s = options_.io_cpu_s;
     io.otherwise = io_.death_code;
     return error_of(io);
