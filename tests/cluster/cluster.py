@@ -89,13 +89,16 @@ class Cluster:
     slurm_conf        further lines of slurm.conf
     shared            folders, beside the repository, that each computer sees, even below /tmp
     writable          folders of this machine that programs of the cluster may change
+    wire              the program of wire.cpp: link() takes delays and losses then
+    seed              of the losses and jitter of the wire
     """
 
-    def __init__(self, shared=(), writable=(), **options):
-        folders = [[str(pathlib.Path(path).resolve()) for path in paths]
-                   for paths in ((ROOT, *shared, *writable), writable)]
+    def __init__(self, shared=(), writable=(), wire="", **options):
+        wire = [pathlib.Path(wire).resolve()] if wire else []
+        folders = [[str(pathlib.Path(path).resolve()) for path in paths] for paths in
+                   ((ROOT, *shared, *writable, *(path.parent for path in wire)), writable)]
         self.options = conf.Options(user_id=_user_id(), shared=folders[0], writable=folders[1],
-                                    **options)
+                                    wire="".join(map(str, wire)), **options)
         if not 1 <= self.options.computers <= conf.MOST_COMPUTERS:
             raise ValueError(f"a cluster has 1 to {conf.MOST_COMPUTERS} computers, "
                              f"not {self.options.computers}")
@@ -202,20 +205,33 @@ class Cluster:
 
     def cut(self, computer):
         """Drops every packet to and from the computer. Neither end notices anything else."""
-        self._set_port(computer, 0)
+        self._set_port(computer, "cut", 0)
 
     def join(self, computer):
         """Ends what cut() does."""
-        self._set_port(computer, 3)
+        self._set_port(computer, "join", 3)
 
-    def link(self, *computers, rate_mbit):
-        """Limits the rate of the cables of these computers, or of all, both ways. 0: no limit."""
+    def link(self, *computers, rate_mbit=0, delay_ms=0, jitter_ms=0, loss_percent=0):
+        """Sets the cables of these computers, or of all, for both ways. A rate of 0 is no limit.
+
+        A packet between two computers passes two cables, and has the delay of both.
+        """
+        for name in computers or self.names:
+            if self.options.wire:
+                self._ask_wire(f"set {name} {round(1000 * delay_ms)} {round(1000 * jitter_ms)} "
+                               f"{round(10000 * loss_percent)} {rate_mbit}")
+            elif delay_ms or jitter_ms or loss_percent:
+                raise ClusterError("a cluster without a wire has no delay, jitter and loss; "
+                                   "give Cluster(wire=) the program of wire.cpp")
+            else:
+                self._limit(name, rate_mbit)
+
+    def _limit(self, name, rate_mbit):
         limit = ["tbf", "rate", f"{rate_mbit}mbit", "burst", "256k", "latency", "100ms"]
         change, limit = ("replace", limit) if rate_mbit else ("del", [])
-        for name in computers or self.names:
-            for place, device in ((LOGIN, f"v{name}"), (name, "eth0")):
-                self.on(place, ["tc", "qdisc", change, "dev", device, "root", *limit],
-                        user="root", check=bool(rate_mbit))
+        for place, device in ((LOGIN, f"v{name}"), (name, "eth0")):
+            self.on(place, ["tc", "qdisc", change, "dev", device, "root", *limit],
+                    user="root", check=bool(rate_mbit))
 
     def processes(self):
         """Running processes of the cluster, but not those of which it consists."""
@@ -256,9 +272,21 @@ class Cluster:
         contents.wait_for_descriptors([ends], LIMIT_S)
         os.close(ends)
 
-    def _set_port(self, computer, state):
-        self.login(["bridge", "link", "set", "dev", f"v{computer}", "state", str(state)],
-                   user="root")
+    def _set_port(self, computer, request, state):
+        if self.options.wire:
+            self._ask_wire(f"{request} {computer}")
+        else:
+            self.login(["bridge", "link", "set", "dev", f"v{computer}", "state", str(state)],
+                       user="root")
+
+    def _ask_wire(self, request):
+        with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as wire:
+            wire.settimeout(LIMIT_S)
+            wire.connect(f"/proc/{self._first[LOGIN]}/root{conf.WIRE}")
+            wire.send(request.encode())
+            reply = wire.recv(256).decode()
+        if reply != "ok":
+            raise ClusterError(f"{self.options.wire}: {request}: {reply}")
 
     def _wait_for(self, names):
         """Returns when these computers are up and, but the login computer, idle in Slurm."""

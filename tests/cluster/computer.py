@@ -4,6 +4,7 @@
 usage: computer.py CONTROL OPTIONS    CONTROL is the number of an open socket, OPTIONS are JSON
 """
 import collections
+import fcntl
 import json
 import os
 import pathlib
@@ -12,6 +13,7 @@ import select
 import shutil
 import signal
 import socket
+import struct
 import subprocess
 import sys
 
@@ -24,6 +26,7 @@ LIMIT_S = 30
 DEVICES = {"null": (1, 3), "zero": (1, 5), "full": (1, 7), "random": (1, 8), "urandom": (1, 9),
            "tty": (5, 0), "net/tun": (10, 200)}
 LOG = CLUSTER / "log"
+TUNSETIFF, IFF_TAP, IFF_NO_PI, IFF_VNET_HDR = 0x400454ca, 0x0002, 0x1000, 0x4000
 Key = collections.namedtuple("Key", "private public")
 
 
@@ -128,6 +131,19 @@ class Computer:
         self.daemons[process.pid] = daemon
         self.started.append(process)
         return process
+
+    def connect_to_wire(self):
+        """Makes eth0, and hands its other end to the switch."""
+        tap = os.open("/dev/net/tun", os.O_RDWR | os.O_NONBLOCK)
+        fcntl.ioctl(tap, TUNSETIFF,
+                    struct.pack("16sH22x", b"eth0", IFF_TAP | IFF_NO_PI | IFF_VNET_HDR))
+        with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as wire:
+            wire.settimeout(LIMIT_S)
+            wire.connect(str(conf.WIRE))
+            socket.send_fds(wire, [f"add {self.name}".encode()], [tap])
+            if wire.recv(256) != b"ok":
+                raise RuntimeError(f"{self.options.wire} did not connect the computer")
+        os.close(tap)
 
     def start_munge(self):
         """The command ends when the daemon answers."""
@@ -262,6 +278,15 @@ class Login(Computer):
         self.start_sshd()
 
     def lay_cable(self):
+        if self.options.wire:
+            with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as listening:
+                listening.bind(str(conf.WIRE))
+                listening.listen()
+                descriptor = listening.fileno()
+                self.start("wire", [self.options.wire, str(descriptor), str(self.options.seed)],
+                           pass_fds=[descriptor])
+            self.connect_to_wire()
+            return
         # The switch answers no question for an address: it would answer beside eth0.
         ip("link add br0 type bridge", "link set br0 arp off up",
            "link add vlogin type veth peer name eth0", "link set vlogin master br0 up")
@@ -281,17 +306,22 @@ class Login(Computer):
             for descriptor in (number_out, number_in):
                 os.close(descriptor)
             signal.set_wakeup_fd(-1)
-            Computer(name, self.options, self.control, self.keys).live(
-                lambda: os.read(go_out, 1))
+            computer = Computer(name, self.options, self.control, self.keys)
+            computer.live(computer.connect_to_wire if self.options.wire else
+                          lambda: os.read(go_out, 1))
         os.close(number_in)
         first = int(os.read(number_out, 32))
+        if not self.options.wire:
+            self.connect_to_bridge(name, first)
+        for descriptor in (number_out, go_out, go_in):
+            os.close(descriptor)
+
+    def connect_to_bridge(self, name, first):
         cable = f"v{name}"
         if os.path.exists(f"/sys/class/net/{cable}"):
             ip(f"link del {cable}")
         ip(f"link add {cable} type veth peer name eth0 netns {first}",
            f"link set {cable} master br0 up")
-        for descriptor in (number_out, go_out, go_in):
-            os.close(descriptor)
 
     def serve(self):
         """Boots computers on demand, until the socket closes: then the whole cluster ends."""

@@ -4,6 +4,7 @@ import pathlib
 
 LOGIN = "login"
 CLUSTER = pathlib.Path("/run/cluster")  # All computers share this folder, and /home.
+WIRE = CLUSTER / "wire"  # The socket of the switch, if it is wire.cpp.
 MACHINE_ETC = pathlib.Path("/run/machine/etc")  # The machine's own /etc, on each computer.
 SSH = pathlib.Path("/etc/ssh")
 HOST_KEY = "ssh_host_ed25519_key"
@@ -24,6 +25,8 @@ class Options:
     user_id: int = 0
     shared: tuple = ()
     writable: tuple = ()
+    wire: str = ""
+    seed: int = 1
 
     def names(self):
         return [f"n{number}" for number in range(1, self.computers + 1)]

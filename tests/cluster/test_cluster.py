@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The harness of tests on a cluster: three computers, what works on them, and what ends them.
 
-usage: test_cluster.py [unittest's arguments]
+usage: test_cluster.py WIRE [unittest's arguments]    WIRE is the program of wire.cpp
 
 SKIPPED without root, without the packages of `host/setup.sh cluster`, or without namespaces.
 """
@@ -72,12 +72,9 @@ def traces():
                             if any(word in name for word in ("cluster", "slurm", "munge", "ssh")))}
 
 
-class OneCluster(unittest.TestCase):
+class Network:
     """Tests that share a cluster, and leave it as they found it."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.cluster = cls.enterClassContext(Cluster(computers=3))
+    cluster = None
 
     def tearDown(self):
         try:
@@ -88,87 +85,6 @@ class OneCluster(unittest.TestCase):
 
     def can_connect(self, computer, other):
         return self.cluster.on(computer, python(CONNECT, other, 22)).stdout.strip()
-
-    def test_slurm_starts_a_task_on_each_computer(self):
-        done = self.cluster.login(["srun", "-N3", "-n3", "hostname"])
-        self.assertEqual(sorted(done.stdout.split()), NAMES)
-
-    def test_ssh_reaches_each_computer_without_a_password(self):
-        for user in ("root", USER, OTHER_USER):
-            for name in NAMES:
-                done = self.cluster.login(["ssh", "-o", "BatchMode=yes", name, "hostname; id -un"],
-                                          user=user)
-                self.assertEqual(done.stdout.split(), [name, user])
-                self.assertEqual(done.stderr, "")
-        done = self.cluster.on("n1", ["ssh", "-o", "BatchMode=yes", "n3", "hostname"])
-        self.assertEqual(done.stdout.split(), ["n3"])
-
-    def test_mpirun_starts_a_process_on_each_computer(self):
-        over_ssh = ["mpirun", "-H", "n1,n2,n3", "--map-by", "ppr:1:node", "hostname"]
-        in_slurm = ["salloc", "-Q", "-N3", "-n3", "mpirun", "--map-by", "ppr:1:node", "hostname"]
-        for command in (over_ssh, in_slurm):
-            done = self.cluster.login(command)
-            self.assertEqual(sorted(done.stdout.split()), NAMES, done.stderr)
-
-    def test_a_credential_opens_on_another_computer_for_its_user_alone(self):
-        credential = self.cluster.on("n1", ["munge", "-s", "secret", "-u", USER]).stdout
-        refused = self.cluster.on("n2", ["unmunge"], input=credential, user=OTHER_USER,
-                                  check=False)
-        self.assertNotEqual(refused.returncode, 0)
-        self.assertIn("Unauthorized credential", refused.stdout + refused.stderr)
-        opened = self.cluster.on("n3", ["unmunge"], input=credential)
-        self.assertIn("secret", opened.stdout)
-
-    def test_computers_share_homes_and_nothing_else_that_can_be_written(self):
-        before = self.cluster.files()
-        for path in ("note", "/tmp/note", "/var/tmp/note", "/dev/shm/note"):
-            self.cluster.on("n1", ["touch", path])
-            seen = self.cluster.on("n2", ["test", "-e", path], check=False).returncode == 0
-            self.assertEqual(seen, path == "note", path)
-        new = set(self.cluster.files()) - set(before)
-        self.assertEqual(new, {"n1:/tmp/note", "n1:/var/tmp/note", "n1:/dev/shm/note",
-                               f"login:/home/{USER}/note"})
-        self.cluster.on("n1", ["rm", "note", "/tmp/note", "/var/tmp/note", "/dev/shm/note"])
-        self.assertEqual(self.cluster.files(), before)
-
-    def test_the_machine_cannot_be_changed(self):
-        here = pathlib.Path(__file__).resolve()
-        for path in (here.parent / "new", "/usr/new", "/var/lib/new"):
-            done = self.cluster.on("n1", ["touch", path], user="root", check=False)
-            self.assertIn("Read-only file system", done.stderr, path)
-        self.assertEqual(self.cluster.on("n1", ["cat", here]).stdout, here.read_text())
-
-    def test_processes_are_those_of_the_user(self):
-        with self.cluster.popen("n2", ["bash", "-c", "sleep 1000 & echo; wait"],
-                                stdout=subprocess.PIPE) as program:
-            program.stdout.readline()
-            found = self.cluster.processes()
-            self.assertEqual({one.computer for one in found}, {"n2"})
-            self.assertIn(("sleep", "1000"), [one.argv for one in found])
-            program.kill()
-            self.assertEqual(program.wait(LIMIT_S), -signal.SIGKILL)
-            with self.assertRaisesRegex(ClusterError, "n2: sleep 1000"):
-                self.cluster.wait_until_idle(0)
-            for one in self.cluster.processes():
-                os.kill(one.pid, signal.SIGTERM)
-            self.cluster.wait_until_idle()
-
-    def test_signals_reach_the_program(self):
-        command = "trap 'echo term; exit 3' TERM; echo ready; read -r line"
-        with self.cluster.popen("n1", ["bash", "-c", command], stdin=subprocess.PIPE,
-                                stdout=subprocess.PIPE, text=True) as program:
-            self.assertEqual(program.stdout.readline(), "ready\n")
-            program.terminate()
-            self.assertEqual(program.stdout.readline(), "term\n")
-            self.assertEqual(program.wait(LIMIT_S), 3)
-
-    def test_errors_have_computer_command_and_output(self):
-        with self.assertRaisesRegex(ClusterError, r"(?s)n1: ls /nothing: code 2.*No such file"):
-            self.cluster.on("n1", ["ls", "/nothing"])
-        with self.assertRaisesRegex(ClusterError, r"(?s)n2: .*: not done after 0.5 s.*begun"):
-            self.cluster.on("n2", ["bash", "-c", "echo begun; exec sleep 1000"], timeout=0.5)
-        with self.assertRaisesRegex(ClusterError, "n4 is not on; on are login n1 n2 n3"):
-            self.cluster.on("n4", ["true"])
 
     def test_a_cut_cable_is_silent_both_ways(self):
         self.assertEqual(self.can_connect("login", "n2"), "connected")
@@ -223,8 +139,121 @@ class OneCluster(unittest.TestCase):
         # Never faster than the cable, but for what a queue of 256 KiB takes at once.
         self.assertGreater(time.monotonic() - begin, megabytes * 8 / mbit * 0.7)
         self.cluster.link("n2", rate_mbit=0)
-        done = self.cluster.on("n2", ["tc", "qdisc", "show", "dev", "eth0"], user="root")
-        self.assertNotIn("tbf", done.stdout)
+
+
+class OneCluster(Network, unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cluster = cls.enterClassContext(Cluster(computers=3))
+
+    def test_slurm_starts_a_task_on_each_computer(self):
+        done = self.cluster.login(["srun", "-N3", "-n3", "hostname"])
+        self.assertEqual(sorted(done.stdout.split()), NAMES)
+
+    def test_ssh_reaches_each_computer_without_a_password(self):
+        for user in ("root", USER, OTHER_USER):
+            for name in NAMES:
+                done = self.cluster.login(["ssh", "-o", "BatchMode=yes", name, "hostname; id -un"],
+                                          user=user)
+                self.assertEqual(done.stdout.split(), [name, user])
+                self.assertEqual(done.stderr, "")
+        done = self.cluster.on("n1", ["ssh", "-o", "BatchMode=yes", "n3", "hostname"])
+        self.assertEqual(done.stdout.split(), ["n3"])
+
+    def test_mpirun_starts_a_process_on_each_computer(self):
+        over_ssh = ["mpirun", "-H", "n1,n2,n3", "--map-by", "ppr:1:node", "hostname"]
+        in_slurm = ["salloc", "-Q", "-N3", "-n3", "mpirun", "--map-by", "ppr:1:node", "hostname"]
+        for command in (over_ssh, in_slurm):
+            done = self.cluster.login(command)
+            self.assertEqual(sorted(done.stdout.split()), NAMES, done.stderr)
+
+    def test_a_credential_opens_on_another_computer_for_its_user_alone(self):
+        credential = self.cluster.on("n1", ["munge", "-s", "secret", "-u", USER]).stdout
+        refused = self.cluster.on("n2", ["unmunge"], input=credential, user=OTHER_USER,
+                                  check=False)
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("Unauthorized credential", refused.stdout + refused.stderr)
+        opened = self.cluster.on("n3", ["unmunge"], input=credential)
+        self.assertIn("secret", opened.stdout)
+
+    def test_computers_share_homes_and_nothing_else_that_can_be_written(self):
+        before = self.cluster.files()
+        for path in ("note", "/tmp/note", "/var/tmp/note", "/dev/shm/note"):
+            self.cluster.on("n1", ["touch", path])
+            seen = self.cluster.on("n2", ["test", "-e", path], check=False).returncode == 0
+            self.assertEqual(seen, path == "note", path)
+        new = set(self.cluster.files()) - set(before)
+        self.assertEqual(new, {"n1:/tmp/note", "n1:/var/tmp/note", "n1:/dev/shm/note",
+                               f"login:/home/{USER}/note"})
+        self.cluster.on("n1", ["rm", "note", "/tmp/note", "/var/tmp/note", "/dev/shm/note"])
+        self.assertEqual(self.cluster.files(), before)
+
+    def test_the_machine_cannot_be_changed(self):
+        here = pathlib.Path(__file__).resolve()
+        for path in (here.parent / "new", "/usr/new", "/var/lib/new"):
+            done = self.cluster.on("n1", ["touch", path], user="root", check=False)
+            self.assertIn("Read-only file system", done.stderr, path)
+        self.assertEqual(self.cluster.on("n1", ["cat", here]).stdout, here.read_text())
+
+    def test_processes_are_those_of_the_user(self):
+        child = tuple(python("import signal; print(flush=True); signal.pause()"))
+        with self.cluster.popen("n2", ["bash", "-c", '"$@" & wait', "bash", *child],
+                                stdout=subprocess.PIPE) as program:
+            program.stdout.readline()
+            found = self.cluster.processes()
+            self.assertEqual({one.computer for one in found}, {"n2"})
+            self.assertIn(child, [one.argv for one in found])
+            program.kill()
+            self.assertEqual(program.wait(LIMIT_S), -signal.SIGKILL)
+            with self.assertRaisesRegex(ClusterError, "n2: /usr/bin/python3 -c"):
+                self.cluster.wait_until_idle(0)
+            for one in self.cluster.processes():
+                os.kill(one.pid, signal.SIGTERM)
+            self.cluster.wait_until_idle()
+
+    def test_signals_reach_the_program(self):
+        command = "trap 'echo term; exit 3' TERM; echo ready; read -r line"
+        with self.cluster.popen("n1", ["bash", "-c", command], stdin=subprocess.PIPE,
+                                stdout=subprocess.PIPE, text=True) as program:
+            self.assertEqual(program.stdout.readline(), "ready\n")
+            program.terminate()
+            self.assertEqual(program.stdout.readline(), "term\n")
+            self.assertEqual(program.wait(LIMIT_S), 3)
+
+    def test_errors_have_computer_command_and_output(self):
+        with self.assertRaisesRegex(ClusterError, r"(?s)n1: ls /nothing: code 2.*No such file"):
+            self.cluster.on("n1", ["ls", "/nothing"])
+        with self.assertRaisesRegex(ClusterError, r"(?s)n2: .*: not done after 0.5 s.*begun"):
+            self.cluster.on("n2", ["bash", "-c", "echo begun; exec sleep 1000"], timeout=0.5)
+        with self.assertRaisesRegex(ClusterError, "n4 is not on; on are login n1 n2 n3"):
+            self.cluster.on("n4", ["true"])
+
+    def test_without_a_wire_there_is_no_delay(self):
+        with self.assertRaisesRegex(ClusterError, "no delay, jitter and loss; give Cluster"):
+            self.cluster.link(delay_ms=1)
+
+
+class OneClusterOnAWire(Network, unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cluster = cls.enterClassContext(Cluster(computers=3, wire=WIRE))
+
+    def test_a_packet_has_the_delay_of_both_cables(self):
+        delay_ms = 20
+        self.cluster.link(delay_ms=delay_ms)
+        done = self.cluster.on("n1", python(
+            "import socket, time; begin = time.monotonic(); "
+            "socket.create_connection(('n2', 22)).recv(1); print(time.monotonic() - begin)"))
+        self.cluster.link()
+        # The connection and its first byte take two ways there and two back.
+        self.assertGreater(float(done.stdout), 4 * 2 * delay_ms / 1000)
+
+    def test_where_all_packets_are_lost_nothing_connects(self):
+        self.cluster.link("n2", loss_percent=100)
+        self.assertNotEqual(self.can_connect("n1", "n2"), "connected")
+        self.assertEqual(self.can_connect("n1", "n3"), "connected")
+        self.cluster.link("n2")
+        self.assertEqual(self.can_connect("n1", "n2"), "connected")
 
 
 class Variants(unittest.TestCase):
@@ -312,6 +341,7 @@ class Ends(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    WIRE = sys.argv.pop(1)
     REASON = missing()
     if REASON:
         print(f"SKIPPED: {REASON}")
