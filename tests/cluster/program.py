@@ -48,6 +48,10 @@ class Program(subprocess.Popen):
             except ProcessLookupError:
                 pass  # It has ended meanwhile.
 
+    def __exit__(self, *_):
+        """The end of a `with` block ends the program, also one that a failed test has left."""
+        self.end()
+
     def end(self):
         """Ends the program, its process group, and the reading of what it writes."""
         self.kill()
