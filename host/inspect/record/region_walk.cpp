@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "host/base/error.hpp"
+
 namespace pxpl5::host::inspect {
 
 namespace {
@@ -142,7 +144,18 @@ isa::Coefficients coefficients_behind(std::span<const std::uint32_t> words, std:
 
 RegionWalk::RegionWalk(const renderer::RegionPlan& plan, isa::Executor& executor)
     : plan_(plan), executor_(executor) {
+    for (const renderer::RegionPlan::Part& part : plan.parts) {
+        words_ += part.segment.words.size();
+    }
     enter();
+}
+
+/// Lets the part under way run to its own limit or to that of the region.
+void RegionWalk::set_limit() {
+    const std::uint64_t before = counts_.instructions - sequencer_->counts().instructions;
+    const std::size_t words = plan_.parts[part_].segment.words.size();
+    controller_.step_limit =
+        std::min(isa::usual_step_limit(words), isa::usual_step_limit(words_) - before);
 }
 
 /// Goes to the next part that holds an instruction.
@@ -151,6 +164,7 @@ void RegionWalk::enter() {
         const renderer::Words words = plan_.parts[part_].segment.words;
         if (!words.empty()) {
             sequencer_.emplace(words, executor_, controller_);
+            set_limit();
             return;
         }
     }
@@ -169,6 +183,7 @@ void RegionWalk::restore(const State& state) {
     enter();  // Stays at this part, which has an instruction, unless all is done.
     if (sequencer_) {
         sequencer_->restore(state.sequencer);
+        set_limit();
     }
 }
 
@@ -190,36 +205,42 @@ isa::Coefficients RegionWalk::coefficients() const {
     return coefficients_behind(plan_.parts[part_].segment.words, sequencer_->at());
 }
 
-void RegionWalk::step() {
+/// Calls `act` with the part's sequencer, counts what ran, and goes on behind a part that is done
+/// or cannot go on.
+template <typename Act>
+void RegionWalk::count(const Act& act) {
     assert(!done());
     const isa::RunCounts before = sequencer_->counts();
     bool over = false;
     try {
-        sequencer_->step();
+        act(*sequencer_);
         over = sequencer_->done();
     } catch (const isa::RunError&) {
-        over = true;
+        over = true;  // What ran has run; the Renderer leaves the rest out, too.
     }
     counts_.instructions += sequencer_->counts().instructions - before.instructions;
     counts_.cycles += sequencer_->counts().cycles - before.cycles;
+    if (const std::uint64_t limit = isa::usual_step_limit(words_); counts_.instructions > limit) {
+        throw RequestError(
+            ExitCode::bad_data,
+            fmt::format("{}: the region's programs executed {} instructions; the limit is {}: {} "
+                        "words, and {} repeated instructions. A machine records no program that "
+                        "repeats instructions, so the trace may be crafted",
+                        to_text(plan_, {part_, 0}), counts_.instructions, limit, words_,
+                        isa::max_repeated_instructions));
+    }
     if (over) {
         ++part_;
         enter();
     }
 }
 
+void RegionWalk::step() {
+    count([](isa::Sequencer& sequencer) { sequencer.step(); });
+}
+
 void RegionWalk::run_part() {
-    assert(!done());
-    const isa::RunCounts before = sequencer_->counts();
-    try {
-        sequencer_->run();
-    } catch (const isa::RunError&) {
-        // What ran has run; the Renderer leaves the rest out, too.
-    }
-    counts_.instructions += sequencer_->counts().instructions - before.instructions;
-    counts_.cycles += sequencer_->counts().cycles - before.cycles;
-    ++part_;
-    enter();
+    count([](isa::Sequencer& sequencer) { sequencer.run(); });
 }
 
 }  // namespace pxpl5::host::inspect

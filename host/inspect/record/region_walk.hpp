@@ -71,7 +71,9 @@ class RegionWalk {
     isa::Coefficients coefficients() const;
 
     /// Runs one instruction. A part that cannot go on (isa::RunError) is left, as the Renderer
-    /// does.
+    /// does. Throws RequestError (bad_data) if all parts together repeat more instructions than one
+    /// program may (isa::max_repeated_instructions): the programs of GPs and Renderers repeat none,
+    /// and a crafted region of many looping parts would run for hours.
     void step();
     /// Runs to the end of the part under way, letting the executor run ahead.
     void run_part();
@@ -93,6 +95,9 @@ class RegionWalk {
 
   private:
     void enter();
+    void set_limit();
+    template <typename Act>
+    void count(const Act& act);
 
     const renderer::RegionPlan& plan_;
     isa::Executor& executor_;
@@ -100,6 +105,7 @@ class RegionWalk {
     std::size_t part_ = 0;
     std::optional<isa::Sequencer> sequencer_;  ///< Runs the current part.
     isa::RunCounts counts_;
+    std::uint64_t words_ = 0;  ///< Number of words of all parts.
 };
 
 }  // namespace pxpl5::host::inspect

@@ -1,9 +1,12 @@
 #include "host/inspect/replay/scoped_reference.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 
+#include "host/base/error.hpp"
 #include "isa/contract/triangle_shape.hpp"
 #include "isa/program.hpp"
 
@@ -80,18 +83,34 @@ Window triangle_box(const std::uint32_t* words) {
     return {finder.x0, finder.y0, finder.x1 - finder.x0 + 1, finder.y1 - finder.y0 + 1};
 }
 
-ScopedReference::ScopedReference() {
+ScopedReference::ScopedReference(std::uint64_t most_work) : most_work_(most_work) {
     reference_.set_readout([this](std::span<const std::uint32_t> words) { read_out(words); });
 }
 
 void ScopedReference::restore(const State& state) {
     reference_.restore(state.pixels);
     enabled_ = state.enabled;
+    work_ = state.work;
+}
+
+void ScopedReference::run(isa::Instruction in, isa::Coefficients coefficients,
+                          const Window& scope) {
+    work_ += std::uint64_t{isa::info(in.op).cycles(in.operands)} *
+             static_cast<std::uint64_t>(scope.width) * static_cast<std::uint64_t>(scope.height);
+    if (work_ > most_work_) {
+        throw RequestError(
+            ExitCode::bad_data,
+            fmt::format("the reference executor has needed {} cycles of pixels for a region; "
+                        "the limit is {}. The recorded programs may be crafted. To execute them "
+                        "nevertheless, choose --executor fast",
+                        work_, most_work_));
+    }
+    reference_.execute(in, coefficients);
 }
 
 void ScopedReference::execute(isa::Instruction in, isa::Coefficients coefficients) {
     enabled_ = {};
-    reference_.execute(in, coefficients);
+    run(in, coefficients, {});
 }
 
 isa::Taken ScopedReference::execute_ahead(std::span<const std::uint32_t> words) {
@@ -106,14 +125,14 @@ isa::Taken ScopedReference::execute_ahead(std::span<const std::uint32_t> words) 
 
 void ScopedReference::run_triangle(const std::uint32_t* words, isa::Taken& taken) {
     reference_.set_scope(enabled_);
-    reference_.execute({isa::Op::clr_enabs, {}}, {});
+    run({isa::Op::clr_enabs, {}}, {}, enabled_);
     enabled_ = triangle_box(words);
     reference_.set_scope(enabled_);
     for (std::size_t at = 0; at < shape::word_count;) {
         const isa::Instruction in = *isa::decode(words[at]);
         const auto count = static_cast<std::size_t>(isa::info(in.op).words);
         // int32_t is the signed type of uint32_t, so that reading one as the other is defined.
-        reference_.execute(in, {reinterpret_cast<const std::int32_t*>(words + at + 1), count});
+        run(in, {reinterpret_cast<const std::int32_t*>(words + at + 1), count}, enabled_);
         taken.cycles += isa::info(in.op).cycles(in.operands);
         at += 1 + count;
     }

@@ -15,8 +15,17 @@ namespace pxpl5::host::inspect {
 /// `words` (isa/contract/triangle_shape.hpp matches() it). Its width is 0 if there is none.
 isa::reference::Window triangle_box(const std::uint32_t* words);
 
+/// A crafted region could keep the reference busy for hours. The work of an instruction is its
+/// modelled cycles times the pixels that it runs on. The limit is about 10 minutes of work, and 120
+/// times that of the largest region measured: four surfaces of the pelvis with four lights and 16
+/// samples, all in one region.
+inline constexpr std::uint64_t max_reference_work = std::uint64_t{1} << 41;
+
 class ScopedReference final : public isa::Executor {
   public:
+    /// most_work  The work after which execute() and execute_ahead() throw RequestError (bad_data).
+    explicit ScopedReference(std::uint64_t most_work = max_reference_work);
+
     void execute(isa::Instruction in, isa::Coefficients coefficients) override;
     /// Runs the triangles at the head of `words`.
     isa::Taken execute_ahead(std::span<const std::uint32_t> words) override;
@@ -31,20 +40,22 @@ class ScopedReference final : public isa::Executor {
         return reference_.backing_block(x, y, block);
     }
 
-    ScopedReference();
-
     struct State {
         isa::reference::Reference::State pixels;
         isa::reference::Window enabled;
+        std::uint64_t work = 0;
     };
-    State save() const { return {reference_.save(), enabled_}; }
+    State save() const { return {reference_.save(), enabled_, work_}; }
     void restore(const State& state);
 
   private:
     void run_triangle(const std::uint32_t* words, isa::Taken& taken);
+    void run(isa::Instruction in, isa::Coefficients coefficients,
+             const isa::reference::Window& scope);
 
     isa::reference::Reference reference_;
     isa::reference::Window enabled_;  ///< No pixel outside of it is enabled.
+    std::uint64_t work_ = 0, most_work_;
 };
 static_assert(isa::Restorable<ScopedReference>);
 

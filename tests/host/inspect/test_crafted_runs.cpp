@@ -11,12 +11,16 @@
 #include "host/inspect/map/map_values.hpp"
 #include "host/inspect/model/recorded_work.hpp"
 #include "host/inspect/record/run_table.hpp"
+#include "host/inspect/replay/executors.hpp"
 #include "host/inspect/replay/replay.hpp"
 #include "host/inspect/why/why_not.hpp"
 #include "host/phantom/phantom.hpp"
+#include "isa/assemble.hpp"
+#include "isa/reference/reference.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
 #include "tests/host/inspect/recorded_surface.hpp"
 #include "tests/random_seed.hpp"
+#include "tests/system/error_of.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::test;
@@ -270,6 +274,27 @@ TEST_SUITE("crafted runs") {
         REQUIRE(!first.has_pixels());
         const inspect::MapValues map = inspect::map_values(first, inspect::MapKind::busy);
         CHECK(std::ranges::all_of(map.picture, [](std::uint32_t pixel) { return pixel == 0; }));
+    }
+    TEST_CASE("the parts of a region together repeat no more instructions than one program may") {
+        // 3.3 million instructions each, which one program may execute.
+        const isa::Program loops =
+            isa::assemble("LOOP #200\nLOOP #200\nLOOP #40\nNOP\nENDLOOP\nENDLOOP\nENDLOOP\n");
+        renderer::RegionPlan plan;
+        plan.parts.push_back({PartKind::segment, {7, 0, 1, loops.words, 0}});
+        const auto run = [&] {
+            isa::reference::Reference pixel(isa::reference::Window{0, 0, 1, 1});
+            return inspect::run_region(plan, pixel).counts.instructions;
+        };
+        const std::uint64_t one = run();
+        CHECK(one > isa::max_repeated_instructions / 2);
+        plan.parts.push_back({PartKind::segment, {8, 0, 2, loops.words, 0}});
+        const std::uint64_t limit = isa::max_repeated_instructions + 14;
+        REQUIRE(2 * one > limit);
+        const std::string error = error_of(run);
+        CHECK_MESSAGE(error.find("gp-2 surface 8 slab 0+0: the region's programs executed " +
+                                 std::to_string(limit + 1) + " instructions; the limit is " +
+                                 std::to_string(limit) + ": 14 words") == 0,
+                      error);
     }
     TEST_CASE("mutated runs are answered or refused") {
         const auto seed = seed_or<std::uint64_t>(1);

@@ -1,6 +1,7 @@
 // The quick reference against the plain one, and its boxes against every pixel.
 #include <doctest/doctest.h>
 
+#include "host/base/error.hpp"
 #include "host/inspect/replay/scoped_reference.hpp"
 #include "isa/sequencer.hpp"
 #include "tests/random_seed.hpp"
@@ -98,6 +99,36 @@ TEST_CASE("triangles of one step after another are those of one run") {
     run(words, whole, counts);
     CHECK(difference(stepped, whole) == "");
     CHECK(steps.counts().cycles == counts.cycles);
+}
+
+TEST_CASE("the reference executor ends a region that needs too much work, and names both values") {
+    const isa::Instruction add{isa::Op::mem_plus_const, {0, 0, 32}};
+    const std::int32_t one = 1;
+    const std::uint64_t work =
+        std::uint64_t{isa::info(add.op).cycles(add.operands)} * region_pixels;
+    ScopedReference executor(3 * work);
+    for (int n = 0; n < 3; ++n) {
+        CHECK_NOTHROW(executor.execute(add, {&one, 1}));
+    }
+    const ScopedReference::State done = executor.save();
+    for (int n = 0; n < 2; ++n) {
+        CHECK_THROWS_WITH_AS(
+            executor.execute(add, {&one, 1}),
+            ("the reference executor has needed " + std::to_string(4 * work) +
+             " cycles of pixels for a region; the limit is " + std::to_string(3 * work) +
+             ". The recorded programs may be crafted. To execute them nevertheless, choose "
+             "--executor fast")
+                .c_str(),
+            host::RequestError);
+        executor.restore(done);
+    }
+    // A triangle needs work for the pixels of its box.
+    test::RandomPrograms random(7);
+    std::vector<std::uint32_t> triangles;
+    test::append_random_triangles(random, 50, triangles);
+    ScopedReference enough(50 * work), small(work);
+    CHECK(enough.execute_ahead(triangles).words == triangles.size());
+    CHECK_THROWS_AS(small.execute_ahead(triangles), host::RequestError);
 }
 
 TEST_CASE("the box of a triangle holds the pixels that pass its sign tests, and is no larger") {
