@@ -63,8 +63,8 @@ class PartFile {
     bool has_failed() const { return failure_ != 0; }
 
     /// The system's error if the disk has no room for a file of `bytes`. Empty if it has room or
-    /// does not report it. Allocates the room, so call it after a failure, when the part is
-    /// discarded.
+    /// does not report it. Allocates the room: the part is discarded afterwards, or gets its size
+    /// back.
     std::string lack_of_room(std::uint64_t bytes) const;
 
     /// Hands the bytes to the disk; nothing is written afterwards. Returns why that failed, as "No

@@ -4,14 +4,23 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include "host/base/error.hpp"
 
 namespace pxpl5::host {
 
 TextOutput::TextOutput(const std::string& path) : path_(path == "-" ? "" : path) {
-    file_.reset(path_.empty() ? stdout : std::fopen(path_.c_str(), "wb"));
-    check(file_ != nullptr);
+    std::error_code unknown;
+    const std::filesystem::file_status there = std::filesystem::status(path_, unknown);
+    if (path_.empty() ||
+        (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))) {
+        stream_.reset(path_.empty() ? stdout : std::fopen(path_.c_str(), "wb"));
+        check(stream_ != nullptr);
+    } else if (file_.emplace(path_); file_->has_failed()) {
+        fail(file_->keep());
+    }
 }
 
 void TextOutput::Close::operator()(std::FILE* file) const {
@@ -21,7 +30,11 @@ void TextOutput::Close::operator()(std::FILE* file) const {
 }
 
 void TextOutput::put(std::string_view text) {
-    check(std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size());
+    if (!file_) {
+        check(std::fwrite(text.data(), 1, text.size(), stream_.get()) == text.size());
+    } else if (file_->write(text); file_->has_failed()) {
+        fail(file_->keep());
+    }
 }
 
 void TextOutput::line(std::string_view text) {
@@ -29,8 +42,19 @@ void TextOutput::line(std::string_view text) {
     put("\n");
 }
 
+void TextOutput::flush() {
+    if (!file_) {
+        check(std::fflush(stream_.get()) == 0);
+    }
+}
+
 void TextOutput::finish() {
-    check(std::fflush(file_.get()) == 0);
+    flush();
+    if (file_) {
+        if (const std::string reason = file_->keep(); !reason.empty()) {
+            fail(reason);
+        }
+    }
 }
 
 void TextOutput::check(bool ok) const {
@@ -40,9 +64,13 @@ void TextOutput::check(bool ok) const {
     if (errno == EPIPE) {
         throw OutputClosed{};
     }
-    throw RequestError(ExitCode::failed,
-                       fmt::format("cannot write {}: {}", path_.empty() ? "standard output" : path_,
-                                   std::strerror(errno)));
+    fail(std::strerror(errno));
+}
+
+void TextOutput::fail(const std::string& reason) const {
+    throw RequestError(
+        ExitCode::failed,
+        fmt::format("cannot write {}: {}", path_.empty() ? "standard output" : path_, reason));
 }
 
 }  // namespace pxpl5::host

@@ -5,8 +5,11 @@
 
 #include <bit>
 #include <cassert>
+#include <string>
+#include <string_view>
 
 #include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -32,9 +35,19 @@ void write_png(const std::filesystem::path& path, int width, int height,
     image.width = static_cast<png_uint_32>(width);
     image.height = static_cast<png_uint_32>(height);
     image.format = PNG_FORMAT_RGBA;
-    if (png_image_write_to_file(&image, path.c_str(), 0, rgba.data(), 0, nullptr) == 0) {
+    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
+    std::string bytes(size, '\0');
+    std::string failure;
+    if (png_image_write_to_memory(&image, bytes.data(), &size, 0, rgba.data(), 0, nullptr) != 0) {
+        PartFile file(path);
+        file.write(std::string_view(bytes).substr(0, size));
+        failure = file.keep();
+    } else {
+        failure = image.message;
+    }
+    if (!failure.empty()) {
         throw RequestError(ExitCode::failed,
-                           fmt::format("cannot write {}: {}", path.string(), image.message));
+                           fmt::format("cannot write {}: {}", path.string(), failure));
     }
 }
 

@@ -21,7 +21,7 @@ int trace_replay(const ReplayTool& tool) {
     const ReplayReport report = replay(run, options, [&](const FrameReplay& frame) {
         if (!tool.json) {
             out.put(answer_of(frame).text());
-            out.finish();  // A frame on the reference takes seconds.
+            out.flush();  // A frame on the reference takes seconds.
         }
     });
     out.put(tool.json ? rendered(answer_of(report), Format::json) : summary_of(report).text());

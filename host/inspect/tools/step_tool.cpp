@@ -76,7 +76,7 @@ int trace_step(const StepOptions& options) {
     const LineSource next_line = source_of(options, is_prompt);
     std::string last_move;
     while (!program.is_over()) {
-        output.finish();
+        output.flush();
         std::optional<std::string> line = next_line();
         if (!line) {
             break;
@@ -91,7 +91,7 @@ int trace_step(const StepOptions& options) {
                 output.line(answer);
             }
         } catch (const RequestError& error) {
-            output.finish();
+            output.flush();
             std::fprintf(stderr, "error: %s\n", error.what());
             if (!is_prompt) {
                 return static_cast<int>(error.code);

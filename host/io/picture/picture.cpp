@@ -4,13 +4,19 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstddef>
+#include <cstdint>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <set>
+#include <system_error>
 
 #include "host/base/part_file.hpp"
 #include "host/io/picture/draw_marks.hpp"
@@ -158,17 +164,48 @@ class MarkedPictures {
     std::vector<std::uint8_t> marked_;
 };
 
+using Proxy = OIIO::Filesystem::IOProxy;
 using Memory = OIIO::Filesystem::IOVecOutput;
 
-/// Writes to the file `name`, or to `memory` if there is one. Throws PictureError with
+/// Writes into an open file. OpenImageIO's own proxy does not see that the last bytes of a PNG or
+/// OpenEXR file have no room: they wait in a buffer until the file is closed.
+class OpenFile final : public Proxy {
+  public:
+    explicit OpenFile(const PartFile& part)
+        : Proxy(part.path().string(), Proxy::Mode::Write), file_(part.stream()) {}
+
+    const char* proxytype() const override { return "open file"; }
+    bool seek(int64_t offset) override {
+        m_pos = offset;
+        return note(fseeko(file_, offset, SEEK_SET) == 0);  // It may write what is buffered.
+    }
+    size_t write(const void* bytes, size_t size) override {
+        const std::size_t written = std::fwrite(bytes, 1, size, file_);
+        m_pos += static_cast<int64_t>(written);
+        note(written == size);
+        return written;
+    }
+
+    int failure = 0;  ///< The first errno: OpenEXR's writer hides some failures.
+
+  private:
+    bool note(bool is_done) {
+        failure = is_done || failure != 0 ? failure : errno;
+        return is_done;
+    }
+
+    std::FILE* file_;
+};
+
+/// Writes to the file `name`, or to `proxy` if there is one. Throws PictureError with
 /// OpenImageIO's reason.
-void encode(const std::string& name, Memory* memory, const Picture& picture) {
+void encode(const std::string& name, Proxy* proxy, const Picture& picture) {
     MarkedPictures pictures(picture);
     const std::string suffix = suffix_of(name);
     const int channels = suffix == ".gif" || is_opaque(picture.rgba) ? 3 : 4;
     const OIIO::ImageSpec spec = spec_of(suffix, picture, channels);
     OIIO::attribute("threads", 1);
-    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name, memory);
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name, proxy);
     if (!output) {
         throw PictureError(OIIO::geterror());
     }
@@ -193,16 +230,43 @@ std::string first_line(const std::string& text) {
     return text.substr(0, text.find('\n'));
 }
 
+/// Throws PictureError if the end of the file had no room: libtiff writes the directory when it
+/// closes the file, and OpenImageIO hides a failure of this. A file that is cut off ends where the
+/// disk was full, so it cannot grow.
+void check_end(const PartFile& part) {
+    constexpr std::uint64_t growth = std::uint64_t{1} << 16;  // More than a block of the disk.
+    const int fd = fileno(part.stream());
+    struct stat facts {};
+    const bool is_known = fstat(fd, &facts) == 0;
+    const std::string lack =
+        is_known ? part.lack_of_room(static_cast<std::uint64_t>(facts.st_size) + growth) : "";
+    if (!lack.empty()) {
+        throw PictureError(lack);
+    }
+    if (!is_known || ftruncate(fd, facts.st_size) != 0) {
+        throw PictureError(std::generic_category().message(errno));
+    }
+}
+
 /// encode() to the file. Says what the system says where the disk has no room for the picture,
 /// since the writers' own words for it differ and do not name it.
 void encode_to(const PartFile& part, const Picture& picture) {
+    const std::string suffix = suffix_of(part.path());
+    const bool is_tiff = suffix == ".tif" || suffix == ".tiff";  // It spoils what goes by a proxy.
+    OpenFile file(part);
     try {
-        encode(part.path().string(), nullptr, picture);
+        encode(part.path().string(), is_tiff ? nullptr : &file, picture);
     } catch (const PictureError& error) {
         const std::size_t raw_bytes =
             bytes_of_one(picture) * static_cast<std::size_t>(picture.count) + head_bytes;
         const std::string lack = part.lack_of_room(raw_bytes);
         throw PictureError(lack.empty() ? first_line(error.what()) : lack);
+    }
+    if (file.failure != 0) {
+        throw PictureError(std::generic_category().message(file.failure));
+    }
+    if (is_tiff) {
+        check_end(part);
     }
 }
 
