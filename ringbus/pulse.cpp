@@ -122,6 +122,22 @@ PulseReading PulseCell::read() const {
     return reading;
 }
 
+PulseNumbers PulseCell::numbers() const {
+    constexpr auto order = std::memory_order_relaxed;
+    return {words_->beats.load(order),  words_->progress.load(order), words_->worked.load(order),
+            words_->cpu_ns.load(order), words_->work.load(order),     words_->place.load(order)};
+}
+
+void PulseCell::set(const PulseNumbers& numbers) {
+    constexpr auto order = std::memory_order_relaxed;
+    words_->beats.store(numbers.beats, order);
+    words_->progress.store(numbers.progress, order);
+    words_->worked.store(numbers.worked, order);
+    words_->cpu_ns.store(numbers.cpu_ns, order);
+    words_->work.store(numbers.work, order);
+    words_->place.store(numbers.place, order);
+}
+
 Pulse::Pulse(int fd, int interval_ms)
     : cell_(begin_beating(fd)),
       beating_(quiet_thread([&words = cell_->words(), interval_ms](const std::stop_token& stop) {

@@ -30,6 +30,11 @@ struct PulseWords {
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
+/// The same, as they travel to another computer.
+struct PulseNumbers {
+    std::uint64_t beats = 0, progress = 0, worked = 0, cpu_ns = 0, work = 0, place = 0;
+};
+
 /// The shared memory of one pulse. No process can change its size.
 class PulseCell {
   public:
@@ -47,6 +52,8 @@ class PulseCell {
 
     PulseWords& words() { return *words_; }
     PulseReading read() const;
+    PulseNumbers numbers() const;
+    void set(const PulseNumbers& numbers);
 
   private:
     void map();

@@ -65,20 +65,35 @@ Payload hello_message(schema::Role role, const ProcessFlags& flags, const ZmqLin
     hello.index = flags.index;
     hello.pid = static_cast<std::uint32_t>(getpid());
     hello.endpoint = link.endpoint();
+    hello.near_endpoint = flags.near_bind;
     hello.build = build_id();
     hello.schema_hash = schema_hash();
     hello.secret = std::make_unique<schema::Secret>(secret);
     return pack(hello);
 }
 
+/// The number of the computer on which node `id` runs; -1 for an io process, which is not listed.
+int computer_of(const schema::Topology& topology, NodeId id) {
+    for (const auto* node : *topology.nodes()) {
+        if (node->id() == id) {
+            return node->computer();
+        }
+    }
+    return -1;
+}
+
 /// Takes the addresses of all nodes and the ring's order and parameters from the topology. Sockets
 /// are opened by the first message.
 void learn_ring(ZmqLink& link, const schema::Topology& topology) {
     std::vector<NodeId> order;
+    const int own_computer = computer_of(topology, link.id());
     for (const auto* node : *topology.nodes()) {
         order.push_back(node->id());
         if (node->id() != link.id() && node->id() != host_id) {
-            link.add_peer(node->id(), node->role(), node->endpoint()->str());
+            const bool is_near =
+                node->computer() == own_computer && node->near_endpoint() != nullptr;
+            link.add_peer(node->id(), node->role(),
+                          (is_near ? node->near_endpoint() : node->endpoint())->str());
         }
     }
     RingParameters parameters;
@@ -181,6 +196,9 @@ int run(const ProcessFlags& flags, schema::Role role, const NodeFactory& make_no
     flags.pulse_fd < 0 ? pulse.emplace() : pulse.emplace(flags.pulse_fd, flags.pulse_ms);
     const Credentials credentials = inherit_credentials(flags.credentials_fd);
     ZmqLink link({flags.node_id, role}, flags.bind, credentials);
+    if (!flags.near_bind.empty()) {
+        link.listen_near(flags.near_bind);
+    }
     link.on_refusal(&print_refusal);
     link.add_peer(host_id, schema::Role::host, flags.host_endpoint);
     link.linger(host_id, last_words_ms);
@@ -200,6 +218,9 @@ std::vector<std::string> to_arguments(const ProcessFlags& flags) {
                                           "--index",          std::to_string(flags.index),
                                           "--parent-pid",     std::to_string(flags.parent_pid),
                                           "--credentials-fd", std::to_string(flags.credentials_fd)};
+    if (!flags.near_bind.empty()) {
+        arguments.insert(arguments.end(), {"--near-bind", flags.near_bind});
+    }
     if (flags.record != Recording::off) {
         arguments.insert(arguments.end(),
                          {"--record", enum_name(flags.record), "--trace-file", flags.trace_file,
@@ -226,6 +247,8 @@ ProcessFlags parse_flags(int argc, char** argv) {
             flags.host_endpoint = value();
         } else if (flag == "--bind") {
             flags.bind = value();
+        } else if (flag == "--near-bind") {
+            flags.near_bind = value();
         } else if (flag == "--node-id") {
             flags.node_id = static_cast<NodeId>(parse_whole(flag, value(), 1, 0xffff));
         } else if (flag == "--index") {

@@ -21,7 +21,7 @@ constexpr std::size_t key_length = 40;
 /// The bytes in the pipe.
 struct Packed {
     std::uint64_t low = 0, high = 0;
-    std::uint8_t has_keys = 0, allows_plain_tcp = 0;
+    std::uint8_t has_keys = 0, allows_plain_tcp = 0, allows_network = 0;
     std::array<char, key_length> open{}, secret{};
 };
 
@@ -42,10 +42,11 @@ bool has_curve() {
     return zmq_has("curve") != 0;
 }
 
-Credentials make_credentials(Protection protection) {
+Credentials make_credentials(Protection protection, Reach reach) {
     Credentials credentials;
     set_secret(credentials);
     credentials.allows_plain_tcp = protection == Protection::plain_tcp;
+    credentials.allows_network = reach == Reach::network;
     if (protection == Protection::curve) {
         std::array<char, key_length + 1> open{}, secret{};
         if (zmq_curve_keypair(open.data(), secret.data()) != 0) {
@@ -62,6 +63,7 @@ int credentials_pipe(const Credentials& credentials) {
     packed.low = credentials.secret.low();
     packed.high = credentials.secret.high();
     packed.allows_plain_tcp = credentials.allows_plain_tcp ? 1 : 0;
+    packed.allows_network = credentials.allows_network ? 1 : 0;
     if (credentials.keys) {
         packed.has_keys = 1;
         std::memcpy(packed.open.data(), credentials.keys->open.data(), key_length);
@@ -94,6 +96,7 @@ Credentials inherit_credentials(int descriptor) {
     Credentials credentials;
     credentials.secret = schema::Secret(packed.low, packed.high);
     credentials.allows_plain_tcp = packed.allows_plain_tcp != 0;
+    credentials.allows_network = packed.allows_network != 0;
     if (packed.has_keys != 0) {
         credentials.keys = CurveKeys{std::string(packed.open.data(), key_length),
                                      std::string(packed.secret.data(), key_length)};

@@ -17,20 +17,24 @@ struct Credentials {
     schema::Secret secret;          ///< In the Hello of each child.
     std::optional<CurveKeys> keys;  ///< For tcp. Without them tcp is refused.
     bool allows_plain_tcp = false;  ///< Without keys: tcp without encryption.
+    bool allows_network = false;    ///< tcp to other computers, too.
 };
 
 /// How a machine protects its connections.
 enum class Protection : std::uint8_t {
     files,      ///< ipc: the folder of the sockets is private.
     curve,      ///< tcp, encrypted.
-    plain_tcp,  ///< tcp without encryption: any user of this computer can take part.
+    plain_tcp,  ///< tcp without encryption: whoever reaches the ports can take part.
 };
 
 /// True if this libzmq has CURVE.
 bool has_curve();
 
+/// How far the connections of a machine reach.
+enum class Reach : std::uint8_t { this_computer, network };
+
 /// Makes credentials from the system's random numbers. Protection::curve requires has_curve().
-Credentials make_credentials(Protection protection);
+Credentials make_credentials(Protection protection, Reach reach = Reach::this_computer);
 
 /// The descriptor at which a child inherits its credentials.
 inline constexpr int credentials_descriptor = 3;

@@ -100,7 +100,7 @@ struct ZmqLink::Parts {
             peer.socket = zmq::socket_t(context, zmq::socket_type::push);
             prepare(peer.socket);
             peer.socket.set(zmq::sockopt::linger, peer.linger_ms);
-            if (credentials.keys && !is_near(peer.endpoint)) {
+            if (credentials.keys) {
                 guard_outbound(peer.socket, *credentials.keys);
             }
             uninterrupted([&] { peer.socket.connect(peer.endpoint); });
@@ -200,18 +200,23 @@ ZmqLink::ZmqLink(const Self& self, const std::string& bind, const Credentials& c
     check_address("listen at", bind, credentials);
     zmq::socket_t& inbound = parts_->inbound.socket(Entrance::common);
     prepare_inbound(inbound);
-    if (credentials.keys && !is_near(bind)) {
+    if (credentials.keys) {
         guard_inbound(inbound, *credentials.keys);
         parts_->guard.start(parts_->context, inbound, *credentials.keys);
     }
     parts_->endpoint = parts_->inbound.bind(Entrance::common, bind);
 }
 
+void ZmqLink::listen_near(const std::string& bind) {
+    check_address("listen at", bind, parts_->credentials);
+    parts_->inbound.bind(Entrance::common, bind);
+}
+
 std::string ZmqLink::listen_apart(schema::Role role, const std::string& bind) {
     check_address("listen at", bind, parts_->credentials);
     zmq::socket_t& apart = parts_->inbound.open_apart();
     prepare_inbound(apart);
-    if (parts_->credentials.keys && !is_near(bind)) {
+    if (parts_->credentials.keys) {
         guard_inbound(apart, *parts_->credentials.keys);
         parts_->guard.follow(parts_->context, apart);
     }

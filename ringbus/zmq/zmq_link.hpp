@@ -27,7 +27,8 @@ class ZmqLink final : public Link {
   public:
     /// Binds the inbound socket of a node.
     ///
-    /// bind     "ipc:///path/name" or "tcp://127.0.0.1:*".
+    /// bind     "ipc:///path/name" or "tcp://127.0.0.1:*"; with credentials for a network also
+    ///          other addresses of this computer.
     /// credentials     Their secret is required in each Hello; their keys protect tcp.
     /// lendable_bytes  See Arena.
     /// Throws   std::invalid_argument for any other address, and for tcp without keys unless the
@@ -37,6 +38,10 @@ class ZmqLink final : public Link {
     ~ZmqLink() override;
     ZmqLink(const ZmqLink&) = delete;
     ZmqLink& operator=(const ZmqLink&) = delete;
+
+    /// Also listens at `bind`, an ipc address for nodes on the same computer. Call before the first
+    /// message. Throws as the constructor does.
+    void listen_near(const std::string& bind);
 
     /// Binds a second inbound socket: only for nodes of `role`, which may not use the first one.
     /// Call before the first message and before poll_fd(). Throws as the constructor does.

@@ -14,6 +14,7 @@ namespace {
 
 /// Option 10 of a context: without zero-copy receive, buffers come from malloc and are aligned.
 constexpr int zero_copy_receive = 10;
+constexpr std::string_view loopback = "tcp://127.0.0.1:";
 
 /// Threads that ZeroMQ starts with the first socket of a context.
 constexpr std::size_t context_threads = 2;
@@ -68,17 +69,19 @@ void check_address(const char* verb, const std::string& address, const Credentia
         return address.compare(0, prefix.size(), prefix) == 0;
     };
     // The file system protects an ipc path. Nothing protects an abstract name, ipc://@...
-    const bool is_tcp = starts_with("tcp://127.0.0.1:");
+    const bool is_tcp =
+        starts_with(credentials.allows_network ? tcp_scheme : std::string_view(loopback));
     if (!is_tcp && !starts_with("ipc:///")) {
-        throw std::invalid_argument(
-            fmt::format("refusing to {} {}: only ipc:///path and tcp://127.0.0.1:port are private "
-                        "to this computer",
-                        verb, address));
+        throw std::invalid_argument(fmt::format(
+            "refusing to {} {}: {}", verb, address,
+            credentials.allows_network
+                ? "only ipc:///path and tcp://address:port are known"
+                : "only ipc:///path and tcp://127.0.0.1:port are private to this computer"));
     }
     if (is_tcp && !credentials.keys && !credentials.allows_plain_tcp) {
         throw std::invalid_argument(fmt::format(
-            "refusing to {} {}: without keys for CURVE, any user of this computer could take part",
-            verb, address));
+            "refusing to {} {}: without keys for CURVE, any user of this {} could take part", verb,
+            address, credentials.allows_network ? "network" : "computer"));
     }
 }
 

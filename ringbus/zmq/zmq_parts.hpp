@@ -14,6 +14,7 @@
 namespace pxpl5::bus {
 
 inline constexpr std::string_view ipc_scheme = "ipc://";
+inline constexpr std::string_view tcp_scheme = "tcp://";
 
 /// A context whose received buffers are aligned.
 zmq::context_t make_context();
@@ -24,8 +25,8 @@ void prepare(zmq::socket_t& socket);
 /// True if the address is a socket in a folder of this computer.
 bool is_near(const std::string& address);
 
-/// Throws std::invalid_argument unless `address` is private to this computer, and protected by its
-/// folder or by keys.
+/// Throws std::invalid_argument unless `address` is within the reach of `credentials`, and
+/// protected by its folder or by keys.
 ///
 /// verb   "listen at" or "connect to", for the error.
 void check_address(const char* verb, const std::string& address, const Credentials& credentials);
