@@ -14,8 +14,9 @@
 #include "host/commands/command_options.hpp"
 #include "host/commands/script.hpp"
 #include "host/inspect/tools/cli.hpp"
+#include "host/machine/computers/join_cli.hpp"
 #include "host/machine/machine.hpp"
-#include "host/report/report.hpp"
+#include "host/report/report_cli.hpp"
 #include "host/serve/serve.hpp"
 
 namespace {
@@ -34,7 +35,7 @@ struct MachineFlags {
     std::string topology = "default";
     std::vector<std::string> overrides, allow;
     std::optional<int> keep_runs;
-    std::string run_folder = default_run_base().string(), record, vector_target;
+    std::string run_folder = default_run_base().string(), record, vector_target, engine, computers;
     bool insecure_tcp = false, no_io_sandbox = false;
 
     void add_to(CLI::App& app) {
@@ -48,6 +49,10 @@ struct MachineFlags {
         app.add_option("--vector-target", vector_target,
                        "Vector instructions of the nodes; all give the same bits")
             ->check(is_named<VectorTarget>());
+        app.add_option("--engine", engine, "What starts nodes on other computers")
+            ->check(is_named<Engine>());
+        app.add_option("--computers", computers,
+                       "The other computers: n1,n2 or with the nodes that each takes, n1:8,n2:16");
         app.add_flag("--insecure-tcp", insecure_tcp,
                      "Let ring.transport=tcp work without encryption");
         add_folder_to(app);
@@ -60,7 +65,14 @@ struct MachineFlags {
     int runs_kept() const { return keep_runs.value_or(has_default_folder() ? 20 : 0); }
     /// The machine that these flags ask for.
     Topology plan() const {
-        Topology plan = load_topology(topology, overrides);
+        std::vector<std::string> changes = overrides;
+        if (!computers.empty()) {
+            changes.push_back("computers=" + computers);
+        }
+        if (!engine.empty()) {
+            changes.push_back("engine=" + engine);
+        }
+        Topology plan = load_topology(topology, changes);
         if (!record.empty()) {
             apply_override(plan, "record=" + record);
         }
@@ -104,6 +116,7 @@ struct Flags {
     bool json = false, dry_run = false, keep_going = false, strict = false;
     std::string script, volume, output;
     std::vector<std::string> commands, surfaces, load_words;
+    JoinOptions join;
     std::shared_ptr<const CommandOptions> render_options, info_options, serve_options;
     serve::ServerOptions server;
     report::ReportOptions report;
@@ -266,27 +279,6 @@ int run_report(const Flags& flags, bool has_topology) {
     });
 }
 
-CLI::App* declare_report(CLI::App& parent, report::ReportOptions& options) {
-    CLI::App* app = parent.add_subcommand(
-        "report",
-        "Print the paper's results, modelled and measured; --topology and --set choose the "
-        "modelled machine (default paper-1993)");
-    app->add_flag("--paper", options.paper, "Run the paper's results table again");
-    app->add_flag("--scaling", options.scaling,
-                  "Model the speed-up with 1 to 64 GPs and Renderers");
-    app->add_option("rows", options.rows, "Rows to run: pelvis/skin, pelvis/muscle, ...");
-    app->add_option("--data", options.data, "Folder of real volumes with the paper's loads");
-    app->add_flag("--sensitivity", options.sensitivity,
-                  "Print how modelled figures change with each parameter");
-    app->add_flag("--fit", options.fit, "Refit the fitted parameters");
-    app->add_flag("--json", options.json, "Print one JSON object instead of text");
-    app->add_option("--csv", options.csv, "Write the table to this file");
-    app->add_option("--picture", options.picture,
-                    "Write the plot to this file (.svg, .png or .pdf)");
-    app->add_option("--pictures", options.pictures, "Folder for pictures of the surfaces");
-    return app;
-}
-
 CLI::App* declare_run(CLI::App& parent, Flags& flags) {
     CLI::App* app = parent.add_subcommand("run", "Run a script, commands, or a prompt");
     app->add_option("script", flags.script, "Script file; - is standard input");
@@ -340,7 +332,8 @@ void declare(CLI::App& app, Flags& flags) {
                          "KEY=VALUE as in the command load: series=2, spacing=1,1,2, crop=...");
     }
     flags.machine.add_folder_to(*info_app);
-    CLI::App* report_app = declare_report(app, flags.report);
+    declare_join(app, flags.join);
+    CLI::App* report_app = report::declare_report(app, flags.report);
     for (CLI::App* each : {run_app, render_app, report_app, serve_app}) {
         flags.machine.add_to(*each);
     }
@@ -355,6 +348,9 @@ void declare(CLI::App& app, Flags& flags) {
 }
 
 int dispatch(const CLI::App& app, const Flags& flags) {
+    if (app.got_subcommand("join")) {
+        return join_machine(flags.join);
+    }
     if (app.got_subcommand("render")) {
         return render(flags);
     }

@@ -35,6 +35,9 @@ void Handshake::hello(bus::NodeId id, const bus::schema::Hello& hello) {
     if (node->id != id) {
         refuse(fmt::format("node {} says that it is {}, which is node {}", id, name, node->id));
     }
+    if (node->pid == 0) {
+        node->pid = static_cast<int>(hello.pid());  // On another computer.
+    }
     if (static_cast<int>(hello.pid()) != node->pid) {
         refuse(fmt::format("process {} says that it is {}, which is process {}", hello.pid(), name,
                            node->pid));
@@ -54,6 +57,9 @@ void Handshake::hello(bus::NodeId id, const bus::schema::Hello& hello) {
         refuse(fmt::format("{} does not say where it can be reached", name));
     }
     node->endpoint = hello.endpoint()->str();
+    if (hello.near_endpoint() != nullptr) {
+        node->near_endpoint = hello.near_endpoint()->str();
+    }
 }
 
 void Handshake::connected(bus::NodeId id) {

@@ -128,6 +128,12 @@ void Heartbeat::watch(const Watched& process, std::int64_t now_ms) {
     looked_ms_ = looked_ms_.value_or(now_ms);
 }
 
+void Heartbeat::take(const std::string& name, const bus::PulseNumbers& pulse) {
+    if (const auto found = nodes_.find(name); found != nodes_.end()) {
+        found->second.cell->set(pulse);
+    }
+}
+
 const bus::PulseCell* Heartbeat::cell_of(const std::string& name) const {
     const auto found = nodes_.find(name);
     return found == nodes_.end() ? nullptr : found->second.cell.get();

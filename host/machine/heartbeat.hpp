@@ -48,6 +48,8 @@ class Heartbeat {
     /// Begins to watch a prepared process. It is silent from its first beat on at the earliest.
     void watch(const Watched& process, std::int64_t now_ms);
     void forget(const std::string& name) { nodes_.erase(name); }
+    /// Takes the pulse of a process on another computer.
+    void take(const std::string& name, const bus::PulseNumbers& pulse);
     const bus::PulseCell* cell_of(const std::string& name) const;
 
     struct Finding {

@@ -54,16 +54,15 @@ bus::Protection protection_of(const Topology& topology, const MachineOptions& op
     return bus::Protection::curve;
 }
 
-std::string bind_address(Transport transport, const SocketFolder& sockets,
-                         const std::string& name) {
-    return transport == Transport::tcp ? "tcp://127.0.0.1:*"
-                                       : fmt::format("ipc://{}", (sockets.path() / name).string());
-}
-
-/// The plan, after the limit of file descriptors has been raised. Sockets need descriptors.
-Topology with_descriptors(const Topology& topology) {
+/// The plan, after the limit of file descriptors has been raised. Sockets need descriptors, and
+/// other computers need tcp.
+Topology prepared(const Topology& topology) {
     provide_limits(roster_of(topology).size(), topology.ring.transport == Transport::tcp);
-    return topology;
+    Topology plan = topology;
+    if (plan.cluster.is_used()) {
+        plan.ring.transport = Transport::tcp;
+    }
+    return plan;
 }
 
 }  // namespace
@@ -89,17 +88,27 @@ void HeldSignals::release() {
 }
 
 Launcher::Launcher(const Topology& topology, const MachineOptions& options)
-    : topology_(with_descriptors(topology)),
+    : topology_(prepared(topology)),
       options_(options),
-      credentials_(bus::make_credentials(protection_of(topology, options))),
-      folder_(make_run_folder(options.run_base, topology, options.keep_runs)),
-      link_({bus::host_id, Role::host}, bind_address(topology.ring.transport, sockets_, "host"),
-            credentials_),
+      credentials_(bus::make_credentials(
+          protection_of(topology_, options),
+          topology.cluster.is_used() ? bus::Reach::network : bus::Reach::this_computer)),
+      folder_(make_run_folder(options.run_base, topology_, options.keep_runs)),
+      link_({bus::host_id, Role::host}, host_address(topology_, sockets_), credentials_),
+      processes_(topology_, credentials_, {bus::build_id(), bus::schema_hash()}, folder_),
       roster_(roster_of(topology)),
       heartbeat_(topology.heartbeat) {
     options_.binaries = options.binaries.empty() ? own_folder() : options.binaries;
     roster_[0].endpoint = link_.endpoint();
     roster_[0].pid = getpid();
+    if (processes_.has_others()) {
+        roster_[0].near_endpoint = near_address(sockets_.path(), "host");
+        link_.listen_near(roster_[0].near_endpoint);
+        processes_.others().on_pulse(
+            [this](const std::string& name, const bus::PulseNumbers& pulse) {
+                heartbeat_.take(name, pulse);
+            });
+    }
     prepare_link();
     start_recording();
     signals_.release();  // The supervisor takes over.
@@ -123,6 +132,9 @@ Launcher::~Launcher() {
 }
 
 void Launcher::launch() {
+    if (processes_.has_others()) {
+        gather_computers();
+    }
     Roster nodes(roster_.begin() + 1, roster_.end());
     try {
         for (RosterEntry& node : nodes) {
@@ -148,20 +160,7 @@ int Launcher::prepare_pulse(const std::string& name) {
 void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
                      std::vector<std::string> arguments) {
     const std::string name = node.name();
-    bus::ProcessFlags flags;
-    flags.host_endpoint = node.role == Role::io ? io_.host_endpoint : link_.endpoint();
-    // A late connection to an earlier io process must not reach a later one of the same name.
-    flags.bind = bind_address(topology_.ring.transport, sockets_,
-                              node.role == Role::io ? fmt::format("io-node-{}", node.id) : name);
-    flags.node_id = node.id;
-    flags.index = static_cast<std::uint16_t>(node.index);
-    flags.parent_pid = getpid();
-    flags.credentials_fd = first_inherited_fd;
-    if (recorder_ && node.role != Role::io) {
-        flags.record = static_cast<Recording>(topology_.record);
-        flags.trace_file = trace_path(name).string();
-        flags.flight_kib = flight_share_kib();
-    }
+    bus::ProcessFlags flags = flags_of(node);
     const int cell = prepare_pulse(name);
     if (cell >= 0) {
         flags.pulse_fd = first_inherited_fd + 1;
@@ -187,7 +186,8 @@ void Launcher::spawn(RosterEntry& node, const RoleSettings& settings,
         command.inherited.push_back(cell);
     }
     try {
-        node.pid = supervisor_.spawn(command);
+        node.pid =
+            processes_.spawn(node.computer, command, cell >= 0 ? heartbeat_.interval_ms() : 0);
     } catch (...) {
         heartbeat_.forget(name);  // No process will beat in the cell.
         throw;
@@ -205,7 +205,8 @@ Roster Launcher::bring_up(Roster nodes) {
     const bus::Payload told = topology_message(ring, topology_);
     for (const RosterEntry& node : handshake.nodes()) {
         try {
-            link_.add_peer(node.id, node.role, node.endpoint);
+            const bool is_near = node.place == 0 && !node.near_endpoint.empty();
+            link_.add_peer(node.id, node.role, is_near ? node.near_endpoint : node.endpoint);
         } catch (const std::invalid_argument& error) {
             blame(node.id, unavailable_code, fmt::format("{}: {}", node.name(), error.what()));
         }
@@ -253,7 +254,7 @@ void Launcher::await(const std::string& what, Handshake& handshake, const Missin
             }
             fail(timeout_code, text, names.front());
         }
-        supervisor_.wait(link_.poll_fd(), wait_ms(left_ms));
+        wait_for_event(wait_ms(left_ms));
     }
 }
 
@@ -349,15 +350,17 @@ void Launcher::wait() {
     heartbeat_.note_wait();
     if (watcher_.fd >= 0) {
         flush_trace();
-        supervisor_.wait_input(link_.poll_fd(), watcher_.fd, wait_ms(-1));
+        processes_.own().wait_input(processes_.poll_fd(link_.poll_fd()), watcher_.fd,
+                                    processes_.wait_ms(wait_ms(-1)));
+        processes_.pump(now_ms());
         return;
     }
     if (!recorder_ || !recorder_->has_unwritten()) {
-        supervisor_.wait(link_.poll_fd(), wait_ms(-1));
+        wait_for_event(wait_ms(-1));
         return;
     }
     const std::int64_t start_ms = now_ms();
-    supervisor_.wait(link_.poll_fd(), link_.has_more() ? 0 : quiet_ms);
+    wait_for_event(link_.has_more() ? 0 : quiet_ms);
     if (now_ms() - start_ms >= quiet_ms) {
         flush_trace();
     }
@@ -372,7 +375,9 @@ void Launcher::wait_readable(int fd) {
             keep(*message);
         }
         flush_trace();
-        readable = supervisor_.wait_input(link_.poll_fd(), fd, wait_ms(-1));
+        readable = processes_.own().wait_input(processes_.poll_fd(link_.poll_fd()), fd,
+                                               processes_.wait_ms(wait_ms(-1)));
+        processes_.pump(now_ms());
         check_health();
     }
 }

@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "host/base/kernel/memory_kills.hpp"
+#include "host/base/kernel/socket_folder.hpp"
+#include "host/machine/computers/processes.hpp"
 #include "host/machine/handshake.hpp"
 #include "host/machine/heartbeat.hpp"
 #include "host/machine/machine.hpp"
@@ -20,6 +22,7 @@
 #include "host/machine/roster.hpp"
 #include "host/machine/run_folder.hpp"
 #include "host/machine/supervisor.hpp"
+#include "ringbus/process/process.hpp"
 #include "ringbus/trace/recorder.hpp"
 #include "ringbus/zmq/credentials.hpp"
 #include "ringbus/zmq/zmq_link.hpp"
@@ -69,6 +72,11 @@ struct IoDeath {
 
 /// The error names file, process, signal and work, and a cause only if the cause is known.
 RequestError error_of(const IoDeath& io);
+
+/// The address at which a process of this computer listens; `name` is its socket's.
+std::string bind_address(Transport transport, const SocketFolder& sockets, const std::string& name);
+/// The address of the host's ring socket.
+std::string host_address(const Topology& topology, const SocketFolder& sockets);
 
 /// Blocks signals for this thread, so that no signal interrupts construction or destruction.
 class HeldSignals {
@@ -160,6 +168,25 @@ class Launcher {
     /// A descriptor of a new pulse for the process `name`; -1 if the heartbeat is off.
     int prepare_pulse(const std::string& name);
     void spawn(RosterEntry& node, const RoleSettings& settings, std::vector<std::string> arguments);
+    /// Where the node listens, and where it finds the host.
+    bus::ProcessFlags flags_of(const RosterEntry& node) const;
+
+    // Other computers, in computers/launcher_computers.cpp.
+    /// Starts the engine, waits until all computers have joined, and places the nodes.
+    void gather_computers();
+    void place();
+    /// The addresses and paths of a node of a machine with other computers.
+    void add_computer_flags(const RosterEntry& node, bus::ProcessFlags& flags) const;
+    /// Asks for the trace of a node on another computer.
+    void fetch_trace(bus::NodeId id);
+    /// Waits until the traces of other computers have come.
+    void await_fetched(std::int64_t deadline_ms);
+    void print_warnings_of_computers();
+
+    /// Waits for messages, deaths, signals and letters, at most `most_ms` (-1: no limit).
+    void wait_for_event(int most_ms);
+    /// Sends `signal` to a process and waits for its end, at most 10 s.
+    void end_process(const std::string& name, int signal);
     /// Takes the started `nodes` through the barriers: Hello, topology, Connected, Go.
     Roster bring_up(Roster nodes);
     using Missing = std::function<std::vector<std::string>()>;
@@ -222,7 +249,7 @@ class Launcher {
     void flush_trace();
     /// Orders the running nodes and the host to write. Returns the nodes to wait for.
     std::set<bus::NodeId> ask_for_traces(SavedTraces& saved);
-    void take_answer(const bus::Message& message, SavedTraces& saved) const;
+    void take_answer(const bus::Message& message, SavedTraces& saved);
     /// Traces that the host waits for.
     struct AwaitedTraces {
         std::set<bus::NodeId> nodes, asked_again;
@@ -256,8 +283,8 @@ class Launcher {
     std::optional<bus::trace::Recorder> recorder_;
     std::optional<std::string> record_failure_;  ///< Not reported yet.
     bus::ZmqLink link_;
-    Supervisor supervisor_;  // After the link: children end before their host's socket.
-    Roster roster_;          ///< Host first.
+    Processes processes_;  // After the link: children end before their host's socket.
+    Roster roster_;        ///< Host first.
     Heartbeat heartbeat_;
     std::string work_ = "request";  ///< The work that the session waits for.
     IoProcesses io_;

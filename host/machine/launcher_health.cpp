@@ -62,7 +62,7 @@ void Launcher::ask_watcher() {
 void Launcher::cancel() {
     can_be_canceled_ = false;
     if (io_.used && io_.death_code == ExitCode::failed) {
-        supervisor_.end(io_.used->name(), SIGTERM);  // It removes what it has written so far.
+        end_process(io_.used->name(), SIGTERM);  // It removes what it has written so far.
     }
     kill_io();
     throw Canceled();
@@ -112,16 +112,16 @@ void Launcher::kill(bus::NodeId id) {
     if (over_) {
         throw *over_;
     }
-    supervisor_.end(name_of(id), SIGKILL);
+    end_process(name_of(id), SIGKILL);
 }
 
 void Launcher::check_health() {
     if (over_) {
         throw *over_;
     }
-    supervisor_.wait(link_.poll_fd(), 0);
+    wait_for_event(0);
     std::optional<Death> io_death;
-    for (const Death& death : supervisor_.take_deaths()) {
+    for (const Death& death : processes_.take_deaths()) {
         if (io_.used && io_.used->name() == death.name) {
             io_death = death;
         } else if (io_.prepared && io_.prepared->name() == death.name) {
@@ -132,7 +132,8 @@ void Launcher::check_health() {
             fail(death.code(), describe(death), death.name);
         }
     }
-    if (const int signal = supervisor_.take_interrupt(); signal == SIGINT && can_be_canceled_) {
+    if (const int signal = processes_.own().take_interrupt();
+        signal == SIGINT && can_be_canceled_) {
         cancel();
     } else if (signal != 0) {
         give_in(interruption(signal));
@@ -174,8 +175,8 @@ void Launcher::check_heartbeat() {
         } else {
             // The kernel then writes a core file if the limits allow one. A stopped process must
             // continue to receive the signal.
-            supervisor_.kill(found.name, SIGABRT);
-            supervisor_.kill(found.name, SIGCONT);
+            processes_.kill(found.name, SIGABRT);
+            processes_.kill(found.name, SIGCONT);
             fail(timeout_code, found.text, found.name);
         }
     }
@@ -203,6 +204,18 @@ void Launcher::check_answer() {
     }
 }
 
+void Launcher::end_process(const std::string& name, int signal) {
+    if (!processes_.has_others() || !processes_.others().has(name)) {
+        processes_.own().end(name, signal);
+        return;
+    }
+    processes_.kill(name, signal);
+    const std::int64_t end_ms = now_ms() + killed_ms;
+    while (processes_.others().has(name) && now_ms() < end_ms) {
+        wait_for_event(static_cast<int>(end_ms - now_ms()));
+    }
+}
+
 void Launcher::fail(int code, const std::string& text, const std::string& node) {
     MachineError cause(code, text + traces_of_failure());
     cause.node = node;
@@ -213,13 +226,13 @@ void Launcher::rest(int ms) {
     const std::int64_t end_ms = now_ms() + ms;
     std::int64_t left_ms = ms;
     do {
-        supervisor_.wait(link_.poll_fd(), static_cast<int>(left_ms));
-        if (const int signal = supervisor_.take_interrupt(); signal != 0) {
+        wait_for_event(static_cast<int>(left_ms));
+        if (const int signal = processes_.own().take_interrupt(); signal != 0) {
             throw interruption(signal);
         }
         if (over_) {
             discard_messages(false);
-            supervisor_.take_deaths();
+            processes_.take_deaths();
         }
         left_ms = end_ms - now_ms();
     } while (left_ms > 0);
@@ -254,7 +267,10 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
     std::optional<MachineError> cause;
     std::size_t step = 0;
     std::int64_t deadline_ms = now_ms() + grace_ms;
-    for (std::vector<std::string> left; !(left = supervisor_.running()).empty();) {
+    for (std::vector<std::string> left; !(left = processes_.running()).empty();) {
+        if (processes_.only_engine_runs()) {
+            processes_.finish();
+        }
         const bool patient = step == steps.size();
         if (patient && now_ms() >= deadline_ms) {
             const std::string text =
@@ -264,17 +280,16 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
             cause = cause ? cause : MachineError(ExitCode::failed, text);
             break;
         }
-        supervisor_.wait(link_.poll_fd(),
-                         static_cast<int>(std::max<std::int64_t>(0, deadline_ms - now_ms())));
+        wait_for_event(static_cast<int>(std::max<std::int64_t>(0, deadline_ms - now_ms())));
         discard_messages(true);  // The last messages belong to the trace.
-        for (const Death& death : supervisor_.take_deaths()) {
+        for (const Death& death : processes_.take_deaths()) {
             const bool expected = death.signal == 0 && death.exit_code == 0;
             if (!cause && !expected && !was_dismissed(death)) {
                 cause.emplace(death.code(), describe(death));
             }
         }
-        left = supervisor_.running();
-        const int signal = supervisor_.take_interrupt();
+        left = processes_.running();
+        const int signal = processes_.own().take_interrupt();
         over_->is_final |= signal != 0;  // The user wants the program to end.
         if (!patient && !left.empty() && (signal != 0 || now_ms() >= deadline_ms)) {
             if (!cause && signal != 0) {
@@ -284,13 +299,14 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
                 fmt::print(stderr, "still running: {}; sending SIG{}\n", fmt::join(left, ", "),
                            sigabbrev_np(steps[step].signal));
             }
-            supervisor_.kill_all(steps[step].signal);
+            processes_.kill_all(steps[step].signal);
             deadline_ms = now_ms() + steps[step].patience_ms;
             ++step;
         }
     }
-    supervisor_.wait(link_.poll_fd(), 0);
-    over_->is_final |= supervisor_.take_interrupt() != 0;
+    processes_.finish();
+    wait_for_event(0);
+    over_->is_final |= processes_.own().take_interrupt() != 0;
     const std::optional<MachineError> unwritten = close_trace();
     return cause ? cause : unwritten;
 }

@@ -107,7 +107,7 @@ bus::NodeId Launcher::start_io(ExitCode on_death) {
 /// Ends a prepared process that has no request.
 void Launcher::drop_prepared_io() {
     if (io_.prepared) {
-        supervisor_.kill(io_.prepared->name(), SIGKILL);
+        processes_.kill(io_.prepared->name(), SIGKILL);
         io_.dismissed.emplace(io_.prepared->id, *io_.prepared);
         heartbeat_.forget(io_.prepared->name());
         io_.prepared.reset();
@@ -138,18 +138,18 @@ void Launcher::dismiss_io() {
 
 void Launcher::kill_io() {
     if (io_.used) {
-        supervisor_.kill(io_.used->name(), SIGKILL);
+        processes_.kill(io_.used->name(), SIGKILL);
         io_.used->endpoint.clear();
         dismiss_io();
     }
 }
 
 void Launcher::bury_dismissed() {
-    const std::vector<std::string> running = supervisor_.running();
+    const std::vector<std::string> running = processes_.running();
     for (auto past = io_.dismissed.begin(); past != io_.dismissed.end();) {
         const std::string name = past->second.name();
         if (std::find(running.begin(), running.end(), name) != running.end()) {
-            supervisor_.kill(name, SIGKILL);
+            processes_.kill(name, SIGKILL);
             ++past;
         } else {
             link_.remove_peer(past->first);

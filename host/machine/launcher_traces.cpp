@@ -89,7 +89,7 @@ std::optional<MachineError> Launcher::close_trace() {
 
 std::set<bus::NodeId> Launcher::ask_for_traces(SavedTraces& saved) {
     saved.folder = (folder_ / "traces").string();
-    const std::vector<std::string> running = supervisor_.running();
+    const std::vector<std::string> running = processes_.running();
     const bus::Payload ask = bus::pack(schema::SaveTraceT{});
     std::set<bus::NodeId> asked;
     for (const RosterEntry& node : roster_) {
@@ -109,7 +109,7 @@ std::set<bus::NodeId> Launcher::ask_for_traces(SavedTraces& saved) {
     return asked;
 }
 
-void Launcher::take_answer(const bus::Message& message, SavedTraces& saved) const {
+void Launcher::take_answer(const bus::Message& message, SavedTraces& saved) {
     const auto& answer = *message.as<schema::TraceSaved>();
     if (answer.error() != nullptr && answer.error()->size() != 0) {
         saved.missing.push_back(
@@ -117,6 +117,7 @@ void Launcher::take_answer(const bus::Message& message, SavedTraces& saved) cons
         return;
     }
     ++saved.nodes;
+    fetch_trace(message.source());
     saved.messages += answer.messages();
     saved.bytes += answer.bytes();
 }
@@ -166,9 +167,10 @@ SavedTraces Launcher::save_traces(int limit_ms) {
         if (!awaited.nodes.empty()) {
             check_health();
             const std::int64_t left_ms = deadline_ms - now_ms();
-            supervisor_.wait(link_.poll_fd(), wait_ms(std::max<std::int64_t>(left_ms, 0)));
+            wait_for_event(wait_ms(std::max<std::int64_t>(left_ms, 0)));
         }
     }
+    await_fetched(deadline_ms);
     for (const bus::NodeId id : awaited.nodes) {
         saved.missing.push_back(
             fmt::format("{}: no answer within {} s", name_of(id), limit_ms / 1000));
@@ -197,7 +199,7 @@ std::string Launcher::traces_of_failure() {
                 // This message is lost. The next may be valid.
             }
         }
-        const std::vector<std::string> running = supervisor_.running();
+        const std::vector<std::string> running = processes_.running();
         std::erase_if(awaited.nodes, [&](bus::NodeId id) {
             return std::find(running.begin(), running.end(), name_of(id)) == running.end();
         });
@@ -205,7 +207,7 @@ std::string Launcher::traces_of_failure() {
         if (awaited.nodes.empty() || left_ms <= 0) {
             break;
         }
-        supervisor_.wait(link_.poll_fd(), static_cast<int>(left_ms));
+        wait_for_event(static_cast<int>(left_ms));
     }
     return fmt::format("; traces of {} of {} nodes: {}", saved.nodes, roster_.size(), saved.folder);
 }

@@ -84,6 +84,8 @@ bus::Payload topology_message(const Roster& roster, const Topology& topology) {
         node->role = entry.role;
         node->index = static_cast<std::uint16_t>(entry.index);
         node->endpoint = entry.endpoint;
+        node->near_endpoint = entry.near_endpoint;
+        node->computer = static_cast<std::uint16_t>(entry.place);
         message.nodes.push_back(std::move(node));
     }
     message.gp_memory_bytes = static_cast<std::uint64_t>(topology.gp_memory_mib) * bytes_per_mib;

@@ -15,7 +15,10 @@ struct RosterEntry {
     bus::schema::Role role = bus::schema::Role::host;
     int index = 0;         ///< Within the role.
     std::string endpoint;  ///< Empty before its Hello.
-    int pid = 0;           ///< 0 before its start.
+    int pid = 0;           ///< 0 before its start, and before its Hello on another computer.
+    std::string near_endpoint = {};  ///< For nodes on the same computer; empty: `endpoint`.
+    int computer = 0;                ///< 0: the host's own, else as RemoteComputers counts.
+    int place = 0;  ///< Equal for nodes that share memory and sockets; 0: with the host.
 
     std::string name() const;    ///< "gp-3"; also names its log and its socket.
     std::string binary() const;  ///< "pxpl5-gp"; empty for the host.

@@ -4,9 +4,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
@@ -28,7 +26,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/base/state_folder.hpp"
+#include "host/base/kernel/socket_folder.hpp"
 #include "ringbus/message.hpp"
 
 namespace pxpl5::host {
@@ -119,18 +117,6 @@ bool lock_run(const fs::path& folder, const std::vector<fs::path>& locks) {
     return false;
 }
 
-/// True if this is a folder that mkdtemp() has made for this user, and that is so old that its
-/// program is not about to use it.
-bool is_stale(const fs::path& folder, std::string_view begin) {
-    constexpr std::chrono::seconds youth{10};
-    constexpr std::size_t random_letters = 6;
-    const std::string name = folder.filename().string();
-    struct stat facts {};
-    return name.starts_with(begin) && name.size() == begin.size() + random_letters &&
-           lstat(folder.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) &&
-           facts.st_uid == geteuid() && std::time(nullptr) - facts.st_mtime >= youth.count();
-}
-
 /// Begin of a run folder's name until it is locked: programs that tidy now do not see it.
 constexpr std::string_view new_begin = ".new-";
 
@@ -138,7 +124,7 @@ constexpr std::string_view new_begin = ".new-";
 void remove_stale_new(const fs::path& base) {
     std::error_code ignored;
     for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
-        if (is_stale(entry.path(), new_begin)) {
+        if (is_stale_folder(entry.path(), new_begin)) {
             fs::remove_all(entry.path(), ignored);
         }
     }
@@ -256,43 +242,6 @@ void tidy_runs(const fs::path& base, int keep) {
     }
 }
 
-/// True if a program listens at the socket, or may do so.
-bool is_served(const fs::path& socket_path) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    const std::string path = socket_path.string();
-    if (path.size() >= sizeof address.sun_path) {
-        return true;
-    }
-    std::ifstream sockets("/proc/net/unix");  // A look disturbs no host, a connection might.
-    for (std::string line; std::getline(sockets, line);) {
-        if (line.ends_with(" " + path)) {
-            return true;
-        }
-    }
-    std::memcpy(address.sun_path, path.data(), path.size());
-    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    const bool is_refused =
-        fd >= 0 && connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 &&
-        errno == ECONNREFUSED;
-    ::close(fd);
-    return !is_refused;
-}
-
-/// Removes folders of sockets at which no program listens any more. A young folder stays, because
-/// its program may be about to listen.
-void remove_stale_sockets(const fs::path& parent) {
-    std::error_code ignored;
-    for (const fs::directory_entry& entry : fs::directory_iterator(parent, ignored)) {
-        struct stat socket_facts {};
-        const fs::path host = entry.path() / "host";
-        if (is_stale(entry.path(), "pxpl5-") && lstat(host.c_str(), &socket_facts) == 0 &&
-            S_ISSOCK(socket_facts.st_mode) && !is_served(host)) {
-            fs::remove_all(entry.path(), ignored);
-        }
-    }
-}
-
 /// The value of "key : value" in a table of /proc; empty if the key is missing.
 std::string proc_value(const char* path, const std::string& key) {
     std::ifstream file(path);
@@ -362,23 +311,6 @@ fs::path make_run_folder(const fs::path& base, const Topology& topology, int kee
     remove_stale_new(parent);
     tidy_runs(parent, keep);
     return folder;
-}
-
-SocketFolder::SocketFolder() {
-    const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-    const bool usable = runtime != nullptr && *runtime == '/' && access(runtime, W_OK | X_OK) == 0;
-    const fs::path parent = usable ? fs::path(runtime) : temporary_parent();
-    remove_stale_sockets(parent);
-    std::string pattern = parent / "pxpl5-XXXXXX";
-    if (mkdtemp(pattern.data()) == nullptr) {
-        refuse("cannot make a folder for sockets", pattern, std::strerror(errno));
-    }
-    path_ = pattern;
-}
-
-SocketFolder::~SocketFolder() {
-    std::error_code error;
-    fs::remove_all(path_, error);
 }
 
 std::string last_words(const std::filesystem::path& log) {

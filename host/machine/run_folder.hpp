@@ -1,4 +1,4 @@
-// The folders of one run: one stays (logs, plan, facts), one is removed (sockets).
+// The folder of one run: logs, plan, facts, traces.
 #pragma once
 
 #include <filesystem>
@@ -19,24 +19,6 @@ namespace pxpl5::host {
 /// Throws RequestError (failed) naming the folder and the reason.
 std::filesystem::path make_run_folder(const std::filesystem::path& base, const Topology& topology,
                                       int keep = 0);
-
-/// A private folder for ipc sockets, under a short path: a socket's path may have 107 characters.
-class SocketFolder {
-  public:
-    /// In XDG_RUNTIME_DIR, or the system's folder for temporary files. Removes the folders there
-    /// that killed hosts of this user have left: no program listens at their sockets.
-    /// Throws RequestError (failed) naming the folder and the reason.
-    SocketFolder();
-    /// Removes the folder and its contents.
-    ~SocketFolder();
-    SocketFolder(const SocketFolder&) = delete;
-    SocketFolder& operator=(const SocketFolder&) = delete;
-
-    const std::filesystem::path& path() const { return path_; }
-
-  private:
-    std::filesystem::path path_;
-};
 
 /// The last line of a process's log, its reason for ending. Empty if the process wrote no line.
 std::string last_words(const std::filesystem::path& log);

@@ -81,7 +81,9 @@ int open_log(const ProcessCommand& command, const std::vector<std::string>& argu
                            fmt::format("{} cannot start: its log {} cannot be opened: {}",
                                        command.name, command.log.string(), std::strerror(errno)));
     }
-    const std::string line = fmt::format("{}: {}\n", command.name, fmt::join(arguments, " "));
+    const std::string line = fmt::format(
+        "{}: {}\n", command.name,
+        command.log_arguments ? fmt::format("{}", fmt::join(arguments, " ")) : arguments.front());
     [[maybe_unused]] const ssize_t written = write(fd, line.data(), line.size());
     return fd;
 }
@@ -89,6 +91,9 @@ int open_log(const ProcessCommand& command, const std::vector<std::string>& argu
 }  // namespace
 
 std::string Death::text() const {
+    if (!why.empty()) {
+        return why;
+    }
     if (signal != 0) {
         return fmt::format("{} was killed by signal {} ({})", name, signal, signal_name(signal));
     }
@@ -215,7 +220,7 @@ void Supervisor::Parts::run_until_ended(const std::function<bool()>& have_ended)
 
 void Supervisor::Parts::on_exit(Child& child, int exit_code, int signal) {
     child.running = false;
-    deaths.push_back({child.name, exit_code, signal});
+    deaths.push_back({child.name, exit_code, signal, {}});
     uv_close(reinterpret_cast<uv_handle_t*>(&child.handle), [](uv_handle_t* handle) {
         Parts& parts = *static_cast<Parts*>(handle->loop->data);
         std::erase_if(parts.children, [handle](const auto& c) {
@@ -260,7 +265,8 @@ int Supervisor::spawn(const ProcessCommand& command) {
     std::vector<int> descriptors = {-1, log, log};
     descriptors.insert(descriptors.end(), command.inherited.begin(), command.inherited.end());
     std::vector<uv_stdio_container_t> streams(descriptors.size());
-    streams[0].flags = UV_IGNORE;
+    streams[0].flags = command.input < 0 ? UV_IGNORE : UV_INHERIT_FD;
+    streams[0].data.fd = command.input;
     for (std::size_t i = 1; i < streams.size(); ++i) {
         streams[i].flags = UV_INHERIT_FD;
         streams[i].data.fd = descriptors[i];

@@ -14,7 +14,8 @@ namespace pxpl5::host {
 struct Death {
     std::string name;
     int exit_code = 0;
-    int signal = 0;  ///< 0 if it ended by itself.
+    int signal = 0;        ///< 0 if it ended by itself.
+    std::string why = {};  ///< Known cause, as a sentence with the name.
 
     /// "gp-3 was killed by signal 9 (SIGKILL)", "gp-3 ended with exit code 70".
     std::string text() const;
@@ -32,6 +33,8 @@ struct ProcessCommand {
     std::filesystem::path log;           ///< Takes stdout and stderr.
     bool new_log = false;                ///< Discards an earlier process's log of this name.
     std::vector<int> inherited = {};     ///< Become descriptors 3, 4, ... of the process.
+    int input = -1;                      ///< Becomes standard input; -1: empty.
+    bool log_arguments = true;           ///< The log begins with them.
 };
 
 /// Number of ProcessCommand::inherited[0] in the process.

@@ -17,6 +17,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/nearest.hpp"
+#include "host/machine/computers/cluster_settings.hpp"
 #include "host/machine/modelled_topology.hpp"
 #include "host/machine/timing_section.hpp"
 #include "host/machine/topology_file.hpp"
@@ -64,6 +65,7 @@ constexpr std::array number_keys = {
               [](Topology& t) -> int& { return t.frame_buffer.restart.max; }},
     NumberKey{"frame_buffer.restart.backoff_ms", 0, max_backoff_ms,
               [](Topology& t) -> int& { return t.frame_buffer.restart.backoff_ms; }},
+    NumberKey{"wait", 0, max_computers, [](Topology& t) -> int& { return t.cluster.wait; }},
     NumberKey{"heartbeat.interval_ms", 10, 60'000,
               [](Topology& t) -> int& { return t.heartbeat.interval_ms; }},
     NumberKey{"heartbeat.misses", 0, 1000, [](Topology& t) -> int& { return t.heartbeat.misses; }},
@@ -75,15 +77,16 @@ constexpr std::array number_keys = {
 };
 
 struct RoleKey {
-    std::string_view cpu, env, restart_policy;
+    std::string_view cpu, env, computer, restart_policy;
     RoleSettings& (*in)(Topology&);
 };
 constexpr std::array role_keys = {
-    RoleKey{"gp.cpu", "gp.env", "gp.restart.policy",
+    RoleKey{"gp.cpu", "gp.env", "gp.computer", "gp.restart.policy",
             [](Topology& t) -> RoleSettings& { return t.gp; }},
-    RoleKey{"renderer.cpu", "renderer.env", "renderer.restart.policy",
+    RoleKey{"renderer.cpu", "renderer.env", "renderer.computer", "renderer.restart.policy",
             [](Topology& t) -> RoleSettings& { return t.renderer; }},
-    RoleKey{"frame_buffer.cpu", "frame_buffer.env", "frame_buffer.restart.policy",
+    RoleKey{"frame_buffer.cpu", "frame_buffer.env", "frame_buffer.computer",
+            "frame_buffer.restart.policy",
             [](Topology& t) -> RoleSettings& { return t.frame_buffer; }},
 };
 
@@ -156,6 +159,10 @@ void check(Topology& topology, const std::string& where, int most_nodes) {
                         where));
     }
     check_timing(topology.timing, where);
+    check_cluster(topology.cluster, where);
+    for (const RoleKey& key : role_keys) {
+        check_names(key.in(topology).computer, where, key.computer);
+    }
 }
 
 template <typename Number>
@@ -178,17 +185,6 @@ std::vector<int> core_list(std::string_view key, std::string_view text) {
     return cores;
 }
 
-/// The value of this name.
-template <typename Enum>
-Enum value_named(std::string_view key, std::string_view text) {
-    if (const std::optional<Enum> value = enum_named<Enum>(text)) {
-        return *value;
-    }
-    constexpr auto& names = enum_names<Enum>;
-    refuse(fmt::format("{} is '{}', must be {} or {}", key, text,
-                       fmt::join(names.begin(), names.end() - 1, ", "), names.back()));
-}
-
 /// Returns false if `key` does not belong to a role's lists and words.
 bool set_role_value(Topology& topology, std::string_view key, std::string_view value) {
     for (const RoleKey& role : role_keys) {
@@ -200,6 +196,10 @@ bool set_role_value(Topology& topology, std::string_view key, std::string_view v
             role.in(topology).env.emplace_back(value);
             return true;
         }
+        if (key == role.computer) {
+            role.in(topology).computer = words_of(value);
+            return true;
+        }
         if (key == role.restart_policy) {
             role.in(topology).restart.policy = value_named<RestartPolicy>(key, value);
             return true;
@@ -209,12 +209,14 @@ bool set_role_value(Topology& topology, std::string_view key, std::string_view v
 }
 
 [[noreturn]] void refuse_key(std::string_view key) {
-    std::vector<std::string_view> known = {"record", "ring.transport", "seed", "vector_target"};
+    std::vector<std::string_view> known = {"computers",      "engine",    "engine_command",
+                                           "listen",         "placement", "record",
+                                           "ring.transport", "seed",      "vector_target"};
     for (const NumberKey& number : number_keys) {
         known.push_back(number.name);
     }
     for (const RoleKey& role : role_keys) {
-        known.insert(known.end(), {role.cpu, role.env, role.restart_policy});
+        known.insert(known.end(), {role.cpu, role.env, role.computer, role.restart_policy});
     }
     const std::vector<std::string_view> timing = timing_names();
     known.insert(known.end(), timing.begin(), timing.end());
@@ -238,7 +240,8 @@ void set_value(Topology& topology, std::string_view key, std::string_view value)
         topology.record = value_named<Recording>(key, value);
     } else if (key == "vector_target") {
         topology.vector_target = value_named<VectorTarget>(key, value);
-    } else if (!override_timing(topology.timing, key, value) &&
+    } else if (!set_cluster_value(topology.cluster, key, value) &&
+               !override_timing(topology.timing, key, value) &&
                !set_role_value(topology, key, value)) {
         refuse_key(key);
     }
@@ -324,6 +327,7 @@ Topology parse(std::string_view text, const std::string& file,
     complete_timing(topology);
     resolve_counts(topology);
     check(topology, file, most_nodes);
+    check_trust(topology.cluster, file, overrides);
     for (const std::string& assignment : overrides) {
         change(topology, assignment, most_nodes);
     }

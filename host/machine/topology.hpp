@@ -25,6 +25,7 @@ struct RoleSettings {
     int count = 0;                 ///< 1..64; in a file, 0 means as many as this process has cores.
     std::vector<std::string> env;  ///< "NAME=value", added to the host's environment.
     std::vector<int> cpu;          ///< Node n runs on core cpu[n mod size]; empty: any core.
+    std::vector<std::string> computer = {};  ///< Node n runs on computer[n mod size], by name.
     RestartSettings restart = {};
 };
 
@@ -48,6 +49,25 @@ struct HeartbeatSettings {
     std::int64_t silence_ms() const { return std::int64_t{interval_ms} * misses; }
 };
 
+/// A computer beside the host's own.
+struct ComputerSlots {
+    std::string name;
+    int slots = 0;  ///< Nodes that it takes; 0: as many as its cores.
+};
+
+/// The computers of a machine, and what starts pxpl5 on them.
+struct ClusterSettings {
+    Engine engine = Engine::local;
+    std::vector<std::string> command;  ///< The words of Engine::command.
+    std::vector<ComputerSlots> computers;
+    int wait = 0;  ///< Computers that join; 0: as many as `computers`.
+    Placement placement = Placement::pack;
+    std::string listen;  ///< Address at which the host listens for computers; empty: all.
+
+    /// True if nodes may run on other computers.
+    bool is_used() const { return engine != Engine::local; }
+};
+
 /// A parameter of the timing model, as a file gives it. timing_section.hpp has the names.
 struct TimingValue {
     std::string name;             ///< "gp.edge_cycles"
@@ -66,6 +86,7 @@ struct Topology {
     int gp_memory_mib = 4096;  ///< Local memory of each GP.
     RingSettings ring;
     HeartbeatSettings heartbeat;
+    ClusterSettings cluster;
     std::vector<TimingValue> timing;  ///< All values; those of paper-1993 if the file has none.
     Recording record = Recording::off;
     VectorTarget vector_target = VectorTarget::best;  ///< The same for all nodes.
@@ -86,7 +107,8 @@ Topology parse_topology(std::string_view text, const std::string& file,
 
 /// Sets one value: "gp.count=4", "gp.memory_mib=8", "gp.cpu=0,1", "renderer.env=A=b",
 /// "ring.transport=tcp", "heartbeat.misses=0", "gp.restart.policy=end", "record=full",
-/// "vector_target=sse4", "seed=7", "gp.edge_cycles=140", "share=own". A count of 0 is resolved.
+/// "vector_target=sse4", "seed=7", "gp.edge_cycles=140", "share=own", "engine=ssh",
+/// "computers=n1,n2:8", "renderer.computer=n1". A count of 0 is resolved.
 /// Throws RequestError (usage).
 void apply_override(Topology& topology, std::string_view assignment);
 

@@ -68,7 +68,11 @@ std::string home_of(const flatbuffers::Parser& parser, const std::string& key) {
 template <typename Role>
 void copy_role(const Role& from, RoleSettings& to) {
     const config::RestartT restart = from.restart ? *from.restart : config::RestartT{};
-    to = {from.count, from.env, from.cpu, {restart.policy, restart.max, restart.backoff_ms}};
+    to = {from.count,
+          from.env,
+          from.cpu,
+          from.computer,
+          {restart.policy, restart.max, restart.backoff_ms}};
 }
 
 /// The parser takes any number for an enumeration.
@@ -128,6 +132,33 @@ std::vector<std::unique_ptr<config::TimingValueT>> timing_table(
     return table;
 }
 
+ClusterSettings cluster_of(const config::MachineT& machine) {
+    ClusterSettings cluster;
+    cluster.engine = machine.engine;
+    cluster.command = machine.engine_command;
+    for (const auto& computer : machine.computers) {
+        cluster.computers.push_back({computer->name, computer->slots});
+    }
+    cluster.wait = machine.wait;
+    cluster.placement = machine.placement;
+    cluster.listen = machine.listen;
+    return cluster;
+}
+
+void write_cluster(const ClusterSettings& cluster, config::MachineT& machine) {
+    machine.engine = cluster.engine;
+    machine.engine_command = cluster.command;
+    for (const ComputerSlots& computer : cluster.computers) {
+        auto entry = std::make_unique<config::ComputerT>();
+        entry->name = computer.name;
+        entry->slots = computer.slots;
+        machine.computers.push_back(std::move(entry));
+    }
+    machine.wait = cluster.wait;
+    machine.placement = cluster.placement;
+    machine.listen = cluster.listen;
+}
+
 Topology plan_of(const config::MachineT& machine) {
     Topology plan;
     const config::RolesT roles = machine.roles ? *machine.roles : config::RolesT{};
@@ -140,6 +171,7 @@ Topology plan_of(const config::MachineT& machine) {
     plan.ring = {ring.channels, ring.transport, ring.channel_mb_s, ring.hop_ns};
     const config::HeartbeatT beat = machine.heartbeat ? *machine.heartbeat : config::HeartbeatT{};
     plan.heartbeat = {beat.interval_ms, beat.misses, beat.stuck_s};
+    plan.cluster = cluster_of(machine);
     plan.seed = machine.seed;
     plan.record = machine.record;
     plan.vector_target = machine.vector_target;
@@ -152,6 +184,7 @@ std::unique_ptr<RoleTable> role_table(const RoleSettings& role) {
     table->count = role.count;
     table->env = role.env;
     table->cpu = role.cpu;
+    table->computer = role.computer;
     table->restart = std::make_unique<config::RestartT>();
     table->restart->policy = role.restart.policy;
     table->restart->max = role.restart.max;
@@ -182,6 +215,8 @@ Topology read_topology_file(std::string_view text, const std::string& file) {
         check_enum(file, "ring.transport", machine->ring->transport, "ipc or tcp");
     }
     check_enum(file, "record", machine->record, "off, flight or full");
+    check_enum(file, "engine", machine->engine, "local, slurm, ssh, mpirun, command or wait");
+    check_enum(file, "placement", machine->placement, "pack or spread");
     check_enum(file, "vector_target", machine->vector_target, "best, sse4, avx2 or avx512");
     Topology plan = plan_of(*machine);
     for (const auto& [role, settings] : {std::pair{"gp", &plan.gp},
@@ -207,6 +242,7 @@ std::string resolved_json(const Topology& topology) {
     machine.ring->transport = topology.ring.transport;
     machine.ring->channel_mb_s = topology.ring.channel_mb_s;
     machine.ring->hop_ns = topology.ring.hop_ns;
+    write_cluster(topology.cluster, machine);
     machine.heartbeat = std::make_unique<config::HeartbeatT>();
     machine.heartbeat->interval_ms = topology.heartbeat.interval_ms;
     machine.heartbeat->misses = topology.heartbeat.misses;

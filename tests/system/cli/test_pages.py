@@ -17,6 +17,8 @@ BIN = pathlib.Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else None
 README = "README.md"
 BENCH = "tests/bench/README.md"
 CLUSTER = "tests/cluster/README.md"
+COMPUTERS = "host/machine/computers/README.md"
+SEVERAL = "needs several computers; cluster/machines runs the engines where they are"
 ROOT = "needs root and namespaces; cluster/harness runs the program where they are"
 MINUTES = "takes minutes; the bench tests run the same program for a short time"
 LONG = "takes minutes and needs the peers or a quiet machine"
@@ -38,6 +40,11 @@ EXCUSED = {
     (CLUSTER, "sudo python3 tests/cluster/cluster.py"): ROOT,
     (CLUSTER, "sudo python3 tests/cluster/cluster.py --computers 8 --on n2 --user root hostname"):
         ROOT,
+    (COMPUTERS, "pxpl5 run --engine ssh --computers n1,n2,n3 -c 'load knee.nii.gz; surface bone; "
+                "snapshot bone.png'"): SEVERAL,
+    (COMPUTERS, "pxpl5 render knee.nii.gz -o bone.png --engine slurm"): SEVERAL,
+    (COMPUTERS, "pxpl5 serve knee.nii.gz --engine mpirun --computers n1:8,n2:16"): SEVERAL,
+    (COMPUTERS, "pxpl5 serve knee.nii.gz --engine wait --set wait=2"): SEVERAL,
     (BENCH, "ninja -C build/release"): "builds the release preset",
     (BENCH, "../../build/release/tests/stage_bench --benchmark_min_time=0.1"): MINUTES,
     (BENCH, "python3 machine.py ../../build/release/bin/pxpl5 --check"): MINUTES,

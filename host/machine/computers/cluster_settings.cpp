@@ -1,0 +1,109 @@
+#include "host/machine/computers/cluster_settings.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "host/base/command_line.hpp"
+#include "host/base/error.hpp"
+#include "host/machine/topology_file.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr int max_slots = 4096;
+constexpr std::size_t max_name_length = 253;
+
+[[noreturn]] void refuse(const std::string& text) {
+    throw RequestError(ExitCode::usage, text);
+}
+
+/// "n1,n2:8" as computers with their slots.
+std::vector<ComputerSlots> computers_of(std::string_view key, std::string_view text) {
+    std::vector<ComputerSlots> computers;
+    for (const std::string& word : words_of(text)) {
+        const std::size_t colon = std::min(word.find(':'), word.size());
+        computers.push_back(
+            {word.substr(0, colon),
+             colon == word.size() ? 0 : parse_whole(key, word.substr(colon + 1), 0, max_slots)});
+    }
+    return computers;
+}
+
+bool is_name(std::string_view text) {
+    return !text.empty() && text.size() <= max_name_length && text.front() != '-' &&
+           text.find_first_not_of(
+               "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+               ".-_@") == std::string_view::npos;
+}
+
+}  // namespace
+
+std::vector<std::string> words_of(std::string_view text) {
+    std::vector<std::string> words;
+    while (!text.empty()) {
+        const std::size_t comma = std::min(text.find(','), text.size());
+        words.emplace_back(text.substr(0, comma));
+        text.remove_prefix(std::min(comma + 1, text.size()));
+    }
+    return words;
+}
+
+bool set_cluster_value(ClusterSettings& cluster, std::string_view key, std::string_view value) {
+    if (key == "engine") {
+        cluster.engine = value_named<Engine>(key, value);
+    } else if (key == "engine_command") {
+        cluster.command.emplace_back(value);
+    } else if (key == "computers") {
+        cluster.computers = computers_of(key, value);
+    } else if (key == "placement") {
+        cluster.placement = value_named<Placement>(key, value);
+    } else if (key == "listen") {
+        cluster.listen = value;
+    } else {
+        return false;
+    }
+    return true;
+}
+
+void check_names(const std::vector<std::string>& names, const std::string& where,
+                 std::string_view key) {
+    for (const std::string& name : names) {
+        if (!is_name(name)) {
+            refuse(
+                fmt::format("{}: {} names '{}'; a name has letters, digits and .-_@, and does "
+                            "not begin with -",
+                            where, key, name));
+        }
+    }
+}
+
+void check_cluster(const ClusterSettings& cluster, const std::string& where) {
+    std::vector<std::string> names;
+    for (const ComputerSlots& computer : cluster.computers) {
+        names.push_back(computer.name);
+        if (computer.slots < 0 || computer.slots > max_slots) {
+            refuse(fmt::format("{}: {} has {} slots, must be 0..{}", where, computer.name,
+                               computer.slots, max_slots));
+        }
+    }
+    check_names(names, where, "computers");
+    if (names.size() > max_computers) {
+        refuse(fmt::format("{}: computers has {}, at most {}", where, names.size(), max_computers));
+    }
+}
+
+void check_trust(const ClusterSettings& cluster, const std::string& file,
+                 const std::vector<std::string>& overrides) {
+    if (cluster.engine == Engine::command &&
+        std::ranges::find(overrides, "engine=command") == overrides.end()) {
+        refuse(
+            fmt::format("{}: engine is command, which would run '{}'. If you trust this file, "
+                        "repeat with --engine command",
+                        file, fmt::join(cluster.command, " ")));
+    }
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,35 @@
+// The keys of a topology about computers: their values and limits.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/machine/topology.hpp"
+
+namespace pxpl5::host {
+
+inline constexpr int max_computers = 256;
+
+/// The words of a list with commas.
+std::vector<std::string> words_of(std::string_view text);
+
+/// Sets one value. Returns false if `key` is not about computers. Throws RequestError (usage).
+bool set_cluster_value(ClusterSettings& cluster, std::string_view key, std::string_view value);
+
+/// Checks the names of computers in `key`, which become arguments of other programs. Throws
+/// RequestError (usage).
+///
+/// where  Begins the text of the error.
+void check_names(const std::vector<std::string>& names, const std::string& where,
+                 std::string_view key);
+
+/// Checks the ranges of all values. Throws RequestError (usage) as check_names() does.
+void check_cluster(const ClusterSettings& cluster, const std::string& where);
+
+/// Throws RequestError (usage) if the plan of `file`, which may come from a stranger, runs words of
+/// its own and `overrides` do not allow it.
+void check_trust(const ClusterSettings& cluster, const std::string& file,
+                 const std::vector<std::string>& overrides);
+
+}  // namespace pxpl5::host

@@ -1,0 +1,398 @@
+#include "host/machine/computers/join.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "host/base/kernel/socket_folder.hpp"
+#include "host/base/state_folder.hpp"
+#include "host/machine/computers/facts.hpp"
+#include "host/machine/computers/key.hpp"
+#include "host/machine/computers/letter.hpp"
+#include "host/machine/computers/poll_set.hpp"
+#include "host/machine/port.hpp"
+#include "host/machine/supervisor.hpp"
+#include "ringbus/process/process.hpp"
+#include "ringbus/pulse.hpp"
+#include "ringbus/zmq/line.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr int lost_ms = 1000;       // From the loss of the line to the end of all processes.
+constexpr int terminate_ms = 1000;  // From SIGTERM to SIGKILL.
+constexpr std::size_t part_bytes = std::size_t{1} << 20;
+constexpr std::uintmax_t max_log_bytes = std::uintmax_t{256} << 10;  // The end of a longer log.
+constexpr std::string_view tcp = "tcp://";
+
+struct Addresses {
+    std::vector<std::string> hosts;
+    int port = 0;
+};
+
+/// Throws RequestError (usage).
+Addresses parse_addresses(const std::string& text) {
+    Addresses addresses;
+    std::string_view rest = text;
+    while (!rest.empty()) {
+        const std::size_t comma = std::min(rest.find(','), rest.size());
+        const std::string_view each = rest.substr(0, comma);
+        rest.remove_prefix(std::min(comma + 1, rest.size()));
+        const std::size_t colon = each.rfind(':');
+        int port = 0;
+        const bool has_port =
+            each.starts_with(tcp) && colon != std::string_view::npos && colon > tcp.size() &&
+            std::from_chars(&each[colon] + 1, each.data() + each.size(), port).ec == std::errc{};
+        if (!has_port || port < 1 || port > 65535 ||
+            (addresses.port != 0 && port != addresses.port)) {
+            throw RequestError(ExitCode::usage,
+                               fmt::format("join: '{}' is no address of a host; pxpl5 prints it as "
+                                           "tcp://10.0.0.1:4711, several with commas, one port",
+                                           each));
+        }
+        addresses.port = port;
+        addresses.hosts.emplace_back(each.substr(tcp.size(), colon - tcp.size()));
+        check_ipv4("the address of the host", addresses.hosts.back());
+    }
+    return addresses;
+}
+
+bus::Credentials key_of(const JoinOptions& options) {
+    return options.key_from_input   ? read_key_from_input(options.limit_ms)
+           : !options.munge.empty() ? open_munge_credential(options.munge)
+                                    : read_key_file(options.key_file);
+}
+
+Way way_to(const JoinOptions& options) {
+    const Addresses addresses = parse_addresses(options.addresses);
+    if (auto way = find_way(addresses.hosts, addresses.port, options.limit_ms)) {
+        way->address = fmt::format("{}{}:{}", tcp, way->address, addresses.port);
+        return *way;
+    }
+    throw RequestError(ExitCode::unavailable,
+                       fmt::format("no host answers at {} within {} s. Has its program ended, or "
+                                   "does a firewall close port {}?",
+                                   options.addresses, options.limit_ms / 1000, addresses.port));
+}
+
+std::string host_part(const std::string& endpoint) {
+    return endpoint.substr(tcp.size(), endpoint.rfind(':') - tcp.size());
+}
+
+/// One computer of a machine, between its first and its last letter.
+class Joined {
+  public:
+    Joined(const Way& way, const bus::Credentials& credentials, bool watches_input);
+
+    /// Introduces this computer. Throws MachineError if the host refuses it or does not answer.
+    void introduce(const JoinOptions& options);
+    int run();
+
+  private:
+    void wait(std::int64_t most_ms);
+    /// Takes all letters. Returns false after Dismiss.
+    bool take_letters();
+    void start(const join::StartT& start);
+    void send_beat();
+    void send_ended();
+    void send_file(const std::string& file);
+    /// An exit code, if this program must end.
+    std::optional<int> reason_to_end();
+    void end_processes();
+    bool input_is_closed() const;
+    std::filesystem::path files() const { return sockets_.path() / "files"; }
+    template <typename WordT>
+    void say(WordT word) {
+        line_.send(packed_letter(std::move(word)));
+    }
+
+    Supervisor supervisor_;
+    SocketFolder sockets_{temporary_parent()};  ///< Also of logs and traces.
+    Way way_;
+    bus::Credentials credentials_;
+    bus::Line line_;
+    bool watches_input_;
+    PollSet polled_;
+    std::map<std::string, std::unique_ptr<bus::PulseCell>> cells_;
+    std::map<std::string, std::string> errors_;  ///< By process that could not start.
+    int beat_ms_ = 250;
+    std::int64_t beaten_ms_ = 0;
+    std::optional<std::int64_t> lost_since_ms_;
+    bool is_finished_ = false;
+};
+
+Joined::Joined(const Way& way, const bus::Credentials& credentials, bool watches_input)
+    : way_(way),
+      credentials_(credentials),
+      line_(way.address, credentials),
+      watches_input_(watches_input),
+      polled_({line_.poll_fd(), line_.event_fd()}) {
+    sockets_.mark_as_used();
+    std::filesystem::create_directories(files() / "traces");
+    if (watches_input_) {
+        polled_.add(STDIN_FILENO);
+    }
+}
+
+void Joined::wait(std::int64_t most_ms) {
+    supervisor_.wait(polled_.fd(), static_cast<int>(std::max<std::int64_t>(most_ms, 1)));
+}
+
+void Joined::introduce(const JoinOptions& options) {
+    join::AskT ask;
+    ask.secret_low = credentials_.secret.low();
+    ask.secret_high = credentials_.secret.high();
+    ask.build = bus::build_id();
+    ask.schema_hash = bus::schema_hash();
+    ask.facts = std::make_unique<join::FactsT>(own_facts());
+    if (!options.name.empty()) {
+        ask.facts->name = options.name;
+    }
+    ask.facts->address = way_.own;
+    ask.facts->host_address = host_part(way_.address);
+    ask.facts->folder = files().string();
+    ask.facts->sockets = sockets_.path().string();
+    say(std::move(ask));
+    const std::int64_t end_ms = now_ms() + options.limit_ms;
+    while (now_ms() < end_ms) {
+        line_.is_connected();
+        if (line_.was_refused()) {
+            throw MachineError(ExitCode::unavailable,
+                               fmt::format("the host at {} does not accept this key: it is of "
+                                           "another session, or another program listens there",
+                                           way_.address));
+        }
+        while (const auto bytes = line_.receive()) {
+            const join::LetterT letter = unpacked_letter(*bytes);
+            const auto* answer = letter.word.AsAnswer();
+            if (answer == nullptr) {
+                continue;
+            }
+            if (!answer->refusal.empty()) {
+                throw MachineError(ExitCode::unavailable,
+                                   fmt::format("the host at {} refuses this computer: {}",
+                                               way_.address, answer->refusal));
+            }
+            beat_ms_ = static_cast<int>(std::clamp<std::uint32_t>(answer->beat_ms, 10, 10'000));
+            return;
+        }
+        if (const int signal = supervisor_.take_interrupt(); signal != 0) {
+            throw MachineError(128 + signal, "interrupted before the host answered");
+        }
+        wait(end_ms - now_ms());
+    }
+    throw MachineError(ExitCode::unavailable,
+                       fmt::format("the host at {} takes connections, but has not answered within "
+                                   "{} s",
+                                   way_.address, options.limit_ms / 1000));
+}
+
+void Joined::start(const join::StartT& start) {
+    ProcessCommand command;
+    command.name = start.name;
+    command.program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / start.program;
+    command.arguments = start.arguments;
+    command.env = start.env;
+    command.core = start.core;
+    command.log = files() / (start.name + ".log");
+    try {
+        if (!start.program.starts_with("pxpl5-") || start.program.find('/') != std::string::npos) {
+            throw MachineError(ExitCode::unavailable,
+                               fmt::format("{} is no program of a node", start.program));
+        }
+        const int credentials = bus::credentials_pipe(credentials_);
+        const std::shared_ptr<void> closer(nullptr, [credentials](void*) { close(credentials); });
+        command.inherited = {credentials};
+        if (start.pulse_ms > 0) {
+            auto& cell = cells_[start.name] = std::make_unique<bus::PulseCell>();
+            command.inherited.push_back(cell->fd());
+        }
+        supervisor_.spawn(command);
+        if (start.pulse_ms > 0) {
+            cells_.at(start.name)->close_fd();
+        }
+    } catch (const std::exception& error) {
+        cells_.erase(start.name);
+        join::EndedT ended;
+        ended.name = start.name;
+        ended.exit_code = static_cast<int>(ExitCode::unavailable);
+        ended.error = error.what();
+        say(std::move(ended));
+    }
+}
+
+bool Joined::take_letters() {
+    while (const auto bytes = line_.receive()) {
+        const join::LetterT letter = unpacked_letter(*bytes);
+        const join::WordUnion& word = letter.word;
+        if (const auto* order = word.AsStart()) {
+            start(*order);
+        } else if (const auto* signal = word.AsSignal()) {
+            supervisor_.kill(signal->name, signal->number);
+        } else if (const auto* fetch = word.AsFetch()) {
+            send_file(fetch->file);
+        } else if (word.AsDismiss() != nullptr) {
+            is_finished_ = true;
+        }
+    }
+    return !is_finished_;
+}
+
+void Joined::send_beat() {
+    if (now_ms() - beaten_ms_ < beat_ms_) {
+        return;
+    }
+    beaten_ms_ = now_ms();
+    join::BeatT beat;
+    for (const auto& [name, cell] : cells_) {
+        const bus::PulseNumbers numbers = cell->numbers();
+        auto pulse = std::make_unique<join::PulseT>();
+        pulse->name = name;
+        pulse->beats = numbers.beats;
+        pulse->progress = numbers.progress;
+        pulse->worked = numbers.worked;
+        pulse->cpu_ns = numbers.cpu_ns;
+        pulse->work = numbers.work;
+        pulse->piece = numbers.place;
+        beat.pulses.push_back(std::move(pulse));
+    }
+    say(std::move(beat));
+}
+
+void Joined::send_file(const std::string& file) {
+    const std::filesystem::path path = files() / file;
+    join::ContentT part;
+    part.file = file;
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(path, error);
+    std::ifstream stream(path, std::ios::binary);
+    const bool is_inside = file.find("..") == std::string::npos && !file.starts_with('/');
+    if (error || !stream || !is_inside) {
+        part.is_last = true;
+        part.error = fmt::format("cannot be read: {}", error ? error.message() : "no such file");
+        say(std::move(part));
+        return;
+    }
+    if (file.ends_with(".log") && size > max_log_bytes) {
+        stream.seekg(static_cast<std::streamoff>(size - max_log_bytes));
+    }
+    do {
+        join::ContentT next;
+        next.file = file;
+        next.bytes.resize(part_bytes);
+        stream.read(reinterpret_cast<char*>(next.bytes.data()),
+                    static_cast<std::streamsize>(next.bytes.size()));
+        next.bytes.resize(static_cast<std::size_t>(stream.gcount()));
+        next.is_last = !stream;
+        say(std::move(next));
+    } while (stream);
+}
+
+void Joined::send_ended() {
+    for (const Death& death : supervisor_.take_deaths()) {
+        cells_.erase(death.name);
+        send_file(death.name + ".log");
+        const std::string trace = "traces/" + death.name + ".mcap";
+        if (std::filesystem::exists(files() / trace)) {
+            send_file(trace);
+        }
+        join::EndedT ended;
+        ended.name = death.name;
+        ended.exit_code = death.exit_code;
+        ended.signal = static_cast<std::uint16_t>(death.signal);
+        say(std::move(ended));
+    }
+}
+
+bool Joined::input_is_closed() const {
+    if (!watches_input_) {
+        return false;
+    }
+    std::array<char, 256> rest{};
+    return read(STDIN_FILENO, rest.data(), rest.size()) == 0;
+}
+
+std::optional<int> Joined::reason_to_end() {
+    constexpr auto gone = static_cast<int>(ExitCode::unavailable);
+    if (const int signal = supervisor_.take_interrupt(); signal != 0) {
+        join::LeaveT leave;
+        leave.reason = fmt::format("pxpl5 join got SIG{} there", sigabbrev_np(signal));
+        say(std::move(leave));
+        return 128 + signal;
+    }
+    if (input_is_closed()) {
+        fmt::print(stderr, "pxpl5 join: standard input was closed: the host is gone\n");
+        return gone;
+    }
+    if (line_.is_connected()) {
+        lost_since_ms_.reset();
+    } else {
+        lost_since_ms_ = lost_since_ms_.value_or(now_ms());
+        if (now_ms() - *lost_since_ms_ >= lost_ms) {
+            fmt::print(stderr, "pxpl5 join: the host at {} does not answer\n", way_.address);
+            return gone;
+        }
+    }
+    return std::nullopt;
+}
+
+void Joined::end_processes() {
+    std::int64_t deadline_ms = now_ms() + terminate_ms;
+    supervisor_.kill_all(SIGTERM);
+    while (!supervisor_.running().empty() && now_ms() < deadline_ms) {
+        supervisor_.wait(-1, static_cast<int>(std::max<std::int64_t>(deadline_ms - now_ms(), 1)));
+        send_ended();
+        supervisor_.take_interrupt();
+    }
+    supervisor_.kill_all(SIGKILL);  // The supervisor waits for them in its destructor.
+}
+
+int Joined::run() {
+    while (take_letters()) {
+        if (const std::optional<int> code = reason_to_end()) {
+            end_processes();
+            return *code;
+        }
+        send_ended();
+        send_beat();
+        if (!take_letters()) {
+            break;
+        }
+        wait(beaten_ms_ + beat_ms_ - now_ms());
+    }
+    end_processes();
+    return 0;
+}
+
+}  // namespace
+
+int join_machine(const JoinOptions& options) {
+    const bus::Credentials credentials = key_of(options);
+    const Way way = way_to(options);
+    if (options.key_from_input) {
+        // What follows the key does not matter, only its end does.
+        fcntl(STDIN_FILENO, F_SETFL, fcntl(STDIN_FILENO, F_GETFL) | O_NONBLOCK);
+    }
+    Joined joined(way, credentials, options.key_from_input);
+    joined.introduce(options);
+    fmt::print(stderr, "pxpl5 join: takes part in the machine at {}\n", way.address);
+    std::fflush(stderr);
+    return joined.run();
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,224 @@
+#include "host/machine/computers/key.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstring>
+#include <sstream>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "host/machine/supervisor.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr std::string_view mark = "pxpl5-key-1";
+constexpr std::string_view no_key = "-";
+constexpr std::size_t key_length = 40;
+constexpr std::size_t max_key_bytes = 4096;
+constexpr int munge_ms = 10'000;
+constexpr int hexadecimal = 16;
+
+/// A descriptor that is closed at the end of its life.
+struct File {
+    int fd;
+    explicit File(int opened) : fd(opened) {}
+    ~File() {
+        if (fd >= 0) {
+            close(fd);
+        }
+    }
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+};
+
+void write_all(int fd, std::string_view text) {
+    if (write(fd, text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
+        throw RequestError(ExitCode::failed,
+                           fmt::format("cannot write the key: {}", std::strerror(errno)));
+    }
+}
+
+std::string read_all(int fd) {
+    std::string text(max_key_bytes, '\0');
+    const ssize_t got = pread(fd, text.data(), text.size(), 0);
+    text.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+    return text;
+}
+
+/// Waits until process `pid` has ended, and kills it after munge_ms. Returns the wait status.
+int wait_for(pid_t pid) {
+    const File process(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
+    pollfd ended{process.fd, POLLIN, 0};
+    const std::int64_t end_ms = now_ms() + munge_ms;
+    int ready = -1;
+    do {
+        const std::int64_t left_ms = std::max<std::int64_t>(end_ms - now_ms(), 0);
+        ready = poll(&ended, 1, static_cast<int>(left_ms));
+    } while (ready < 0 && errno == EINTR);
+    if (ready <= 0) {
+        kill(pid, SIGKILL);
+    }
+    int status = 0;
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    return status;
+}
+
+/// Runs a program with `input`. Returns its output. Throws RequestError with its last words.
+std::string run_program(std::vector<std::string> words, std::string_view input) {
+    const File in(memfd_create("in", MFD_CLOEXEC)), out(memfd_create("out", MFD_CLOEXEC)),
+        errors(memfd_create("errors", MFD_CLOEXEC));
+    write_all(in.fd, input);
+    lseek(in.fd, 0, SEEK_SET);
+    std::vector<char*> arguments;
+    for (std::string& word : words) {
+        arguments.push_back(word.data());
+    }
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t streams;
+    posix_spawn_file_actions_init(&streams);
+    posix_spawn_file_actions_adddup2(&streams, in.fd, STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&streams, out.fd, STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&streams, errors.fd, STDERR_FILENO);
+    pid_t pid = 0;
+    const int failure =
+        posix_spawnp(&pid, arguments[0], &streams, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&streams);
+    if (failure != 0) {
+        throw RequestError(ExitCode::unavailable,
+                           fmt::format("{} cannot start: {}", words[0], std::strerror(failure)));
+    }
+    if (const int status = wait_for(pid); status != 0) {
+        std::string said = read_all(errors.fd);
+        said = said.substr(0, said.find('\n'));
+        throw RequestError(
+            ExitCode::unavailable,
+            fmt::format("{} {}: {}", words[0],
+                        WIFSIGNALED(status) ? "did not end in time" : "failed", said));
+    }
+    return read_all(out.fd);
+}
+
+}  // namespace
+
+std::string key_text(const bus::Credentials& credentials) {
+    return fmt::format("{} {}{} {:016x}{:016x} {} {}\n", mark, credentials.allows_plain_tcp ? 1 : 0,
+                       credentials.allows_network ? 1 : 0, credentials.secret.low(),
+                       credentials.secret.high(),
+                       credentials.keys ? credentials.keys->open : no_key,
+                       credentials.keys ? credentials.keys->secret : no_key);
+}
+
+bus::Credentials parse_key(std::string_view text, const std::string& source) {
+    std::istringstream stream{std::string(text)};
+    std::string begin, flags, bits, open, secret;
+    stream >> begin >> flags >> bits >> open >> secret;
+    std::array<std::uint64_t, 2> numbers{};
+    const bool has_keys = open.size() == key_length && secret.size() == key_length;
+    bool is_sound = begin == mark && flags.size() == 2 && bits.size() == 2 * hexadecimal &&
+                    (has_keys || (open == no_key && secret == no_key));
+    for (std::size_t i = 0; is_sound && i < numbers.size(); ++i) {
+        const char* first = bits.data() + i * hexadecimal;
+        const auto [end, error] =
+            std::from_chars(first, first + hexadecimal, numbers[i], hexadecimal);
+        is_sound = error == std::errc{} && end == first + hexadecimal;
+    }
+    if (!is_sound) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("{} has no key of a pxpl5 machine ({} bytes, beginning "
+                                       "with '{}', expected '{}')",
+                                       source, text.size(), begin.substr(0, mark.size()), mark));
+    }
+    bus::Credentials credentials;
+    credentials.secret = bus::schema::Secret(numbers[0], numbers[1]);
+    credentials.allows_plain_tcp = flags[0] == '1';
+    credentials.allows_network = flags[1] == '1';
+    if (has_keys) {
+        credentials.keys = bus::CurveKeys{open, secret};
+    }
+    return credentials;
+}
+
+void write_key_file(const std::filesystem::path& path, const bus::Credentials& credentials) {
+    const File file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    if (file.fd < 0) {
+        throw RequestError(ExitCode::failed, fmt::format("cannot make the key file {}: {}",
+                                                         path.string(), std::strerror(errno)));
+    }
+    write_all(file.fd, key_text(credentials));
+}
+
+bus::Credentials read_key_file(const std::filesystem::path& path) {
+    const File file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+    struct stat facts {};
+    if (file.fd < 0 || fstat(file.fd, &facts) != 0) {
+        throw RequestError(ExitCode::usage, fmt::format("cannot read the key file {}: {}",
+                                                        path.string(), std::strerror(errno)));
+    }
+    constexpr mode_t others = S_IRWXG | S_IRWXO;
+    if ((facts.st_mode & others) != 0) {
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("the key file {} has mode {:04o}, so others may read it. Run: chmod 600 {}",
+                        path.string(), facts.st_mode & 07777U, path.string()));
+    }
+    return parse_key(read_all(file.fd), "the key file " + path.string());
+}
+
+bus::Credentials read_key_from_input(int limit_ms) {
+    const std::int64_t end_ms = now_ms() + limit_ms;
+    std::string text;
+    while (text.find('\n') == std::string::npos) {
+        pollfd input{STDIN_FILENO, POLLIN, 0};
+        const std::int64_t left_ms = std::max<std::int64_t>(end_ms - now_ms(), 0);
+        char byte = 0;
+        const int ready = poll(&input, 1, static_cast<int>(left_ms));
+        if (ready < 0 && errno == EINTR) {
+            continue;
+        }
+        if (ready <= 0) {
+            throw RequestError(
+                ExitCode::unavailable,
+                fmt::format("no key came at standard input within {} s", limit_ms / 1000));
+        }
+        if (read(STDIN_FILENO, &byte, 1) != 1 || text.size() == max_key_bytes) {
+            throw RequestError(
+                ExitCode::usage,
+                fmt::format("standard input ended after {} bytes without a key", text.size()));
+        }
+        text.push_back(byte);
+    }
+    return parse_key(text, "standard input");
+}
+
+std::string munge_credential(const bus::Credentials& credentials) {
+    // --ttl -1: as long as munged allows, because a job may wait in a queue.
+    std::string credential = run_program(
+        {"munge", "--uid", std::to_string(getuid()), "--ttl", "-1"}, key_text(credentials));
+    while (!credential.empty() && credential.back() == '\n') {
+        credential.pop_back();
+    }
+    return credential;
+}
+
+bus::Credentials open_munge_credential(const std::string& credential) {
+    const std::string text = run_program({"unmunge", "--metadata", "/dev/null"}, credential + "\n");
+    return parse_key(text, "the munge credential");
+}
+
+}  // namespace pxpl5::host

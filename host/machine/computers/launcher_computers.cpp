@@ -1,0 +1,169 @@
+// Launcher: where nodes run, and how they are reached.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "host/machine/computers/facts.hpp"
+#include "host/machine/computers/placement.hpp"
+#include "host/machine/launcher.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+using bus::schema::Role;
+
+constexpr int patient_s = 3600;  // For jobs in a queue, and for computers that a user starts.
+constexpr int note_after_ms = 3000;
+
+std::string port_of(const std::string& endpoint) {
+    return endpoint.substr(endpoint.rfind(':') + 1);
+}
+
+/// Seconds that the host waits for computers.
+int limit_s(Engine engine, int start_timeout_s) {
+    return engine == Engine::slurm || engine == Engine::wait ? patient_s : start_timeout_s;
+}
+
+}  // namespace
+
+std::string bind_address(Transport transport, const SocketFolder& sockets,
+                         const std::string& name) {
+    return transport == Transport::tcp ? "tcp://127.0.0.1:*" : near_address(sockets.path(), name);
+}
+
+std::string host_address(const Topology& topology, const SocketFolder& sockets) {
+    const ClusterSettings& cluster = topology.cluster;
+    return !cluster.is_used()
+               ? bind_address(topology.ring.transport, sockets, "host")
+               : fmt::format("tcp://{}:*", cluster.listen.empty() ? "0.0.0.0" : cluster.listen);
+}
+
+bus::ProcessFlags Launcher::flags_of(const RosterEntry& node) const {
+    const std::string name = node.name();
+    bus::ProcessFlags flags;
+    flags.host_endpoint = node.role == Role::io ? io_.host_endpoint : link_.endpoint();
+    // A late connection to an earlier io process must not reach a later one of the same name.
+    flags.bind = bind_address(topology_.ring.transport, sockets_,
+                              node.role == Role::io ? fmt::format("io-node-{}", node.id) : name);
+    flags.node_id = node.id;
+    flags.index = static_cast<std::uint16_t>(node.index);
+    flags.parent_pid = getpid();
+    flags.credentials_fd = first_inherited_fd;
+    if (recorder_ && node.role != Role::io) {
+        flags.record = static_cast<Recording>(topology_.record);
+        flags.trace_file = trace_path(name).string();
+        flags.flight_kib = flight_share_kib();
+    }
+    if (processes_.has_others() && node.role != Role::io) {
+        add_computer_flags(node, flags);
+    }
+    return flags;
+}
+
+void Launcher::print_warnings_of_computers() {
+    for (const std::string& text : processes_.others().take_warnings()) {
+        fmt::print(stderr, "warning: {}\n", text);
+    }
+}
+
+void Launcher::wait_for_event(int most_ms) {
+    processes_.own().wait(processes_.poll_fd(link_.poll_fd()), processes_.wait_ms(most_ms));
+    processes_.pump(now_ms());
+}
+
+void Launcher::gather_computers() {
+    RemoteComputers& others = processes_.others();
+    const auto expected = static_cast<std::size_t>(expected_computers(topology_.cluster));
+    try {
+        processes_.start_engine(options_.binaries / "pxpl5");
+    } catch (const MachineError& error) {
+        fail(error.code, error.what());
+    }
+    if (!processes_.join_line().empty()) {
+        fmt::print(stderr,
+                   "waiting for {} computer{}; run there, with a copy of the key file: {}\n",
+                   expected, expected == 1 ? "" : "s", processes_.join_line());
+    }
+    const int patience_s = limit_s(topology_.cluster.engine, options_.start_timeout_s);
+    const std::int64_t begin_ms = now_ms(), end_ms = begin_ms + std::int64_t{1000} * patience_s;
+    bool has_noted = !processes_.join_line().empty();
+    while (others.computers().size() < expected) {
+        check_health();
+        print_warnings_of_computers();
+        const std::string state =
+            fmt::format("{} of {} computers have joined", others.computers().size(), expected);
+        if (now_ms() >= end_ms) {
+            fail(timeout_code, fmt::format("{} within {} s", state, patience_s));
+        }
+        if (!has_noted && now_ms() - begin_ms > note_after_ms) {
+            has_noted = true;
+            fmt::print(stderr, "waiting: {}\n", state);
+        }
+        wait_for_event(static_cast<int>(end_ms - now_ms()));
+    }
+    others.close();
+    print_warnings_of_computers();
+    place();
+}
+
+void Launcher::place() {
+    const std::vector<RemoteComputer>& computers = processes_.others().computers();
+    std::vector<ComputerSlots> slots;
+    std::vector<std::string> places = {own_facts().place};
+    for (const RemoteComputer& computer : computers) {
+        ComputerSlots slot{computer.facts.name, 0};
+        for (const ComputerSlots& named : topology_.cluster.computers) {
+            slot.slots = named.name == slot.name ? named.slots : slot.slots;
+        }
+        slot.slots = slot.slots > 0 ? slot.slots : std::max<int>(computer.facts.cores, 1);
+        slots.push_back(slot);
+        places.push_back(computer.facts.place);
+    }
+    const std::vector<int> nodes = place_nodes(roster_, topology_, slots);
+    for (std::size_t i = 0; i < roster_.size(); ++i) {
+        roster_[i].computer = nodes[i];
+        const auto own = std::ranges::find(places, places[static_cast<std::size_t>(nodes[i])]);
+        roster_[i].place = static_cast<int>(own - places.begin());
+    }
+}
+
+void Launcher::add_computer_flags(const RosterEntry& node, bus::ProcessFlags& flags) const {
+    const std::vector<RemoteComputer>& computers = processes_.others().computers();
+    const std::string name = node.name();
+    const join::FactsT* const facts =
+        node.computer == 0 ? nullptr
+                           : &computers[static_cast<std::size_t>(node.computer) - 1].facts;
+    flags.host_endpoint = node.place == 0 ? roster_[0].near_endpoint
+                                          : fmt::format("tcp://{}:{}", facts->host_address,
+                                                        port_of(link_.endpoint()));
+    // Nodes of the host's computer are reached as the first computer has reached the host.
+    flags.bind = fmt::format("tcp://{}:*",
+                             facts == nullptr ? computers[0].facts.host_address : facts->address);
+    flags.near_bind =
+        near_address(facts == nullptr ? sockets_.path().string() : facts->sockets, name);
+    if (facts != nullptr) {
+        flags.parent_pid = static_cast<int>(facts->pid);
+        if (!flags.trace_file.empty()) {
+            flags.trace_file = fmt::format("{}/traces/{}.mcap", facts->folder, name);
+        }
+    }
+}
+
+void Launcher::fetch_trace(bus::NodeId id) {
+    const std::string name = name_of(id);
+    if (processes_.has_others() && processes_.others().has(name)) {
+        processes_.others().fetch(name, fmt::format("traces/{}.mcap", name));
+    }
+}
+
+void Launcher::await_fetched(std::int64_t deadline_ms) {
+    while (processes_.has_others() && processes_.others().has_awaited_files() &&
+           now_ms() < deadline_ms) {
+        wait_for_event(static_cast<int>(deadline_ms - now_ms()));
+    }
+}
+
+}  // namespace pxpl5::host

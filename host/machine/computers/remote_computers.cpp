@@ -1,0 +1,268 @@
+#include "host/machine/computers/remote_computers.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <fstream>
+#include <utility>
+
+#include "host/machine/computers/facts.hpp"
+#include "host/machine/port.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr std::size_t max_warnings = 100;
+
+/// The files of a process, in the run folder.
+bool is_file_of(const std::string& file, const std::string& name) {
+    return file == name + ".log" || file == "traces/" + name + ".mcap";
+}
+
+}  // namespace
+
+RemoteComputers::RemoteComputers(const std::string& listen, const bus::Credentials& credentials,
+                                 Identity identity, std::filesystem::path folder)
+    : port_(listen.empty() ? "0.0.0.0" : listen, credentials),
+      listen_(listen),
+      credentials_(credentials),
+      identity_(std::move(identity)),
+      folder_(std::move(folder)) {}
+
+std::string RemoteComputers::addresses() const {
+    std::vector<std::string> addresses = own_addresses();
+    if (!listen_.empty()) {
+        addresses = {listen_};
+    }
+    if (addresses.empty()) {
+        addresses = {"127.0.0.1"};
+    }
+    for (std::string& address : addresses) {
+        address = fmt::format("tcp://{}:{}", address, port_.port());
+    }
+    return fmt::format("{}", fmt::join(addresses, ","));
+}
+
+RemoteComputer* RemoteComputers::computer_of_line(const std::string& line) {
+    const auto found =
+        std::ranges::find_if(computers_, [&](const RemoteComputer& c) { return c.line == line; });
+    return found == computers_.end() ? nullptr : &*found;
+}
+
+RemoteComputer* RemoteComputers::computer_of(const std::string& name) {
+    const auto found = std::ranges::find_if(
+        computers_, [&](const RemoteComputer& c) { return c.running.contains(name); });
+    return found == computers_.end() ? nullptr : &*found;
+}
+
+void RemoteComputers::take(const std::string& line, const join::LetterT& letter) {
+    const join::WordUnion& word = letter.word;
+    if (const auto* ask = word.AsAsk()) {
+        take_ask(line, *ask);
+        return;
+    }
+    RemoteComputer* computer = computer_of_line(line);
+    if (computer == nullptr || computer->is_lost) {
+        ++refused_;
+        return;
+    }
+    computer->silent_ms = 0;
+    if (const auto* beat = word.AsBeat()) {
+        take_beat(*computer, *beat);
+    } else if (const auto* content = word.AsContent()) {
+        take_content(*computer, *content);
+    } else if (const auto* ended = word.AsEnded()) {
+        take_ended(*computer, *ended);
+    } else if (const auto* leave = word.AsLeave()) {
+        lose(*computer, leave->reason);
+    } else {
+        ++refused_;
+    }
+}
+
+void RemoteComputers::pump(std::int64_t now_ms) {
+    while (const auto received = port_.receive()) {
+        try {
+            take(received->from, unpacked_letter(received->letter));
+        } catch (const BadLetter&) {
+            ++refused_;
+        }
+    }
+    // While the host did not listen, letters could not be taken: that time is not silence.
+    const std::int64_t passed_ms =
+        looked_ms_ ? std::min<std::int64_t>(now_ms - *looked_ms_, beat_ms) : 0;
+    looked_ms_ = now_ms;
+    for (RemoteComputer& computer : computers_) {
+        computer.silent_ms += passed_ms;
+        if (!computer.is_lost && computer.silent_ms > lost_ms) {
+            lose(computer, fmt::format("it has not answered for {:.1f} s",
+                                       static_cast<double>(computer.silent_ms) / 1000));
+        }
+    }
+}
+
+std::string RemoteComputers::reason_to_refuse(const join::AskT& ask) const {
+    if (ask.secret_low != credentials_.secret.low() ||
+        ask.secret_high != credentials_.secret.high()) {
+        return "its key is not of this machine";
+    }
+    if (ask.build != identity_.build || ask.schema_hash != identity_.schema_hash) {
+        return fmt::format(
+            "it has build '{}' with messages of schema {:016x}, the host build '{}' "
+            "with {:016x}. Install the same pxpl5 on both",
+            ask.build, ask.schema_hash, identity_.build, identity_.schema_hash);
+    }
+    if (!is_open_) {
+        return "the machine has all of its computers";
+    }
+    return {};
+}
+
+void RemoteComputers::take_ask(const std::string& line, const join::AskT& ask) {
+    join::AnswerT answer;
+    answer.beat_ms = beat_ms;
+    answer.refusal = reason_to_refuse(ask);
+    if (!answer.refusal.empty()) {
+        ++refused_;
+        warn(fmt::format("computer {} at {} was refused: {}", ask.facts->name, ask.facts->address,
+                         answer.refusal));
+    } else if (computer_of_line(line) == nullptr) {
+        RemoteComputer computer;
+        computer.line = line;
+        computer.facts = *ask.facts;
+        computers_.push_back(std::move(computer));
+    }
+    port_.send(line, packed_letter(std::move(answer)));
+}
+
+void RemoteComputers::take_beat(const RemoteComputer& computer, const join::BeatT& beat) {
+    for (const auto& pulse : beat.pulses) {
+        if (take_pulse_ && computer.running.contains(pulse->name)) {
+            take_pulse_(pulse->name, {pulse->beats, pulse->progress, pulse->worked, pulse->cpu_ns,
+                                      pulse->work, pulse->piece});
+        }
+    }
+}
+
+void RemoteComputers::take_content(const RemoteComputer& computer, const join::ContentT& content) {
+    const bool is_own = std::ranges::any_of(
+        computer.running, [&](const std::string& name) { return is_file_of(content.file, name); });
+    if (!is_own) {
+        ++refused_;
+        return;
+    }
+    const std::filesystem::path path = folder_ / content.file;
+    const bool is_first = begun_files_.insert(content.file).second;
+    std::ofstream file(path, std::ios::binary | (is_first ? std::ios::trunc : std::ios::app));
+    file.write(reinterpret_cast<const char*>(content.bytes.data()),
+               static_cast<std::streamsize>(content.bytes.size()));
+    if (!file.flush()) {
+        warn(
+            fmt::format("{} of computer {} cannot be written", path.string(), computer.facts.name));
+    }
+    if (!content.error.empty()) {
+        warn(
+            fmt::format("{} of computer {}: {}", content.file, computer.facts.name, content.error));
+    }
+    if (content.is_last) {
+        begun_files_.erase(content.file);
+        awaited_files_.erase(content.file);
+    }
+}
+
+void RemoteComputers::take_ended(RemoteComputer& computer, const join::EndedT& ended) {
+    if (computer.running.erase(ended.name) == 0) {
+        ++refused_;
+        return;
+    }
+    deaths_.push_back({ended.name, ended.exit_code, ended.signal, ended.error});
+}
+
+void RemoteComputers::lose(RemoteComputer& computer, const std::string& reason) {
+    computer.is_lost = true;
+    awaited_files_.clear();  // The files of this computer do not come any more.
+    for (const std::string& name : std::exchange(computer.running, {})) {
+        deaths_.push_back(
+            {name, static_cast<int>(ExitCode::unavailable), 0,
+             fmt::format("{} is lost with computer {}: {}", name, computer.facts.name, reason)});
+    }
+    if (is_open_) {
+        warn(fmt::format("computer {} has left: {}", computer.facts.name, reason));
+    }
+}
+
+void RemoteComputers::warn(const std::string& text) {
+    if (warned_.size() < max_warnings && warned_.insert(text).second) {
+        warnings_.push_back(text);
+    }
+}
+
+std::vector<std::string> RemoteComputers::take_warnings() {
+    return std::exchange(warnings_, {});
+}
+
+void RemoteComputers::spawn(int number, const ProcessCommand& command, int pulse_ms) {
+    RemoteComputer& computer = computers_.at(static_cast<std::size_t>(number) - 1);
+    join::StartT start;
+    start.name = command.name;
+    start.program = command.program.filename().string();
+    start.arguments = command.arguments;
+    start.env = command.env;
+    start.core = command.core;
+    start.pulse_ms = static_cast<std::uint32_t>(pulse_ms);
+    computer.running.insert(command.name);
+    port_.send(computer.line, packed_letter(std::move(start)));
+}
+
+void RemoteComputers::kill(const std::string& name, int signal) {
+    if (const RemoteComputer* computer = computer_of(name)) {
+        join::SignalT letter;
+        letter.name = name;
+        letter.number = static_cast<std::uint16_t>(signal);
+        port_.send(computer->line, packed_letter(std::move(letter)));
+    }
+}
+
+void RemoteComputers::kill_all(int signal) {
+    for (const std::string& name : running()) {
+        kill(name, signal);
+    }
+}
+
+bool RemoteComputers::has(const std::string& name) const {
+    return std::ranges::any_of(computers_,
+                               [&](const RemoteComputer& c) { return c.running.contains(name); });
+}
+
+std::vector<std::string> RemoteComputers::running() const {
+    std::vector<std::string> names;
+    for (const RemoteComputer& computer : computers_) {
+        names.insert(names.end(), computer.running.begin(), computer.running.end());
+    }
+    return names;
+}
+
+std::vector<Death> RemoteComputers::take_deaths() {
+    return std::exchange(deaths_, {});
+}
+
+void RemoteComputers::fetch(const std::string& name, const std::string& file) {
+    if (const RemoteComputer* computer = computer_of(name)) {
+        awaited_files_.insert(file);
+        join::FetchT letter;
+        letter.file = file;
+        port_.send(computer->line, packed_letter(std::move(letter)));
+    }
+}
+
+void RemoteComputers::finish() {
+    for (const RemoteComputer& computer : computers_) {
+        if (!computer.is_lost) {
+            port_.send(computer.line, packed_letter(join::DismissT{}));
+        }
+    }
+}
+
+}  // namespace pxpl5::host

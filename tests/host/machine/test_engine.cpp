@@ -1,0 +1,121 @@
+#include "host/machine/computers/engine.hpp"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "host/base/error.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+
+namespace {
+
+const JoinCommand join{"/opt/it's here/pxpl5", "tcp://10.0.0.1:4711", "CREDENTIAL"};
+
+ClusterSettings cluster_of(const std::vector<std::string>& overrides) {
+    return load_topology("one-of-each", overrides).cluster;
+}
+
+std::string error_of(const std::vector<std::string>& overrides) {
+    try {
+        engine_processes(cluster_of(overrides), join);
+    } catch (const RequestError& error) {
+        CHECK(error.code == ExitCode::usage);
+        return error.what();
+    }
+    return "";
+}
+
+}  // namespace
+
+TEST_CASE("engine: the words of `command` reach the program as they are, {join} as several") {
+    const auto processes =
+        engine_processes(cluster_of({"engine_command=env", "engine_command=at={computer}",
+                                     "engine_command={join}", "computers=n1,n2", "engine=command"}),
+                         join);
+    REQUIRE(processes.size() == 2);
+    CHECK(processes[1].name == "engine-n2");
+    CHECK(processes[1].words == std::vector<std::string>{"env", "at=n2", "/opt/it's here/pxpl5",
+                                                         "join", "tcp://10.0.0.1:4711", "--name",
+                                                         "n2", "--key-stdin"});
+}
+
+TEST_CASE("engine: a word with {join} in it has a line for a shell") {
+    const auto processes =
+        engine_processes(cluster_of({"engine_command=sh", "engine_command=-c",
+                                     "engine_command=nice {join}", "wait=1", "engine=command"}),
+                         join);
+    REQUIRE(processes.size() == 1);
+    CHECK(processes[0].words.back() ==
+          "nice exec '/opt/it'\\''s here/pxpl5' 'join' 'tcp://10.0.0.1:4711' '--key-stdin'");
+}
+
+TEST_CASE("engine: no key is among the arguments, but a munge credential may be") {
+    CHECK(key_way_of(Engine::ssh) == KeyWay::input);
+    CHECK(key_way_of(Engine::mpirun) == KeyWay::input);
+    CHECK(key_way_of(Engine::command) == KeyWay::input);
+    CHECK(key_way_of(Engine::slurm) == KeyWay::munge);
+    CHECK(key_way_of(Engine::wait) == KeyWay::file);
+    CHECK(join_line(join, KeyWay::input).find("CREDENTIAL") == std::string::npos);
+    CHECK(join_line(join, KeyWay::munge) ==
+          "/opt/it's here/pxpl5 join tcp://10.0.0.1:4711 --munge CREDENTIAL");
+}
+
+TEST_CASE("engine: an unknown number of computers is an error with the remedy") {
+    unsetenv("SLURM_JOB_NUM_NODES");
+    CHECK(error_of({"engine=slurm"}) ==
+          "engine slurm: the number of computers is unknown. Name them (--computers n1,n2) or say "
+          "how many (--set wait=2), or run inside an allocation");
+    CHECK(error_of({"engine=ssh"}) == "engine ssh: no computers are named: --computers n1,n2");
+    CHECK(error_of({"engine=command"}).starts_with("engine command: engine_command is empty"));
+    CHECK(error_of({"engine=command", "engine_command=no-such-program", "wait=1"}) ==
+          "engine command: it needs the program no-such-program, which is not in PATH");
+}
+
+TEST_CASE("engine: inside an allocation, Slurm knows the number of computers") {
+    setenv("SLURM_JOB_NUM_NODES", "3", 1);
+    CHECK(expected_computers(cluster_of({"engine=slurm"})) == 3);
+    CHECK(expected_computers(cluster_of({"engine=slurm", "wait=2"})) == 2);
+    unsetenv("SLURM_JOB_NUM_NODES");
+}
+
+TEST_CASE("engine: names of computers that are options of other programs are refused") {
+    for (const char* name : {"-oProxyCommand=x", "n1;ls", "n 1", ""}) {
+        CAPTURE(name);
+        CHECK_THROWS_AS(cluster_of({fmt::format("computers=n0,{}:1", name)}), RequestError);
+    }
+    const ClusterSettings cluster = cluster_of({"computers=user@n1.example.org:4,10.0.0.2"});
+    REQUIRE(cluster.computers.size() == 2);
+    CHECK(cluster.computers[0].name == "user@n1.example.org");
+    CHECK(cluster.computers[0].slots == 4);
+    CHECK(cluster.computers[1].slots == 0);
+}
+
+TEST_CASE("engine: a file alone cannot run a program") {
+    const std::string text = R"({roles: {gp: {count: 1}, renderer: {count: 1}},
+                                 engine: "command", engine_command: ["touch", "x"], wait: 1})";
+    try {
+        parse_topology(text, "from-a-stranger.json");
+        FAIL("accepted");
+    } catch (const RequestError& error) {
+        CHECK(std::string(error.what()) ==
+              "from-a-stranger.json: engine is command, which would run 'touch x'. If you trust "
+              "this file, repeat with --engine command");
+    }
+    CHECK(parse_topology(text, "mine.json", {"engine=command"}).cluster.engine == Engine::command);
+}
+
+TEST_CASE("engine: the resolved plan has the computers") {
+    const Topology plan =
+        load_topology("one-of-each", {"computers=n1:4,n2", "gp.computer=n2", "placement=spread",
+                                      "wait=2", "listen=10.0.0.1", "engine=ssh"});
+    const Topology again = parse_topology(resolved_json(plan), "again.json");
+    CHECK(resolved_json(again) == resolved_json(plan));
+    CHECK(again.cluster.computers.size() == 2);
+    CHECK(again.gp.computer == std::vector<std::string>{"n2"});
+    CHECK(again.cluster.listen == "10.0.0.1");
+}

@@ -1,0 +1,231 @@
+#!/usr/bin/env python3
+"""Computers that join a machine, all of them on this one: test_join.py BIN_DIR [unittest's].
+
+Over loopback and with the engines `command` and `wait`. tests/cluster has several computers.
+"""
+import json
+import os
+import pathlib
+import re
+import select
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+from processes import ENDS, children_of, name_of
+
+BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin").resolve()
+LIMIT_S = 120
+LOOPBACK = ("--set", "listen=127.0.0.1")
+BY_COMMAND = ("--engine", "command", "--set", "engine_command={join}", *LOOPBACK)
+SCENE = ["load phantom:pelvis", "surface skin iso=-300 opacity=0.5", "surface bone iso=250",
+         "view 30 20 zoom=1.5", "size 200x160", "digest", "certificate bone"]
+
+
+def in_tree(pid):
+    """The processes that `pid` has started, and those that they have started."""
+    for child in children_of(pid):
+        yield child
+        yield from in_tree(child)
+
+
+def without_times(value):
+    if isinstance(value, dict):
+        return {key: without_times(each) for key, each in value.items()
+                if not key.endswith("_ms")}
+    return [without_times(each) for each in value] if isinstance(value, list) else value
+
+
+class Joins(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="pxpl5-test-")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.env = {**os.environ, "XDG_RUNTIME_DIR": str(self.folder),
+                    "TMPDIR": str(self.folder)}
+
+    def run_lines(self, lines, *words):
+        """Exit code, replies and standard error. Nothing may be left behind."""
+        done = subprocess.run(
+            [BIN / "pxpl5", "run", "--json", "--run-folder", self.folder / "run", *words, "-c",
+             "; ".join(lines)], capture_output=True, text=True, check=False, timeout=LIMIT_S,
+            env=self.env)
+        self.assertEqual(list(self.folder.glob("pxpl5-*")), [], "folders are left")
+        return done.returncode, [json.loads(line) for line in done.stdout.splitlines()], done.stderr
+
+    def results(self, lines, *words):
+        code, replies, complaint = self.run_lines(lines, *words)
+        self.assertEqual([each["error"] for each in replies if not each["ok"]], [])
+        self.assertEqual(code, 0, complaint)
+        return without_times([reply["result"] for reply in replies])
+
+    def logs(self):
+        (run,) = (self.folder / "run").iterdir()
+        return run
+
+    def refusal(self, *words, text=None):
+        """Exit code and error of a pxpl5 join that fails."""
+        done = subprocess.run([BIN / "pxpl5", "join", *words], capture_output=True, text=True,
+                              input=text, check=False, timeout=LIMIT_S, env=self.env)
+        return done.returncode, done.stderr.strip()
+
+    def test_any_number_of_computers_gives_the_same_bits(self):
+        nodes = ("--set", "gp.count=3", "--set", "renderer.count=2")
+        alone = self.results(SCENE, *nodes)
+        two = ("--engine", "command", *LOOPBACK, "--computers", "a:2,b:3", "--set",
+               "placement=spread", "--set", "gp.computer=b,a", "--set", "engine_command=env",
+               "--set", "engine_command=COMPUTER={computer}", "--set", "engine_command={join}")
+        for words in ((*BY_COMMAND, "--set", "wait=1"), two):
+            with self.subTest(words=words):
+                self.assertEqual(self.results(SCENE, *nodes, *words), alone)
+
+    def test_without_encryption_only_when_asked(self):
+        plain = self.results(SCENE, *BY_COMMAND, "--set", "wait=1", "--insecure-tcp")
+        self.assertEqual(plain, self.results(SCENE, *BY_COMMAND, "--set", "wait=1"))
+
+    def test_logs_and_traces_come_to_the_host(self):
+        self.results(["load phantom:sphere", "surface s iso=0", "digest", "trace save"],
+                     *BY_COMMAND, "--set", "wait=1", "--set", "gp.count=2")
+        run = self.logs()
+        for name in ("gp-0", "gp-1", "renderer-0", "framebuffer-0"):
+            self.assertTrue((run / f"{name}.log").is_file(), name)
+            self.assertTrue((run / "traces" / f"{name}.mcap").is_file(), name)
+        self.assertIn("pxpl5 join", (run / "engine-command.log").read_text())
+
+    def test_a_dead_node_is_named_and_replaced(self):
+        lines = ["load phantom:sphere", "surface s iso=0", "digest", "kill gp-1", "digest"]
+        _, replies, complaint = self.run_lines(lines, *BY_COMMAND, "--set", "wait=1",
+                                               "--set", "gp.count=2")
+        self.assertEqual([each["ok"] for each in replies], [True] * 5, complaint)
+        self.assertEqual(replies[2]["result"], replies[4]["result"])
+        self.assertIn("gp-1 was killed by signal 9", replies[4]["restarts"][0]["cause"])
+
+    def start(self, *words):
+        """A machine at its prompt, after the first reply."""
+        machine = subprocess.Popen(
+            [BIN / "pxpl5", "run", "--json", "--run-folder", self.folder / "run", *ENDS, *words,
+             "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            text=True, env=self.env)
+        self.addCleanup(machine.stdout.close)
+        self.addCleanup(machine.stderr.close)
+        self.addCleanup(machine.stdin.close)
+        self.addCleanup(machine.kill)
+        machine.stdin.write("load phantom:sphere\nsurface s iso=0\n")
+        machine.stdin.flush()
+        for _ in range(2):
+            self.assertTrue(json.loads(machine.stdout.readline())["ok"])
+        return machine
+
+    def wait_for_end(self, pids):
+        end = time.monotonic() + LIMIT_S
+        for pid in pids:
+            try:
+                waiter = os.pidfd_open(pid)
+            except ProcessLookupError:
+                continue
+            with os.fdopen(waiter) as ended:
+                left = max(end - time.monotonic(), 0)
+                self.assertTrue(select.select([ended], [], [], left)[0], f"{pid} still runs")
+
+    def test_a_dead_join_is_a_lost_computer(self):
+        machine = self.start(*BY_COMMAND, "--set", "wait=1")
+        nodes = list(in_tree(machine.pid))
+        (join,) = [pid for pid in children_of(machine.pid) if name_of(pid) == "pxpl5"]
+        os.kill(join, signal.SIGKILL)
+        _, complaint = machine.communicate("digest\n", timeout=LIMIT_S)
+        self.assertRegex(complaint, r"(gp-0|renderer-0) is lost with computer \S+: it has not "
+                                    r"answered for|engine-command was killed by signal 9")
+        self.assertNotEqual(machine.returncode, 0)
+        self.wait_for_end(nodes)
+
+    def test_a_stopped_join_is_a_lost_computer(self):
+        machine = self.start(*BY_COMMAND, "--set", "wait=1")
+        (join,) = [pid for pid in children_of(machine.pid) if name_of(pid) == "pxpl5"]
+        os.kill(join, signal.SIGSTOP)
+        _, complaint = machine.communicate("digest\n", timeout=LIMIT_S)
+        self.assertRegex(complaint, r"(gp-0|renderer-0) is lost with computer \S+: it has not "
+                                    r"answered for [01]\.\d s")
+        self.assertEqual(machine.returncode, 69)
+
+    def test_a_join_that_is_told_to_end_says_so(self):
+        machine = self.start(*BY_COMMAND, "--set", "wait=1")
+        (join,) = [pid for pid in children_of(machine.pid) if name_of(pid) == "pxpl5"]
+        os.kill(join, signal.SIGTERM)
+        _, complaint = machine.communicate("digest\n", timeout=LIMIT_S)
+        self.assertRegex(complaint, r"is lost with computer \S+: pxpl5 join got SIGTERM there")
+        self.assertEqual(machine.returncode, 69)
+
+    def test_nothing_is_left_when_the_host_is_killed(self):
+        machine = self.start(*BY_COMMAND, "--set", "wait=1")
+        nodes = list(in_tree(machine.pid))
+        self.assertGreaterEqual(len(nodes), 4)
+        machine.kill()
+        machine.wait(timeout=LIMIT_S)
+        self.wait_for_end(nodes)
+
+    def test_computers_join_by_hand(self):
+        machine = subprocess.Popen(
+            [BIN / "pxpl5", "run", "--json", "--run-folder", self.folder / "run", "--engine",
+             "wait", "--set", "wait=1", *LOOPBACK, "-c", "load phantom:sphere"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.env)
+        self.addCleanup(machine.kill)
+        line = machine.stderr.readline()
+        words = re.search(r": (/.*/pxpl5 join .*)$", line).group(1).split()
+        address, key = words[2], pathlib.Path(words[4])
+        self.assertEqual(key.stat().st_mode & 0o777, 0o600)
+
+        code, complaint = self.refusal(address, "--key-stdin", text=self.other_key(key))
+        self.assertEqual(code, 69)
+        self.assertRegex(complaint, r"the host at tcp://127.0.0.1:\d+ does not accept this key")
+
+        wide = self.folder / "wide.key"
+        wide.write_text(key.read_text())
+        wide.chmod(0o644)
+        code, complaint = self.refusal(address, "--key-file", wide)
+        self.assertEqual(code, 64)
+        self.assertIn("chmod 600", complaint)
+
+        join = subprocess.Popen(words, stderr=subprocess.PIPE, text=True, env=self.env)
+        out, complaint = machine.communicate(timeout=LIMIT_S)
+        self.assertTrue(json.loads(out)["ok"], complaint)
+        self.assertEqual(machine.returncode, 0, complaint)
+        _, said = join.communicate(timeout=LIMIT_S)
+        self.assertEqual(join.returncode, 0, said)
+        self.assertIn("takes part in the machine at", said)
+
+    def other_key(self, key):
+        """The key of another session: the pair of another machine."""
+        run = self.folder / "other"
+        other = subprocess.Popen(
+            [BIN / "pxpl5", "run", "--run-folder", run, "--engine", "wait", "--set", "wait=1",
+             *LOOPBACK, "-c", "quit"], stderr=subprocess.PIPE, text=True, env=self.env)
+        line = other.stderr.readline()
+        text = pathlib.Path(line.split()[-1]).read_text()
+        other.send_signal(signal.SIGINT)
+        other.communicate(timeout=LIMIT_S)
+        self.assertNotEqual(text, key.read_text())
+        return text
+
+    def test_no_host_no_key_no_address(self):
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        key = "pxpl5-key-1 11 " + "0" * 32 + " - -\n"
+        code, complaint = self.refusal(f"tcp://127.0.0.1:{port}", "--key-stdin", text=key)
+        self.assertEqual(code, 69)
+        self.assertIn(f"no host answers at tcp://127.0.0.1:{port}", complaint)
+        code, complaint = self.refusal(f"tcp://127.0.0.1:{port}", "--key-stdin", text="hello\n")
+        self.assertEqual((code, "standard input has no key" in complaint), (64, True), complaint)
+        code, complaint = self.refusal(f"tcp://127.0.0.1:{port}", "--key-stdin", text="")
+        self.assertIn("standard input ended after 0 bytes", complaint)
+        for address in ("127.0.0.1:80", "tcp://127.0.0.1", "tcp://localhost:80", "tcp://1.2.3.4:0"):
+            code, complaint = self.refusal(address, "--key-stdin", text=key)
+            self.assertEqual(code, 64, address)
+
+
+if __name__ == "__main__":
+    unittest.main()
