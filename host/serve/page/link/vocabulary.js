@@ -25,6 +25,10 @@ export const LIMITS = Object.freeze({
   max_clip_planes: 16,
   max_scene_slab: 1048576,
   max_scene_mm: 1e+06,
+  max_archive_structures: 65536,
+  max_archive_primitives: 2000000,
+  max_archive_notes: 16,
+  max_note_length: 256,
   max_export_px: 16384,
   max_animation_pictures: 10000,
   max_delay_ms: 60000,
@@ -57,6 +61,10 @@ export const LIMITS = Object.freeze({
 /** @typedef {'ipc' | 'tcp'} Transport */
 
 /** @typedef {'replace' | 'degrade' | 'end'} RestartPolicy */
+
+/** @typedef {'local' | 'slurm' | 'ssh' | 'mpirun' | 'command' | 'wait'} Engine */
+
+/** @typedef {'pack' | 'spread'} Placement */
 
 /** @typedef {'published' | 'recalled' | 'derived' | 'ours' | 'fitted'} Provenance */
 
