@@ -32,6 +32,7 @@ constexpr std::size_t key_length = 40;
 constexpr std::size_t max_key_bytes = 4096;
 constexpr int munge_ms = 10'000;
 constexpr int hexadecimal = 16;
+constexpr std::size_t number_digits = 16;  // Of 64 bits.
 
 /// A descriptor that is closed at the end of its life.
 struct File {
@@ -130,13 +131,13 @@ bus::Credentials parse_key(std::string_view text, const std::string& source) {
     stream >> begin >> flags >> bits >> open >> secret;
     std::array<std::uint64_t, 2> numbers{};
     const bool has_keys = open.size() == key_length && secret.size() == key_length;
-    bool is_sound = begin == mark && flags.size() == 2 && bits.size() == 2 * hexadecimal &&
+    bool is_sound = begin == mark && flags.size() == 2 && bits.size() == 2 * number_digits &&
                     (has_keys || (open == no_key && secret == no_key));
     for (std::size_t i = 0; is_sound && i < numbers.size(); ++i) {
-        const char* first = bits.data() + i * hexadecimal;
+        const char* first = bits.data() + i * number_digits;
         const auto [end, error] =
-            std::from_chars(first, first + hexadecimal, numbers[i], hexadecimal);
-        is_sound = error == std::errc{} && end == first + hexadecimal;
+            std::from_chars(first, first + number_digits, numbers[i], hexadecimal);
+        is_sound = error == std::errc{} && end == first + number_digits;
     }
     if (!is_sound) {
         throw RequestError(ExitCode::usage,
