@@ -57,11 +57,11 @@ bus::Protection protection_of(const Topology& topology, const MachineOptions& op
 /// The plan, after the limit of file descriptors has been raised. Sockets need descriptors, and
 /// other computers need tcp.
 Topology prepared(const Topology& topology) {
-    provide_limits(roster_of(topology).size(), topology.ring.transport == Transport::tcp);
     Topology plan = topology;
     if (plan.cluster.is_used()) {
         plan.ring.transport = Transport::tcp;
     }
+    provide_limits(roster_of(plan).size(), plan.ring.transport == Transport::tcp);
     return plan;
 }
 

@@ -174,13 +174,14 @@ class Launcher {
     // Other computers, in computers/launcher_computers.cpp.
     /// Starts the engine, waits until all computers have joined, and places the nodes.
     void gather_computers();
+    void await_computers();
     void place();
     /// The addresses and paths of a node of a machine with other computers.
     void add_computer_flags(const RosterEntry& node, bus::ProcessFlags& flags) const;
     /// Asks for the trace of a node on another computer.
     void fetch_trace(bus::NodeId id);
     /// Waits until the traces of other computers have come.
-    void await_fetched(std::int64_t deadline_ms);
+    void await_fetched(SavedTraces& saved, std::int64_t deadline_ms);
     void print_warnings_of_computers();
 
     /// Waits for messages, deaths, signals and letters, at most `most_ms` (-1: no limit).

@@ -18,6 +18,7 @@ namespace {
 constexpr int failed_drain_ms = 500;  // From Shutdown to SIGTERM after a failure.
 constexpr int terminate_ms = 1000;    // From SIGTERM to SIGKILL.
 constexpr int max_discarded = 4096;
+constexpr int file_ms = 1000;      // From a part of a file of another computer to the next.
 constexpr int killed_ms = 10'000;  // From SIGKILL until the host leaves a process to the kernel.
 constexpr std::string_view ipc_scheme = "ipc://";
 
@@ -95,7 +96,9 @@ void Launcher::take_refusal(const bus::Refusal& refusal) {
 }
 
 void Launcher::report_refusals() const {
-    if (const std::uint64_t count = link_.traffic().refused_messages; count > 0) {
+    const std::uint64_t count = link_.traffic().refused_messages +
+                                (processes_.has_others() ? processes_.others().refused() : 0);
+    if (count > 0) {
         fmt::print(stderr, "warning: the host dropped {} message{} without a lawful sender\n",
                    count, count == 1 ? "" : "s");
     }
@@ -120,6 +123,9 @@ void Launcher::check_health() {
         throw *over_;
     }
     wait_for_event(0);
+    if (processes_.has_others()) {
+        print_warnings_of_computers();
+    }
     std::optional<Death> io_death;
     for (const Death& death : processes_.take_deaths()) {
         if (io_.used && io_.used->name() == death.name) {
@@ -270,6 +276,9 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
     for (std::vector<std::string> left; !(left = processes_.running()).empty();) {
         if (processes_.only_engine_runs()) {
             processes_.finish();
+        }
+        if (processes_.has_others() && processes_.others().is_receiving()) {
+            deadline_ms = std::max(deadline_ms, now_ms() + file_ms);  // Logs and traces.
         }
         const bool patient = step == steps.size();
         if (patient && now_ms() >= deadline_ms) {

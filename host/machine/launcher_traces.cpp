@@ -170,7 +170,7 @@ SavedTraces Launcher::save_traces(int limit_ms) {
             wait_for_event(wait_ms(std::max<std::int64_t>(left_ms, 0)));
         }
     }
-    await_fetched(deadline_ms);
+    await_fetched(saved, deadline_ms);
     for (const bus::NodeId id : awaited.nodes) {
         saved.missing.push_back(
             fmt::format("{}: no answer within {} s", name_of(id), limit_ms / 1000));

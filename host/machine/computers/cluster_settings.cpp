@@ -1,7 +1,7 @@
 #include "host/machine/computers/cluster_settings.hpp"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -80,7 +80,17 @@ void check_names(const std::vector<std::string>& names, const std::string& where
     }
 }
 
+void check_ipv4(const std::string& what, const std::string& text) {
+    in_addr address{};
+    if (inet_pton(AF_INET, text.c_str(), &address) != 1) {
+        refuse(fmt::format("{} is '{}', must be an IPv4 address such as 10.0.0.1", what, text));
+    }
+}
+
 void check_cluster(const ClusterSettings& cluster, const std::string& where) {
+    if (!cluster.listen.empty()) {
+        check_ipv4(where + ": listen", cluster.listen);
+    }
     std::vector<std::string> names;
     for (const ComputerSlots& computer : cluster.computers) {
         names.push_back(computer.name);
@@ -97,12 +107,12 @@ void check_cluster(const ClusterSettings& cluster, const std::string& where) {
 
 void check_trust(const ClusterSettings& cluster, const std::string& file,
                  const std::vector<std::string>& overrides) {
-    if (cluster.engine == Engine::command &&
-        std::ranges::find(overrides, "engine=command") == overrides.end()) {
+    const std::string allowed = "engine=" + std::string(enum_name(cluster.engine));
+    if (cluster.is_used() && std::ranges::find(overrides, allowed) == overrides.end()) {
         refuse(
-            fmt::format("{}: engine is command, which would run '{}'. If you trust this file, "
-                        "repeat with --engine command",
-                        file, fmt::join(cluster.command, " ")));
+            fmt::format("{}: engine is {}, which runs programs on other computers and sends "
+                        "them the volume. If you trust this file, repeat with --engine {}",
+                        file, enum_name(cluster.engine), enum_name(cluster.engine)));
     }
 }
 

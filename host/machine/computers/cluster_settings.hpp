@@ -27,8 +27,11 @@ void check_names(const std::vector<std::string>& names, const std::string& where
 /// Checks the ranges of all values. Throws RequestError (usage) as check_names() does.
 void check_cluster(const ClusterSettings& cluster, const std::string& where);
 
-/// Throws RequestError (usage) if the plan of `file`, which may come from a stranger, runs words of
-/// its own and `overrides` do not allow it.
+/// Throws RequestError (usage) unless `text` is an IPv4 address.
+void check_ipv4(const std::string& what, const std::string& text);
+
+/// Throws RequestError (usage) if the plan of `file`, which may come from a stranger, uses an
+/// engine and `overrides` do not name it.
 void check_trust(const ClusterSettings& cluster, const std::string& file,
                  const std::vector<std::string>& overrides);
 

@@ -79,7 +79,15 @@ void check_program(const std::string& program, Engine engine) {
     }
 }
 
-EngineProcess slurm(int count, const JoinCommand& join) {
+std::string names_of(const ClusterSettings& cluster) {
+    Words names;
+    for (const ComputerSlots& computer : cluster.computers) {
+        names.push_back(computer.name);
+    }
+    return fmt::format("{}", fmt::join(names, ","));
+}
+
+EngineProcess slurm(const ClusterSettings& cluster, int count, const JoinCommand& join) {
     const std::string number = std::to_string(count);
     // One task for each computer, with all of its cores and memory, whatever the site's defaults
     // are. -K0: the end of one task does not end the others. SLURM_OVERLAP: beside other steps.
@@ -91,6 +99,9 @@ EngineProcess slurm(int count, const JoinCommand& join) {
                    "--mem=0",
                    "--kill-on-bad-exit=0",
                    "--unbuffered"};
+    if (!cluster.computers.empty()) {
+        words.push_back("--nodelist=" + names_of(cluster));
+    }
     const Words program = join_words(join, KeyWay::munge);
     words.insert(words.end(), program.begin(), program.end());
     return {"engine-slurm", words, {"SLURM_OVERLAP=1"}};
@@ -107,11 +118,7 @@ EngineProcess mpirun(const ClusterSettings& cluster, int count, const JoinComman
     Words words = {"mpirun",  "--map-by", "ppr:1:node", "-np", std::to_string(count),
                    "--stdin", "all",      "--bind-to",  "none"};
     if (!cluster.computers.empty()) {
-        Words names;
-        for (const ComputerSlots& computer : cluster.computers) {
-            names.push_back(computer.name);
-        }
-        words.insert(words.end(), {"--host", fmt::format("{}", fmt::join(names, ","))});
+        words.insert(words.end(), {"--host", names_of(cluster)});
     }
     if (getuid() == 0) {
         words.emplace_back("--allow-run-as-root");
@@ -166,6 +173,13 @@ int expected_computers(const ClusterSettings& cluster) {
     if (cluster.engine == Engine::ssh && cluster.computers.empty()) {
         refuse_engine(cluster.engine, "no computers are named: --computers n1,n2");
     }
+    const bool names_all = !cluster.computers.empty() && cluster.engine != Engine::wait;
+    if (cluster.wait > 0 && names_all &&
+        static_cast<std::size_t>(cluster.wait) != cluster.computers.size()) {
+        refuse_engine(cluster.engine,
+                      fmt::format("wait is {}, but computers has {}: leave wait out", cluster.wait,
+                                  cluster.computers.size()));
+    }
     if (cluster.wait > 0) {
         return cluster.wait;
     }
@@ -197,7 +211,7 @@ std::vector<EngineProcess> engine_processes(const ClusterSettings& cluster,
         case Engine::wait:
             return processes;
         case Engine::slurm:
-            processes.push_back(slurm(count, join));
+            processes.push_back(slurm(cluster, count, join));
             break;
         case Engine::ssh:
             for_each_computer([&](const std::string& name) { return ssh(name, join); });
@@ -209,6 +223,11 @@ std::vector<EngineProcess> engine_processes(const ClusterSettings& cluster,
             const bool is_for_each = std::ranges::any_of(cluster.command, [](const auto& word) {
                 return word.find(computer_word) != std::string::npos;
             });
+            if (is_for_each && cluster.computers.empty()) {
+                refuse_engine(cluster.engine,
+                              "engine_command has {computer}, but no computers are "
+                              "named: --computers n1,n2");
+            }
             if (is_for_each) {
                 for_each_computer([&](const std::string& name) {
                     return by_command(cluster.command, name, join);

@@ -14,13 +14,16 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <climits>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string_view>
 
 #include "host/base/error.hpp"
+#include "host/machine/computers/cluster_settings.hpp"
 #include "host/machine/supervisor.hpp"
 
 namespace pxpl5::host {
@@ -134,13 +137,30 @@ std::vector<std::string> own_addresses() {
     return addresses;
 }
 
-void check_ipv4(const std::string& what, const std::string& text) {
-    in_addr address{};
-    if (inet_pton(AF_INET, text.c_str(), &address) != 1) {
-        throw RequestError(
-            ExitCode::usage,
-            fmt::format("{} is '{}', must be an IPv4 address such as 10.0.0.1", what, text));
+Addresses parse_addresses(const std::string& text) {
+    Addresses addresses;
+    std::string_view rest = text;
+    while (!rest.empty()) {
+        const std::size_t comma = std::min(rest.find(','), rest.size());
+        const std::string_view each = rest.substr(0, comma);
+        rest.remove_prefix(std::min(comma + 1, rest.size()));
+        const std::size_t colon = each.rfind(':');
+        int port = 0;
+        const bool has_port =
+            each.starts_with(tcp) && colon != std::string_view::npos && colon > tcp.size() &&
+            std::from_chars(&each[colon] + 1, each.data() + each.size(), port).ec == std::errc{};
+        if (!has_port || port < 1 || port > 65535 ||
+            (addresses.port != 0 && port != addresses.port)) {
+            throw RequestError(ExitCode::usage,
+                               fmt::format("join: '{}' is no address of a host; pxpl5 prints it as "
+                                           "tcp://10.0.0.1:4711, several with commas, one port",
+                                           each));
+        }
+        addresses.port = port;
+        addresses.hosts.emplace_back(each.substr(tcp.size(), colon - tcp.size()));
+        check_ipv4("the address of the host", addresses.hosts.back());
     }
+    return addresses;
 }
 
 std::optional<Way> find_way(const std::vector<std::string>& addresses, int port, int limit_ms) {

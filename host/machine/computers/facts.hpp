@@ -4,11 +4,15 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "join_generated.h"
 
 namespace pxpl5::host {
+
+/// Begin of an address.
+inline constexpr std::string_view tcp = "tcp://";
 
 /// The facts of this computer. Addresses and folders are left to the caller.
 join::FactsT own_facts();
@@ -17,8 +21,14 @@ join::FactsT own_facts();
 /// computer is never resolved to find its own addresses: on Debian it means 127.0.1.1.
 std::vector<std::string> own_addresses();
 
-/// Throws RequestError (usage) unless `text` is an IPv4 address.
-void check_ipv4(const std::string& what, const std::string& text);
+/// The addresses of a host, with one port.
+struct Addresses {
+    std::vector<std::string> hosts;
+    int port = 0;
+};
+
+/// Reads "tcp://10.0.0.1:4711,tcp://192.168.1.1:4711". Throws RequestError (usage).
+Addresses parse_addresses(const std::string& text);
 
 /// A way from this computer to another one.
 struct Way {

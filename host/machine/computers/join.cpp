@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -38,39 +37,6 @@ constexpr int lost_ms = 1000;       // From the loss of the line to the end of a
 constexpr int terminate_ms = 1000;  // From SIGTERM to SIGKILL.
 constexpr std::size_t part_bytes = std::size_t{1} << 20;
 constexpr std::uintmax_t max_log_bytes = std::uintmax_t{256} << 10;  // The end of a longer log.
-constexpr std::string_view tcp = "tcp://";
-
-struct Addresses {
-    std::vector<std::string> hosts;
-    int port = 0;
-};
-
-/// Throws RequestError (usage).
-Addresses parse_addresses(const std::string& text) {
-    Addresses addresses;
-    std::string_view rest = text;
-    while (!rest.empty()) {
-        const std::size_t comma = std::min(rest.find(','), rest.size());
-        const std::string_view each = rest.substr(0, comma);
-        rest.remove_prefix(std::min(comma + 1, rest.size()));
-        const std::size_t colon = each.rfind(':');
-        int port = 0;
-        const bool has_port =
-            each.starts_with(tcp) && colon != std::string_view::npos && colon > tcp.size() &&
-            std::from_chars(&each[colon] + 1, each.data() + each.size(), port).ec == std::errc{};
-        if (!has_port || port < 1 || port > 65535 ||
-            (addresses.port != 0 && port != addresses.port)) {
-            throw RequestError(ExitCode::usage,
-                               fmt::format("join: '{}' is no address of a host; pxpl5 prints it as "
-                                           "tcp://10.0.0.1:4711, several with commas, one port",
-                                           each));
-        }
-        addresses.port = port;
-        addresses.hosts.emplace_back(each.substr(tcp.size(), colon - tcp.size()));
-        check_ipv4("the address of the host", addresses.hosts.back());
-    }
-    return addresses;
-}
 
 bus::Credentials key_of(const JoinOptions& options) {
     return options.key_from_input   ? read_key_from_input(options.limit_ms)
@@ -92,6 +58,12 @@ Way way_to(const JoinOptions& options) {
 
 std::string host_part(const std::string& endpoint) {
     return endpoint.substr(tcp.size(), endpoint.rfind(':') - tcp.size());
+}
+
+/// Standard error may be closed, for example with the connection of ssh.
+void say_why(const std::string& text) {
+    std::fputs(fmt::format("pxpl5 join: {}\n", text).c_str(), stderr);
+    std::fflush(stderr);
 }
 
 /// One computer of a machine, between its first and its last letter.
@@ -121,8 +93,8 @@ class Joined {
         line_.send(packed_letter(std::move(word)));
     }
 
-    Supervisor supervisor_;
-    SocketFolder sockets_{temporary_parent()};  ///< Also of logs and traces.
+    SocketFolder sockets_{temporary_parent()};  ///< Also for logs and traces.
+    Supervisor supervisor_;                     // After the folder, in which its processes write.
     Way way_;
     bus::Credentials credentials_;
     bus::Line line_;
@@ -242,6 +214,7 @@ bool Joined::take_letters() {
         const join::WordUnion& word = letter.word;
         if (const auto* order = word.AsStart()) {
             start(*order);
+            send_beat();  // Starting many processes may take long.
         } else if (const auto* signal = word.AsSignal()) {
             supervisor_.kill(signal->name, signal->number);
         } else if (const auto* fetch = word.AsFetch()) {
@@ -336,7 +309,7 @@ std::optional<int> Joined::reason_to_end() {
         return 128 + signal;
     }
     if (input_is_closed()) {
-        fmt::print(stderr, "pxpl5 join: standard input was closed: the host is gone\n");
+        say_why("standard input was closed: the host is gone");
         return gone;
     }
     if (line_.is_connected()) {
@@ -344,7 +317,7 @@ std::optional<int> Joined::reason_to_end() {
     } else {
         lost_since_ms_ = lost_since_ms_.value_or(now_ms());
         if (now_ms() - *lost_since_ms_ >= lost_ms) {
-            fmt::print(stderr, "pxpl5 join: the host at {} does not answer\n", way_.address);
+            say_why(fmt::format("the host at {} does not answer", way_.address));
             return gone;
         }
     }
@@ -390,8 +363,7 @@ int join_machine(const JoinOptions& options) {
     }
     Joined joined(way, credentials, options.key_from_input);
     joined.introduce(options);
-    fmt::print(stderr, "pxpl5 join: takes part in the machine at {}\n", way.address);
-    std::fflush(stderr);
+    say_why(fmt::format("takes part in the machine at {}", way.address));
     return joined.run();
 }
 

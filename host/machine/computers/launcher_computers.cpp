@@ -74,14 +74,10 @@ void Launcher::wait_for_event(int most_ms) {
     processes_.pump(now_ms());
 }
 
-void Launcher::gather_computers() {
+void Launcher::await_computers() {
     RemoteComputers& others = processes_.others();
     const auto expected = static_cast<std::size_t>(expected_computers(topology_.cluster));
-    try {
-        processes_.start_engine(options_.binaries / "pxpl5");
-    } catch (const MachineError& error) {
-        fail(error.code, error.what());
-    }
+    processes_.start_engine(options_.binaries / "pxpl5");
     if (!processes_.join_line().empty()) {
         fmt::print(stderr,
                    "waiting for {} computer{}; run there, with a copy of the key file: {}\n",
@@ -106,7 +102,20 @@ void Launcher::gather_computers() {
     }
     others.close();
     print_warnings_of_computers();
-    place();
+}
+
+void Launcher::gather_computers() {
+    try {
+        await_computers();
+        place();
+    } catch (const MachineError& error) {
+        if (over_) {
+            throw;
+        }
+        fail(error.code, error.what());
+    } catch (const RequestError& error) {
+        fail(static_cast<int>(error.code), error.what());
+    }
 }
 
 void Launcher::place() {
@@ -121,6 +130,14 @@ void Launcher::place() {
         slot.slots = slot.slots > 0 ? slot.slots : std::max<int>(computer.facts.cores, 1);
         slots.push_back(slot);
         places.push_back(computer.facts.place);
+    }
+    for (const ComputerSlots& named : topology_.cluster.computers) {
+        const bool has_joined = std::ranges::any_of(
+            slots, [&](const ComputerSlots& slot) { return slot.name == named.name; });
+        if (!has_joined) {
+            fmt::print(stderr, "warning: no computer has joined as {}; its slots are not used\n",
+                       named.name);
+        }
     }
     const std::vector<int> nodes = place_nodes(roster_, topology_, slots);
     for (std::size_t i = 0; i < roster_.size(); ++i) {
@@ -139,9 +156,13 @@ void Launcher::add_computer_flags(const RosterEntry& node, bus::ProcessFlags& fl
     flags.host_endpoint = node.place == 0 ? roster_[0].near_endpoint
                                           : fmt::format("tcp://{}:{}", facts->host_address,
                                                         port_of(link_.endpoint()));
-    // Nodes of the host's computer are reached as the first computer has reached the host.
-    flags.bind = fmt::format("tcp://{}:*",
-                             facts == nullptr ? computers[0].facts.host_address : facts->address);
+    // Nodes of the host's computer are reached as another computer has reached the host.
+    const auto far = std::ranges::find_if(computers, [](const RemoteComputer& computer) {
+        return computer.facts.place != own_facts().place;
+    });
+    const std::string host_side =
+        (far == computers.end() ? computers.front() : *far).facts.host_address;
+    flags.bind = fmt::format("tcp://{}:*", node.place == 0 ? host_side : facts->address);
     flags.near_bind =
         near_address(facts == nullptr ? sockets_.path().string() : facts->sockets, name);
     if (facts != nullptr) {
@@ -159,10 +180,16 @@ void Launcher::fetch_trace(bus::NodeId id) {
     }
 }
 
-void Launcher::await_fetched(std::int64_t deadline_ms) {
-    while (processes_.has_others() && processes_.others().has_awaited_files() &&
-           now_ms() < deadline_ms) {
+void Launcher::await_fetched(SavedTraces& saved, std::int64_t deadline_ms) {
+    if (!processes_.has_others()) {
+        return;
+    }
+    const RemoteComputers& others = processes_.others();
+    while (!others.awaited_files().empty() && now_ms() < deadline_ms) {
         wait_for_event(static_cast<int>(deadline_ms - now_ms()));
+    }
+    for (const std::string& file : others.awaited_files()) {
+        saved.missing.push_back(file + ": has not come from the other computer");
     }
 }
 

@@ -127,7 +127,12 @@ void Processes::kill(const std::string& name, int signal) {
 }
 
 void Processes::kill_all(int signal) {
-    own_.kill_all(signal);
+    const bool spares_engine = signal != SIGKILL && !only_engine_runs();
+    for (const std::string& name : own_.running()) {
+        if (!spares_engine || !is_engine(name)) {  // Its end would end nodes in the middle.
+            own_.kill(name, signal);
+        }
+    }
     if (others_) {
         others_->kill_all(signal);
     }

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <utility>
 
+#include "host/base/standard_streams.hpp"
 #include "host/machine/computers/facts.hpp"
 #include "host/machine/port.hpp"
 
@@ -15,10 +16,16 @@ namespace pxpl5::host {
 namespace {
 
 constexpr std::size_t max_warnings = 100;
+constexpr std::size_t max_reason = 200, max_text = 1000;  // Characters.
 
 /// The files of a process, in the run folder.
 bool is_file_of(const std::string& file, const std::string& name) {
     return file == name + ".log" || file == "traces/" + name + ".mcap";
+}
+
+std::string lost_text(const std::string& name, const std::string& computer,
+                      const std::string& reason) {
+    return fmt::format("{} is lost with computer {}: {}", name, computer, reason);
 }
 
 }  // namespace
@@ -33,7 +40,7 @@ RemoteComputers::RemoteComputers(const std::string& listen, const bus::Credentia
 
 std::string RemoteComputers::addresses() const {
     std::vector<std::string> addresses = own_addresses();
-    if (!listen_.empty()) {
+    if (!listen_.empty() && listen_ != "0.0.0.0") {
         addresses = {listen_};
     }
     if (addresses.empty()) {
@@ -76,7 +83,7 @@ void RemoteComputers::take(const std::string& line, const join::LetterT& letter)
     } else if (const auto* ended = word.AsEnded()) {
         take_ended(*computer, *ended);
     } else if (const auto* leave = word.AsLeave()) {
-        lose(*computer, leave->reason);
+        computer->leaves = printable(leave->reason.substr(0, max_reason));
     } else {
         ++refused_;
     }
@@ -100,6 +107,10 @@ void RemoteComputers::pump(std::int64_t now_ms) {
             lose(computer, fmt::format("it has not answered for {:.1f} s",
                                        static_cast<double>(computer.silent_ms) / 1000));
         }
+    }
+    if (is_open_) {  // Others may join instead.
+        std::erase_if(computers_,
+                      [](const RemoteComputer& c) { return c.is_lost || !c.leaves.empty(); });
     }
 }
 
@@ -126,12 +137,14 @@ void RemoteComputers::take_ask(const std::string& line, const join::AskT& ask) {
     answer.refusal = reason_to_refuse(ask);
     if (!answer.refusal.empty()) {
         ++refused_;
-        warn(fmt::format("computer {} at {} was refused: {}", ask.facts->name, ask.facts->address,
-                         answer.refusal));
+        warn(printable(fmt::format(
+            "computer {} at {} was refused: {}", ask.facts->name.substr(0, max_reason),
+            ask.facts->address.substr(0, max_reason), answer.refusal.substr(0, max_text))));
     } else if (computer_of_line(line) == nullptr) {
         RemoteComputer computer;
         computer.line = line;
         computer.facts = *ask.facts;
+        computer.facts.name = printable(ask.facts->name.substr(0, max_reason));
         computers_.push_back(std::move(computer));
     }
     port_.send(line, packed_letter(std::move(answer)));
@@ -177,17 +190,25 @@ void RemoteComputers::take_ended(RemoteComputer& computer, const join::EndedT& e
         ++refused_;
         return;
     }
-    deaths_.push_back({ended.name, ended.exit_code, ended.signal, ended.error});
+    if (computer.leaves.empty()) {
+        deaths_.push_back({ended.name, ended.exit_code, ended.signal, ended.error});
+    } else {
+        deaths_.push_back({ended.name, static_cast<int>(ExitCode::unavailable), 0,
+                           lost_text(ended.name, computer.facts.name, computer.leaves)});
+    }
 }
 
 void RemoteComputers::lose(RemoteComputer& computer, const std::string& reason) {
     computer.is_lost = true;
-    awaited_files_.clear();  // The files of this computer do not come any more.
     for (const std::string& name : std::exchange(computer.running, {})) {
-        deaths_.push_back(
-            {name, static_cast<int>(ExitCode::unavailable), 0,
-             fmt::format("{} is lost with computer {}: {}", name, computer.facts.name, reason)});
+        deaths_.push_back({name, static_cast<int>(ExitCode::unavailable), 0,
+                           lost_text(name, computer.facts.name, reason)});
+        std::erase_if(awaited_files_,
+                      [&](const std::string& file) { return is_file_of(file, name); });
+        std::erase_if(begun_files_,
+                      [&](const std::string& file) { return is_file_of(file, name); });
     }
+    port_.send(computer.line, packed_letter(join::DismissT{}));  // If it only was slow.
     if (is_open_) {
         warn(fmt::format("computer {} has left: {}", computer.facts.name, reason));
     }
@@ -212,6 +233,11 @@ void RemoteComputers::spawn(int number, const ProcessCommand& command, int pulse
     start.env = command.env;
     start.core = command.core;
     start.pulse_ms = static_cast<std::uint32_t>(pulse_ms);
+    if (computer.is_lost) {
+        deaths_.push_back({command.name, static_cast<int>(ExitCode::unavailable), 0,
+                           lost_text(command.name, computer.facts.name, "it has left")});
+        return;
+    }
     computer.running.insert(command.name);
     port_.send(computer.line, packed_letter(std::move(start)));
 }

@@ -24,6 +24,7 @@ struct RemoteComputer {
     join::FactsT facts;
     std::int64_t silent_ms = 0;  ///< While the host listened.
     bool is_lost = false;
+    std::string leaves;             ///< Its reason to end; empty while it takes part.
     std::set<std::string> running;  ///< Names of its processes.
 };
 
@@ -59,7 +60,9 @@ class RemoteComputers {
     std::vector<Death> take_deaths();
     /// Asks for a file of a running process's computer.
     void fetch(const std::string& name, const std::string& file);
-    bool has_awaited_files() const { return !awaited_files_.empty(); }
+    const std::set<std::string>& awaited_files() const { return awaited_files_; }
+    /// True if a file has begun to come, but is not complete.
+    bool is_receiving() const { return !begun_files_.empty(); }
 
     /// Called with each pulse that comes.
     void on_pulse(std::function<void(const std::string& name, const bus::PulseNumbers&)> take) {

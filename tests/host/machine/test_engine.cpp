@@ -76,6 +76,16 @@ TEST_CASE("engine: an unknown number of computers is an error with the remedy") 
           "engine command: it needs the program no-such-program, which is not in PATH");
 }
 
+TEST_CASE("engine: numbers and names that contradict each other are refused") {
+    CHECK(error_of({"engine=ssh", "computers=n1,n2,n3", "wait=2"}) ==
+          "engine ssh: wait is 2, but computers has 3: leave wait out");
+    CHECK(
+        error_of({"engine=command", "engine_command=env", "engine_command=A={computer}", "wait=1"})
+            .starts_with("engine command: engine_command has {computer}, but no computers"));
+    CHECK_THROWS_AS(cluster_of({"listen=eth0"}), RequestError);
+    CHECK(cluster_of({"listen=10.0.0.1"}).listen == "10.0.0.1");
+}
+
 TEST_CASE("engine: inside an allocation, Slurm knows the number of computers") {
     setenv("SLURM_JOB_NUM_NODES", "3", 1);
     CHECK(expected_computers(cluster_of({"engine=slurm"})) == 3);
@@ -103,9 +113,13 @@ TEST_CASE("engine: a file alone cannot run a program") {
         FAIL("accepted");
     } catch (const RequestError& error) {
         CHECK(std::string(error.what()) ==
-              "from-a-stranger.json: engine is command, which would run 'touch x'. If you trust "
-              "this file, repeat with --engine command");
+              "from-a-stranger.json: engine is command, which runs programs on other computers and "
+              "sends them the volume. If you trust this file, repeat with --engine command");
     }
+    // Every engine sends the key and the volume to the computers that the file names.
+    const std::string ssh = R"({roles: {gp: {count: 1}, renderer: {count: 1}}, engine: "ssh",
+                                computers: [{name: "x@evil"}]})";
+    CHECK_THROWS_AS(parse_topology(ssh, "from-a-stranger.json"), RequestError);
     CHECK(parse_topology(text, "mine.json", {"engine=command"}).cluster.engine == Engine::command);
 }
 
@@ -113,7 +127,7 @@ TEST_CASE("engine: the resolved plan has the computers") {
     const Topology plan =
         load_topology("one-of-each", {"computers=n1:4,n2", "gp.computer=n2", "placement=spread",
                                       "wait=2", "listen=10.0.0.1", "engine=ssh"});
-    const Topology again = parse_topology(resolved_json(plan), "again.json");
+    const Topology again = parse_topology(resolved_json(plan), "again.json", {"engine=ssh"});
     CHECK(resolved_json(again) == resolved_json(plan));
     CHECK(again.cluster.computers.size() == 2);
     CHECK(again.gp.computer == std::vector<std::string>{"n2"});
