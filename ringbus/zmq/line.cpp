@@ -72,7 +72,7 @@ int LinePort::poll_fd() const {
     return static_cast<int>(parts_->socket.get(zmq::sockopt::fd));
 }
 std::uint64_t LinePort::refused() const {
-    return parts_->guard.strangers() + parts_->bad_letters;
+    return parts_->bad_letters;
 }
 
 std::optional<LinePort::Received> LinePort::receive() {

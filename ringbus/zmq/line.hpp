@@ -40,7 +40,8 @@ class LinePort {
     /// A line that has gone gets nothing.
     void send(const std::string& to, const Letter& letter);
 
-    /// Connections and messages that were dropped.
+    /// Messages that were dropped. Connections without the key are not counted: a line that tries
+    /// several addresses makes and ends some itself.
     std::uint64_t refused() const;
 
   private:

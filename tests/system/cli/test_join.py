@@ -61,6 +61,7 @@ class Joins(unittest.TestCase):
         code, replies, complaint = self.run_lines(lines, *words)
         self.assertEqual([each["error"] for each in replies if not each["ok"]], [])
         self.assertEqual(code, 0, complaint)
+        self.assertNotIn("dropped", complaint)
         return without_times([reply["result"] for reply in replies])
 
     def logs(self):
