@@ -13,8 +13,8 @@ std::size_t needed_descriptors(std::size_t nodes);
 /// fits. Throws RequestError (unavailable) with both numbers if the hard limit is too low.
 void provide_descriptors(std::size_t nodes);
 
-/// Threads that start after the host for a machine of `nodes` nodes, which include the host: those
-/// of the host, of the nodes, and of two io processes.
+/// Returns how many more threads a host needs to run a machine of `nodes` nodes, itself included:
+/// for its own work, the other nodes and two io processes.
 std::size_t needed_threads(std::size_t nodes, bool is_tcp);
 
 /// Raises the soft limit of this user's threads. Throws RequestError (unavailable) with all numbers

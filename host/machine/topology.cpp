@@ -177,10 +177,8 @@ Number whole_number(std::string_view key, std::string_view text) {
 
 std::vector<int> core_list(std::string_view key, std::string_view text) {
     std::vector<int> cores;
-    while (!text.empty()) {
-        const std::size_t comma = std::min(text.find(','), text.size());
-        cores.push_back(whole_number<int>(key, text.substr(0, comma)));
-        text.remove_prefix(std::min(comma + 1, text.size()));
+    for (const std::string& word : words_of(text)) {
+        cores.push_back(whole_number<int>(key, word));
     }
     return cores;
 }

@@ -91,10 +91,10 @@ def wait_for(running, limit_s):
 
 def _below(root, place):
     """Paths below a folder of a computer, on the same file system."""
-    found, todo = set(), [place]
+    found, unread = set(), [place]
     device = None
-    while todo:
-        folder = todo.pop()
+    while unread:
+        folder = unread.pop()
         try:
             status = os.stat(root + folder)
             device = device or status.st_dev
@@ -106,7 +106,7 @@ def _below(root, place):
             if path not in CLUSTERS_OWN:
                 found.add(path)
                 if entry.is_dir(follow_symlinks=False):
-                    todo.append(path)
+                    unread.append(path)
     return found
 
 

@@ -139,15 +139,11 @@ std::vector<std::string> own_addresses() {
 
 Addresses parse_addresses(const std::string& text) {
     Addresses addresses;
-    std::string_view rest = text;
-    while (!rest.empty()) {
-        const std::size_t comma = std::min(rest.find(','), rest.size());
-        const std::string_view each = rest.substr(0, comma);
-        rest.remove_prefix(std::min(comma + 1, rest.size()));
+    for (const std::string& each : words_of(text)) {
         const std::size_t colon = each.rfind(':');
         int port = 0;
         const bool has_port =
-            each.starts_with(tcp) && colon != std::string_view::npos && colon > tcp.size() &&
+            each.starts_with(tcp) && colon != std::string::npos && colon > tcp.size() &&
             std::from_chars(&each[colon] + 1, each.data() + each.size(), port).ec == std::errc{};
         if (!has_port || port < 1 || port > 65535 ||
             (addresses.port != 0 && port != addresses.port)) {

@@ -28,8 +28,8 @@ struct RemoteComputer {
     std::set<std::string> running;  ///< Names of its processes.
 };
 
-/// Takes computers in, starts processes on them and notices when a computer is lost. The numbers
-/// of computers begin with 1, in the order of joining; 0 is the host's own computer.
+/// Lets computers join, starts processes on them and notices when a computer is lost. The first
+/// computer that joins has number 1. Number 0 is the host's own computer.
 class RemoteComputers {
   public:
     /// listen  An IPv4 address of this computer; empty: all.
@@ -43,8 +43,6 @@ class RemoteComputers {
     int poll_fd() const { return port_.poll_fd(); }
     /// Takes the letters that have come. Counts the silence of each computer.
     void pump(std::int64_t now_ms);
-    /// Milliseconds until the next look for lost computers.
-    int due_ms() const { return beat_ms; }
 
     const std::vector<RemoteComputer>& computers() const { return computers_; }
     /// No further computer may join.

@@ -132,33 +132,32 @@ class Joins(unittest.TestCase):
                 left = max(end - time.monotonic(), 0)
                 self.assertTrue(select.select([ended], [], [], left)[0], f"{pid} still runs")
 
-    def test_a_dead_join_is_a_lost_computer(self):
+    def end_after(self, number):
+        """Exit code and standard error of a machine whose join gets a signal. No node is left."""
         machine = self.start(*BY_COMMAND, "--set", "wait=1")
         nodes = list(in_tree(machine.pid))
         (join,) = [pid for pid in children_of(machine.pid) if name_of(pid) == "pxpl5"]
-        os.kill(join, signal.SIGKILL)
+        os.kill(join, number)
         _, complaint = machine.communicate("digest\n", timeout=LIMIT_S)
+        self.wait_for_end(nodes)
+        return machine.returncode, complaint
+
+    def test_a_dead_join_is_a_lost_computer(self):
+        code, complaint = self.end_after(signal.SIGKILL)
         self.assertRegex(complaint, r"(gp-0|renderer-0) is lost with computer \S+: it has not "
                                     r"answered for|engine-command was killed by signal 9")
-        self.assertNotEqual(machine.returncode, 0)
-        self.wait_for_end(nodes)
+        self.assertNotEqual(code, 0)
 
     def test_a_stopped_join_is_a_lost_computer(self):
-        machine = self.start(*BY_COMMAND, "--set", "wait=1")
-        (join,) = [pid for pid in children_of(machine.pid) if name_of(pid) == "pxpl5"]
-        os.kill(join, signal.SIGSTOP)
-        _, complaint = machine.communicate("digest\n", timeout=LIMIT_S)
+        code, complaint = self.end_after(signal.SIGSTOP)
         self.assertRegex(complaint, r"(gp-0|renderer-0) is lost with computer \S+: it has not "
                                     r"answered for [01]\.\d s")
-        self.assertEqual(machine.returncode, 69)
+        self.assertEqual(code, 69)
 
     def test_a_join_that_is_told_to_end_says_so(self):
-        machine = self.start(*BY_COMMAND, "--set", "wait=1")
-        (join,) = [pid for pid in children_of(machine.pid) if name_of(pid) == "pxpl5"]
-        os.kill(join, signal.SIGTERM)
-        _, complaint = machine.communicate("digest\n", timeout=LIMIT_S)
+        code, complaint = self.end_after(signal.SIGTERM)
         self.assertRegex(complaint, r"is lost with computer \S+: pxpl5 join got SIGTERM there")
-        self.assertEqual(machine.returncode, 69)
+        self.assertEqual(code, 69)
 
     def test_nothing_is_left_when_the_host_is_killed(self):
         machine = self.start(*BY_COMMAND, "--set", "wait=1")
