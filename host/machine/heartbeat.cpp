@@ -152,11 +152,10 @@ std::vector<Heartbeat::Finding> Heartbeat::look(std::int64_t now_ms) {
     if (!is_on() || (looked_ms_ && now_ms - *looked_ms_ < settings_.interval_ms)) {
         return findings;
     }
-    // The nodes did not miss more than an interval if the host itself was not there to look.
-    const std::int64_t passed_ms =
-        looked_ms_ ? std::min<std::int64_t>(now_ms - *looked_ms_,
-                                            suspect_intervals * settings_.interval_ms)
-                   : 0;
+    // If the host itself was away, a node is not silent for longer than the host has looked.
+    const std::int64_t since_ms = looked_ms_ ? now_ms - *looked_ms_ : 0;
+    const bool was_away = since_ms >= suspect_intervals * settings_.interval_ms;
+    const std::int64_t passed_ms = was_away ? settings_.interval_ms : since_ms;
     looked_ms_ = now_ms;
     works_ = false;
     for (auto& [name, node] : nodes_) {
