@@ -33,7 +33,7 @@ struct ComponentFilter {
 
 struct Surface {
     std::string name;
-    std::uint16_t id = 0;        ///< Number on the ring; never used twice in a session.
+    std::uint16_t id = 0;        ///< Number on the ring. No other surface of the scene has it.
     std::uint32_t revision = 0;  ///< Counts the isovalues that it has had.
     double isovalue = 0;
     CaseRule table = CaseRule::watertight;
