@@ -161,6 +161,9 @@ class Launcher {
     void shutdown();
 
     const Roster& roster() const { return roster_; }
+    /// Names of computers that were lost before the machine ended. Another start should leave them
+    /// out.
+    const std::vector<std::string>& lost_computers() const { return processes_.lost(); }
     const std::filesystem::path& folder() const { return folder_; }
     std::string name_of(bus::NodeId id) const;
 

@@ -264,6 +264,7 @@ void Launcher::shutdown() {
 }
 
 std::optional<MachineError> Launcher::bring_down(int grace_ms) {
+    processes_.note_lost(over_->node);  // Soon, no computer answers.
     drop_prepared_io();
     for (const RosterEntry& node : roster_) {
         if (node.id != bus::host_id && !node.endpoint.empty()) {

@@ -1,7 +1,11 @@
 #include "host/machine/machine.hpp"
 
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <utility>
 
+#include "host/machine/computers/lost_computers.hpp"
 #include "host/machine/launcher.hpp"
 
 namespace pxpl5::host {
@@ -33,7 +37,18 @@ struct Machine::Parts {
         return *launcher;
     }
     void start(const Topology& plan);
+    /// Another start must do without the computers that were lost.
+    void leave_out_lost();
 };
+
+void Machine::Parts::leave_out_lost() {
+    if (!topology.cluster.is_used()) {
+        return;
+    }
+    for (const std::string& name : leave_out(topology, launcher->lost_computers())) {
+        fmt::print(stderr, "warning: the machine goes on without computer {}\n", name);
+    }
+}
 
 void Machine::Parts::start(const Topology& plan) {
     launcher = std::make_unique<Launcher>(plan, options);
@@ -56,9 +71,12 @@ RestartSettings Machine::restart_of(const std::string& node) const {
 
 void Machine::start_again(const NodeChange& change, int pause_ms) {
     Parts& parts = *parts_;
-    Topology plan = with_nodes(parts.topology, change.gps, change.renderers);
     if (parts.launcher) {
         parts.launcher->rest(pause_ms);
+        parts.leave_out_lost();
+    }
+    Topology plan = with_nodes(parts.topology, change.gps, change.renderers);
+    if (parts.launcher) {
         try {
             parts.launcher->shutdown();  // Nodes write their traces. Throws after a death.
         } catch (const MachineError& error) {

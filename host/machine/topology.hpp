@@ -63,6 +63,7 @@ struct ClusterSettings {
     int wait = 0;  ///< Computers that join; 0: as many as `computers`.
     Placement placement = Placement::pack;
     std::string listen;  ///< Address at which the host listens for computers; empty: all.
+    std::vector<std::string> lost;  ///< Names of computers that are left out. Not a key.
 
     /// True if nodes may run on other computers.
     bool is_used() const { return engine != Engine::local; }

@@ -172,6 +172,34 @@ class Machines(unittest.TestCase):
         self.assertRegex(complaint, "is lost with computer n2|engine-n2 ended with exit code 255")
         self.assertEqual(len(results(out)), 1)
 
+    def check_that_a_session_goes_on_without(self, computer, *words, before=()):
+        """The same picture by the computers that are left, and once more after another restart."""
+        machine = self.start(*words, "--set", "placement=spread", *FOUR_GPS, before=before)
+        machine.stdin.write("digest\n")
+        machine.stdin.flush()
+        digest = json.loads(machine.stdout.readline())["result"]
+        self.cluster.off(computer)
+        try:
+            begin = time.monotonic()
+            machine.stdin.write("digest\n")
+            machine.stdin.flush()
+            again = json.loads(machine.stdout.readline())
+            print(f"power off: the next picture after {time.monotonic() - begin:.1f} s")
+            code, out, complaint = self.end_of(machine, "kill gp-0\ndigest")
+        finally:
+            self.cluster.boot(computer)
+        self.assertEqual(again.get("result"), digest, f"{again} {complaint}")
+        self.assertEqual(code, 0, complaint)
+        self.assertEqual(json.loads(out.splitlines()[-1])["result"], digest)
+        self.assertEqual(complaint.count(f"goes on without computer {computer}"), 1, complaint)
+
+    def test_without_a_lost_computer_by_ssh(self):
+        self.check_that_a_session_goes_on_without("n2", *SSH)
+
+    def test_without_a_lost_computer_by_slurm(self):
+        self.check_that_a_session_goes_on_without(
+            "n2", *SLURM, before=("salloc", "--quiet", "--no-kill", "-N3", "-n3"))
+
     def test_a_killed_host_leaves_nothing(self):
         for words, before in ((SSH, ()), (SLURM, ("salloc", "--quiet", "-N3", "-n3"))):
             with self.subTest(words=words):

@@ -102,13 +102,16 @@ EngineProcess slurm(const ClusterSettings& cluster, int count, const JoinCommand
     if (!cluster.computers.empty()) {
         words.push_back("--nodelist=" + names_of(cluster));
     }
+    if (!cluster.lost.empty()) {
+        words.push_back(fmt::format("--exclude={}", fmt::join(cluster.lost, ",")));
+    }
     const Words program = join_words(join, KeyWay::munge);
     words.insert(words.end(), program.begin(), program.end());
-    return {"engine-slurm", words, {"SLURM_OVERLAP=1"}};
+    return {fmt::format("{}slurm", engine_prefix), words, {"SLURM_OVERLAP=1"}};
 }
 
 EngineProcess ssh(const std::string& computer, const JoinCommand& join) {
-    return {"engine-" + computer,
+    return {fmt::format("{}{}", engine_prefix, computer),
             {"ssh", "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=10", computer,
              line_of(join_words(join, KeyWay::input, computer))},
             {}};
@@ -125,12 +128,13 @@ EngineProcess mpirun(const ClusterSettings& cluster, int count, const JoinComman
     }
     const Words program = join_words(join, KeyWay::input);
     words.insert(words.end(), program.begin(), program.end());
-    return {"engine-mpirun", words, {}};
+    return {fmt::format("{}mpirun", engine_prefix), words, {}};
 }
 
 /// The user's words, with {computer} and {join} replaced.
 EngineProcess by_command(const Words& words, const std::string& computer, const JoinCommand& join) {
-    EngineProcess process{"engine-" + (computer.empty() ? "command" : computer), {}, {}};
+    EngineProcess process{
+        fmt::format("{}{}", engine_prefix, computer.empty() ? "command" : computer), {}, {}};
     const Words program = join_words(join, KeyWay::input, computer);
     for (std::string word : words) {
         if (word == join_word) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/machine/topology.hpp"
@@ -21,9 +22,12 @@ struct JoinCommand {
     std::string key;        ///< Credential, or the path of a file; unused for KeyWay::input.
 };
 
+/// Begins the names of the engine's processes.
+inline constexpr std::string_view engine_prefix = "engine-";
+
 /// A program that the host starts and ends.
 struct EngineProcess {
-    std::string name;  ///< "engine-n1"; names its log.
+    std::string name;  ///< "engine-" and the computer or the engine; names its log.
     std::vector<std::string> words;
     std::vector<std::string> env;
 };

@@ -43,11 +43,12 @@ std::string name_space(const char* kind) {
     return std::filesystem::read_symlink(fmt::format("/proc/self/ns/{}", kind), error).string();
 }
 
+std::string variable(const char* name) {
+    const char* text = std::getenv(name);
+    return text == nullptr ? "" : text;
+}
+
 std::string job_of_engine() {
-    const auto variable = [](const char* name) {
-        const char* text = std::getenv(name);
-        return std::string(text == nullptr ? "" : text);
-    };
     if (const std::string job = variable("SLURM_JOB_ID"); !job.empty()) {
         return fmt::format("slurm {}.{}", job, variable("SLURM_STEP_ID"));
     }
@@ -104,7 +105,9 @@ join::FactsT own_facts() {
     join::FactsT facts;
     std::array<char, HOST_NAME_MAX + 1> name{};
     gethostname(name.data(), HOST_NAME_MAX);
-    facts.name = name.data();
+    // The name that Slurm knows may differ from the computer's own.
+    const std::string known = variable("SLURMD_NODENAME");
+    facts.name = known.empty() ? name.data() : known;
     cpu_set_t cores;
     facts.cores = static_cast<std::uint16_t>(
         sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 1);

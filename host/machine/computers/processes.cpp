@@ -80,6 +80,15 @@ void Processes::start_engine(const std::filesystem::path& program) {
     }
 }
 
+void Processes::note_lost(const std::string& dead) {
+    lost_ = others_ ? others_->lost() : std::vector<std::string>{};
+    for (const ComputerSlots& computer : topology_.cluster.computers) {
+        if (dead == fmt::format("{}{}", engine_prefix, computer.name)) {
+            lost_.push_back(computer.name);
+        }
+    }
+}
+
 bool Processes::only_engine_runs() const {
     const std::vector<std::string> names = running();
     return std::ranges::all_of(names, is_engine);

@@ -30,12 +30,18 @@ class Processes {
     const RemoteComputers& others() const { return *others_; }
     Supervisor& own() { return own_; }
 
+    /// Remembers which computers are lost now.
+    /// dead  The process whose end is the cause; may be the one that an engine has for a computer.
+    void note_lost(const std::string& dead);
+    /// Names of the computers that were lost at note_lost().
+    const std::vector<std::string>& lost() const { return lost_; }
+
     /// Starts the engine's processes. Throws RequestError (usage), MachineError.
     void start_engine(const std::filesystem::path& program);
     /// The line that a user types on other computers; empty unless the engine is `wait`.
     const std::string& join_line() const { return join_line_; }
     /// True for a process of the engine: its end is the end of computers.
-    static bool is_engine(const std::string& name) { return name.starts_with("engine-"); }
+    static bool is_engine(const std::string& name) { return name.starts_with(engine_prefix); }
     /// True if only processes of the engine run.
     bool only_engine_runs() const;
     /// Orders the other computers to end.
@@ -64,6 +70,7 @@ class Processes {
     std::optional<PollSet> polled_;
     std::vector<int> inputs_;  ///< Write ends; their end ends `pxpl5 join`.
     std::string join_line_;
+    std::vector<std::string> lost_;
     bool is_finished_ = false;
 };
 

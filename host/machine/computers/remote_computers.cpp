@@ -274,6 +274,16 @@ std::vector<Death> RemoteComputers::take_deaths() {
     return std::exchange(deaths_, {});
 }
 
+std::vector<std::string> RemoteComputers::lost() const {
+    std::vector<std::string> names;
+    for (const RemoteComputer& computer : computers_) {
+        if (computer.is_lost || !computer.leaves.empty()) {
+            names.push_back(computer.facts.name);
+        }
+    }
+    return names;
+}
+
 void RemoteComputers::fetch(const std::string& name, const std::string& file) {
     if (const RemoteComputer* computer = computer_of(name)) {
         awaited_files_.insert(file);

@@ -45,6 +45,8 @@ class RemoteComputers {
     void pump(std::int64_t now_ms);
 
     const std::vector<RemoteComputer>& computers() const { return computers_; }
+    /// Names of the computers that are lost or have left by themselves.
+    std::vector<std::string> lost() const;
     /// No further computer may join.
     void close() { is_open_ = false; }
 

@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "host/base/error.hpp"
+#include "host/machine/computers/lost_computers.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
@@ -132,4 +133,59 @@ TEST_CASE("engine: the resolved plan has the computers") {
     CHECK(again.cluster.computers.size() == 2);
     CHECK(again.gp.computer == std::vector<std::string>{"n2"});
     CHECK(again.cluster.listen == "10.0.0.1");
+}
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// The words of the only process of the engine.
+Names words_without(const Topology& plan) {
+    const auto processes = engine_processes(plan.cluster, join);
+    REQUIRE(processes.size() == 1);
+    return processes[0].words;
+}
+
+}  // namespace
+
+TEST_CASE("lost computers: the engine starts the others, and nodes lose their place") {
+    Topology plan = load_topology(
+        "one-of-each", {"engine=command", "engine_command=env", "engine_command={computer}",
+                        "computers=n1,n2,n3", "gp.computer=n2,n3", "renderer.computer=n2"});
+    CHECK(leave_out(plan, {"n2", "n9", "n2"}) == Names{"n2"});
+    const auto processes = engine_processes(plan.cluster, join);
+    REQUIRE(processes.size() == 2);
+    CHECK(processes[0].name == "engine-n1");
+    CHECK(processes[1].name == "engine-n3");
+    CHECK(plan.gp.computer == Names{"n3"});
+    CHECK(plan.renderer.computer.empty());
+    CHECK(leave_out(plan, {"n2"}).empty());
+    CHECK(leave_out(plan, {"n1"}) == Names{"n1"});
+    CHECK(expected_computers(plan.cluster) == 1);
+    // The last one is asked again.
+    CHECK(leave_out(plan, {"n3"}).empty());
+    CHECK(expected_computers(plan.cluster) == 1);
+}
+
+TEST_CASE("lost computers: without names, fewer are awaited") {
+    Topology plan = load_topology("one-of-each", {"engine=wait", "wait=3"});
+    CHECK(leave_out(plan, {"n2"}) == Names{"n2"});
+    CHECK(expected_computers(plan.cluster) == 2);
+    CHECK(leave_out(plan, {"n2"}).empty());
+    CHECK(leave_out(plan, {"n1", "n3"}).empty());
+    CHECK(expected_computers(plan.cluster) == 2);
+}
+
+TEST_CASE("lost computers: Slurm is told which computer it must not use") {
+    Topology plan =
+        load_topology("one-of-each", {"engine=command", "engine_command=env", "wait=3"});
+    plan.cluster.engine = Engine::slurm;
+    CHECK(leave_out(plan, {"n2"}) == Names{"n2"});
+    try {
+        const Names words = words_without(plan);
+        CHECK(std::ranges::count(words, "--exclude=n2") == 1);
+        CHECK(std::ranges::count(words, "--nodes=2") == 1);
+    } catch (const RequestError& error) {  // srun is not installed.
+        CHECK(std::string(error.what()).find("srun") != std::string::npos);
+    }
 }
