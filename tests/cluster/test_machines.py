@@ -43,19 +43,12 @@ def results(out):
             for reply in replies]
 
 
-class Machines(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.cluster = cls.enterClassContext(
-            Cluster(computers=3, slots=64, hosts_as_debian=True, noisy_bashrc=True,
-                    shared=[BIN]))
+def new_cluster():
+    return Cluster(computers=3, slots=64, hosts_as_debian=True, noisy_bashrc=True, shared=[BIN])
 
-    def tearDown(self):
-        self.cluster.wait_until_idle()
 
-    def wait_until_no_node_runs(self):
-        while left := [each for each in self.cluster.processes() if "pxpl5" in str(each)]:
-            contents.wait_for(left, LIMIT_S)
+class OnACluster(unittest.TestCase):
+    """Machines on `self.cluster`."""
 
     def run_lines(self, lines, *words, before=(), check=True):
         return self.cluster.login([*before, PXPL5, "run", "--json", "--run-folder", "runs", *words,
@@ -76,6 +69,19 @@ class Machines(unittest.TestCase):
     def end_of(self, machine, line="digest"):
         out, complaint = machine.communicate(f"{line}\n", timeout=LIMIT_S)
         return machine.returncode, out, complaint
+
+
+class Machines(OnACluster):
+    @classmethod
+    def setUpClass(cls):
+        cls.cluster = cls.enterClassContext(new_cluster())
+
+    def tearDown(self):
+        self.cluster.wait_until_idle()
+
+    def wait_until_no_node_runs(self):
+        while left := [each for each in self.cluster.processes() if "pxpl5" in str(each)]:
+            contents.wait_for(left, LIMIT_S)
 
     def check_engine(self, *words, before=()):
         alone = results(self.run_lines(SCENE, *FOUR_GPS).stdout)
@@ -172,34 +178,6 @@ class Machines(unittest.TestCase):
         self.assertRegex(complaint, "is lost with computer n2|engine-n2 ended with exit code 255")
         self.assertEqual(len(results(out)), 1)
 
-    def check_that_a_session_goes_on_without(self, computer, *words, before=()):
-        """The same picture by the computers that are left, and once more after another restart."""
-        machine = self.start(*words, "--set", "placement=spread", *FOUR_GPS, before=before)
-        machine.stdin.write("digest\n")
-        machine.stdin.flush()
-        digest = json.loads(machine.stdout.readline())["result"]
-        self.cluster.off(computer)
-        try:
-            begin = time.monotonic()
-            machine.stdin.write("digest\n")
-            machine.stdin.flush()
-            again = json.loads(machine.stdout.readline())
-            print(f"power off: the next picture after {time.monotonic() - begin:.1f} s")
-            code, out, complaint = self.end_of(machine, "kill gp-0\ndigest")
-        finally:
-            self.cluster.boot(computer)
-        self.assertEqual(again.get("result"), digest, f"{again} {complaint}")
-        self.assertEqual(code, 0, complaint)
-        self.assertEqual(json.loads(out.splitlines()[-1])["result"], digest)
-        self.assertEqual(complaint.count(f"goes on without computer {computer}"), 1, complaint)
-
-    def test_without_a_lost_computer_by_ssh(self):
-        self.check_that_a_session_goes_on_without("n2", *SSH)
-
-    def test_without_a_lost_computer_by_slurm(self):
-        self.check_that_a_session_goes_on_without(
-            "n2", *SLURM, before=("salloc", "--quiet", "--no-kill", "-N3", "-n3"))
-
     def test_a_killed_host_leaves_nothing(self):
         for words, before in ((SSH, ()), (SLURM, ("salloc", "--quiet", "-N3", "-n3"))):
             with self.subTest(words=words):
@@ -214,6 +192,41 @@ class Machines(unittest.TestCase):
         code, _, complaint = self.end_of(machine)
         self.assertNotEqual(code, 0)
         self.assertRegex(complaint, r"SIGTERM")
+
+
+class Losses(OnACluster):
+    """Each test has a cluster of its own, which has a computer less at the end."""
+
+    def setUp(self):
+        self.cluster = self.enterContext(new_cluster())
+
+    def tearDown(self):
+        self.cluster.wait_until_idle()
+
+    def check_that_a_session_goes_on_without(self, computer, *words, before=()):
+        """The same picture by the computers that are left, and once more after another restart."""
+        machine = self.start(*words, "--set", "placement=spread", *FOUR_GPS, before=before)
+        machine.stdin.write("digest\n")
+        machine.stdin.flush()
+        digest = json.loads(machine.stdout.readline())["result"]
+        self.cluster.off(computer)
+        begin = time.monotonic()
+        machine.stdin.write("digest\n")
+        machine.stdin.flush()
+        again = json.loads(machine.stdout.readline())
+        print(f"power off: the next picture after {time.monotonic() - begin:.1f} s")
+        code, out, complaint = self.end_of(machine, "kill gp-0\ndigest")
+        self.assertEqual(again.get("result"), digest, f"{again} {complaint}")
+        self.assertEqual(code, 0, complaint)
+        self.assertEqual(json.loads(out.splitlines()[-1])["result"], digest)
+        self.assertEqual(complaint.count(f"goes on without computer {computer}"), 1, complaint)
+
+    def test_without_a_lost_computer_by_ssh(self):
+        self.check_that_a_session_goes_on_without("n2", *SSH)
+
+    def test_without_a_lost_computer_by_slurm(self):
+        self.check_that_a_session_goes_on_without(
+            "n2", *SLURM, before=("salloc", "--quiet", "--no-kill", "-N3", "-n3"))
 
 
 if __name__ == "__main__":
