@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <utility>
 
 #include "host/base/stopwatch.hpp"
@@ -46,6 +47,15 @@ std::string host_name() {
     return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "HOST";
 }
 
+/// The part of the line for ssh that names this computer.
+std::string way_here() {
+    const std::string name = host_name();
+    // Users of Slurm reach the computer of a job through the one where they have submitted it.
+    const char* const login = std::getenv("SLURM_SUBMIT_HOST");
+    const bool is_in_job = std::getenv("SLURM_JOB_ID") != nullptr && login != nullptr;
+    return is_in_job && name != login ? fmt::format("-J {} {}", login, name) : name;
+}
+
 void print_addresses(const Server& server, const ServerOptions& options, const Topology& topology) {
     fmt::print("pxpl5 serves {}\n", size_text(topology));
     fmt::print("open      {}\nto watch  {}\n", server.url(), server.watch_url());
@@ -53,7 +63,7 @@ void print_addresses(const Server& server, const ServerOptions& options, const T
         fmt::print(
             "from another computer: ssh -L {0}:127.0.0.1:{0} {1}, then open the same address "
             "there\n",
-            server.port(), host_name());
+            server.port(), way_here());
     }
     fmt::print("Ctrl-C ends it\n");
     std::fflush(stdout);  // Pipes are not line-buffered.

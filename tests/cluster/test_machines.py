@@ -16,6 +16,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import contents  # noqa: E402
 from cluster import Cluster, OTHER_USER, missing  # noqa: E402
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin").resolve()
 PXPL5 = str(BIN / "pxpl5")
 LIMIT_S = 120
@@ -178,12 +179,47 @@ class Machines(OnACluster):
         self.assertRegex(complaint, "is lost with computer n2|engine-n2 ended with exit code 255")
         self.assertEqual(len(results(out)), 1)
 
+    def test_a_job_shows_its_page_and_ends(self):
+        script = ROOT / "host/slurm-session.sbatch"
+        job = self.cluster.login(["sbatch", "--parsable", "-N3", script, "phantom:sphere"],
+                                 env={"PXPL5": PXPL5}).stdout.strip()
+        # No event tells another computer that the file has grown.
+        wait = (f"until grep -q 'ends it' .local/state/pxpl5/job-{job}.txt 2>/dev/null; do "
+                f"[ \"$(squeue -h -j {job} -o %T)\" ] || exit 1; sleep 0.1; done; "
+                f"cat .local/state/pxpl5/job-{job}.txt; stat -c 'mode %a' .local/state/pxpl5/job-*")
+        told = self.cluster.login(["sh", "-c", wait], check=False, timeout=LIMIT_S)
+        self.assertEqual(told.returncode, 0, self.cluster.login(["cat", f"pxpl5-{job}.out"]).stdout)
+        self.assertIn("mode 600", told.stdout)
+        url, port = re.search(r"open +(http://127.0.0.1:(\d+)/\S+)", told.stdout).groups()
+        here = re.search(rf"ssh -L {port}:127.0.0.1:{port} -J login (n\d)", told.stdout)
+        self.assertTrue(here, told.stdout)
+        get = f"import urllib.request as r; print(r.urlopen({url!r}).read().decode())"
+        page = self.cluster.on(here[1], [sys.executable, "-c", get])
+        self.assertIn("pxpl5", page.stdout)
+        out = self.cluster.login(["cat", f"pxpl5-{job}.out"]).stdout
+        self.assertNotIn("token", out)
+        self.cluster.login(["scancel", job])
+        self.cluster.wait_until_idle()
+
     def test_a_killed_host_leaves_nothing(self):
         for words, before in ((SSH, ()), (SLURM, ("salloc", "--quiet", "-N3", "-n3"))):
             with self.subTest(words=words):
                 machine = self.start(*words, *FOUR_GPS, before=before)
                 self.cluster.login(["pkill", "-9", "-f", "pxpl5 run"])
                 machine.communicate(timeout=LIMIT_S)
+                self.cluster.wait_until_idle()
+
+    def test_a_killed_srun(self):
+        in_job = ("salloc", "--quiet", "-N3", "-n3")
+        for words, code in ((ENDS, 137), ((), 0)):
+            with self.subTest(words=words):
+                machine = self.start(*SLURM, *words, *FOUR_GPS, before=in_job)
+                self.cluster.login(["pkill", "-9", "-o", "-x", "srun"])
+                ended, out, complaint = self.end_of(machine)
+                self.assertEqual(ended, code, complaint)
+                self.assertIn("engine-slurm was killed by signal 9", complaint)
+                self.assertNotIn("goes on without computer", complaint)
+                self.assertEqual(len(out.splitlines()), 1, out)
                 self.cluster.wait_until_idle()
 
     def test_the_time_limit_of_a_job(self):

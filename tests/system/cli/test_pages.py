@@ -43,6 +43,7 @@ EXCUSED = {
     (COMPUTERS, "pxpl5 run --engine ssh --computers n1,n2,n3 -c 'load knee.nii.gz; surface bone; "
                 "snapshot bone.png'"): SEVERAL,
     (COMPUTERS, "pxpl5 render knee.nii.gz -o bone.png --engine slurm"): SEVERAL,
+    (COMPUTERS, "sbatch --nodes=3 --time=2:00:00 host/slurm-session.sbatch knee.nii.gz"): SEVERAL,
     (COMPUTERS, "pxpl5 serve knee.nii.gz --engine mpirun --computers n1:8,n2:16"): SEVERAL,
     (COMPUTERS, "pxpl5 serve knee.nii.gz --engine wait --set wait=2"): SEVERAL,
     (BENCH, "ninja -C build/release"): "builds the release preset",
