@@ -132,6 +132,29 @@ class Joins(unittest.TestCase):
                 left = max(end - time.monotonic(), 0)
                 self.assertTrue(select.select([ended], [], [], left)[0], f"{pid} still runs")
 
+    def test_another_build_is_refused_and_the_right_one_joins(self):
+        other = self.folder / "other"
+        mine, theirs = b"pxpl5 {}, protocol", b"pxpl6 {}, protocol"
+        program = (BIN / "pxpl5").read_bytes()
+        self.assertEqual(program.count(mine), 1)
+        other.write_bytes(program.replace(mine, theirs))
+        other.chmod(0o700)
+        machine = subprocess.Popen(
+            [BIN / "pxpl5", "run", "--json", "--run-folder", self.folder / "run", "--engine",
+             "wait", "--set", "wait=1", *LOOPBACK, "-c", "load phantom:sphere"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.env)
+        self.addCleanup(machine.kill)
+        line = re.search(r": (/.*/pxpl5 join .*)$", machine.stderr.readline())[1].split()
+        builds = "it has build 'pxpl6 .*, the host build 'pxpl5 "
+        refused = subprocess.run([other, *line[1:]], capture_output=True, text=True, check=False,
+                                 timeout=LIMIT_S, env=self.env)
+        self.assertEqual(refused.returncode, 69)
+        self.assertRegex(refused.stderr, f"refuses this computer: {builds}")
+        subprocess.run(line, check=True, timeout=LIMIT_S, env=self.env)
+        _, complaint = machine.communicate(timeout=LIMIT_S)
+        self.assertEqual(machine.returncode, 0, complaint)
+        self.assertRegex(complaint, f"was refused: {builds}")
+
     def end_after(self, number):
         """Exit code and standard error of a machine whose join gets a signal. No node is left."""
         machine = self.start(*BY_COMMAND, "--set", "wait=1")
