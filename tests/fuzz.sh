@@ -39,15 +39,15 @@ run_target() {
     local folder=$1 top=$2 seconds=$3 seed=$4 target=$5 options=()
     local found=$folder/found/$target regressions=$top/tests/fuzz/regressions/$target
     local dictionary=$top/tests/fuzz/$target.dict
-    # GDCM reserves what a length asks for; pxpl5-io has a limit of its own.
-    local limit_mib=512
-    [ "$target" != dicom ] || limit_mib=4096
+    # GDCM reserves, and clears, what a length asks for; pxpl5-io has a limit of its own.
+    local limit_mib=512 limit_s=25
+    [ "$target" != dicom ] || limit_mib=4096 limit_s=100
     mkdir -p "$found" "$regressions"
     [ ! -f "$dictionary" ] || options+=("-dict=$dictionary")
     "$folder/fuzz_$target" "$found" "$top/tests/fuzz/corpus/$target" "$regressions" \
-        "-max_total_time=$seconds" "-seed=$seed" -timeout=25 "-rss_limit_mb=$((2 * limit_mib))" \
-        "-malloc_limit_mb=$limit_mib" -print_final_stats=1 -close_fd_mask=1 \
-        "-artifact_prefix=$regressions/" "${options[@]}" \
+        "-max_total_time=$seconds" "-seed=$seed" "-timeout=$limit_s" \
+        "-rss_limit_mb=$((2 * limit_mib))" "-malloc_limit_mb=$limit_mib" \
+        -print_final_stats=1 -close_fd_mask=1 "-artifact_prefix=$regressions/" "${options[@]}" \
         >"$folder/$target.log" 2>&1 || touch "$folder/$target.failed"
     rmdir --ignore-fail-on-non-empty "$regressions"
 }

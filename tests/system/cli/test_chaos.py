@@ -5,6 +5,7 @@ test_chaos.py BIN_DIR [--trials N] [--seed S]. A long run prints one line per tr
 the median time from a death to the next right answer.
 """
 import argparse
+import contextlib
 import json
 import os
 import pathlib
@@ -47,13 +48,6 @@ LIVELY = ("--set", "heartbeat.interval_ms=100", "--set", "heartbeat.misses=20")
 
 class Failure(Exception):
     pass
-
-
-def is_named(pid, name):
-    try:
-        return name_of(pid) == name
-    except (FileNotFoundError, ProcessLookupError):
-        return False  # It has ended meanwhile.
 
 
 class Host:
@@ -102,7 +96,7 @@ class Host:
         """Its pxpl5-io, as soon as there is one or an answer."""
         deadline = time.monotonic() + DEADLINE_S
         while time.monotonic() < deadline:
-            found = [pid for pid in children_of(self.process.pid) if is_named(pid, "pxpl5-io")]
+            found = [pid for pid in children_of(self.process.pid) if name_of(pid) == "pxpl5-io"]
             if found or select.select([self.process.stdout], [], [], 0)[0]:
                 return found
         raise Failure("neither pxpl5-io nor an answer")
@@ -250,8 +244,10 @@ def io_trial(binaries, seed, expected):
             else:
                 host.wait_for_answer(chance.uniform(0, LONGEST_IO_WORK_S))
             for victim in host.ios():
-                if is_named(victim, "pxpl5-io"):
-                    os.kill(victim, number)
+                # It may have ended meanwhile, and its number may even belong to another program.
+                if name_of(victim) == "pxpl5-io":
+                    with contextlib.suppress(ProcessLookupError):
+                        os.kill(victim, number)
             answer = host.answer()
             check_io_answer(answer)
             if host.parts():
