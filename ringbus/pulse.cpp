@@ -45,6 +45,9 @@ std::jthread quiet_thread(const std::function<void(const std::stop_token&)>& act
 }
 
 void beat(const std::stop_token& stop, PulseWords& words, std::chrono::milliseconds interval) {
+    words.beater.store(gettid());
+    count(words.beats);  // A process that says Hello has beaten. Otherwise, it is one that starts.
+    words.beater.notify_one();
     std::mutex mutex;
     std::condition_variable_any bell;
     std::unique_lock lock(mutex);
@@ -52,14 +55,6 @@ void beat(const std::stop_token& stop, PulseWords& words, std::chrono::milliseco
         words.cpu_ns.store(processor_ns(), std::memory_order_relaxed);
         count(words.beats);
     }
-}
-
-/// The cell after the first beat. A process that says Hello has beaten, or it would be taken for
-/// one that starts.
-std::unique_ptr<PulseCell> begin_beating(int fd) {
-    auto cell = std::make_unique<PulseCell>(fd);
-    count(cell->words().beats);
-    return cell;
 }
 
 }  // namespace
@@ -111,6 +106,7 @@ PulseReading PulseCell::read() const {
                          .progress = value(words_->progress),
                          .worked = value(words_->worked),
                          .cpu_ns = value(words_->cpu_ns),
+                         .beater = words_->beater.load(std::memory_order_relaxed),
                          .phase = static_cast<Phase>(work >> phase_shift & 0xff),
                          .doing = {}};
     const std::uint64_t kind = work & 0xffff;
@@ -139,10 +135,12 @@ void PulseCell::set(const PulseNumbers& numbers) {
 }
 
 Pulse::Pulse(int fd, int interval_ms)
-    : cell_(begin_beating(fd)),
+    : cell_(std::make_unique<PulseCell>(fd)),
       beating_(quiet_thread([&words = cell_->words(), interval_ms](const std::stop_token& stop) {
           beat(stop, words, std::chrono::milliseconds(interval_ms));
-      })) {}
+      })) {
+    cell_->words().beater.wait(0);  // The host may look for the thread once the node has beaten.
+}
 
 void Pulse::enter(Phase phase, const Doing& doing) {
     if (!cell_) {

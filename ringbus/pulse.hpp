@@ -18,6 +18,7 @@ struct PulseReading {
     std::uint64_t progress = 0;  ///< Steps of the node's loop. An idle loop takes one per second.
     std::uint64_t worked = 0;    ///< Steps that took a message or did a piece of work.
     std::uint64_t cpu_ns = 0;    ///< Processor time of the process at the last beat.
+    int beater = 0;              ///< Id of the thread that beats; 0 if the node has none.
     Phase phase = Phase::waiting;
     Doing doing;
 };
@@ -25,6 +26,7 @@ struct PulseReading {
 /// The numbers in the shared memory. One thread writes each.
 struct PulseWords {
     std::atomic<std::uint64_t> beats{0}, cpu_ns{0};
+    std::atomic<std::int32_t> beater{0};
     alignas(64) std::atomic<std::uint64_t> progress{0};
     std::atomic<std::uint64_t> worked{0}, work{0}, place{0};
 };

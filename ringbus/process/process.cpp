@@ -199,6 +199,7 @@ int run(const ProcessFlags& flags, schema::Role role, const NodeFactory& make_no
     if (!flags.near_bind.empty()) {
         link.listen_near(flags.near_bind);
     }
+    link.compress_far(flags.compress);
     link.on_refusal(&print_refusal);
     link.add_peer(host_id, schema::Role::host, flags.host_endpoint);
     link.linger(host_id, last_words_ms);
@@ -220,6 +221,9 @@ std::vector<std::string> to_arguments(const ProcessFlags& flags) {
                                           "--credentials-fd", std::to_string(flags.credentials_fd)};
     if (!flags.near_bind.empty()) {
         arguments.insert(arguments.end(), {"--near-bind", flags.near_bind});
+    }
+    if (flags.compress) {
+        arguments.emplace_back("--compress");
     }
     if (flags.record != Recording::off) {
         arguments.insert(arguments.end(),
@@ -249,6 +253,8 @@ ProcessFlags parse_flags(int argc, char** argv) {
             flags.bind = value();
         } else if (flag == "--near-bind") {
             flags.near_bind = value();
+        } else if (flag == "--compress") {
+            flags.compress = true;
         } else if (flag == "--node-id") {
             flags.node_id = static_cast<NodeId>(parse_whole(flag, value(), 1, 0xffff));
         } else if (flag == "--index") {

@@ -26,6 +26,7 @@ struct ProcessFlags {
     int pulse_ms = 1000;       ///< --pulse-ms: time between two beats.
     int credentials_fd = -1;   ///< --credentials-fd: open pipe with the machine's credentials.
     std::string near_bind{};   ///< --near-bind: another one, for nodes on the same computer.
+    bool compress = false;     ///< --compress: messages to other computers are compressed.
 };
 
 /// Returns the flags as a command line for parse_flags().

@@ -33,7 +33,9 @@ std::optional<Arrived> Gate::receive(zmq::socket_t& inbound, Entrance entrance,
 bool Gate::has_header(Arrived& arrived, const zmq::message_t& head, std::size_t parts) {
     arrived.place = extra_of<ArenaPlace>(head);
     arrived.offer = extra_of<ArenaOffer>(head);
-    const bool known = head.size() == sizeof(schema::Header) || arrived.place || arrived.offer;
+    arrived.packed = extra_of<PackedBody>(head);
+    const bool known =
+        head.size() == sizeof(schema::Header) || arrived.place || arrived.offer || arrived.packed;
     const std::size_t wanted = arrived.place ? 1 : 2;
     if (!known || parts != wanted) {
         door_.refuse(RefusalReason::no_message,
@@ -57,8 +59,8 @@ bool Gate::has_header(Arrived& arrived, const zmq::message_t& head, std::size_t 
 /// Returns whether the message is a Hello with the secret.
 bool Gate::may_join(const Arrived& arrived) {
     try {
-        if (arrived.place) {
-            throw BadMessage("a Hello whose body is elsewhere");
+        if (arrived.place || arrived.packed) {
+            throw BadMessage("a Hello whose body is elsewhere, or compressed");
         }
         const Message message = message_of(arrived.header, arrived.body);
         if (!door_.lets_join(arrived.header, *message.as<schema::Hello>(), secret_)) {

@@ -8,6 +8,7 @@
 
 #include "ringbus/door.hpp"
 #include "ringbus/zmq/arena_layout.hpp"
+#include "ringbus/zmq/packed_body.hpp"
 
 namespace pxpl5::bus {
 
@@ -17,6 +18,7 @@ struct Arrived {
     std::shared_ptr<zmq::message_t> body;  ///< Null if it is in the sender's arena.
     std::optional<ArenaPlace> place;
     std::optional<ArenaOffer> offer;
+    std::optional<PackedBody> packed;  ///< `body` is compressed.
 };
 
 class Gate {

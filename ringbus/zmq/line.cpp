@@ -16,6 +16,8 @@ namespace {
 
 constexpr int ask_ms = 250;     // Between two questions whether the other side is there.
 constexpr int silent_ms = 750;  // Without an answer: the other side is gone.
+// Handshakes that fail without a reason, until the key counts as refused.
+constexpr int max_failures = 3;
 constexpr const char* line_events_address = "inproc://pxpl5-line-events";
 
 void prepare_line(zmq::socket_t& socket) {
@@ -45,19 +47,20 @@ struct LinePort::Parts {
     std::uint64_t bad_letters = 0;
 };
 
-LinePort::LinePort(const std::string& listen, const Credentials& credentials)
+LinePort::LinePort(const std::string& listen, int port, const Credentials& credentials)
     : parts_(std::make_unique<Parts>()) {
     prepare_line(parts_->socket);
     if (credentials.keys) {
         guard_inbound(parts_->socket, *credentials.keys);
         parts_->guard.start(parts_->context, parts_->socket, *credentials.keys);
     }
-    const std::string address = fmt::format("tcp://{}:*", listen);
+    const std::string address =
+        fmt::format("tcp://{}:{}", listen, port == 0 ? "*" : std::to_string(port));
     try {
         uninterrupted([&] { parts_->socket.bind(address); });
     } catch (const zmq::error_t& error) {
         throw std::runtime_error(
-            fmt::format("cannot listen at {} for other computers: {}", listen, error.what()));
+            fmt::format("cannot listen at {} for other computers: {}", address, error.what()));
     }
     const std::string bound = parts_->socket.get(zmq::sockopt::last_endpoint);
     parts_->port = std::stoi(bound.substr(bound.rfind(':') + 1));
@@ -99,7 +102,8 @@ struct Line::Parts {
     zmq::context_t context = make_context();
     zmq::socket_t socket{context, zmq::socket_type::dealer};
     zmq::socket_t events{context, zmq::socket_type::pair};
-    bool is_connected = false, was_refused = false;
+    bool is_connected = false, was_lost = false, was_refused = false;
+    int failures = 0;  ///< Handshakes that failed without a reason.
 };
 
 Line::Line(const std::string& endpoint, const Credentials& credentials)
@@ -153,10 +157,23 @@ bool Line::is_connected() {
             parts_->is_connected = true;
         } else {
             parts_->is_connected = false;
-            parts_->was_refused |= event != ZMQ_EVENT_DISCONNECTED;
+            parts_->was_lost |= event == ZMQ_EVENT_DISCONNECTED;
+            // Without a detail: another key of the host, or a connection that was cut.
+            parts_->failures += event == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL ? 1 : 0;
+            parts_->was_refused |= event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL ||
+                                   event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH ||
+                                   parts_->failures >= max_failures;
         }
     }
     return parts_->is_connected;
+}
+
+bool Line::was_lost() const {
+    return parts_->was_lost;
+}
+
+void Line::drop_unsent() {
+    parts_->socket.set(zmq::sockopt::linger, 0);
 }
 
 bool Line::was_refused() const {

@@ -21,8 +21,9 @@ using Letter = std::vector<std::uint8_t>;
 class LinePort {
   public:
     /// listen  An IPv4 address of this computer, or 0.0.0.0.
-    /// Throws std::runtime_error if the address cannot be used.
-    LinePort(const std::string& listen, const Credentials& credentials);
+    /// port    0: a free one.
+    /// Throws std::runtime_error if address or port cannot be used.
+    LinePort(const std::string& listen, int port, const Credentials& credentials);
     ~LinePort();
     LinePort(const LinePort&) = delete;
     LinePort& operator=(const LinePort&) = delete;
@@ -68,6 +69,11 @@ class Line {
     /// False before the first handshake, and while the host does not answer: ZeroMQ asks it every
     /// 250 ms, and gives up after 750 ms.
     bool is_connected();
+    /// True if the line has been lost once. It may go to another program at the same address now,
+    /// which has not got the letters from before.
+    bool was_lost() const;
+    /// Letters that are not sent yet are never sent.
+    void drop_unsent();
     /// True if the host, or another program at its address, has refused the key.
     bool was_refused() const;
 

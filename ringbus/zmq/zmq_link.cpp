@@ -18,6 +18,7 @@
 #include "ringbus/zmq/gate.hpp"
 #include "ringbus/zmq/guard.hpp"
 #include "ringbus/zmq/inbound.hpp"
+#include "ringbus/zmq/packed_body.hpp"
 #include "ringbus/zmq/zmq_parts.hpp"
 
 namespace pxpl5::bus {
@@ -39,6 +40,7 @@ struct Peer {
     int linger_ms = closing_ms;
     bool shares_memory = false;  ///< May open this node's arena, and offer its own.
     bool has_offer = false;
+    bool is_far = false;  ///< On another computer.
     Window window;
     std::deque<Payload> waiting;  ///< Waits for credit.
     std::uint64_t waiting_bytes = 0;
@@ -69,6 +71,8 @@ struct ZmqLink::Parts {
     std::map<NodeId, std::shared_ptr<ArenaView>> views;  ///< Arenas that peers have offered.
     std::size_t queued = 0;                              ///< Waiting messages of all peers.
     bool has_more = false;
+    bool compresses_far = false;
+    Packer packer;
     Gate gate;
     Wire wire{self.id};
 
@@ -78,6 +82,13 @@ struct ZmqLink::Parts {
         if (const auto place = arena.lend(to, payload)) {
             send_part(peer, part_of(header, *place), zmq::send_flags::none);
             return;
+        }
+        if (peer.is_far && compresses_far && payload.bytes().size() >= min_packed_body_bytes) {
+            if (auto packed = packer.pack(payload.bytes())) {
+                send_part(peer, part_of(header, PackedBody()), zmq::send_flags::sndmore);
+                send_part(peer, std::move(*packed), zmq::send_flags::none);
+                return;
+            }
         }
         const bool offers = peer.shares_memory && !peer.has_offer && arena.can_lend(payload);
         peer.has_offer = peer.has_offer || offers;
@@ -149,7 +160,20 @@ struct ZmqLink::Parts {
         if (arrived.offer) {
             open_arena(header.source(), *arrived.offer);
         }
+        if (arrived.packed && !is_far(header.source())) {
+            throw BadMessage(header, fmt::format("message from node {}: a compressed body from "
+                                                 "this computer",
+                                                 header.source()));
+        }
+        if (arrived.packed) {
+            return message_of(header, unpacked_body(header, *arrived.packed, *arrived.body));
+        }
         return message_of(header, arrived.body);
+    }
+
+    bool is_far(NodeId source) const {
+        const auto peer = peers.find(source);
+        return peer != peers.end() && peer->second.is_far;
     }
 
     /// Maps the arena of a peer that may share memory. Other bodies are copied.
@@ -171,7 +195,7 @@ struct ZmqLink::Parts {
             return;
         }
         Consumed& consumed = found->second.consumed;
-        consumed.add(arrived.body ? arrived.body->size() : header.body_bytes());
+        consumed.add(arrived.body && !arrived.packed ? arrived.body->size() : header.body_bytes());
         if (consumed.is_due()) {
             schema::CreditT returned;
             returned.messages = consumed.messages;
@@ -257,10 +281,18 @@ void ZmqLink::add_peer(NodeId id, schema::Role role, const std::string& endpoint
     Peer peer;
     peer.endpoint = endpoint;
     // The io process reads files of strangers, so it gets and gives copies.
+    peer.is_far = !is_near(endpoint) && parts_->credentials.allows_network;
     peer.shares_memory =
         is_near(endpoint) && role != schema::Role::io && parts_->self.role != schema::Role::io;
     parts_->peers.insert_or_assign(id, std::move(peer));
     parts_->gate.door().admit(id, role);
+}
+
+void ZmqLink::compress_far(bool compress) {
+    parts_->compresses_far = compress;
+}
+bool ZmqLink::compresses_far() const {
+    return parts_->compresses_far;
 }
 
 void ZmqLink::expect(NodeId id, schema::Role role) {

@@ -51,6 +51,10 @@ class ZmqLink final : public Link {
     NodeId id() const override;
     const std::string& endpoint() const override;
     void add_peer(NodeId id, schema::Role role, const std::string& endpoint) override;
+    /// Whether bodies to other computers are compressed. They arrive as they were sent, and counts
+    /// and modelled times are those of the bodies themselves.
+    void compress_far(bool compress);
+    bool compresses_far() const;
     /// Lets the Hello of a started process in (Door::expect). add_peer() follows.
     void expect(NodeId id, schema::Role role);
     /// See Door::on_refusal().

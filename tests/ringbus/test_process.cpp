@@ -317,8 +317,10 @@ TEST_SUITE("ringbus/process") {
     }
 
     TEST_CASE("flags survive the command line") {
-        const ProcessFlags flags{"ipc://h",     "ipc://b", 7, 3,   4242, Recording::full,
-                                 "t/gp-3.mcap", 1234,      4, 500, 3};
+        ProcessFlags flags{"ipc://h",     "ipc://b", 7, 3,   4242, Recording::full,
+                           "t/gp-3.mcap", 1234,      4, 500, 3};
+        flags.near_bind = "ipc://near";
+        flags.compress = true;
         std::vector<std::string> words = to_arguments(flags);
         words.insert(words.begin(), "program");
         words.emplace_back("--memory-mib");  // For the program's own main.
@@ -339,6 +341,8 @@ TEST_SUITE("ringbus/process") {
         CHECK(back.pulse_fd == 4);
         CHECK(back.pulse_ms == 500);
         CHECK(back.credentials_fd == 3);
+        CHECK(back.near_bind == "ipc://near");
+        CHECK(back.compress);
     }
 
     TEST_CASE("missing and malformed flags are named") {
