@@ -9,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/text_output.hpp"
+#include "host/report/cluster_scaling.hpp"
 #include "host/report/fit_text.hpp"
 #include "host/report/measure.hpp"
 #include "host/report/reason.hpp"
@@ -156,6 +157,25 @@ Output paper_output(const Material& material, const ReportOptions& options,
     return output;
 }
 
+Output cluster_output(const Material& material, const Topology& modelled,
+                      const timing::Cluster& cluster, const Progress& progress) {
+    const std::uint32_t nodes = nodes_per_computer(cluster);
+    ClusterScaling scaling{cluster, nodes, nodes, {}};
+    for (std::size_t i = 0; i < material.cases.size(); ++i) {
+        progress.tell(fmt::format("model: {}", material.sources[i].name));
+        scaling.rows.push_back(cluster_scaling_of(modelled, cluster, material.sources[i].name,
+                                                  material.cases[i].work));
+    }
+    Output output{text_of(scaling), {}, fields_of(scaling), plots_of(scaling)};
+    Fields parameters;
+    for (const timing::ClusterRow& row : timing::cluster_rows()) {
+        parameters.push_back({std::string(row.name), cluster.*row.value});
+    }
+    output.fields = {
+        {"parameters", parameters}, {"points", output.lines}, {"ends", ends_of(scaling)}};
+    return output;
+}
+
 Output scaling_output(const Material& material, const Progress& progress) {
     ScalingReport report{material.machine.gps, material.machine.renderers, {}};
     for (std::size_t i = 0; i < material.cases.size(); ++i) {
@@ -175,9 +195,13 @@ void write(const std::string& path, std::string_view text) {
 }
 
 void put(const Output& output, const ReportOptions& options) {
-    TextOutput out("");
-    out.put(options.json ? json_text(output.fields) + "\n" : output.text);
-    out.finish();
+    try {
+        TextOutput out("");
+        out.put(options.json ? json_text(output.fields) + "\n" : output.text);
+        out.finish();
+    } catch (const OutputClosed&) {
+        // The reader has gone. The files are still wanted.
+    }
     if (!options.csv.empty()) {
         std::string csv = csv_heading(output.lines.at(0));
         for (const Fields& line : output.lines) {
@@ -202,6 +226,14 @@ void check(const ReportOptions& options) {
         throw RequestError(ExitCode::usage,
                            "--sensitivity, --fit and --pictures go with --paper, not --scaling");
     }
+    if (options.cluster && !options.scaling) {
+        throw RequestError(ExitCode::usage, "--cluster goes with --scaling");
+    }
+    if (!options.cluster && !options.computers.is_empty()) {
+        throw RequestError(ExitCode::usage,
+                           "--link, --link-mbit, --cores and --cluster-set go with --cluster");
+    }
+    timing::cluster_of(options.computers);
     if (!options.picture.empty()) {
         check_picture_suffix("--picture", options.picture);
     }
@@ -217,9 +249,11 @@ void run_report(Session& session, const ReportOptions& options, const Topology& 
         progress->tell(fmt::format("{} of {}: {}", done + 1, material.sources.size(), source.name));
     };
     material.cases = measure(session, material.sources, measuring);
-    const Output output = options.paper
-                              ? paper_output(material, options, modelled, drawn_by, *progress)
-                              : scaling_output(material, *progress);
+    const Output output =
+        options.paper ? paper_output(material, options, modelled, drawn_by, *progress)
+        : options.cluster
+            ? cluster_output(material, modelled, timing::cluster_of(options.computers), *progress)
+            : scaling_output(material, *progress);
     progress.reset();
     put(output, options);
 }

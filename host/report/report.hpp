@@ -6,11 +6,14 @@
 
 #include "host/machine/topology.hpp"
 #include "host/session/session.hpp"
+#include "host/timing/cluster/parameters.hpp"
 
 namespace pxpl5::host::report {
 
 struct ReportOptions {
     bool paper = false, scaling = false;
+    bool cluster = false;                   ///< With scaling: computers of today.
+    timing::ClusterOptions computers{};     ///< Their parameters.
     bool sensitivity = false, fit = false;  ///< With the paper's table.
     bool json = false;
     std::vector<std::string> rows;  ///< By name; all if empty.

@@ -18,9 +18,11 @@ constexpr std::uint32_t last_volume = 0xFFFFFFFF;  ///< Ends the answering threa
 constexpr std::size_t line_bytes = 64;
 constexpr int patience_ms = 10'000;
 
-/// A new message of about `bytes`, in the memory of the sender's link.
-bus::Payload message_of(std::size_t bytes, std::uint32_t volume, bus::ZmqLink& link) {
-    flatbuffers::FlatBufferBuilder builder(bytes + 1024, link.body_allocator());
+/// A new message of about `bytes`, in the memory of the sender's link, or, as if the receiver were
+/// on another computer, in memory that the link cannot lend.
+bus::Payload message_of(std::size_t bytes, std::uint32_t volume, bus::ZmqLink& link,
+                        bool is_lent = true) {
+    flatbuffers::FlatBufferBuilder builder(bytes + 1024, is_lent ? link.body_allocator() : nullptr);
     std::uint8_t* values = nullptr;
     const auto vector = builder.CreateUninitializedVector(bytes, &values);
     std::memset(values, static_cast<int>(volume & 0xFF), bytes);
@@ -68,31 +70,53 @@ bool is_lent_if_large(std::size_t bytes, bus::ZmqLink& link) {
     return payload.bytes().size() < bus::min_arena_body_bytes || arena.can_lend(payload);
 }
 
-/// There and back. Its CPU time, of all threads, is what two wake-ups and `bytes` cost.
-void there_and_back(benchmark::State& state) {
+/// Sends messages of state.range(0) bytes from `here` to `there`, each when the last is answered.
+void exchange(benchmark::State& state, bus::ZmqLink& here, bus::ZmqLink& there, bool is_lent) {
     const auto bytes = static_cast<std::size_t>(state.range(0));
-    bus::ZmqLink here({near_id, schema::Role::host}, test::ipc_address("near"));
-    bus::ZmqLink there({far_id, schema::Role::gp}, test::ipc_address("far"));
     here.add_peer(far_id, schema::Role::gp, there.endpoint());
     there.add_peer(near_id, schema::Role::host, here.endpoint());
-    if (!is_lent_if_large(bytes, here)) {
+    if (is_lent && !is_lent_if_large(bytes, here)) {
         state.SkipWithError("the body is not lent: it would be copied");
         return;
     }
     std::thread other([&there] { answer(there); });
     std::uint32_t number = 0;
     for (auto _ : state) {
-        here.send(far_id, message_of(bytes, ++number, here));
+        here.send(far_id, message_of(bytes, ++number, here, is_lent));
         benchmark::DoNotOptimize(next(here));
     }
     here.send(far_id, message_of(1, last_volume, here));
     other.join();
     state.SetBytesProcessed(state.iterations() * state.range(0));
 }
+
+/// There and back. Its CPU time, of all threads, is what two wake-ups and `bytes` cost.
+void there_and_back(benchmark::State& state) {
+    bus::ZmqLink here({near_id, schema::Role::host}, test::ipc_address("near"));
+    bus::ZmqLink there({far_id, schema::Role::gp}, test::ipc_address("far"));
+    exchange(state, here, there, true);
+}
 BENCHMARK(there_and_back)
     ->ArgName("bytes")
     ->RangeMultiplier(16)
     ->Range(64, 16 << 20)
+    ->UseRealTime()
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMicrosecond);
+
+/// The same between two computers: the differences of CPU times with and without encryption, and
+/// of two sizes, are what both ends need for a message and for a byte.
+void over_tcp(benchmark::State& state) {
+    const auto protection =
+        state.range(1) != 0 ? bus::Protection::curve : bus::Protection::plain_tcp;
+    const bus::Credentials credentials = bus::make_credentials(protection);
+    bus::ZmqLink here({near_id, schema::Role::host}, "tcp://127.0.0.1:*", credentials);
+    bus::ZmqLink there({far_id, schema::Role::gp}, "tcp://127.0.0.1:*", credentials);
+    exchange(state, here, there, false);
+}
+BENCHMARK(over_tcp)
+    ->ArgNames({"bytes", "curve"})
+    ->ArgsProduct({{64, 1 << 14, 1 << 20}, {0, 1}})
     ->UseRealTime()
     ->MeasureProcessCPUTime()
     ->Unit(benchmark::kMicrosecond);

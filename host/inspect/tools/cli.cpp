@@ -188,13 +188,28 @@ void declare(const Line& line, WhyNotTool& tool) {
 
 void declare(const Line& line, ModelOptions& options) {
     line.run(options);
-    line.option("--topology", options.topology, "Modelled machine: a name or a file");
+    line.option("--topology", options.topology,
+                "Modelled machine: a name or a file; default: paper-1993, with --cluster the nodes "
+                "of the run");
     line.option("--set", options.overrides,
                 "Change a value of the machine: gp.count=54, ring.channel_mb_s=160, share=own");
     line.option("--sweep", options.sweeps,
                 "Time the last picture, or the picture of --frame, on many machines: "
                 "gp.count=1..64, gp.count=1..64*2, ring.channel_mb_s=40,80,160; give the option "
                 "twice to sweep two keys");
+    line.option("--cluster", options.cluster,
+                "Model the last picture on this many computers of today instead: 3, 1,2,4 or "
+                "1..256*2");
+    line.option("--link", options.computers.link,
+                "Links of --cluster: 1g, 10g, 25g, 100g or infiniband; default: 10g");
+    line.option("--link-mbit", options.computers.link_mbit,
+                "Rate of the links of --cluster, in Mbit/s");
+    line.option("--cores", options.computers.cores,
+                "Cores of each computer of --cluster; default: 8");
+    line.option("--cluster-set", options.computers.settings,
+                "Change a parameter of the table that --cluster prints: curve=0, core.speed=2");
+    line.flag("--host-apart", options.computers.host_apart,
+              "Put the host of --cluster on one more computer instead of the first");
     line.selection(options, "frame");
     line.option("--csv", options.csv, "Write a table to this file: a line per step or machine");
     line.option("--plot", options.plot,

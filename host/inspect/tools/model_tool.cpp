@@ -10,6 +10,7 @@
 #include "host/base/answer.hpp"
 #include "host/base/error.hpp"
 #include "host/base/text_output.hpp"
+#include "host/inspect/model/model_cluster.hpp"
 #include "host/inspect/model/model_run.hpp"
 #include "host/inspect/model/model_sweep.hpp"
 #include "host/inspect/model/recorded_work.hpp"
@@ -22,6 +23,24 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
+constexpr const char* default_topology = "paper-1993";
+
+/// Throws RequestError (usage) for options of --cluster without it, and the reverse.
+void check_cluster(const ModelOptions& options) {
+    const bool has_cluster = !options.cluster.empty();
+    if (has_cluster && (!options.sweeps.empty() || !options.plot.empty())) {
+        throw RequestError(ExitCode::usage,
+                           "--sweep and --plot model the machine of 1993, --cluster several "
+                           "computers of today: give only one. `report --scaling --cluster "
+                           "--picture FILE` draws curves");
+    }
+    if (!has_cluster && !options.computers.is_empty()) {
+        throw RequestError(ExitCode::usage,
+                           "--link, --link-mbit, --cores, --cluster-set and --host-apart go with "
+                           "--cluster");
+    }
+}
+
 /// Throws RequestError (usage) that lists the recorded frames if a range has none of them.
 void check_frames(const RecordedRun& run, const std::vector<Range>& ranges) {
     const std::vector<std::uint32_t> frames = run.frames();
@@ -32,9 +51,8 @@ void check_frames(const RecordedRun& run, const std::vector<Range>& ranges) {
     }
 }
 
-timing::RunWork work_of(const ModelOptions& options) {
+timing::RunWork work_of(const ModelOptions& options, const RecordedRun& run) {
     const std::vector<Range> frames = parse_selection(options.selection).frames;
-    const RecordedRun run = open_run(options.run);
     check_frames(run, frames);
     timing::RunWork work = recorded_work(run, frames);
     if (work.steps.empty()) {
@@ -99,13 +117,36 @@ std::vector<timing::SweptKey> keys_of(const ModelOptions& options, const Topolog
     return keys;
 }
 
+/// The run on several computers. Without --topology, the machine has the nodes of the run.
+int run_cluster(const ModelOptions& options) {
+    std::vector<std::string> overrides = options.overrides;
+    const timing::Cluster cluster = timing::cluster_of(options.computers);
+    const std::string topology = options.topology.value_or(default_topology);
+    load_modelled_topology(topology, overrides);  // Refuses wrong options.
+    const RecordedRun run = open_run(options.run);
+    if (!options.topology) {
+        overrides.insert(overrides.begin(),
+                         {fmt::format("gp.count={}", run.gp_count()),
+                          fmt::format("renderer.count={}", run.renderer_count())});
+    }
+    const Topology plan = load_modelled_topology(topology, overrides);
+    put(outputs_of(options, answer_of(modelled_cluster(plan, cluster, options.cluster,
+                                                       work_of(options, run)))));
+    return 0;
+}
+
 }  // namespace
 
 int run_model(const ModelOptions& options) {
     // Wrong options are refused before anything is read.
-    const Topology plan = load_modelled_topology(options.topology, options.overrides);
+    check_cluster(options);
+    if (!options.cluster.empty()) {
+        return run_cluster(options);
+    }
+    const Topology plan =
+        load_modelled_topology(options.topology.value_or(default_topology), options.overrides);
     std::vector<timing::SweptKey> keys = keys_of(options, plan);
-    timing::RunWork work = work_of(options);
+    timing::RunWork work = work_of(options, open_run(options.run));
     // Existing files stay unchanged until all results are computed.
     std::vector<Output> outputs;
     std::optional<Chart> plot;

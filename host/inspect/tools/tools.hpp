@@ -10,6 +10,7 @@
 
 #include "host/base/text_output.hpp"
 #include "host/inspect/record/selection.hpp"
+#include "host/timing/cluster/parameters.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -105,10 +106,13 @@ struct WhyNotTool : PixelOptions {
 int run_why_not(const WhyNotTool& tool);
 
 struct ModelOptions : RunOptions {
-    std::string topology = "paper-1993";
+    std::optional<std::string> topology{};
     std::vector<std::string> overrides{};  ///< --set.
     std::vector<std::string> sweeps{};     ///< "gp.count=1..64".
     std::string csv{}, plot{};             ///< Files; empty for none.
+    // Computers of today instead of the machine of 1993.
+    std::string cluster{};  ///< "3" or "1..256*2".
+    timing::ClusterOptions computers{};
 };
 int run_model(const ModelOptions& options);
 

@@ -208,6 +208,48 @@ class ModelCli(unittest.TestCase):
         self.assertEqual((done.returncode, done.stdout), (1, told))
         self.assertIn("nowhere/s.csv", done.stderr)
 
+    def test_several_computers_of_today(self):
+        told = self.model("--cluster", "1")
+        self.assertEqual((told["gps"], told["renderers"], told["frame"]), (1, 1, 1))
+        self.assertEqual(told["crossings"], [])
+        apart = ["--cluster", "2,3", "--set", "gp.computer=n1", "--set", "renderer.computer=n2",
+                 "--link-mbit", "100", "--csv", self.path("c.csv")]
+        told = self.model(*apart)
+        self.assertEqual([point["computers"] for point in told["computers"]], [2, 3])
+        self.assertEqual(told["computers"][0]["limit"], "link")
+        values = {row["name"]: row["value"] for row in told["parameters"]}
+        self.assertEqual(values["link.mbit"], 100)
+        self.assertLessEqual({"bins", "pixels"}, {row["kind"] for row in told["crossings"]})
+        with open(self.path("c.csv"), encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([float(row["frames_per_s"]) for row in rows],
+                         [point["frames_per_s"] for point in told["computers"]])
+        text = self.output("model", self.small, *apart)
+        self.assertIn(f"{told['computers'][0]['frames_per_s']:.1f}", text)
+        plain = self.model(*apart, "--cluster-set", "link.mbit=200")
+        self.assertAlmostEqual(plain["computers"][0]["frames_per_s"] /
+                               told["computers"][0]["frames_per_s"], 2, delta=0.01)
+
+    def test_nodes_of_several_computers_are_those_of_the_run_unless_named(self):
+        def nodes(run, *more):
+            told = json.loads(self.output("model", run, "--json", "--cluster", "2", *more))
+            return told["gps"], told["renderers"]
+        self.assertEqual(nodes(self.large), (3, 2))
+        self.assertEqual(nodes(self.large, "--set", "gp.count=5"), (5, 2))
+        self.assertEqual(nodes(self.large, "--topology", "paper-1993"), (36, 16))
+
+    def test_what_is_asked_wrongly_of_several_computers(self):
+        for words, part in (
+                (["--cluster", "0"], "must be a number of computers, 1 to 256"),
+                (["--cluster", "2", "--link", "1t"], "must be one of 1g, 10g"),
+                (["--cluster", "2", "--cores", "0"], "cores is 0 per computer, must be 1 to 4096"),
+                (["--cluster", "2", "--cluster-set", "core=1"], "must be one of link.mbit"),
+                (["--cluster", "2", "--set", "gp.computer=n3"], "only n1, n2 are there"),
+                (["--cluster", "2", "--sweep", "gp.count=1,2"], "give only one"),
+                (["--link", "10g"], "go with --cluster")):
+            with self.subTest(words):
+                self.assertIn(part, self.refusal(64, self.small, *words))
+
     def test_a_run_without_frames_or_without_anything(self):
         loaded = self.recorded("loaded", 1, 1, "load phantom:sphere")
         self.assertIn("no complete picture", self.output("model", loaded))

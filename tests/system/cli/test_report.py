@@ -112,6 +112,38 @@ class Phantoms(Report):
         self.assertLessEqual(float(lines[1]["build_speed_up"]), 2.1)
         xml.etree.ElementTree.parse(self.path("s.svg"))
 
+    def test_scaling_over_computers_is_the_same_in_text_json_csv_and_picture(self):
+        words = ["--scaling", "--cluster", "pelvis/bone", "--link", "25g", "--cores", "16"]
+        text = self.report(*words).stdout
+        told = json.loads(self.report(*words, "--json", "--csv", self.path("c.csv"), "--picture",
+                                      self.path("c.svg")).stdout)
+        self.assertEqual(told["parameters"]["link.mbit"], 25000)
+        counts = [2 ** step for step in range(9)]
+        self.assertEqual([point["computers"] for point in told["points"]], 2 * counts)
+        self.assertEqual([point["gps"] for point in told["points"]],
+                         2 * [min(8 * count, 1024) for count in counts])
+        for point in told["points"]:
+            self.assertIn(f"{point['frames_relative']:.2f}", text)
+            self.assertIn(point["frames_limit"], text)
+        for end in told["ends"]:
+            self.assertIn(f"limit with {end['limit_with']}: {end['limit']}", text)
+        with open(self.path("c.csv"), newline="", encoding="utf-8") as file:
+            lines = list(csv.DictReader(file))
+        self.assertEqual([float(line["frames_per_s"]) for line in lines],
+                         [point["frames_per_s"] for point in told["points"]])
+        drawn = "".join(xml.etree.ElementTree.parse(self.path("c.svg")).getroot().itertext())
+        for part in ("Frames, the same volume", "Thresholds, slabs grow with computers"):
+            self.assertIn(part, drawn)
+
+    def test_a_reader_that_has_gone_is_no_error(self):
+        program = subprocess.Popen([BIN / "pxpl5", "report", "--scaling", "pelvis/bone",
+                                    "--run-folder", self.path("run")], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True, cwd=self.folder.name)
+        program.stdout.close()
+        with program.stderr:
+            self.assertEqual(program.stderr.read(), "")
+        self.assertEqual(program.wait(LIMIT_S), 0)
+
     def test_a_figure_beyond_its_bound_is_told_with_its_reason(self):
         text = self.report("--paper", "pelvis/bone", "--set",
                            "gp.draw_primitive_cycles=3000").stdout
@@ -123,6 +155,9 @@ class Phantoms(Report):
                 ([], 64, "one of --paper and --scaling"),
                 (["--paper", "--scaling"], 64, "one of --paper and --scaling"),
                 (["--scaling", "--fit"], 64, "go with --paper"),
+                (["--paper", "--cluster"], 64, "--cluster goes with --scaling"),
+                (["--scaling", "--link", "25g"], 64, "go with --cluster"),
+                (["--scaling", "--cluster", "--link", "1t"], 64, "must be one of 1g, 10g"),
                 (["--paper", "--picture", "x.jpg"], 64, "must be .png, .svg or .pdf"),
                 (["--paper", "--set", "gp.count=4", "pelvis/skim"], 64, "did you mean"),
                 (["--paper", "pelvis/skim"], 64, "did you mean 'pelvis/skin'"),
