@@ -15,28 +15,26 @@
 #include "host/commands/script.hpp"
 #include "host/inspect/tools/cli.hpp"
 #include "host/machine/computers/join_cli.hpp"
+#include "host/machine/computers/plan_text.hpp"
 #include "host/machine/machine.hpp"
+#include "host/machine/sessions/session_note.hpp"
+#include "host/machine/sessions/sessions_cli.hpp"
 #include "host/report/report_cli.hpp"
 #include "host/serve/serve.hpp"
+#include "host/serve/serve_cli.hpp"
 
 namespace {
 
 using namespace pxpl5;
 using namespace pxpl5::host;
 
-/// Accepts the names of an enum.
-template <class Enum>
-CLI::IsMember is_named() {
-    return CLI::IsMember(
-        std::vector<std::string>(enum_names<Enum>.begin(), enum_names<Enum>.end()));
-}
-
 struct MachineFlags {
     std::string topology = "default";
     std::vector<std::string> overrides, allow;
     std::optional<int> keep_runs;
-    std::string run_folder = default_run_base().string(), record, vector_target, engine, computers;
+    std::string run_folder = default_run_base().string(), record, vector_target;
     bool insecure_tcp = false, no_io_sandbox = false;
+    ClusterFlags cluster;
 
     void add_to(CLI::App& app) {
         app.add_option("--topology", topology, "Machine to launch: a name or a file")
@@ -49,10 +47,7 @@ struct MachineFlags {
         app.add_option("--vector-target", vector_target,
                        "Vector instructions of the nodes; all give the same bits")
             ->check(is_named<VectorTarget>());
-        app.add_option("--engine", engine, "What starts nodes on other computers")
-            ->check(is_named<Engine>());
-        app.add_option("--computers", computers,
-                       "The other computers: n1,n2 or with the nodes that each takes, n1:8,n2:16");
+        cluster.add_to(app);
         app.add_flag("--insecure-tcp", insecure_tcp,
                      "Let ring.transport=tcp work without encryption");
         add_folder_to(app);
@@ -65,14 +60,8 @@ struct MachineFlags {
     int runs_kept() const { return keep_runs.value_or(has_default_folder() ? 20 : 0); }
     /// The machine that these flags ask for.
     Topology plan() const {
-        std::vector<std::string> changes = overrides;
-        if (!computers.empty()) {
-            changes.push_back("computers=" + computers);
-        }
-        if (!engine.empty()) {
-            changes.push_back("engine=" + engine);
-        }
-        Topology plan = load_topology(topology, changes);
+        Topology plan = load_topology(topology, cluster.added_to(overrides));
+        plan.cluster.key_file = cluster.key_file;
         if (!record.empty()) {
             apply_override(plan, "record=" + record);
         }
@@ -95,16 +84,21 @@ struct MachineFlags {
             ->type_name("DIR")
             ->check(CLI::ExistingDirectory);
     }
-    /// Launches the machine, hands it a session, and takes it down again.
-    int with_session(const std::function<int(Session&, MachinePort&)>& use) const {
+    MachineOptions options() const {
         MachineOptions options;
         options.run_base = run_folder;
         options.keep_runs = runs_kept();
         options.io_allow = allow;
         options.insecure_tcp = insecure_tcp;
         options.io_sandbox = !no_io_sandbox;
-        Machine machine(plan(), options);
+        return options;
+    }
+    /// Launches the machine, hands it a session, and takes it down again.
+    int with_session(const std::function<int(Session&, MachinePort&)>& use) const {
+        Machine machine(plan(), options());
+        SessionNote note(machine.run_folder());
         Session session(machine);
+        session.tell_opened = [&note](const std::string& volume) { note.set({volume}); };
         const int code = use(session, machine);
         machine.shutdown();
         return code;
@@ -118,7 +112,7 @@ struct Flags {
     std::vector<std::string> commands, surfaces, load_words;
     JoinOptions join;
     std::shared_ptr<const CommandOptions> render_options, info_options, serve_options;
-    serve::ServerOptions server;
+    serve::ServeOptions serve;
     report::ReportOptions report;
 };
 
@@ -195,7 +189,9 @@ int run_prompt(const Flags& flags, Session& session, MachinePort& machine) {
 
 int run(const Flags& flags) {
     if (flags.dry_run) {
-        fmt::print("{}", resolved_json(flags.machine.plan()));
+        const Topology plan = flags.machine.plan();
+        fmt::print("{}", resolved_json(plan));
+        fmt::print(stderr, "{}", plan_text(plan));  // The file stays a topology.
         return 0;
     }
     if (!flags.script.empty() && !flags.commands.empty()) {
@@ -247,14 +243,9 @@ int info(Flags flags) {
 }
 
 int serve_viewer(const Flags& flags) {
-    serve::ServeOptions options;
-    options.server = flags.server;
+    serve::ServeOptions options = flags.serve;
     options.topology = flags.machine.plan();
-    options.run_base = flags.machine.run_folder;
-    options.keep_runs = flags.machine.runs_kept();
-    options.allow = flags.machine.allow;
-    options.insecure_tcp = flags.machine.insecure_tcp;
-    options.io_sandbox = !flags.machine.no_io_sandbox;
+    options.machine = flags.machine.options();
     Flags opened = flags;
     opened.volume = flags.volume.empty() ? "phantom:pelvis" : flags.volume;
     options.commands.push_back(volume_command("load", opened, flags.serve_options->commands()));
@@ -285,7 +276,8 @@ CLI::App* declare_run(CLI::App& parent, Flags& flags) {
     app->add_option("-c,--command", flags.commands, "Commands, separated by ';'")
         ->allow_extra_args(false);
     app->add_flag("--keep-going", flags.keep_going, "Continue after a command that failed");
-    app->add_flag("--dry-run", flags.dry_run, "Print the resolved topology and exit");
+    app->add_flag("--dry-run", flags.dry_run,
+                  "Print the resolved topology and the nodes of each computer");
     return app;
 }
 
@@ -305,13 +297,7 @@ CLI::App* declare_serve(CLI::App& parent, Flags& flags) {
                     "File, DICOM folder or phantom:NAME; phantom:pelvis by default");
     app->add_option("--surface", flags.surfaces, "First surfaces: NAME[=ISOVALUE[,COLOR]]")
         ->allow_extra_args(false);
-    app->add_option("--port", flags.server.port, "Port; 0 is a free one")
-        ->check(CLI::Range(0, 65535));
-    app->add_option("--bind", flags.server.bind, "Address to listen at")->capture_default_str();
-    app->add_option("--tls-cert", flags.server.tls_cert, "Certificate (PEM)");
-    app->add_option("--tls-key", flags.server.tls_key, "Key of the certificate (PEM)");
-    app->add_flag("--insecure", flags.server.insecure,
-                  "Listen beyond this computer without encryption");
+    serve::declare_server(*app, flags.serve);
     flags.serve_options = std::make_shared<CommandOptions>(*app, std::vector{RenderStage::load});
     return app;
 }
@@ -348,8 +334,8 @@ void declare(CLI::App& app, Flags& flags) {
 }
 
 int dispatch(const CLI::App& app, const Flags& flags) {
-    if (app.got_subcommand("join")) {
-        return join_machine(flags.join);
+    if (const std::optional<int> code = run_join(app, flags.join)) {
+        return *code;
     }
     if (app.got_subcommand("render")) {
         return render(flags);
@@ -373,6 +359,7 @@ int main(int argc, char** argv) {
     CLI::App app("Surfaces of medical volumes, drawn by a working Pixel-Planes 5", "pxpl5");
     Flags flags;
     declare(app, flags);
+    const std::function<std::optional<int>()> run_sessions = declare_sessions(app);
     const std::function<std::optional<int>()> run_inspection = inspect::declare_inspection(app);
     if (argc < 2 || std::string_view(argv[1]) == "help") {
         fmt::print("{}", app.help());
@@ -384,8 +371,9 @@ int main(int argc, char** argv) {
         return finish_output(report_parse_error(app, error));
     }
     try {
-        const std::optional<int> inspected = run_inspection();
-        return finish_output(inspected ? *inspected : dispatch(app, flags));
+        std::optional<int> done = run_sessions();
+        done = done ? done : run_inspection();
+        return finish_output(done ? *done : dispatch(app, flags));
     } catch (const RequestError& error) {
         return print_error(error.what(), static_cast<int>(error.code));
     } catch (const MachineError& error) {

@@ -28,7 +28,7 @@ for argument in "$@"; do
     esac
 done
 if $has_tests; then
-    packages+=(chromium python3-jsonschema clang-format clang-19 clang-tidy-19 lld-19
+    packages+=(chromium python3-jsonschema python3-yaml clang-format clang-19 clang-tidy-19 lld-19
         libclang-rt-19-dev llvm-19 gcovr jq)
     # Node may have come from elsewhere than Debian, which then must not be asked for another.
     command -v node >/dev/null || packages+=(nodejs)

@@ -47,6 +47,16 @@ std::string subject_of(const Arguments& arguments, CommandTable table) {
     return to_line(subject);
 }
 
+namespace {
+
+void tell_opened(const Session& session, const std::string& volume) {
+    if (session.tell_opened) {
+        session.tell_opened(volume);
+    }
+}
+
+}  // namespace
+
 Reply run_command(Session& session, const Arguments& arguments, const Arguments* noted,
                   CommandTable table) {
     const Command& command = find_command(arguments.name, table);
@@ -72,6 +82,7 @@ Reply run_command(Session& session, const Arguments& arguments, const Arguments*
         session.history.note(deed, before, session.scene);
         if (command.name == "load") {
             session.history.begin_anew(deed.line);
+            tell_opened(session, arguments.words.front());
         }
         return reply;
     } catch (const MachineError&) {
@@ -82,6 +93,7 @@ Reply run_command(Session& session, const Arguments& arguments, const Arguments*
         session.history.note_losses(before, session.scene);
         if (had_content && !has_content(session)) {
             session.history.forget_load();
+            tell_opened(session, "");
         }
         throw;
     }

@@ -15,6 +15,7 @@ using bus::Phase;
 
 constexpr std::int64_t suspect_intervals = 2;
 constexpr std::int64_t ms_per_s = 1000;
+constexpr std::int64_t starved_share = 10;  // One ms in ten counts as silence: it is limited, too.
 constexpr std::uint64_t busy_ns = 1'000'000;  // The beat itself takes a tenth of this.
 
 /// The words for the work that a message of this kind asks for; empty for other kinds.
@@ -75,13 +76,23 @@ std::string piece_text(const bus::Doing& doing) {
                        doing.total);
 }
 
-/// The state of a process by the kernel, for example 'T' for stopped; ' ' if it is unknown.
-char state_of(int pid) {
-    std::ifstream file(pid == 0 ? std::string() : fmt::format("/proc/{}/stat", pid));
+/// The state by the kernel of a process or thread, for example 'T' for stopped; ' ' if it is
+/// unknown. `folder`: its folder in /proc.
+char state_in(const std::string& folder) {
+    std::ifstream file(folder + "/stat");
     std::string line;
     std::getline(file, line);
     const std::size_t name_end = line.rfind(") ");
     return name_end == std::string::npos ? ' ' : line[name_end + 2];
+}
+
+char state_of(int pid) {
+    return pid == 0 ? ' ' : state_in(fmt::format("/proc/{}", pid));
+}
+
+/// Whether the thread that beats could run, but the kernel has given the processors to others.
+bool is_starved(int pid, int beater) {
+    return pid != 0 && beater > 0 && state_in(fmt::format("/proc/{}/task/{}", pid, beater)) == 'R';
 }
 
 std::string state_text(char state) {
@@ -181,7 +192,10 @@ std::optional<Heartbeat::Finding> Heartbeat::judge(Node& node, std::int64_t pass
     const bool has_beaten = now.beats != last.beats;
     const bool has_moved =
         now.progress != last.progress || (node.process.is_io && now.cpu_ns - last.cpu_ns > busy_ns);
-    node.silent_ms = has_beaten ? 0 : node.silent_ms + passed_ms;
+    const bool waits_for_processor = !has_beaten && is_starved(node.process.pid, now.beater);
+    node.silent_ms = has_beaten            ? 0
+                     : waits_for_processor ? node.silent_ms + passed_ms / starved_share
+                                           : node.silent_ms + passed_ms;
     node.still_ms = has_moved ? 0 : node.still_ms + (has_beaten ? passed_ms : 0);
     works_ |= !has_beaten || now.worked != last.worked || now.phase != Phase::waiting;
     node.is_suspect &= !has_beaten;

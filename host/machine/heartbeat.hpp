@@ -31,7 +31,8 @@ struct Watched {
 
 /// A node that is silent for two intervals is suspect. After HeartbeatSettings::misses intervals
 /// it is dead. Time in which the host itself did not look does not count, so that a host or a
-/// computer that was stopped blames no node.
+/// computer that was stopped blames no node. Time in which the thread that beats waits for a
+/// processor counts a tenth: a computer with too much to do blames no node either.
 class Heartbeat {
   public:
     explicit Heartbeat(const HeartbeatSettings& settings) : settings_(settings) {}

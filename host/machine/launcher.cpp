@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "host/machine/computers/key.hpp"
 #include "host/machine/descriptors.hpp"
 #include "ringbus/process/process.hpp"
 #include "ringbus/wire.hpp"
@@ -90,9 +91,7 @@ void HeldSignals::release() {
 Launcher::Launcher(const Topology& topology, const MachineOptions& options)
     : topology_(prepared(topology)),
       options_(options),
-      credentials_(bus::make_credentials(
-          protection_of(topology_, options),
-          topology.cluster.is_used() ? bus::Reach::network : bus::Reach::this_computer)),
+      credentials_(machine_key(topology.cluster, protection_of(topology_, options))),
       folder_(make_run_folder(options.run_base, topology_, options.keep_runs)),
       link_({bus::host_id, Role::host}, host_address(topology_, sockets_), credentials_),
       processes_(topology_, credentials_, {bus::build_id(), bus::schema_hash()}, folder_),

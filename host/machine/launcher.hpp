@@ -161,6 +161,8 @@ class Launcher {
     void shutdown();
 
     const Roster& roster() const { return roster_; }
+    /// See MachinePort::nodes().
+    std::vector<MachineNode> nodes() const;
     /// Names of computers that were lost before the machine ended. Another start should leave them
     /// out.
     const std::vector<std::string>& lost_computers() const { return processes_.lost(); }
@@ -178,6 +180,14 @@ class Launcher {
     /// Starts the engine, waits until all computers have joined, and places the nodes.
     void gather_computers();
     void await_computers();
+    /// The named computers that have not joined, for an error.
+    std::string missing_computers() const;
+    /// Compresses messages between computers if the network is slow.
+    void measure_network();
+    /// Throws MachineError if the computer is lost.
+    void require_computer(const RemoteComputer& computer) const;
+    /// 10^6 bytes per second from a computer to this one; nothing if it does not answer.
+    std::optional<double> measured_mb_s(int number);
     void place();
     /// The addresses and paths of a node of a machine with other computers.
     void add_computer_flags(const RosterEntry& node, bus::ProcessFlags& flags) const;

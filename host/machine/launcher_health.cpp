@@ -278,7 +278,7 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
         if (processes_.only_engine_runs()) {
             processes_.finish();
         }
-        if (processes_.has_others() && processes_.others().is_receiving()) {
+        if (processes_.has_others() && processes_.others().takes_parts()) {
             deadline_ms = std::max(deadline_ms, now_ms() + file_ms);  // Logs and traces.
         }
         const bool patient = step == steps.size();

@@ -86,6 +86,7 @@ void Machine::start_again(const NodeChange& change, int pause_ms) {
         }
     }
     parts.launcher.reset();  // Ends all processes.
+    parts.options.is_restart = true;
     try {
         parts.start(plan);
     } catch (const MachineError&) {
@@ -110,7 +111,7 @@ const std::vector<bus::NodeId>& Machine::renderer_ids() const {
 }
 
 std::vector<MachineNode> Machine::nodes() const {
-    return nodes_of(parts_->running().roster());
+    return parts_->running().nodes();
 }
 bus::Traffic Machine::traffic() const {
     return parts_->running().traffic();

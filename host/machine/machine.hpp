@@ -17,6 +17,7 @@ struct MachineOptions {
     std::filesystem::path run_base = default_run_base();  ///< Parent of the run folder.
     int keep_runs = 0;                  ///< Run folders kept there, this one included; 0: all.
     int start_timeout_s = 60;           ///< Limit for Hello from all nodes, and for Connected.
+    bool is_restart = false;            ///< Waits minutes for computers of a queue, not an hour.
     int drain_ms = 5000;                ///< Limit for nodes to end by themselves in shutdown().
     int io_memory_mib = 16384;          ///< Address space of the io process.
     int io_cpu_s = 300;                 ///< CPU time of the io process.

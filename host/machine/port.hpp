@@ -43,7 +43,9 @@ struct SavedTraces {
 struct MachineNode {
     bus::NodeId id = 0;
     bus::schema::Role role = bus::schema::Role::host;
-    std::string name;  ///< "gp-3".
+    std::string name;           ///< "gp-3".
+    std::string computer = {};  ///< Its name. Empty in a machine on one computer.
+    int place = 0;              ///< Equal for nodes that share memory.
 };
 
 /// Nodes that a machine gets, or loses, when it is started again.

@@ -10,16 +10,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
-#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -27,6 +24,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/kernel/socket_folder.hpp"
+#include "host/machine/sessions/run_state.hpp"
 #include "ringbus/message.hpp"
 
 namespace pxpl5::host {
@@ -38,53 +36,6 @@ namespace fs = std::filesystem;
 [[noreturn]] void refuse(const std::string& what, const fs::path& path, const std::string& reason) {
     throw RequestError(ExitCode::failed, fmt::format("{} {}: {}", what, path.string(), reason));
 }
-
-void write_file(const fs::path& path, std::string_view text) {
-    const int file =
-        ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
-    ssize_t written = 0;
-    while (file >= 0 && !text.empty() && (written = ::write(file, text.data(), text.size())) > 0) {
-        text.remove_prefix(static_cast<std::size_t>(written));
-    }
-    const int reason = errno;
-    if (file < 0 || !text.empty()) {
-        refuse("cannot write", path, std::strerror(reason));
-    }
-    ::close(file);
-}
-
-/// The number of the program that made the run; nothing if `name` is not that of a run folder.
-std::optional<pid_t> maker_of(const std::string& name) {
-    constexpr std::string_view example = "20261123T093000Z-";
-    const auto is_like = [](char c, char model) {
-        return model >= '0' && model <= '9' ? c >= '0' && c <= '9' : c == model;
-    };
-    if (name.size() <= example.size() ||
-        !std::equal(example.begin(), example.end(), name.begin(),
-                    [&](char model, char c) { return is_like(c, model); })) {
-        return std::nullopt;
-    }
-    pid_t pid = 0;
-    const char* end = name.data() + name.size();
-    const auto [stop, error] = std::from_chars(name.data() + example.size(), end, pid);
-    return error == std::errc{} && pid > 0 && (stop == end || *stop == '-') ? std::optional(pid)
-                                                                            : std::nullopt;
-}
-
-/// The name of this computer or container, as manifests record it.
-std::string host_name() {
-    utsname system{};
-    uname(&system);
-    return system.nodename;
-}
-
-/// The numbers of processes mean something only in here.
-std::string pid_namespace() {
-    std::error_code ignored;
-    return fs::read_symlink("/proc/self/ns/pid", ignored).string();
-}
-
-constexpr const char* lock_name = "lock";
 
 /// Waits for the lock. True once this program has it.
 bool take_lock(int file) {
@@ -167,51 +118,6 @@ class NewFolder {
     fs::path path_;
 };
 
-enum class RunState { ended, running, unknown };
-
-/// Without a lock, the manifest says where the number of the maker is that of a process.
-RunState state_by_manifest(const fs::path& run, pid_t maker) {
-    std::ifstream file(run / "manifest.json");
-    const nlohmann::json read = nlohmann::json::parse(file, nullptr, false);
-    const nlohmann::json host = read.is_object() ? read.value("host", nlohmann::json()) : read;
-    const auto is_here = [&](const char* key, const std::string& here, bool if_absent) {
-        return host.is_object() && host.contains(key) ? host[key] == here : if_absent;
-    };
-    if (!is_here("name", host_name(), false) || !is_here("pid_namespace", pid_namespace(), true)) {
-        return RunState::unknown;
-    }
-    return kill(maker, 0) == 0 || errno == EPERM ? RunState::running : RunState::ended;
-}
-
-/// Finds out whether the program of a run has ended, also one on another computer or in another
-/// container that shares the folder. Keeps it locked as long as the object exists.
-class RunProbe {
-  public:
-    RunProbe(const fs::path& run, pid_t maker)
-        : file_(::open((run / lock_name).c_str(),
-                       O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {
-        if (file_ < 0) {
-            state = errno == ENOENT ? state_by_manifest(run, maker) : RunState::unknown;
-        } else if (flock(file_, LOCK_EX | LOCK_NB) == 0) {
-            state = RunState::ended;
-        } else {
-            state = errno == EWOULDBLOCK ? RunState::running : RunState::unknown;
-        }
-    }
-    ~RunProbe() {
-        if (file_ >= 0) {
-            ::close(file_);
-        }
-    }
-    RunProbe(const RunProbe&) = delete;
-    RunProbe& operator=(const RunProbe&) = delete;
-
-    RunState state;
-
-  private:
-    int file_;
-};
-
 /// Removes what ended runs need not keep, see make_run_folder().
 void tidy_runs(const fs::path& base, int keep) {
     std::vector<fs::path> runs;
@@ -227,7 +133,7 @@ void tidy_runs(const fs::path& base, int keep) {
     std::size_t ended = 0;
     for (const fs::path& run : runs) {
         const pid_t maker = *maker_of(run.filename().string());
-        const RunProbe probe(run, maker);
+        const RunProbe probe(run, maker, RunProbe::Use::remove);
         if (probe.state == RunState::running) {
             running.insert(maker);
         }
@@ -264,23 +170,37 @@ std::string command_line() {
     return text.empty() ? text : text.substr(0, text.size() - 1);
 }
 
+/// The second word of the command line: "serve".
+std::string subcommand() {
+    std::ifstream file("/proc/self/cmdline");
+    std::string word;
+    std::getline(file, word, '\0');
+    std::getline(file, word, '\0');
+    return word;
+}
+
 std::string manifest(const Topology& topology, const std::string& started) {
     utsname system{};
     uname(&system);
+    const char* const job = std::getenv("SLURM_JOB_ID");
     // Replaces bytes of the command line that are not UTF-8.
     return nlohmann::ordered_json{
         {"started", started},
         {"command_line", command_line()},
+        {"subcommand", subcommand()},
         {"working_folder", fs::current_path().string()},
         {"version", PXPL5_VERSION},
         {"schema_hash", fmt::format("{:016x}", bus::schema_hash())},
         {"protocol_version", bus::protocol_version},
         {"topology", topology.name},
         {"pid", getpid()},
+        {"process_start", start_of(getpid()).value_or(0)},
+        {"job", job == nullptr ? "" : job},
         {"host",
          {{"system", fmt::format("{} {} {}", system.sysname, system.release, system.machine)},
-          {"name", host_name()},
+          {"name", computer_name()},
           {"pid_namespace", pid_namespace()},
+          {"boot_id", boot_id()},
           {"processor", proc_value("/proc/cpuinfo", "model name")},
           {"cores", sysconf(_SC_NPROCESSORS_ONLN)},
           {"memory", proc_value("/proc/meminfo", "MemTotal")}}}}
@@ -288,6 +208,20 @@ std::string manifest(const Topology& topology, const std::string& started) {
 }
 
 }  // namespace
+
+void write_private_file(const fs::path& path, std::string_view text) {
+    const int file =
+        ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+    ssize_t written = 0;
+    while (file >= 0 && !text.empty() && (written = ::write(file, text.data(), text.size())) > 0) {
+        text.remove_prefix(static_cast<std::size_t>(written));
+    }
+    const int reason = errno;
+    if (file < 0 || !text.empty()) {
+        refuse("cannot write", path, std::strerror(reason));
+    }
+    ::close(file);
+}
 
 fs::path make_run_folder(const fs::path& base, const Topology& topology, int keep) {
     const std::tm utc = fmt::gmtime(std::time(nullptr));
@@ -301,9 +235,9 @@ fs::path make_run_folder(const fs::path& base, const Topology& topology, int kee
     static std::vector<fs::path> locks;
     NewFolder made(parent);
     const bool has_own_lock = lock_run(made.path(), locks);
-    write_file(made.path() / "config.resolved.json", resolved_json(topology));
-    write_file(made.path() / "manifest.json",
-               manifest(topology, fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)) + "\n");
+    write_private_file(made.path() / "config.resolved.json", resolved_json(topology));
+    write_private_file(made.path() / "manifest.json",
+                       manifest(topology, fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)) + "\n");
     fs::path folder = made.become(parent / name);
     if (has_own_lock) {
         locks.push_back(folder / lock_name);

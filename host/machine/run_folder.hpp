@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "host/machine/topology.hpp"
 
@@ -19,6 +20,9 @@ namespace pxpl5::host {
 /// Throws RequestError (failed) naming the folder and the reason.
 std::filesystem::path make_run_folder(const std::filesystem::path& base, const Topology& topology,
                                       int keep = 0);
+
+/// Writes a new file for the owner alone. Throws RequestError (failed) naming path and reason.
+void write_private_file(const std::filesystem::path& path, std::string_view text);
 
 /// The last line of a process's log, its reason for ending. Empty if the process wrote no line.
 std::string last_words(const std::filesystem::path& log);

@@ -66,6 +66,8 @@ constexpr std::array number_keys = {
     NumberKey{"frame_buffer.restart.backoff_ms", 0, max_backoff_ms,
               [](Topology& t) -> int& { return t.frame_buffer.restart.backoff_ms; }},
     NumberKey{"wait", 0, max_computers, [](Topology& t) -> int& { return t.cluster.wait; }},
+    NumberKey{"compress_below_mb_s", 0, 1'000'000,
+              [](Topology& t) -> int& { return t.cluster.compress_below_mb_s; }},
     NumberKey{"heartbeat.interval_ms", 10, 60'000,
               [](Topology& t) -> int& { return t.heartbeat.interval_ms; }},
     NumberKey{"heartbeat.misses", 0, 1000, [](Topology& t) -> int& { return t.heartbeat.misses; }},

@@ -62,7 +62,12 @@ struct ClusterSettings {
     std::vector<ComputerSlots> computers;
     int wait = 0;  ///< Computers that join; 0: as many as `computers`.
     Placement placement = Placement::pack;
-    std::string listen;  ///< Address at which the host listens for computers; empty: all.
+    /// If the network is slower, messages between computers are compressed. 10^6 bytes per second;
+    /// 0: never.
+    int compress_below_mb_s = 100;
+    std::string listen;    ///< Address at which the host listens for computers; empty: all.
+    int listen_port = 0;   ///< Port where computers join; 0: a free one.
+    std::string key_file;  ///< The user's file with the key of the machine. Not a key.
     std::vector<std::string> lost;  ///< Names of computers that are left out. Not a key.
 
     /// True if nodes may run on other computers.

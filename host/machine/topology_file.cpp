@@ -9,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/nearest.hpp"
+#include "host/machine/computers/cluster_settings.hpp"
 #include "host/machine/timing_section.hpp"
 #include "host/machine/topology_schema.hpp"
 #include "topology_generated.h"
@@ -140,8 +141,9 @@ ClusterSettings cluster_of(const config::MachineT& machine) {
         cluster.computers.push_back({computer->name, computer->slots});
     }
     cluster.wait = machine.wait;
+    cluster.compress_below_mb_s = machine.compress_below_mb_s;
     cluster.placement = machine.placement;
-    cluster.listen = machine.listen;
+    set_listen(cluster, machine.listen);
     return cluster;
 }
 
@@ -155,8 +157,9 @@ void write_cluster(const ClusterSettings& cluster, config::MachineT& machine) {
         machine.computers.push_back(std::move(entry));
     }
     machine.wait = cluster.wait;
+    machine.compress_below_mb_s = cluster.compress_below_mb_s;
     machine.placement = cluster.placement;
-    machine.listen = cluster.listen;
+    machine.listen = listen_text(cluster);
 }
 
 Topology plan_of(const config::MachineT& machine) {

@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "host/session/activity/network.hpp"
+
 namespace pxpl5::host {
 
 namespace {
@@ -13,6 +15,7 @@ namespace {
 constexpr std::size_t machine_channels = 8;  ///< The ring of 1993 has 8; a topology may have more.
 constexpr double cycles_per_ms = 40'000;     ///< The pixel processors run at 40 MHz.
 constexpr double bytes_per_mb = 1e6;
+constexpr std::size_t shown_kinds = 4;
 
 struct Sum {
     std::uint64_t messages = 0, bytes = 0;
@@ -102,6 +105,58 @@ Fields node_fields(const NodeReport& report, const std::map<bus::NodeId, std::st
     return fields;
 }
 
+double per_frame(const ActivityReport& report, std::uint64_t bytes) {
+    return report.frames > 0 ? static_cast<double>(bytes) / static_cast<double>(report.frames) : 0;
+}
+
+/// One line for each computer, and one for the messages between them. Empty on one computer.
+std::string network_text(const ActivityReport& report) {
+    const NetworkReport network = network_of(report);
+    if (network.computers.empty()) {
+        return {};
+    }
+    std::string text = fmt::format("\n{:<15} {:>5} {:>9} {:>9} {:>9}", "computer", "nodes",
+                                   "cpu ms", "MB out", "MB in");
+    for (const ComputerReport& each : network.computers) {
+        text += fmt::format("\n{:<15} {:>5} {:>9.1f} {:>9.3f} {:>9.3f}", each.name, each.nodes,
+                            each.cpu_ms, static_cast<double>(each.sent_bytes) / bytes_per_mb,
+                            static_cast<double>(each.received_bytes) / bytes_per_mb);
+    }
+    text += fmt::format("\nbetween computers: {:.3f} MB",
+                        static_cast<double>(network.bytes) / bytes_per_mb);
+    if (report.frames > 0) {
+        text += fmt::format(", {:.3f} MB a frame", per_frame(report, network.bytes) / bytes_per_mb);
+    }
+    for (std::size_t i = 0; i < std::min<std::size_t>(network.kinds.size(), shown_kinds); ++i) {
+        text +=
+            fmt::format("{}{} {:.3f}", i == 0 ? "; " : ", ", bus::kind_name(network.kinds[i].kind),
+                        static_cast<double>(network.kinds[i].bytes) / bytes_per_mb);
+    }
+    return text;
+}
+
+void add_network_fields(const ActivityReport& report, Fields& fields) {
+    const NetworkReport network = network_of(report);
+    if (network.computers.empty()) {
+        return;
+    }
+    std::vector<Fields> computers, kinds;
+    for (const ComputerReport& each : network.computers) {
+        computers.push_back({{"name", each.name},
+                             {"nodes", std::int64_t{each.nodes}},
+                             {"cpu_ms", each.cpu_ms},
+                             {"sent_bytes", whole(each.sent_bytes)},
+                             {"received_bytes", whole(each.received_bytes)}});
+    }
+    for (const NetworkReport::Kind& each : network.kinds) {
+        kinds.push_back({{"kind", bus::kind_name(each.kind)}, {"bytes", whole(each.bytes)}});
+    }
+    fields.push_back({"computers", computers});
+    fields.push_back({"network", Fields{{"bytes", whole(network.bytes)},
+                                        {"bytes_per_frame", per_frame(report, network.bytes)},
+                                        {"kinds", kinds}}});
+}
+
 /// The last frame, and who has drawn what of it. There is none before the first.
 Fields frame_fields(const FrameReport& frame) {
     std::vector<double> cycles(frame.region_cycles.begin(), frame.region_cycles.end());
@@ -138,7 +193,7 @@ std::string activity_text(const ActivityReport& report) {
     for (const Sum& channel : by_channel(report)) {
         text += fmt::format(" {}", channel.messages);
     }
-    return text;
+    return text + network_text(report);
 }
 
 Fields activity_fields(const ActivityReport& report, const FrameReport& frame) {
@@ -154,11 +209,13 @@ Fields activity_fields(const ActivityReport& report, const FrameReport& frame) {
         channels.push_back(
             {{"messages", whole(channel.messages)}, {"bytes", whole(channel.bytes)}});
     }
-    return {{"wall_ms", report.wall_ms},
-            {"frames", report.frames},
-            {"frame", frame_fields(frame)},
-            {"nodes", nodes},
-            {"channels", channels}};
+    Fields fields{{"wall_ms", report.wall_ms},
+                  {"frames", report.frames},
+                  {"frame", frame_fields(frame)},
+                  {"nodes", nodes},
+                  {"channels", channels}};
+    add_network_fields(report, fields);
+    return fields;
 }
 
 Fields activity_fields(Session& session) {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "host/base/reply.hpp"
-#include "host/session/activity.hpp"
+#include "host/session/activity/activity.hpp"
 #include "host/session/session.hpp"
 
 namespace pxpl5::host {

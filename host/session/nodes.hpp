@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host/session/activity.hpp"
+#include "host/session/activity/activity.hpp"
 #include "host/session/conversation.hpp"
 
 namespace pxpl5::host {

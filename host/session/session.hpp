@@ -61,6 +61,8 @@ struct Session {
     /// Throws RequestError for a command that may not be run here, also from a script. May be
     /// empty.
     std::function<void(const CommandDescriptor&, const Arguments&)> check_command;
+    /// Called with what a load has opened, and with an empty text when that is lost. May be empty.
+    std::function<void(const std::string&)> tell_opened;
     std::any asked;  ///< Values that a higher layer keeps between questions.
 
     Conversation conversation;

@@ -121,11 +121,83 @@ class Machines(OnACluster):
             join.communicate(timeout=LIMIT_S)
             self.assertEqual(join.returncode, 0)
 
-    def test_the_paper_s_machine_of_54_processes(self):
-        lines = ["load phantom:sphere", "surface s iso=0", "digest"]
-        alone = results(self.run_lines(lines, "--topology", "paper-1993").stdout)
-        far = self.run_lines(lines, "--topology", "paper-1993", *SSH)
-        self.assertEqual(results(far.stdout), alone)
+    def test_every_topology_by_every_engine(self):
+        """Also the paper's machine of 54 processes, with CURVE and without."""
+        lines = ["load phantom:sphere", "surface s iso=0", "digest", "certificate s"]
+        in_job = ("salloc", "--quiet", "-N3", "-n3")
+        for topology in ("one-of-each", "default", "paper-1993"):
+            alone = results(self.run_lines(lines, "--topology", topology).stdout)
+            for words, before in ((SSH, ()), (SLURM, in_job), (MPIRUN, ())):
+                for more in ((), ("--insecure-tcp",)):
+                    with self.subTest(topology=topology, words=words, more=more):
+                        far = self.run_lines(lines, "--topology", topology, *words, *more,
+                                             before=before)
+                        self.assertEqual(results(far.stdout), alone)
+                        self.cluster.wait_until_idle()
+
+    def test_traces_are_those_of_one_computer(self):
+        lines = "load phantom:sphere; surface s iso=0; size 256x256; snapshot x.png; orbit 3"
+        for folder, words in (("alone", ()), ("far", SSH)):
+            self.cluster.login([PXPL5, "run", "--run-folder", f"same/{folder}", "--record", "full",
+                                *FOUR_GPS, *words, "-c", lines], timeout=LIMIT_S)
+        self.cluster.wait_until_idle()
+        compare = f"{PXPL5} trace diff --json same/alone/*/ same/far/*/"
+        told = json.loads(self.cluster.login(["sh", "-c", compare]).stdout)
+        self.assertEqual(told.get("frames"), 4, told)
+        said = self.cluster.login(["sh", "-c", compare.replace("--json ", "")]).stdout
+        self.assertIn("no difference: 4 frames", said)
+
+    def test_a_frame_sends_the_bytes_that_the_plan_says(self):
+        """Renderers on one computer: the plan is exact but for the overhead of messages."""
+        words = ("--engine", "ssh", "--computers", "n1:5,n2:2", *FOUR_GPS)
+        plan = self.cluster.login([PXPL5, "run", "--dry-run", *words]).stderr
+        pixels, programs = (float(mb) for mb in re.findall(r"([\d.]+) MB", plan))
+        self.assertRegex(plan, r"n1 +5 nodes +gp-0..1, renderer-0..2\n +n2 +2 nodes +gp-2..3\n")
+        self.assertEqual(programs, 0.68)
+        lines = ["load phantom:pelvis", "surface bone iso=250", "size 512x512", "activity",
+                 "orbit 10", "activity"]
+        told = results(self.run_lines(lines, *words).stdout)[-1]
+        self.assertEqual(told["frames"], 10)
+        computers = {each["name"]: each for each in told["computers"]}
+        self.assertEqual([each["nodes"] for each in computers.values()], [2, 5, 2])
+        kinds = {each["kind"]: each["bytes"] for each in told["network"]["kinds"]}
+        self.assertAlmostEqual(kinds["RegionPixels"] / 10 / 1e6, pixels, delta=0.01 * pixels)
+        sent = {kind: sum(each["bytes"] for node in told["nodes"] for each in node["sent"]
+                          if each["kind"] == kind and node["name"] in ("gp-2", "gp-3"))
+                for kind in ("RegionPrograms",)}
+        self.assertEqual(kinds["RegionPrograms"], sent["RegionPrograms"])
+        self.assertEqual(told["network"]["bytes"], sum(kinds.values()))
+        self.assertEqual(sum(each["sent_bytes"] for each in computers.values()),
+                         told["network"]["bytes"])
+        print(f"a frame: {told['network']['bytes_per_frame'] / 1e6:.2f} MB between computers")
+
+    def test_messages_are_compressed_where_the_network_is_slow(self):
+        lines = ["load phantom:sphere", "surface s iso=0", "size 512x512", "digest"]
+        words = (*SSH, "--set", "placement=spread", *FOUR_GPS)
+        note = r"note: the network to n\d carries \d+ MB/s: messages between .* are compressed"
+
+        def sent_bytes(computer):
+            """By all of its messages, as the network counts them."""
+            text = self.cluster.on(computer, ["cat", "/proc/net/dev"]).stdout
+            return int(re.search(r"eth0:(.*)", text)[1].split()[8])
+
+        def run(*more):
+            before = sent_bytes("n3")
+            done = self.run_lines(lines, *words, *more)
+            self.cluster.wait_until_idle()
+            return done, sent_bytes("n3") - before
+
+        fast, plain_bytes = run("--set", "compress_below_mb_s=1")  # Measured, too.
+        self.assertNotRegex(fast.stderr, note)
+        self.cluster.link("n3", rate_mbit=20)
+        try:
+            slow, packed_bytes = run()
+        finally:
+            self.cluster.link("n3")
+        self.assertRegex(slow.stderr, note)
+        self.assertEqual(results(slow.stdout), results(fast.stdout))
+        print(f"n3 has sent {plain_bytes} bytes, compressed {packed_bytes}")
+        self.assertLess(packed_bytes, plain_bytes - 300_000)
 
     def test_traces_of_other_computers_answer_questions(self):
         lines = ["load phantom:sphere", "surface s iso=0", "size 128x128", "snapshot x.png"]
@@ -198,6 +270,32 @@ class Machines(OnACluster):
         self.assertIn("pxpl5", page.stdout)
         out = self.cluster.login(["cat", f"pxpl5-{job}.out"]).stdout
         self.assertNotIn("token", out)
+        self.cluster.login(["scancel", job])
+        self.cluster.wait_until_idle()
+
+    def test_a_job_says_that_its_time_is_nearly_over(self):
+        script = ROOT / "host/slurm-session.sbatch"
+        job = self.cluster.login(["sbatch", "--parsable", "-N2", "--time=2", script,
+                                  "phantom:sphere"], env={"PXPL5": PXPL5}).stdout.strip()
+        wait = (f"until grep -q 'session is saved' pxpl5-{job}.out 2>/dev/null; do "
+                f"[ \"$(squeue -h -j {job} -o %T)\" ] || exit 1; sleep 0.1; done; "
+                f"scontrol show job {job}")
+        told = self.cluster.login(["sh", "-c", wait], check=False, timeout=LIMIT_S)
+        out = self.cluster.login(["cat", f"pxpl5-{job}.out"]).stdout
+        self.assertEqual(told.returncode, 0, out)
+        end = re.search(r" EndTime=(\S+)", told.stdout)[1]
+        at = re.search(rf"warning: This session ends at (\S+)Z: the time of job {job} is over", out)
+        local = time.mktime(time.strptime(end, "%Y-%m-%dT%H:%M:%S"))
+        self.assertEqual(at[1], time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(local)))
+        file = re.search(r"Open it again with: pxpl5 serve --session (\S+)", out)[1]
+        self.assertIn("load phantom:sphere", self.cluster.login(["cat", file]).stdout)
+        listed = self.cluster.login([PXPL5, "sessions", "--json"]).stdout
+        one, = [each for each in json.loads(listed)["sessions"] if each["job"] == job]
+        self.assertEqual((one["subcommand"], one["here"], one["volume"]),
+                         ("serve", False, "phantom:sphere"))
+        refused = self.cluster.login([PXPL5, "sessions", "end", one["name"]], check=False)
+        self.assertEqual(refused.returncode, 69)
+        self.assertIn(f"Run 'scancel {job}'", refused.stderr)
         self.cluster.login(["scancel", job])
         self.cluster.wait_until_idle()
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "host/session/activity/network.hpp"
 #include "host/session/activity_text.hpp"
 #include "host/session/session.hpp"
 #include "tests/system/error_of.hpp"
@@ -261,4 +262,42 @@ TEST_CASE("activities that arrive while a volume is given up are not lost") {
     CHECK(test::error_of([&] { bench.session.volumes.load("phantom:sphere"); }) == "given up");
     bench.session.load_settings.progress = nullptr;
     CHECK(test::error_of([&] { bench.session.nodes.activity(AwaitAnswers::all); }).empty());
+}
+
+TEST_CASE("bytes between computers are those of messages that leave a computer") {
+    const MachineNode host{0, schema::Role::host, "host", "login", 0};
+    const MachineNode gp{1, schema::Role::gp, "gp-0", "n1", 1};
+    const MachineNode renderer{2, schema::Role::renderer, "renderer-0", "n1", 1};
+    const MachineNode buffer{3, schema::Role::frame_buffer, "framebuffer-0", "login", 0};
+    ActivityReport report{.frames = 10, .nodes = {}};
+    for (const MachineNode& node : {host, gp, renderer, buffer}) {
+        report.nodes.push_back({.node = node, .answered = true, .cpu_ms = 2});
+    }
+    CHECK(activity_text(report).find("nodes    cpu ms") != std::string::npos);
+    report.nodes[1].sent = {{2, bus::Body::RegionPrograms, 0, 10, 7000}};
+    report.nodes[2].sent = {{3, bus::Body::RegionPixels, 0, 10, 4000},
+                            {1, bus::Body::Credit, 0, 1, 50}};
+    report.nodes[0].sent = {{1, bus::Body::DrawFrame, 0, 10, 1000},
+                            {900, bus::Body::ImportVolume, 0, 1, 70}};
+    const NetworkReport network = network_of(report);
+    CHECK(network.bytes == 5000);
+    REQUIRE(network.computers.size() == 2);
+    CHECK(network.computers[0].name == "login");
+    CHECK(network.computers[0].nodes == 2);
+    CHECK(network.computers[0].cpu_ms == 4);
+    CHECK(network.computers[0].sent_bytes == 1000);
+    CHECK(network.computers[0].received_bytes == 4000);
+    CHECK(network.computers[1].sent_bytes == 4000);
+    REQUIRE(network.kinds.size() == 2);
+    CHECK(network.kinds[0].kind == bus::Body::RegionPixels);
+    CHECK(activity_text(report).ends_with(
+        "between computers: 0.005 MB, 0.001 MB a frame; RegionPixels 0.004, DrawFrame 0.001"));
+    const Fields fields = activity_fields(report, {});
+    const auto sums = std::get<Fields>(value_of(fields, "network"));
+    CHECK(std::get<double>(value_of(sums, "bytes_per_frame")) == 500);
+    // On one computer there is nothing to say.
+    for (NodeReport& node : report.nodes) {
+        node.node.computer.clear();
+    }
+    CHECK(activity_text(report).find("computer") == std::string::npos);
 }

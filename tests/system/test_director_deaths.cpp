@@ -244,6 +244,28 @@ TEST_CASE("counts are printed while a command waits for nodes") {
     CHECK(stage.watchers.reply(1)["ok"] == true);
 }
 
+TEST_CASE("counts do not wait for a command that came at the same moment") {
+    Theatre stage;
+    Json reply;
+    stage.during = [&] { reply = stage.watchers.reply(2); };
+    stage.watchers.does(1, "surface another iso=0.25");
+    stage.watchers.does(2, "stats");
+    stage.director.step();
+    CHECK(reply["ok"] == true);
+    CHECK(stage.watchers.reply(1)["ok"] == true);
+}
+
+TEST_CASE("a node can be killed by a line that came with the command that waits for it") {
+    Theatre stage;
+    stage.watchers.does(1, "surface sphere iso=0.25");
+    stage.watchers.does(2, "kill gp-0");
+    stage.settle();
+    CHECK(stage.watchers.reply(2)["ok"] == true);
+    CHECK(stage.watchers.reply(1)["ok"] == true);
+    CHECK(stage.launches == 2);
+    CHECK(stage.watchers.last("state")["surfaces"].size() == 2);
+}
+
 TEST_CASE("a surface and an orbit are canceled while they wait for nodes, but no picture is") {
     Theatre stage;
     for (const char* line : {"surface another iso=0.25", "orbit 40"}) {

@@ -51,6 +51,19 @@ std::vector<std::string> words_of(std::string_view text) {
     return words;
 }
 
+void set_listen(ClusterSettings& cluster, std::string_view text) {
+    constexpr int max_port = 65535;
+    const std::size_t colon = std::min(text.rfind(':'), text.size());
+    cluster.listen = text.substr(0, colon);
+    cluster.listen_port =
+        colon == text.size() ? 0 : parse_whole("listen", text.substr(colon + 1), 1, max_port);
+}
+
+std::string listen_text(const ClusterSettings& cluster) {
+    return cluster.listen_port == 0 ? cluster.listen
+                                    : fmt::format("{}:{}", cluster.listen, cluster.listen_port);
+}
+
 bool set_cluster_value(ClusterSettings& cluster, std::string_view key, std::string_view value) {
     if (key == "engine") {
         cluster.engine = value_named<Engine>(key, value);
@@ -61,7 +74,7 @@ bool set_cluster_value(ClusterSettings& cluster, std::string_view key, std::stri
     } else if (key == "placement") {
         cluster.placement = value_named<Placement>(key, value);
     } else if (key == "listen") {
-        cluster.listen = value;
+        set_listen(cluster, value);
     } else {
         return false;
     }

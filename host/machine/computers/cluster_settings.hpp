@@ -14,6 +14,13 @@ inline constexpr int max_computers = 256;
 /// The words of a list with commas.
 std::vector<std::string> words_of(std::string_view text);
 
+/// Sets address and port where computers join, by "10.0.0.1", "10.0.0.1:5755" or ":5755". Throws
+/// RequestError (usage) for a port out of range. check_cluster() checks the address.
+void set_listen(ClusterSettings& cluster, std::string_view text);
+
+/// The text that set_listen() reads.
+std::string listen_text(const ClusterSettings& cluster);
+
 /// Sets one value. Returns false if `key` is not about computers. Throws RequestError (usage).
 bool set_cluster_value(ClusterSettings& cluster, std::string_view key, std::string_view value);
 

@@ -1,7 +1,7 @@
 #include "host/machine/computers/join.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -23,6 +23,7 @@
 #include "host/machine/computers/key.hpp"
 #include "host/machine/computers/letter.hpp"
 #include "host/machine/computers/poll_set.hpp"
+#include "host/machine/computers/way.hpp"
 #include "host/machine/port.hpp"
 #include "host/machine/supervisor.hpp"
 #include "ringbus/process/process.hpp"
@@ -35,25 +36,17 @@ namespace {
 
 constexpr int lost_ms = 1000;       // From the loss of the line to the end of all processes.
 constexpr int terminate_ms = 1000;  // From SIGTERM to SIGKILL.
-constexpr std::size_t part_bytes = std::size_t{1} << 20;
+constexpr int answer_ms = 10'000;   // For the host to answer, and for the key to come.
+constexpr int again_ms = 250;       // Before this computer asks again.
+constexpr int signal_code = 128;    // Plus the number of the signal: an exit code.
+constexpr std::size_t part_bytes = std::size_t{1} << 16;  // Beats wait behind each part.
+constexpr std::size_t max_measured_bytes = std::size_t{1} << 20;
 constexpr std::uintmax_t max_log_bytes = std::uintmax_t{256} << 10;  // The end of a longer log.
 
 bus::Credentials key_of(const JoinOptions& options) {
-    return options.key_from_input   ? read_key_from_input(options.limit_ms)
+    return options.key_from_input   ? read_key_from_input(answer_ms)
            : !options.munge.empty() ? open_munge_credential(options.munge)
                                     : read_key_file(options.key_file);
-}
-
-Way way_to(const JoinOptions& options) {
-    const Addresses addresses = parse_addresses(options.addresses);
-    if (auto way = find_way(addresses.hosts, addresses.port, options.limit_ms)) {
-        way->address = fmt::format("{}{}:{}", tcp, way->address, addresses.port);
-        return *way;
-    }
-    throw RequestError(ExitCode::unavailable,
-                       fmt::format("no host answers at {} within {} s. Has its program ended, or "
-                                   "does a firewall close port {}?",
-                                   options.addresses, options.limit_ms / 1000, addresses.port));
 }
 
 std::string host_part(const std::string& endpoint) {
@@ -74,6 +67,7 @@ class Joined {
     /// Introduces this computer. Throws MachineError if the host refuses it or does not answer.
     void introduce(const JoinOptions& options);
     int run();
+    bool input_is_closed() const;
 
   private:
     void wait(std::int64_t most_ms);
@@ -86,7 +80,6 @@ class Joined {
     /// An exit code, if this program must end.
     std::optional<int> reason_to_end();
     void end_processes();
-    bool input_is_closed() const;
     std::filesystem::path files() const { return sockets_.path() / "files"; }
     template <typename WordT>
     void say(WordT word) {
@@ -101,11 +94,11 @@ class Joined {
     bool watches_input_;
     PollSet polled_;
     std::map<std::string, std::unique_ptr<bus::PulseCell>> cells_;
-    std::map<std::string, std::string> errors_;  ///< By process that could not start.
     int beat_ms_ = 250;
     std::int64_t beaten_ms_ = 0;
     std::optional<std::int64_t> lost_since_ms_;
     bool is_finished_ = false;
+    std::string dismissal_;  ///< Why the host has ended this computer's part; empty in order.
 };
 
 Joined::Joined(const Way& way, const bus::Credentials& credentials, bool watches_input)
@@ -116,9 +109,6 @@ Joined::Joined(const Way& way, const bus::Credentials& credentials, bool watches
       polled_({line_.poll_fd(), line_.event_fd()}) {
     sockets_.mark_as_used();
     std::filesystem::create_directories(files() / "traces");
-    if (watches_input_) {
-        polled_.add(STDIN_FILENO);
-    }
 }
 
 void Joined::wait(std::int64_t most_ms) {
@@ -126,23 +116,20 @@ void Joined::wait(std::int64_t most_ms) {
 }
 
 void Joined::introduce(const JoinOptions& options) {
-    join::AskT ask;
-    ask.secret_low = credentials_.secret.low();
-    ask.secret_high = credentials_.secret.high();
-    ask.build = bus::build_id();
-    ask.schema_hash = bus::schema_hash();
-    ask.facts = std::make_unique<join::FactsT>(own_facts());
-    if (!options.name.empty()) {
-        ask.facts->name = options.name;
-    }
+    join::AskT ask = own_question(credentials_, options.name);
     ask.facts->address = way_.own;
     ask.facts->host_address = host_part(way_.address);
     ask.facts->folder = files().string();
     ask.facts->sockets = sockets_.path().string();
     say(std::move(ask));
-    const std::int64_t end_ms = now_ms() + options.limit_ms;
+    const std::int64_t end_ms = now_ms() + answer_ms;
     while (now_ms() < end_ms) {
         line_.is_connected();
+        if (options.again && line_.was_lost()) {  // The question went to an earlier machine.
+            line_.drop_unsent();
+            throw MachineError(ExitCode::unavailable,
+                               fmt::format("the host at {} has gone", way_.address));
+        }
         if (line_.was_refused()) {
             throw MachineError(ExitCode::unavailable,
                                fmt::format("the host at {} does not accept this key: it is of "
@@ -164,14 +151,14 @@ void Joined::introduce(const JoinOptions& options) {
             return;
         }
         if (const int signal = supervisor_.take_interrupt(); signal != 0) {
-            throw MachineError(128 + signal, "interrupted before the host answered");
+            throw interruption(signal);
         }
         wait(end_ms - now_ms());
     }
     throw MachineError(ExitCode::unavailable,
                        fmt::format("the host at {} takes connections, but has not answered within "
                                    "{} s",
-                                   way_.address, options.limit_ms / 1000));
+                                   way_.address, answer_ms / 1000));
 }
 
 void Joined::start(const join::StartT& start) {
@@ -219,8 +206,13 @@ bool Joined::take_letters() {
             supervisor_.kill(signal->name, signal->number);
         } else if (const auto* fetch = word.AsFetch()) {
             send_file(fetch->file);
-        } else if (word.AsDismiss() != nullptr) {
+        } else if (const auto* measure = word.AsMeasure()) {
+            join::MeasuredT measured;
+            measured.bytes.resize(std::min<std::size_t>(measure->bytes, max_measured_bytes));
+            say(std::move(measured));
+        } else if (const auto* dismiss = word.AsDismiss()) {
             is_finished_ = true;
+            dismissal_ = dismiss->reason;
         }
     }
     return !is_finished_;
@@ -257,9 +249,8 @@ void Joined::send_file(const std::string& file) {
     const bool is_inside = file.find("..") == std::string::npos && !file.starts_with('/');
     if (error || !stream || !is_inside) {
         part.is_last = true;
-        part.error = fmt::format("cannot be read: {}", error ? error.message() : "no such file");
-        say(std::move(part));
-        return;
+        part.error = "cannot be read: " + (error ? error.message() : "no such file");
+        return say(std::move(part));
     }
     if (file.ends_with(".log") && size > max_log_bytes) {
         stream.seekg(static_cast<std::streamoff>(size - max_log_bytes));
@@ -272,6 +263,9 @@ void Joined::send_file(const std::string& file) {
                     static_cast<std::streamsize>(next.bytes.size()));
         next.bytes.resize(static_cast<std::size_t>(stream.gcount()));
         next.is_last = !stream;
+        if (stream.bad()) {
+            next.error = "is cut off: it could not be read to its end";
+        }
         say(std::move(next));
     } while (stream);
 }
@@ -293,11 +287,10 @@ void Joined::send_ended() {
 }
 
 bool Joined::input_is_closed() const {
-    if (!watches_input_) {
-        return false;
-    }
     std::array<char, 256> rest{};
-    return read(STDIN_FILENO, rest.data(), rest.size()) == 0;
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    return watches_input_ && poll(&input, 1, 0) > 0 &&
+           read(STDIN_FILENO, rest.data(), rest.size()) <= 0;
 }
 
 std::optional<int> Joined::reason_to_end() {
@@ -306,7 +299,7 @@ std::optional<int> Joined::reason_to_end() {
         join::LeaveT leave;
         leave.reason = fmt::format("pxpl5 join got SIG{} there", sigabbrev_np(signal));
         say(std::move(leave));
-        return 128 + signal;
+        return signal_code + signal;
     }
     if (input_is_closed()) {
         say_why("standard input was closed: the host is gone");
@@ -325,17 +318,22 @@ std::optional<int> Joined::reason_to_end() {
 }
 
 void Joined::end_processes() {
-    std::int64_t deadline_ms = now_ms() + terminate_ms;
+    const std::int64_t deadline_ms = now_ms() + terminate_ms;
     supervisor_.kill_all(SIGTERM);
     while (!supervisor_.running().empty() && now_ms() < deadline_ms) {
-        supervisor_.wait(-1, static_cast<int>(std::max<std::int64_t>(deadline_ms - now_ms(), 1)));
+        const std::int64_t left_ms = std::min<std::int64_t>(deadline_ms - now_ms(), beat_ms_);
+        supervisor_.wait(-1, static_cast<int>(std::max<std::int64_t>(left_ms, 1)));
         send_ended();
+        send_beat();
         supervisor_.take_interrupt();
     }
     supervisor_.kill_all(SIGKILL);  // The supervisor waits for them in its destructor.
 }
 
 int Joined::run() {
+    if (watches_input_) {
+        polled_.add(STDIN_FILENO);
+    }
     while (take_letters()) {
         if (const std::optional<int> code = reason_to_end()) {
             end_processes();
@@ -349,22 +347,54 @@ int Joined::run() {
         wait(beaten_ms_ + beat_ms_ - now_ms());
     }
     end_processes();
-    return 0;
+    if (dismissal_.empty()) {
+        return 0;
+    }
+    say_why(dismissal_);
+    return static_cast<int>(ExitCode::unavailable);
 }
 
 }  // namespace
 
 int join_machine(const JoinOptions& options) {
     const bus::Credentials credentials = key_of(options);
-    const Way way = way_to(options);
-    if (options.key_from_input) {
-        // What follows the key does not matter, only its end does.
-        fcntl(STDIN_FILENO, F_SETFL, fcntl(STDIN_FILENO, F_GETFL) | O_NONBLOCK);
+    Supervisor supervisor;    // Hears signals between two machines, too.
+    std::optional<int> code;  // Of the last machine.
+    std::string said;
+    std::int64_t end_ms = now_ms() + std::int64_t{1000} * options.wait_s;
+    for (;;) {
+        try {
+            const Way way = await_way(options.addresses, end_ms, supervisor, say_why);
+            Joined joined(way, credentials, options.key_from_input);
+            joined.introduce(options);
+            say_why(fmt::format("takes part in the machine at {}", way.address));
+            code = joined.run();
+            if (!options.again || *code > signal_code || joined.input_is_closed()) {
+                return *code;
+            }
+            end_ms = now_ms() + std::int64_t{1000} * options.wait_s;
+        } catch (const RequestError& error) {  // No host.
+            if (!code) {
+                throw;
+            }
+            say_why(error.what());
+            return *code;
+        } catch (const BadLetter& error) {
+            throw MachineError(
+                ExitCode::unavailable,
+                fmt::format(
+                    "the host at {} is of another build: {}. Install the same pxpl5 on both",
+                    options.addresses, error.what()));
+        } catch (const MachineError& error) {  // The host refuses this computer, or has gone.
+            if (!options.again || error.is_interruption || now_ms() >= end_ms) {
+                throw;
+            }
+            if (error.what() != std::exchange(said, error.what())) {
+                say_why(fmt::format("{}; it is asked again", said));
+            }
+        }
+        supervisor.wait(-1, again_ms);
     }
-    Joined joined(way, credentials, options.key_from_input);
-    joined.introduce(options);
-    say_why(fmt::format("takes part in the machine at {}", way.address));
-    return joined.run();
 }
 
 }  // namespace pxpl5::host

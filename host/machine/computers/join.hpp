@@ -11,13 +11,16 @@ struct JoinOptions {
     /// Where the key is; exactly one of the three.
     bool key_from_input = false;
     std::string key_file, munge;
-    /// Time for the host to answer at any of its addresses.
-    int limit_ms = 10'000;
+    /// Time for the host to start and to answer at any of its addresses.
+    int wait_s = 10;
+    /// Takes part in the next machine at the same addresses when one has ended, within `wait_s`.
+    bool again = false;
 };
 
 /// Joins the host's machine, starts the processes that the host asks for and watches them. Returns
 /// the exit code: 0 after the host's order to end, 128 + signal after a signal, 69 if the host is
-/// gone or standard input, where the key came from, was closed. No process is left.
+/// gone or standard input, where the key came from, was closed. With `again`, the code of the last
+/// machine. No process is left.
 ///
 /// Throws RequestError and MachineError, if the host cannot be reached or refuses this computer.
 int join_machine(const JoinOptions& options);

@@ -117,6 +117,37 @@ std::string run_program(std::vector<std::string> words, std::string_view input) 
 
 }  // namespace
 
+bus::Credentials make_key() {
+    if (!bus::has_curve()) {
+        throw RequestError(ExitCode::unavailable,
+                           "this computer's libzmq has no CURVE, so there can be no key. Install a "
+                           "libzmq with libsodium");
+    }
+    return bus::make_credentials(bus::Protection::curve, bus::Reach::network);
+}
+
+bus::Credentials machine_key(const ClusterSettings& cluster, bus::Protection protection) {
+    if (cluster.key_file.empty()) {
+        return bus::make_credentials(
+            protection, cluster.is_used() ? bus::Reach::network : bus::Reach::this_computer);
+    }
+    if (cluster.engine != Engine::wait || protection != bus::Protection::curve) {
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("--key-file {}: a key of your own is for --engine wait without "
+                        "--insecure-tcp; the engine is {}",
+                        cluster.key_file, enum_name(cluster.engine)));
+    }
+    bus::Credentials key = read_key_file(cluster.key_file);
+    if (!key.keys || key.allows_plain_tcp || !key.allows_network) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("the key file {} has a key of a machine without encryption. "
+                                       "Make another one with: pxpl5 key",
+                                       cluster.key_file));
+    }
+    return key;
+}
+
 std::string key_text(const bus::Credentials& credentials) {
     return fmt::format("{} {}{} {:016x}{:016x} {} {}\n", mark, credentials.allows_plain_tcp ? 1 : 0,
                        credentials.allows_network ? 1 : 0, credentials.secret.low(),
@@ -164,6 +195,19 @@ void write_key_file(const std::filesystem::path& path, const bus::Credentials& c
     write_all(file.fd, key_text(credentials));
 }
 
+namespace {
+
+/// True if users whom the owner has not chosen may read or write the file.
+bool is_open_to_others(const struct stat& facts) {
+    constexpr mode_t all = 07777U, others = S_IRWXG | S_IRWXO, of_secret = S_IRUSR | S_IRGRP;
+    // Kubernetes mounts a Secret like this for a user who is not root: it belongs to root, and the
+    // group of the pod (fsGroup) may read it.
+    const bool is_secret = facts.st_uid == 0 && (facts.st_mode & all) == of_secret;
+    return !is_secret && (facts.st_mode & others) != 0;
+}
+
+}  // namespace
+
 bus::Credentials read_key_file(const std::filesystem::path& path) {
     const File file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
     struct stat facts {};
@@ -171,8 +215,7 @@ bus::Credentials read_key_file(const std::filesystem::path& path) {
         throw RequestError(ExitCode::usage, fmt::format("cannot read the key file {}: {}",
                                                         path.string(), std::strerror(errno)));
     }
-    constexpr mode_t others = S_IRWXG | S_IRWXO;
-    if ((facts.st_mode & others) != 0) {
+    if (is_open_to_others(facts)) {
         throw RequestError(
             ExitCode::usage,
             fmt::format("the key file {} has mode {:04o}, so others may read it. Run: chmod 600 {}",

@@ -1,10 +1,13 @@
 // Launcher: where nodes run, and how they are reached.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 
+#include "host/base/stopwatch.hpp"
 #include "host/machine/computers/facts.hpp"
 #include "host/machine/computers/placement.hpp"
 #include "host/machine/launcher.hpp"
@@ -16,15 +19,25 @@ namespace {
 using bus::schema::Role;
 
 constexpr int patient_s = 3600;  // For jobs in a queue, and for computers that a user starts.
+constexpr int restart_s = 300;   // For the same after the death of a node.
 constexpr int note_after_ms = 3000;
+
+// The rate of the network: a few computers, the best of some answers of this size. The first answer
+// is small: on a slow network a large one would hold up the beats of its computer.
+constexpr int measured_computers = 4, measure_rounds = 3, measure_limit_ms = 2000;
+constexpr std::uint32_t first_bytes = 1U << 15U, measured_bytes = 1U << 19U;
+constexpr double fast_enough_mb_s = 4;  // For the large ones.
 
 std::string port_of(const std::string& endpoint) {
     return endpoint.substr(endpoint.rfind(':') + 1);
 }
 
 /// Seconds that the host waits for computers.
-int limit_s(Engine engine, int start_timeout_s) {
-    return engine == Engine::slurm || engine == Engine::wait ? patient_s : start_timeout_s;
+int limit_s(Engine engine, const MachineOptions& options) {
+    if (engine != Engine::slurm && engine != Engine::wait) {
+        return options.start_timeout_s;
+    }
+    return options.is_restart ? restart_s : patient_s;
 }
 
 }  // namespace
@@ -63,6 +76,21 @@ bus::ProcessFlags Launcher::flags_of(const RosterEntry& node) const {
     return flags;
 }
 
+std::vector<MachineNode> Launcher::nodes() const {
+    std::vector<MachineNode> nodes = nodes_of(roster_);
+    if (processes_.has_others()) {
+        const std::vector<RemoteComputer>& computers = processes_.others().computers();
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            const int computer = roster_[i].computer;
+            nodes[i].place = roster_[i].place;
+            nodes[i].computer = computer == own_computer
+                                    ? own_facts().name
+                                    : computers[static_cast<std::size_t>(computer) - 1].facts.name;
+        }
+    }
+    return nodes;
+}
+
 void Launcher::print_warnings_of_computers() {
     for (const std::string& text : processes_.others().take_warnings()) {
         fmt::print(stderr, "warning: {}\n", text);
@@ -74,6 +102,20 @@ void Launcher::wait_for_event(int most_ms) {
     processes_.pump(now_ms());
 }
 
+std::string Launcher::missing_computers() const {
+    std::vector<std::string> names;
+    for (const ComputerSlots& named : topology_.cluster.computers) {
+        const auto& joined = processes_.others().computers();
+        if (std::ranges::none_of(joined,
+                                 [&](const auto& c) { return c.facts.name == named.name; })) {
+            names.push_back(named.name);
+        }
+    }
+    return names.empty() ? std::string()
+                         : fmt::format("; missing: {}. Their logs are {}/engine-*.log",
+                                       fmt::join(names, ", "), folder_.string());
+}
+
 void Launcher::await_computers() {
     RemoteComputers& others = processes_.others();
     const auto expected = static_cast<std::size_t>(expected_computers(topology_.cluster));
@@ -83,30 +125,108 @@ void Launcher::await_computers() {
                    "waiting for {} computer{}; run there, with a copy of the key file: {}\n",
                    expected, expected == 1 ? "" : "s", processes_.join_line());
     }
-    const int patience_s = limit_s(topology_.cluster.engine, options_.start_timeout_s);
+    others.expect(expected);
+    const int patience_s = limit_s(topology_.cluster.engine, options_);
     const std::int64_t begin_ms = now_ms(), end_ms = begin_ms + std::int64_t{1000} * patience_s;
-    bool has_noted = !processes_.join_line().empty();
+    std::int64_t noted_ms = begin_ms;
+    std::string noted = processes_.join_line().empty() ? "" : "0";
     while (others.computers().size() < expected) {
         check_health();
         print_warnings_of_computers();
-        const std::string state =
-            fmt::format("{} of {} computers have joined", others.computers().size(), expected);
+        const std::string joined = std::to_string(others.computers().size());
+        const std::string state = fmt::format("{} of {} computers have joined", joined, expected);
         if (now_ms() >= end_ms) {
-            fail(timeout_code, fmt::format("{} within {} s", state, patience_s));
+            fail(timeout_code,
+                 fmt::format("{} within {} s{}", state, patience_s, missing_computers()));
         }
-        if (!has_noted && now_ms() - begin_ms > note_after_ms) {
-            has_noted = true;
+        if (joined != noted && now_ms() - noted_ms > note_after_ms) {
+            noted = joined;
+            noted_ms = now_ms();
             fmt::print(stderr, "waiting: {}\n", state);
         }
         wait_for_event(static_cast<int>(end_ms - now_ms()));
+        discard_messages(false);  // Else the link's descriptor stays readable.
     }
-    others.close();
+    std::vector<std::string> names;
+    std::ranges::transform(topology_.cluster.computers, std::back_inserter(names),
+                           &ComputerSlots::name);
+    others.close(names);
     print_warnings_of_computers();
+}
+
+void Launcher::require_computer(const RemoteComputer& computer) const {
+    if (computer.is_lost || !computer.leaves.empty()) {
+        throw MachineError(ExitCode::unavailable,
+                           fmt::format("computer {} is lost before the machine has started: {}",
+                                       computer.facts.name, computer.leaves));
+    }
+}
+
+std::optional<double> Launcher::measured_mb_s(int number) {
+    RemoteComputers& others = processes_.others();
+    const RemoteComputer& computer = others.computers()[static_cast<std::size_t>(number) - 1];
+    const std::int64_t end_ms = now_ms() + measure_limit_ms;
+    const auto answer_ns = [&](std::uint32_t bytes) -> std::optional<std::int64_t> {
+        const int before = computer.measured;
+        const std::int64_t begin_ns = now_ns();
+        others.ask_bytes(number, bytes);
+        while (computer.measured == before) {
+            check_health();
+            require_computer(computer);
+            if (now_ms() >= end_ms) {
+                return std::nullopt;
+            }
+            wait_for_event(static_cast<int>(end_ms - now_ms()));
+            discard_messages(false);
+        }
+        return now_ns() - begin_ns;
+    };
+    const auto empty_ns = answer_ns(0);
+    const auto rate_of = [&](std::uint32_t bytes) -> std::optional<double> {
+        const auto full_ns = empty_ns ? answer_ns(bytes) : std::nullopt;
+        if (!full_ns) {
+            return std::nullopt;
+        }
+        const auto ns = std::max<std::int64_t>(*full_ns - *empty_ns, 1);
+        return 1e3 * bytes / static_cast<double>(ns);
+    };
+    std::optional<double> best = rate_of(first_bytes);
+    if (!best || *best < fast_enough_mb_s) {
+        return best;
+    }
+    best.reset();  // A small answer says little about a fast network.
+    for (int round = 0; round < measure_rounds; ++round) {
+        const auto rate = rate_of(measured_bytes);
+        best = rate ? std::max(best.value_or(0), *rate) : best;
+    }
+    return best;
+}
+
+void Launcher::measure_network() {
+    const std::vector<RemoteComputer>& computers = processes_.others().computers();
+    const int below = topology_.cluster.compress_below_mb_s;
+    int left = measured_computers;
+    for (std::size_t i = 0; i < computers.size() && left > 0 && below > 0; ++i) {
+        if (computers[i].facts.place == own_facts().place) {
+            continue;
+        }
+        --left;
+        const double mb_s = measured_mb_s(static_cast<int>(i) + 1).value_or(0);
+        if (mb_s < below) {
+            link_.compress_far(true);
+            fmt::print(stderr,
+                       "note: the network to {} carries {:.0f} MB/s: messages between computers "
+                       "are compressed\n",
+                       computers[i].facts.name, mb_s);
+            break;
+        }
+    }
 }
 
 void Launcher::gather_computers() {
     try {
         await_computers();
+        measure_network();
         place();
     } catch (const MachineError& error) {
         if (over_) {
@@ -123,6 +243,7 @@ void Launcher::place() {
     std::vector<ComputerSlots> slots;
     std::vector<std::string> places = {own_facts().place};
     for (const RemoteComputer& computer : computers) {
+        require_computer(computer);
         ComputerSlots slot{computer.facts.name, 0};
         for (const ComputerSlots& named : topology_.cluster.computers) {
             slot.slots = named.name == slot.name ? named.slots : slot.slots;
@@ -163,6 +284,7 @@ void Launcher::add_computer_flags(const RosterEntry& node, bus::ProcessFlags& fl
     const std::string host_side =
         (far == computers.end() ? computers.front() : *far).facts.host_address;
     flags.bind = fmt::format("tcp://{}:*", node.place == 0 ? host_side : facts->address);
+    flags.compress = link_.compresses_far();
     flags.near_bind =
         near_address(facts == nullptr ? sockets_.path().string() : facts->sockets, name);
     if (facts != nullptr) {
@@ -185,8 +307,12 @@ void Launcher::await_fetched(SavedTraces& saved, std::int64_t deadline_ms) {
         return;
     }
     const RemoteComputers& others = processes_.others();
-    while (!others.awaited_files().empty() && now_ms() < deadline_ms) {
-        wait_for_event(static_cast<int>(deadline_ms - now_ms()));
+    while (!others.awaited_files().empty() && now_ms() < deadline_ms && !over_) {
+        check_health();
+        wait_for_event(wait_ms(std::max<std::int64_t>(deadline_ms - now_ms(), 0)));
+        while (const std::optional<bus::Message> message = take_from_link()) {
+            keep(*message);
+        }
     }
     for (const std::string& file : others.awaited_files()) {
         saved.missing.push_back(file + ": has not come from the other computer");

@@ -37,7 +37,7 @@ Processes::Processes(const Topology& topology, const bus::Credentials& credentia
                      Identity identity, std::filesystem::path folder)
     : topology_(topology), credentials_(credentials), folder_(std::move(folder)) {
     if (topology.cluster.is_used()) {
-        others_.emplace(topology.cluster.listen, credentials, std::move(identity), folder_);
+        others_.emplace(topology.cluster, credentials, std::move(identity), folder_);
     }
 }
 
@@ -54,8 +54,12 @@ void Processes::start_engine(const std::filesystem::path& program) {
     if (way == KeyWay::munge) {
         join.key = munge_credential(credentials_);
     } else if (way == KeyWay::file) {
-        join.key = (folder_ / "join.key").string();
-        write_key_file(join.key, credentials_);
+        if (cluster.key_file.empty()) {
+            join.key = (folder_ / "join.key").string();
+            write_key_file(join.key, credentials_);
+        } else {
+            join.key = std::filesystem::absolute(cluster.key_file).string();
+        }
         join_line_ = host::join_line(join, way);
     }
     for (const EngineProcess& engine : engine_processes(cluster, join)) {

@@ -30,10 +30,11 @@ std::string lost_text(const std::string& name, const std::string& computer,
 
 }  // namespace
 
-RemoteComputers::RemoteComputers(const std::string& listen, const bus::Credentials& credentials,
-                                 Identity identity, std::filesystem::path folder)
-    : port_(listen.empty() ? "0.0.0.0" : listen, credentials),
-      listen_(listen),
+RemoteComputers::RemoteComputers(const ClusterSettings& cluster,
+                                 const bus::Credentials& credentials, Identity identity,
+                                 std::filesystem::path folder)
+    : port_(cluster.listen.empty() ? "0.0.0.0" : cluster.listen, cluster.listen_port, credentials),
+      listen_(cluster.listen),
       credentials_(credentials),
       identity_(std::move(identity)),
       folder_(std::move(folder)) {}
@@ -71,8 +72,14 @@ void RemoteComputers::take(const std::string& line, const join::LetterT& letter)
         return;
     }
     RemoteComputer* computer = computer_of_line(line);
-    if (computer == nullptr || computer->is_lost) {
+    if (computer == nullptr) {  // It was in an earlier machine with the same key and port.
+        port_.send(line, packed_letter(join::DismissT{}));
+    }
+    if (computer == nullptr) {
         ++refused_;
+        return;
+    }
+    if (computer->is_lost) {  // Its last letters.
         return;
     }
     computer->silent_ms = 0;
@@ -82,11 +89,22 @@ void RemoteComputers::take(const std::string& line, const join::LetterT& letter)
         take_content(*computer, *content);
     } else if (const auto* ended = word.AsEnded()) {
         take_ended(*computer, *ended);
+    } else if (word.AsMeasured() != nullptr) {
+        ++computer->measured;
     } else if (const auto* leave = word.AsLeave()) {
         computer->leaves = printable(leave->reason.substr(0, max_reason));
     } else {
         ++refused_;
     }
+}
+
+void RemoteComputers::close(const std::vector<std::string>& names) {
+    is_open_ = false;
+    const auto place = [&](const RemoteComputer& computer) {
+        return std::pair(std::ranges::find(names, computer.facts.name) - names.begin(),
+                         computer.facts.name);
+    };
+    std::ranges::stable_sort(computers_, {}, place);
 }
 
 void RemoteComputers::pump(std::int64_t now_ms) {
@@ -125,7 +143,7 @@ std::string RemoteComputers::reason_to_refuse(const join::AskT& ask) const {
             "with {:016x}. Install the same pxpl5 on both",
             ask.build, ask.schema_hash, identity_.build, identity_.schema_hash);
     }
-    if (!is_open_) {
+    if (!is_open_ || computers_.size() >= expected_) {
         return "the machine has all of its computers";
     }
     return {};
@@ -166,6 +184,7 @@ void RemoteComputers::take_content(const RemoteComputer& computer, const join::C
         ++refused_;
         return;
     }
+    has_new_parts_ = true;
     const std::filesystem::path path = folder_ / content.file;
     const bool is_first = begun_files_.insert(content.file).second;
     std::ofstream file(path, std::ios::binary | (is_first ? std::ios::trunc : std::ios::app));
@@ -190,6 +209,7 @@ void RemoteComputers::take_ended(RemoteComputer& computer, const join::EndedT& e
         ++refused_;
         return;
     }
+    forget_files_of(ended.name);  // Its files have come before.
     if (computer.leaves.empty()) {
         deaths_.push_back({ended.name, ended.exit_code, ended.signal, ended.error});
     } else {
@@ -198,17 +218,26 @@ void RemoteComputers::take_ended(RemoteComputer& computer, const join::EndedT& e
     }
 }
 
-void RemoteComputers::lose(RemoteComputer& computer, const std::string& reason) {
+void RemoteComputers::forget_files_of(const std::string& name) {
+    for (std::set<std::string>* const files : {&awaited_files_, &begun_files_}) {
+        std::erase_if(*files, [&](const std::string& file) { return is_file_of(file, name); });
+    }
+}
+
+void RemoteComputers::lose(RemoteComputer& computer, const std::string& silence) {
     computer.is_lost = true;
+    if (computer.leaves.empty()) {  // Else it has said why.
+        computer.leaves = silence;
+    }
+    const std::string& reason = computer.leaves;
     for (const std::string& name : std::exchange(computer.running, {})) {
         deaths_.push_back({name, static_cast<int>(ExitCode::unavailable), 0,
                            lost_text(name, computer.facts.name, reason)});
-        std::erase_if(awaited_files_,
-                      [&](const std::string& file) { return is_file_of(file, name); });
-        std::erase_if(begun_files_,
-                      [&](const std::string& file) { return is_file_of(file, name); });
+        forget_files_of(name);
     }
-    port_.send(computer.line, packed_letter(join::DismissT{}));  // If it only was slow.
+    join::DismissT dismiss;  // If it only was slow.
+    dismiss.reason = fmt::format("the host counts this computer as lost: {}", reason);
+    port_.send(computer.line, packed_letter(std::move(dismiss)));
     if (is_open_) {
         warn(fmt::format("computer {} has left: {}", computer.facts.name, reason));
     }
@@ -235,11 +264,17 @@ void RemoteComputers::spawn(int number, const ProcessCommand& command, int pulse
     start.pulse_ms = static_cast<std::uint32_t>(pulse_ms);
     if (computer.is_lost) {
         deaths_.push_back({command.name, static_cast<int>(ExitCode::unavailable), 0,
-                           lost_text(command.name, computer.facts.name, "it has left")});
+                           lost_text(command.name, computer.facts.name, computer.leaves)});
         return;
     }
     computer.running.insert(command.name);
     port_.send(computer.line, packed_letter(std::move(start)));
+}
+
+void RemoteComputers::ask_bytes(int number, std::uint32_t bytes) {
+    join::MeasureT letter;
+    letter.bytes = bytes;
+    port_.send(computers_.at(static_cast<std::size_t>(number) - 1).line, packed_letter(letter));
 }
 
 void RemoteComputers::kill(const std::string& name, int signal) {
@@ -291,6 +326,10 @@ void RemoteComputers::fetch(const std::string& name, const std::string& file) {
         letter.file = file;
         port_.send(computer->line, packed_letter(std::move(letter)));
     }
+}
+
+bool RemoteComputers::takes_parts() {
+    return std::exchange(has_new_parts_, false) && !begun_files_.empty();
 }
 
 void RemoteComputers::finish() {

@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "host/base/error.hpp"
+#include "host/machine/computers/cluster_settings.hpp"
 #include "host/machine/computers/lost_computers.hpp"
 
 using namespace pxpl5;
@@ -87,6 +88,19 @@ TEST_CASE("engine: numbers and names that contradict each other are refused") {
     CHECK(cluster_of({"listen=10.0.0.1"}).listen == "10.0.0.1");
 }
 
+TEST_CASE("engine: the port for computers may be given with the address") {
+    const ClusterSettings both = cluster_of({"listen=10.0.0.1:5755"});
+    CHECK(both.listen == "10.0.0.1");
+    CHECK(both.listen_port == 5755);
+    CHECK(cluster_of({"listen=:5755"}).listen.empty());
+    CHECK(cluster_of({"listen=:5755"}).listen_port == 5755);
+    CHECK(cluster_of({"listen=10.0.0.1:5755", "listen=10.0.0.2"}).listen_port == 0);
+    for (const char* text : {"10.0.0.1:", "10.0.0.1:0", "10.0.0.1:65536", "10.0.0.1:x", "eth0:1"}) {
+        CAPTURE(text);
+        CHECK_THROWS_AS(cluster_of({fmt::format("listen={}", text)}), RequestError);
+    }
+}
+
 TEST_CASE("engine: inside an allocation, Slurm knows the number of computers") {
     setenv("SLURM_JOB_NUM_NODES", "3", 1);
     CHECK(expected_computers(cluster_of({"engine=slurm"})) == 3);
@@ -125,14 +139,15 @@ TEST_CASE("engine: a file alone cannot run a program") {
 }
 
 TEST_CASE("engine: the resolved plan has the computers") {
-    const Topology plan =
-        load_topology("one-of-each", {"computers=n1:4,n2", "gp.computer=n2", "placement=spread",
-                                      "wait=2", "listen=10.0.0.1", "engine=ssh"});
+    const Topology plan = load_topology(
+        "one-of-each", {"computers=n1:4,n2", "gp.computer=n2", "placement=spread", "wait=2",
+                        "listen=10.0.0.1:5755", "compress_below_mb_s=7", "engine=ssh"});
     const Topology again = parse_topology(resolved_json(plan), "again.json", {"engine=ssh"});
     CHECK(resolved_json(again) == resolved_json(plan));
     CHECK(again.cluster.computers.size() == 2);
     CHECK(again.gp.computer == std::vector<std::string>{"n2"});
-    CHECK(again.cluster.listen == "10.0.0.1");
+    CHECK(listen_text(again.cluster) == "10.0.0.1:5755");
+    CHECK(again.cluster.compress_below_mb_s == 7);
 }
 
 namespace {

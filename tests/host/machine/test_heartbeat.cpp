@@ -1,7 +1,10 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <fstream>
+#include <future>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "host/machine/heartbeat.hpp"
@@ -65,11 +68,58 @@ struct Bench {
     std::int64_t now_ms = 5000;
 };
 
+/// The state of a thread of this process by the kernel: 'S' for one that sleeps.
+char state_of_thread(int id) {
+    std::ifstream file("/proc/self/task/" + std::to_string(id) + "/stat");
+    std::string line;
+    std::getline(file, line);
+    return line.at(line.rfind(") ") + 2);
+}
+
 }  // namespace
 
 TEST_CASE("a node that beats and moves is left alone") {
     Bench bench;
     CHECK(bench.pass(1000).empty());
+}
+
+TEST_CASE("time in which the beating thread waits for a processor counts a tenth") {
+    Bench bench;
+    const auto watch_again = [&](int beater) {
+        bench.heartbeat.forget("gp-0");
+        bench.cells.push_back(
+            std::make_unique<bus::PulseCell>(dup(bench.heartbeat.prepare("gp-0"))));
+        bench.gp = bench.cells.back().get();
+        bench.gp->words().beater = beater;
+        bench.heartbeat.watch({"gp-0", getpid(), false}, bench.now_ms);
+        Bench::beat(*bench.gp);
+        bench.pass(1);
+    };
+    bench.gp_beats = bench.gp_steps = false;
+    watch_again(gettid());  // This thread runs while the heartbeat looks at it.
+    CHECK(bench.pass(19).empty());
+    const auto suspect = bench.pass(1);
+    REQUIRE(suspect.size() == 1);
+    CHECK_FALSE(suspect[0].is_dead);
+    CHECK(bench.pass(29).empty());
+    const auto dead = bench.pass(1);
+    REQUIRE(dead.size() == 1);
+    CHECK(dead[0].is_dead);
+
+    std::promise<int> id;
+    std::promise<void> end;
+    const std::jthread sleeper([&] {
+        id.set_value(gettid());
+        end.get_future().wait();
+    });
+    const int sleeper_id = id.get_future().get();
+    while (state_of_thread(sleeper_id) != 'S') {
+        std::this_thread::yield();
+    }
+    watch_again(sleeper_id);
+    CHECK(bench.pass(1).empty());
+    CHECK(bench.pass(1).size() == 1);
+    end.set_value();
 }
 
 TEST_CASE("a silent node is suspect after two intervals and dead after the misses") {

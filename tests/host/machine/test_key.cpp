@@ -2,8 +2,10 @@
 
 #include <doctest/doctest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
+#include <functional>
 
 #include "host/base/error.hpp"
 #include "host/base/state_folder.hpp"
@@ -13,13 +15,21 @@ using namespace pxpl5::host;
 
 namespace {
 
-std::string error_of_file(const std::filesystem::path& file) {
+std::string error_of(const std::function<void()>& act) {
     try {
-        read_key_file(file);
+        act();
     } catch (const RequestError& error) {
         return error.what();
     }
     return "";
+}
+
+std::string error_of_file(const std::filesystem::path& file) {
+    return error_of([&] { read_key_file(file); });
+}
+
+std::string error_of_machine(const ClusterSettings& cluster, bus::Protection protection) {
+    return error_of([&] { machine_key(cluster, protection); });
 }
 
 bool are_equal(const bus::Credentials& a, const bus::Credentials& b) {
@@ -67,4 +77,58 @@ TEST_CASE("key: a key file is for its owner alone") {
     std::filesystem::remove(file);
     CHECK(error_of_file(file) ==
           "cannot read the key file " + file.string() + ": No such file or directory");
+}
+
+TEST_CASE("key: a file of root for one group is accepted, as Kubernetes mounts a Secret") {
+    const TemporaryFolder folder("pxpl5-key-test");
+    // Kubernetes changes all files of a Secret at once, by a link.
+    std::filesystem::create_directory(folder.path() / "..2026");
+    std::filesystem::create_directory_symlink("..2026", folder.path() / "..data");
+    std::filesystem::create_symlink("..data/key", folder.path() / "key");
+    const std::filesystem::path file = folder.path() / "key", target = folder.path() / "..2026/key";
+    const bus::Credentials made = make_key();
+    write_key_file(target, made);
+    const std::string refusal = "others may read it";
+    for (const mode_t mode : {0400, 0440, 0444, 0460, 0640, 0441}) {
+        CAPTURE(mode);
+        REQUIRE(chmod(target.c_str(), mode) == 0);
+        const bool is_sound = mode == 0400 || (mode == 0440 && geteuid() == 0);
+        CHECK((error_of_file(file).find(refusal) == std::string::npos) == is_sound);
+        if (is_sound) {
+            CHECK(are_equal(read_key_file(file), made));
+        }
+    }
+    if (geteuid() == 0) {  // The owner of such a file is root, and no other user.
+        constexpr uid_t nobody = 65534;
+        REQUIRE(chown(target.c_str(), nobody, nobody) == 0);
+        REQUIRE(chmod(target.c_str(), 0440) == 0);
+        CHECK(error_of_file(file).find(refusal) != std::string::npos);
+    }
+}
+
+TEST_CASE("key: a machine takes the user's key for engine wait alone, and only with encryption") {
+    const TemporaryFolder folder("pxpl5-key-test");
+    const std::filesystem::path file = folder.path() / "key", plain = folder.path() / "plain";
+    const bus::Credentials made = make_key();
+    write_key_file(file, made);
+    write_key_file(plain, bus::make_credentials(bus::Protection::plain_tcp, bus::Reach::network));
+    ClusterSettings cluster;
+    cluster.engine = Engine::wait;
+    CHECK(!are_equal(machine_key(cluster, bus::Protection::curve), made));
+    cluster.key_file = file.string();
+    CHECK(are_equal(machine_key(cluster, bus::Protection::curve), made));
+    CHECK(
+        error_of_machine(cluster, bus::Protection::plain_tcp) ==
+        "--key-file " + file.string() +
+            ": a key of your own is for --engine wait without --insecure-tcp; the engine is wait");
+    cluster.key_file = plain.string();
+    CHECK(error_of_machine(cluster, bus::Protection::curve) ==
+          "the key file " + plain.string() +
+              " has a key of a machine without encryption. Make another one with: pxpl5 key");
+    cluster.key_file = file.string();
+    for (const Engine engine : {Engine::local, Engine::ssh, Engine::slurm}) {
+        cluster.engine = engine;
+        CHECK(error_of_machine(cluster, bus::Protection::curve).find("is for --engine wait") !=
+              std::string::npos);
+    }
 }

@@ -226,8 +226,7 @@ class Cli(unittest.TestCase):
     def test_killing_any_process_ends_the_run_by_name_and_leaves_none(self):
         for victim in ("pxpl5-gp", "pxpl5-renderer", "pxpl5-framebuff"):
             child, nodes = self.start("one-of-each")
-            pid = next(pid for pid in nodes
-                       if pathlib.Path(f"/proc/{pid}/comm").read_text().strip() == victim)
+            pid = next(pid for pid in nodes if name_of(pid) == victim)
             os.kill(pid, signal.SIGKILL)
             child.stdin.write("surface a iso=0.5\norbit 1000\n")
             child.stdin.close()

@@ -213,6 +213,7 @@ class Joins(unittest.TestCase):
         self.assertIn("chmod 600", complaint)
 
         join = subprocess.Popen(words, stderr=subprocess.PIPE, text=True, env=self.env)
+        self.addCleanup(join.kill)
         out, complaint = machine.communicate(timeout=LIMIT_S)
         self.assertTrue(json.loads(out)["ok"], complaint)
         self.assertEqual(machine.returncode, 0, complaint)
@@ -220,12 +221,60 @@ class Joins(unittest.TestCase):
         self.assertEqual(join.returncode, 0, said)
         self.assertIn("takes part in the machine at", said)
 
+    def test_a_host_that_waits_does_not_compute(self):
+        machine = subprocess.Popen(
+            [BIN / "pxpl5", "run", "--run-folder", self.folder / "run", "--engine", "wait",
+             "--set", "wait=1", *LOOPBACK, "-c", "digest"], stderr=subprocess.PIPE, env=self.env)
+        self.addCleanup(machine.stderr.close)
+        self.addCleanup(machine.kill)
+        machine.stderr.readline()
+        self.assertEqual(select.select([machine.stderr], [], [], 2)[0], [])  # It is quiet.
+        words = pathlib.Path(f"/proc/{machine.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        used_s = sum(map(int, words[11:13])) / os.sysconf("SC_CLK_TCK")
+        self.assertLess(used_s, 0.5)
+
+    def test_a_computer_joins_again_with_a_key_of_the_user(self):
+        """After the death of a node, and after that of a host with the same key and port."""
+        key = self.folder / "key"
+        made = subprocess.run([BIN / "pxpl5", "key"], stdout=subprocess.PIPE, check=True)
+        key.write_bytes(made.stdout)
+        key.chmod(0o400)
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        join = subprocess.Popen(
+            [BIN / "pxpl5", "join", f"tcp://localhost:{port}", "--key-file", key, "--again",
+             "--wait", str(LIMIT_S)], stderr=subprocess.PIPE, text=True, env=self.env)
+        self.addCleanup(join.stderr.close)
+        self.addCleanup(join.kill)
+        self.assertIn("waits for the host at", join.stderr.readline())
+        words = ("--engine", "wait", "--set", "wait=1", "--listen", f"127.0.0.1:{port}",
+                 "--key-file", key)
+        machine = self.start(*words)
+        nodes = list(in_tree(join.pid))
+        self.assertGreaterEqual(len(nodes), 3)
+        machine.kill()
+        machine.wait(timeout=LIMIT_S)
+        lines = ["load phantom:sphere", "surface s iso=0", "digest", "kill gp-0", "digest"]
+        done = subprocess.run(
+            [BIN / "pxpl5", "run", "--json", "--run-folder", self.folder / "run", *words, "-c",
+             "; ".join(lines)], capture_output=True, text=True, check=False, timeout=LIMIT_S,
+            env=self.env)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        replies = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertEqual(replies[2]["result"], replies[4]["result"])
+        self.assertNotIn(made.stdout.decode().split()[-1], done.stderr)
+        self.wait_for_end(nodes)
+        join.terminate()
+        self.assertEqual(join.wait(timeout=LIMIT_S), 128 + signal.SIGTERM)
+
     def other_key(self, key):
         """The key of another session: the pair of another machine."""
         run = self.folder / "other"
         other = subprocess.Popen(
             [BIN / "pxpl5", "run", "--run-folder", run, "--engine", "wait", "--set", "wait=1",
              *LOOPBACK, "-c", "quit"], stderr=subprocess.PIPE, text=True, env=self.env)
+        self.addCleanup(other.kill)
         line = other.stderr.readline()
         text = pathlib.Path(line.split()[-1]).read_text()
         other.send_signal(signal.SIGINT)
@@ -238,14 +287,16 @@ class Joins(unittest.TestCase):
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
         key = "pxpl5-key-1 11 " + "0" * 32 + " - -\n"
-        code, complaint = self.refusal(f"tcp://127.0.0.1:{port}", "--key-stdin", text=key)
+        code, complaint = self.refusal(f"tcp://localhost:{port}", "--key-stdin", "--wait", "1",
+                                       text=key)
         self.assertEqual(code, 69)
-        self.assertIn(f"no host answers at tcp://127.0.0.1:{port}", complaint)
+        self.assertIn(f"no host answers at tcp://localhost:{port} within 1 s: no program listens "
+                      f"at port {port} of 127.0.0.1", complaint)
         code, complaint = self.refusal(f"tcp://127.0.0.1:{port}", "--key-stdin", text="hello\n")
         self.assertEqual((code, "standard input has no key" in complaint), (64, True), complaint)
         code, complaint = self.refusal(f"tcp://127.0.0.1:{port}", "--key-stdin", text="")
         self.assertIn("standard input ended after 0 bytes", complaint)
-        for address in ("127.0.0.1:80", "tcp://127.0.0.1", "tcp://localhost:80", "tcp://1.2.3.4:0"):
+        for address in ("127.0.0.1:80", "tcp://127.0.0.1", "tcp://a b:80", "tcp://1.2.3.4:0"):
             code, complaint = self.refusal(address, "--key-stdin", text=key)
             self.assertEqual(code, 64, address)
 

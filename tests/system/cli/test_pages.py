@@ -18,11 +18,15 @@ README = "README.md"
 BENCH = "tests/bench/README.md"
 CLUSTER = "tests/cluster/README.md"
 COMPUTERS = "host/machine/computers/README.md"
+KUBERNETES = "host/kubernetes/README.md"
+PODS = "needs a cluster; system/kubernetes checks the manifests and runs their programs"
 SEVERAL = "needs several computers; cluster/machines runs the engines where they are"
 ROOT = "needs root and namespaces; cluster/harness runs the program where they are"
 MINUTES = "takes minutes; the bench tests run the same program for a short time"
 LONG = "takes minutes and needs the peers or a quiet machine"
 FUZZ = "builds with sanitizers and takes minutes; CI runs the same script for 20 s per target"
+SESSIONS = "host/machine/sessions/README.md"
+RUNNING = "needs a running session; system/sessions starts some"
 EXCUSED = {
     (README, "host/launch.sh"): "installs packages as root and builds the release preset",
     (README, "export PATH=$PWD/build/release/bin:$PATH"): "every test has the binaries in its PATH",
@@ -46,6 +50,19 @@ EXCUSED = {
     (COMPUTERS, "sbatch --nodes=3 --time=2:00:00 host/slurm-session.sbatch knee.nii.gz"): SEVERAL,
     (COMPUTERS, "pxpl5 serve knee.nii.gz --engine mpirun --computers n1:8,n2:16"): SEVERAL,
     (COMPUTERS, "pxpl5 serve knee.nii.gz --engine wait --set wait=2"): SEVERAL,
+    (COMPUTERS, "pxpl5 serve --engine wait --set wait=2 --listen 0.0.0.0:5755 --key-file "
+                "session.key"): SEVERAL,
+    (COMPUTERS, "pxpl5 join tcp://n1:5755 --key-file session.key --wait 600 --again"): SEVERAL,
+    (SESSIONS, "pxpl5 sessions show latest"): RUNNING,
+    (SESSIONS, "pxpl5 sessions end 4711"): RUNNING,
+    (KUBERNETES, "pxpl5 key | kubectl create secret generic pxpl5-key --from-file=key=/dev/stdin"):
+        PODS,
+    (KUBERNETES, "kubectl apply -f host/kubernetes/session.yaml"): PODS,
+    (KUBERNETES, "kubectl get pods -l app=pxpl5"): PODS,
+    (KUBERNETES, "kubectl logs -f job/pxpl5-host"): PODS,
+    (KUBERNETES, "kubectl port-forward job/pxpl5-host 8080"): PODS,
+    (KUBERNETES, "kubectl delete -f host/kubernetes/session.yaml"): PODS,
+    (KUBERNETES, "kubectl delete secret pxpl5-key"): PODS,
     (BENCH, "ninja -C build/release"): "builds the release preset",
     (BENCH, "../../build/release/tests/stage_bench --benchmark_min_time=0.1"): MINUTES,
     (BENCH, "python3 machine.py ../../build/release/bin/pxpl5 --check"): MINUTES,

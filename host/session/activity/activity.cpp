@@ -1,4 +1,4 @@
-#include "host/session/activity.hpp"
+#include "host/session/activity/activity.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,0 +1,176 @@
+#include "host/machine/sessions/session_list.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <tuple>
+
+#include "host/base/error.hpp"
+#include "host/machine/sessions/json_values.hpp"
+#include "host/machine/sessions/run_state.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The fields behind the name in /proc/PID/stat: the state and the parent.
+struct ProcessStat {
+    char state = '?';
+    pid_t parent = 0;
+};
+
+ProcessStat stat_of(const fs::path& process) {
+    std::ifstream file(process / "stat");
+    std::string line;
+    std::getline(file, line);
+    ProcessStat stat;
+    const std::size_t name_end = line.rfind(')');
+    if (name_end != std::string::npos) {
+        std::istringstream(line.substr(name_end + 1)) >> stat.state >> stat.parent;
+    }
+    return stat;
+}
+
+/// Shared pages count in parts, so that the sum over processes is right.
+std::uint64_t proportional_bytes(pid_t pid) {
+    constexpr std::uint64_t bytes_per_kib = 1024;
+    std::ifstream file(fmt::format("/proc/{}/smaps_rollup", pid));
+    for (std::string line; std::getline(file, line);) {
+        std::uint64_t kib = 0;
+        if (line.starts_with("Pss:") && std::istringstream(line.substr(4)) >> kib) {
+            return kib * bytes_per_kib;
+        }
+    }
+    return 0;
+}
+
+/// Children by parent, for all processes of this computer.
+std::multimap<pid_t, pid_t> children() {
+    std::multimap<pid_t, pid_t> found;
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator("/proc", ignored)) {
+        const std::string name = entry.path().filename().string();
+        pid_t pid = 0;
+        const char* end = name.data() + name.size();
+        if (std::from_chars(name.data(), end, pid).ptr == end) {
+            found.emplace(stat_of(entry.path()).parent, pid);
+        }
+    }
+    return found;
+}
+
+std::uint64_t memory_of(pid_t pid, const std::multimap<pid_t, pid_t>& children) {
+    std::uint64_t bytes = proportional_bytes(pid);
+    const auto [begin, end] = children.equal_range(pid);
+    for (auto child = begin; child != end; ++child) {
+        bytes += memory_of(child->second, children);
+    }
+    return bytes;
+}
+
+std::string state_text(const RunningSession& session, RunState run) {
+    if (run == RunState::unknown) {
+        return "unknown";
+    }
+    const auto pid = static_cast<pid_t>(session.pid);
+    if (session.is_here && stat_of(fmt::format("/proc/{}", pid)).state == 'T') {
+        return "stopped";
+    }
+    if (session.facts.is_ending) {
+        return "ending";
+    }
+    if (session.subcommand != "serve") {
+        return "running";
+    }
+    return session.facts.url.empty() ? "starting" : "ready";
+}
+
+/// The session of a run folder; nothing if its program has ended.
+std::optional<RunningSession> session_of(const fs::path& folder, pid_t maker) {
+    const nlohmann::json manifest = read_json(folder / "manifest.json");
+    const nlohmann::json host =
+        manifest.is_object() ? manifest.value("host", nlohmann::json()) : manifest;
+    RunningSession session;
+    session.name = folder.filename().string();
+    session.folder = folder;
+    session.subcommand = text_in(manifest, "subcommand");
+    session.started = text_in(manifest, "started");
+    session.computer = text_in(host, "name");
+    session.pid = maker;
+    session.process_start = number_in(manifest, "process_start");
+    session.job = text_in(manifest, "job");
+    session.is_here = session.computer == computer_name() &&
+                      text_in(host, "pid_namespace") == pid_namespace() &&
+                      text_in(host, "boot_id") == boot_id();
+    const RunState run = RunProbe(folder, maker, RunProbe::Use::look).state;
+    // A program that removes old runs also locks them for a moment.
+    const bool is_gone = session.is_here && session.process_start != start_of(maker).value_or(-1);
+    if (run == RunState::ended || is_gone) {
+        return std::nullopt;
+    }
+    session.facts = read_note(folder);
+    session.state = state_text(session, run);
+    return session;
+}
+
+bool is_called(const RunningSession& session, const std::string& name) {
+    return session.name == name || fmt::format("{}", session.pid) == name ||
+           (!session.job.empty() && session.job == name);
+}
+
+}  // namespace
+
+std::vector<RunningSession> running_sessions(const fs::path& base) {
+    std::vector<fs::path> folders;
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
+        if (!entry.is_symlink(ignored) && maker_of(entry.path().filename().string())) {
+            folders.push_back(entry.path());
+        }
+    }
+    std::ranges::sort(folders);  // Their names begin with the time.
+    const std::multimap<pid_t, pid_t> tree = children();
+    std::map<std::tuple<std::string, std::int64_t, std::int64_t>, bool> seen;
+    std::vector<RunningSession> sessions;
+    for (const fs::path& folder : folders) {
+        std::optional<RunningSession> found =
+            session_of(fs::absolute(folder), *maker_of(folder.filename().string()));
+        if (!found ||
+            !seen.emplace(std::tuple(found->computer, found->pid, found->process_start), true)
+                 .second) {
+            continue;
+        }
+        if (found->is_here) {
+            found->memory_bytes = memory_of(static_cast<pid_t>(found->pid), tree);
+        }
+        sessions.push_back(std::move(*found));
+    }
+    return sessions;
+}
+
+RunningSession find_session(const fs::path& base, const std::string& name) {
+    std::vector<RunningSession> sessions = running_sessions(base);
+    if (name == "latest" && !sessions.empty()) {
+        return sessions.back();
+    }
+    std::erase_if(sessions, [&](const auto& each) { return !is_called(each, name); });
+    if (sessions.size() == 1) {
+        return sessions.front();
+    }
+    throw RequestError(
+        ExitCode::usage,
+        sessions.empty()
+            ? fmt::format("sessions: no session '{}' runs with its run folder in {}. 'pxpl5 "
+                          "sessions' lists those that run",
+                          name, base.string())
+            : fmt::format("sessions: '{}' means {} sessions, {} and {}. Give the name of one", name,
+                          sessions.size(), sessions[0].name, sessions[1].name));
+}
+
+}  // namespace pxpl5::host
