@@ -6,13 +6,18 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <optional>
 #include <utility>
 
+#include "host/base/standard_streams.hpp"
 #include "host/base/stopwatch.hpp"
-#include "host/machine/machine.hpp"
+#include "host/machine/sessions/session_note.hpp"
 #include "host/serve/director/director.hpp"
 #include "host/serve/director/file_access.hpp"
 #include "host/serve/director/inspector.hpp"
+#include "host/serve/time_limit.hpp"
 #include "host/session/activity_text.hpp"
 
 namespace pxpl5::host::serve {
@@ -30,15 +35,10 @@ struct RemovedAtEnd {
 
 /// Where viewers' commands may read and write.
 FileAccess access_of(const ServeOptions& options, const ServerOptions& server) {
-    std::vector<std::filesystem::path> others(options.allow.begin(), options.allow.end());
+    std::vector<std::filesystem::path> others(options.machine.io_allow.begin(),
+                                              options.machine.io_allow.end());
     others.push_back(server.uploads);
-    FileAccess access(server.downloads, std::move(others));
-    for (const Arguments& command : options.commands) {
-        if (command.name == "load" && !command.words.empty()) {
-            access.allow_volume(command.words.front());
-        }
-    }
-    return access;
+    return FileAccess(server.downloads, std::move(others));
 }
 
 /// This computer's name for other computers.
@@ -56,55 +56,123 @@ std::string way_here() {
     return is_in_job && name != login ? fmt::format("-J {} {}", login, name) : name;
 }
 
-void print_addresses(const Server& server, const ServerOptions& options, const Topology& topology) {
+/// The line for ssh that opens the way from another computer; empty if none is needed.
+std::string tunnel_to(const Server& server, const ServerOptions& options) {
+    return options.bind == ServerOptions{}.bind
+               ? fmt::format("ssh -L {0}:127.0.0.1:{0} {1}", server.port(), way_here())
+               : "";
+}
+
+void print_addresses(const SessionFacts& facts, const Topology& topology) {
     fmt::print("pxpl5 serves {}\n", size_text(topology));
-    fmt::print("open      {}\nto watch  {}\n", server.url(), server.watch_url());
-    if (options.bind == ServerOptions{}.bind) {
-        fmt::print(
-            "from another computer: ssh -L {0}:127.0.0.1:{0} {1}, then open the same address "
-            "there\n",
-            server.port(), way_here());
+    fmt::print("open      {}\nto watch  {}\n", facts.url, facts.watch_url);
+    if (!facts.tunnel.empty()) {
+        fmt::print("from another computer: {}, then open the same address there\n", facts.tunnel);
     }
     fmt::print("Ctrl-C ends it\n");
     std::fflush(stdout);  // Pipes are not line-buffered.
 }
 
+/// Changes what `pxpl5 sessions` shows.
+void change(SessionNote& note, const std::function<void(SessionFacts&)>& act) {
+    SessionFacts facts = note.facts();
+    act(facts);
+    note.set(facts);
+}
+
+/// Tells the terminal and other programs of the end that comes.
+void tell_end_notice(SessionNote& note, const EndNotice& notice) {
+    change(note, [&](SessionFacts& facts) {
+        facts.ends_at = notice.at;
+        facts.saved = notice.saved;
+    });
+    if (!notice.problem.empty()) {
+        fmt::print(stderr, "warning: {}\n", printable(notice.problem));
+    } else if (!notice.saved.empty()) {
+        fmt::print(stderr, "note: the session is saved in {}. Open it again with: {}\n",
+                   printable(notice.saved), printable(notice.open));
+    } else {
+        fmt::print(stderr, "warning: {}\n", printable(sentence_of(notice)));
+    }
+}
+
+/// The end that --time-limit names, in seconds since 1970.
+std::optional<std::int64_t> end_by_user(const std::string& time_limit) {
+    return time_limit.empty() ? std::nullopt
+                              : std::optional(std::time(nullptr) + parse_time_limit(time_limit));
+}
+
+DirectorParts parts_of(const ServeOptions& options, const std::shared_ptr<Machine>& machine,
+                       SessionNote& note) {
+    DirectorParts parts;
+    parts.topology = options.topology.name;
+    parts.clock_ns = now_ns;
+    parts.answer = [](Session& session, std::uint32_t id, std::string_view message) {
+        return answer_message(id, answer(session, message));
+    };
+    parts.machine_text = [](Session& session) { return json_text(activity_fields(session)); };
+    parts.machine = machine;
+    // Old run folders are removed, so the session lies beside them.
+    const std::filesystem::path& run = machine->run_folder();
+    parts.saved_session = run.parent_path() / "saved" / (run.filename().string() + ".pxpl5");
+    parts.tell_end_notice = [&note](const EndNotice& notice) { tell_end_notice(note, notice); };
+    parts.tell_viewers = [&note](std::size_t count) {
+        change(note,
+               [count](SessionFacts& facts) { facts.viewers = static_cast<std::int64_t>(count); });
+    };
+    return parts;
+}
+
+/// Opens what the command line names, and lets viewers open it again.
+void open_content(Director& director, const ServeOptions& options, FileAccess& access) {
+    if (!options.session.empty()) {
+        director.open(to_line({"play", {options.session}, {}}));
+    }
+    for (const Arguments& command :
+         options.session.empty() ? options.commands : std::vector<Arguments>{}) {
+        director.open(to_line(command));
+    }
+    if (const auto& load = director.session().history.load_line()) {
+        access.allow_volume(parse_line(*load).words.at(0));
+    }
+    if (options.session.empty()) {
+        director.show_first_surfaces();
+    }
+}
+
 }  // namespace
 
 int serve(const ServeOptions& options) {
-    MachineOptions machine_options;
-    machine_options.run_base = options.run_base;
-    machine_options.keep_runs = options.keep_runs;
-    machine_options.io_allow = options.allow;
-    machine_options.insecure_tcp = options.insecure_tcp;
-    machine_options.io_sandbox = options.io_sandbox;
-    auto machine = std::make_shared<Machine>(options.topology, machine_options);
+    const EndSignal end_signal;  // Before the machine: its threads block the signal, too.
+    const std::optional<std::int64_t> user_end_s = end_by_user(options.time_limit);
+    auto machine = std::make_shared<Machine>(options.topology, options.machine);
     ServerOptions server_options = options.server;
     server_options.uploads = machine->run_folder() / "uploads";
     server_options.downloads = machine->run_folder() / "downloads";
+    SessionNote note(machine->run_folder());
     const RemovedAtEnd removed{server_options.uploads};
     try {
         Server server(server_options);
-        const FileAccess access = access_of(options, server_options);
+        const EndWatch end_watch(end_signal, user_end_s,
+                                 [&server](EndsSoon soon) { server.warn(std::move(soon)); });
+        FileAccess access = access_of(options, server_options);
         WebAudience audience(server);
-        DirectorParts parts;
-        parts.topology = options.topology.name;
+        DirectorParts parts = parts_of(options, machine, note);
         parts.downloads = server_options.downloads;
-        parts.clock_ns = now_ns;
         parts.check_command = [&](const CommandDescriptor& command, const Arguments& arguments) {
             access.check(command, arguments);
         };
-        parts.answer = [](Session& session, std::uint32_t id, std::string_view message) {
-            return answer_message(id, answer(session, message));
-        };
-        parts.machine_text = [](Session& session) { return json_text(activity_fields(session)); };
-        parts.machine = machine;
         Director director(audience, std::move(parts));
-        for (const Arguments& command : options.commands) {
-            director.open(to_line(command));
-        }
-        director.show_first_surfaces();
-        print_addresses(server, options.server, options.topology);
+        director.session().tell_opened = [&note](const std::string& volume) {
+            change(note, [&](SessionFacts& facts) { facts.volume = volume; });
+        };
+        open_content(director, options, access);
+        change(note, [&](SessionFacts& facts) {
+            facts.url = server.url();
+            facts.watch_url = server.watch_url();
+            facts.tunnel = tunnel_to(server, options.server);
+        });
+        print_addresses(note.facts(), options.topology);
         director.run();
     } catch (const MachineError& error) {
         if (!error.is_interruption) {

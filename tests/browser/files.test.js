@@ -211,6 +211,7 @@ test('long work is shown and can be given up; what was open stays', async () => 
 });
 
 test('an orbit is given up by the same button', async () => {
+  if (!(await state(page)).volume) await openTorus();  // The test before may leave none.
   const before = await settled(page);
   const raw = await rawSocket(page, server.url);
   const reply = say(raw, 'orbit 3000');

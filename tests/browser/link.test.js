@@ -258,3 +258,19 @@ test('after a flood of input the newest state is shown, and never an older one a
   assert.equal((await settled(page)).digest, shown.digest);
   await close();
 });
+
+test('the end of a job is shown with the command that opens the saved session', async () => {
+  const ending = await serve('phantom:sphere');
+  const { page, close } = await openPage(browser, ending.url);
+  try {
+    await settled(page);
+    const banner = page.getByTestId('ending');
+    assert.ok(await banner.isHidden());
+    ending.child.kill('SIGUSR1');
+    await banner.getByText(/This command opens it again: pxpl5 serve --session \S/).waitFor();
+    assert.match(await banner.textContent(), /^This session ends soon: .* SIGUSR1\. /);
+  } finally {
+    await close();
+    assert.equal((await ending.stop()).code, 0);
+  }
+});

@@ -12,7 +12,6 @@
 #include "host/base/error.hpp"
 #include "host/base/reply.hpp"
 #include "host/base/version.hpp"
-#include "host/serve/director/state_text.hpp"
 #include "host/serve/director/viewer_message.hpp"
 
 namespace pxpl5::host::serve {
@@ -101,10 +100,10 @@ double Director::since_ms(std::int64_t then_ns) const {
 void Director::run() {
     const Alarm alarm(audience_.event_fd());
     for (;;) {
-        while (lost_.empty() && step()) {
+        while (end_.lost.empty() && step()) {
         }
-        if (!lost_.empty()) {
-            throw RequestError(ExitCode::unavailable, lost_);
+        if (!end_.lost.empty()) {
+            throw RequestError(ExitCode::unavailable, end_.lost);
         }
         alarm.set(due_ms());
         parts_.machine->watch(-1, {});  // The events must stay unread, because they end the wait.
@@ -132,6 +131,10 @@ bool Director::step() {
         tell_machine();
         return true;
     }
+    if (is_save_due()) {
+        save_session();
+        return true;
+    }
     const bool is_asked = !inbox_.empty();
     if (is_asked) {
         do_wish(inbox_.take());
@@ -148,6 +151,9 @@ double Director::due_ms() const {
     if (has_picture() && is_refinable()) {
         sooner(rest_ms - since_ms(input_ns_));
     }
+    if (end_.notice && end_.saved_revision != revision_) {
+        sooner(rest_ms - since_ms(input_ns_));
+    }
     if (wants_machine()) {
         sooner(machine_text_ms - since_ms(machine_text_ns_));
     }
@@ -162,6 +168,7 @@ void Director::take_events() {
 
 void Director::take(const Joined& joined) {
     viewers_[joined.viewer] = {joined.role, false};
+    tell_viewers();
     audience_.send(
         joined.viewer,
         json_text({{"hello", Fields{{"version", std::string(version)},
@@ -176,13 +183,20 @@ void Director::take(const Joined& joined) {
 }
 
 void Director::take(const Lost& lost) {
-    lost_ = lost.reason;
+    end_.lost = lost.reason;
     work_.cancels = true;  // The command under way is for viewers who are gone.
 }
 
 void Director::take(const Left& left) {
     viewers_.erase(left.viewer);
     inbox_.forget_asks(left.viewer);
+    tell_viewers();
+}
+
+void Director::tell_viewers() const {
+    if (parts_.tell_viewers) {
+        parts_.tell_viewers(viewers_.size());
+    }
 }
 
 /// Whether the viewer's role allows the message.
@@ -297,8 +311,8 @@ void Director::tell_all(const std::string& text) {
 }
 
 std::string Director::current_state() const {
-    return state_text(*session_,
-                      {revision_, busy_, parts_.topology, parts_.machine->is_recording()});
+    return state_text(*session_, {revision_, busy_, parts_.topology, parts_.machine->is_recording(),
+                                  end_.notice});
 }
 
 void Director::tell_state() {

@@ -13,6 +13,7 @@
 #include "host/serve/director/audience.hpp"
 #include "host/serve/director/inbox.hpp"
 #include "host/serve/director/pace.hpp"
+#include "host/serve/director/state_text.hpp"
 #include "host/session/session.hpp"
 
 namespace pxpl5::host::serve {
@@ -32,6 +33,13 @@ struct DirectorParts {
     /// Returns the object of the message `machine`, the nodes' work. Empty: no such messages.
     std::function<std::string(Session&)> machine_text;
     std::function<std::int64_t()> clock_ns;  ///< Monotonic clock.
+    /// File of the session that is saved before the end. Its folder is made if missing.
+    std::filesystem::path saved_session;
+    /// Called when viewers are warned of the end, and when the session has been saved or could not
+    /// be. May be empty.
+    std::function<void(const EndNotice&)> tell_end_notice;
+    /// Called with the number of viewers when it changes. May be empty.
+    std::function<void(std::size_t)> tell_viewers;
 };
 
 /// The machine's thread uses the director. No queue grows behind a slow viewer or a slow machine:
@@ -67,10 +75,12 @@ class Director {
 
     void watch_viewers();
     void take_events();
+    void tell_viewers() const;
     void take(const Joined& joined);
     void take(const Left& left);
     void take(const Said& said);
     void take(const Lost& lost);
+    void take(const EndsSoon& soon);
     void take_wish(const Said& said, Wish wish);
     bool do_at_once(const Wish& wish);
     bool may(const Said& said, const std::optional<std::string>& ask) const;
@@ -86,6 +96,8 @@ class Director {
     void guard(const std::string& what, const std::function<void()>& act);
     void tell_restart(const std::string& text, bool is_over);
     void tell_end(const MachineError& death);
+    bool is_save_due() const;
+    void save_session();
     bool put_back(const History& history, const Scene& scene);
     void start();
     void note(const char* level, const std::string& text);
@@ -137,7 +149,12 @@ class Director {
     std::string last_state_;     ///< The last state sent.
     std::int64_t input_ns_ = 0;  ///< Time of the newest change.
     std::int64_t machine_text_ns_ = 0;
-    std::string lost_;  ///< Why the server has ended; empty while it runs.
+    struct End {
+        std::string lost;                 ///< Why the server has ended; empty while it runs.
+        std::optional<EndNotice> notice;  ///< The program will be ended from outside.
+        std::uint32_t saved_revision = 0;
+    };
+    End end_;
 };
 
 }  // namespace pxpl5::host::serve

@@ -146,10 +146,11 @@ void Director::do_command(const Wish& wish) {
     }
 }
 
-/// Runs a command that asks no node while the session waits for nodes: a node may be stuck. Returns
-/// false if the command must wait for its turn.
+/// Runs a command that asks no node while the session waits for nodes, or soon will for a command
+/// that came before: a node may be stuck. Returns false if the command must wait for its turn.
 bool Director::do_at_once(const Wish& wish) {
-    if (!work_.waits || (wish.arguments.name != "kill" && wish.arguments.name != "stats")) {
+    const bool may_be_stuck = work_.waits || inbox_.has_command();
+    if (!may_be_stuck || (wish.arguments.name != "kill" && wish.arguments.name != "stats")) {
         return false;
     }
     const Command& command = find_command(wish.arguments.name);

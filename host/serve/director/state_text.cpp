@@ -121,6 +121,11 @@ void add_looks(const Scene& scene, State& state) {
 
 }  // namespace
 
+std::string sentence_of(const EndNotice& notice) {
+    return notice.at.empty() ? fmt::format("This session ends soon: {}.", notice.why)
+                             : fmt::format("This session ends at {}: {}.", notice.at, notice.why);
+}
+
 std::string state_text(const Session& session, const StateExtras& extras) {
     const Scene& scene = session.scene;
     State state;
@@ -145,6 +150,9 @@ std::string state_text(const Session& session, const StateExtras& extras) {
     state.machine = {extras.topology, static_cast<std::int64_t>(session.conversation.gps().size()),
                      static_cast<std::int64_t>(session.conversation.renderer_count()),
                      extras.is_recording};
+    if (extras.end) {
+        state.end = EndState{extras.end->at, extras.end->why, extras.end->open};
+    }
     return json_text({{"state", fields_of(state)}});
 }
 

@@ -2,11 +2,23 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "host/session/session.hpp"
 
 namespace pxpl5::host::serve {
+
+/// The end of the program that something outside of it will cause.
+struct EndNotice {
+    std::string at, why;  ///< See EndState in page_schema.fbs.
+    std::string saved;    ///< File of the session; empty if it is not saved.
+    std::string open;     ///< The command that opens the file.
+    std::string problem;  ///< Why the session cannot be saved.
+};
+
+/// "This session ends at 2026-11-24T05:00:00Z: the time of job 12 is over."
+std::string sentence_of(const EndNotice& notice);
 
 /// Values of the state that the session does not have.
 struct StateExtras {
@@ -14,6 +26,7 @@ struct StateExtras {
     std::string busy;  ///< The work under way; empty for none.
     std::string topology;
     bool is_recording = false;
+    std::optional<EndNotice> end = std::nullopt;
 };
 
 /// {"state": {..}} in one line; host/serve/README.md describes the fields.

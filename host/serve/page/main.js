@@ -14,7 +14,7 @@ import {watchKeys} from './shell/keyboard.js';
 import {createOverlay} from './shell/overlay.js';
 import {createPointing} from './shell/pointing.js';
 import {createTabs} from './shell/tabs.js';
-import {createHints, createStall, createVeil, createWork} from './shell/work.js';
+import {createEnding, createHints, createStall, createVeil, createWork} from './shell/work.js';
 import {Modes} from './state/modes.js';
 import {PageSession} from './state/page_session.js';
 import {Selection} from './state/selection.js';
@@ -71,6 +71,7 @@ function start() {
   createWork(app);
   createVeil(app);
   createStall(app);
+  createEnding(app);
   createHints(app);
   createTabs(app);
   watchPointers(picture, viewpoint, createPointing(app, () => viewpoint.reset()));

@@ -82,6 +82,10 @@ std::vector<Event> Server::take() {
     return core_->mail.take();
 }
 
+void Server::warn(EndsSoon soon) {
+    core_->mail.push(std::move(soon));
+}
+
 void Server::send(std::uint32_t viewer, std::string text) {
     if (viewer == 0) {  // 0 would be all.
         return;

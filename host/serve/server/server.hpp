@@ -41,7 +41,12 @@ struct Said {
 struct Lost {
     std::string reason;
 };
-using Event = std::variant<Joined, Left, Said, Lost>;
+/// Something outside of the program will end it.
+struct EndsSoon {
+    std::int64_t at_s = 0;  ///< Seconds since 1970; 0: unknown, but soon.
+    std::string why;        ///< "the time of job 12 is over"
+};
+using Event = std::variant<Joined, Left, Said, Lost, EndsSoon>;
 
 /// A frame for all viewers.
 struct Shown {
@@ -79,6 +84,9 @@ class Server {
     /// Readable while events wait, and when wants_frame() may have become true; take() resets it.
     int event_fd() const;
     std::vector<Event> take();
+
+    /// Adds the event. Any thread may call this.
+    void warn(EndsSoon soon);
 
     /// Texts reach a viewer in the order of these calls, and binary messages with them.
     void send(std::uint32_t viewer, std::string text);

@@ -190,6 +190,14 @@ export function readAnswerHeader(view) {
  */
 
 /**
+ * Something outside of the program will end it.
+ * @typedef {object} EndState
+ * @property {string} at  "2026-11-24T05:00:00Z"; empty if unknown, but soon
+ * @property {string} why  "the time of job 12 is over"
+ * @property {string} open  the command that opens the saved session; empty if it is not saved
+ */
+
+/**
  * @typedef {object} State
  * @property {number} revision  counts changes of the picture's content
  * @property {string | null} busy  the work in progress
@@ -207,4 +215,5 @@ export function readAnswerHeader(view) {
  * @property {string | null} undo  the line that `undo` reverts
  * @property {string | null} redo
  * @property {MachineState} machine
+ * @property {EndState | null} end
  */

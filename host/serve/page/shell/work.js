@@ -73,6 +73,22 @@ export function createStall(app) {
 }
 
 /**
+ * Shows that something outside of the program will end it, for example the time limit of a job.
+ * @param {App} app
+ */
+export function createEnding(app) {
+  const root = byId('ending');
+  app.store.subscribe(['end'], ({end}) => {
+    root.hidden = !end;
+    if (end) {
+      const when = end.at ? `at ${new Date(end.at).toLocaleTimeString()}` : 'soon';
+      root.textContent = `This session ends ${when}: ${end.why}. `
+        + (end.open ? `It is saved. This command opens it again: ${end.open}` : '');
+    }
+  });
+}
+
+/**
  * Whether the server refuses this page: another server with another token has its port.
  * @returns {Promise<boolean>}
  */

@@ -1,0 +1,62 @@
+// Director: the warning before the end of the program, and the session that is saved for later.
+#include <fmt/chrono.h>
+
+#include <ctime>
+#include <system_error>
+
+#include "host/base/error.hpp"
+#include "host/serve/director/director.hpp"
+#include "host/serve/director/shell_word.hpp"
+
+namespace pxpl5::host::serve {
+
+void Director::take(const EndsSoon& soon) {
+    end_.notice = EndNotice{};
+    end_.notice->why = soon.why;
+    if (soon.at_s != 0) {
+        end_.notice->at = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(soon.at_s));
+    }
+    state_is_old_ = true;
+    if (!busy_.empty() || work_.waits) {
+        note("error", sentence_of(*end_.notice));  // The state comes after the work.
+    }
+    if (parts_.tell_end_notice) {
+        parts_.tell_end_notice(*end_.notice);
+    }
+}
+
+/// True before the end, after the user's input has come to rest.
+bool Director::is_save_due() const {
+    return end_.notice && end_.saved_revision != revision_ && since_ms(input_ns_) >= rest_ms;
+}
+
+/// Writes the scene as a script, again after each change.
+void Director::save_session() {
+    end_.saved_revision = revision_;
+    EndNotice& notice = *end_.notice;
+    const EndNotice before = notice;
+    try {
+        std::filesystem::create_directories(parts_.saved_session.parent_path());
+        const Arguments save{"history", {parts_.saved_session.string()}, {{"form", "scene"}}};
+        find_command(save.name).run(*session_, save);
+        notice.saved = parts_.saved_session.string();
+        notice.open = fmt::format("pxpl5 serve --session {}", shell_word(notice.saved));
+        notice.problem.clear();
+    } catch (const MachineError&) {
+        throw;
+    } catch (const std::exception& error) {
+        notice.problem = fmt::format("The session cannot be saved: {}", error.what());
+    }
+    if (notice.saved == before.saved && notice.problem == before.problem) {
+        return;
+    }
+    state_is_old_ = true;
+    if (!notice.problem.empty()) {
+        note("error", notice.problem);
+    }
+    if (parts_.tell_end_notice) {
+        parts_.tell_end_notice(notice);
+    }
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,26 @@
+// The options of the viewer on the command line of `pxpl5 serve`.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "host/serve/serve.hpp"
+
+namespace pxpl5::host::serve {
+
+/// Adds the options, which fill `options`.
+inline void declare_server(CLI::App& app, ServeOptions& options) {
+    ServerOptions& server = options.server;
+    app.add_option("--port", server.port, "Port; 0 is a free one")->check(CLI::Range(0, 65535));
+    app.add_option("--bind", server.bind, "Address to listen at")->capture_default_str();
+    app.add_option("--tls-cert", server.tls_cert, "Certificate (PEM)");
+    app.add_option("--tls-key", server.tls_key, "Key of the certificate (PEM)");
+    app.add_flag("--insecure", server.insecure, "Listen beyond this computer without encryption");
+    app.add_option("--session", options.session, "Open a saved session instead of a volume")
+        ->check(CLI::ExistingFile)
+        ->excludes(app.get_option("volume"), app.get_option("--surface"));
+    app.add_option("--time-limit", options.time_limit,
+                   "Time until this program is ended from outside, to warn 2 minutes before: 90 "
+                   "(minutes), 1:30:00 or 1-12 (days-hours); by default that of the Slurm job");
+}
+
+}  // namespace pxpl5::host::serve

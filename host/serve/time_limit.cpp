@@ -1,0 +1,232 @@
+#include "host/serve/time_limit.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <ctime>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+
+namespace pxpl5::host::serve {
+
+namespace {
+
+constexpr std::int64_t s_per_minute = 60, s_per_hour = 3600, s_per_day = 86400;
+constexpr int ms_per_s = 1000;
+constexpr int scontrol_ms = 10'000;
+constexpr std::size_t max_printed = 65536;
+
+std::int64_t now_s() {
+    return std::chrono::duration_cast<std::chrono::seconds>(
+               std::chrono::system_clock::now().time_since_epoch())
+        .count();
+}
+
+/// The numbers of "1:30:00"; nothing if another character is among them.
+std::optional<std::vector<std::int64_t>> numbers_of(std::string_view text) {
+    constexpr std::int64_t most = 1'000'000;
+    std::vector<std::int64_t> numbers;
+    for (;;) {
+        const std::size_t colon = std::min(text.find(':'), text.size());
+        std::int64_t number = -1;
+        const auto [stop, error] = std::from_chars(text.data(), text.data() + colon, number);
+        if (error != std::errc{} || stop != text.data() + colon || number < 0 || number > most) {
+            return std::nullopt;
+        }
+        numbers.push_back(number);
+        if (colon == text.size()) {
+            return numbers;
+        }
+        text.remove_prefix(colon + 1);
+    }
+}
+
+std::string variable(const char* name) {
+    const char* const text = std::getenv(name);
+    return text == nullptr ? "" : text;
+}
+
+/// Waits until `fd` is readable, at most until `end_ms` of the steady clock or, if `stop_fd` is
+/// readable, not at all. Returns true if `fd` is readable.
+bool wait_for(int fd, int stop_fd, std::chrono::steady_clock::time_point end) {
+    for (;;) {
+        std::array<pollfd, 2> polled{{{fd, POLLIN, 0}, {stop_fd, POLLIN, 0}}};
+        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+            end - std::chrono::steady_clock::now());
+        const int ready =
+            poll(polled.data(), polled.size(), static_cast<int>(std::max<long>(left.count(), 0)));
+        if (ready < 0 && errno == EINTR) {
+            continue;
+        }
+        return ready > 0 && polled[1].revents == 0;
+    }
+}
+
+/// Output of `scontrol show job`, within scontrol_ms; empty if it fails or `stop_fd` is readable.
+std::string scontrol_text(const std::string& job, int stop_fd) {
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) {
+        return {};
+    }
+    std::array<std::string, 4> words{"scontrol", "show", "job", job};
+    std::array<char*, 5> arguments{words[0].data(), words[1].data(), words[2].data(),
+                                   words[3].data(), nullptr};
+    posix_spawn_file_actions_t streams;
+    posix_spawn_file_actions_init(&streams);
+    posix_spawn_file_actions_adddup2(&streams, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&streams, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    pid_t pid = 0;
+    const bool runs =
+        posix_spawnp(&pid, arguments[0], &streams, nullptr, arguments.data(), environ) == 0;
+    posix_spawn_file_actions_destroy(&streams);
+    close(ends[1]);
+    std::string text;
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(scontrol_ms);
+    while (runs && text.size() < max_printed && wait_for(ends[0], stop_fd, end)) {
+        std::array<char, 4096> chunk;
+        const ssize_t got = read(ends[0], chunk.data(), chunk.size());
+        if (got <= 0) {
+            break;
+        }
+        text.append(chunk.data(), static_cast<std::size_t>(got));
+    }
+    close(ends[0]);
+    if (runs) {
+        kill(pid, SIGKILL);  // A program that has ended does not mind.
+        while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
+        }
+    }
+    return text;
+}
+
+/// The end of the job of Slurm that this program runs in, if any.
+std::optional<std::int64_t> end_of_job(int stop_fd) {
+    const std::string job = variable("SLURM_JOB_ID");
+    if (job.empty()) {
+        return std::nullopt;
+    }
+    // Slurm sets it from version 23.02 on.
+    const std::string known = variable("SLURM_JOB_END_TIME");
+    std::int64_t end_s = 0;
+    if (std::from_chars(known.data(), known.data() + known.size(), end_s).ec == std::errc{}) {
+        return end_s;
+    }
+    return end_in_job(scontrol_text(job, stop_fd));
+}
+
+/// Milliseconds until the warning, for poll(), which takes no more than 24 days.
+int ms_until_warning(std::optional<std::int64_t> end_s) {
+    constexpr std::int64_t longest_s = s_per_day;
+    return end_s ? static_cast<int>(
+                       std::clamp<std::int64_t>(*end_s - warn_before_s - now_s(), 0, longest_s)) *
+                       ms_per_s
+                 : -1;
+}
+
+}  // namespace
+
+std::int64_t parse_time_limit(const std::string& text) {
+    const std::size_t dash = text.find('-');
+    const bool has_days = dash != std::string::npos;
+    const auto days = numbers_of(has_days ? std::string_view(text).substr(0, dash) : "0");
+    const auto rest = numbers_of(std::string_view(text).substr(has_days ? dash + 1 : 0));
+    if (!days || days->size() != 1 || !rest || rest->size() > 3) {
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("--time-limit '{}' is no duration. Give minutes (90), hours, minutes and "
+                        "seconds (1:30:00), or days and hours (1-12)",
+                        text));
+    }
+    std::vector<std::int64_t> hms = *rest;
+    if (has_days || hms.size() == 3) {
+        hms.resize(3, 0);
+    } else {  // Minutes, or minutes and seconds.
+        hms.insert(hms.begin(), 0);
+        hms.resize(3, 0);
+    }
+    return days->front() * s_per_day + hms[0] * s_per_hour + hms[1] * s_per_minute + hms[2];
+}
+
+std::optional<std::int64_t> end_in_job(const std::string& printed) {
+    constexpr std::string_view key = " EndTime=";
+    const std::size_t at = printed.find(key);
+    std::tm local{};
+    if (at == std::string::npos ||
+        strptime(printed.c_str() + at + key.size(), "%Y-%m-%dT%H:%M:%S", &local) == nullptr) {
+        return std::nullopt;
+    }
+    local.tm_isdst = -1;  // Slurm prints local times.
+    return mktime(&local);
+}
+
+EndSignal::EndSignal() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGUSR1);
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    fd_ = signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
+    if (fd_ < 0) {
+        throw std::system_error(errno, std::generic_category(), "cannot wait for SIGUSR1");
+    }
+}
+
+/// The signal stays blocked: it may come until the process ends.
+EndSignal::~EndSignal() {
+    close(fd_);
+}
+
+EndWatch::EndWatch(const EndSignal& signal, std::optional<std::int64_t> user_end_s,
+                   std::function<void(EndsSoon)> warn)
+    : signal_fd_(signal.fd()), stop_fd_(eventfd(0, EFD_CLOEXEC)), warn_(std::move(warn)) {
+    if (stop_fd_ < 0) {
+        throw std::system_error(errno, std::generic_category(), "eventfd");
+    }
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);  // Signals are for the main thread.
+    thread_ = std::thread([this, user_end_s] { run(user_end_s); });
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+EndWatch::~EndWatch() {
+    (void)eventfd_write(stop_fd_, 1);
+    thread_.join();
+    close(stop_fd_);
+}
+
+void EndWatch::run(std::optional<std::int64_t> user_end_s) {
+    const std::optional<std::int64_t> end_s = user_end_s ? user_end_s : end_of_job(stop_fd_);
+    std::array<pollfd, 2> polled{{{signal_fd_, POLLIN, 0}, {stop_fd_, POLLIN, 0}}};
+    int ready = 0;
+    do {
+        ready = poll(polled.data(), polled.size(), ms_until_warning(end_s));
+    } while ((ready < 0 && errno == EINTR) || (ready == 0 && ms_until_warning(end_s) > 0));
+    if (polled[1].revents != 0) {
+        return;
+    }
+    EndsSoon soon{end_s.value_or(0), "the program has received SIGUSR1"};
+    if (user_end_s) {
+        soon.why = "the time of --time-limit is over";
+    } else if (end_s) {
+        soon.why = fmt::format("the time of job {} is over", variable("SLURM_JOB_ID"));
+    }
+    warn_(std::move(soon));
+}
+
+}  // namespace pxpl5::host::serve

@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""The end of a job: test_time_limit.py FOLDER_OF_BINARIES [words].
+
+`pxpl5 serve` warns before something ends it, saves the session, and opens it again.
+"""
+import os
+import pathlib
+import re
+import shutil
+import signal
+import stat
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "system/cli"))
+import test_serve  # noqa: E402
+
+LIMIT_S = 60
+ENDS = re.compile(r"warning: This session ends (at (\S+Z)|soon): (.+)\.\n")
+SAVED = re.compile(r"note: the session is saved in (\S+)\. "
+                   r"Open it again with: pxpl5 serve --session (\S+)\n")
+
+
+class TimeLimit(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pxpl5-limit-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        for name in ("SLURM_JOB_ID", "SLURM_JOB_END_TIME"):
+            os.environ.pop(name, None)
+
+    def serve(self, *words, env=()):
+        os.environ.update(env)
+        program = test_serve.Program(self.folder / "runs", *words)
+        for name, _ in env:
+            if name.startswith("SLURM"):
+                os.environ.pop(name)
+        self.addCleanup(program.end)
+        return program
+
+    def viewer(self, program, url=None):
+        viewer = test_serve.Viewer(url or program.url)
+        self.addCleanup(viewer.socket.close)
+        return viewer
+
+    def warned(self, viewer):
+        """The first state with a saved session."""
+        return viewer.until(lambda message: (message.get("state", {}).get("end") or {})
+                            .get("open"))["state"]["end"]
+
+    def test_a_session_is_saved_before_its_end_and_opens_again(self):
+        program = self.serve("phantom:sphere")
+        viewer, watcher = self.viewer(program), self.viewer(program, program.watch_url)
+        self.assertTrue(viewer.do("surface ball iso=0.3 color=red")["ok"])
+        viewer.do("size 120x100")
+        reply = viewer.do("view 30 20 zoom=1.5")
+        before = viewer.resting(reply["revision"])["digest"]
+        program.process.send_signal(signal.SIGUSR1)
+        ends = self.warned(viewer)
+        self.assertEqual((ends["at"], ends["why"]), ("", "the program has received SIGUSR1"))
+        self.assertEqual(self.warned(watcher), ends)
+        # What follows the warning is saved, too.
+        reply = viewer.do("background white")
+        after = viewer.resting(reply["revision"])["digest"]
+        self.assertNotEqual(after, before)
+        saved = pathlib.Path(ends["open"].removeprefix("pxpl5 serve --session "))
+        run, = self.folder.glob("runs/2*")
+        self.assertEqual(saved, self.folder / "runs/saved" / f"{run.name}.pxpl5")
+        viewer.until(lambda _: "background" in saved.read_text())
+        code, complaint = program.stop(signal.SIGTERM)
+        self.assertEqual(code, 0)
+        self.assertEqual(ENDS.match(complaint)[3], ends["why"])
+        self.assertEqual(SAVED.search(complaint).groups(), (str(saved), str(saved)))
+        self.assertEqual(complaint.count("\n"), 2, complaint)
+        again = self.serve("--session", str(saved))
+        viewer = self.viewer(again)
+        self.assertEqual(viewer.resting(0)["digest"], after)
+        self.assertTrue(viewer.do("load phantom:sphere")["ok"])
+        self.assertEqual(again.stop(), (0, ""))
+
+    def test_the_user_names_the_limit(self):
+        before = time.time()
+        program = self.serve("phantom:sphere", "--time-limit", "1:30")
+        viewer = self.viewer(program)
+        ends = self.warned(viewer)
+        self.assertEqual(ends["why"], "the time of --time-limit is over")
+        self.assertEqual(program.stop()[0], 0)
+        at = time.mktime(time.strptime(ends["at"], "%Y-%m-%dT%H:%M:%SZ")) - time.timezone
+        self.assertLessEqual(before + 89, at)
+        self.assertLessEqual(at, time.time() + 90)
+        wrong = subprocess.run([test_serve.BINARIES / "pxpl5", "serve", "--time-limit", "soon"],
+                               capture_output=True, text=True, timeout=LIMIT_S, check=False)
+        self.assertEqual(wrong.returncode, 64)
+        self.assertIn("--time-limit 'soon' is no duration", wrong.stderr)
+
+    def test_slurm_names_the_limit(self):
+        """In the environment, or by its own command."""
+        tools = self.folder / "tools"
+        tools.mkdir()
+        (tools / "scontrol").write_text(
+            '#!/bin/sh\n[ "$*" = "show job 77" ] && echo "   EndTime=2001-02-03T04:05:06 x"\n')
+        (tools / "scontrol").chmod(stat.S_IRWXU)
+        path = ("PATH", f"{tools}:{os.environ['PATH']}")
+        local = time.mktime(time.strptime("2001-02-03T04:05:06", "%Y-%m-%dT%H:%M:%S"))
+        told = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(local))
+        for env, at in (((("SLURM_JOB_END_TIME", "1000000000"),), "2001-09-09T01:46:40Z"),
+                        ((path,), told)):
+            program = self.serve("phantom:sphere", env=(("SLURM_JOB_ID", "77"), *env))
+            ends = self.warned(self.viewer(program))
+            self.assertEqual((ends["at"], ends["why"]), (at, "the time of job 77 is over"))
+            self.assertEqual(program.stop()[0], 0)
+
+    def test_a_session_that_cannot_be_saved_is_told_of(self):
+        program = self.serve("phantom:sphere")
+        (self.folder / "runs/saved").write_text("in the way")
+        viewer = self.viewer(program)
+        program.process.send_signal(signal.SIGUSR1)
+        note = viewer.until(lambda message: "cannot be saved" in str(message.get("note")))["note"]
+        self.assertEqual(note["level"], "error")
+        self.assertIn("saved", note["text"])
+        code, complaint = program.stop()
+        self.assertEqual(code, 0)
+        self.assertRegex(complaint, "warning: The session cannot be saved: .*saved")
+
+    def test_a_saved_session_needs_no_volume_beside_it(self):
+        file = self.folder / "s.pxpl5"
+        file.write_text("load phantom:sphere\n")
+        for words in (("phantom:sphere",), ("--surface", "ball=0.2")):
+            done = subprocess.run([test_serve.BINARIES / "pxpl5", "serve", "--session", file,
+                                   *words], capture_output=True, text=True, timeout=LIMIT_S,
+                                  check=False)
+            self.assertEqual(done.returncode, 64, done.stderr)
+            self.assertRegex(done.stderr, "excludes --session|--session excludes")
+
+
+if __name__ == "__main__":
+    test_serve.BINARIES = pathlib.Path(sys.argv.pop(1))
+    unittest.main()
