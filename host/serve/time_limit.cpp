@@ -1,12 +1,9 @@
 #include "host/serve/time_limit.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/eventfd.h>
 #include <sys/signalfd.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,6 +19,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/run_program.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -30,7 +28,6 @@ namespace {
 constexpr std::int64_t s_per_minute = 60, s_per_hour = 3600, s_per_day = 86400;
 constexpr int ms_per_s = 1000;
 constexpr int scontrol_ms = 10'000;
-constexpr std::size_t max_printed = 65536;
 
 std::int64_t now_s() {
     return std::chrono::duration_cast<std::chrono::seconds>(
@@ -62,57 +59,13 @@ std::string variable(const char* name) {
     return text == nullptr ? "" : text;
 }
 
-/// Waits until `fd` is readable, at most until `end_ms` of the steady clock or, if `stop_fd` is
-/// readable, not at all. Returns true if `fd` is readable.
-bool wait_for(int fd, int stop_fd, std::chrono::steady_clock::time_point end) {
-    for (;;) {
-        std::array<pollfd, 2> polled{{{fd, POLLIN, 0}, {stop_fd, POLLIN, 0}}};
-        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
-            end - std::chrono::steady_clock::now());
-        const int ready =
-            poll(polled.data(), polled.size(), static_cast<int>(std::max<long>(left.count(), 0)));
-        if (ready < 0 && errno == EINTR) {
-            continue;
-        }
-        return ready > 0 && polled[1].revents == 0;
-    }
-}
-
-/// Output of `scontrol show job`, within scontrol_ms; empty if it fails or `stop_fd` is readable.
+/// Output of `scontrol show job`; empty if it fails or `stop_fd` is readable.
 std::string scontrol_text(const std::string& job, int stop_fd) {
-    std::array<int, 2> ends{};
-    if (pipe2(ends.data(), O_CLOEXEC) != 0) {
-        return {};
+    try {
+        return run_program({"scontrol", "show", "job", job}, "", scontrol_ms, stop_fd).out;
+    } catch (const RequestError&) {
+        return {};  // The computer has no Slurm.
     }
-    std::array<std::string, 4> words{"scontrol", "show", "job", job};
-    std::array<char*, 5> arguments{words[0].data(), words[1].data(), words[2].data(),
-                                   words[3].data(), nullptr};
-    posix_spawn_file_actions_t streams;
-    posix_spawn_file_actions_init(&streams);
-    posix_spawn_file_actions_adddup2(&streams, ends[1], STDOUT_FILENO);
-    posix_spawn_file_actions_addopen(&streams, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    pid_t pid = 0;
-    const bool runs =
-        posix_spawnp(&pid, arguments[0], &streams, nullptr, arguments.data(), environ) == 0;
-    posix_spawn_file_actions_destroy(&streams);
-    close(ends[1]);
-    std::string text;
-    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(scontrol_ms);
-    while (runs && text.size() < max_printed && wait_for(ends[0], stop_fd, end)) {
-        std::array<char, 4096> chunk;
-        const ssize_t got = read(ends[0], chunk.data(), chunk.size());
-        if (got <= 0) {
-            break;
-        }
-        text.append(chunk.data(), static_cast<std::size_t>(got));
-    }
-    close(ends[0]);
-    if (runs) {
-        kill(pid, SIGKILL);  // A program that has ended does not mind.
-        while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
-        }
-    }
-    return text;
 }
 
 /// The end of the job of Slurm that this program runs in, if any.

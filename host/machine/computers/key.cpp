@@ -3,23 +3,19 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <csignal>
 #include <cstring>
 #include <sstream>
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/run_program.hpp"
 #include "host/machine/supervisor.hpp"
 
 namespace pxpl5::host {
@@ -61,58 +57,17 @@ std::string read_all(int fd) {
     return text;
 }
 
-/// Waits until process `pid` has ended, and kills it after munge_ms. Returns the wait status.
-int wait_for(pid_t pid) {
-    const File process(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
-    pollfd ended{process.fd, POLLIN, 0};
-    const std::int64_t end_ms = now_ms() + munge_ms;
-    int ready = -1;
-    do {
-        const std::int64_t left_ms = std::max<std::int64_t>(end_ms - now_ms(), 0);
-        ready = poll(&ended, 1, static_cast<int>(left_ms));
-    } while (ready < 0 && errno == EINTR);
-    if (ready <= 0) {
-        kill(pid, SIGKILL);
-    }
-    int status = 0;
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-    }
-    return status;
-}
-
-/// Runs a program with `input`. Returns its output. Throws RequestError with its last words.
-std::string run_program(std::vector<std::string> words, std::string_view input) {
-    const File in(memfd_create("in", MFD_CLOEXEC)), out(memfd_create("out", MFD_CLOEXEC)),
-        errors(memfd_create("errors", MFD_CLOEXEC));
-    write_all(in.fd, input);
-    lseek(in.fd, 0, SEEK_SET);
-    std::vector<char*> arguments;
-    for (std::string& word : words) {
-        arguments.push_back(word.data());
-    }
-    arguments.push_back(nullptr);
-    posix_spawn_file_actions_t streams;
-    posix_spawn_file_actions_init(&streams);
-    posix_spawn_file_actions_adddup2(&streams, in.fd, STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&streams, out.fd, STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&streams, errors.fd, STDERR_FILENO);
-    pid_t pid = 0;
-    const int failure =
-        posix_spawnp(&pid, arguments[0], &streams, nullptr, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&streams);
-    if (failure != 0) {
-        throw RequestError(ExitCode::unavailable,
-                           fmt::format("{} cannot start: {}", words[0], std::strerror(failure)));
-    }
-    if (const int status = wait_for(pid); status != 0) {
-        std::string said = read_all(errors.fd);
-        said = said.substr(0, said.find('\n'));
+/// Runs a program of munge with `input`. Returns its output. Throws RequestError with its last
+/// words.
+std::string run_munge(const std::vector<std::string>& words, std::string_view input) {
+    const ProgramEnd end = run_program(words, input, munge_ms);
+    if (end.code != 0) {
         throw RequestError(
             ExitCode::unavailable,
-            fmt::format("{} {}: {}", words[0],
-                        WIFSIGNALED(status) ? "did not end in time" : "failed", said));
+            fmt::format("{} {}: {}", words[0], end.is_in_time ? "failed" : "did not end in time",
+                        end.errors.substr(0, end.errors.find('\n'))));
     }
-    return read_all(out.fd);
+    return end.out;
 }
 
 }  // namespace
@@ -252,8 +207,8 @@ bus::Credentials read_key_from_input(int limit_ms) {
 
 std::string munge_credential(const bus::Credentials& credentials) {
     // --ttl -1: as long as munged allows, because a job may wait in a queue.
-    std::string credential = run_program(
-        {"munge", "--uid", std::to_string(getuid()), "--ttl", "-1"}, key_text(credentials));
+    std::string credential = run_munge({"munge", "--uid", std::to_string(getuid()), "--ttl", "-1"},
+                                       key_text(credentials));
     while (!credential.empty() && credential.back() == '\n') {
         credential.pop_back();
     }
@@ -261,7 +216,7 @@ std::string munge_credential(const bus::Credentials& credentials) {
 }
 
 bus::Credentials open_munge_credential(const std::string& credential) {
-    const std::string text = run_program({"unmunge", "--metadata", "/dev/null"}, credential + "\n");
+    const std::string text = run_munge({"unmunge", "--metadata", "/dev/null"}, credential + "\n");
     return parse_key(text, "the munge credential");
 }
 

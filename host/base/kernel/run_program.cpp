@@ -1,0 +1,121 @@
+#include "host/base/kernel/run_program.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+
+#include "host/base/error.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+constexpr std::size_t max_output_bytes = 65'536;
+
+/// A descriptor that is closed at the end of its life.
+struct File {
+    int fd;
+    explicit File(int opened) : fd(opened) {}
+    ~File() {
+        if (fd >= 0) {
+            close(fd);
+        }
+    }
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+};
+
+[[noreturn]] void refuse(const std::string& program, int error) {
+    throw RequestError(ExitCode::unavailable,
+                       fmt::format("{} cannot start: {}", program, std::strerror(error)));
+}
+
+std::string text_of(const File& file) {
+    std::string text(max_output_bytes, '\0');
+    const ssize_t got = pread(file.fd, text.data(), text.size(), 0);
+    text.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+    return text;
+}
+
+/// Starts the program in a process group of its own, with the default mask of signals.
+pid_t start(std::vector<std::string>& words, const std::array<int, 3>& streams) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) {
+        arguments.push_back(word.data());
+    }
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    for (std::size_t stream = 0; stream < streams.size(); ++stream) {
+        posix_spawn_file_actions_adddup2(&actions, streams[stream], static_cast<int>(stream));
+    }
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+    pid_t pid = 0;
+    const int error =
+        posix_spawnp(&pid, arguments[0], &actions, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    if (error != 0) {
+        refuse(words[0], error);
+    }
+    return pid;
+}
+
+/// Returns whether the process has ended within the time, and before `stop_fd` is readable.
+bool ends_in_time(pid_t pid, int limit_ms, int stop_fd) {
+    using Clock = std::chrono::steady_clock;
+    const File process(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
+    std::array<pollfd, 2> polled{{{process.fd, POLLIN, 0}, {stop_fd, POLLIN, 0}}};
+    const Clock::time_point end = Clock::now() + std::chrono::milliseconds(limit_ms);
+    int ready = -1;
+    do {
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+        ready =
+            poll(polled.data(), polled.size(), static_cast<int>(std::max<long>(left.count(), 0)));
+    } while (ready < 0 && errno == EINTR);
+    return ready > 0 && polled[0].revents != 0;
+}
+
+}  // namespace
+
+ProgramEnd run_program(std::vector<std::string> words, std::string_view input, int limit_ms,
+                       int stop_fd) {
+    const File in(memfd_create("in", MFD_CLOEXEC)), out(memfd_create("out", MFD_CLOEXEC)),
+        errors(memfd_create("errors", MFD_CLOEXEC));
+    if (::write(in.fd, input.data(), input.size()) != static_cast<ssize_t>(input.size())) {
+        refuse(words[0], errno);
+    }
+    lseek(in.fd, 0, SEEK_SET);
+    const pid_t pid = start(words, {in.fd, out.fd, errors.fd});
+    ProgramEnd end;
+    end.is_in_time = ends_in_time(pid, limit_ms, stop_fd);
+    if (!end.is_in_time) {
+        kill(-pid, SIGKILL);
+    }
+    int status = 0;
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    end.code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+    end.out = text_of(out);
+    end.errors = text_of(errors);
+    return end;
+}
+
+}  // namespace pxpl5::host

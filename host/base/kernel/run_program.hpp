@@ -1,0 +1,26 @@
+// Runs another program to its end, for a limited time.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pxpl5::host {
+
+/// The end of a program.
+struct ProgramEnd {
+    int code = 0;             ///< Exit code, or 128 + signal.
+    bool is_in_time = true;   ///< False: it was killed, because it ran too long.
+    std::string out, errors;  ///< The first 64 KiB of its output and error output.
+};
+
+/// Runs `words` with `input` as its standard input, and waits for its end. Ctrl-C of the terminal
+/// does not reach the program, and no signal is blocked in it.
+///
+/// limit_ms  The program is killed after this time.
+/// stop_fd   Kills the program at once when it is readable; -1: none.
+/// Throws RequestError (unavailable) that names the program and the reason if it cannot start.
+ProgramEnd run_program(std::vector<std::string> words, std::string_view input, int limit_ms,
+                       int stop_fd = -1);
+
+}  // namespace pxpl5::host
