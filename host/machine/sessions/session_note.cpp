@@ -37,13 +37,12 @@ void SessionNote::set(const SessionFacts& facts) {
         return;
     }
     facts_ = facts;
-    const std::string text = nlohmann::ordered_json{
-        {"volume", facts.volume},
-        {"url", facts.url},
-        {"watch_url", facts.watch_url},
-        {"tunnel", facts.tunnel},
-        {"viewers",
-         facts.viewers}}.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+    const std::string text =
+        nlohmann::ordered_json{{"volume", facts.volume},       {"url", facts.url},
+                               {"watch_url", facts.watch_url}, {"tunnel", facts.tunnel},
+                               {"viewers", facts.viewers},     {"ends_at", facts.ends_at},
+                               {"saved", facts.saved},         {"ending", facts.is_ending}}
+            .dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
     fs::path part = file_;
     part += ".part";
     std::error_code ignored;

@@ -3,6 +3,7 @@
 
 `pxpl5 serve` warns before something ends it, saves the session, and opens it again.
 """
+import json
 import os
 import pathlib
 import re
@@ -69,6 +70,11 @@ class TimeLimit(unittest.TestCase):
         run, = self.folder.glob("runs/2*")
         self.assertEqual(saved, self.folder / "runs/saved" / f"{run.name}.pxpl5")
         viewer.until(lambda _: "background" in saved.read_text())
+        shown = subprocess.run(
+            [test_serve.BINARIES / "pxpl5", "sessions", "show", "latest", "--json",
+             "--run-folder", self.folder / "runs"],
+            capture_output=True, text=True, timeout=LIMIT_S, check=True)
+        self.assertEqual(json.loads(shown.stdout)["saved"], str(saved))
         code, complaint = program.stop(signal.SIGTERM)
         self.assertEqual(code, 0)
         self.assertEqual(ENDS.match(complaint)[3], ends["why"])
