@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <functional>
 #include <memory>
 
@@ -359,6 +360,7 @@ int main(int argc, char** argv) {
     CLI::App app("Surfaces of medical volumes, drawn by a working Pixel-Planes 5", "pxpl5");
     Flags flags;
     declare(app, flags);
+    flags.serve.job.words.assign(argv + std::min(argc, 2), argv + argc);
     const std::function<std::optional<int>()> run_sessions = declare_sessions(app);
     const std::function<std::optional<int>()> run_inspection = inspect::declare_inspection(app);
     if (argc < 2 || std::string_view(argv[1]) == "help") {

@@ -17,6 +17,7 @@
 #include "host/serve/director/director.hpp"
 #include "host/serve/director/file_access.hpp"
 #include "host/serve/director/inspector.hpp"
+#include "host/serve/job/job.hpp"
 #include "host/serve/time_limit.hpp"
 #include "host/session/activity_text.hpp"
 
@@ -145,6 +146,9 @@ void open_content(Director& director, const ServeOptions& options, FileAccess& a
 int serve(const ServeOptions& options) {
     const EndSignal end_signal;  // Before the machine: its threads block the signal, too.
     const std::optional<std::int64_t> user_end_s = end_by_user(options.time_limit);
+    if (is_submitted(options.job, options.topology.cluster)) {
+        return serve_in_job(options.job, options.machine.run_base, options.time_limit);
+    }
     auto machine = std::make_shared<Machine>(options.topology, options.machine);
     ServerOptions server_options = options.server;
     server_options.uploads = machine->run_folder() / "uploads";

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "host/machine/computers/cluster_settings.hpp"
 #include "host/serve/serve.hpp"
 
 namespace pxpl5::host::serve {
@@ -20,7 +21,14 @@ inline void declare_server(CLI::App& app, ServeOptions& options) {
         ->excludes(app.get_option("volume"), app.get_option("--surface"));
     app.add_option("--time-limit", options.time_limit,
                    "Time until this program is ended from outside, to warn 2 minutes before: 90 "
-                   "(minutes), 1:30:00 or 1-12 (days-hours); by default that of the Slurm job");
+                   "(minutes), 1:30:00 or 1-12 (days-hours); by default that of the Slurm job. "
+                   "A job that --engine slurm submits gets this limit");
+    app.add_option("--nodes", options.job.nodes,
+                   "Computers of the job that --engine slurm submits outside of a job")
+        ->check(CLI::Range(1, max_computers));
+    app.add_option("--sbatch-option", options.job.sbatch,
+                   "Option of sbatch for this job, for example --sbatch-option=--partition=gpu")
+        ->allow_extra_args(false);
 }
 
 }  // namespace pxpl5::host::serve

@@ -84,8 +84,8 @@ ROOMS = {
         "tools": {"record", "replay", "listing", "map", "step", "diff", "why", "model"},
     },
     "host/commands": {"text": set(), ".": {"text"}},
-    "host/serve": {"server": set(), "director": {"server"}, "page": set(),
-                   ".": {"server", "director"}},
+    "host/serve": {"server": set(), "director": {"server"}, "job": {"director"}, "page": set(),
+                   ".": {"server", "director", "job"}},
     "host/serve/page": {
         "link": set(),
         "elements": set(),

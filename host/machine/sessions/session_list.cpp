@@ -134,8 +134,8 @@ std::vector<RunningSession> running_sessions(const fs::path& base) {
             folders.push_back(entry.path());
         }
     }
-    std::ranges::sort(folders);  // Their names begin with the time.
-    const std::multimap<pid_t, pid_t> tree = children();
+    std::ranges::sort(folders);                       // Their names begin with the time.
+    std::optional<std::multimap<pid_t, pid_t>> tree;  // Many processes: only if it is needed.
     std::map<std::tuple<std::string, std::int64_t, std::int64_t>, bool> seen;
     std::vector<RunningSession> sessions;
     for (const fs::path& folder : folders) {
@@ -147,7 +147,10 @@ std::vector<RunningSession> running_sessions(const fs::path& base) {
             continue;
         }
         if (found->is_here) {
-            found->memory_bytes = memory_of(static_cast<pid_t>(found->pid), tree);
+            if (!tree) {
+                tree = children();
+            }
+            found->memory_bytes = memory_of(static_cast<pid_t>(found->pid), *tree);
         }
         sessions.push_back(std::move(*found));
     }

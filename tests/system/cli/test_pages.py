@@ -25,6 +25,7 @@ ROOT = "needs root and namespaces; cluster/harness runs the program where they a
 MINUTES = "takes minutes; the bench tests run the same program for a short time"
 LONG = "takes minutes and needs the peers or a quiet machine"
 FUZZ = "builds with sanitizers and takes minutes; CI runs the same script for 20 s per target"
+SERVE = "host/serve/README.md"
 SESSIONS = "host/machine/sessions/README.md"
 RUNNING = "needs a running session; system/sessions starts some"
 EXCUSED = {
@@ -53,6 +54,8 @@ EXCUSED = {
     (COMPUTERS, "pxpl5 serve --engine wait --set wait=2 --listen 0.0.0.0:5755 --key-file "
                 "session.key"): SEVERAL,
     (COMPUTERS, "pxpl5 join tcp://n1:5755 --key-file session.key --wait 600 --again"): SEVERAL,
+    (SERVE, "pxpl5 serve knee.nii.gz --engine slurm --nodes 3 --time-limit 90 "
+            "--sbatch-option=--partition=gpu"): "needs Slurm; cluster/jobs submits such jobs",
     (SESSIONS, "pxpl5 sessions show latest"): RUNNING,
     (SESSIONS, "pxpl5 sessions end 4711"): RUNNING,
     (KUBERNETES, "pxpl5 key | kubectl create secret generic pxpl5-key --from-file=key=/dev/stdin"):

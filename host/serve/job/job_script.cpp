@@ -1,0 +1,78 @@
+#include "host/serve/job/job_script.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <string_view>
+
+#include "host/base/error.hpp"
+#include "host/serve/director/shell_word.hpp"
+#include "host/serve/job/slurm_session.hpp"
+
+namespace pxpl5::host::serve {
+
+namespace {
+
+/// Options with a value that the program in the job does not get: the job has them, or the script.
+constexpr std::array<std::string_view, 4> options_of_job{"--nodes", "--sbatch-option",
+                                                         "--time-limit", "--engine"};
+
+/// The words for `serve` in the job.
+std::vector<std::string> words_in_job(const std::vector<std::string>& words) {
+    std::vector<std::string> kept;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (words[i] == "--") {  // No option follows.
+            kept.insert(kept.end(), words.begin() + static_cast<std::ptrdiff_t>(i), words.end());
+            break;
+        }
+        const std::size_t equals = words[i].find('=');
+        if (std::ranges::find(options_of_job, words[i].substr(0, equals)) == options_of_job.end()) {
+            kept.push_back(words[i]);
+        } else if (equals == std::string::npos) {
+            ++i;  // Its value is the next word.
+        }
+    }
+    return kept;
+}
+
+}  // namespace
+
+std::vector<std::string> sbatch_words(const JobOptions& job, const std::string& time_limit) {
+    std::vector<std::string> words{"sbatch", "--parsable"};
+    if (job.nodes > 0) {
+        words.push_back(fmt::format("--nodes={}", job.nodes));
+    }
+    if (!time_limit.empty()) {
+        words.push_back("--time=" + time_limit);
+    }
+    for (const std::string& option : job.sbatch) {
+        if (!option.starts_with("-")) {
+            throw RequestError(
+                ExitCode::usage,
+                fmt::format("--sbatch-option '{0}' is no option of sbatch, which begins with '-'. "
+                            "Give one word, for example --sbatch-option=--partition=gpu",
+                            option));
+        }
+        words.push_back(option);
+    }
+    return words;
+}
+
+std::string job_script(const JobOptions& job, const std::string& program) {
+    constexpr std::string_view begin = "set -euo pipefail\n";
+    std::string set = "set --";
+    for (const std::string& word : words_in_job(job.words)) {
+        set += " " + shell_word(word);
+    }
+    set += fmt::format("\nPXPL5={}\n", shell_word(program));
+    // The site may give the job another environment, and both must look for one state folder.
+    if (const char* const state = std::getenv("XDG_STATE_HOME"); state != nullptr) {
+        set += fmt::format("export XDG_STATE_HOME={}\n", shell_word(state));
+    }
+    std::string script(slurm_session);
+    return script.insert(script.find(begin) + begin.size(), set);
+}
+
+}  // namespace pxpl5::host::serve
