@@ -16,6 +16,10 @@ inline void declare_server(CLI::App& app, ServeOptions& options) {
     app.add_option("--tls-cert", server.tls_cert, "Certificate (PEM)");
     app.add_option("--tls-key", server.tls_key, "Key of the certificate (PEM)");
     app.add_flag("--insecure", server.insecure, "Listen beyond this computer without encryption");
+    app.add_option("--allow-host", server.allowed_hosts,
+                   "Host of a portal that passes the page on, for example ondemand.example.edu")
+        ->allow_extra_args(false)
+        ->type_name("NAME[:PORT]");
     app.add_option("--session", options.session, "Open a saved session instead of a volume")
         ->check(CLI::ExistingFile)
         ->excludes(app.get_option("volume"), app.get_option("--surface"));

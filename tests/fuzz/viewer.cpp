@@ -62,7 +62,8 @@ bool accepts_path(const std::string& text) {
         folders.downloads = scratch.path();
         return folders;
     }());
-    const Route route = routes.find(text);
+    constexpr int port = 80;  // A portal may leave a prefix that ends with it.
+    const Route route = routes.find(text, port);
     if (route.kind == RouteKind::file) {
         const fs::path page = built_in_folders().page, path = route.file.path;
         const auto begin = std::mismatch(page.begin(), page.end(), path.begin(), path.end());

@@ -74,7 +74,7 @@ Reply Director::run(const Arguments& arguments) {
     }
     Reply reply = run_command(*session_, placed, &noted);
     if (!download.empty()) {
-        reply.fields.push_back({"download", "/download/" + download});
+        reply.fields.push_back({"download", "download/" + download});
     }
     return reply;
 }

@@ -106,6 +106,22 @@ Route Routes::find(std::string_view path) const {
     return {RouteKind::file, {file, "application/octet-stream", name}};
 }
 
+Route Routes::find(std::string_view path, int port) const {
+    Route route = find(path);
+    const std::string part = fmt::format("/{}", port);
+    std::size_t at = route.kind == RouteKind::none ? 0 : std::string_view::npos;
+    while ((at = path.find(part, at)) != std::string_view::npos) {
+        at += part.size();
+        if (at == path.size()) {
+            return {RouteKind::slash, {}};
+        }
+        if (path[at] == '/') {
+            return find(path.substr(at));
+        }
+    }
+    return route;
+}
+
 RouteFolders built_in_folders() {
     return {PXPL5_PAGE_FOLDER, PXPL5_D3_FILE, ""};
 }

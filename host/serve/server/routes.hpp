@@ -17,7 +17,15 @@ struct ServedFile {
 };
 
 /// The handling of a request's path.
-enum class RouteKind : std::uint8_t { none, file, socket, upload, upload_files, upload_done };
+enum class RouteKind : std::uint8_t {
+    none,
+    file,
+    socket,
+    upload,
+    upload_files,
+    upload_done,
+    slash  ///< The page, but without the slash from which its files have their addresses.
+};
 
 struct Route {
     RouteKind kind = RouteKind::none;
@@ -38,6 +46,10 @@ class Routes {
 
     /// path  Of the request: decoded, with its leading '/', without the query.
     Route find(std::string_view path) const;
+
+    /// The same for a path that may have a prefix, because a portal has not removed it. Portals
+    /// name the port of this server last: "/node/n1/4711/main.js".
+    Route find(std::string_view path, int port) const;
 
   private:
     std::filesystem::path downloads_;

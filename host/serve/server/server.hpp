@@ -14,10 +14,12 @@ namespace pxpl5::host::serve {
 enum class Role : std::uint8_t { driver, watcher };
 
 struct ServerOptions {
-    std::string bind = "127.0.0.1";   ///< An address of this computer, IPv4 or IPv6.
-    int port = 0;                     ///< 0: a free one.
-    bool insecure = false;            ///< Bind elsewhere than on loopback without TLS.
-    std::string tls_cert, tls_key;    ///< PEM files; both or neither.
+    std::string bind = "127.0.0.1";  ///< An address of this computer, IPv4 or IPv6.
+    int port = 0;                    ///< 0: a free one.
+    bool insecure = false;           ///< Bind elsewhere than on loopback without TLS.
+    std::string tls_cert, tls_key;   ///< PEM files; both or neither.
+    /// Hosts of portals, as browsers show them: "portal.example.edu", "portal.example.edu:8443".
+    std::vector<std::string> allowed_hosts;
     std::filesystem::path page;       ///< Empty: as built in.
     std::filesystem::path uploads;    ///< Parent of the viewers' uploads; created if missing.
     std::filesystem::path downloads;  ///< Files of `/download/NAME`; created if missing.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <ifaddrs.h>
 #include <net/if.h>
+#include <netdb.h>
 #include <sys/random.h>
 #include <unistd.h>
 
@@ -73,6 +74,13 @@ std::string_view cookie_value(std::string_view cookies, std::string_view name) {
     return {};
 }
 
+/// A portal may encrypt what this server does not, and may name this server in the Host header.
+bool is_portal(const AccessRules& rules, std::string_view origin) {
+    return std::ranges::any_of(rules.portals, [&](const std::string& host) {
+        return origin == "https://" + host || origin == "http://" + host;
+    });
+}
+
 /// Checks where the request comes from; the reason, if that is not from here.
 std::string foreign(const AccessRules& rules, const Request& request) {
     if (std::ranges::find(rules.names, name_of(request.host)) == rules.names.end()) {
@@ -81,7 +89,8 @@ std::string foreign(const AccessRules& rules, const Request& request) {
                            request.host);
     }
     const std::string here = (rules.encrypted ? "https://" : "http://") + lower(request.host);
-    if (!request.origin.empty() && lower(request.origin) != here) {
+    const std::string origin = lower(request.origin);
+    if (!origin.empty() && origin != here && !is_portal(rules, origin)) {
         return fmt::format("A page from {} cannot use this server. Open {} instead.",
                            request.origin, here);
     }
@@ -91,6 +100,18 @@ std::string foreign(const AccessRules& rules, const Request& request) {
 std::string host_name() {
     std::array<char, 256> name{};
     return gethostname(name.data(), name.size() - 1) == 0 ? lower(name.data()) : "";
+}
+
+/// The name with its domain, by which a portal may know this computer; empty if it has none.
+std::string full_name(const std::string& name) {
+    addrinfo wanted{};
+    wanted.ai_flags = AI_CANONNAME;
+    addrinfo* raw = nullptr;
+    if (getaddrinfo(name.c_str(), nullptr, &wanted, &raw) != 0) {
+        return "";
+    }
+    const std::unique_ptr<addrinfo, void (*)(addrinfo*)> list(raw, freeaddrinfo);
+    return list->ai_canonname == nullptr ? "" : lower(list->ai_canonname);
 }
 
 void add_interfaces(std::vector<std::string>& names) {
@@ -133,8 +154,10 @@ Verdict judge(const AccessRules& rules, const Request& request) {
         if (!role) {
             return {403, "The token is wrong. Open an address that pxpl5 serve printed.", {}, {}};
         }
+        // Without a path: the cookie is for the page's folder as the browser sees it, which is a
+        // prefix of its own behind a portal.
         std::string cookie =
-            fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}", rules.cookie_name,
+            fmt::format("{}={}; HttpOnly; SameSite=Strict{}", rules.cookie_name,
                         *role == Role::driver ? rules.driver_session : rules.watcher_session,
                         rules.encrypted ? "; Secure" : "");
         return {200, "", *role, std::move(cookie)};
@@ -145,6 +168,27 @@ Verdict judge(const AccessRules& rules, const Request& request) {
         return {403, "The token is missing. Open an address that pxpl5 serve printed.", {}, {}};
     }
     return {200, "", *role, ""};
+}
+
+void allow_hosts(AccessRules& rules, const std::vector<std::string>& hosts) {
+    constexpr std::string_view letters =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._";
+    constexpr std::string_view digits = "0123456789";
+    for (const std::string& host : hosts) {
+        const std::size_t name = std::min(host.find_first_not_of(letters), host.size());
+        const std::string_view port = std::string_view(host).substr(name);
+        const bool has_port = port.starts_with(':') && port.size() > 1 &&
+                              port.find_first_not_of(digits, 1) == std::string_view::npos;
+        if (name == 0 || (!port.empty() && !has_port)) {
+            throw RequestError(
+                ExitCode::usage,
+                fmt::format("--allow-host '{}' is no host. Give the part of the portal's address "
+                            "between // and /: portal.example.edu or portal.example.edu:8443",
+                            host));
+        }
+        rules.portals.push_back(lower(host));
+        rules.names.push_back(name_of(host));
+    }
 }
 
 std::string random_token() {
@@ -171,6 +215,7 @@ std::vector<std::string> reachable_names(const std::string& bind) {
         names.push_back(bind);
     } else {
         names.push_back(host_name());
+        names.push_back(full_name(names.back()));
         if (bind == "0.0.0.0" || bind == "::") {
             add_interfaces(names);
         } else {

@@ -24,6 +24,8 @@ struct AccessRules {
     std::string cookie_name;         ///< Other ports of this computer have cookies of their own.
     std::vector<std::string> names;  ///< Allowed in a Host header, without port, lower case.
     bool encrypted = false;
+    /// Allowed in an Origin header, which may have another name than the Host header; lower case.
+    std::vector<std::string> portals = {};
 };
 
 struct Verdict {
@@ -35,6 +37,10 @@ struct Verdict {
 
 /// Judges one request, whatever it asks for.
 Verdict judge(const AccessRules& rules, const Request& request);
+
+/// Lets a portal at each of these hosts, with or without a port, pass requests on. Throws
+/// RequestError (usage) for a text that is no host.
+void allow_hosts(AccessRules& rules, const std::vector<std::string>& hosts);
 
 /// 128 random bits as 32 hexadecimal digits. Throws RequestError (unavailable) if there are none.
 std::string random_token();

@@ -54,6 +54,19 @@ std::string quoted_name(std::string name) {
     return name;
 }
 
+/// Sends a browser from "/node/n1/4711" to "/node/n1/4711/".
+int add_slash(lws* connection, const Request& request) {
+    constexpr const char* plain =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._~/";
+    // Nothing else: a header would end, or another host would begin with "//".
+    if (request.path.find_first_not_of(plain) != std::string::npos ||
+        request.path.find("//") != std::string::npos) {
+        return refuse(connection, 404, "This path does not exist.");
+    }
+    const std::string token = parameter(request, "token");
+    return redirect(connection, request.path + (token.empty() ? "/" : "/?token=" + token));
+}
+
 }  // namespace
 
 int Loop::on_http_event(lws* connection, int reason, std::string_view data) {
@@ -92,7 +105,7 @@ int Loop::on_request(lws* connection) {
         return refuse(connection, verdict.status, verdict.reason);
     }
     accept(connection);
-    const Route route = routes_.find(request.path);
+    const Route route = routes_.find(request.path, port_);
     const bool sends = request.method == "POST" || request.method == "PUT";
     const bool takes = route.kind == RouteKind::upload || route.kind == RouteKind::upload_files ||
                        route.kind == RouteKind::upload_done;
@@ -113,8 +126,12 @@ int Loop::on_request(lws* connection) {
             return begin_upload(connection, request, true);
         case RouteKind::upload_done:
             return end_batch(connection, request);
+        case RouteKind::slash:
+            return add_slash(connection, request);
         case RouteKind::file:
-            return send_file(connection, route.file, verdict.cookie);
+            // With the page alone: the cookie belongs to the folder of what comes with it.
+            return send_file(connection, route.file,
+                             route.file.path.filename() == "index.html" ? verdict.cookie : "");
         default:
             return refuse(connection, 426, "This path accepts WebSocket connections only.");
     }

@@ -165,6 +165,7 @@ Loop::Loop(const ServerOptions& options, Mail& mail)
     rules_.watcher_session = random_token();
     rules_.names = reachable_names(options.bind);
     rules_.encrypted = !options.tls_cert.empty();
+    allow_hosts(rules_, options.allowed_hosts);
     listen(options);
     rules_.cookie_name = fmt::format("pxpl5_{}", port_);
 }

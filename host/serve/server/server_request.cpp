@@ -84,4 +84,15 @@ int answer(lws* connection, int status, const char* type, std::string_view text)
     return lws_http_transaction_completed(connection) != 0 ? -1 : 0;
 }
 
+int redirect(lws* connection, const std::string& path) {
+    std::vector<unsigned char> buffer(LWS_PRE + max_head_bytes + path.size());
+    unsigned char* at = buffer.data() + LWS_PRE;
+    if (lws_http_redirect(connection, HTTP_STATUS_FOUND,
+                          reinterpret_cast<const unsigned char*>(path.data()),
+                          static_cast<int>(path.size()), &at, buffer.data() + buffer.size()) < 0) {
+        return -1;
+    }
+    return lws_http_transaction_completed(connection) != 0 ? -1 : 0;
+}
+
 }  // namespace pxpl5::host::serve

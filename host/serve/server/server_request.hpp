@@ -22,4 +22,7 @@ Request read_request(lws* connection);
 /// Answers the request with a short text. Returns other than 0 to close the connection.
 int answer(lws* connection, int status, const char* type, std::string_view text);
 
+/// Sends the browser to another path of this server. Returns other than 0 to close the connection.
+int redirect(lws* connection, const std::string& path);
+
 }  // namespace pxpl5::host::serve

@@ -1,6 +1,7 @@
 // WebSockets: one for each viewer.
 #include <fmt/format.h>
 #include <libwebsockets.h>
+#include <strings.h>
 
 #include <algorithm>
 #include <chrono>
@@ -56,7 +57,9 @@ void Loop::close_soon(lws* connection) {
 int Loop::on_socket_event(lws* connection, int reason, std::string_view data) {
     if (reason == LWS_CALLBACK_HTTP_CONFIRM_UPGRADE) {
         // `data` may be freed already when the upgrade is not one to a WebSocket (CVE-2025-11677).
-        return header_of(connection, WSI_TOKEN_UPGRADE) == "websocket" ? 0 : -1;
+        // Apache, behind which portals stand, writes "WebSocket".
+        return strcasecmp(header_of(connection, WSI_TOKEN_UPGRADE).c_str(), "websocket") == 0 ? 0
+                                                                                              : -1;
     }
     if (reason == LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION) {
         return on_handshake(connection);
@@ -95,7 +98,7 @@ int Loop::on_socket_event(lws* connection, int reason, std::string_view data) {
 int Loop::on_handshake(lws* connection) {
     const Request request = read_request(connection);
     Verdict verdict = judge(rules_, request);
-    if (verdict.status == 200 && routes_.find(request.path).kind != RouteKind::socket) {
+    if (verdict.status == 200 && routes_.find(request.path, port_).kind != RouteKind::socket) {
         verdict = {404, fmt::format("There is no WebSocket at {}.", request.path), {}, {}};
     }
     if (verdict.status != 200) {

@@ -96,6 +96,9 @@ serve::ServerOptions options_of(int count, char** words) {
         if (key == "key") {
             options.tls_key = value;
         }
+        if (key == "allow-host") {
+            options.allowed_hosts.push_back(value);
+        }
         if (key == "page") {
             options.page = value;
         }

@@ -22,7 +22,7 @@ TEST_CASE("a token makes a driver or a watcher, and gets a cookie that does the 
     const Verdict driver = judge(rules(), with_token("d0d0"));
     CHECK(driver.status == 200);
     CHECK(driver.role == Role::driver);
-    CHECK(driver.cookie == "pxpl5_8080=dddd; HttpOnly; SameSite=Strict; Path=/");
+    CHECK(driver.cookie == "pxpl5_8080=dddd; HttpOnly; SameSite=Strict");
     const Verdict watcher = judge(rules(), with_token("eeee"));
     CHECK(watcher.status == 200);
     CHECK(watcher.role == Role::watcher);

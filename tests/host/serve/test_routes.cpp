@@ -90,6 +90,30 @@ TEST_CASE("no path leads to another file") {
     CHECK(routes.find(std::string_view("/download/mesh.ply\0x", 20)).kind == RouteKind::none);
 }
 
+TEST_CASE("the prefix of a portal ends with the port") {
+    const Folders at;
+    const Routes routes(at.folders);
+    CHECK(routes.find("/main.js", 4711).kind == RouteKind::file);
+    CHECK(routes.find("/node/n1/4711/", 4711).file.path == at.folders.page / "index.html");
+    CHECK(routes.find("/node/n1/4711/main.js", 4711).kind == RouteKind::file);
+    CHECK(routes.find("/user/ada/proxy/absolute/4711/socket", 4711).kind == RouteKind::socket);
+    CHECK(routes.find("/4711/upload", 4711).kind == RouteKind::upload);
+    CHECK(routes.find("/node/47110/4711/d3.js", 4711).kind == RouteKind::file);
+    CHECK(routes.find("/node/n1/4711", 4711).kind == RouteKind::slash);
+    for (const char* path : {"/node/n1/4712/main.js", "/node/n1/main.js", "/node/n1/4711main.js",
+                             "/node/n1/4711/../secret", "/node/n1/4711//main.js",
+                             "/node/n1/4711/secret", "/node/n1/47110/main.js", "/4711x"}) {
+        CAPTURE(path);
+        CHECK(routes.find(path, 4711).kind == RouteKind::none);
+    }
+}
+
+TEST_CASE("a download may be called as the port") {
+    const Folders at;
+    at.scratch.write("out/4711", "mesh");
+    CHECK(Routes(at.folders).find("/download/4711", 4711).kind == RouteKind::file);
+}
+
 TEST_CASE("a file that is missing at start is named") {
     const Folders at;
     RouteFolders folders = at.folders;

@@ -56,6 +56,8 @@ EXCUSED = {
     (COMPUTERS, "pxpl5 join tcp://n1:5755 --key-file session.key --wait 600 --again"): SEVERAL,
     (SERVE, "pxpl5 serve knee.nii.gz --engine slurm --nodes 3 --time-limit 90 "
             "--sbatch-option=--partition=gpu"): "needs Slurm; cluster/jobs submits such jobs",
+    (SERVE, "pxpl5 serve knee.nii.gz --bind 0.0.0.0 --insecure --allow-host ondemand.example.edu"):
+        "serves until Ctrl-C; browser/portal opens the page behind a portal",
     (SESSIONS, "pxpl5 sessions show latest"): RUNNING,
     (SESSIONS, "pxpl5 sessions end 4711"): RUNNING,
     (KUBERNETES, "pxpl5 key | kubectl create secret generic pxpl5-key --from-file=key=/dev/stdin"):

@@ -196,7 +196,7 @@ class Serve(Case):
         program = self.program("phantom:sphere")
         viewer = self.viewer(program.url)
         reply = viewer.do("export download:ball.ply")
-        self.assertEqual(reply["result"]["download"], "/download/ball.ply")
+        self.assertEqual(reply["result"]["download"], "download/ball.ply")
         self.assertTrue(program.get("/download/ball.ply").startswith(b"ply"))
         for name in ("../x.ply", ".x.ply", "a/b.ply"):
             self.assertIn("is no name", viewer.do(f"export download:{name}")["error"])

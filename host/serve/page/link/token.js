@@ -1,6 +1,7 @@
 // The token of the page, which is kept out of the address bar.
 
-const KEY = 'pxpl5-token';
+/** The pages behind one portal share an origin, and so the storage of a tab. */
+const KEY = `pxpl5-token ${new URL('.', location.href).pathname}`;
 
 /**
  * Takes the token from the page's address and removes it there: an address on the screen is read,
