@@ -13,63 +13,12 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-import contents  # noqa: E402
-from cluster import Cluster, OTHER_USER, missing  # noqa: E402
+from cluster import OTHER_USER, missing  # noqa: E402
+from on_cluster import (BIN, ENDS, FOUR_GPS, IN_JOB, LIMIT_S, MPIRUN, NAMES, PXPL5,  # noqa: E402
+                        ROOT, SLURM, SSH, OnACluster, new_cluster, results)
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin").resolve()
-PXPL5 = str(BIN / "pxpl5")
-LIMIT_S = 120
-NAMES = "n1,n2,n3"
-SSH = ("--engine", "ssh", "--computers", NAMES)
-SLURM = ("--engine", "slurm")
-MPIRUN = ("--engine", "mpirun", "--computers", NAMES)
-ENDS = tuple(word for role in ("gp", "renderer", "frame_buffer")
-             for word in ("--set", f"{role}.restart.policy=end"))
 SCENE = ["load phantom:pelvis", "surface skin iso=-300 opacity=0.5", "surface bone iso=250",
          "view 30 20 zoom=1.5", "size 200x160", "digest", "certificate bone"]
-FOUR_GPS = ("--set", "gp.count=4", "--set", "renderer.count=3")
-
-
-def without_times(value):
-    if isinstance(value, dict):
-        return {key: without_times(each) for key, each in value.items()
-                if not key.endswith("_ms")}
-    return [without_times(each) for each in value] if isinstance(value, list) else value
-
-
-def results(out):
-    replies = [json.loads(line) for line in out.splitlines()]
-    return [without_times(reply["result"]) if reply["ok"] else reply["error"]
-            for reply in replies]
-
-
-def new_cluster():
-    return Cluster(computers=3, slots=64, hosts_as_debian=True, noisy_bashrc=True, shared=[BIN])
-
-
-class OnACluster(unittest.TestCase):
-    """Machines on `self.cluster`."""
-
-    def run_lines(self, lines, *words, before=(), check=True):
-        return self.cluster.login([*before, PXPL5, "run", "--json", "--run-folder", "runs", *words,
-                                   "-c", "; ".join(lines)], check=check, timeout=LIMIT_S)
-
-    def start(self, *words, before=(), lines=("load phantom:sphere", "surface s iso=0")):
-        """A machine at its prompt, after the replies to `lines`."""
-        machine = self.cluster.popen(
-            "login", [*before, PXPL5, "run", "--json", "--run-folder", "runs", *words, "-"],
-            stdin=-1, stdout=-1, stderr=-1, text=True)
-        machine.stdin.write("".join(f"{line}\n" for line in lines))
-        machine.stdin.flush()
-        for line in lines:
-            reply = json.loads(machine.stdout.readline() or '{"ok": false, "error": "ended"}')
-            self.assertTrue(reply["ok"], f"{line}: {reply}")
-        return machine
-
-    def end_of(self, machine, line="digest"):
-        out, complaint = machine.communicate(f"{line}\n", timeout=LIMIT_S)
-        return machine.returncode, out, complaint
 
 
 class Machines(OnACluster):
@@ -79,10 +28,6 @@ class Machines(OnACluster):
 
     def tearDown(self):
         self.cluster.wait_until_idle()
-
-    def wait_until_no_node_runs(self):
-        while left := [each for each in self.cluster.processes() if "pxpl5" in str(each)]:
-            contents.wait_for(left, LIMIT_S)
 
     def check_engine(self, *words, before=()):
         alone = results(self.run_lines(SCENE, *FOUR_GPS).stdout)
@@ -96,7 +41,7 @@ class Machines(OnACluster):
         self.check_engine(*SSH)
 
     def test_slurm(self):
-        self.check_engine(*SLURM, before=("salloc", "--quiet", "-N3", "-n3"))
+        self.check_engine(*SLURM, before=IN_JOB)
 
     def test_mpirun(self):
         self.check_engine(*MPIRUN)
@@ -124,10 +69,9 @@ class Machines(OnACluster):
     def test_every_topology_by_every_engine(self):
         """Also the paper's machine of 54 processes, with CURVE and without."""
         lines = ["load phantom:sphere", "surface s iso=0", "digest", "certificate s"]
-        in_job = ("salloc", "--quiet", "-N3", "-n3")
         for topology in ("one-of-each", "default", "paper-1993"):
             alone = results(self.run_lines(lines, "--topology", topology).stdout)
-            for words, before in ((SSH, ()), (SLURM, in_job), (MPIRUN, ())):
+            for words, before in ((SSH, ()), (SLURM, IN_JOB), (MPIRUN, ())):
                 for more in ((), ("--insecure-tcp",)):
                     with self.subTest(topology=topology, words=words, more=more):
                         far = self.run_lines(lines, "--topology", topology, *words, *more,
@@ -137,13 +81,14 @@ class Machines(OnACluster):
 
     def test_traces_are_those_of_one_computer(self):
         lines = "load phantom:sphere; surface s iso=0; size 256x256; snapshot x.png; orbit 3"
-        for folder, words in (("alone", ()), ("far", SSH)):
+        for folder, words in (("alone", ()), ("far", SSH), ("plain", (*SSH, "--insecure-tcp"))):
             self.cluster.login([PXPL5, "run", "--run-folder", f"same/{folder}", "--record", "full",
                                 *FOUR_GPS, *words, "-c", lines], timeout=LIMIT_S)
         self.cluster.wait_until_idle()
-        compare = f"{PXPL5} trace diff --json same/alone/*/ same/far/*/"
-        told = json.loads(self.cluster.login(["sh", "-c", compare]).stdout)
-        self.assertEqual(told.get("frames"), 4, told)
+        for folder in ("far", "plain"):
+            compare = f"{PXPL5} trace diff --json same/alone/*/ same/{folder}/*/"
+            told = json.loads(self.cluster.login(["sh", "-c", compare]).stdout)
+            self.assertEqual(told.get("frames"), 4, told)
         said = self.cluster.login(["sh", "-c", compare.replace("--json ", "")]).stdout
         self.assertIn("no difference: 4 frames", said)
 
@@ -300,7 +245,7 @@ class Machines(OnACluster):
         self.cluster.wait_until_idle()
 
     def test_a_killed_host_leaves_nothing(self):
-        for words, before in ((SSH, ()), (SLURM, ("salloc", "--quiet", "-N3", "-n3"))):
+        for words, before in ((SSH, ()), (SLURM, IN_JOB)):
             with self.subTest(words=words):
                 machine = self.start(*words, *FOUR_GPS, before=before)
                 self.cluster.login(["pkill", "-9", "-f", "pxpl5 run"])
@@ -308,10 +253,9 @@ class Machines(OnACluster):
                 self.cluster.wait_until_idle()
 
     def test_a_killed_srun(self):
-        in_job = ("salloc", "--quiet", "-N3", "-n3")
         for words, code in ((ENDS, 137), ((), 0)):
             with self.subTest(words=words):
-                machine = self.start(*SLURM, *words, *FOUR_GPS, before=in_job)
+                machine = self.start(*SLURM, *words, *FOUR_GPS, before=IN_JOB)
                 self.cluster.login(["pkill", "-9", "-o", "-x", "srun"])
                 ended, out, complaint = self.end_of(machine)
                 self.assertEqual(ended, code, complaint)
@@ -321,11 +265,11 @@ class Machines(OnACluster):
                 self.cluster.wait_until_idle()
 
     def test_the_time_limit_of_a_job(self):
-        machine = self.start(*SLURM, *ENDS, *FOUR_GPS, before=("salloc", "--quiet", "-N3", "-n3"))
+        machine = self.start(*SLURM, *ENDS, *FOUR_GPS, before=IN_JOB)
         self.cluster.login(["scancel", "--signal=TERM", "--me"])
         code, _, complaint = self.end_of(machine)
-        self.assertNotEqual(code, 0)
-        self.assertRegex(complaint, r"SIGTERM")
+        self.assertEqual(code, 69, complaint)
+        self.assertRegex(complaint, r"is lost with computer n\d: pxpl5 join got SIGTERM there")
 
 
 class Losses(OnACluster):
