@@ -49,6 +49,7 @@ Reply run_model(Session& session, const Arguments& arguments);
 Reply run_activity(Session& session, const Arguments& arguments);
 Reply run_kill(Session& session, const Arguments& arguments);
 Reply run_scale(Session& session, const Arguments& arguments);
+Reply run_computers(Session& session, const Arguments& arguments);
 Reply run_trace(Session& session, const Arguments& arguments);
 Reply run_undo(Session& session, const Arguments& arguments);
 Reply run_redo(Session& session, const Arguments& arguments);

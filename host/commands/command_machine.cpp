@@ -1,8 +1,11 @@
 // Commands that look at the machine's inside, or break it.
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
@@ -68,6 +71,65 @@ Reply run_scale(Session& session, const Arguments& arguments) {
     return {
         fmt::format("the machine has {}; ready after {:.0f} ms", nodes_text(gps, renderers), ms),
         {{"gps", std::int64_t{gps}}, {"renderers", std::int64_t{renderers}}, {"scale_ms", ms}}};
+}
+
+namespace {
+
+std::string_view use_name(ComputerUse use) {
+    constexpr std::array<std::string_view, 4> names = {"used", "idle", "lost", "released"};
+    return names.at(static_cast<std::size_t>(use));
+}
+
+std::string computers_text(const std::vector<MachineComputer>& computers) {
+    std::string text;
+    for (const MachineComputer& each : computers) {
+        text += fmt::format("{}{:<16} {:<8} {:>3} core{}  {:>3} node{}{}", text.empty() ? "" : "\n",
+                            each.name, use_name(each.use), each.cores, each.cores == 1 ? " " : "s",
+                            each.nodes, each.nodes == 1 ? " " : "s",
+                            each.use == ComputerUse::lost ? "  " + each.why : "");
+    }
+    return text.empty() ? "all nodes run on this computer" : text;
+}
+
+Reply computers_reply(const std::vector<MachineComputer>& computers) {
+    std::vector<Fields> list;
+    for (const MachineComputer& each : computers) {
+        list.push_back({{"name", each.name},
+                        {"state", std::string(use_name(each.use))},
+                        {"cores", std::int64_t{each.cores}},
+                        {"nodes", std::int64_t{each.nodes}}});
+        if (each.use == ComputerUse::lost) {
+            list.back().push_back({"why", each.why});
+        }
+    }
+    return {computers_text(computers), {{"computers", list}}};
+}
+
+}  // namespace
+
+Reply run_computers(Session& session, const Arguments& arguments) {
+    MachinePort& machine = session.conversation.machine();
+    const std::string action = arguments.words.empty() ? "" : arguments.words[0];
+    const std::string name = arguments.words.size() < 2 ? "" : arguments.words[1];
+    if (action == "invite") {
+        const std::string line = machine.join_line();
+        Reply reply = computers_reply(machine.computers());
+        reply.text = "run on the other computer, with a copy of the key file: " + line;
+        reply.fields.push_back({"join", line});
+        return reply;
+    }
+    if (action == "use") {
+        machine.use_computers(name);
+        session.scale({});
+    } else if (action == "release") {
+        if (name.empty()) {
+            refuse_command("computers: release needs the name of a computer");
+        }
+        if (machine.release_computer(name)) {
+            session.scale({});
+        }
+    }
+    return computers_reply(machine.computers());
 }
 
 }  // namespace pxpl5::host

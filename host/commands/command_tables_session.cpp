@@ -9,6 +9,7 @@ namespace pxpl5::host {
 namespace {
 
 constexpr std::array<std::string_view, 1> save_choice = {"save"};
+constexpr std::array<std::string_view, 3> computers_choices = {"use", "release", "invite"};
 constexpr Words script_forms = {"steps", "scene"};
 
 constexpr Parameter delay = number_value(
@@ -88,6 +89,16 @@ std::vector<Command> machine_commands() {
                       scale_option("renderer", "Renderers to add or to retire, or their count")},
           .is_long = true},
          run_scale},
+        {{.name = "computers",
+          .help = "Lists the other computers of the machine. use: places the nodes again, on all "
+                  "that have joined; with NAME, starts pxpl5 there before. release: moves the "
+                  "nodes of NAME to the others and ends pxpl5 there. invite: prints the line that "
+                  "lets one more computer join.",
+          .words = {choice_value("ACTION", computers_choices, "what to do"),
+                    {"NAME", "NAME", "name of a computer"}},
+          .forms = "[use [NAME] | release NAME | invite]",
+          .is_long = true},
+         run_computers},
         {{.name = "model",
           .help = "Prints the modelled time to load the volume, to build the surfaces and to draw "
                   "the scene on another machine, and the busiest unit. Draws the scene once.",

@@ -55,8 +55,7 @@ bus::Protection protection_of(const Topology& topology, const MachineOptions& op
     return bus::Protection::curve;
 }
 
-/// The plan, after the limit of file descriptors has been raised. Sockets need descriptors, and
-/// other computers need tcp.
+/// The plan, with tcp for other computers. Raises the limit of descriptors, for sockets.
 Topology prepared(const Topology& topology) {
     Topology plan = topology;
     if (plan.cluster.is_used()) {
@@ -88,19 +87,26 @@ void HeldSignals::release() {
     pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }
 
-Launcher::Launcher(const Topology& topology, const MachineOptions& options)
+Launcher::Launcher(const Topology& topology, const MachineOptions& options,
+                   std::shared_ptr<Processes> kept)
     : topology_(prepared(topology)),
       options_(options),
-      credentials_(machine_key(topology.cluster, protection_of(topology_, options))),
+      credentials_(kept ? kept->credentials()
+                        : machine_key(topology.cluster, protection_of(topology_, options))),
       folder_(make_run_folder(options.run_base, topology_, options.keep_runs)),
       link_({bus::host_id, Role::host}, host_address(topology_, sockets_), credentials_),
-      processes_(topology_, credentials_, {bus::build_id(), bus::schema_hash()}, folder_),
+      owned_(kept ? std::move(kept)
+                  : std::make_shared<Processes>(topology_, credentials_,
+                                                Identity{bus::build_id(), bus::schema_hash()},
+                                                folder_)),
+      processes_(*owned_),
       roster_(roster_of(topology)),
       heartbeat_(topology.heartbeat) {
     options_.binaries = options.binaries.empty() ? own_folder() : options.binaries;
     roster_[0].endpoint = link_.endpoint();
     roster_[0].pid = getpid();
     if (processes_.has_others()) {
+        processes_.begin(folder_);
         roster_[0].near_endpoint = near_address(sockets_.path(), "host");
         link_.listen_near(roster_[0].near_endpoint);
         processes_.others().on_pulse(
@@ -127,6 +133,7 @@ void Launcher::prepare_link() {
 }
 
 Launcher::~Launcher() {
+    end_computers();
     signals_.hold();  // The supervisor ends before the sockets are removed.
 }
 
@@ -272,17 +279,17 @@ void Launcher::take_control(const bus::Message& message, Handshake& handshake) {
 }
 
 void Launcher::keep(const bus::Message& message) {
-    backlog_bytes_ += message.bytes().size();
-    if (backlog_.size() == max_backlog_messages || backlog_bytes_ > max_backlog_bytes) {
+    backlog_.bytes += message.bytes().size();
+    if (backlog_.messages.size() == max_backlog_messages || backlog_.bytes > max_backlog_bytes) {
         fail(failed_code,
              fmt::format("{} of {} bytes came from {} although {} messages of {} bytes wait "
                          "already; at most {} of {} bytes may",
                          bus::kind_name(message.kind()), message.bytes().size(),
-                         name_of(message.source()), backlog_.size(),
-                         backlog_bytes_ - message.bytes().size(), max_backlog_messages,
+                         name_of(message.source()), backlog_.messages.size(),
+                         backlog_.bytes - message.bytes().size(), max_backlog_messages,
                          max_backlog_bytes));
     }
-    backlog_.push_back(message);
+    backlog_.messages.push_back(message);
 }
 
 std::optional<bus::Message> Launcher::take_from_link() {
@@ -324,7 +331,7 @@ std::optional<bus::Message> Launcher::receive() {
     if (over_) {
         throw *over_;
     }
-    if (backlog_.empty()) {
+    if (backlog_.messages.empty()) {
         std::optional<bus::Message> message = take_from_link();
         if (message) {
             heartbeat_.note_answer();
@@ -332,9 +339,9 @@ std::optional<bus::Message> Launcher::receive() {
         return message;
     }
     heartbeat_.note_answer();
-    bus::Message message = std::move(backlog_.front());
-    backlog_.pop_front();
-    backlog_bytes_ -= message.bytes().size();
+    bus::Message message = std::move(backlog_.messages.front());
+    backlog_.messages.pop_front();
+    backlog_.bytes -= message.bytes().size();
     return message;
 }
 

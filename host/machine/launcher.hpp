@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -92,11 +93,20 @@ class HeldSignals {
     sigset_t before_{};
 };
 
+/// The processes that end with a machine.
+enum class Ending : std::uint8_t {
+    nodes,  ///< The other computers wait for the next machine.
+    all
+};
+
 /// The implementation of Machine. Every failure ends the machine before it is thrown.
 class Launcher {
   public:
     /// Prepares folders and the host's own address. Starts no process.
-    Launcher(const Topology& topology, const MachineOptions& options);
+    ///
+    /// kept  The computers of the machine before, from keep_computers(); null: none.
+    Launcher(const Topology& topology, const MachineOptions& options,
+             std::shared_ptr<Processes> kept = {});
 
     ~Launcher();
     Launcher(const Launcher&) = delete;
@@ -158,14 +168,23 @@ class Launcher {
 
     /// Ends the machine in order. Throws MachineError if a signal came, or if a node has died, does
     /// not end by itself or ends with an exit code other than 0.
-    void shutdown();
+    void shutdown() { shutdown(Ending::all); }
+    /// The same, but leaves the other computers without nodes.
+    void shutdown_nodes() { shutdown(Ending::nodes); }
+    /// The computers for the next machine, after the end of the nodes; null if there are none.
+    std::shared_ptr<Processes> keep_computers();
 
     const Roster& roster() const { return roster_; }
     /// See MachinePort::nodes().
     std::vector<MachineNode> nodes() const;
-    /// Names of computers that were lost before the machine ended. Another start should leave them
-    /// out.
-    const std::vector<std::string>& lost_computers() const { return processes_.lost(); }
+    /// See MachinePort.
+    std::vector<MachineComputer> computers() const;
+    void await_computer(const std::string& name);
+    bool release_computer(const std::string& name);
+    std::string join_line();
+    void tell_computers(std::function<void(const std::string&)> tell) {
+        watcher_.tell_computer = std::move(tell);
+    }
     const std::filesystem::path& folder() const { return folder_; }
     std::string name_of(bus::NodeId id) const;
 
@@ -180,6 +199,10 @@ class Launcher {
     /// Starts the engine, waits until all computers have joined, and places the nodes.
     void gather_computers();
     void await_computers();
+    /// True if the computers that are here are not enough.
+    bool needs_engine() const;
+    /// Starts the engine and waits for the computers that a plan needs.
+    void call_computers();
     /// The named computers that have not joined, for an error.
     std::string missing_computers() const;
     /// Compresses messages between computers if the network is slow.
@@ -195,7 +218,9 @@ class Launcher {
     void fetch_trace(bus::NodeId id);
     /// Waits until the traces of other computers have come.
     void await_fetched(SavedTraces& saved, std::int64_t deadline_ms);
-    void print_warnings_of_computers();
+    void print_news_of_computers();
+    /// Leaves computers out of the plan that were lost or released, and says so.
+    void leave_out_former();
 
     /// Waits for messages, deaths, signals and letters, at most `most_ms` (-1: no limit).
     void wait_for_event(int most_ms);
@@ -246,9 +271,13 @@ class Launcher {
     [[noreturn]] void fail(int code, const std::string& text, const std::string& node = {});
     /// Ends the machine because of a signal to the host, which is not an error.
     [[noreturn]] void give_in(const MachineError& cause);
-    /// Ends all nodes. Returns the first cause if the end was not orderly: a death, or a signal to
-    /// the host.
-    std::optional<MachineError> bring_down(int grace_ms);
+    void shutdown(Ending ending);
+    /// Ends all nodes, or all processes and other computers. Returns the first cause if the end was
+    /// not orderly: a death, or a signal to the host.
+    std::optional<MachineError> bring_down(int grace_ms, Ending ending);
+    std::optional<MachineError> end_processes(int grace_ms, Ending ending);
+    /// Ends the other computers, if keep_computers() was not called.
+    void end_computers();
     /// Drops at most max_discarded messages, so that no flood delays the end.
     void discard_messages(bool are_recorded);
 
@@ -297,8 +326,9 @@ class Launcher {
     std::optional<bus::trace::Recorder> recorder_;
     std::optional<std::string> record_failure_;  ///< Not reported yet.
     bus::ZmqLink link_;
-    Processes processes_;  // After the link: children end before their host's socket.
-    Roster roster_;        ///< Host first.
+    std::shared_ptr<Processes> owned_;  // After the link: children end before their host's socket.
+    Processes& processes_;              ///< `owned_`, also after keep_computers().
+    Roster roster_;                     ///< Host first.
     Heartbeat heartbeat_;
     std::string work_ = "request";  ///< The work that the session waits for.
     IoProcesses io_;
@@ -308,15 +338,19 @@ class Launcher {
         std::function<bool()> give_up;
         bool may_cancel = false;  ///< See MachinePort::allow_give_up().
         bool has_given_up = false;
-        std::function<void(const std::string&)> tell_suspect;  ///< See tell_suspects().
+        std::function<void(const std::string&)> tell_suspect;   ///< See tell_suspects().
+        std::function<void(const std::string&)> tell_computer;  ///< See tell_computers().
     };
 
     bool can_be_canceled_ = false;
     Watcher watcher_;
     bool launched_ = false;  ///< All nodes have received Go.
     /// Messages that came during a handshake, or while the host waited for input.
-    std::deque<bus::Message> backlog_;
-    std::size_t backlog_bytes_ = 0;
+    struct Backlog {
+        std::deque<bus::Message> messages;
+        std::size_t bytes = 0;
+    };
+    Backlog backlog_;
     std::optional<MachineError> over_;  ///< Why the machine has ended.
 };
 

@@ -46,7 +46,12 @@ void Launcher::allow_cancel(bool allowed) {
 }
 
 void Launcher::watch(int fd, std::function<bool()> give_up) {
-    watcher_ = {fd, std::move(give_up), false, false, std::move(watcher_.tell_suspect)};
+    watcher_ = {fd,
+                std::move(give_up),
+                false,
+                false,
+                std::move(watcher_.tell_suspect),
+                std::move(watcher_.tell_computer)};
 }
 
 void Launcher::ask_watcher() {
@@ -105,7 +110,7 @@ void Launcher::report_refusals() const {
 }
 
 std::string Launcher::describe(const Death& death) const {
-    const std::filesystem::path log = folder_ / (death.name + ".log");
+    const std::filesystem::path log = processes_.log_of(death.name);
     const std::string said = last_words(log);
     return fmt::format("{}{}{} (log: {})", death.text(), said.empty() ? "" : ": ", said,
                        log.string());
@@ -124,7 +129,7 @@ void Launcher::check_health() {
     }
     wait_for_event(0);
     if (processes_.has_others()) {
-        print_warnings_of_computers();
+        print_news_of_computers();
     }
     std::optional<Death> io_death;
     for (const Death& death : processes_.take_deaths()) {
@@ -246,11 +251,13 @@ void Launcher::rest(int ms) {
 
 void Launcher::give_in(const MachineError& cause) {
     over_ = cause;
-    bring_down(launched_ ? failed_drain_ms : 0);  // Before Go, no node has work to finish.
+    // The session may go on with the other computers. Before Go, no node has work to finish.
+    bring_down(launched_ ? failed_drain_ms : 0,
+               cause.is_interruption ? Ending::all : Ending::nodes);
     throw *over_;
 }
 
-void Launcher::shutdown() {
+void Launcher::shutdown(Ending ending) {
     if (over_) {
         throw *over_;
     }
@@ -258,24 +265,32 @@ void Launcher::shutdown() {
     check_health();  // An earlier event is the cause, not a second Ctrl-C.
     report_refusals();
     over_.emplace(1, "the machine has been shut down");
-    if (const std::optional<MachineError> cause = bring_down(options_.drain_ms)) {
+    if (const std::optional<MachineError> cause = bring_down(options_.drain_ms, ending)) {
         throw *cause;
     }
 }
 
-std::optional<MachineError> Launcher::bring_down(int grace_ms) {
-    processes_.note_lost(over_->node);  // Soon, no computer answers.
+std::optional<MachineError> Launcher::bring_down(int grace_ms, Ending ending) {
     drop_prepared_io();
     for (const RosterEntry& node : roster_) {
         if (node.id != bus::host_id && !node.endpoint.empty()) {
             link_.send(node.id, shutdown_message());
         }
     }
+    const std::optional<MachineError> cause = end_processes(grace_ms, ending);
+    const std::optional<MachineError> unwritten = close_trace();
+    return cause ? cause : unwritten;
+}
+
+std::optional<MachineError> Launcher::end_processes(int grace_ms, Ending ending) {
     std::optional<MachineError> cause;
     std::size_t step = 0;
     std::int64_t deadline_ms = now_ms() + grace_ms;
-    for (std::vector<std::string> left; !(left = processes_.running()).empty();) {
-        if (processes_.only_engine_runs()) {
+    const auto still_running = [&] {
+        return ending == Ending::all ? processes_.running() : processes_.running_nodes();
+    };
+    for (std::vector<std::string> left; !(left = still_running()).empty();) {
+        if (processes_.running_nodes().empty()) {
             processes_.finish();
         }
         if (processes_.has_others() && processes_.others().takes_parts()) {
@@ -298,7 +313,7 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
                 cause.emplace(death.code(), describe(death));
             }
         }
-        left = processes_.running();
+        left = still_running();
         const int signal = processes_.own().take_interrupt();
         over_->is_final |= signal != 0;  // The user wants the program to end.
         if (!patient && !left.empty() && (signal != 0 || now_ms() >= deadline_ms)) {
@@ -309,16 +324,17 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms) {
                 fmt::print(stderr, "still running: {}; sending SIG{}\n", fmt::join(left, ", "),
                            sigabbrev_np(steps[step].signal));
             }
-            processes_.kill_all(steps[step].signal);
+            processes_.kill_all(steps[step].signal, ending == Ending::nodes);
             deadline_ms = now_ms() + steps[step].patience_ms;
             ++step;
         }
     }
-    processes_.finish();
+    if (ending == Ending::all) {
+        processes_.finish();
+    }
     wait_for_event(0);
     over_->is_final |= processes_.own().take_interrupt() != 0;
-    const std::optional<MachineError> unwritten = close_trace();
-    return cause ? cause : unwritten;
+    return cause;
 }
 
 void Launcher::discard_messages(bool are_recorded) {

@@ -128,9 +128,9 @@ void Launcher::dismiss_io() {
     }
     io_.dismissed.emplace(io_.used->id, *io_.used);
     heartbeat_.forget(io_.used->name());
-    std::erase_if(backlog_, [this](const bus::Message& message) {
+    std::erase_if(backlog_.messages, [this](const bus::Message& message) {
         const bool is_its_own = message.source() == io_.used->id;
-        backlog_bytes_ -= is_its_own ? message.bytes().size() : 0;
+        backlog_.bytes -= is_its_own ? message.bytes().size() : 0;
         return is_its_own;
     });
     io_.used.reset();

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <algorithm>
 #include <utility>
 
-#include "host/machine/computers/lost_computers.hpp"
 #include "host/machine/launcher.hpp"
 
 namespace pxpl5::host {
@@ -23,12 +22,13 @@ struct Machine::Parts {
     Topology topology;
     MachineOptions options;
     std::unique_ptr<Launcher> launcher;
+    std::shared_ptr<Processes> kept;  ///< The computers of the machine before, for the next.
     MachineError lost{ExitCode::unavailable, "the machine has not started"};
     std::vector<bus::NodeId> gps, renderers;
     int watched_fd = -1;
     std::function<bool()> give_up;
     NameOfSurface name_of_surface;
-    std::function<void(const std::string&)> tell_suspect;
+    std::function<void(const std::string&)> tell_suspect, tell_computer;
 
     Launcher& running() const {
         if (!launcher) {
@@ -37,21 +37,11 @@ struct Machine::Parts {
         return *launcher;
     }
     void start(const Topology& plan);
-    /// Another start must do without the computers that were lost.
-    void leave_out_lost();
 };
 
-void Machine::Parts::leave_out_lost() {
-    if (!topology.cluster.is_used()) {
-        return;
-    }
-    for (const std::string& name : leave_out(topology, launcher->lost_computers())) {
-        fmt::print(stderr, "warning: the machine goes on without computer {}\n", name);
-    }
-}
-
 void Machine::Parts::start(const Topology& plan) {
-    launcher = std::make_unique<Launcher>(plan, options);
+    launcher = std::make_unique<Launcher>(plan, options, kept);
+    kept.reset();  // If the launcher fails, keep_computers() gives them back.
     launcher->launch();
     gps = ids_of(launcher->roster(), bus::schema::Role::gp);
     renderers = ids_of(launcher->roster(), bus::schema::Role::renderer);
@@ -73,19 +63,21 @@ void Machine::start_again(const NodeChange& change, int pause_ms) {
     Parts& parts = *parts_;
     if (parts.launcher) {
         parts.launcher->rest(pause_ms);
-        parts.leave_out_lost();
     }
     Topology plan = with_nodes(parts.topology, change.gps, change.renderers);
     if (parts.launcher) {
         try {
-            parts.launcher->shutdown();  // Nodes write their traces. Throws after a death.
+            parts.launcher->shutdown_nodes();  // They write their traces. Throws after a death.
         } catch (const MachineError& error) {
             if (error.is_interruption) {
                 throw;
             }
         }
     }
-    parts.launcher.reset();  // Ends all processes.
+    if (parts.launcher) {
+        parts.kept = parts.launcher->keep_computers();
+    }
+    parts.launcher.reset();  // Ends all processes of the host's computer.
     parts.options.is_restart = true;
     try {
         parts.start(plan);
@@ -99,9 +91,41 @@ void Machine::start_again(const NodeChange& change, int pause_ms) {
     parts.launcher->watch(parts.watched_fd, parts.give_up);
     parts.launcher->name_surfaces(parts.name_of_surface);
     parts.launcher->tell_suspects(parts.tell_suspect);
+    parts.launcher->tell_computers(parts.tell_computer);
 }
 
 Machine::~Machine() = default;
+
+std::vector<MachineComputer> Machine::computers() const {
+    return parts_->running().computers();
+}
+void Machine::use_computers(const std::string& name) {
+    ClusterSettings& cluster = parts_->topology.cluster;
+    if (!cluster.is_used()) {
+        throw RequestError(ExitCode::usage, "this machine has no other computers");
+    }
+    if (!name.empty()) {
+        parts_->running().await_computer(name);
+    }
+    cluster.placement = Placement::spread;
+    const bool is_named = std::ranges::any_of(
+        cluster.computers, [&](const ComputerSlots& each) { return each.name == name; });
+    if (!name.empty() && !is_named && !cluster.computers.empty()) {
+        cluster.computers.push_back({name, 0});
+    }
+}
+bool Machine::release_computer(const std::string& name) {
+    return parts_->running().release_computer(name);
+}
+std::string Machine::join_line() {
+    return parts_->running().join_line();
+}
+void Machine::tell_computers(std::function<void(const std::string&)> tell) {
+    parts_->tell_computer = std::move(tell);
+    if (parts_->launcher) {
+        parts_->launcher->tell_computers(parts_->tell_computer);
+    }
+}
 
 const std::vector<bus::NodeId>& Machine::gp_ids() const {
     return parts_->gps;

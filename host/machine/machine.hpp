@@ -51,8 +51,13 @@ class Machine final : public MachinePort {
     bus::Traffic traffic() const override;
     void kill(bus::NodeId id) override;
     RestartSettings restart_of(const std::string& node) const override;
-    /// Makes a run folder of its own.
+    /// Makes a run folder of its own. Computers that have joined stay and get nodes.
     void start_again(const NodeChange& change, int pause_ms = 0) override;
+    std::vector<MachineComputer> computers() const override;
+    void use_computers(const std::string& name) override;
+    bool release_computer(const std::string& name) override;
+    std::string join_line() override;
+    void tell_computers(std::function<void(const std::string&)> tell) override;
     void send(bus::NodeId to, bus::Payload payload) override;
     flatbuffers::Allocator* body_allocator() override;
     bool takes_more(bus::NodeId to) const override;

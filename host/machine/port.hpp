@@ -48,6 +48,23 @@ struct MachineNode {
     int place = 0;              ///< Equal for nodes that share memory.
 };
 
+/// The part of a computer in a machine.
+enum class ComputerUse : std::uint8_t {
+    used,     ///< It has nodes.
+    idle,     ///< It has joined and has no nodes.
+    lost,     ///< It does not answer, or has left.
+    released  ///< The user has ended its part.
+};
+
+/// A computer beside the host's own.
+struct MachineComputer {
+    std::string name;
+    ComputerUse use = ComputerUse::idle;
+    int cores = 0;
+    int nodes = 0;
+    std::string why = {};  ///< Why it is lost.
+};
+
 /// Nodes that a machine gets, or loses, when it is started again.
 struct NodeChange {
     int gps = 0, renderers = 0;
@@ -85,6 +102,33 @@ class MachinePort {
     virtual void start_again(const NodeChange&, int pause_ms = 0) {
         static_cast<void>(pause_ms);
         throw RequestError(ExitCode::usage, "this machine cannot be started again");
+    }
+
+    /// The computers that have joined, and those that were lost or released since.
+    virtual std::vector<MachineComputer> computers() const { return {}; }
+    /// Lets the next start_again() put nodes on every computer that has joined.
+    ///
+    /// name  Waits until this computer has joined, and starts it if necessary; empty: none.
+    /// Throws RequestError (unavailable) if it does not join; the machine continues.
+    virtual void use_computers(const std::string& name) {
+        static_cast<void>(name);
+        throw RequestError(ExitCode::usage, "this machine has no other computers");
+    }
+    /// Lets the computer end at the next start_again(), or at once if it has no nodes.
+    /// Returns true if it has nodes. Throws RequestError (usage) if it takes no part, or if it is
+    /// the last one.
+    virtual bool release_computer(const std::string& name) {
+        throw RequestError(ExitCode::usage, "no computer of this machine is called '" + name + "'");
+    }
+    /// The line that a user types on another computer to let it join. The line names a file with
+    /// the key.
+    virtual std::string join_line() {
+        throw RequestError(ExitCode::usage, "this machine has no other computers");
+    }
+    /// Calls `tell` when a computer has joined the running machine, or has left without having
+    /// nodes: "n4 with 16 cores has joined". Empty: standard error alone gets the text.
+    virtual void tell_computers(std::function<void(const std::string&)> tell) {
+        static_cast<void>(tell);
     }
 
     virtual void send(bus::NodeId to, bus::Payload payload) = 0;

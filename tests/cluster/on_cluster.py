@@ -106,7 +106,9 @@ class OnACluster(unittest.TestCase):
             stdin=-1, stdout=-1, stderr=-1, text=True)
 
     def dialog(self, *words, before=()):
-        return Dialog(self.popen_machine(*words, before=before))
+        machine = Dialog(self.popen_machine(*words, before=before))
+        self.addCleanup(machine.program.end)
+        return machine
 
     def start(self, *words, before=(), lines=("load phantom:sphere", "surface s iso=0")):
         """A machine at its prompt, after the replies to `lines`."""

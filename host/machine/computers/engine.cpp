@@ -90,7 +90,7 @@ std::string names_of(const ClusterSettings& cluster) {
 EngineProcess slurm(const ClusterSettings& cluster, int count, const JoinCommand& join) {
     const std::string number = std::to_string(count);
     // One task for each computer, with all of its cores and memory, whatever the site's defaults
-    // are. -K0: the end of one task does not end the others. SLURM_OVERLAP: beside other steps.
+    // are. The end of one task does not end the others. SLURM_OVERLAP: beside other steps.
     Words words = {"srun",
                    "--quiet",
                    "--nodes=" + number,
@@ -98,6 +98,7 @@ EngineProcess slurm(const ClusterSettings& cluster, int count, const JoinCommand
                    "--cpu-bind=none",
                    "--mem=0",
                    "--kill-on-bad-exit=0",
+                   "--wait=0",
                    "--unbuffered"};
     if (!cluster.computers.empty()) {
         words.push_back("--nodelist=" + names_of(cluster));
@@ -107,7 +108,7 @@ EngineProcess slurm(const ClusterSettings& cluster, int count, const JoinCommand
     }
     const Words program = join_words(join, KeyWay::munge);
     words.insert(words.end(), program.begin(), program.end());
-    return {fmt::format("{}slurm", engine_prefix), words, {"SLURM_OVERLAP=1"}};
+    return {fmt::format("{}slurm", engine_prefix), words, {"SLURM_OVERLAP=1"}, true};
 }
 
 EngineProcess ssh(const std::string& computer, const JoinCommand& join) {
@@ -128,13 +129,16 @@ EngineProcess mpirun(const ClusterSettings& cluster, int count, const JoinComman
     }
     const Words program = join_words(join, KeyWay::input);
     words.insert(words.end(), program.begin(), program.end());
-    return {fmt::format("{}mpirun", engine_prefix), words, {}};
+    return {fmt::format("{}mpirun", engine_prefix), words, {}, true};
 }
 
 /// The user's words, with {computer} and {join} replaced.
 EngineProcess by_command(const Words& words, const std::string& computer, const JoinCommand& join) {
     EngineProcess process{
-        fmt::format("{}{}", engine_prefix, computer.empty() ? "command" : computer), {}, {}};
+        fmt::format("{}{}", engine_prefix, computer.empty() ? "command" : computer),
+        {},
+        {},
+        computer.empty()};
     const Words program = join_words(join, KeyWay::input, computer);
     for (std::string word : words) {
         if (word == join_word) {

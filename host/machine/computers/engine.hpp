@@ -25,11 +25,17 @@ struct JoinCommand {
 /// Begins the names of the engine's processes.
 inline constexpr std::string_view engine_prefix = "engine-";
 
+/// The name of an engine's process for one computer.
+inline std::string engine_process(const std::string& computer) {
+    return std::string(engine_prefix) + computer;
+}
+
 /// A program that the host starts and ends.
 struct EngineProcess {
     std::string name;  ///< "engine-" and the computer or the engine; names its log.
     std::vector<std::string> words;
     std::vector<std::string> env;
+    bool starts_all = false;  ///< It starts all computers, not one.
 };
 
 /// Computers that shall join.

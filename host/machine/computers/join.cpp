@@ -2,14 +2,12 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <string_view>
@@ -19,6 +17,7 @@
 #include "host/base/error.hpp"
 #include "host/base/kernel/socket_folder.hpp"
 #include "host/base/state_folder.hpp"
+#include "host/machine/computers/content.hpp"
 #include "host/machine/computers/facts.hpp"
 #include "host/machine/computers/key.hpp"
 #include "host/machine/computers/letter.hpp"
@@ -39,9 +38,7 @@ constexpr int terminate_ms = 1000;  // From SIGTERM to SIGKILL.
 constexpr int answer_ms = 10'000;   // For the host to answer, and for the key to come.
 constexpr int again_ms = 250;       // Before this computer asks again.
 constexpr int signal_code = 128;    // Plus the number of the signal: an exit code.
-constexpr std::size_t part_bytes = std::size_t{1} << 16;  // Beats wait behind each part.
 constexpr std::size_t max_measured_bytes = std::size_t{1} << 20;
-constexpr std::uintmax_t max_log_bytes = std::uintmax_t{256} << 10;  // The end of a longer log.
 
 bus::Credentials key_of(const JoinOptions& options) {
     return options.key_from_input   ? read_key_from_input(answer_ms)
@@ -68,6 +65,8 @@ class Joined {
     void introduce(const JoinOptions& options);
     int run();
     bool input_is_closed() const;
+    /// True if the host wants this computer not to join again.
+    bool is_released() const { return is_released_; }
 
   private:
     void wait(std::int64_t most_ms);
@@ -97,7 +96,7 @@ class Joined {
     int beat_ms_ = 250;
     std::int64_t beaten_ms_ = 0;
     std::optional<std::int64_t> lost_since_ms_;
-    bool is_finished_ = false;
+    bool is_finished_ = false, is_released_ = false;
     std::string dismissal_;  ///< Why the host has ended this computer's part; empty in order.
 };
 
@@ -169,6 +168,9 @@ void Joined::start(const join::StartT& start) {
     command.env = start.env;
     command.core = start.core;
     command.log = files() / (start.name + ".log");
+    command.new_log = true;  // A node of an earlier machine may have had the name.
+    std::error_code none;
+    std::filesystem::remove(files() / ("traces/" + start.name + ".mcap"), none);
     try {
         if (!start.program.starts_with("pxpl5-") || start.program.find('/') != std::string::npos) {
             throw MachineError(ExitCode::unavailable,
@@ -212,6 +214,7 @@ bool Joined::take_letters() {
             say(std::move(measured));
         } else if (const auto* dismiss = word.AsDismiss()) {
             is_finished_ = true;
+            is_released_ = dismiss->is_released;
             dismissal_ = dismiss->reason;
         }
     }
@@ -240,34 +243,7 @@ void Joined::send_beat() {
 }
 
 void Joined::send_file(const std::string& file) {
-    const std::filesystem::path path = files() / file;
-    join::ContentT part;
-    part.file = file;
-    std::error_code error;
-    const std::uintmax_t size = std::filesystem::file_size(path, error);
-    std::ifstream stream(path, std::ios::binary);
-    const bool is_inside = file.find("..") == std::string::npos && !file.starts_with('/');
-    if (error || !stream || !is_inside) {
-        part.is_last = true;
-        part.error = "cannot be read: " + (error ? error.message() : "no such file");
-        return say(std::move(part));
-    }
-    if (file.ends_with(".log") && size > max_log_bytes) {
-        stream.seekg(static_cast<std::streamoff>(size - max_log_bytes));
-    }
-    do {
-        join::ContentT next;
-        next.file = file;
-        next.bytes.resize(part_bytes);
-        stream.read(reinterpret_cast<char*>(next.bytes.data()),
-                    static_cast<std::streamsize>(next.bytes.size()));
-        next.bytes.resize(static_cast<std::size_t>(stream.gcount()));
-        next.is_last = !stream;
-        if (stream.bad()) {
-            next.error = "is cut off: it could not be read to its end";
-        }
-        say(std::move(next));
-    } while (stream);
+    send_content(files(), file, [this](join::ContentT part) { say(std::move(part)); });
 }
 
 void Joined::send_ended() {
@@ -369,7 +345,8 @@ int join_machine(const JoinOptions& options) {
             joined.introduce(options);
             say_why(fmt::format("takes part in the machine at {}", way.address));
             code = joined.run();
-            if (!options.again || *code > signal_code || joined.input_is_closed()) {
+            if (!options.again || *code > signal_code || joined.is_released() ||
+                joined.input_is_closed()) {
                 return *code;
             }
             end_ms = now_ms() + std::int64_t{1000} * options.wait_s;

@@ -79,7 +79,7 @@ bus::ProcessFlags Launcher::flags_of(const RosterEntry& node) const {
 std::vector<MachineNode> Launcher::nodes() const {
     std::vector<MachineNode> nodes = nodes_of(roster_);
     if (processes_.has_others()) {
-        const std::vector<RemoteComputer>& computers = processes_.others().computers();
+        const std::deque<RemoteComputer>& computers = processes_.others().computers();
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             const int computer = roster_[i].computer;
             nodes[i].place = roster_[i].place;
@@ -91,9 +91,15 @@ std::vector<MachineNode> Launcher::nodes() const {
     return nodes;
 }
 
-void Launcher::print_warnings_of_computers() {
+void Launcher::print_news_of_computers() {
     for (const std::string& text : processes_.others().take_warnings()) {
         fmt::print(stderr, "warning: {}\n", text);
+    }
+    for (const std::string& text : processes_.others().take_news()) {
+        fmt::print(stderr, "note: {}\n", text);
+        if (watcher_.tell_computer) {
+            watcher_.tell_computer(text);
+        }
     }
 }
 
@@ -117,22 +123,34 @@ std::string Launcher::missing_computers() const {
 }
 
 void Launcher::await_computers() {
+    leave_out_former();
+    if (needs_engine()) {
+        call_computers();
+    }
+    std::vector<std::string> names;
+    std::ranges::transform(topology_.cluster.computers, std::back_inserter(names),
+                           &ComputerSlots::name);
+    processes_.others().close(names);
+    print_news_of_computers();
+}
+
+void Launcher::call_computers() {
     RemoteComputers& others = processes_.others();
-    const auto expected = static_cast<std::size_t>(expected_computers(topology_.cluster));
-    processes_.start_engine(options_.binaries / "pxpl5");
-    if (!processes_.join_line().empty()) {
+    const std::size_t expected =
+        others.computers().size() + static_cast<std::size_t>(expected_computers(topology_.cluster));
+    const bool is_silent = topology_.cluster.engine != Engine::wait;
+    processes_.start_engine(topology_.cluster, options_.binaries / "pxpl5");
+    if (!is_silent) {
         fmt::print(stderr,
                    "waiting for {} computer{}; run there, with a copy of the key file: {}\n",
-                   expected, expected == 1 ? "" : "s", processes_.join_line());
+                   expected, expected == 1 ? "" : "s", join_line());
     }
-    others.expect(expected);
     const int patience_s = limit_s(topology_.cluster.engine, options_);
     const std::int64_t begin_ms = now_ms(), end_ms = begin_ms + std::int64_t{1000} * patience_s;
     std::int64_t noted_ms = begin_ms;
-    std::string noted = processes_.join_line().empty() ? "" : "0";
+    std::string noted = is_silent ? "" : "0";
     while (others.computers().size() < expected) {
         check_health();
-        print_warnings_of_computers();
         const std::string joined = std::to_string(others.computers().size());
         const std::string state = fmt::format("{} of {} computers have joined", joined, expected);
         if (now_ms() >= end_ms) {
@@ -147,11 +165,6 @@ void Launcher::await_computers() {
         wait_for_event(static_cast<int>(end_ms - now_ms()));
         discard_messages(false);  // Else the link's descriptor stays readable.
     }
-    std::vector<std::string> names;
-    std::ranges::transform(topology_.cluster.computers, std::back_inserter(names),
-                           &ComputerSlots::name);
-    others.close(names);
-    print_warnings_of_computers();
 }
 
 void Launcher::require_computer(const RemoteComputer& computer) const {
@@ -203,7 +216,7 @@ std::optional<double> Launcher::measured_mb_s(int number) {
 }
 
 void Launcher::measure_network() {
-    const std::vector<RemoteComputer>& computers = processes_.others().computers();
+    const std::deque<RemoteComputer>& computers = processes_.others().computers();
     const int below = topology_.cluster.compress_below_mb_s;
     int left = measured_computers;
     for (std::size_t i = 0; i < computers.size() && left > 0 && below > 0; ++i) {
@@ -239,7 +252,7 @@ void Launcher::gather_computers() {
 }
 
 void Launcher::place() {
-    const std::vector<RemoteComputer>& computers = processes_.others().computers();
+    const std::deque<RemoteComputer>& computers = processes_.others().computers();
     std::vector<ComputerSlots> slots;
     std::vector<std::string> places = {own_facts().place};
     for (const RemoteComputer& computer : computers) {
@@ -269,7 +282,7 @@ void Launcher::place() {
 }
 
 void Launcher::add_computer_flags(const RosterEntry& node, bus::ProcessFlags& flags) const {
-    const std::vector<RemoteComputer>& computers = processes_.others().computers();
+    const std::deque<RemoteComputer>& computers = processes_.others().computers();
     const std::string name = node.name();
     const join::FactsT* const facts =
         node.computer == 0 ? nullptr

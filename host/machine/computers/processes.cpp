@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -42,60 +43,144 @@ Processes::Processes(const Topology& topology, const bus::Credentials& credentia
 }
 
 Processes::~Processes() {
-    for (const int input : inputs_) {
+    for (const auto& [engine, input] : inputs_) {
         close(input);
     }
 }
 
-void Processes::start_engine(const std::filesystem::path& program) {
-    const ClusterSettings& cluster = topology_.cluster;
-    const KeyWay way = key_way_of(cluster.engine);
-    JoinCommand join{program.string(), others_->addresses(), {}};
-    if (way == KeyWay::munge) {
-        join.key = munge_credential(credentials_);
-    } else if (way == KeyWay::file) {
-        if (cluster.key_file.empty()) {
+void Processes::begin(const std::filesystem::path& folder) {
+    own_.wait(-1, 0);
+    pump(now_ms());
+    take_deaths();  // Of engines; the nodes have ended.
+    for (const std::string& engine : others_->broken_engines()) {
+        others_->take_end_of_engine(engine, "it is started again without a lost computer");
+        end_engine(engine);
+    }
+    folder_ = folder;
+    lost_ = others_->open(folder);
+    for (const FormerComputer& computer : others_->former()) {
+        if (!computer.is_released) {
+            end_engine_of(computer.name);
+        }
+    }
+}
+
+void Processes::forget_link() {
+    if (polled_ && polled_link_ >= 0) {
+        polled_->remove(std::exchange(polled_link_, -1));
+    }
+    if (others_) {
+        others_->on_pulse({});
+    }
+}
+
+const std::string& Processes::join_line(const std::filesystem::path& program) {
+    if (join_line_.empty()) {
+        JoinCommand join{program.string(), others_->addresses(), {}};
+        if (topology_.cluster.key_file.empty()) {
             join.key = (folder_ / "join.key").string();
             write_key_file(join.key, credentials_);
         } else {
-            join.key = std::filesystem::absolute(cluster.key_file).string();
+            join.key = std::filesystem::absolute(topology_.cluster.key_file).string();
         }
-        join_line_ = host::join_line(join, way);
+        join_line_ = host::join_line(join, KeyWay::file);
     }
-    for (const EngineProcess& engine : engine_processes(cluster, join)) {
-        ProcessCommand command;
-        command.name = engine.name;
-        command.program = engine.words.front();
-        command.arguments.assign(engine.words.begin() + 1, engine.words.end());
-        command.env = engine.env;
-        command.log = folder_ / (engine.name + ".log");
-        command.log_arguments = way != KeyWay::munge;  // The credential is for this user only.
-        if (way == KeyWay::input) {
-            const auto [read_end, write_end] = pipe_with(key_text(credentials_));
-            inputs_.push_back(write_end);
-            command.input = read_end;
-        }
-        const std::shared_ptr<void> closer(nullptr, [input = command.input](void*) {
-            if (input >= 0) {
-                close(input);
-            }
-        });
-        own_.spawn(command);
-    }
+    return join_line_;
 }
 
-void Processes::note_lost(const std::string& dead) {
-    lost_ = others_ ? others_->lost() : std::vector<std::string>{};
-    for (const ComputerSlots& computer : topology_.cluster.computers) {
-        if (dead == fmt::format("{}{}", engine_prefix, computer.name)) {
-            lost_.push_back(computer.name);
+JoinCommand Processes::join_command(KeyWay way, const std::filesystem::path& program) const {
+    JoinCommand join{program.string(), others_->addresses(), {}};
+    if (way == KeyWay::munge) {
+        join.key = munge_credential(credentials_);
+    }
+    return join;
+}
+
+void Processes::start_engine(const ClusterSettings& cluster, const std::filesystem::path& program) {
+    const KeyWay way = key_way_of(cluster.engine);
+    for (const EngineProcess& engine : engine_processes(cluster, join_command(way, program))) {
+        spawn_engine(engine, way);
+        if (engine.starts_all) {
+            others_->expect_from(engine.name);
         }
     }
 }
 
-bool Processes::only_engine_runs() const {
-    const std::vector<std::string> names = running();
-    return std::ranges::all_of(names, is_engine);
+void Processes::start_engine_for(const std::string& computer,
+                                 const std::filesystem::path& program) {
+    ClusterSettings one = topology_.cluster;
+    one.computers = {{computer, 0}};
+    one.wait = 0;
+    one.lost.clear();
+    const KeyWay way = key_way_of(one.engine);
+    for (EngineProcess engine : engine_processes(one, join_command(way, program))) {
+        engine.name = engine_process(computer);
+        spawn_engine(engine, way);
+    }
+}
+
+std::optional<Death> Processes::ended_engine(const std::string& computer) const {
+    const auto found = ended_engines_.find(engine_process(computer));
+    return found == ended_engines_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void Processes::close_input(const std::string& engine) {
+    if (const auto found = inputs_.find(engine); found != inputs_.end()) {
+        close(found->second);
+        inputs_.erase(found);
+    }
+}
+
+void Processes::end_engine_of(const std::string& computer) {
+    end_engine(engine_process(computer));
+}
+
+void Processes::end_engine(const std::string& engine) {
+    close_input(engine);
+    if (drop_engine(engine)) {
+        own_.end(engine, SIGKILL);
+    }
+}
+
+bool Processes::drop_engine(const std::string& engine) {
+    const bool runs = std::ranges::count(own_.running(), engine) > 0;
+    if (runs) {
+        dropped_engines_.insert(engine);
+    }
+    return runs;
+}
+
+bool Processes::release(const std::string& computer) {
+    drop_engine(engine_process(computer));
+    return others_->release(computer);
+}
+
+std::filesystem::path Processes::log_of(const std::string& name) const {
+    const auto found = engine_logs_.find(name);
+    return found == engine_logs_.end() ? folder_ / (name + ".log") : found->second;
+}
+
+void Processes::spawn_engine(const EngineProcess& engine, KeyWay way) {
+    ProcessCommand command;
+    command.name = engine.name;
+    command.program = engine.words.front();
+    command.arguments.assign(engine.words.begin() + 1, engine.words.end());
+    command.env = engine.env;
+    command.log = engine_logs_[engine.name] = folder_ / (engine.name + ".log");
+    command.log_arguments = way != KeyWay::munge;  // The credential is for this user only.
+    close_input(engine.name);
+    ended_engines_.erase(engine.name);
+    if (way == KeyWay::input) {
+        const auto [read_end, write_end] = pipe_with(key_text(credentials_));
+        inputs_[engine.name] = write_end;
+        command.input = read_end;
+    }
+    const std::shared_ptr<void> closer(nullptr, [input = command.input](void*) {
+        if (input >= 0) {
+            close(input);
+        }
+    });
+    own_.spawn(command);
 }
 
 void Processes::finish() {
@@ -113,11 +198,22 @@ int Processes::spawn(int computer, const ProcessCommand& command, int pulse_ms) 
 }
 
 std::vector<Death> Processes::take_deaths() {
-    std::vector<Death> deaths = own_.take_deaths();
-    if (others_) {
-        const std::vector<Death> more = others_->take_deaths();
-        // What happened on a computer explains the end of the engine, not the other way round.
-        deaths.insert(deaths.begin(), more.begin(), more.end());
+    if (!others_) {
+        return own_.take_deaths();
+    }
+    // What happened on a computer explains the end of the engine, not the other way round.
+    std::vector<Death> deaths = others_->take_deaths();
+    for (const Death& death : own_.take_deaths()) {
+        if (!is_engine(death.name)) {
+            deaths.push_back(death);
+        } else if (dropped_engines_.erase(death.name) == 0) {
+            const bool ends_nodes = others_->take_end_of_engine(death.name, death.text());
+            if (ends_nodes || others_->is_open() || is_finished_) {
+                deaths.push_back(death);
+            } else {
+                ended_engines_[death.name] = death;
+            }
+        }
     }
     return deaths;
 }
@@ -131,6 +227,12 @@ std::vector<std::string> Processes::running() const {
     return names;
 }
 
+std::vector<std::string> Processes::running_nodes() const {
+    std::vector<std::string> names = running();
+    std::erase_if(names, is_engine);
+    return names;
+}
+
 void Processes::kill(const std::string& name, int signal) {
     if (others_ && others_->has(name)) {
         others_->kill(name, signal);
@@ -139,8 +241,8 @@ void Processes::kill(const std::string& name, int signal) {
     }
 }
 
-void Processes::kill_all(int signal) {
-    const bool spares_engine = signal != SIGKILL && !only_engine_runs();
+void Processes::kill_all(int signal, bool spares_engine) {
+    spares_engine |= signal != SIGKILL && !running_nodes().empty();
     for (const std::string& name : own_.running()) {
         if (!spares_engine || !is_engine(name)) {  // Its end would end nodes in the middle.
             own_.kill(name, signal);
@@ -162,7 +264,11 @@ int Processes::poll_fd(int link_fd) {
         return link_fd;
     }
     if (!polled_) {
-        polled_.emplace({link_fd, others_->poll_fd()});
+        polled_.emplace({others_->poll_fd()});
+    }
+    if (polled_link_ != link_fd) {
+        polled_->add(link_fd);
+        polled_link_ = link_fd;
     }
     return polled_->fd();
 }

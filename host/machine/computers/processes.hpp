@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,7 +17,8 @@
 namespace pxpl5::host {
 
 /// Starts, watches and ends processes by name. A Supervisor runs those of this computer, and
-/// RemoteComputers the others. If the topology has no engine, there are no others.
+/// RemoteComputers the others. If the topology has no engine, there are no others. With others, the
+/// next machine of a session takes the object over, so that the computers stay.
 class Processes {
   public:
     Processes(const Topology& topology, const bus::Credentials& credentials, Identity identity,
@@ -29,30 +32,46 @@ class Processes {
     RemoteComputers& others() { return *others_; }
     const RemoteComputers& others() const { return *others_; }
     Supervisor& own() { return own_; }
+    const bus::Credentials& credentials() const { return credentials_; }
 
-    /// Remembers which computers are lost now.
-    /// dead  The process whose end is the cause; may be the one that an engine has for a computer.
-    void note_lost(const std::string& dead);
-    /// Names of the computers that were lost at note_lost().
+    /// Begins a machine. Requires has_others().
+    void begin(const std::filesystem::path& folder);
+    /// The computers that were lost with the machine before.
     const std::vector<std::string>& lost() const { return lost_; }
+    /// The link of a machine ends.
+    void forget_link();
 
-    /// Starts the engine's processes. Throws RequestError (usage), MachineError.
-    void start_engine(const std::filesystem::path& program);
-    /// The line that a user types on other computers; empty unless the engine is `wait`.
-    const std::string& join_line() const { return join_line_; }
+    /// Starts the processes of the engine of `cluster`. Throws RequestError (usage), MachineError.
+    void start_engine(const ClusterSettings& cluster, const std::filesystem::path& program);
+    /// Starts the engine for one more computer, which may be named by no topology.
+    void start_engine_for(const std::string& computer, const std::filesystem::path& program);
+    /// The end of an engine's process that was no death for the machine.
+    std::optional<Death> ended_engine(const std::string& computer) const;
+    /// Ends the engine's process for one computer, if there is one.
+    void end_engine_of(const std::string& computer);
+    /// See RemoteComputers::release().
+    bool release(const std::string& computer);
+    /// The line that a user types on other computers. Makes the file of the key, if there is none.
+    /// Throws RequestError if the file cannot be made.
+    const std::string& join_line(const std::filesystem::path& program);
     /// True for a process of the engine: its end is the end of computers.
     static bool is_engine(const std::string& name) { return name.starts_with(engine_prefix); }
-    /// True if only processes of the engine run.
-    bool only_engine_runs() const;
+    /// The log of a process.
+    std::filesystem::path log_of(const std::string& name) const;
     /// Orders the other computers to end.
     void finish();
+    bool is_finished() const { return is_finished_; }
 
     /// computer  0 is this one. Returns the process id; 0 if the process is elsewhere.
     int spawn(int computer, const ProcessCommand& command, int pulse_ms);
+    /// The ends of engines are among them if they end nodes, or while computers are awaited.
     std::vector<Death> take_deaths();
     std::vector<std::string> running() const;
+    /// The same without processes of the engine.
+    std::vector<std::string> running_nodes() const;
     void kill(const std::string& name, int signal);
-    void kill_all(int signal);
+    /// Processes of the engine get another signal than SIGKILL only after all nodes have ended.
+    void kill_all(int signal, bool spares_engine);
 
     /// Takes what other computers have sent.
     void pump(std::int64_t now_ms);
@@ -62,15 +81,26 @@ class Processes {
     int wait_ms(int timeout_ms) const;
 
   private:
+    JoinCommand join_command(KeyWay way, const std::filesystem::path& program) const;
+    void spawn_engine(const EngineProcess& engine, KeyWay way);
+    void close_input(const std::string& engine);
+    void end_engine(const std::string& engine);
+    /// The end of the process is no news. Returns false if it does not run.
+    bool drop_engine(const std::string& engine);
+
     Topology topology_;
     bus::Credentials credentials_;
     std::filesystem::path folder_;
     std::optional<RemoteComputers> others_;
     Supervisor own_;
     std::optional<PollSet> polled_;
-    std::vector<int> inputs_;  ///< Write ends; their end ends `pxpl5 join`.
-    std::string join_line_;
+    int polled_link_ = -1;
+    std::map<std::string, int> inputs_;  ///< Write ends by engine; their end ends `pxpl5 join`.
     std::vector<std::string> lost_;
+    std::map<std::string, std::filesystem::path> engine_logs_;
+    std::map<std::string, Death> ended_engines_;
+    std::set<std::string> dropped_engines_;  ///< Their ends are no news.
+    std::string join_line_;
     bool is_finished_ = false;
 };
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/base/standard_streams.hpp"
+#include "host/machine/computers/cluster_settings.hpp"
 #include "host/machine/computers/facts.hpp"
 #include "host/machine/port.hpp"
 
@@ -59,9 +60,9 @@ RemoteComputer* RemoteComputers::computer_of_line(const std::string& line) {
     return found == computers_.end() ? nullptr : &*found;
 }
 
-RemoteComputer* RemoteComputers::computer_of(const std::string& name) {
+RemoteComputer* RemoteComputers::computer_of(const std::string& process) {
     const auto found = std::ranges::find_if(
-        computers_, [&](const RemoteComputer& c) { return c.running.contains(name); });
+        computers_, [&](const RemoteComputer& c) { return c.running.contains(process); });
     return found == computers_.end() ? nullptr : &*found;
 }
 
@@ -72,6 +73,9 @@ void RemoteComputers::take(const std::string& line, const join::LetterT& letter)
         return;
     }
     RemoteComputer* computer = computer_of_line(line);
+    if (computer == nullptr && dismissed_.contains(line)) {
+        return;
+    }
     if (computer == nullptr) {  // It was in an earlier machine with the same key and port.
         port_.send(line, packed_letter(join::DismissT{}));
     }
@@ -96,15 +100,6 @@ void RemoteComputers::take(const std::string& line, const join::LetterT& letter)
     } else {
         ++refused_;
     }
-}
-
-void RemoteComputers::close(const std::vector<std::string>& names) {
-    is_open_ = false;
-    const auto place = [&](const RemoteComputer& computer) {
-        return std::pair(std::ranges::find(names, computer.facts.name) - names.begin(),
-                         computer.facts.name);
-    };
-    std::ranges::stable_sort(computers_, {}, place);
 }
 
 void RemoteComputers::pump(std::int64_t now_ms) {
@@ -143,8 +138,9 @@ std::string RemoteComputers::reason_to_refuse(const join::AskT& ask) const {
             "with {:016x}. Install the same pxpl5 on both",
             ask.build, ask.schema_hash, identity_.build, identity_.schema_hash);
     }
-    if (!is_open_ || computers_.size() >= expected_) {
-        return "the machine has all of its computers";
+    if (computers_.size() >= max_computers) {
+        return fmt::format("the machine has {} computers, at most {} may join", computers_.size(),
+                           max_computers);
     }
     return {};
 }
@@ -163,6 +159,16 @@ void RemoteComputers::take_ask(const std::string& line, const join::AskT& ask) {
         computer.line = line;
         computer.facts = *ask.facts;
         computer.facts.name = printable(ask.facts->name.substr(0, max_reason));
+        computer.engine = engine_;
+        const int cores = computer.facts.cores;
+        const std::string& name = computer.facts.name;
+        std::erase_if(former_, [&](const FormerComputer& each) { return each.name == name; });
+        if (!is_open_) {
+            news_.push_back(
+                fmt::format("{} with {} core{} has joined. 'computers use' runs nodes "
+                            "there",
+                            name, cores, cores == 1 ? "" : "s"));
+        }
         computers_.push_back(std::move(computer));
     }
     port_.send(line, packed_letter(std::move(answer)));
@@ -230,17 +236,17 @@ void RemoteComputers::lose(RemoteComputer& computer, const std::string& silence)
         computer.leaves = silence;
     }
     const std::string& reason = computer.leaves;
+    if (is_open_) {
+        warn(fmt::format("computer {} has left: {}", computer.facts.name, reason));
+    } else if (computer.running.empty()) {
+        news_.push_back(fmt::format("{} has left: {}", computer.facts.name, reason));
+    }
     for (const std::string& name : std::exchange(computer.running, {})) {
         deaths_.push_back({name, static_cast<int>(ExitCode::unavailable), 0,
                            lost_text(name, computer.facts.name, reason)});
         forget_files_of(name);
     }
-    join::DismissT dismiss;  // If it only was slow.
-    dismiss.reason = fmt::format("the host counts this computer as lost: {}", reason);
-    port_.send(computer.line, packed_letter(std::move(dismiss)));
-    if (is_open_) {
-        warn(fmt::format("computer {} has left: {}", computer.facts.name, reason));
-    }
+    dismiss(computer);  // If it only was slow.
 }
 
 void RemoteComputers::warn(const std::string& text) {
@@ -307,16 +313,6 @@ std::vector<std::string> RemoteComputers::running() const {
 
 std::vector<Death> RemoteComputers::take_deaths() {
     return std::exchange(deaths_, {});
-}
-
-std::vector<std::string> RemoteComputers::lost() const {
-    std::vector<std::string> names;
-    for (const RemoteComputer& computer : computers_) {
-        if (computer.is_lost || !computer.leaves.empty()) {
-            names.push_back(computer.facts.name);
-        }
-    }
-    return names;
 }
 
 void RemoteComputers::fetch(const std::string& name, const std::string& file) {

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/machine/computers/letter.hpp"
@@ -25,13 +27,27 @@ struct RemoteComputer {
     join::FactsT facts;
     std::int64_t silent_ms = 0;  ///< While the host listened.
     bool is_lost = false;
+    bool is_released = false;       ///< The user wants it to end.
     std::string leaves;             ///< Why it is lost, or ends; empty while it takes part.
+    std::string engine;             ///< The process that has started it and others: "engine-slurm".
+    bool ends_with_engine = false;  ///< It leaves because `engine` has ended.
     std::set<std::string> running;  ///< Names of its processes.
     int measured = 0;               ///< Answers to ask_bytes() that have come.
+
+    bool takes_part() const { return !is_lost && !is_released && leaves.empty(); }
 };
 
-/// Lets computers join, starts processes on them and notices when a computer is lost. The first
-/// computer that joins has number 1. Number 0 is the host's own computer.
+/// A computer that took part before.
+struct FormerComputer {
+    std::string name;
+    int cores = 0;
+    bool is_released = false;
+    std::string why;  ///< Why it was lost.
+};
+
+/// Lets computers join, starts processes on them and notices when a computer is lost. Outlives the
+/// machines of a session. The first computer that joins has number 1, and a computer keeps its
+/// number while a machine runs. Number 0 is the host's own computer.
 class RemoteComputers {
   public:
     /// cluster  Where the port for computers is.
@@ -46,14 +62,34 @@ class RemoteComputers {
     /// Takes the letters that have come. Counts the silence of each computer.
     void pump(std::int64_t now_ms);
 
-    const std::vector<RemoteComputer>& computers() const { return computers_; }
-    /// Names of the computers that are lost or have left by themselves.
-    std::vector<std::string> lost() const;
-    /// So many computers may join.
-    void expect(std::size_t computers) { expected_ = computers; }
-    /// No further computer may join. Numbers them in the order of `names`, then by name, so that
-    /// nodes do not depend on who came first.
+    const std::deque<RemoteComputer>& computers() const { return computers_; }
+    /// True if a computer of this name takes part.
+    bool takes_part(const std::string& name) const;
+    /// The computers that are not here any more, but have not joined again.
+    const std::vector<FormerComputer>& former() const { return former_; }
+
+    /// Begins another machine: dismisses the computers that were lost or released, and frees the
+    /// numbers of all. Returns the names of those that were lost since the last call.
+    ///
+    /// folder  The new run folder.
+    std::vector<std::string> open(std::filesystem::path folder);
+    /// Numbers the computers in the order of `names`, then by name, so that nodes do not depend on
+    /// who came first. Computers that join from now on have no nodes in this machine.
     void close(const std::vector<std::string>& names);
+    bool is_open() const { return is_open_; }
+    /// True if open() has dismissed computers because their engine has ended.
+    bool needs_engine() const { return needs_engine_; }
+    /// The processes that have started several computers, of which one is lost. Slurm or Open MPI
+    /// may end the others, too.
+    std::set<std::string> broken_engines() const;
+    /// The process that starts the computers that join before close().
+    void expect_from(const std::string& engine) { engine_ = engine; }
+    /// Notes that a process of an engine has ended: its computers leave. Returns true if processes
+    /// of the machine run on them.
+    bool take_end_of_engine(const std::string& engine, const std::string& why);
+    /// The computer shall end before the next machine; at once if it has no process. Returns false
+    /// if it takes no part.
+    bool release(const std::string& name);
 
     /// Asks computer `number` for `bytes` bytes, at most a MiB. They have come when it has measured
     /// one time more (RemoteComputer).
@@ -79,6 +115,8 @@ class RemoteComputers {
     }
     /// Lines for the user: who was refused, and why. Each at most once.
     std::vector<std::string> take_warnings();
+    /// Sentences for the user about computers without nodes: they have joined, or left.
+    std::vector<std::string> take_news() { return std::exchange(news_, {}); }
     std::uint64_t refused() const { return port_.refused() + refused_; }
     /// Orders all computers to end.
     void finish();
@@ -90,7 +128,11 @@ class RemoteComputers {
 
   private:
     RemoteComputer* computer_of_line(const std::string& line);
-    RemoteComputer* computer_of(const std::string& name);
+    RemoteComputer* computer_of(const std::string& process);
+    RemoteComputer* present(const std::string& name);
+    void dismiss(const RemoteComputer& computer);
+    /// Keeps what is known of a computer that is not here any more.
+    void bury(const RemoteComputer& computer);
     void take(const std::string& line, const join::LetterT& letter);
     void take_ask(const std::string& line, const join::AskT& ask);
     std::string reason_to_refuse(const join::AskT& ask) const;
@@ -106,9 +148,12 @@ class RemoteComputers {
     bus::Credentials credentials_;
     Identity identity_;
     std::filesystem::path folder_;
-    bool is_open_ = true;
-    std::size_t expected_ = 1;
-    std::vector<RemoteComputer> computers_;
+    bool is_open_ = true, needs_engine_ = false;
+    std::string engine_;
+    std::deque<RemoteComputer> computers_;  ///< A deque: references stay good while others join.
+    std::set<std::string> dismissed_;       ///< Lines of computers whose last letters may come.
+    std::vector<FormerComputer> former_;
+    std::vector<std::string> news_;
     std::vector<Death> deaths_;
     std::set<std::string> awaited_files_;  ///< Asked for, not complete.
     std::set<std::string> begun_files_;    ///< Files of which a part has come.

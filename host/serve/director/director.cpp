@@ -65,11 +65,13 @@ Director::Director(Audience& audience, DirectorParts parts)
 Director::~Director() {
     parts_.machine->watch(-1, {});  // The machine may outlive the director.
     parts_.machine->tell_suspects({});
+    parts_.machine->tell_computers({});
 }
 
 void Director::start() {
     watch_viewers();
     parts_.machine->tell_suspects([this](const std::string& text) { note("info", text); });
+    parts_.machine->tell_computers([this](const std::string& text) { note("info", text); });
     session_ = std::make_unique<Session>(*parts_.machine);
     session_->recovery.on_restart(
         [this](const std::string& text, bool is_over) { tell_restart(text, is_over); });

@@ -30,7 +30,8 @@ compare s; compare s off; export {{}}/s.stl keep=0.5; view 20 30 pan=1,2; light 
 clip L; clip off; material power=20; background red; tint gaps; antialias 1; overlay on
 pick 32 32 set=t; pick 0 0; measure 30 32 34 32; why 32 32; snapshot {{}}/s.png; orbit 2
 sweep s 0.4 0.5 2 {{}}/sweep.gif; stats; activity; model; digest; trace save; mark; undo
-redo; scale gp=2; history; history {{}}/h.txt; remove t; play {{}}/play.txt; help; help load"""
+redo; scale gp=2; computers; history; history {{}}/h.txt; remove t; play {{}}/play.txt
+help; help load"""
 
 
 def type_of(field):

@@ -7,7 +7,7 @@ import {address} from '../link/token.js';
 
 const SHOW_AFTER_MS = 300;      // Shorter work is not shown.
 /** Long work that the server does not cancel, by the name in `progress`. */
-const UNCANCELABLE = ['scale', 'starting the machine again'];
+const UNCANCELABLE = ['scale', 'computers', 'starting the machine again'];
 const HINTS_SEEN = 'pxpl5-hints-seen';
 const VEIL_AFTER_MS = 400;
 const STALL_MS = 2500;          // A silence of this length is shown.
