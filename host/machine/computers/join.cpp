@@ -17,7 +17,6 @@
 #include "host/base/error.hpp"
 #include "host/base/kernel/socket_folder.hpp"
 #include "host/base/state_folder.hpp"
-#include "host/machine/computers/content.hpp"
 #include "host/machine/computers/facts.hpp"
 #include "host/machine/computers/key.hpp"
 #include "host/machine/computers/letter.hpp"

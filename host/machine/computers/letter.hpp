@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -27,5 +29,10 @@ std::vector<std::uint8_t> packed_letter(ObjectT word) {
 
 /// Throws BadLetter.
 join::LetterT unpacked_letter(std::span<const std::uint8_t> bytes);
+
+/// Says the parts of `file`, which is relative to `folder`, in order. Of a long log, only its end.
+/// A file that cannot be read, or is not inside the folder, has one part with the error.
+void send_content(const std::filesystem::path& folder, const std::string& file,
+                  const std::function<void(join::ContentT)>& say);
 
 }  // namespace pxpl5::host

@@ -30,14 +30,15 @@ void RemoteComputers::dismiss(const RemoteComputer& computer) {
         letter.reason = fmt::format("the host counts this computer as lost: {}", computer.leaves);
     }
     port_.send(computer.line, packed_letter(std::move(letter)));
-    dismissed_.insert(computer.line);
+    gone_.lines.insert(computer.line);
 }
 
 void RemoteComputers::bury(const RemoteComputer& computer) {
     const std::string& name = computer.facts.name;
-    std::erase_if(former_, [&](const FormerComputer& each) { return each.name == name; });
+    std::erase_if(gone_.computers, [&](const FormerComputer& each) { return each.name == name; });
     if (!takes_part(name)) {
-        former_.push_back({name, computer.facts.cores, computer.is_released, computer.leaves});
+        gone_.computers.push_back(
+            {name, computer.facts.cores, computer.is_released, computer.leaves});
     }
 }
 

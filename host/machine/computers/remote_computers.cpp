@@ -73,7 +73,7 @@ void RemoteComputers::take(const std::string& line, const join::LetterT& letter)
         return;
     }
     RemoteComputer* computer = computer_of_line(line);
-    if (computer == nullptr && dismissed_.contains(line)) {
+    if (computer == nullptr && gone_.lines.contains(line)) {
         return;
     }
     if (computer == nullptr) {  // It was in an earlier machine with the same key and port.
@@ -162,7 +162,8 @@ void RemoteComputers::take_ask(const std::string& line, const join::AskT& ask) {
         computer.engine = engine_;
         const int cores = computer.facts.cores;
         const std::string& name = computer.facts.name;
-        std::erase_if(former_, [&](const FormerComputer& each) { return each.name == name; });
+        std::erase_if(gone_.computers,
+                      [&](const FormerComputer& each) { return each.name == name; });
         if (!is_open_) {
             news_.push_back(
                 fmt::format("{} with {} core{} has joined. 'computers use' runs nodes "

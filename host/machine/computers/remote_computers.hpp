@@ -66,7 +66,7 @@ class RemoteComputers {
     /// True if a computer of this name takes part.
     bool takes_part(const std::string& name) const;
     /// The computers that are not here any more, but have not joined again.
-    const std::vector<FormerComputer>& former() const { return former_; }
+    const std::vector<FormerComputer>& former() const { return gone_.computers; }
 
     /// Begins another machine: dismisses the computers that were lost or released, and frees the
     /// numbers of all. Returns the names of those that were lost since the last call.
@@ -151,8 +151,11 @@ class RemoteComputers {
     bool is_open_ = true, needs_engine_ = false;
     std::string engine_;
     std::deque<RemoteComputer> computers_;  ///< A deque: references stay good while others join.
-    std::set<std::string> dismissed_;       ///< Lines of computers whose last letters may come.
-    std::vector<FormerComputer> former_;
+    struct Gone {
+        std::set<std::string> lines;  ///< Their last letters may come.
+        std::vector<FormerComputer> computers;
+    };
+    Gone gone_;
     std::vector<std::string> news_;
     std::vector<Death> deaths_;
     std::set<std::string> awaited_files_;  ///< Asked for, not complete.
