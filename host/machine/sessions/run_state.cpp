@@ -16,6 +16,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "host/machine/sessions/json_values.hpp"
+
 namespace pxpl5::host {
 
 namespace {
@@ -24,8 +26,7 @@ namespace fs = std::filesystem;
 
 /// Without a lock, the manifest says where the number of the maker is that of a process.
 RunState state_by_manifest(const fs::path& run, pid_t maker) {
-    std::ifstream file(run / "manifest.json");
-    const nlohmann::json read = nlohmann::json::parse(file, nullptr, false);
+    const nlohmann::json read = read_json(run / "manifest.json");
     const nlohmann::json host = read.is_object() ? read.value("host", nlohmann::json()) : read;
     const auto is_here = [&](const char* key, const std::string& here, bool if_absent) {
         return host.is_object() && host.contains(key) ? host[key] == here : if_absent;

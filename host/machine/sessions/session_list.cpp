@@ -1,6 +1,8 @@
 #include "host/machine/sessions/session_list.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -119,6 +121,13 @@ std::optional<RunningSession> session_of(const fs::path& folder, pid_t maker) {
     return session;
 }
 
+/// In a folder that several users share, a manifest of another user could name any process and any
+/// address.
+bool is_own_folder(const fs::path& path) {
+    struct stat facts {};
+    return lstat(path.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) && facts.st_uid == geteuid();
+}
+
 bool is_called(const RunningSession& session, const std::string& name) {
     return session.name == name || fmt::format("{}", session.pid) == name ||
            (!session.job.empty() && session.job == name);
@@ -130,7 +139,7 @@ std::vector<RunningSession> running_sessions(const fs::path& base) {
     std::vector<fs::path> folders;
     std::error_code ignored;
     for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
-        if (!entry.is_symlink(ignored) && maker_of(entry.path().filename().string())) {
+        if (maker_of(entry.path().filename().string()) && is_own_folder(entry.path())) {
             folders.push_back(entry.path());
         }
     }

@@ -218,6 +218,30 @@ class Sessions(unittest.TestCase):
         one, = self.listed()
         self.assertEqual((one["name"], one["here"]), (run.name, False))
 
+    def test_a_fifo_in_the_place_of_a_manifest_keeps_nobody_waiting(self):
+        run = self.locked_run(4711)
+        for name in ("manifest.json", "session.json"):
+            (run / name).unlink(missing_ok=True)
+            os.mkfifo(run / name)
+        one, = self.listed()
+        self.assertEqual((one["name"], one["here"]), (run.name, False))
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root can give a folder to another user")
+    def test_run_folders_of_other_users_are_no_sessions(self):
+        """Their manifests could make `end` signal any process, and `show` print any address."""
+        sleeper = subprocess.Popen(["sleep", str(LIMIT_S)])
+        self.addCleanup(self.stop, sleeper)
+        here = {"name": os.uname().nodename, "pid_namespace": os.readlink("/proc/self/ns/pid"),
+                "boot_id": pathlib.Path("/proc/sys/kernel/random/boot_id").read_text().strip()}
+        stat_text = pathlib.Path(f"/proc/{sleeper.pid}/stat").read_text()
+        run = self.locked_run(sleeper.pid, subcommand="run", host=here,
+                              process_start=int(stat_text.rsplit(")", 1)[1].split()[19]))
+        self.assertEqual(len(self.listed()), 1)
+        os.chown(run, 65534, 65534)
+        self.assertEqual(self.listed(), [])
+        self.assertEqual(self.sessions("end", str(sleeper.pid)).returncode, 64)
+        self.assertIsNone(sleeper.poll())
+
     def test_without_sessions(self):
         done = self.sessions()
         self.assertEqual((done.returncode, done.stderr), (0, ""))
