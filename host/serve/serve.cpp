@@ -127,7 +127,7 @@ DirectorParts parts_of(const ServeOptions& options, const std::shared_ptr<Machin
 /// Opens what the command line names, and lets viewers open it again.
 void open_content(Director& director, const ServeOptions& options, FileAccess& access) {
     if (!options.session.empty()) {
-        director.open(to_line({"play", {options.session}, {}}));
+        director.open_session(options.session);
     }
     for (const Arguments& command :
          options.session.empty() ? options.commands : std::vector<Arguments>{}) {

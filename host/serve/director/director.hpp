@@ -53,6 +53,9 @@ class Director {
 
     /// Runs a command of the program, before viewers join. Throws as run_command() does.
     Reply open(const std::string& line);
+    /// Plays a saved session, before viewers join. Its commands may not write files, because the
+    /// file may come from a stranger. Throws as run_command() does.
+    void open_session(const std::string& file);
     /// Adds the first surfaces of the loaded volume, if the scene has none, and fits the view.
     void show_first_surfaces();
 

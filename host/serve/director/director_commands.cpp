@@ -33,6 +33,19 @@ void check_name(const std::string& name) {
     }
 }
 
+/// Throws RequestError if the command writes a file.
+void refuse_output(const CommandDescriptor& command, const Arguments& arguments) {
+    const std::size_t words = std::min(arguments.words.size(), command.words.size());
+    for (std::size_t i = 0; i < words; ++i) {
+        if (command.words[i].type == ValueType::output) {
+            refuse_command(
+                fmt::format("{}: would write {}, but a session that is opened writes no file. If "
+                            "you trust its commands, run them with: pxpl5 run FILE",
+                            command.name, arguments.words[i]));
+        }
+    }
+}
+
 /// Whether both scenes give the same picture.
 bool same_picture(const Scene& a, const Scene& b) {
     return same_parameters(a, b) && a.size == b.size;
@@ -221,6 +234,14 @@ Reply Director::open(const std::string& line) {
     Reply reply = run(parse_line(line));
     session_->check_command = parts_.check_command;
     return reply;
+}
+
+void Director::open_session(const std::string& file) {
+    state_is_old_ = true;
+    ++revision_;
+    session_->check_command = refuse_output;
+    run({"play", {file}, {}});
+    session_->check_command = parts_.check_command;
 }
 
 void Director::show_first_surfaces() {
