@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "host/base/kernel/program_folder.hpp"
 #include "host/machine/computers/key.hpp"
 #include "host/machine/descriptors.hpp"
 #include "ringbus/process/process.hpp"
@@ -24,10 +25,6 @@ constexpr auto failed_code = static_cast<int>(ExitCode::failed);
 constexpr int unavailable_code = 69;
 constexpr int max_unused = 4096;  // Messages that one call drops.
 constexpr int quiet_ms = 50;      // After this time without messages, the host writes its trace.
-
-std::filesystem::path own_folder() {
-    return std::filesystem::read_symlink("/proc/self/exe").parent_path();
-}
 
 /// Closes the descriptor in the destructor.
 struct Descriptor {
@@ -102,7 +99,7 @@ Launcher::Launcher(const Topology& topology, const MachineOptions& options,
       processes_(*owned_),
       roster_(roster_of(topology)),
       heartbeat_(topology.heartbeat) {
-    options_.binaries = options.binaries.empty() ? own_folder() : options.binaries;
+    options_.binaries = options.binaries.empty() ? program_folder() : options.binaries;
     roster_[0].endpoint = link_.endpoint();
     roster_[0].pid = getpid();
     if (processes_.has_others()) {

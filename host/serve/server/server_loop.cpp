@@ -215,6 +215,13 @@ void Loop::listen(const ServerOptions& options) {
     if (context_ != nullptr) {
         lws_context_destroy(context_);
     }
+    if (rules_.encrypted) {  // The address was free.
+        throw RequestError(
+            ExitCode::bad_data,
+            fmt::format("the certificate {} and the key {} cannot be used: {}. Both "
+                        "must be PEM files, and the key that of the certificate",
+                        options.tls_cert, options.tls_key, log.substr(0, log.find('\n'))));
+    }
     throw cannot_listen(options, log);
 }
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/program_folder.hpp"
 #include "host/base/part_file.hpp"
 #include "host/scene/marks_messages.hpp"
 
@@ -66,8 +67,7 @@ class MemoryFile {
 
 /// Runs `pxpl5-io --one-request` from `in` to `out`. Returns the wait status.
 int run_io(const MemoryFile& in, const MemoryFile& out) {
-    const std::string program =
-        (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "pxpl5-io").string();
+    const std::string program = (program_folder() / "pxpl5-io").string();
     std::array<std::string, 2> words{program, "--one-request"};
     std::array<char*, 3> arguments{words[0].data(), words[1].data(), nullptr};
     posix_spawn_file_actions_t streams;

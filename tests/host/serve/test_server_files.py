@@ -93,6 +93,9 @@ class Start(unittest.TestCase):
         self.assertIn("not 65536", self.fails(64, "port", "65536"))
         self.assertIn("must be given together", self.fails(64, "cert", "c.pem"))
         self.assertIn("cannot read c.pem", self.fails(65, "cert", "c.pem", "key", "k.pem"))
+        self.assertRegex(
+            self.fails(65, "cert", __file__, "key", __file__),
+            rf"the certificate {__file__} and the key {__file__} cannot be used: .*PEM")
         self.assertIn("/nowhere is missing", self.fails(65, "page", "/nowhere"))
         self.assertIn("cannot make the folder '/dev/null/up'",
                       self.fails(1, "uploads", "/dev/null/up"))
