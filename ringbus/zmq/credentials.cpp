@@ -42,6 +42,12 @@ bool has_curve() {
     return zmq_has("curve") != 0;
 }
 
+bool is_pair(const CurveKeys& keys) {
+    std::array<char, key_length + 1> open{};
+    return keys.open.size() == key_length && keys.secret.size() == key_length &&
+           zmq_curve_public(open.data(), keys.secret.c_str()) == 0 && keys.open == open.data();
+}
+
 Credentials make_credentials(Protection protection, Reach reach) {
     Credentials credentials;
     set_secret(credentials);

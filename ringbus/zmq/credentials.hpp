@@ -30,6 +30,9 @@ enum class Protection : std::uint8_t {
 /// True if this libzmq has CURVE.
 bool has_curve();
 
+/// True if `keys` are a pair: the open key is that of the secret one. Requires has_curve().
+bool is_pair(const CurveKeys& keys);
+
 /// How far the connections of a machine reach.
 enum class Reach : std::uint8_t { this_computer, network };
 

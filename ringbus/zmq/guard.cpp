@@ -57,6 +57,8 @@ void answer(zmq::socket_t& zap, const std::array<std::uint8_t, key_bytes>& key) 
 /// has succeeded during its life.
 class Connections {
   public:
+    explicit Connections(Counted counted) : counts_cut_(counted == Counted::all) {}
+
     /// Returns whether a connection has ended that proved nothing.
     bool take(zmq::socket_t& events) {
         const std::vector<zmq::message_t> parts = receive_all(events);
@@ -77,6 +79,9 @@ class Connections {
                 return false;
             case ZMQ_EVENT_DISCONNECTED:
                 return has_ended(descriptor);
+            case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL:
+                (counts_cut_ ? has_failed_ : was_cut_) = true;
+                return false;
             default:
                 has_failed_ = true;
                 return false;
@@ -86,21 +91,22 @@ class Connections {
   private:
     bool has_ended(std::int32_t descriptor) {
         const auto found = successes_before_.find(descriptor);
-        const bool is_stranger = std::exchange(has_failed_, false) ||
-                                 (found != successes_before_.end() && found->second == successes_);
+        const bool has_succeeded = found == successes_before_.end() || found->second != successes_;
+        const bool has_failed = std::exchange(has_failed_, false);
+        const bool was_cut = std::exchange(was_cut_, false);
         successes_before_.erase(descriptor);
-        return is_stranger;
+        return has_failed || (!has_succeeded && !was_cut);
     }
 
     std::map<std::int32_t, std::uint64_t> successes_before_;  ///< By descriptor.
     std::uint64_t successes_ = 0;
-    bool has_failed_ = false;
+    bool counts_cut_, has_failed_ = false, was_cut_ = false;
 };
 
 void guard_until_the_context_ends(zmq::socket_t zap, zmq::socket_t events,
-                                  std::array<std::uint8_t, key_bytes> key,
+                                  std::array<std::uint8_t, key_bytes> key, Counted counted,
                                   std::atomic<std::uint64_t>& strangers) {
-    Connections connections;
+    Connections connections(counted);
     std::array<zmq::pollitem_t, 2> items = {zmq::pollitem_t{zap.handle(), 0, ZMQ_POLLIN, 0},
                                             zmq::pollitem_t{events.handle(), 0, ZMQ_POLLIN, 0}};
     try {
@@ -119,7 +125,7 @@ void guard_until_the_context_ends(zmq::socket_t zap, zmq::socket_t events,
 }
 
 void follow_until_the_context_ends(zmq::socket_t events, std::atomic<std::uint64_t>& strangers) {
-    Connections connections;
+    Connections connections(Counted::all);
     try {
         while (true) {
             if (connections.take(events)) {
@@ -170,7 +176,8 @@ void guard_outbound(zmq::socket_t& outbound, const CurveKeys& keys) {
     outbound.set(zmq::sockopt::curve_secretkey, keys.secret);
 }
 
-void Guard::start(zmq::context_t& context, zmq::socket_t& inbound, const CurveKeys& keys) {
+void Guard::start(zmq::context_t& context, zmq::socket_t& inbound, const CurveKeys& keys,
+                  Counted counted) {
     std::array<std::uint8_t, key_bytes> key{};
     if (zmq_z85_decode(key.data(), keys.open.c_str()) == nullptr) {
         throw std::runtime_error("the session's public key is damaged");
@@ -179,7 +186,7 @@ void Guard::start(zmq::context_t& context, zmq::socket_t& inbound, const CurveKe
     prepare(zap);
     zap.bind(zap_address);
     thread_ = thread_without_signals(guard_until_the_context_ends, std::move(zap),
-                                     events_of(context, inbound, events_address), key,
+                                     events_of(context, inbound, events_address), key, counted,
                                      std::ref(strangers_));
 }
 

@@ -17,6 +17,12 @@ void guard_inbound(zmq::socket_t& inbound, const CurveKeys& keys);
 /// Makes `outbound` accept only a server with the key pair `keys`, and prove the same key.
 void guard_outbound(zmq::socket_t& outbound, const CurveKeys& keys);
 
+/// Which connections count as those of strangers.
+enum class Counted : std::uint8_t {
+    all,      ///< Each that has ended without a proof of the key.
+    not_cut,  ///< All, except those that the other side has ended before the proof was due.
+};
+
 /// Accepts the session's own key and counts the connections that do not prove it.
 ///
 /// The destructor waits for the threads, which end with the context. So the guard must outlive the
@@ -29,7 +35,8 @@ class Guard {
     Guard& operator=(const Guard&) = delete;
 
     /// Starts the thread. Call before `inbound` is bound.
-    void start(zmq::context_t& context, zmq::socket_t& inbound, const CurveKeys& keys);
+    void start(zmq::context_t& context, zmq::socket_t& inbound, const CurveKeys& keys,
+               Counted counted = Counted::all);
     /// Also counts the connections to another socket of the context. Call before it is bound.
     void follow(zmq::context_t& context, zmq::socket_t& inbound);
     /// Connections so far that ended without a proof of the key.

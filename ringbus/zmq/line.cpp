@@ -52,7 +52,7 @@ LinePort::LinePort(const std::string& listen, int port, const Credentials& crede
     prepare_line(parts_->socket);
     if (credentials.keys) {
         guard_inbound(parts_->socket, *credentials.keys);
-        parts_->guard.start(parts_->context, parts_->socket, *credentials.keys);
+        parts_->guard.start(parts_->context, parts_->socket, *credentials.keys, Counted::not_cut);
     }
     const std::string address =
         fmt::format("tcp://{}:{}", listen, port == 0 ? "*" : std::to_string(port));
@@ -75,7 +75,10 @@ int LinePort::poll_fd() const {
     return static_cast<int>(parts_->socket.get(zmq::sockopt::fd));
 }
 std::uint64_t LinePort::refused() const {
-    return parts_->bad_letters;
+    return parts_->bad_letters + strangers();
+}
+std::uint64_t LinePort::strangers() const {
+    return parts_->guard.strangers();
 }
 
 std::optional<LinePort::Received> LinePort::receive() {

@@ -41,9 +41,11 @@ class LinePort {
     /// A line that has gone gets nothing.
     void send(const std::string& to, const Letter& letter);
 
-    /// Messages that were dropped. Connections without the key are not counted: a line that tries
-    /// several addresses makes and ends some itself.
+    /// Messages that were dropped, and strangers().
     std::uint64_t refused() const;
+    /// Connections that did not prove the key. One that ended before it had to is not counted: a
+    /// line that tries several addresses makes and ends some itself.
+    std::uint64_t strangers() const;
 
   private:
     struct Parts;

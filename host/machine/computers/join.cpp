@@ -10,12 +10,13 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/program_folder.hpp"
 #include "host/base/kernel/socket_folder.hpp"
+#include "host/base/standard_streams.hpp"
 #include "host/base/state_folder.hpp"
 #include "host/machine/computers/facts.hpp"
 #include "host/machine/computers/key.hpp"
@@ -51,8 +52,7 @@ std::string host_part(const std::string& endpoint) {
 
 /// Standard error may be closed, for example with the connection of ssh.
 void say_why(const std::string& text) {
-    std::fputs(fmt::format("pxpl5 join: {}\n", text).c_str(), stderr);
-    std::fflush(stderr);
+    std::fputs(fmt::format("pxpl5 join: {}\n", printable(text)).c_str(), stderr);
 }
 
 /// One computer of a machine, between its first and its last letter.
@@ -162,7 +162,7 @@ void Joined::introduce(const JoinOptions& options) {
 void Joined::start(const join::StartT& start) {
     ProcessCommand command;
     command.name = start.name;
-    command.program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / start.program;
+    command.program = program_folder() / start.program;
     command.arguments = start.arguments;
     command.env = start.env;
     command.core = start.core;

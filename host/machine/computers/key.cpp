@@ -70,14 +70,18 @@ std::string run_munge(const std::vector<std::string>& words, std::string_view in
     return end.out;
 }
 
-}  // namespace
-
-bus::Credentials make_key() {
+void require_curve() {
     if (!bus::has_curve()) {
         throw RequestError(ExitCode::unavailable,
                            "this computer's libzmq has no CURVE, so there can be no key. Install a "
                            "libzmq with libsodium");
     }
+}
+
+}  // namespace
+
+bus::Credentials make_key() {
+    require_curve();
     return bus::make_credentials(bus::Protection::curve, bus::Reach::network);
 }
 
@@ -136,7 +140,15 @@ bus::Credentials parse_key(std::string_view text, const std::string& source) {
     credentials.allows_plain_tcp = flags[0] == '1';
     credentials.allows_network = flags[1] == '1';
     if (has_keys) {
+        require_curve();
         credentials.keys = bus::CurveKeys{open, secret};
+    }
+    if (has_keys && !bus::is_pair(*credentials.keys)) {
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("{} has a damaged key: its two parts of {} characters are no pair. Copy "
+                        "the file again, or make another key with: pxpl5 key",
+                        source, key_length));
     }
     return credentials;
 }

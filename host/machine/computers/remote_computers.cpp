@@ -1,10 +1,15 @@
 #include "host/machine/computers/remote_computers.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
+#include <cerrno>
+#include <cstring>
+#include <span>
 #include <utility>
 
 #include "host/base/standard_streams.hpp"
@@ -22,6 +27,25 @@ constexpr std::size_t max_reason = 200, max_text = 1000;  // Characters.
 /// The files of a process, in the run folder.
 bool is_file_of(const std::string& file, const std::string& name) {
     return file == name + ".log" || file == "traces/" + name + ".mcap";
+}
+
+/// Appends to a file for this user alone. The first part replaces an earlier file. Returns why that
+/// failed, or nothing.
+std::string write_part(const std::filesystem::path& path, std::span<const std::uint8_t> bytes,
+                       bool is_first) {
+    const int file = open(
+        path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC | (is_first ? O_TRUNC : O_APPEND),
+        S_IRUSR | S_IWUSR);
+    ssize_t written = file < 0 ? -1 : 0;
+    while (written >= 0 && !bytes.empty()) {
+        written = write(file, bytes.data(), bytes.size());
+        bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(written, 0)));
+    }
+    std::string reason = written < 0 ? std::strerror(errno) : "";
+    if (file >= 0) {
+        close(file);
+    }
+    return reason;
 }
 
 std::string lost_text(const std::string& name, const std::string& computer,
@@ -110,6 +134,12 @@ void RemoteComputers::pump(std::int64_t now_ms) {
             ++refused_;
         }
     }
+    if (port_.strangers() > 0) {
+        warn(
+            fmt::format("a program without the key of this machine has connected to port {}, "
+                        "where computers join; it got nothing",
+                        port_.port()));
+    }
     // While the host did not listen, letters could not be taken: that time is not silence.
     const std::int64_t passed_ms =
         looked_ms_ ? std::min<std::int64_t>(now_ms - *looked_ms_, beat_ms) : 0;
@@ -151,9 +181,9 @@ void RemoteComputers::take_ask(const std::string& line, const join::AskT& ask) {
     answer.refusal = reason_to_refuse(ask);
     if (!answer.refusal.empty()) {
         ++refused_;
-        warn(printable(fmt::format(
-            "computer {} at {} was refused: {}", ask.facts->name.substr(0, max_reason),
-            ask.facts->address.substr(0, max_reason), answer.refusal.substr(0, max_text))));
+        warn(fmt::format("computer {} at {} was refused: {}", ask.facts->name.substr(0, max_reason),
+                         ask.facts->address.substr(0, max_reason),
+                         answer.refusal.substr(0, max_text)));
     } else if (computer_of_line(line) == nullptr) {
         RemoteComputer computer;
         computer.line = line;
@@ -194,12 +224,9 @@ void RemoteComputers::take_content(const RemoteComputer& computer, const join::C
     has_new_parts_ = true;
     const std::filesystem::path path = folder_ / content.file;
     const bool is_first = begun_files_.insert(content.file).second;
-    std::ofstream file(path, std::ios::binary | (is_first ? std::ios::trunc : std::ios::app));
-    file.write(reinterpret_cast<const char*>(content.bytes.data()),
-               static_cast<std::streamsize>(content.bytes.size()));
-    if (!file.flush()) {
-        warn(
-            fmt::format("{} of computer {} cannot be written", path.string(), computer.facts.name));
+    if (const std::string reason = write_part(path, content.bytes, is_first); !reason.empty()) {
+        warn(fmt::format("{} of computer {} cannot be written: {}", path.string(),
+                         computer.facts.name, reason));
     }
     if (!content.error.empty()) {
         warn(
@@ -252,7 +279,7 @@ void RemoteComputers::lose(RemoteComputer& computer, const std::string& silence)
 
 void RemoteComputers::warn(const std::string& text) {
     if (warned_.size() < max_warnings && warned_.insert(text).second) {
-        warnings_.push_back(text);
+        warnings_.push_back(printable(text));
     }
 }
 

@@ -93,8 +93,9 @@ class Joins(unittest.TestCase):
                      *BY_COMMAND, "--set", "wait=1", "--set", "gp.count=2")
         run = self.logs()
         for name in ("gp-0", "gp-1", "renderer-0", "framebuffer-0"):
-            self.assertTrue((run / f"{name}.log").is_file(), name)
-            self.assertTrue((run / "traces" / f"{name}.mcap").is_file(), name)
+            for file in (run / f"{name}.log", run / "traces" / f"{name}.mcap"):
+                self.assertTrue(file.is_file(), file)
+                self.assertEqual(file.stat().st_mode & 0o777, 0o600, file)
         self.assertIn("pxpl5 join", (run / "engine-command.log").read_text())
 
     def test_a_dead_node_is_named_and_replaced(self):
@@ -205,6 +206,12 @@ class Joins(unittest.TestCase):
         self.assertEqual(code, 69)
         self.assertRegex(complaint, r"the host at tcp://127.0.0.1:\d+ does not accept this key")
 
+        damaged = key.read_text().split()
+        damaged[-1] = damaged[-1][::-1]
+        code, complaint = self.refusal(address, "--key-stdin", text=" ".join(damaged) + "\n")
+        self.assertEqual(code, 64)
+        self.assertIn("standard input has a damaged key: its two parts of 40 characters", complaint)
+
         wide = self.folder / "wide.key"
         wide.write_text(key.read_text())
         wide.chmod(0o644)
@@ -217,6 +224,8 @@ class Joins(unittest.TestCase):
         out, complaint = machine.communicate(timeout=LIMIT_S)
         self.assertTrue(json.loads(out)["ok"], complaint)
         self.assertEqual(machine.returncode, 0, complaint)
+        self.assertIn("warning: a program without the key of this machine has connected to port "
+                      + address.rsplit(":", 1)[1], complaint)
         _, said = join.communicate(timeout=LIMIT_S)
         self.assertEqual(join.returncode, 0, said)
         self.assertIn("takes part in the machine at", said)
