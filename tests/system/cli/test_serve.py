@@ -216,6 +216,23 @@ class Serve(Case):
         self.assertTrue(viewer.do("undo")["ok"])
         self.assertEqual(program.stop()[0], 0)
 
+    def test_no_socket_of_the_server_is_open_in_a_node(self):
+        """Also after a restart, when viewers are connected."""
+        def sockets(pid):
+            folder = pathlib.Path(f"/proc/{pid}/fd")
+            return {link for link in map(os.readlink, folder.iterdir()) if "socket:" in link}
+
+        program = self.program("phantom:sphere")
+        viewer = self.viewer(program.url)
+        self.assertTrue(viewer.do("kill gp-0")["ok"])
+        viewer.until(lambda message: "The machine runs again" in str(message.get("note")))
+        nodes = [pid for name in ("gp", "renderer", "framebuffer")
+                 for pid in program.nodes(f"pxpl5-{name}")]
+        self.assertEqual(len(nodes), 3)
+        for node in nodes:
+            self.assertTrue(sockets(node))
+            self.assertEqual(sockets(node) & sockets(program.process.pid), set())
+
     def test_a_stopped_node_silences_nobody_and_can_be_killed(self):
         """The picture afterwards is the one before."""
         program = self.program("phantom:sphere", "--set", "heartbeat.interval_ms=100", "--set",
