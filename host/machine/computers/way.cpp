@@ -12,14 +12,12 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <chrono>
-#include <future>
 #include <memory>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/answer_within.hpp"
 #include "host/machine/computers/cluster_settings.hpp"
 
 namespace pxpl5::host {
@@ -78,13 +76,8 @@ LookedUp look_up(const std::string& host, std::int64_t limit_ms) {
     if (is_ipv4(host)) {
         return {{host}, {}};
     }
-    std::packaged_task<LookedUp()> task([host] { return look_up_now(host); });
-    std::future<LookedUp> answer = task.get_future();
-    std::thread(std::move(task)).detach();
-    if (answer.wait_for(std::chrono::milliseconds(limit_ms)) != std::future_status::ready) {
-        return {{}, fmt::format("the name service does not answer for {}", host)};
-    }
-    return answer.get();
+    return answer_within(limit_ms, [host] { return look_up_now(host); })
+        .value_or(LookedUp{{}, fmt::format("the name service does not answer for {}", host)});
 }
 
 /// A socket that connects; null if there is no way at all.

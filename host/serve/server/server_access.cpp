@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/answer_within.hpp"
 
 namespace pxpl5::host::serve {
 namespace {
@@ -102,8 +103,9 @@ std::string host_name() {
     return gethostname(name.data(), name.size() - 1) == 0 ? lower(name.data()) : "";
 }
 
-/// The name with its domain, by which a portal may know this computer; empty if it has none.
-std::string full_name(const std::string& name) {
+constexpr int name_service_ms = 2000;
+
+std::string full_name_now(const std::string& name) {
     addrinfo wanted{};
     wanted.ai_flags = AI_CANONNAME;
     addrinfo* raw = nullptr;
@@ -112,6 +114,12 @@ std::string full_name(const std::string& name) {
     }
     const std::unique_ptr<addrinfo, void (*)(addrinfo*)> list(raw, freeaddrinfo);
     return list->ai_canonname == nullptr ? "" : lower(list->ai_canonname);
+}
+
+/// The name with its domain, by which a portal may know this computer; empty if it has none, or if
+/// the name service does not answer.
+std::string full_name(const std::string& name) {
+    return answer_within(name_service_ms, [name] { return full_name_now(name); }).value_or("");
 }
 
 void add_interfaces(std::vector<std::string>& names) {
