@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Odd surroundings change no bit: clocks, locales, limits, namespaces, names of files.
+"""Odd surroundings change no bit: clocks, disks, locales, limits, namespaces, names of files.
 
-usage: test_surroundings.py BIN CLOCK    CLOCK is the library of other_clock.cpp
+usage: test_surroundings.py BIN LIBRARY    LIBRARY is that of other_computer.cpp
 """
 import itertools
 import json
@@ -14,7 +14,7 @@ import sys
 import tempfile
 import unittest
 
-BIN, CLOCK = pathlib.Path(), ""  # From the command line.
+BIN, LIBRARY = pathlib.Path(), ""  # From the command line.
 LIMIT_S = 120
 SCENE = "load phantom:sphere; surface s iso=0.2; digest"
 OTHER_USER = 65534
@@ -65,16 +65,29 @@ class Surroundings(unittest.TestCase):
             with self.subTest(clock=clock):
                 runs = self.folder / str(number)
                 self.check("--run-folder", runs, "--record", "full",
-                           env=self.environment(LD_PRELOAD=CLOCK, OTHER_CLOCK=clock))
+                           env=self.environment(LD_PRELOAD=LIBRARY, OTHER_CLOCK=clock))
                 run, = runs.iterdir()
                 listed = subprocess.run([BIN / "pxpl5", "trace", "ls", run], check=False,
                                         capture_output=True, text=True, timeout=LIMIT_S)
                 self.assertEqual((listed.returncode, listed.stderr), (0, ""))
                 self.assertIn("renderer-0", listed.stdout)
         said = subprocess.run(["date", "+%Y"], env=self.environment(
-            LD_PRELOAD=CLOCK, OTHER_CLOCK="253402300800 1", TZ="UTC"), capture_output=True,
+            LD_PRELOAD=LIBRARY, OTHER_CLOCK="253402300800 1", TZ="UTC"), capture_output=True,
             text=True, check=True).stdout
         self.assertEqual(said, "10000\n")  # The library works.
+
+    def test_a_file_that_does_not_reach_the_disk_replaces_none(self):
+        """After a power failure it could be empty."""
+        files = {"x.stl": "export", "x.obj": "export", "x.png": "snapshot", "x.txt": "history"}
+        for file, command in files.items():
+            (self.folder / file).write_text("old")
+            done = self.run_in(self.folder, f"{SCENE}; {command} {file}",
+                               env=self.environment(LD_PRELOAD=LIBRARY, SYNC_FAILS="1"))
+            self.assertEqual(done.returncode, 1, done)
+            error = json.loads(done.stdout.splitlines()[-1])["error"]
+            self.assertRegex(error, f"{file}.* cannot be written: Input/output error")
+            self.assertEqual((self.folder / file).read_text(), "old")
+        self.assertEqual(sorted(os.listdir(self.folder)), sorted(["state", *files]))
 
     @unittest.skipUnless(os.geteuid() == 0, "only root can make a namespace of clocks")
     def test_a_monotonic_clock_far_ahead(self):
@@ -185,6 +198,6 @@ class Surroundings(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    CLOCK = str(pathlib.Path(sys.argv.pop(2)).resolve())
+    LIBRARY = str(pathlib.Path(sys.argv.pop(2)).resolve())
     BIN = pathlib.Path(sys.argv.pop(1)).resolve()
     unittest.main()

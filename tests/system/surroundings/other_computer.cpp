@@ -1,8 +1,13 @@
-// A wall clock that is wrong: a library for LD_PRELOAD. OTHER_CLOCK is the time at the first look,
-// in seconds since 1970, and what a second of the true clock adds: "253402300800 0" stands still.
+// A computer with a wrong wall clock, or a disk that fails: a library for LD_PRELOAD.
+//
+// OTHER_CLOCK is the time at the first look, in seconds since 1970, and what a second of the true
+// clock adds: "253402300800 0" stands still. With SYNC_FAILS, no file reaches the disk.
 #include <dlfcn.h>
+#include <sys/syscall.h>
 #include <sys/time.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstdlib>
 #include <ctime>
 
@@ -65,5 +70,13 @@ time_t time(time_t* seconds) noexcept {
         *seconds = now;
     }
     return now;
+}
+
+int fsync(int file) {
+    if (std::getenv("SYNC_FAILS") != nullptr) {
+        errno = EIO;
+        return -1;
+    }
+    return static_cast<int>(syscall(SYS_fsync, file));
 }
 }
