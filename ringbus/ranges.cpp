@@ -13,6 +13,7 @@
 #include "ringbus/range_check.hpp"
 #include "ringbus/rules/light_sum.hpp"
 #include "ringbus/rules/regions.hpp"
+#include "ringbus/rules/slices_file.hpp"
 
 namespace pxpl5::bus {
 
@@ -236,7 +237,42 @@ std::string range_of(const schema::FrameCounts& counts) {
     return check.reason();
 }
 
+constexpr std::size_t max_path_bytes = 4096;
+constexpr std::uint64_t most_file_bytes = std::uint64_t{1} << 62;
+
+std::string range_of(const schema::SlicesFile& file) {
+    const std::string_view path = file.path()->string_view();
+    return Check()
+        .within("length of a file's path", path.size(), 2, max_path_bytes)
+        .equal("whether the file's path is absolute", path.starts_with('/'), true)
+        .equal("whether the file's path has a zero byte", path.find('\0') != path.npos, false)
+        .known("stored", file.stored())
+        .finite("slope", file.slope())
+        .finite("intercept", file.intercept())
+        .at_most("size_bytes", file.size_bytes(), most_file_bytes)
+        .at_most("offset", file.offset(), file.size_bytes())
+        .reason();
+}
+
 }  // namespace
+
+std::string file_out_of_range(const schema::VolumeHeader& header) {
+    const schema::SlicesFile* file = header.file();
+    Check check;
+    check.within("reduction", header.reduction(), 1, max_volume_voxels);
+    if (file == nullptr) {
+        return check.equal("whether a reduction has no file", header.reduction() > 1, false)
+            .reason();
+    }
+    check.add(range_of(*file));
+    if (!check.reason().empty()) {
+        return check.reason();  // The arithmetic below needs these fields.
+    }
+    const std::uint64_t values =
+        std::uint64_t{header.nx()} * header.ny() * header.nz() * component_bytes(file->stored());
+    return check.at_most("bytes of the values", values, file->size_bytes() - file->offset())
+        .reason();
+}
 
 std::string out_of_range(const schema::Message& message, std::size_t body_bytes) {
     switch (message.body_type()) {

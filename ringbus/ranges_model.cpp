@@ -14,6 +14,8 @@ namespace pxpl5::bus {
 
 namespace {
 
+constexpr std::uint64_t least_reduced_bytes = 4096, most_reduced_bytes = std::uint64_t{1} << 40;
+
 /// Three positive numbers, or none.
 template <typename Vector, typename Low, typename High>
 void check_triple(Check& check, const char* field, const Vector* values, Low low, High high) {
@@ -44,6 +46,8 @@ std::string range_of(const schema::ImportVolume& import) {
             .within("ny", raw->ny(), 1, max_volume_voxels)
             .within("nz", raw->nz(), 1, max_volume_voxels);
     }
+    check.known("read", import.read())
+        .within("reduced_bytes", import.reduced_bytes(), least_reduced_bytes, most_reduced_bytes);
     return check.reason();
 }
 
@@ -78,6 +82,7 @@ std::string range_of(const schema::VolumeHeader& header) {
         .at_most("minimum", header.minimum(), header.maximum())
         .within("slabs_per_set", header.slabs_per_set(), 1, max_volume_voxels);
     check_slices(check, header);
+    check.add(file_out_of_range(header));
     if (header.findings() != nullptr) {
         for (const auto* finding : *header.findings()) {
             check.known("kind of finding", finding->kind());

@@ -345,6 +345,12 @@ schema::VolumeHeaderT example_header() {
     header.findings.push_back(std::make_unique<schema::FindingT>());
     header.findings[0]->kind = FindingKind::missing_slices;
     header.findings[0]->text = "one slice is missing";
+    header.file = std::make_unique<schema::SlicesFileT>();
+    header.file->path = "/data/pelvis.raw";
+    header.file->offset = 20;
+    header.file->stored = Component::float32;
+    header.file->size_bytes = 500;  // 20 and 4 x 5 x 6 values of 4 bytes.
+    header.reduction = 2;
     return header;
 }
 

@@ -76,6 +76,16 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(ImportVolumeT, m.resample_size[2] = 5000, "resample_size is 5000");
         CHECK_REFUSED(ImportVolumeT, m.smooth_mm = nan_value, "smooth_mm is nan");
         CHECK_REFUSED(ImportVolumeT, m.raw->ny = 0, "ny is 0");
+        CHECK_REFUSED(ImportVolumeT, m.read = static_cast<ReadBy>(3), "read is 3");
+        CHECK_REFUSED(ImportVolumeT, m.reduced_bytes = 0, "reduced_bytes is 0");
+        CHECK_REFUSED(VolumeHeaderT, m.file->path = "scan.raw", "path is absolute is false");
+        CHECK_REFUSED(VolumeHeaderT, m.file->path += '\0', "has a zero byte is true");
+        CHECK_REFUSED(VolumeHeaderT, m.file->stored = static_cast<Component>(99), "stored is 99");
+        CHECK_REFUSED(VolumeHeaderT, m.file->slope = nan_value, "slope is nan");
+        CHECK_REFUSED(VolumeHeaderT, m.file->offset = m.file->size_bytes + 1, "offset is");
+        CHECK_REFUSED(VolumeHeaderT, ++m.file->offset, "bytes of the values is");
+        CHECK_REFUSED(VolumeHeaderT, m.reduction = 0, "reduction is 0");
+        CHECK_REFUSED(VolumeHeaderT, m.file.reset(), "whether a reduction has no file is true");
     }
 
     TEST_CASE("a picture and a mesh on their way out") {

@@ -75,6 +75,16 @@ void ValueSink::add(std::span<const std::byte> native, Component component, Scal
         keeps ? keep(typed<T>(native)) : fit(typed<T>(native), scale);
     });
     started_ = true;
+    if (keeps_ == Keeps::none) {
+        dropped_ = count();
+        values_.clear();
+    }
+}
+
+void ValueSink::reserve_all(std::size_t value_bytes) {
+    if (keeps_ == Keeps::all) {
+        values_.reserve(value_count_ * value_bytes);
+    }
 }
 
 template <typename T>
@@ -96,7 +106,7 @@ void ValueSink::keep(std::span<const T> values) {
         maximum_ = std::max(maximum_, static_cast<double>(high));
     }
     not_finite_ += not_finite;
-    values_.reserve(value_count_ * sizeof(T));
+    reserve_all(sizeof(T));
     const auto bytes = std::as_bytes(values);
     values_.insert(values_.end(), bytes.begin(), bytes.end());
 }
@@ -120,9 +130,7 @@ void ValueSink::fit(std::span<const T> values, Scale scale) {
         Block block;
         for (std::size_t i = 0; i < count; ++i) {
             const T stored = values[begin + i];
-            wide[i] = scale.is_identity()
-                          ? static_cast<double>(stored)
-                          : static_cast<double>(stored) * scale.slope + scale.intercept;
+            wide[i] = scaled(stored, scale);
             if constexpr (sizeof(T) == 8 && std::is_integral_v<T>) {
                 // Counted here only if append() will not see it.
                 inexact_ += scale.is_identity() &&
@@ -151,7 +159,7 @@ void ValueSink::convert_held_to(Scalar type) {
         std::vector<std::byte> old = std::move(values_);
         const std::size_t count = old.size() / size_bytes(type_);
         values_ = {};
-        values_.reserve(value_count_ * size_bytes(type));
+        reserve_all(size_bytes(type));
         values_.resize(count * size_bytes(type));
         with_scalar(type_, [&]<typename From>(From*) {
             const auto from = typed<From>(std::span<const std::byte>(old));
@@ -167,7 +175,7 @@ void ValueSink::convert_held_to(Scalar type) {
 
 void ValueSink::append(std::span<const double> values, Tolerance tolerance) {
     const std::size_t before = values_.size();
-    values_.reserve(value_count_ * size_bytes(type_));
+    reserve_all(size_bytes(type_));
     values_.resize(before + values.size() * size_bytes(type_));
     with_scalar(type_, [&]<typename To>(To*) {
         auto* to = reinterpret_cast<To*>(values_.data() + before);

@@ -12,12 +12,7 @@
 
 namespace pxpl5::host::io {
 
-/// value = stored * slope + intercept.
-struct Scale {
-    double slope = 1, intercept = 0;
-    bool is_identity() const { return slope == 1 && intercept == 0; }
-    friend bool operator==(const Scale&, const Scale&) = default;
-};
+using Scale = StoredScale;
 
 /// Differences up to these are no loss.
 struct Tolerance {
@@ -29,14 +24,18 @@ struct Tolerance {
 /// chunk converts the earlier values if needed. The result does not depend on the order of chunks.
 class ValueSink {
   public:
+    /// Whether the sink keeps the values. Without them it reports type, range and conversion only.
+    enum class Keeps : std::uint8_t { all, none };
+
     /// value_count  Of the whole volume: memory is reserved once.
-    explicit ValueSink(std::size_t value_count) : value_count_(value_count) {}
+    explicit ValueSink(std::size_t value_count, Keeps keeps = Keeps::all)
+        : value_count_(value_count), keeps_(keeps) {}
 
     /// Appends `native`, values of `component` in this machine's byte order.
     void add(std::span<const std::byte> native, Component component, Scale scale = {});
 
     /// Values so far.
-    std::size_t count() const { return values_.size() / size_bytes(type_); }
+    std::size_t count() const { return dropped_ + values_.size() / size_bytes(type_); }
 
     /// Hands over type, values, minimum and maximum, and says what was converted.
     /// file     For error texts.
@@ -48,11 +47,14 @@ class ValueSink {
     void keep(std::span<const T> values);
     template <typename T>
     void fit(std::span<const T> values, Scale scale);
+    void reserve_all(std::size_t value_bytes);
     void convert_held_to(Scalar type);
     void append(std::span<const double> values, Tolerance tolerance);
     void note_conversion(Volume& volume) const;
 
     std::size_t value_count_;
+    Keeps keeps_;
+    std::size_t dropped_ = 0;  ///< Values that are not kept.
     std::vector<std::byte> values_;
     Scalar type_ = Scalar::uint8;
     bool started_ = false, fitting_ = false, is_mixed_ = false, is_scaled_ = false;

@@ -41,6 +41,11 @@ export const LIMITS = Object.freeze({
 
 /** @typedef {'uint8' | 'int16' | 'uint16' | 'float32'} Scalar */
 
+/** @typedef {'uint8' | 'int8' | 'uint16' | 'int16' | 'uint32' | 'int32' | 'uint64' |
+ *   'int64' | 'float32' | 'float64'} Component */
+
+/** @typedef {'automatic' | 'host' | 'gps'} ReadBy */
+
 /** @typedef {'watertight' | 'lorensen1987' | 'asymptotic'} CaseRule */
 
 /** @typedef {'all' | 'outside_gaps' | 'in_gaps'} SlabChoice */
