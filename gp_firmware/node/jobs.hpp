@@ -13,6 +13,7 @@
 #include "gp_firmware/render/frame_drawing.hpp"
 #include "gp_firmware/surface/case_tables.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
+#include "gp_firmware/volume/stored_slices.hpp"
 #include "ringbus/message.hpp"
 
 namespace pxpl5::gp {
@@ -22,6 +23,12 @@ struct SlicesJob {
     static constexpr bus::Body asked_by = bus::Body::Slices;
     bus::Message message;
     std::uint32_t done = 0;  ///< Slices of the message that are stored.
+};
+
+/// Reads the slices of the volume from its file.
+struct FileSlicesJob {
+    static constexpr bus::Body asked_by = bus::Body::VolumeHeader;
+    std::unique_ptr<StoredSlices> file;
 };
 
 /// Reports that the volume is complete.
@@ -91,7 +98,7 @@ struct MeasureJob {
     std::vector<SlabCounts> counts{};  ///< Done so far: all isovalues of a slab, slab after slab.
 };
 
-using Job = std::variant<SlicesJob, VolumeEndJob, ScenePartJob, SceneEndJob, ExtractJob, RemoveJob,
-                         FetchJob, MaskJob, DrawJob, MeasureJob>;
+using Job = std::variant<SlicesJob, FileSlicesJob, VolumeEndJob, ScenePartJob, SceneEndJob,
+                         ExtractJob, RemoveJob, FetchJob, MaskJob, DrawJob, MeasureJob>;
 
 }  // namespace pxpl5::gp

@@ -38,7 +38,10 @@ bus::Doing GpNode::doing() {
         doing.done = static_cast<std::uint32_t>(next);
         doing.total = board_->store ? static_cast<std::uint32_t>(board_->store->slabs().size()) : 0;
     };
-    if (const auto* extract = std::get_if<ExtractJob>(job)) {
+    if (std::holds_alternative<FileSlicesJob>(*job)) {
+        doing.done = static_cast<std::uint32_t>(board_->store->received_count());
+        doing.total = static_cast<std::uint32_t>(board_->store->needed_count());
+    } else if (const auto* extract = std::get_if<ExtractJob>(job)) {
         slabs(extract->surface, extract->next_slab);
     } else if (const auto* fetch = std::get_if<FetchJob>(job)) {
         slabs(fetch->surface, fetch->next_slab);
@@ -69,7 +72,7 @@ void GpNode::dispatch(const bus::Message& message, bus::Outbox& out) {
     switch (message.kind()) {
         case bus::Body::VolumeHeader:
             drop_all(out);
-            return begin_volume(*message.as<schema::VolumeHeader>(), *board_);
+            return begin_volume(*message.as<schema::VolumeHeader>(), *board_, queue_);
         case bus::Body::Slices:
             return note_slices(message, *board_, queue_);
         case bus::Body::VolumeEnd:

@@ -13,9 +13,15 @@ namespace schema = bus::schema;
 using bus::NodeFault;
 using schema::FaultCode;
 
+/// Throws the StoredFileError as a fault of this GP on this computer.
+[[noreturn]] void rethrow_file_error(const StoredFileError& error, const Board& board) {
+    throw NodeFault(FaultCode::bad_input, fmt::format("gp-{} on {}: {}", board.machine.gp_index(),
+                                                      computer_name(), error.what()));
+}
+
 }  // namespace
 
-void begin_volume(const schema::VolumeHeader& header, Board& board) {
+void begin_volume(const schema::VolumeHeader& header, Board& board, JobQueue& queue) {
     board.volume = header.volume();
     board.volume_since = Clock::now();
     try {
@@ -23,6 +29,16 @@ void begin_volume(const schema::VolumeHeader& header, Board& board) {
             std::make_unique<SliceStore>(shape_of(header), board.machine.share, board.memory);
     } catch (const std::exception&) {
         rethrow_as_fault();
+    }
+    if (header.file() == nullptr) {
+        return;
+    }
+    try {
+        queue.add(FileSlicesJob{
+            std::make_unique<StoredSlices>(board.store->shape(), slices_file_of(*header.file()))});
+    } catch (const StoredFileError& error) {
+        board.store.reset();
+        rethrow_file_error(error, board);
     }
 }
 
@@ -48,6 +64,20 @@ bool step(SlicesJob& job, Board& board, bus::Outbox& out) {
     board.store->add_slice(static_cast<int>(slices.first_slice() + job.done),
                            std::as_bytes(values));
     return ++job.done == slices.slice_count();
+}
+
+bool step(FileSlicesJob& job, Board& board, bus::Outbox& out) {
+    const bus::StageClock::In loading(out.clock(), stage::load);
+    const int z = board.store->next_slice();
+    try {
+        board.store->add_slice(z, job.file->read(z));
+        if (board.store->complete()) {
+            job.file->check();  // Every slice is of the same file.
+        }
+    } catch (const StoredFileError& error) {
+        rethrow_file_error(error, board);
+    }
+    return board.store->complete();
 }
 
 bool step(VolumeEndJob&, Board& board, bus::Outbox& out) {

@@ -6,14 +6,16 @@
 
 namespace pxpl5::gp {
 
-/// Throws bus::NodeFault if this GP's part of the volume does not fit into the memory.
-void begin_volume(const bus::schema::VolumeHeader& header, Board& board);
+/// Reads the slices itself if the header names their file. Throws bus::NodeFault if this GP's part
+/// of the volume does not fit into the memory, or if the file is not the stated one here.
+void begin_volume(const bus::schema::VolumeHeader& header, Board& board, JobQueue& queue);
 
 /// Throws bus::NodeFault if the slices belong to another volume than the announced one.
 void note_slices(const bus::Message& message, const Board& board, JobQueue& queue);
 
 // Each step does a piece of a job and returns true when the job is done.
 bool step(SlicesJob& job, Board& board, bus::Outbox& out);
+bool step(FileSlicesJob& job, Board& board, bus::Outbox& out);
 bool step(VolumeEndJob& job, Board& board, bus::Outbox& out);
 
 }  // namespace pxpl5::gp

@@ -53,6 +53,12 @@ class SliceStore {
     /// Returns whether all slices have arrived. Only then may slabs be extracted.
     bool complete() const { return next_ == needed_.size(); }
 
+    /// Returns the number of the slice that add_slice() takes next. Some are missing.
+    int next_slice() const { return needed_[next_]; }
+    std::size_t received_count() const { return next_; }
+    /// Returns how many slices the GP needs.
+    std::size_t needed_count() const { return needed_.size(); }
+
     const VolumeShape& shape() const { return shape_; }
     const std::vector<int>& slabs() const { return slabs_; }  ///< Owned, ascending.
     std::vector<int> held() const;                            ///< Slices stored now, ascending.

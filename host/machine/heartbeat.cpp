@@ -25,6 +25,8 @@ std::string_view verb_of(Body kind) {
             return "building";
         case Body::FetchMesh:
             return "sending the mesh of";
+        case Body::VolumeHeader:
+            return "reading slices from the volume's file";
         case Body::Slices:
             return "storing or sending slices";
         case Body::VolumeEnd:
@@ -68,9 +70,9 @@ std::string piece_text(const bus::Doing& doing) {
     if (doing.total == 0) {
         return {};
     }
-    const char* piece = doing.kind == Body::RegionPrograms ? "region"
-                        : doing.kind == Body::Slices       ? "slice"
-                                                           : "slab";
+    const char* piece = doing.kind == Body::RegionPrograms                               ? "region"
+                        : doing.kind == Body::Slices || doing.kind == Body::VolumeHeader ? "slice"
+                                                                                         : "slab";
     return fmt::format(" ({} {} of {})", piece,
                        std::min<std::uint64_t>(doing.done + std::uint64_t{1}, doing.total),
                        doing.total);
