@@ -119,6 +119,13 @@ Reply run_slice(Session& session, const Arguments& arguments) {
         "at the bottom",
         title, across.count, down.count, across.spacing_mm, down.spacing_mm, across.begin,
         across.end, down.begin, down.end);
+    if (volume.reduced) {
+        add_warning(reply,
+                    fmt::format("the slice and its contours are those of {} in the copy of "
+                                "the host, which has one voxel in {} along each axis; the "
+                                "surfaces themselves are exact",
+                                index / volume.reduction * volume.reduction, volume.reduction));
+    }
     if (slice.frame.skew_deg > max_skew_deg) {
         add_warning(reply, fmt::format("its rows and columns are {:.1f} degrees off a right "
                                        "angle, and are shown at one",
@@ -142,6 +149,7 @@ Reply run_slice(Session& session, const Arguments& arguments) {
                                        {"top", down.begin},
                                        {"bottom", down.end}}},
                     {"skew_deg", slice.frame.skew_deg},
+                    {"reduction", std::int64_t{volume.reduction}},
                     {"contours", pieces},
                     {"hidden_in_3d", hidden}};
     if (arguments.words.size() > 2) {

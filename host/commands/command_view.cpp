@@ -9,6 +9,7 @@
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/fit_view.hpp"
 #include "host/scene/clip.hpp"
+#include "host/volume/reduced.hpp"
 
 namespace pxpl5::host {
 
@@ -268,6 +269,16 @@ std::vector<Fields> fields_of(const Session& session, const std::vector<Frames::
     return list;
 }
 
+/// Why the value of the nearest voxel is not known.
+std::string unknown_value(const Session& session) {
+    return session.volumes.has_volume() && session.volumes.volume().reduced
+               ? fmt::format(
+                     "a value that the host does not know: it keeps one voxel in {} along each "
+                     "axis",
+                     session.volumes.volume().reduction)
+               : "no value known";
+}
+
 }  // namespace
 
 Reply run_pick(Session& session, const Arguments& arguments) {
@@ -288,7 +299,7 @@ Reply run_pick(Session& session, const Arguments& arguments) {
         "{} at ({:.2f}, {:.2f}, {:.2f}) mm LPS; isovalue {:.7g}, nearest voxel ({}, {}, {}) has {}",
         picked->surface, pick.p_mm.x, pick.p_mm.y, pick.p_mm.z,
         session.meshes.surface(picked->surface).isovalue, pick.x, pick.y, pick.z,
-        pick.value ? fmt::format("{:.7g}", *pick.value) : "no value known");
+        pick.value ? fmt::format("{:.7g}", *pick.value) : unknown_value(session));
     std::string_view where = "in front";  // The hits are sorted, nearest first.
     for (const Frames::Picked& hit : hits) {
         if (hit.surface == picked->surface) {
@@ -304,6 +315,9 @@ Reply run_pick(Session& session, const Arguments& arguments) {
         reply.fields.push_back(std::move(field));
     }
     reply.fields.push_back({"hits", fields_of(session, hits)});
+    if (arguments.has("set") && session.volumes.has_volume()) {
+        require_all_voxels(session.volumes.volume(), "pick set=");
+    }
     // The nearest voxel's value would give a surface that does not pass through the point.
     if (arguments.has("set") && pick.value_between) {
         Arguments surface;

@@ -12,6 +12,7 @@
 #include "host/surface/atlas/isovalue_components.hpp"
 #include "host/surface/atlas/plateaus.hpp"
 #include "host/volume/identity.hpp"
+#include "host/volume/reduced.hpp"
 
 namespace pxpl5::host {
 
@@ -133,6 +134,7 @@ Reply run_info(Session& session, const Arguments& arguments) {
 
 Reply run_atlas(Session& session, const Arguments& arguments) {
     const Volume& volume = session.volumes.volume();
+    require_all_voxels(volume, "atlas, which counts components,");
     const double low = arguments.number("from", volume.minimum);
     const double high = arguments.number("to", volume.maximum);
     const int steps = parse_whole("steps", arguments.text("steps", usual_steps));

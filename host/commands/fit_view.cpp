@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "host/commands/command_handlers.hpp"
+#include "host/volume/reduced.hpp"
 #include "host/volume/typed_values.hpp"
 
 namespace pxpl5::host {
@@ -21,8 +22,10 @@ struct Box {
     glm::ivec3 first{std::numeric_limits<int>::max()}, last{-1};
 };
 
-/// The box of all voxels at or above `isovalue`. Its last voxel is -1 if there is none.
-Box box_above(const Volume& volume, double isovalue) {
+/// The box of all voxels at or above `isovalue`. Its last voxel is -1 if there is none. A reduced
+/// copy does not show what lies between its voxels, so that its box reaches to the next ones.
+Box box_above(const Volume& whole, double isovalue) {
+    const Volume& volume = kept(whole);
     Box box;
     with_values(volume, [&](auto values) {
         const auto row_length = static_cast<std::size_t>(volume.nx);
@@ -45,6 +48,11 @@ Box box_above(const Volume& volume, double isovalue) {
             }
         }
     });
+    if (whole.reduced && box.last.x >= 0) {
+        box.first = glm::max((box.first - 1) * whole.reduction, 0);
+        box.last = glm::min((box.last + 1) * whole.reduction,
+                            glm::ivec3(whole.nx, whole.ny, whole.nz) - 1);
+    }
     return box;
 }
 

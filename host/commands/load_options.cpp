@@ -96,6 +96,10 @@ std::vector<Parameter> load_option_list() {
          "sides to which x, y and z point, for example RAI, for a file that does not state them"},
         {"origin", "X,Y,Z", "place of the first voxel in millimeters, LPS, for such a file"},
         {"raw", "XxYxZ,TYPE[,be][,OFFSET]", "layout of a file without a header"},
+        choice_value("read", enum_names<ReadBy>,
+                     "reader of the values of an uncompressed file: the host, which sends them, or "
+                     "the GPs, which all must see the file; automatic: the GPs above 2 GiB",
+                     enum_names<ReadBy>[0]),
     };
 }
 
@@ -127,6 +131,7 @@ ImportOptions load_options(const Arguments& arguments) {
         options.resample_spacing_mm = spacing("resample_mm", arguments);
     }
     options.smooth_mm = arguments.number("smooth", 0);
+    options.read = enum_named<ReadBy>(arguments.text("read", enum_names<ReadBy>[0].data())).value();
     return options;
 }
 

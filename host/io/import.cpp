@@ -216,9 +216,38 @@ Volume import_dicom_file(const fs::path& path, const ImportRequest& request) {
     return import_slices(file, std::move(slices), request);
 }
 
+/// Why GPs cannot read the file of the request; empty if they can.
+std::string why_not_by_gps(const StoredHeader& header, const ImportRequest& request) {
+    const bool is_processed = request.crop_first || request.resample_size ||
+                              request.resample_spacing_mm || request.smooth_mm != 0;
+    return is_processed ? "crop=, resample= and smooth= need all values in the io process"
+                        : why_not_by_gps(header);
+}
+
+[[noreturn]] void refuse_gps(const std::string& file, const std::string& reason) {
+    throw ImportError(
+        fmt::format("{}: GPs cannot read the values from this file: {}. Load it with "
+                    "read=host, or write it as an uncompressed NRRD, MetaImage or "
+                    "NIfTI file first",
+                    file, reason));
+}
+
+/// Whether the GPs read the values. Throws ImportError if they are asked to, and cannot.
+bool is_read_by_gps(const fs::path& path, const StoredHeader& header,
+                    const ImportRequest& request) {
+    const std::string reason = why_not_by_gps(header, request);
+    if (request.read == ReadBy::gps && !reason.empty()) {
+        refuse_gps(path.string(), reason);
+    }
+    return request.read == ReadBy::gps || (request.read == ReadBy::automatic && reason.empty() &&
+                                           needed_bytes(header) > request.host_bytes);
+}
+
 Volume import_stored(const fs::path& path, const StoredHeader& header,
                      const ImportRequest& request) {
-    Volume volume = read_stored_values(path, header);
+    Volume volume = is_read_by_gps(path, header, request)
+                        ? scan_stored_values(path, header, request.reduced_bytes)
+                        : read_stored_values(path, header);
     take_directions(path.string(), request, header.assumed_directions, volume);
     take_spacing(path.string(), request, header.spacing_stated, volume);
     return volume;
@@ -242,11 +271,17 @@ Volume import_checked(const fs::path& path, const ImportRequest& request) {
     }
     const Format format = format_of(path);
     if (fs::is_directory(path)) {
+        if (request.read == ReadBy::gps) {
+            refuse_gps(path.string(), "it is a folder");
+        }
         return import_folder(path, request);
     }
     if (!request.series.empty() && format != Format::dicom) {
         throw ImportError(fmt::format("{}: series is '{}', but only DICOM holds series",
                                       path.string(), request.series));
+    }
+    if (request.read == ReadBy::gps && (format == Format::dicom || format == Format::pictures)) {
+        refuse_gps(path.string(), "its values are compressed or spread over several places");
     }
     switch (format) {
         case Format::dicom:
@@ -273,6 +308,9 @@ Volume import_phantom(const ImportRequest& request) {
         !request.orientation.empty() || request.origin_mm) {
         throw ImportError(request.path +
                           ": a phantom has its own spacing, place, layout and series");
+    }
+    if (request.read == ReadBy::gps) {
+        throw ImportError(request.path + ": a phantom has no file that GPs could read (read=gps)");
     }
     try {
         return make_phantom(request.path);

@@ -15,6 +15,7 @@
 #include "host/io/export_requests.hpp"
 #include "host/io/import.hpp"
 #include "host/io/request_needs.hpp"
+#include "host/volume/reduced.hpp"
 #include "host/volume/volume_messages.hpp"
 
 namespace pxpl5::host::io {
@@ -65,6 +66,9 @@ ImportRequest request_of(const schema::ImportVolume& wish) {
     request.resample_size = three(wish.resample_size());
     request.resample_spacing_mm = vector(wish.resample_spacing_mm());
     request.smooth_mm = wish.smooth_mm();
+    request.read = wish.read();
+    request.host_bytes = wish.host_bytes();
+    request.reduced_bytes = wish.reduced_bytes();
     return request;
 }
 
@@ -134,7 +138,7 @@ void IoNode::receive(const bus::Message& message, bus::Outbox&) {
 bus::Doing IoNode::doing() {
     if (sending_) {
         return {bus::Body::Slices, sending_->id, static_cast<std::uint32_t>(sending_->next_slice),
-                static_cast<std::uint32_t>(sending_->volume.nz)};
+                static_cast<std::uint32_t>(kept(sending_->volume).nz)};
     }
     return {requests_.empty() ? bus::Body::NONE : requests_.front().kind()};
 }
@@ -179,17 +183,17 @@ void IoNode::begin_import(const bus::Message& request, bus::Outbox& out) {
 }
 
 void IoNode::send_slices(bus::Outbox& out) {
-    const int left = sending_->volume.nz - sending_->next_slice;
-    const int count = std::min(left, slices_per_batch(sending_->volume));
-    out.send(sending_->to,
-             slices_message(sending_->volume, sending_->id, sending_->next_slice, count));
-    const std::size_t slice_bytes =
-        sending_->volume.values.size() / static_cast<std::size_t>(sending_->volume.nz);
+    const Volume& volume = kept(sending_->volume);
+    const int left = volume.nz - sending_->next_slice;
+    const int count = std::min(left, slices_per_batch(volume));
+    out.send(sending_->to, slices_message(volume, sending_->id, sending_->next_slice, count));
     const auto first = static_cast<std::size_t>(sending_->next_slice);
-    give_back(sending_->volume.values, first * slice_bytes,
-              (first + static_cast<std::size_t>(count)) * slice_bytes);
+    if (!sending_->volume.reduced) {
+        give_back(sending_->volume.values, first * slice_bytes(volume),
+                  (first + static_cast<std::size_t>(count)) * slice_bytes(volume));
+    }
     sending_->next_slice += count;
-    if (sending_->next_slice == sending_->volume.nz) {
+    if (sending_->next_slice == volume.nz) {
         schema::VolumeEndT end;
         end.volume = sending_->id;
         out.send(sending_->to, bus::pack(end));

@@ -59,6 +59,10 @@ RestartSettings Machine::restart_of(const std::string& node) const {
                                              : plan.gp.restart;
 }
 
+std::vector<std::string> Machine::io_folders() const {
+    return parts_->options.io_allow;
+}
+
 void Machine::start_again(const NodeChange& change, int pause_ms) {
     Parts& parts = *parts_;
     if (parts.launcher) {

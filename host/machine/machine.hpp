@@ -67,6 +67,7 @@ class Machine final : public MachinePort {
     void prepare_io() override;
     bus::NodeId start_io(ExitCode on_death = ExitCode::bad_data) override;
     void release_io() override;
+    std::vector<std::string> io_folders() const override;
     void allow_cancel(bool allowed) override;
     void name_work(const std::string& work) override;
     void name_surfaces(std::function<std::string(std::uint32_t)> name_of) override;

@@ -189,6 +189,9 @@ class MachinePort {
     virtual SavedTraces save_traces() = 0;
     /// The same after a fault, with a short limit, because the user waits for the error.
     virtual SavedTraces save_traces_after_fault() { return save_traces(); }
+
+    /// Folders outside of a header's own in which its data files may lie.
+    virtual std::vector<std::string> io_folders() const { return {}; }
 };
 
 }  // namespace pxpl5::host

@@ -10,6 +10,7 @@
 
 #include "host/scene/overlay.hpp"
 #include "host/scene/slice_places.hpp"
+#include "host/volume/reduced.hpp"
 
 namespace pxpl5::host {
 
@@ -135,8 +136,9 @@ SliceFrame slice_frame(const Volume& volume, int axis) {
     return frame;
 }
 
-Slice slice_of(const Volume& volume, int axis, int index) {
-    assert(index >= 0 && index < (axis == 0 ? volume.nx : axis == 1 ? volume.ny : volume.nz));
+Slice slice_of(const Volume& whole, int axis, int index) {
+    assert(index >= 0 && index < (axis == 0 ? whole.nx : axis == 1 ? whole.ny : whole.nz));
+    const Volume& volume = kept(whole);
     Slice slice{slice_frame(volume, axis), volume.type, {}};
     const std::size_t size = size_bytes(volume.type);
     const std::array<std::size_t, 3> strides = {size, size * index_of(volume.nx),
@@ -147,7 +149,8 @@ Slice slice_of(const Volume& volume, int axis, int index) {
     };
     slice.values.resize(size * index_of(across.count) * index_of(down.count));
     std::byte* to = slice.values.data();
-    const std::byte* plane = volume.values.data() + strides[index_of(axis)] * index_of(index);
+    const std::byte* plane =
+        volume.values.data() + strides[index_of(axis)] * index_of(index / whole.reduction);
     for (int y = 0; y < down.count; ++y) {
         const std::byte* row = plane + offset(down, y);
         for (int x = 0; x < across.count; ++x, to += size) {

@@ -52,8 +52,10 @@ struct Slice {
     std::vector<std::byte> values;  ///< across.count * down.count, little endian, of `type`.
 };
 
+/// Returns the nearest slice at or below `index` of the copy that the host keeps, which has every
+/// n-th voxel (host/volume/reduced.hpp), or the slice itself if the host keeps all voxels.
 /// index  0 .. voxels along the axis - 1 (asserted).
-Slice slice_of(const Volume& volume, int axis, int index);
+Slice slice_of(const Volume& whole, int axis, int index);
 
 /// A slice's values as numbers.
 std::vector<double> numbers_of(const Slice& slice);

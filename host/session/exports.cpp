@@ -12,6 +12,7 @@
 #include "host/surface/certificate.hpp"
 #include "host/surface/mesh_distance.hpp"
 #include "host/surface/plane_cut.hpp"
+#include "host/volume/reduced.hpp"
 
 namespace pxpl5::host {
 
@@ -109,6 +110,7 @@ WeldedMesh Exports::ready_for_file(const Surface& surface, bool cap) {
     WeldedMesh mesh = meshes_.fetch_drawn(surface);
     keep_apart(mesh, grid);
     if (cap) {
+        require_all_voxels(meshes_.volumes().volume(), "closing a surface at the border");
         cap_at_border(mesh, meshes_.volumes().volume(), surface.isovalue);
     }
     move_to_patient(mesh, grid);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/timing/counts/runs.hpp"
+#include "host/volume/reduced.hpp"
 
 namespace pxpl5::host {
 
@@ -60,6 +61,7 @@ FrameWork work_of(const CountedFrame& counted) {
 
 VolumeWork volume_work(const Session& session) {
     const Volume& volume = session.volumes.volume();
+    require_all_voxels(volume, "the timing model");
     VolumeWork work;
     work.name = volume.name;
     work.nx = static_cast<std::uint32_t>(volume.nx);

@@ -7,6 +7,7 @@
 #include "host/base/digest.hpp"
 #include "host/base/error.hpp"
 #include "host/phantom/phantom.hpp"
+#include "host/session/transfer/slices_file_check.hpp"
 
 namespace pxpl5::host {
 
@@ -19,7 +20,8 @@ bool is_plain(const ImportOptions& options) {
     return options.series.empty() && options.spacing_mm.empty() && !options.raw &&
            options.orientation.empty() && options.origin_mm.empty() && options.crop_first.empty() &&
            options.crop_size.empty() && options.resample_size.empty() &&
-           options.resample_spacing_mm.empty() && options.smooth_mm == 0;
+           options.resample_spacing_mm.empty() && options.smooth_mm == 0 &&
+           options.read != ReadBy::gps;
 }
 
 }  // namespace
@@ -31,7 +33,7 @@ VolumeReader::VolumeReader(Conversation& conversation, IoRequests& io, const Loa
             throw RequestError(ExitCode::bad_data,
                                "the io process announced a volume that was not due");
         }
-        receiver_.emplace().begin(*message.as<schema::VolumeHeader>());
+        begin(*message.as<schema::VolumeHeader>());
     });
     conversation_.handle(bus::Body::Slices, [this](const bus::Message& message) {
         if (receiver_ && !received_) {
@@ -43,6 +45,15 @@ VolumeReader::VolumeReader(Conversation& conversation, IoRequests& io, const Loa
             received_ = receiver_->finish();
         }
     });
+}
+
+/// The io process decodes the header of a stranger, so that the host checks the file that the io
+/// process states before any GP opens it.
+void VolumeReader::begin(const schema::VolumeHeader& header) {
+    receiver_.emplace().begin(header);
+    if (const std::optional<SlicesFile>& file = receiver_->volume().file) {
+        check_slices_file(*file, source_, conversation_.machine().io_folders());
+    }
 }
 
 Volume VolumeReader::read_phantom(const std::string& source) {
@@ -79,6 +90,7 @@ Volume VolumeReader::read(const std::string& source, const ImportOptions& option
         throw RequestError(ExitCode::usage, "the name of the volume is empty");
     }
     is_reading_ = true;
+    source_ = source;
     const std::string name =
         is_phantom(source) ? source : std::filesystem::absolute(source).string();
     ImportOptions request = options;

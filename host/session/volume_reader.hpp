@@ -43,6 +43,7 @@ class VolumeReader {
 
   private:
     Volume read_phantom(const std::string& source);
+    void begin(const bus::schema::VolumeHeader& header);
 
     Conversation& conversation_;
     IoRequests& io_;
@@ -50,6 +51,7 @@ class VolumeReader {
     std::optional<VolumeReceiver> receiver_;
     std::optional<Volume> received_;
     bool is_reading_ = false;  ///< A request for a volume is under way.
+    std::string source_;       ///< The file of the request.
 };
 
 }  // namespace pxpl5::host

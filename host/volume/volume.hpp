@@ -5,9 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "ringbus/rules/slices_file.hpp"
 #include "ringbus/rules/voxels.hpp"
 
 namespace pxpl5::host {
@@ -38,6 +41,11 @@ struct Volume {
     std::vector<std::byte> values;    ///< nx * ny * nz, x fastest, little endian, of `type`.
     std::string source;               ///< File, folder or phantom:NAME.
     std::uint64_t digest = 0;         ///< FNV-1a over the values; 0 if unknown.
+    /// The GPs read the values from this file. Otherwise the host sends the values.
+    std::optional<SlicesFile> file;
+    /// Above 1: `values` is empty, and `reduced` has every n-th voxel along each axis, from 0.
+    int reduction = 1;
+    std::shared_ptr<const Volume> reduced;
 };
 
 /// Whether the file does not state the whole position and spacing, so that a part is assumed.

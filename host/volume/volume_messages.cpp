@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/volume/reduced.hpp"
 
 namespace pxpl5::host {
 
@@ -19,6 +20,29 @@ namespace {
 constexpr std::size_t batch_bytes = std::size_t{4} << 20;
 /// The largest volume that the host takes into its memory.
 constexpr std::size_t max_volume_bytes = std::size_t{8} << 30;
+
+std::unique_ptr<schema::SlicesFileT> to_wire(const SlicesFile& file) {
+    auto wire = std::make_unique<schema::SlicesFileT>();
+    wire->path = file.path;
+    wire->offset = file.offset_bytes;
+    wire->stored = file.stored;
+    wire->big_endian = file.big_endian;
+    wire->slope = file.scale.slope;
+    wire->intercept = file.scale.intercept;
+    wire->size_bytes = file.facts.size_bytes;
+    wire->inode = file.facts.inode;
+    wire->modified_ns = file.facts.modified_ns;
+    return wire;
+}
+
+SlicesFile slices_file_of(const schema::SlicesFile& wire) {
+    return {wire.path()->str(),
+            wire.offset(),
+            wire.stored(),
+            wire.big_endian(),
+            {wire.slope(), wire.intercept()},
+            {wire.size_bytes(), wire.inode(), wire.modified_ns()}};
+}
 
 }  // namespace
 
@@ -53,6 +77,10 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
     }
     header.source = volume.source;
     header.digest = volume.digest;
+    if (volume.file) {
+        header.file = to_wire(*volume.file);
+    }
+    header.reduction = static_cast<std::uint16_t>(volume.reduction);
     return bus::pack(header);
 }
 
@@ -94,6 +122,7 @@ void VolumeReceiver::take_report(const schema::VolumeHeader& header) {
 
 void VolumeReceiver::begin(const schema::VolumeHeader& header) {
     volume_ = Volume{};
+    copy_.reset();
     digest_ = {};
     volume_.name = header.name()->str();
     volume_.nx = static_cast<int>(header.nx());
@@ -105,37 +134,50 @@ void VolumeReceiver::begin(const schema::VolumeHeader& header) {
     volume_.minimum = header.minimum();
     volume_.maximum = header.maximum();
     take_report(header);
-    const std::size_t total = slice_bytes(volume_) * header.nz();
+    if (header.file() != nullptr) {
+        volume_.file = slices_file_of(*header.file());
+        volume_.digest = header.digest();
+        volume_.reduction = header.reduction();
+        if (volume_.reduction > 1) {
+            copy_ = reduced_shape(volume_, volume_.reduction);
+        }
+    }
+    const Volume& coming = copy_ ? *copy_ : volume_;
+    const std::size_t total = slice_bytes(coming) * static_cast<std::size_t>(coming.nz);
     if (total > max_volume_bytes) {
         throw RequestError(
             ExitCode::bad_data,
             fmt::format("{}: {} x {} x {} voxels need {} bytes, the limit is {}", volume_.name,
                         volume_.nx, volume_.ny, volume_.nz, total, max_volume_bytes));
     }
-    volume_.values.reserve(total);  // Pages are taken as slices come.
+    arriving().values.reserve(total);  // Pages are taken as slices come.
 }
 
 void VolumeReceiver::add(const schema::Slices& slices) {
-    const std::size_t size = slice_bytes(volume_), bytes = slices.values()->size();
-    const auto filled = static_cast<std::size_t>(slices_there());
+    Volume& coming = arriving();
+    const std::size_t size = slice_bytes(coming), bytes = slices.values()->size();
+    const std::size_t filled = coming.values.size() / size;
     if (slices.first_slice() != filled || bytes != slices.slice_count() * size ||
-        filled + slices.slice_count() > static_cast<std::size_t>(volume_.nz)) {
+        filled + slices.slice_count() > static_cast<std::size_t>(coming.nz)) {
         throw RequestError(ExitCode::bad_data,
                            fmt::format("{}: slices {}..{} with {} bytes came where slice {} of {} "
                                        "with {} bytes each was due",
                                        volume_.name, slices.first_slice(),
                                        slices.first_slice() + slices.slice_count(), bytes, filled,
-                                       volume_.nz, size));
+                                       coming.nz, size));
     }
     const auto values = std::as_bytes(std::span(slices.values()->data(), bytes));
-    volume_.values.insert(volume_.values.end(), values.begin(), values.end());
-    digest_.add(values);
-    volume_.digest = slices_there() == volume_.nz ? digest_.value() : 0;
+    coming.values.insert(coming.values.end(), values.begin(), values.end());
+    if (!volume_.file) {  // The io process has read all values of a file, and states the digest.
+        digest_.add(values);
+        volume_.digest = slices_there() == volume_.nz ? digest_.value() : 0;
+    }
 }
 
 int VolumeReceiver::slices_there() const {
-    return volume_.values.empty() ? 0
-                                  : static_cast<int>(volume_.values.size() / slice_bytes(volume_));
+    const Volume& coming = copy_ ? *copy_ : volume_;
+    const auto slices = static_cast<int>(coming.values.size() / slice_bytes(coming));
+    return std::min(slices * volume_.reduction, volume_.nz);
 }
 
 Volume VolumeReceiver::finish() {
@@ -143,6 +185,9 @@ Volume VolumeReceiver::finish() {
         throw RequestError(
             ExitCode::bad_data,
             fmt::format("{}: {} of {} slices arrived", volume_.name, slices_there(), volume_.nz));
+    }
+    if (copy_) {
+        volume_.reduced = std::make_shared<const Volume>(std::move(*copy_));
     }
     return std::move(volume_);
 }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "host/base/digest.hpp"
 #include "host/volume/volume.hpp"
@@ -33,15 +34,18 @@ class VolumeReceiver {
     void add(const bus::schema::Slices& slices);
     /// The volume with the slices so far.
     Volume& volume() { return volume_; }
+    /// Slices of the volume that the slices so far stand for.
     int slices_there() const;
     /// The complete volume. Throws RequestError naming how many slices are missing.
     Volume finish();
 
   private:
     void take_report(const bus::schema::VolumeHeader& header);
+    Volume& arriving() { return copy_ ? *copy_ : volume_; }
 
-    Volume volume_;  ///< With the values of the slices so far.
-    Digest digest_;  ///< Digest of these values.
+    Volume volume_;               ///< With the values of the slices so far,
+    std::optional<Volume> copy_;  ///< unless the slices are those of a reduced copy.
+    Digest digest_;               ///< Digest of these values.
 };
 
 }  // namespace pxpl5::host

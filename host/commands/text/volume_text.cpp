@@ -150,10 +150,9 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
         reply.text += fmt::format("{} {} ({:.6g}, {:.6g}, {:.6g})", axis == 0 ? "" : ",",
                                   "xyz"[axis], c.x, c.y, c.z);
     }
-    reply.text += " LPS";
     const Histogram counted = histogram(volume, histogram_bins);
     const std::vector<double> shares = quantiles(counted);
-    reply.text += "\npercentiles:";
+    reply.text += " LPS\npercentiles:";
     for (std::size_t i = 0; i < shares.size(); ++i) {
         reply.text +=
             fmt::format("{} {} % {:.6g}", i == 0 ? "" : ",", quantile_percent[i], shares[i]);
@@ -187,6 +186,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
         {"z_direction", list_of(cosines[2])},
         {"minimum", volume.minimum},
         {"maximum", volume.maximum},
+        {"reduction", std::int64_t{volume.reduction}},
         {"quantiles", shares},
         {"histogram", histogram_fields(counted)},
         {"modality", volume.modality},

@@ -43,9 +43,10 @@ std::string text(const schema::ImportVolume& m) {
     return m.path()->str();
 }
 std::string text(const schema::VolumeHeader& m) {
-    return fmt::format("volume {} '{}': {}x{}x{} {}, values {} .. {}, digest {:016x}", m.volume(),
+    return fmt::format("volume {} '{}': {}x{}x{} {}, values {} .. {}, digest {:016x}{}", m.volume(),
                        m.name()->c_str(), m.nx(), m.ny(), m.nz(), enum_name(m.type()), m.minimum(),
-                       m.maximum(), m.digest());
+                       m.maximum(), m.digest(),
+                       m.file() == nullptr ? "" : "; GPs read " + m.file()->path()->str());
 }
 std::string text(const schema::Slices& m) {
     return fmt::format("volume {}, slices {} .. {}", m.volume(), m.first_slice(),

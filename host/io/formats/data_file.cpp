@@ -118,7 +118,15 @@ DataFile::DataFile(const fs::path& header, const fs::path& data, const AllowedFo
         throw ImportError(fmt::format("{}: its data file {} cannot be read: it is no file",
                                       header.string(), data.string()));
     }
-    size_bytes_ = static_cast<std::uint64_t>(facts.st_size);
+    facts_ = facts_now();
+}
+
+FileFacts DataFile::facts_now() const {
+    constexpr std::int64_t ns_per_s = 1'000'000'000;
+    struct stat facts {};
+    fstat(file_, &facts);
+    return {static_cast<std::uint64_t>(facts.st_size), facts.st_ino,
+            facts.st_mtim.tv_sec * ns_per_s + facts.st_mtim.tv_nsec};
 }
 
 DataFile::~DataFile() {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "ringbus/rules/slices_file.hpp"
+
 namespace pxpl5::host::io {
 
 /// Folders outside of the header's own from which headers may name data files.
@@ -25,11 +27,15 @@ class DataFile {
 
     /// A path that opens this very file, even if its name now belongs to another.
     std::filesystem::path path() const;
-    std::uint64_t size_bytes() const { return size_bytes_; }
+    std::uint64_t size_bytes() const { return facts_.size_bytes; }
+    /// The facts when the file was opened.
+    const FileFacts& facts() const { return facts_; }
+    /// The facts now.
+    FileFacts facts_now() const;
 
   private:
     int file_ = -1;
-    std::uint64_t size_bytes_ = 0;
+    FileFacts facts_;
 };
 
 }  // namespace pxpl5::host::io

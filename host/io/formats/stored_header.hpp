@@ -70,6 +70,25 @@ void check_stored_header(const std::filesystem::path& path, StoredHeader& header
 /// Throws ImportError naming how many bytes or values there are and how many are needed.
 Volume read_stored_values(const std::filesystem::path& path, const StoredHeader& header);
 
+/// Why GPs cannot read the values from their file: "its values are compressed". Empty if they can.
+std::string why_not_by_gps(const StoredHeader& header);
+
+/// Reads the values of a header that why_not_by_gps() has accepted, and keeps a reduced copy. Sets
+/// what read_stored_values() sets, the digest, the file, the reduction and the copy.
+/// reduced_bytes  Most bytes of the copy. If all values fit, `values` has them.
+/// Throws         ImportError as read_stored_values(), and if the file changes meanwhile.
+Volume scan_stored_values(const std::filesystem::path& path, const StoredHeader& header,
+                          std::uint64_t reduced_bytes);
+
+/// Where values begin in a data file whose lines are skipped.
+std::uint64_t offset_after_lines(const std::string& file, const std::filesystem::path& path,
+                                 std::uint64_t offset, std::uint64_t lines);
+
+/// The error for a data file that is too short.
+ImportError too_short(const std::string& file, const StoredHeader& header,
+                      const std::filesystem::path& data, std::uint64_t got,
+                      const std::string& damage = {});
+
 /// The three sizes of a volume: those after the third must be 1; those that are not stated are.
 /// Throws ImportError naming all sizes.
 std::array<int, 3> volume_dims(const std::string& file, const std::vector<std::uint64_t>& sizes);

@@ -25,39 +25,6 @@ constexpr std::size_t max_word_chars = 400;  // The longest float64 written out 
 
 static_assert(std::endian::native == std::endian::little);
 
-void swap_bytes(std::span<std::byte> bytes, std::size_t size) {
-    for (std::size_t at = 0; size > 1 && at + size <= bytes.size(); at += size) {
-        std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(at),
-                     bytes.begin() + static_cast<std::ptrdiff_t>(at + size));
-    }
-}
-
-/// The error for a data file that is too short.
-ImportError too_short(const std::string& file, const StoredHeader& header, const fs::path& data,
-                      std::uint64_t got, const std::string& damage = {}) {
-    const std::uint64_t needed = needed_bytes(header) / header.data_files.size();
-    return ImportError(fmt::format("{}: {} of {} need {} bytes{}, {} has {}{}", file,
-                                   join_sizes(header.sizes), header.type, needed,
-                                   is_compressed(header.encoding) ? " when decompressed" : "",
-                                   data.filename().string(), got, damage));
-}
-
-/// Where values begin in a file whose lines are skipped.
-std::uint64_t offset_after_lines(const std::string& file, const fs::path& path,
-                                 std::uint64_t offset, std::uint64_t lines) {
-    std::ifstream stream(path, std::ios::binary);
-    stream.seekg(static_cast<std::streamoff>(offset));
-    for (std::uint64_t line = 0; line < lines; ++line) {
-        stream.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-        if (!stream || stream.eof()) {
-            throw ImportError(
-                fmt::format("{}: line skip is {}, but only {} lines follow", file, lines, line));
-        }
-    }
-    const auto at = stream.tellg();
-    return at < 0 ? offset : static_cast<std::uint64_t>(at);
-}
-
 /// Passes over what comes before the values.
 void skip_to_values(const std::string& file, const StoredHeader& header, const fs::path& data,
                     const DataFile& opened, std::uint64_t offset, std::uint64_t needed,
@@ -210,8 +177,34 @@ void check_end(const std::string& file, const StoredHeader& header, const fs::pa
 
 }  // namespace
 
+ImportError too_short(const std::string& file, const StoredHeader& header, const fs::path& data,
+                      std::uint64_t got, const std::string& damage) {
+    const std::uint64_t needed = needed_bytes(header) / header.data_files.size();
+    return ImportError(fmt::format("{}: {} of {} need {} bytes{}, {} has {}{}", file,
+                                   join_sizes(header.sizes), header.type, needed,
+                                   is_compressed(header.encoding) ? " when decompressed" : "",
+                                   data.filename().string(), got, damage));
+}
+
+std::uint64_t offset_after_lines(const std::string& file, const fs::path& path,
+                                 std::uint64_t offset, std::uint64_t lines) {
+    std::ifstream stream(path, std::ios::binary);
+    stream.seekg(static_cast<std::streamoff>(offset));
+    for (std::uint64_t line = 0; line < lines; ++line) {
+        stream.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+        if (!stream || stream.eof()) {
+            throw ImportError(
+                fmt::format("{}: line skip is {}, but only {} lines follow", file, lines, line));
+        }
+    }
+    const auto at = stream.tellg();
+    return at < 0 ? offset : static_cast<std::uint64_t>(at);
+}
+
 Volume read_stored_values(const fs::path& path, const StoredHeader& header) {
     const std::string file = path.string();
+    check_volume_bytes(file, fmt::format("{} of {}", join_sizes(header.sizes), header.type),
+                       needed_bytes(header));
     const std::array<int, 3> dims = volume_dims(file, header.sizes);
     Volume volume;
     volume.nx = dims[0];

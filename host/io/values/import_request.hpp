@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -45,6 +46,10 @@ struct ImportRequest {
     /// Folders in which the data files of headers may lie, beside the header's own.
     std::vector<std::string> allowed{};
     double smooth_mm = 0;  ///< Standard deviation of a Gaussian; 0 for none.
+    ReadBy read = ReadBy::automatic;
+    /// automatic: GPs read values of more bytes.
+    std::uint64_t host_bytes = std::numeric_limits<std::uint64_t>::max();
+    std::uint64_t reduced_bytes = std::uint64_t{64} << 20;  ///< Most bytes of the reduced copy.
 };
 
 }  // namespace pxpl5::host::io

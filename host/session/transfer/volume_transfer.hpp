@@ -50,7 +50,8 @@ class VolumeDistribution {
         flatbuffers::Allocator* allocator = nullptr;  ///< For bodies; null for the heap.
     };
 
-    /// volume  Only its shape is read; slices may still be missing.
+    /// volume  Only its shape is read; slices may still be missing. A volume that the GPs read
+    ///         from its file has no messages but the VolumeEnd.
     VolumeDistribution(const Volume& volume, std::uint32_t id, int gp_count);
 
     /// Sends all messages that can go, and VolumeEnd after a GP's last slice.

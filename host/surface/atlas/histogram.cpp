@@ -6,6 +6,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "host/volume/reduced.hpp"
 #include "host/volume/typed_values.hpp"
 
 namespace pxpl5::host {
@@ -69,7 +70,7 @@ Histogram histogram(const Volume& volume, int bins) {
     assert(bins >= 1);
     assert(bins <= max_histogram_bins);
     Histogram out;
-    with_values(volume, [&](auto values) { fill(values, bins, out); });
+    with_values(kept(volume), [&](auto values) { fill(values, bins, out); });
     return out;
 }
 

@@ -19,8 +19,9 @@ struct Histogram {
     std::uint64_t not_finite = 0;       ///< Voxels that are NaN or infinite; in no bin.
 };
 
-/// Counts all voxels, from the least finite value to the greatest.
-/// bins     1..max_histogram_bins (asserted). Whole numbers get bins of a whole width, so that none
+/// Counts all voxels, or those of the copy that the host keeps (host/volume/reduced.hpp), from the
+/// least finite value to the greatest. bins     1..max_histogram_bins (asserted). Whole numbers get
+/// bins of a whole width, so that none
 ///          looks fuller than its neighbors for holding one value more; then there may be fewer.
 Histogram histogram(const Volume& volume, int bins);
 
