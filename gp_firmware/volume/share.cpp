@@ -9,14 +9,17 @@ namespace pxpl5::gp {
 
 namespace {
 
-bool fits(VolumeShape shape, int gp_count, std::size_t memory_bytes, std::size_t surface_bytes) {
+bool fits(VolumeShape shape, int gp_count, std::size_t memory_bytes, std::size_t surface_bytes,
+          double packing) {
     shape.slabs_per_set = slabs_per_set_with(shape, gp_count);
     for (int i = 0; i < gp_count; ++i) {
         const Share share{i, gp_count};
         const std::size_t slabs = slabs_owned(shape, share).size();
         const std::size_t surfaces =
             surface_bytes * slabs / static_cast<std::size_t>(shape.slab_count());
-        if (peak_bytes(shape, share) + surfaces > memory_bytes) {
+        const std::size_t peak =
+            packing == 1 ? peak_bytes(shape, share) : packed_peak_bytes(shape, share, packing);
+        if (peak + surfaces > memory_bytes) {
             return false;
         }
     }
@@ -81,10 +84,16 @@ std::size_t peak_bytes(const VolumeShape& shape, Share share) {
     return peak;
 }
 
+std::size_t packed_peak_bytes(const VolumeShape& shape, Share share, double packing) {
+    const std::size_t values = shape.slice_voxels() * size_bytes(shape.type);
+    const auto packed = static_cast<std::size_t>(static_cast<double>(values) * packing);
+    return max_unpacked_slices * values + slices_needed(shape, share).size() * packed;
+}
+
 int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,
-                           std::size_t surface_bytes) {
+                           std::size_t surface_bytes, double packing) {
     for (int count = 1; count <= max_nodes_per_role; ++count) {
-        if (fits(shape, count, memory_bytes, surface_bytes)) {
+        if (fits(shape, count, memory_bytes, surface_bytes, packing)) {
             return count;
         }
     }
@@ -92,8 +101,8 @@ int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,
 }
 
 std::string gp_count_advice(const VolumeShape& shape, std::size_t memory_bytes,
-                            std::size_t surface_bytes) {
-    const int count = gp_count_that_would_do(shape, memory_bytes, surface_bytes);
+                            std::size_t surface_bytes, double packing) {
+    const int count = gp_count_that_would_do(shape, memory_bytes, surface_bytes, packing);
     const std::string remedy = "; load with crop= or resample= to make the volume smaller";
     const std::string each = " with " + std::to_string(memory_bytes) + " bytes each would ";
     if (count == 0) {

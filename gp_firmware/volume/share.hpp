@@ -39,17 +39,26 @@ int discarded_after(const VolumeShape& shape, Share share, int z);
 /// The most local memory that a GP's slices can take while they arrive, and after.
 std::size_t peak_bytes(const VolumeShape& shape, Share share);
 
+/// Slices whose values are in memory while the others are compressed: a slab and its neighbors.
+inline constexpr std::size_t max_unpacked_slices = 4;
+/// A volume that would need better compression than this is refused before its first slice.
+inline constexpr double best_packing = 1.0 / 32;
+/// The same if slices, with the index of their rows, are compressed to `packing` of their bytes.
+std::size_t packed_peak_bytes(const VolumeShape& shape, Share share, double packing);
+
 /// slabs_per_set that the host would choose for `gp_count` GPs. 1 stays 1.
 int slabs_per_set_with(const VolumeShape& shape, int gp_count);
 
 /// The smallest number of GPs with `memory_bytes` each that can hold the volume, and beside it
 /// `surface_bytes` of surfaces spread evenly over the slabs; 0 if max_nodes_per_role GPs
 /// do not suffice.
+/// packing  Share of their bytes that compressed slices take with the index of their rows; 1 if
+///          they are not compressed.
 int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,
-                           std::size_t surface_bytes = 0);
+                           std::size_t surface_bytes = 0, double packing = 1);
 
 /// "9 GPs would do; ..." or "even 64 GPs would not do; ...": advice for OutOfLocalMemory.
 std::string gp_count_advice(const VolumeShape& shape, std::size_t memory_bytes,
-                            std::size_t surface_bytes = 0);
+                            std::size_t surface_bytes = 0, double packing = 1);
 
 }  // namespace pxpl5::gp

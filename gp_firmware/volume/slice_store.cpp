@@ -4,6 +4,7 @@
 #include <cassert>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace pxpl5::gp {
 
@@ -38,11 +39,21 @@ SliceStore::SliceStore(const VolumeShape& shape, Share share, LocalMemory& memor
     needed_ = slices_needed(shape, share);
     const std::size_t peak = peak_bytes(shape, share);
     if (peak > memory.available_bytes()) {
-        throw OutOfLocalMemory("the slices of GP " + std::to_string(share.gp_index) + " of " +
-                                   std::to_string(share.gp_count),
-                               peak, memory.available_bytes(),
-                               gp_count_advice(shape, memory.size_bytes()));
+        begin_packing(peak);
     }
+}
+
+/// Throws OutOfLocalMemory if the slices cannot fit even if they are compressed well.
+void SliceStore::begin_packing(std::size_t peak) {
+    if (shape_.holds_gradients() ||
+        packed_peak_bytes(shape_, share_, best_packing) > memory_.available_bytes()) {
+        throw OutOfLocalMemory("the slices of GP " + std::to_string(share_.gp_index) + " of " +
+                                   std::to_string(share_.gp_count),
+                               peak, memory_.available_bytes(),
+                               gp_count_advice(shape_, memory_.size_bytes()));
+    }
+    packer_ = std::make_unique<SlicePacker>(size_bytes(shape_.type));
+    charge(max_unpacked_slices * shape_.slice_voxels() * size_bytes(shape_.type), needed_.front());
 }
 
 SliceStore::~SliceStore() {
@@ -51,8 +62,13 @@ SliceStore::~SliceStore() {
 
 void SliceStore::charge(std::size_t bytes, int z) {
     const bool fits = bytes <= memory_.available_bytes();  // Advice takes time to compute.
-    memory_.charge(bytes, "slice " + std::to_string(z),
-                   fits ? std::string() : gp_count_advice(shape_, memory_.size_bytes()));
+    const std::size_t raw_bytes = next_ * shape_.slice_voxels() * size_bytes(shape_.type);
+    const double packing =
+        packed_bytes_ == 0 ? 1
+                           : static_cast<double>(packed_bytes_) / static_cast<double>(raw_bytes);
+    memory_.charge(
+        bytes, "slice " + std::to_string(z) + (packer_ ? ", compressed" : ""),
+        fits ? std::string() : gp_count_advice(shape_, memory_.size_bytes(), 0, packing));
     charged_bytes_ += bytes;
 }
 
@@ -71,12 +87,20 @@ void SliceStore::add_slice(int z, std::span<const std::byte> values) {
                                     std::to_string(expected) + " bytes, has " +
                                     std::to_string(values.size()));
     }
-    charge(values.size(), z);
+    if (!packer_) {
+        charge(values.size(), z);
+    }
     HeldSlice& slice = slices_[z];
     slice.values.assign(values.begin(), values.end());
     if (is_own(shape_, share_, z)) {
         slice.rows = index_rows(shape_, slice.values);
         charge(slice.rows.size_bytes(), z);
+    }
+    if (packer_) {
+        slice.packed = packer_->pack(slice.values);
+        slice.values = {};
+        charge(slice.packed.size(), z);
+        packed_bytes_ += slice.packed.size() + slice.rows.size_bytes();
     }
     ++next_;
     if (shape_.holds_gradients()) {
@@ -101,8 +125,7 @@ void SliceStore::add_gradients(int z) {
 
 SliceNeighbors SliceStore::neighbors(int z) const {
     const int below = std::max(z - 1, 0), above = std::min(z + 1, shape_.nz - 1);
-    return {slices_.at(below).values, slices_.at(z).values, slices_.at(above).values,
-            below == z || above == z};
+    return {slice(below).values, slice(z).values, slice(above).values, below == z || above == z};
 }
 
 /// Discards the slices that are not needed after the arrival of slice z.
@@ -138,7 +161,24 @@ StoreCounts SliceStore::counts() const {
 const HeldSlice& SliceStore::slice(int z) const {
     const auto found = slices_.find(z);
     assert(found != slices_.end());
+    if (packer_) {
+        unpack(z, found->second);
+    }
     return found->second;
+}
+
+/// Restores the values. They take the place of those that were used longest ago.
+void SliceStore::unpack(int z, HeldSlice& slice) const {
+    std::erase(unpacked_, z);
+    if (slice.values.empty()) {
+        if (unpacked_.size() == max_unpacked_slices) {
+            slice.values = std::exchange(slices_.at(unpacked_.front()).values, {});
+            unpacked_.erase(unpacked_.begin());
+        }
+        slice.values.resize(shape_.slice_voxels() * size_bytes(shape_.type));
+        packer_->unpack(slice.packed, slice.values);
+    }
+    unpacked_.push_back(z);
 }
 
 }  // namespace pxpl5::gp

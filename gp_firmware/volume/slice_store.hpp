@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "gp_firmware/volume/run_length.hpp"
 #include "gp_firmware/volume/share.hpp"
 #include "gp_firmware/volume/slice.hpp"
+#include "gp_firmware/volume/slice_packer.hpp"
 
 namespace pxpl5::gp {
 
@@ -20,6 +22,8 @@ struct HeldSlice {
     std::vector<Gradient> gradients;  ///< nx * ny; empty if gradients are not stored, and until
                                       ///< both neighbors in z have arrived.
     RowIndex rows;                    ///< Empty unless an owned slab touches the slice.
+    std::vector<std::byte> packed;    ///< The values, compressed; then `values` is empty unless the
+                                      ///< slice is among the last that were used.
 };
 
 struct StoreCounts {
@@ -30,7 +34,8 @@ struct StoreCounts {
 
 /// Stores the slices that a GP needs. It discards a slice that no slab of the GP touches as soon as
 /// no gradient needs it, and stores a slice once even if several slabs touch it. If gradients are
-/// not stored, it keeps the neighbor slices that they are estimated from.
+/// not stored, it keeps the neighbor slices that they are estimated from. If these slices do not
+/// fit into the memory as they are, it keeps them compressed.
 ///
 /// Source  Yoo & Chen, section IV: four slices per set, "two of the four data slices may be
 ///         discarded" after gradient estimation.
@@ -62,7 +67,11 @@ class SliceStore {
     const VolumeShape& shape() const { return shape_; }
     const std::vector<int>& slabs() const { return slabs_; }  ///< Owned, ascending.
     std::vector<int> held() const;                            ///< Slices stored now, ascending.
-    const HeldSlice& slice(int z) const;                      ///< Asserts that z is stored.
+    /// Returns slice z with its values. Asserts that z is stored. The values stay until
+    /// max_unpacked_slices others have been used.
+    const HeldSlice& slice(int z) const;
+    /// Whether the slices are kept compressed.
+    bool is_packed() const { return packer_ != nullptr; }
     /// Returns slice z and the slices that its gradients come from. An owned slab touches z, and
     /// either slices are still arriving or gradients are not stored, so all of them are stored.
     SliceNeighbors neighbors(int z) const;
@@ -70,7 +79,9 @@ class SliceStore {
     StoreCounts counts() const;
 
   private:
+    void begin_packing(std::size_t peak);
     void charge(std::size_t bytes, int z);
+    void unpack(int z, HeldSlice& slice) const;
     void add_gradients(int z);
     void discard_done(int z);
 
@@ -78,9 +89,12 @@ class SliceStore {
     Share share_;
     LocalMemory& memory_;
     std::vector<int> slabs_, needed_;
-    std::size_t next_ = 0;  ///< Index into needed_ of the next slice to come.
-    std::map<int, HeldSlice> slices_;
+    std::size_t next_ = 0;                     ///< Index into needed_ of the next slice to come.
+    mutable std::map<int, HeldSlice> slices_;  ///< slice() restores values.
     std::size_t charged_bytes_ = 0;
+    std::unique_ptr<SlicePacker> packer_;  ///< Null unless the slices are compressed.
+    std::size_t packed_bytes_ = 0;
+    mutable std::vector<int> unpacked_;  ///< Slices with values, the last used one at the end.
 };
 
 }  // namespace pxpl5::gp
