@@ -64,7 +64,9 @@ for (const kind of ['rnode', 'node']) {
     await settled(second);
     assert.ok((await state(second)).volume.source.endsWith(`${kind}.nrrd`));
     const cookies = await context.cookies();
-    assert.deepEqual(cookies.map(each => each.path), [new URL(prefix).pathname.slice(0, -1)]);
+    const folder = new URL(prefix).pathname.slice(0, -1);
+    assert.ok(cookies.some(each => each.path === folder), JSON.stringify(cookies));
+    assert.deepEqual(cookies.filter(each => !each.path.startsWith(folder)), []);
 
     assert.ok(asked.length > 10, asked.join('\n'));
     assert.deepEqual(asked.filter(url => !url.startsWith(prefix) && !url.startsWith('blob:') &&
