@@ -91,14 +91,15 @@ void SliceStore::add_slice(int z, std::span<const std::byte> values) {
         charge(values.size(), z);
     }
     HeldSlice& slice = slices_[z];
-    slice.values.assign(values.begin(), values.end());
+    // One buffer for all slices: freed slices between compressed ones would not be used again.
+    std::vector<std::byte>& whole = packer_ ? arriving_ : slice.values;
+    whole.assign(values.begin(), values.end());
     if (is_own(shape_, share_, z)) {
-        slice.rows = index_rows(shape_, slice.values);
+        slice.rows = index_rows(shape_, whole);
         charge(slice.rows.size_bytes(), z);
     }
     if (packer_) {
-        slice.packed = packer_->pack(slice.values);
-        slice.values = {};
+        slice.packed = packer_->pack(whole);
         charge(slice.packed.size(), z);
         packed_bytes_ += slice.packed.size() + slice.rows.size_bytes();
     }

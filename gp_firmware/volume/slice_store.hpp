@@ -94,6 +94,7 @@ class SliceStore {
     std::size_t charged_bytes_ = 0;
     std::unique_ptr<SlicePacker> packer_;  ///< Null unless the slices are compressed.
     std::size_t packed_bytes_ = 0;
+    std::vector<std::byte> arriving_;    ///< The slice that is compressed.
     mutable std::vector<int> unpacked_;  ///< Slices with values, the last used one at the end.
 };
 
