@@ -1,12 +1,9 @@
 // Strangers at a tcp port: they get nothing and change nothing.
-#include <arpa/inet.h>
 #include <doctest/doctest.h>
-#include <poll.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -17,6 +14,7 @@
 
 #include "ringbus/zmq/guard.hpp"
 #include "tests/ringbus/large_bodies.hpp"
+#include "tests/ringbus/tcp_stream.hpp"
 #include "tests/ringbus/test_zmq_link_peer.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 
@@ -24,60 +22,22 @@ using namespace pxpl5;
 using namespace pxpl5::bus;
 using pxpl5::test::contains;
 using pxpl5::test::next_of;
+using pxpl5::test::port_of;
+using pxpl5::test::RecordingProxy;
+using pxpl5::test::Stream;
+using pxpl5::test::stream_patience_ms;
 using schema::Role;
 
 namespace {
 
 constexpr const char* any_port = "tcp://127.0.0.1:*";
 constexpr NodeId gp_id = 1;
-constexpr int patience_ms = 30000;
 
 Payload remove_surface(std::uint16_t number) {
     schema::RemoveSurfaceT body;
     body.surface = number;
     return pack(body);
 }
-
-int port_of(const std::string& endpoint) {
-    return std::stoi(endpoint.substr(endpoint.rfind(':') + 1));
-}
-
-/// A stream to a port of this computer.
-class Stream {
-  public:
-    explicit Stream(int port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_port = htons(static_cast<std::uint16_t>(port));
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        REQUIRE(connect(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
-    }
-    ~Stream() { close(fd_); }
-    Stream(const Stream&) = delete;
-    Stream& operator=(const Stream&) = delete;
-
-    void send(const std::string& bytes) const {
-        [[maybe_unused]] const ssize_t sent = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    }
-    /// Reads until the other side closes the stream.
-    std::string read_all() const {
-        std::string all;
-        std::array<char, 4096> bytes{};
-        pollfd entry{fd_, POLLIN, 0};
-        while (poll(&entry, 1, patience_ms) > 0) {
-            const ssize_t count = read(fd_, bytes.data(), bytes.size());
-            if (count <= 0) {
-                break;
-            }
-            all.append(bytes.data(), static_cast<std::size_t>(count));
-        }
-        return all;
-    }
-    int fd() const { return fd_; }
-
-  private:
-    int fd_;
-};
 
 /// A host and a GP over tcp, with the keys of one session.
 struct Session {
@@ -101,7 +61,7 @@ struct Session {
     /// Waits until the GP has counted so many strangers. They do not wake a link.
     void await_strangers(std::uint64_t count) {
         const auto deadline =
-            std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
+            std::chrono::steady_clock::now() + std::chrono::milliseconds(stream_patience_ms);
         while (gp.traffic().refused_messages < count) {
             REQUIRE(!gp.receive());
             REQUIRE(std::chrono::steady_clock::now() < deadline);
@@ -136,67 +96,6 @@ class Forger {
   private:
     zmq::context_t context_{1};
     zmq::socket_t socket_{context_, zmq::socket_type::push};
-};
-
-/// Passes one connection on to `port` and keeps what the client sends.
-class RecordingProxy {
-  public:
-    explicit RecordingProxy(int port) : port_(port), listener_(socket(AF_INET, SOCK_STREAM, 0)) {
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        REQUIRE(bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
-        REQUIRE(listen(listener_, 1) == 0);
-        socklen_t size = sizeof address;
-        getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
-        own_port_ = ntohs(address.sin_port);
-        thread_ = std::thread([this] { pass_on(); });
-    }
-    ~RecordingProxy() { close(listener_); }
-    RecordingProxy(const RecordingProxy&) = delete;
-    RecordingProxy& operator=(const RecordingProxy&) = delete;
-    int port() const { return own_port_; }
-    /// Returns the bytes of the client. Its connection must have ended.
-    std::string take() {
-        thread_.join();
-        return recorded_;
-    }
-
-  private:
-    void pass_on() {
-        const int client = accept(listener_, nullptr, nullptr);
-        const Stream server(port_);
-        std::array<char, 4096> bytes{};
-        for (bool open = true; open;) {
-            std::array<pollfd, 2> ends = {pollfd{client, POLLIN, 0},
-                                          pollfd{server.fd(), POLLIN, 0}};
-            poll(ends.data(), ends.size(), patience_ms);
-            for (const bool from_client : {true, false}) {
-                if (ends[from_client ? 0 : 1].revents == 0) {
-                    continue;
-                }
-                const ssize_t count =
-                    read(from_client ? client : server.fd(), bytes.data(), bytes.size());
-                if (count <= 0) {
-                    open = false;
-                    break;
-                }
-                const std::string passed(bytes.data(), static_cast<std::size_t>(count));
-                if (from_client) {
-                    recorded_ += passed;
-                    server.send(passed);
-                } else {
-                    [[maybe_unused]] const ssize_t sent =
-                        ::send(client, passed.data(), passed.size(), MSG_NOSIGNAL);
-                }
-            }
-        }
-        close(client);
-    }
-
-    int port_, listener_, own_port_ = 0;
-    std::string recorded_;
-    std::thread thread_;
 };
 
 }  // namespace
@@ -236,7 +135,7 @@ TEST_SUITE("ringbus/zmq/zmq_link_curve") {
         Forger forger(std::nullopt, credentials.keys->open);
         forger.send_to(apart);
         const auto deadline =
-            std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
+            std::chrono::steady_clock::now() + std::chrono::milliseconds(stream_patience_ms);
         while (host.traffic().refused_messages < 1) {
             REQUIRE(!host.receive());
             REQUIRE(std::chrono::steady_clock::now() < deadline);

@@ -60,6 +60,16 @@ TEST_CASE("key: what is not a whole key is refused") {
     std::string other = text;
     other.replace(0, 5, "xxxxx");
     CHECK_THROWS_AS(parse_key(other, "test"), RequestError);
+    for (const std::size_t part : {60, 100}) {  // A letter of the open key, and of the secret.
+        for (const char letter : {text[part] == 'a' ? 'b' : 'a', '~'}) {
+            CAPTURE(letter);
+            other = text;
+            other[part] = letter;
+            CHECK(error_of([&] {
+                      parse_key(other, "the key file k");
+                  }).starts_with("the key file k has a damaged key: its two parts of 40 "));
+        }
+    }
 }
 
 TEST_CASE("key: a key file is for its owner alone") {
