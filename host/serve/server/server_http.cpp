@@ -153,8 +153,10 @@ int Loop::send_file(lws* connection, const ServedFile& file, const std::string& 
 
 int Loop::begin_upload(lws* connection, const Request& request, bool is_several) {
     const auto length = number<std::uint64_t>(header_of(connection, WSI_TOKEN_HTTP_CONTENT_LENGTH));
-    if (!length) {
-        return refuse(connection, 411, "An upload needs a Content-Length header.");
+    // With both, a proxy before this server could see another end of the request.
+    if (!length || !header_of(connection, WSI_TOKEN_HTTP_TRANSFER_ENCODING).empty()) {
+        return refuse(connection, 411,
+                      "An upload needs a Content-Length header and no Transfer-Encoding.");
     }
     Upload upload;
     const std::string batch = parameter(request, "batch");

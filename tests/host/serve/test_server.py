@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
 """Tests access and the messages of a WebSocket: test_server.py ECHO_SERVER."""
 import json
+import os
 import pathlib
+import socket
 import struct
 import sys
 import urllib.parse
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from server_case import Case, main  # noqa: E402
-from websocket_client import BINARY, TEXT, Closed, Refused, WebSocket, connect_to  # noqa: E402
+from websocket_client import (BINARY, TEXT, Closed, Refused, WebSocket, connect_to,
+                              masked_frame)  # noqa: E402
 
 
 class Access(Case):
@@ -34,6 +37,9 @@ class Access(Case):
             self.assertEqual(headers["x-content-type-options"], "nosniff")
             self.assertEqual(headers["cache-control"], "no-store")
             self.assertEqual(headers["referrer-policy"], "no-referrer")
+            self.assertEqual(headers["x-frame-options"], "deny")
+            self.assertEqual(headers["cross-origin-resource-policy"], "same-origin")
+            self.assertEqual(headers["cross-origin-opener-policy"], "same-origin")
 
     def test_wrong_tokens_hosts_and_origins_are_refused(self):
         self.assertIn("token", self.refused(403, token="0" * 32))
@@ -72,6 +78,39 @@ class Access(Case):
             connection.sendall(nonsense)
             connection.close()
         self.sync(self.join())
+
+    def test_bodies_whose_length_is_unclear_are_refused(self):
+        """No second request is smuggled in behind the first one."""
+        parts = urllib.parse.urlsplit(self.server.url)
+        inner = f"GET /?{parts.query} HTTP/1.1\r\nHost: {parts.netloc}\r\n\r\n"
+        for lines, body in (
+                ([f"Content-Length: {1 << 63}"], ""), (["Content-Length: -1"], inner),
+                (["Content-Length: 3", "Content-Length: 4"], "abc" + inner),
+                (["Content-Length: 5", "Transfer-Encoding: chunked"], "0\r\n\r\n" + inner),
+                (["Transfer-Encoding: chunked"], "0\r\n\r\n" + inner)):
+            connection = connect_to(self.server.url)
+            self.addCleanup(connection.close)
+            head = "\r\n".join([f"POST /upload?name=a&batch=b&{parts.query} HTTP/1.1",
+                                f"Host: {parts.netloc}", *lines])
+            connection.sendall(f"{head}\r\n\r\n{body}".encode())
+            connection.shutdown(socket.SHUT_WR)
+            got = b""
+            try:
+                while more := connection.recv(65536):
+                    got += more
+            except ConnectionResetError:
+                pass
+            self.assertIn(got.split(b" ")[1], (b"411", b"413"), lines)
+            self.assertNotIn(b"<h1>page</h1>", got, lines)
+        self.sync(self.join())
+
+    def test_downloads_are_plain_files(self):
+        folder = pathlib.Path(self.folder, "downloads")
+        (folder / "link").symlink_to("../secret")
+        (folder / "folder").mkdir()
+        os.mkfifo(folder / "fifo")
+        for name in ("link", "folder", "folder/", "fifo", "nothing"):
+            self.assertEqual(self.server.request(f"/download/{name}")[0], 404, name)
 
 
 class Strangers(Case):
@@ -159,6 +198,22 @@ class Messages(Case):
         viewer = self.join()
         viewer.send_frame(TEXT, b"\xff\xfe")
         self.closed(1007, viewer)
+
+    def test_frames_that_are_none_close(self):
+        good = masked_frame(TEXT, b'{"echo":1}')
+        for frame in (bytes([good[0] | 0x40]) + good[1:],        # A reserved bit.
+                      bytes([0x83]) + good[1:],                  # A reserved opcode.
+                      bytes([0x81, 0xff]) + b"\x7f" + b"\xff" * 7 + bytes(70_000),
+                      bytes([0x81, 0xff]) + b"\xff" * 8 + bytes(4),  # Longer than any frame.
+                      bytes([0x89, 0xfe, 0x00, 0x80]) + bytes(4 + 128),  # A long ping.
+                      masked_frame(0, b"no begin")):
+            viewer, other = self.join(), self.join()
+            viewer.socket.sendall(frame)
+            with self.assertRaises((Closed, ConnectionResetError), msg=frame[:12]):
+                while True:
+                    viewer.receive()
+            self.sync(other)
+            other.close()
 
     def test_a_flood_closes_its_viewer_alone(self):
         flood, other = self.join(), self.join()
