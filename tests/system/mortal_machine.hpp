@@ -97,10 +97,14 @@ class MortalMachine final : public MachinePort {
     void tell_suspects(std::function<void(const std::string&)> tell) override {
         tell_suspect = std::move(tell);
     }
+    void tell_computers(std::function<void(const std::string&)> tell) override {
+        tell_computer = std::move(tell);
+    }
     bool is_recording() const override { return false; }
     SavedTraces save_traces() override { return inside_->save_traces(); }
 
-    std::function<void(const std::string&)> tell_suspect;  ///< From tell_suspects().
+    std::function<void(const std::string&)> tell_suspect;   ///< From tell_suspects().
+    std::function<void(const std::string&)> tell_computer;  ///< From tell_computers().
 
   private:
     Topology topology_;

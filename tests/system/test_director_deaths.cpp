@@ -335,3 +335,18 @@ TEST_CASE("viewers are told of a node that does not answer") {
     CHECK(stage.watchers.last("note")["text"] == "gp-0 (process 71) has not answered for 2.0 s");
     CHECK(stage.watchers.last("note")["level"] == "info");
 }
+
+TEST_CASE("viewers are told of a computer that has joined, and see that no other is here") {
+    Theatre stage;
+    stage.machine->tell_computer("n4 with 16 cores has joined");
+    CHECK(stage.watchers.last("note")["text"] == "n4 with 16 cores has joined");
+    CHECK(stage.watchers.last("note")["level"] == "info");
+    stage.watchers.does(1, "computers");
+    stage.watchers.does(2, "computers use");
+    stage.watchers.does(3, "computers release n4");
+    stage.settle();
+    CHECK(stage.watchers.reply(1)["text"] == "all nodes run on this computer");
+    CHECK(stage.watchers.reply(2)["error"] == "this machine has no other computers");
+    CHECK(stage.watchers.reply(3)["error"] == "no computer of this machine is called 'n4'");
+    CHECK(stage.launches == 1);
+}
