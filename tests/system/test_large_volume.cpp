@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::int64_t host_mib = 400;
-constexpr std::int64_t gp_program_mib = 32;  ///< Of a GP beside its local memory.
+constexpr std::int64_t gp_program_mib = 32;  ///< A GP needs this beside its local memory.
 constexpr std::int16_t inside = 1;
 
 /// PXPL5_LARGE="1024 1024 2048 4 384" sets the voxels, the number of GPs and the MiB of each.

@@ -11,8 +11,8 @@
 
 namespace pxpl5::host {
 
-/// Returns the result of `act`, or nothing if it takes longer than `limit_ms`. Then `act` goes on in
-/// a thread of its own, so it must own all that it uses. Throws what `act` throws in time.
+/// Returns the result of `act`, or nothing if it takes longer than `limit_ms`. `act` then goes on
+/// in a thread of its own, so it must own all that it uses. Throws what `act` throws in time.
 template <class Act>
 std::optional<std::invoke_result_t<Act>> answer_within(std::int64_t limit_ms, Act act) {
     std::packaged_task<std::invoke_result_t<Act>()> task(std::move(act));
