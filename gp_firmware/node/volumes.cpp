@@ -30,8 +30,8 @@ void begin_volume(const schema::VolumeHeader& header, Board& board, JobQueue& qu
     } catch (const std::exception&) {
         rethrow_as_fault();
     }
-    if (header.file() == nullptr) {
-        return;
+    if (header.file() == nullptr || board.store->complete()) {
+        return;  // The host sends the slices, or the GP owns no slab and needs none.
     }
     try {
         queue.add(FileSlicesJob{

@@ -1,6 +1,7 @@
 // The slices of one GP's slabs, with gradients.
 #pragma once
 
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -58,8 +59,11 @@ class SliceStore {
     /// Returns whether all slices have arrived. Only then may slabs be extracted.
     bool complete() const { return next_ == needed_.size(); }
 
-    /// Returns the number of the slice that add_slice() takes next. Some are missing.
-    int next_slice() const { return needed_[next_]; }
+    /// Returns the number of the slice that add_slice() takes next. Asserts that some are missing.
+    int next_slice() const {
+        assert(!complete());
+        return needed_[next_];
+    }
     std::size_t received_count() const { return next_; }
     /// Returns how many slices the GP needs.
     std::size_t needed_count() const { return needed_.size(); }

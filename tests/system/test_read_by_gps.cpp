@@ -205,6 +205,30 @@ TEST_CASE("meshes, certificates and pictures are the same whoever reads, for any
     }
 }
 
+TEST_CASE("GPs without slabs read nothing") {
+    const Bench bench;
+    Machine machine(machine_of(8, 1), bench.options);
+    Session session(machine);
+    for (const int slices : {2, 3}) {
+        CAPTURE(slices);
+        std::string bytes;
+        for (int i = 0; i < 4 * 4 * slices; ++i) {
+            bytes += static_cast<char>(i / 16 == 0 ? 0 : 200);
+        }
+        bench.write("thin.nrrd", fmt::format("NRRD0005\ntype: uchar\ndimension: 3\nspace: RAS\n"
+                                             "sizes: 4 4 {}\nencoding: raw\n"
+                                             "space directions: (1,0,0) (0,1,0) (0,0,1)\n\n{}",
+                                             slices, bytes));
+        session.volumes.load(bench.folder / "thin.nrrd", by(ReadBy::host));
+        const Result sent = result_of(session);
+        session.volumes.load(bench.folder / "thin.nrrd", by(ReadBy::gps));
+        CHECK(session.volumes.volume().file);
+        CHECK(result_of(session) == sent);
+        CHECK(sent.triangles > 0);
+    }
+    machine.shutdown();
+}
+
 TEST_CASE("the host sends no voxels, and keeps every n-th one") {
     const Bench bench;
     Machine machine(machine_of(2, 1), bench.options);
