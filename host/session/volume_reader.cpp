@@ -50,10 +50,12 @@ VolumeReader::VolumeReader(Conversation& conversation, IoRequests& io, const Loa
 /// The io process decodes the header of a stranger, so that the host checks the file that the io
 /// process states before any GP opens it.
 void VolumeReader::begin(const schema::VolumeHeader& header) {
-    receiver_.emplace().begin(header);
-    if (const std::optional<SlicesFile>& file = receiver_->volume().file) {
-        check_slices_file(*file, source_, conversation_.machine().io_folders());
+    VolumeReceiver receiver;
+    receiver.begin(header);
+    if (const std::optional<SlicesFile>& file = receiver.volume().file) {
+        check_slices_file(*file, request_, conversation_.machine().io_folders());
     }
+    receiver_ = std::move(receiver);
 }
 
 Volume VolumeReader::read_phantom(const std::string& source) {
@@ -90,12 +92,11 @@ Volume VolumeReader::read(const std::string& source, const ImportOptions& option
         throw RequestError(ExitCode::usage, "the name of the volume is empty");
     }
     is_reading_ = true;
-    source_ = source;
+    request_ = options;
+    request_.path = source;
     const std::string name =
         is_phantom(source) ? source : std::filesystem::absolute(source).string();
-    ImportOptions request = options;
-    request.path = source;
-    io_.run(source, ExitCode::bad_data, bus::pack(request), [&] {
+    io_.run(source, ExitCode::bad_data, bus::pack(request_), [&] {
         if (receiver_ && !received_) {
             receiver_->volume().source = name;
             if (on_slices) {

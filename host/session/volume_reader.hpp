@@ -51,7 +51,7 @@ class VolumeReader {
     std::optional<VolumeReceiver> receiver_;
     std::optional<Volume> received_;
     bool is_reading_ = false;  ///< A request for a volume is under way.
-    std::string source_;       ///< The file of the request.
+    ImportOptions request_;    ///< That request.
 };
 
 }  // namespace pxpl5::host

@@ -4,14 +4,18 @@
 #include <string>
 #include <vector>
 
+#include "ringbus/message.hpp"
 #include "ringbus/rules/slices_file.hpp"
 
 namespace pxpl5::host {
 
-/// Checks that `file` lies beside `source`, the file of the volume, or below, or in one of the
-/// folders, links followed, and that its facts are those that the io process states.
-/// Throws RequestError (bad_data) naming the file and both values.
-void check_slices_file(const SlicesFile& file, const std::string& source,
+/// Checks that the io process of `request` may read `file` itself (host/io/request_needs.cpp), and
+/// that the facts of the file are those that the io process states. The file is that of the
+/// request. If its format names data files, the file may also lie in the header's folder or below,
+/// or in one of the folders of --allow, links followed.
+/// Throws RequestError (bad_data) naming the file and both values, also if the request has the host
+/// read the values, or if the file system does not answer.
+void check_slices_file(const SlicesFile& file, const bus::schema::ImportVolumeT& request,
                        const std::vector<std::string>& folders);
 
 }  // namespace pxpl5::host

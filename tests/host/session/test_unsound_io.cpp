@@ -63,29 +63,51 @@ class UnsoundMachine final : public MachinePort {
     std::vector<bus::NodeId> ids_ = {3};
 };
 
+/// A header whose values the io process sends.
+schema::VolumeHeaderT whole_header() {
+    schema::VolumeHeaderT header = test::example_header();
+    header.file.reset();
+    header.reduction = 1;
+    return header;
+}
+
 }  // namespace
 
 TEST_SUITE("host/session/unsound_io") {
     TEST_CASE("a second header during an import ends the request") {
         UnsoundMachine machine;
-        schema::VolumeHeaderT larger = test::example_header();
+        schema::VolumeHeaderT larger = whole_header();
         larger.nx *= 2;
-        machine.answers = {bus::pack(test::example_header()), bus::pack(larger)};
+        machine.answers = {bus::pack(whole_header()), bus::pack(larger)};
         Session session(machine);
         CHECK_THROWS_WITH_AS(session.volumes.load("scan.nrrd"),
                              "the io process announced a volume that was not due", RequestError);
         CHECK(machine.released == 1);
     }
 
-    TEST_CASE("a volume instead of a written file ends the request, and the next import works") {
+    TEST_CASE("a data file that was not due ends the request") {
         UnsoundMachine machine;
         machine.answers = {bus::pack(test::example_header())};
+        Session session(machine);
+        ImportOptions options;
+        options.read = ReadBy::host;
+        CHECK_THROWS_WITH_AS(session.volumes.load("scan.nrrd", options),
+                             "scan.nrrd: the io process states that the GPs read the values from "
+                             "/data/pelvis.raw, but the request has read=host, so that the host "
+                             "reads them. Load it again",
+                             RequestError);
+        CHECK(machine.released == 1);
+    }
+
+    TEST_CASE("a volume instead of a written file ends the request, and the next import works") {
+        UnsoundMachine machine;
+        machine.answers = {bus::pack(whole_header())};
         Session session(machine);
         CHECK_THROWS_WITH_AS(session.io.write("x.png", bus::pack(schema::ReadMeshT{{}, "x"})),
                              "the io process announced a volume that was not due", RequestError);
         schema::IoDoneT done;
         done.error = "as ordered";
-        machine.answers = {bus::pack(test::example_header()), bus::pack(done)};
+        machine.answers = {bus::pack(whole_header()), bus::pack(done)};
         CHECK_THROWS_WITH_AS(session.volumes.load("scan.nrrd"), "as ordered", RequestError);
     }
 
