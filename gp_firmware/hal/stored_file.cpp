@@ -12,20 +12,19 @@ namespace pxpl5::gp {
 
 namespace {
 
-constexpr const char* remedy =
-    ". All computers must see the same unchanged file under this path. Load it again, or with "
-    "read=host";
-
-[[noreturn]] void fail(const std::string& path, const std::string& reason) {
-    throw StoredFileError(path + ": " + reason + remedy);
+/// The host reads no file above max_volume_bytes.
+[[noreturn]] void fail(const std::string& path, const FileFacts& stated,
+                       const std::string& reason) {
+    throw StoredFileError(
+        path + ": " + reason +
+        ". All computers must see the same unchanged file under this path. Load it again" +
+        (stated.size_bytes <= max_volume_bytes ? ", or with read=host" : ""));
 }
 
 template <class Value>
-void compare(const std::string& path, const char* what, Value here, Value stated) {
-    if (here != stated) {
-        fail(path, std::string(what) + " is " + std::to_string(here) + " here, but " +
-                       std::to_string(stated) + " on the host's computer");
-    }
+std::string difference(const char* what, Value here, Value stated) {
+    return std::string(what) + " is " + std::to_string(here) + " here, but was " +
+           std::to_string(stated) + " when the host loaded the volume";
 }
 
 }  // namespace
@@ -35,7 +34,7 @@ StoredFile::StoredFile(const std::string& path, const FileFacts& stated)
     // O_NONBLOCK: a FIFO without a writer would block here for ever.
     file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (file_ < 0) {
-        fail(path, std::string("cannot be opened: ") + std::strerror(errno));
+        fail(path, stated, std::string("cannot be opened: ") + std::strerror(errno));
     }
     try {
         check();
@@ -53,12 +52,16 @@ void StoredFile::check() const {
     constexpr std::int64_t ns_per_s = 1'000'000'000;
     struct stat here {};
     if (::fstat(file_, &here) != 0 || !S_ISREG(here.st_mode)) {
-        fail(path_, "is no regular file");
+        fail(path_, stated_, "is no regular file");
     }
-    compare(path_, "its size in bytes", static_cast<std::uint64_t>(here.st_size),
-            stated_.size_bytes);
-    compare(path_, "its inode", std::uint64_t{here.st_ino}, stated_.inode);
-    compare(path_, "the time of its last change in ns",
+    const auto compare = [&](const char* what, auto now, decltype(now) stated) {
+        if (now != stated) {
+            fail(path_, stated_, difference(what, now, stated));
+        }
+    };
+    compare("its size in bytes", static_cast<std::uint64_t>(here.st_size), stated_.size_bytes);
+    compare("its inode", std::uint64_t{here.st_ino}, stated_.inode);
+    compare("the time of its last change in ns",
             std::int64_t{here.st_mtim.tv_sec} * ns_per_s + here.st_mtim.tv_nsec,
             stated_.modified_ns);
 }
@@ -71,8 +74,9 @@ void StoredFile::read(std::uint64_t offset_bytes, std::span<std::byte> out) cons
             continue;
         }
         if (came <= 0) {
-            fail(path_, "cannot be read at byte " + std::to_string(offset_bytes + done) + ": " +
-                            (came < 0 ? std::strerror(errno) : "the file ends"));
+            fail(path_, stated_,
+                 "cannot be read at byte " + std::to_string(offset_bytes + done) + ": " +
+                     (came < 0 ? std::strerror(errno) : "the file ends"));
         }
         done += static_cast<std::size_t>(came);
     }

@@ -4,6 +4,7 @@
 
 #include "gp_firmware/volume/gradient.hpp"
 #include "gp_firmware/volume/run_length.hpp"
+#include "ringbus/rules/slices_file.hpp"
 
 namespace pxpl5::gp {
 
@@ -103,7 +104,11 @@ int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,
 std::string gp_count_advice(const VolumeShape& shape, std::size_t memory_bytes,
                             std::size_t surface_bytes, double packing) {
     const int count = gp_count_that_would_do(shape, memory_bytes, surface_bytes, packing);
-    const std::string remedy = "; load with crop= or resample= to make the volume smaller";
+    const std::uint64_t bytes = std::uint64_t{shape.slice_voxels()} *
+                                static_cast<std::uint64_t>(shape.nz) * size_bytes(shape.type);
+    const std::string remedy = bytes <= max_volume_bytes
+                                   ? "; load with crop= or resample= to make the volume smaller"
+                                   : "; a part of the volume, in a file of its own, needs less";
     const std::string each = " with " + std::to_string(memory_bytes) + " bytes each would ";
     if (count == 0) {
         return "even " + std::to_string(max_nodes_per_role) + " GPs" + each + "not do" + remedy;

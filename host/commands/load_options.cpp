@@ -98,7 +98,7 @@ std::vector<Parameter> load_option_list() {
         {"raw", "XxYxZ,TYPE[,be][,OFFSET]", "layout of a file without a header"},
         choice_value("read", enum_names<ReadBy>,
                      "reader of the values of an uncompressed file: the host, which sends them, or "
-                     "the GPs, which all must see the file; automatic: the GPs above 2 GiB",
+                     "the GPs, which all must see the file; automatic: the GPs above 8 GiB",
                      enum_names<ReadBy>[0]),
     };
 }

@@ -224,12 +224,24 @@ std::string why_not_by_gps(const StoredHeader& header, const ImportRequest& requ
                         : why_not_by_gps(header);
 }
 
-[[noreturn]] void refuse_gps(const std::string& file, const std::string& reason) {
+constexpr const char* other_reader =
+    "Load it with read=host, or write it as an uncompressed NRRD, MetaImage or NIfTI file first";
+
+[[noreturn]] void refuse_gps(const std::string& file, const std::string& reason,
+                             const std::string& remedy = other_reader) {
     throw ImportError(
-        fmt::format("{}: GPs cannot read the values from this file: {}. Load it with "
-                    "read=host, or write it as an uncompressed NRRD, MetaImage or "
-                    "NIfTI file first",
-                    file, reason));
+        fmt::format("{}: GPs cannot read the values from this file: {}. {}", file, reason, remedy));
+}
+
+/// The host cannot read larger files either, not even a part.
+std::string remedy_for(const StoredHeader& header) {
+    const std::uint64_t needed = needed_bytes(header);
+    return needed > max_volume_bytes
+               ? fmt::format(
+                     "It has {} bytes, and the host reads at most {}. Write the part that "
+                     "is needed to a file first, or load all of it without these options",
+                     needed, max_volume_bytes)
+               : other_reader;
 }
 
 /// Whether the GPs read the values. Throws ImportError if they are asked to, and cannot.
@@ -237,7 +249,7 @@ bool is_read_by_gps(const fs::path& path, const StoredHeader& header,
                     const ImportRequest& request) {
     const std::string reason = why_not_by_gps(header, request);
     if (request.read == ReadBy::gps && !reason.empty()) {
-        refuse_gps(path.string(), reason);
+        refuse_gps(path.string(), reason, remedy_for(header));
     }
     return request.read == ReadBy::gps || (request.read == ReadBy::automatic && reason.empty() &&
                                            needed_bytes(header) > request.host_bytes);

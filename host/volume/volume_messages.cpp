@@ -18,8 +18,6 @@ namespace {
 
 /// Few and large messages: waking a node costs more than a megabyte of copying.
 constexpr std::size_t batch_bytes = std::size_t{4} << 20;
-/// The largest volume that the host takes into its memory.
-constexpr std::size_t max_volume_bytes = std::size_t{8} << 30;
 
 std::unique_ptr<schema::SlicesFileT> to_wire(const SlicesFile& file) {
     auto wire = std::make_unique<schema::SlicesFileT>();

@@ -15,6 +15,9 @@
 
 namespace pxpl5 {
 
+/// Most bytes of a volume whose values the host reads and sends. GPs can read larger volumes.
+inline constexpr std::uint64_t max_volume_bytes = std::uint64_t{8} << 30;
+
 /// Calls `f` with a null pointer of the C++ type of `component`.
 template <typename F>
 auto with_type(Component component, F&& f) {

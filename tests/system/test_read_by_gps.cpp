@@ -322,7 +322,8 @@ TEST_CASE("GPs read the file again after a change of the machine, if it is still
     CHECK(has(error, "gp-"));
     CHECK(has(error, std::string(" on ") + name + ": " + file +
                          ": the time of its last change in ns is "));
-    CHECK(has(error, "on the host's computer. All computers must see the same unchanged file"));
+    CHECK(has(error,
+              "when the host loaded the volume. All computers must see the same unchanged file"));
     CHECK(!session.volumes.has_volume());
     session.volumes.load(file, by(ReadBy::gps));
     CHECK(result_of(session) == before);

@@ -4,17 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "generated/vocabulary.hpp"
+#include "ringbus/rules/slices_file.hpp"
 
 namespace pxpl5::host::io {
-
-inline constexpr std::uint64_t max_volume_bytes = std::uint64_t{8} << 30;
 
 /// Thrown for input that cannot be imported. `what` names the file, the field and both values.
 struct ImportError : std::runtime_error {
@@ -48,7 +46,7 @@ struct ImportRequest {
     double smooth_mm = 0;  ///< Standard deviation of a Gaussian; 0 for none.
     ReadBy read = ReadBy::automatic;
     /// automatic: GPs read values of more bytes.
-    std::uint64_t host_bytes = std::numeric_limits<std::uint64_t>::max();
+    std::uint64_t host_bytes = max_volume_bytes;
     std::uint64_t reduced_bytes = std::uint64_t{64} << 20;  ///< Most bytes of the reduced copy.
 };
 

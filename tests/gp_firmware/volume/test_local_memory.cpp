@@ -53,6 +53,12 @@ TEST_SUITE("gp/local_memory") {
         CHECK(gp_count_advice(paper_ct(), 1000) ==
               "even 64 GPs with 1000 bytes each would not do; load with crop= or resample= to make "
               "the volume smaller");
+        VolumeShape larger = paper_ct();
+        larger.nx = larger.ny = 4096;
+        larger.nz = 600;
+        CHECK(gp_count_advice(larger, 1000) ==
+              "even 64 GPs with 1000 bytes each would not do; a part of the volume, in a "
+              "file of its own, needs less");
     }
 
     TEST_CASE("the paper's CT fits into 36 GPs of 8 MiB") {
