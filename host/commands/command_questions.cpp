@@ -96,10 +96,17 @@ Reply run_histogram(Session& session, const Arguments& arguments) {
     const int bins = parse_whole("BINS", arguments.words.empty() ? usual_bins : arguments.words[0]);
     const Volume& volume = session.volumes.volume();
     const Histogram counted = histogram(volume, bins);
-    Reply reply{histogram_text(counted), histogram_fields(counted)};
+    Reply reply{histogram_text(counted, volume.reduction), histogram_fields(counted)};
+    if (volume.reduced) {
+        add_warning(reply, fmt::format("the counts are those of the copy of the host, which has "
+                                       "one voxel in {} along each axis; minimum and maximum are "
+                                       "those of all voxels",
+                                       volume.reduction));
+    }
     reply.fields.push_back({"minimum", volume.minimum});
     reply.fields.push_back({"maximum", volume.maximum});
     reply.fields.push_back({"not_finite", static_cast<std::int64_t>(counted.not_finite)});
+    reply.fields.push_back({"reduction", std::int64_t{volume.reduction}});
     return reply;
 }
 
@@ -111,7 +118,11 @@ Reply run_slice(Session& session, const Arguments& arguments) {
     const Slice slice = slice_of(volume, axis, index);
     const SliceSide &across = slice.frame.across, &down = slice.frame.down;
     const std::vector<SurfaceContour> contours = contours_of(session.scene, slice);
-    const std::string title = fmt::format("slice {} {} of 0..{}", "xyz"[axis], index, count - 1);
+    std::string title = fmt::format("slice {} {} of 0..{}", "xyz"[axis], index, count - 1);
+    if (volume.reduced) {
+        title += fmt::format(", shows {} {} and one voxel in {} along each axis", "xyz"[axis],
+                             index / volume.reduction * volume.reduction, volume.reduction);
+    }
 
     Reply reply;
     reply.text = fmt::format(

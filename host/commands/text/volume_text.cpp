@@ -61,9 +61,10 @@ double quantile(const Histogram& counted, int per_mille) {
     return counted.first + counted.width * static_cast<double>(bin);
 }
 
-std::string histogram_text(const Histogram& counted) {
+std::string histogram_text(const Histogram& counted, int reduction) {
     if (counted.counts.empty()) {
-        return "no voxel is a finite number";
+        return reduction == 1 ? "no voxel is a finite number"
+                              : "none of the voxels that the host keeps is a finite number";
     }
     const std::size_t bins = counted.counts.size();
     const std::size_t per_row = (bins + histogram_rows - 1) / histogram_rows;
@@ -158,7 +159,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
             fmt::format("{} {} % {:.6g}", i == 0 ? "" : ",", quantile_percent[i], shares[i]);
     }
     if (detail == VolumeDetail::all) {
-        reply.text += "\n" + histogram_text(counted);
+        reply.text += "\n" + histogram_text(counted, volume.reduction);
     }
     std::vector<Fields> notes;
     for (const Finding& finding : volume.findings) {

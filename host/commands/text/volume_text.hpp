@@ -37,7 +37,8 @@ std::array<glm::dvec3, 3> direction_cosines(const Volume& volume);
 
 /// A row of blocks for each range of values, 16 at most; the length goes with the logarithm of the
 /// count.
-std::string histogram_text(const Histogram& counted);
+/// reduction  Of the volume: 1 if all its voxels are counted.
+std::string histogram_text(const Histogram& counted, int reduction);
 /// first, width, counts.
 Fields histogram_fields(const Histogram& counted);
 

@@ -96,7 +96,9 @@ export class Histogram {
       return;  // Another volume was opened in the meantime and requests its own counts.
     }
     this.isCounted_ = reply.ok;
-    this.message_.textContent = reply.ok ? '' : `No histogram: ${reply.error}`;
+    const reduction = reply.ok ? reply.result.reduction : 1;
+    this.message_.textContent = !reply.ok ? `No histogram: ${reply.error}`
+      : reduction > 1 ? `Counts one voxel in ${reduction} along each axis.` : '';
     // The handles need an axis even without counts. A volume with a single value gets an axis of
     // length 1.
     const hasCounts = reply.ok && reply.result.counts.length > 0 && reply.result.width > 0;
