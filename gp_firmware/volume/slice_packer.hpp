@@ -19,6 +19,8 @@ class SlicePacker {
     SlicePacker& operator=(const SlicePacker&) = delete;
 
     std::vector<std::byte> pack(std::span<const std::byte> values);
+    /// Frees memory that only pack() uses. A later pack() takes it again.
+    void end_packing() { bound_ = {}; }
     /// values  As many bytes as pack() took.
     /// Throws  std::logic_error if `packed` does not come from pack().
     void unpack(std::span<const std::byte> packed, std::span<std::byte> values);

@@ -113,6 +113,10 @@ void SliceStore::add_slice(int z, std::span<const std::byte> values) {
         }
     }
     discard_done(z);
+    if (packer_ && complete()) {
+        arriving_ = {};
+        packer_->end_packing();
+    }
 }
 
 /// Estimates the gradients of slice z if it is kept. Its neighbors have arrived.
@@ -177,7 +181,12 @@ void SliceStore::unpack(int z, HeldSlice& slice) const {
             unpacked_.erase(unpacked_.begin());
         }
         slice.values.resize(shape_.slice_voxels() * size_bytes(shape_.type));
-        packer_->unpack(slice.packed, slice.values);
+        try {
+            packer_->unpack(slice.packed, slice.values);
+        } catch (...) {
+            slice.values = {};  // Else the next use would take them for the values.
+            throw;
+        }
     }
     unpacked_.push_back(z);
 }

@@ -161,8 +161,12 @@ TEST_CASE("a file that a GP finds changed is refused with the file, both values 
     SlicesFile file = *scanned.file;
     CHECK(error(file) == "none");
     file.facts.size_bytes = 7;
-    CHECK(error(file).find(path.string() + ": its size in bytes is 151 here, but 7 on the host's "
-                                           "computer. All computers must see") == 0);
+    CHECK(error(file).find(path.string() +
+                           ": its size in bytes is 151 here, but was 7 when the host "
+                           "loaded the volume. All computers must see") == 0);
+    CHECK(error(file).ends_with("Load it again, or with read=host"));
+    file.facts.size_bytes = max_volume_bytes + 1;
+    CHECK(error(file).ends_with("Load it again"));
     file = *scanned.file;
     ++file.facts.inode;
     CHECK(error(file).find("its inode is") != std::string::npos);
@@ -189,5 +193,13 @@ TEST_CASE("a value that does not fit into the type of the voxels is no voxel") {
     CHECK(scanned.type == Scalar::float32);
     gp::VolumeShape shape = shape_of(scanned);
     shape.type = Scalar::int16;
-    CHECK_THROWS_AS(gp::StoredSlices(shape, *scanned.file).read(5), gp::StoredFileError);
+    gp::StoredSlices slices(shape, *scanned.file);
+    std::string error;
+    try {
+        slices.read(5);
+    } catch (const gp::StoredFileError& refusal) {
+        error = refusal.what();
+    }
+    CHECK(error.find("slice 5 has the value ") != std::string::npos);
+    CHECK(error.find("int16 voxels have -32768 to 32767") != std::string::npos);
 }
