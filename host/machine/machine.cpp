@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/machine/computers/cluster_settings.hpp"
 #include "host/machine/launcher.hpp"
 
 namespace pxpl5::host {
@@ -109,6 +110,7 @@ void Machine::use_computers(const std::string& name) {
         throw RequestError(ExitCode::usage, "this machine has no other computers");
     }
     if (!name.empty()) {
+        check_names({name}, "computers", "use");
         parts_->running().await_computer(name);
     }
     cluster.placement = Placement::spread;
@@ -119,6 +121,7 @@ void Machine::use_computers(const std::string& name) {
     }
 }
 bool Machine::release_computer(const std::string& name) {
+    check_names({name}, "computers", "release");
     return parts_->running().release_computer(name);
 }
 std::string Machine::join_line() {

@@ -81,14 +81,20 @@ bool set_cluster_value(ClusterSettings& cluster, std::string_view key, std::stri
     return true;
 }
 
+std::string problem_of_name(std::string_view name) {
+    if (is_name(name)) {
+        return {};
+    }
+    return fmt::format(
+        "a name has letters, digits and .-_@, does not begin with - and has at most {} characters",
+        max_name_length);
+}
+
 void check_names(const std::vector<std::string>& names, const std::string& where,
                  std::string_view key) {
     for (const std::string& name : names) {
-        if (!is_name(name)) {
-            refuse(
-                fmt::format("{}: {} names '{}'; a name has letters, digits and .-_@, and does "
-                            "not begin with -",
-                            where, key, name));
+        if (const std::string problem = problem_of_name(name); !problem.empty()) {
+            refuse(fmt::format("{}: {} names '{}'; {}", where, key, name, problem));
         }
     }
 }

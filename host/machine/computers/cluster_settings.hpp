@@ -24,8 +24,11 @@ std::string listen_text(const ClusterSettings& cluster);
 /// Sets one value. Returns false if `key` is not about computers. Throws RequestError (usage).
 bool set_cluster_value(ClusterSettings& cluster, std::string_view key, std::string_view value);
 
-/// Checks the names of computers in `key`, which become arguments of other programs. Throws
-/// RequestError (usage).
+/// Returns why `name` cannot be the name of a computer, which becomes an argument of other programs
+/// and a part of file names; empty if it can be.
+std::string problem_of_name(std::string_view name);
+
+/// Checks the names of computers in `key`. Throws RequestError (usage).
 ///
 /// where  Begins the text of the error.
 void check_names(const std::vector<std::string>& names, const std::string& where,

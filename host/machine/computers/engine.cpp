@@ -112,8 +112,8 @@ EngineProcess slurm(const ClusterSettings& cluster, int count, const JoinCommand
 }
 
 EngineProcess ssh(const std::string& computer, const JoinCommand& join) {
-    return {fmt::format("{}{}", engine_prefix, computer),
-            {"ssh", "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=10", computer,
+    return {engine_process(computer),
+            {"ssh", "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=10", "--", computer,
              line_of(join_words(join, KeyWay::input, computer))},
             {}};
 }
@@ -135,7 +135,7 @@ EngineProcess mpirun(const ClusterSettings& cluster, int count, const JoinComman
 /// The user's words, with {computer} and {join} replaced.
 EngineProcess by_command(const Words& words, const std::string& computer, const JoinCommand& join) {
     EngineProcess process{
-        fmt::format("{}{}", engine_prefix, computer.empty() ? "command" : computer),
+        computer.empty() ? fmt::format("{}command", engine_prefix) : engine_process(computer),
         {},
         {},
         computer.empty()};

@@ -25,9 +25,12 @@ struct JoinCommand {
 /// Begins the names of the engine's processes.
 inline constexpr std::string_view engine_prefix = "engine-";
 
-/// The name of an engine's process for one computer.
+/// The name of an engine's process for one computer. A computer may be called like the process that
+/// starts all of them, so its name gets a character that no name of a computer has.
 inline std::string engine_process(const std::string& computer) {
-    return std::string(engine_prefix) + computer;
+    const bool is_name_of_all =
+        computer == "slurm" || computer == "mpirun" || computer == "command";
+    return std::string(engine_prefix) + computer + (is_name_of_all ? "+" : "");
 }
 
 /// A program that the host starts and ends.

@@ -168,6 +168,10 @@ std::string RemoteComputers::reason_to_refuse(const join::AskT& ask) const {
             "with {:016x}. Install the same pxpl5 on both",
             ask.build, ask.schema_hash, identity_.build, identity_.schema_hash);
     }
+    if (const std::string problem = problem_of_name(ask.facts->name); !problem.empty()) {
+        return fmt::format("its name is '{}'; {}. Give it a name with --name",
+                           printable(ask.facts->name.substr(0, max_reason)), problem);
+    }
     if (computers_.size() >= max_computers) {
         return fmt::format("the machine has {} computers, at most {} may join", computers_.size(),
                            max_computers);

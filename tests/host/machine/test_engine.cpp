@@ -120,6 +120,25 @@ TEST_CASE("engine: names of computers that are options of other programs are ref
     CHECK(cluster.computers[1].slots == 0);
 }
 
+TEST_CASE("engine: what reaches the words of another program is checked to be a name") {
+    for (const char* name : {"-oProxyCommand=x", "a/b", "a;b", ""}) {
+        CAPTURE(name);
+        CHECK_FALSE(problem_of_name(name).empty());
+        CHECK_THROWS_AS(check_names({name}, "computers", "use"), RequestError);
+    }
+    CHECK(problem_of_name("user@n1.example.org").empty());
+}
+
+TEST_CASE("engine: a computer that is called like an engine has a log of its own") {
+    const auto processes =
+        engine_processes(cluster_of({"engine_command=env", "engine_command=at={computer}",
+                                     "computers=command,n1", "engine=command"}),
+                         join);
+    REQUIRE(processes.size() == 2);
+    CHECK(processes[0].name == "engine-command+");
+    CHECK(processes[1].name == engine_process("n1"));
+}
+
 TEST_CASE("engine: a file alone cannot run a program") {
     const std::string text = R"({roles: {gp: {count: 1}, renderer: {count: 1}},
                                  engine: "command", engine_command: ["touch", "x"], wait: 1})";

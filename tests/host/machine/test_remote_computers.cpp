@@ -169,6 +169,21 @@ TEST_CASE("computers: a released one ends at once without nodes, else with the m
     CHECK(meeting.host.refused() == 0);
 }
 
+TEST_CASE("computers: one whose name is no name is refused, and the reason names the remedy") {
+    Meeting meeting;
+    for (const std::string name : {"-oProxyCommand=x", "a/b", "a;b"}) {
+        CAPTURE(name);
+        bus::Line line(meeting.host.addresses(), meeting.credentials);
+        line.send(packed_letter(own_question(meeting.credentials, name)));
+        const join::LetterT letter = meeting.letter_to(line);
+        REQUIRE(letter.word.AsAnswer() != nullptr);
+        const std::string refusal = letter.word.AsAnswer()->refusal;
+        CHECK(refusal.starts_with("its name is '" + name + "'; "));
+        CHECK(refusal.ends_with("Give it a name with --name"));
+    }
+    CHECK(meeting.names().empty());
+}
+
 TEST_CASE("computers: the end of an engine takes its computers along, but no others") {
     Meeting meeting;
     meeting.host.expect_from("engine-slurm");
