@@ -2,7 +2,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <string_view>
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -33,8 +35,16 @@ void check_name(const std::string& name) {
     }
 }
 
-/// Throws RequestError if the command writes a file.
+/// Throws RequestError if the command writes a file, or changes the machine: an invitation writes
+/// the key, and other computers get programs and the volume.
 void refuse_output(const CommandDescriptor& command, const Arguments& arguments) {
+    constexpr std::array<std::string_view, 3> of_machine = {"computers", "kill", "scale"};
+    if (std::ranges::count(of_machine, command.name) > 0) {
+        refuse_command(
+            fmt::format("{}: acts on the machine, but a session that is opened only shows a scene. "
+                        "If you trust its commands, run them with: pxpl5 run FILE",
+                        command.name));
+    }
     const std::size_t words = std::min(arguments.words.size(), command.words.size());
     for (std::size_t i = 0; i < words; ++i) {
         if (command.words[i].type == ValueType::output) {

@@ -140,6 +140,13 @@ class TimeLimit(unittest.TestCase):
             self.assertEqual(done.returncode, 64, done.stderr)
             self.assertRegex(done.stderr, "excludes --session|--session excludes")
 
+    def opened(self, file):
+        """The program after it has opened a session and ended."""
+        return subprocess.run([test_serve.BINARIES / "pxpl5", "serve", "--session", file,
+                               "--topology", "one-of-each", "--run-folder",
+                               self.folder / "runs"], capture_output=True, text=True,
+                              timeout=LIMIT_S, check=False)
+
     def test_a_session_of_a_stranger_writes_no_file(self):
         file, inner = self.folder / "s.pxpl5", self.folder / "inner.pxpl5"
         inner.write_text(f"history {self.folder}/.bashrc\n")
@@ -147,14 +154,18 @@ class TimeLimit(unittest.TestCase):
                      f"export {self.folder}/x.ply", f"orbit 2 {self.folder}/x{{}}.png",
                      f"play {inner}"):
             file.write_text(f"load phantom:sphere\nsurface ball iso=0.2\n{line}\n")
-            done = subprocess.run([test_serve.BINARIES / "pxpl5", "serve", "--session", file,
-                                   "--topology", "one-of-each", "--run-folder",
-                                   self.folder / "runs"], capture_output=True, text=True,
-                                  timeout=LIMIT_S, check=False)
+            done = self.opened(file)
             self.assertEqual(done.returncode, 64, done.stderr)
             self.assertRegex(done.stderr, rf"{file}, line 3, '{re.escape(line)}': .*would write "
                                           rf"{self.folder}/.*, but a session that is opened")
+        for line in ("computers invite", "computers use n1", "kill gp-0", "scale gp=2"):
+            file.write_text(f"load phantom:sphere\n{line}\n")
+            done = self.opened(file)
+            self.assertEqual(done.returncode, 64, done.stderr)
+            self.assertRegex(done.stderr, rf"{file}, line 2, '{re.escape(line)}': .*acts on the "
+                                          "machine, but a session that is opened")
         self.assertEqual(sorted(os.listdir(self.folder)), ["inner.pxpl5", "runs", "s.pxpl5"])
+        self.assertEqual(list(self.folder.rglob("join.key")), [])
 
 
 if __name__ == "__main__":
