@@ -100,10 +100,12 @@ void RemoteComputers::take(const std::string& line, const join::LetterT& letter)
     if (computer == nullptr && gone_.lines.contains(line)) {
         return;
     }
-    if (computer == nullptr) {  // It was in an earlier machine with the same key and port.
-        port_.send(line, packed_letter(join::DismissT{}));
-    }
     if (computer == nullptr) {
+        join::DismissT dismiss;  // Its exit code says that it did not end in order.
+        dismiss.reason =
+            "the host does not know this connection: it was interrupted, or the machine is "
+            "another one";
+        port_.send(line, packed_letter(std::move(dismiss)));
         ++refused_;
         return;
     }
@@ -137,7 +139,7 @@ void RemoteComputers::pump(std::int64_t now_ms) {
     if (port_.strangers() > 0) {
         warn(
             fmt::format("a program without the key of this machine has connected to port {}, "
-                        "where computers join; it got nothing",
+                        "where computers join. The host sent it nothing",
                         port_.port()));
     }
     // While the host did not listen, letters could not be taken: that time is not silence.
@@ -172,8 +174,9 @@ std::string RemoteComputers::reason_to_refuse(const join::AskT& ask) const {
         return fmt::format("its name is '{}'; {}. Give it a name with --name",
                            printable(ask.facts->name.substr(0, max_reason)), problem);
     }
-    if (computers_.size() >= max_computers) {
-        return fmt::format("the machine has {} computers, at most {} may join", computers_.size(),
+    const auto present = std::ranges::count_if(computers_, &RemoteComputer::takes_part);
+    if (present >= max_computers) {
+        return fmt::format("the machine has {} computers, at most {} may join", present,
                            max_computers);
     }
     return {};

@@ -184,6 +184,17 @@ TEST_CASE("computers: one whose name is no name is refused, and the reason names
     CHECK(meeting.names().empty());
 }
 
+TEST_CASE("computers: a line that the host does not know is dismissed with the reason") {
+    Meeting meeting;
+    bus::Line line(meeting.host.addresses(), meeting.credentials);
+    line.send(packed_letter(join::BeatT{}));
+    const join::LetterT letter = meeting.letter_to(line);
+    REQUIRE(letter.word.AsDismiss() != nullptr);
+    CHECK(letter.word.AsDismiss()->reason.starts_with("the host does not know this connection"));
+    CHECK_FALSE(letter.word.AsDismiss()->is_released);
+    CHECK(meeting.host.refused() == 1);
+}
+
 TEST_CASE("computers: the end of an engine takes its computers along, but no others") {
     Meeting meeting;
     meeting.host.expect_from("engine-slurm");
