@@ -223,6 +223,31 @@ void write_private_file(const fs::path& path, std::string_view text) {
     ::close(file);
 }
 
+void make_private_folder(const fs::path& folder) {
+    const char* const what = "cannot use the folder";
+    struct stat facts {};
+    if ((mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST) ||
+        lstat(folder.c_str(), &facts) != 0) {
+        refuse(what, folder, std::strerror(errno));
+    }
+    if (!S_ISDIR(facts.st_mode)) {
+        refuse(what, folder, "it is a link or a file. Remove it");
+    }
+    if (facts.st_uid != geteuid()) {
+        refuse(what, folder,
+               fmt::format("user {} owns it, and this program runs as user {}. Use another "
+                           "--run-folder",
+                           facts.st_uid, geteuid()));
+    }
+    constexpr mode_t permissions = 07777U, others = S_IRWXG | S_IRWXO;
+    if ((facts.st_mode & others) != 0) {
+        refuse(what, folder,
+               fmt::format("it has mode {:04o}, so others may use it; it must have 0700. Run: "
+                           "chmod 700 {}",
+                           facts.st_mode & permissions, folder.string()));
+    }
+}
+
 fs::path make_run_folder(const fs::path& base, const Topology& topology, int keep) {
     const std::tm utc = fmt::gmtime(std::time(nullptr));
     const std::string name = fmt::format("{:%Y%m%dT%H%M%SZ}-{}", utc, getpid());

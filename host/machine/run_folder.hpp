@@ -24,6 +24,11 @@ std::filesystem::path make_run_folder(const std::filesystem::path& base, const T
 /// Writes a new file for the owner alone. Throws RequestError (failed) naming path and reason.
 void write_private_file(const std::filesystem::path& path, std::string_view text);
 
+/// Makes the folder for the owner alone unless it exists. Throws RequestError (failed) naming
+/// folder and reason if it is no folder, or if another user owns it or may use it: in a shared
+/// folder, another user may have made it first.
+void make_private_folder(const std::filesystem::path& folder);
+
 /// The last line of a process's log, its reason for ending. Empty if the process wrote no line.
 std::string last_words(const std::filesystem::path& log);
 

@@ -33,7 +33,8 @@ struct DirectorParts {
     /// Returns the object of the message `machine`, the nodes' work. Empty: no such messages.
     std::function<std::string(Session&)> machine_text;
     std::function<std::int64_t()> clock_ns;  ///< Monotonic clock.
-    /// File of the session that is saved before the end. Its folder is made if missing.
+    /// File of the session that is saved before the end. Its folder is made if missing, for the
+    /// owner alone.
     std::filesystem::path saved_session;
     /// Called when viewers are warned of the end, and when the session has been saved or could not
     /// be. May be empty.

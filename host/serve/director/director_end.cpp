@@ -2,9 +2,11 @@
 #include <fmt/chrono.h>
 
 #include <ctime>
+#include <filesystem>
 #include <system_error>
 
 #include "host/base/error.hpp"
+#include "host/machine/run_folder.hpp"
 #include "host/serve/director/director.hpp"
 #include "host/serve/director/shell_word.hpp"
 
@@ -36,9 +38,11 @@ void Director::save_session() {
     EndNotice& notice = *end_.notice;
     const EndNotice before = notice;
     try {
-        std::filesystem::create_directories(parts_.saved_session.parent_path());
+        make_private_folder(parts_.saved_session.parent_path());
         const Arguments save{"history", {parts_.saved_session.string()}, {{"form", "scene"}}};
         find_command(save.name).run(*session_, save);
+        std::filesystem::permissions(parts_.saved_session, std::filesystem::perms::owner_read |
+                                                               std::filesystem::perms::owner_write);
         notice.saved = parts_.saved_session.string();
         notice.open = fmt::format("pxpl5 serve --session {}", shell_word(notice.saved));
         notice.problem.clear();

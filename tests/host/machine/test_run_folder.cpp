@@ -13,6 +13,7 @@
 #include <string>
 #include <utility>
 
+#include "host/base/error.hpp"
 #include "host/machine/run_folder.hpp"
 #include "tests/host/io/volume_files.hpp"
 
@@ -93,4 +94,18 @@ TEST_CASE("a folder that a killed start has left goes with a later start, and a 
     CHECK(fs::exists(base / ".new-bbbbbb"));
     CHECK(fs::exists(base / ".new-much-longer"));
     CHECK(fs::exists(base / ".news"));
+}
+
+TEST_CASE("a private folder is made for the owner, and nothing else in its place is used") {
+    const test::TemporaryFolder folder;
+    const fs::path made = folder.file("made"), open = folder.file("open");
+    make_private_folder(made);
+    CHECK((fs::status(made).permissions() & fs::perms::all) == fs::perms::owner_all);
+    make_private_folder(made);  // It exists.
+    fs::create_directory(open);
+    fs::permissions(open, fs::perms::owner_all | fs::perms::group_read);
+    CHECK_THROWS_AS(make_private_folder(open), RequestError);
+    fs::create_directory_symlink(made, folder.file("link"));
+    CHECK_THROWS_AS(make_private_folder(folder.file("link")), RequestError);
+    CHECK_THROWS_AS(make_private_folder(folder.file("none") + "/saved"), RequestError);
 }

@@ -70,6 +70,7 @@ class TimeLimit(unittest.TestCase):
         run, = self.folder.glob("runs/2*")
         self.assertEqual(saved, self.folder / "runs/saved" / f"{run.name}.pxpl5")
         viewer.until(lambda _: "background" in saved.read_text())
+        self.assertEqual(stat.S_IMODE(saved.parent.lstat().st_mode), 0o700)
         shown = subprocess.run(
             [test_serve.BINARIES / "pxpl5", "sessions", "show", "latest", "--json",
              "--run-folder", self.folder / "runs"],
@@ -77,6 +78,7 @@ class TimeLimit(unittest.TestCase):
         self.assertEqual(json.loads(shown.stdout)["saved"], str(saved))
         code, complaint = program.stop(signal.SIGTERM)
         self.assertEqual(code, 0)
+        self.assertEqual(stat.S_IMODE(saved.lstat().st_mode), 0o600)
         self.assertEqual(ENDS.match(complaint)[3], ends["why"])
         self.assertEqual(SAVED.search(complaint).groups(), (str(saved), str(saved)))
         self.assertEqual(complaint.count("\n"), 2, complaint)
@@ -129,6 +131,26 @@ class TimeLimit(unittest.TestCase):
         code, complaint = program.stop()
         self.assertEqual(code, 0)
         self.assertRegex(complaint, "warning: The session cannot be saved: .*saved")
+
+    def test_a_folder_that_others_may_use_gets_no_session(self):
+        """In a shared --run-folder, another user may make the folder or a link first."""
+        runs, other = self.folder / "runs", self.folder / "other"
+        runs.mkdir()
+        other.mkdir()
+        for make, reason in ((lambda: (runs / "saved").symlink_to(other), "it is a link or a file"),
+                             (lambda: ((runs / "saved").mkdir(), (runs / "saved").chmod(0o770)),
+                              "it has mode 0770, so others may use it; it must have 0700. Run: ")):
+            make()
+            program = self.serve("phantom:sphere")
+            viewer = self.viewer(program)
+            program.process.send_signal(signal.SIGUSR1)
+            viewer.until(lambda message: "cannot be saved" in str(message.get("note")))
+            code, complaint = program.stop()
+            self.assertEqual(code, 0)
+            self.assertIn(f"cannot use the folder {runs / 'saved'}: {reason}", complaint)
+            self.assertEqual((list(other.iterdir()), list((runs / "saved").iterdir())), ([], []))
+            if (runs / "saved").is_symlink():
+                (runs / "saved").unlink()
 
     def test_a_saved_session_needs_no_volume_beside_it(self):
         file = self.folder / "s.pxpl5"
