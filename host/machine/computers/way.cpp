@@ -12,6 +12,9 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
+#include <future>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -24,7 +27,7 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr std::int64_t try_ms = 2000;   // For one look at all addresses.
+constexpr std::int64_t try_ms = 2000;   // For the names of one look, and for its connections.
 constexpr std::int64_t pause_ms = 500;  // Between two looks.
 constexpr int max_port = 65535;
 
@@ -70,15 +73,28 @@ LookedUp look_up_now(const std::string& name) {
     return found;
 }
 
-/// The addresses of `host`, which is an address or a name. A name service may take longer than
-/// `limit_ms`: then its answer is not awaited.
-LookedUp look_up(const std::string& host, std::int64_t limit_ms) {
-    if (is_ipv4(host)) {
-        return {{host}, {}};
+/// Looks up names. A name service may take long, so each name has at most one question under way.
+class Names {
+  public:
+    /// The addresses of `host`, which is an address or a name. An answer that takes longer than
+    /// `limit_ms` is taken by a later call.
+    LookedUp look_up(const std::string& host, std::int64_t limit_ms) {
+        if (is_ipv4(host)) {
+            return {{host}, {}};
+        }
+        std::future<LookedUp>& answer = answers_[host];
+        if (!answer.valid()) {
+            answer = begin_answer([host] { return look_up_now(host); });
+        }
+        if (answer.wait_for(std::chrono::milliseconds(limit_ms)) != std::future_status::ready) {
+            return {{}, fmt::format("the name service does not answer for {}", host)};
+        }
+        return answer.get();  // The next call asks again.
     }
-    return answer_within(limit_ms, [host] { return look_up_now(host); })
-        .value_or(LookedUp{{}, fmt::format("the name service does not answer for {}", host)});
-}
+
+  private:
+    std::map<std::string, std::future<LookedUp>> answers_;
+};
 
 /// A socket that connects; null if there is no way at all.
 std::unique_ptr<Socket> begin_connecting(const std::string& address, int port) {
@@ -135,12 +151,15 @@ std::optional<Way> find_way(const std::vector<std::string>& addresses, int port,
     return std::nullopt;
 }
 
-/// One look at all addresses. `reason` says why there is no way.
-std::optional<Way> look(const Addresses& to, std::int64_t end_ms, std::string& reason) {
-    std::vector<std::string> addresses;
+/// One look at all addresses. `reason` says why there is no way. A slow name service leaves the
+/// whole limit for the connections.
+std::optional<Way> look(const Addresses& to, Names& names, std::string& reason) {
+    std::vector<std::string> addresses, hosts = to.hosts;
+    std::ranges::stable_partition(hosts, is_ipv4);  // They need no name service.
     reason.clear();
-    for (const std::string& host : to.hosts) {
-        const LookedUp found = look_up(host, std::max<std::int64_t>(end_ms - now_ms(), 0));
+    const std::int64_t end_ms = now_ms() + try_ms;
+    for (const std::string& host : hosts) {
+        const LookedUp found = names.look_up(host, std::max<std::int64_t>(end_ms - now_ms(), 0));
         addresses.insert(addresses.end(), found.addresses.begin(), found.addresses.end());
         reason = reason.empty() ? found.reason : reason;
     }
@@ -148,7 +167,7 @@ std::optional<Way> look(const Addresses& to, std::int64_t end_ms, std::string& r
         reason =
             fmt::format("no program listens at port {} of {}", to.port, fmt::join(addresses, ", "));
     }
-    return find_way(addresses, to.port, end_ms);
+    return find_way(addresses, to.port, now_ms() + try_ms);
 }
 
 }  // namespace
@@ -186,11 +205,12 @@ Way await_way(const std::string& addresses, std::int64_t end_ms, Supervisor& sup
     const Addresses to = parse_addresses(addresses);
     const std::int64_t begin_ms = now_ms();
     std::string reason, said;
+    Names names;
     for (;;) {
         if (const int signal = supervisor.take_interrupt(); signal != 0) {
             throw interruption(signal);
         }
-        if (auto way = look(to, now_ms() + try_ms, reason)) {
+        if (auto way = look(to, names, reason)) {
             return *way;
         }
         const std::int64_t left_ms = end_ms - now_ms();
