@@ -159,7 +159,12 @@ void write_key_file(const std::filesystem::path& path, const bus::Credentials& c
         throw RequestError(ExitCode::failed, fmt::format("cannot make the key file {}: {}",
                                                          path.string(), std::strerror(errno)));
     }
-    write_all(file.fd, key_text(credentials));
+    try {
+        write_all(file.fd, key_text(credentials));
+    } catch (const RequestError&) {
+        unlink(path.c_str());  // A part of a key would be in the way of the next one.
+        throw;
+    }
 }
 
 namespace {

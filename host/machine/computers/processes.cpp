@@ -22,12 +22,18 @@ namespace {
 
 /// A pipe with `text`, whose write end stays open.
 std::array<int, 2> pipe_with(std::string_view text) {
-    std::array<int, 2> ends{};
+    std::array<int, 2> ends = {-1, -1};
     if (pipe2(ends.data(), O_CLOEXEC) != 0 ||
         write(ends[1], text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
+        const int reason = errno;
+        for (const int end : ends) {
+            if (end >= 0) {
+                close(end);
+            }
+        }
         throw MachineError(
             ExitCode::unavailable,
-            fmt::format("cannot hand the key to other computers: {}", std::strerror(errno)));
+            fmt::format("cannot hand the key to other computers: {}", std::strerror(reason)));
     }
     return ends;
 }

@@ -53,8 +53,14 @@ std::optional<pid_t> maker_of(const std::string& name) {
     pid_t pid = 0;
     const char* end = name.data() + name.size();
     const auto [stop, error] = std::from_chars(name.data() + example.size(), end, pid);
-    return error == std::errc{} && pid > 0 && (stop == end || *stop == '-') ? std::optional(pid)
-                                                                            : std::nullopt;
+    if (error != std::errc{} || pid <= 0) {
+        return std::nullopt;
+    }
+    // A second run of the same second is called NAME-2.
+    const std::string_view rest(stop, end);
+    const bool is_number = rest.size() > 1 && rest.front() == '-' &&
+                           rest.find_first_not_of("0123456789", 1) == std::string_view::npos;
+    return rest.empty() || is_number ? std::optional(pid) : std::nullopt;
 }
 
 std::string computer_name() {

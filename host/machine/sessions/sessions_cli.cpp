@@ -93,7 +93,7 @@ void list(const SessionsFlags& flags) {
     }
     std::vector<TableRow> rows;
     for (const RunningSession& each : sessions) {
-        rows.push_back({each.name, shown(each.subcommand), each.state, shown(each.started),
+        rows.push_back({shown(each.name), shown(each.subcommand), each.state, shown(each.started),
                         shown(each.facts.volume), shown(each.computer), shown(each.job),
                         fmt::format("{}", each.pid), memory_text(each), viewers_text(each)});
     }
@@ -142,7 +142,7 @@ void end(const SessionsFlags& flags) {
     if (flags.json) {
         print({{"name", session.name}, {"ended", true}, {"ms", took_ms}});
     } else {
-        fmt::print("{} has ended after {:.1f} s\n", session.name,
+        fmt::print("{} has ended after {:.1f} s\n", printable(session.name),
                    static_cast<double>(took_ms) / ms_per_s);
     }
 }
