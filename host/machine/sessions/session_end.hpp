@@ -10,7 +10,7 @@ namespace pxpl5::host {
 /// again.
 ///
 /// Throws RequestError: unavailable with the line to run, if the session runs on another computer;
-/// failed if it has not ended within `limit_ms` or may not be signalled.
+/// failed if it has not ended within `limit_ms` or may not be signaled.
 int end_session(const RunningSession& session, int limit_ms);
 
 }  // namespace pxpl5::host

@@ -50,7 +50,7 @@ void SessionNote::set(const SessionFacts& facts) {
         write_private_file(part, text + "\n");
         fs::rename(part, file_, ignored);  // Readers see the old file or the new one.
     } catch (const RequestError&) {
-        // The listing lacks the newest facts.
+        // The listing shows the facts from before.
     }
     fs::remove(part, ignored);
 }

@@ -40,7 +40,7 @@ class SessionNote {
     SessionFacts facts_;
 };
 
-/// Reads the facts in a run folder. What is missing or damaged is empty.
+/// Reads the facts in a run folder. A missing or damaged fact is empty.
 SessionFacts read_note(const std::filesystem::path& run_folder);
 
 }  // namespace pxpl5::host
