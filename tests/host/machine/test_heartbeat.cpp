@@ -1,8 +1,12 @@
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
+#include <chrono>
 #include <fstream>
 #include <future>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -106,20 +110,25 @@ TEST_CASE("time in which the beating thread waits for a processor counts a tenth
     REQUIRE(dead.size() == 1);
     CHECK(dead[0].is_dead);
 
+    std::array<int, 2> pipe_ends{};
+    REQUIRE(pipe2(pipe_ends.data(), O_CLOEXEC) == 0);
     std::promise<int> id;
-    std::promise<void> end;
-    const std::jthread sleeper([&] {
+    const std::jthread sleeper([&id, input = pipe_ends[0]] {
         id.set_value(gettid());
-        end.get_future().wait();
+        char none = 0;
+        CHECK(read(input, &none, 1) == 0);  // Sleeps until the other end is closed.
+        close(input);
     });
+    const std::shared_ptr<void> closer(nullptr, [&](void*) { close(pipe_ends[1]); });
     const int sleeper_id = id.get_future().get();
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (state_of_thread(sleeper_id) != 'S') {
+        REQUIRE(std::chrono::steady_clock::now() < deadline);
         std::this_thread::yield();
     }
     watch_again(sleeper_id);
     CHECK(bench.pass(1).empty());
     CHECK(bench.pass(1).size() == 1);
-    end.set_value();
 }
 
 TEST_CASE("a silent node is suspect after two intervals and dead after the misses") {
