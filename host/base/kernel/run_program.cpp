@@ -1,5 +1,6 @@
 #include "host/base/kernel/run_program.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
@@ -22,6 +23,7 @@ namespace pxpl5::host {
 namespace {
 
 constexpr std::size_t max_output_bytes = 65'536;
+constexpr int kill_ms = 5000;  // A killed process ends late while the kernel waits for a disk.
 
 /// A descriptor that is closed at the end of its life.
 struct File {
@@ -41,8 +43,26 @@ struct File {
                        fmt::format("{} cannot start: {}", program, std::strerror(error)));
 }
 
+/// Returns a new file in memory.
+int open_memory(const std::string& program, const char* name) {
+    const int fd = memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    if (fd < 0) {
+        refuse(program, errno);
+    }
+    return fd;
+}
+
+/// Makes writes past the limit fail, so that the output cannot fill the memory.
+void limit_output(const std::string& program, const File& file) {
+    if (ftruncate(file.fd, max_output_bytes) < 0 || fcntl(file.fd, F_ADD_SEALS, F_SEAL_GROW) < 0) {
+        refuse(program, errno);
+    }
+}
+
+/// Returns what the program has written. The program shares the file's offset.
 std::string text_of(const File& file) {
-    std::string text(max_output_bytes, '\0');
+    const auto size = std::clamp<off_t>(lseek(file.fd, 0, SEEK_CUR), 0, max_output_bytes);
+    std::string text(static_cast<std::size_t>(size), '\0');
     const ssize_t got = pread(file.fd, text.data(), text.size(), 0);
     text.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
     return text;
@@ -79,9 +99,8 @@ pid_t start(std::vector<std::string>& words, const std::array<int, 3>& streams) 
 }
 
 /// Returns whether the process has ended within the time, and before `stop_fd` is readable.
-bool ends_in_time(pid_t pid, int limit_ms, int stop_fd) {
+bool ends_in_time(const File& process, int limit_ms, int stop_fd) {
     using Clock = std::chrono::steady_clock;
-    const File process(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
     std::array<pollfd, 2> polled{{{process.fd, POLLIN, 0}, {stop_fd, POLLIN, 0}}};
     const Clock::time_point end = Clock::now() + std::chrono::milliseconds(limit_ms);
     int ready = -1;
@@ -93,26 +112,44 @@ bool ends_in_time(pid_t pid, int limit_ms, int stop_fd) {
     return ready > 0 && polled[0].revents != 0;
 }
 
+/// Waits for the end of the process. Returns its exit code, or 128 + signal.
+int code_of(pid_t pid) {
+    int status = 0;
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
 }  // namespace
 
 ProgramEnd run_program(std::vector<std::string> words, std::string_view input, int limit_ms,
                        int stop_fd) {
-    const File in(memfd_create("in", MFD_CLOEXEC)), out(memfd_create("out", MFD_CLOEXEC)),
-        errors(memfd_create("errors", MFD_CLOEXEC));
+    const File in(open_memory(words[0], "in")), out(open_memory(words[0], "out")),
+        errors(open_memory(words[0], "errors"));
+    limit_output(words[0], out);
+    limit_output(words[0], errors);
     if (::write(in.fd, input.data(), input.size()) != static_cast<ssize_t>(input.size())) {
         refuse(words[0], errno);
     }
     lseek(in.fd, 0, SEEK_SET);
     const pid_t pid = start(words, {in.fd, out.fd, errors.fd});
+    const File process(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
+    if (process.fd < 0) {
+        const int error = errno;
+        kill(-pid, SIGKILL);
+        (void)code_of(pid);
+        throw RequestError(ExitCode::unavailable,
+                           fmt::format("{} cannot be watched: {}. This needs Linux 5.3 or later, "
+                                       "and a free file descriptor ('ulimit -n' shows the limit)",
+                                       words[0], std::strerror(error)));
+    }
     ProgramEnd end;
-    end.is_in_time = ends_in_time(pid, limit_ms, stop_fd);
+    end.is_in_time = ends_in_time(process, limit_ms, stop_fd);
     if (!end.is_in_time) {
         kill(-pid, SIGKILL);
     }
-    int status = 0;
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-    }
-    end.code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+    const bool has_ended = end.is_in_time || ends_in_time(process, kill_ms, -1);
+    end.code = has_ended ? code_of(pid) : 128 + SIGKILL;
     end.out = text_of(out);
     end.errors = text_of(errors);
     return end;

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <string>
 
 #include "host/base/error.hpp"
 
@@ -27,15 +28,23 @@ TEST_CASE("a program gets its input, and its output, errors and exit code come b
 }
 
 TEST_CASE("a program that runs too long is killed with its children") {
-    const ProgramEnd end =
-        run_program({"sh", "-c", "echo begun; cat /dev/zero | cat >&2"}, "", 500);
+    const ProgramEnd end = run_program({"sh", "-c", "echo begun; sleep 60 | sleep 60"}, "", 500);
     CHECK_FALSE(end.is_in_time);
     CHECK(end.code == 128 + SIGKILL);
+    CHECK(end.out == "begun\n");
+}
+
+TEST_CASE("a flood of output fails at 64 KiB") {
+    const ProgramEnd end =
+        run_program({"sh", "-c", "dd if=/dev/zero bs=4096; echo $? >&2"}, "", limit_ms);
+    CHECK(end.is_in_time);
+    CHECK(end.out == std::string(65'536, '\0'));
+    CHECK(end.errors.ends_with("\n1\n"));
 }
 
 TEST_CASE("a descriptor that is readable ends a program at once") {
     const int stop = eventfd(1, EFD_CLOEXEC);
-    CHECK_FALSE(run_program({"cat", "/dev/zero"}, "", limit_ms, stop).is_in_time);
+    CHECK_FALSE(run_program({"sleep", "60"}, "", limit_ms, stop).is_in_time);
     close(stop);
 }
 
