@@ -1,6 +1,6 @@
 #include "host/serve/job/job.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <pthread.h>
 #include <sys/signalfd.h>
@@ -17,6 +17,7 @@
 #include <system_error>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/program_folder.hpp"
 #include "host/base/kernel/run_program.hpp"
 #include "host/base/standard_streams.hpp"
 #include "host/machine/sessions/session_list.hpp"
@@ -96,9 +97,8 @@ RequestError refused(const std::string& program, const ProgramEnd& end, const st
                                                      slurm_ms / 1000, remedy)};
 }
 
-/// Returns the id of the job.
-std::string submit(const JobOptions& job, const std::string& time_limit) {
-    const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
+SubmittedJob submit(const JobOptions& job, const std::string& time_limit) {
+    const std::string program = (program_folder() / "pxpl5").string();
     const ProgramEnd end =
         run_program(sbatch_words(job, time_limit), job_script(job, program), slurm_ms);
     if (end.code != 0) {
@@ -106,13 +106,23 @@ std::string submit(const JobOptions& job, const std::string& time_limit) {
                       end.is_in_time ? "No job was submitted"
                                      : "Look with 'squeue --me' whether the job was submitted");
     }
-    return end.out.substr(0, end.out.find_first_of(";\n"));  // "12" or "12;cluster".
+    const std::optional<SubmittedJob> submitted = parse_submitted(end.out);
+    if (!submitted) {
+        throw RequestError(
+            ExitCode::unavailable,
+            fmt::format("sbatch has printed '{}', whose last line is no job id such as 12 or "
+                        "12;cluster. Look with 'squeue --me' whether the job was submitted",
+                        end.out.substr(0, end.out.find_last_not_of('\n') + 1)));
+    }
+    return *submitted;
 }
 
-void cancel(const std::string& job) {
-    const ProgramEnd end = run_program({"scancel", job}, "", slurm_ms);
+void cancel(const SubmittedJob& job) {
+    const std::vector<std::string> words = slurm_words(job, {"scancel"});
+    const ProgramEnd end = run_program(words, "", slurm_ms);
     if (end.code != 0) {
-        throw refused("scancel", end, fmt::format("Job {0} may still run: 'scancel {0}'", job));
+        throw refused("scancel", end,
+                      fmt::format("Job {} may still run: '{}'", job.id, fmt::join(words, " ")));
     }
 }
 
@@ -120,7 +130,8 @@ void cancel(const std::string& job) {
 std::string end_of(const std::string& path) {
     constexpr std::streamoff most_bytes = 2000;
     std::ifstream file(path, std::ios::binary | std::ios::ate);
-    const std::streamoff size = file ? static_cast<std::streamoff>(file.tellg()) : 0;
+    // -1 for a file that has no end, or does not exist.
+    const std::streamoff size = std::max<std::streamoff>(file.tellg(), 0);
     std::string text(static_cast<std::size_t>(std::min(size, most_bytes)), '\0');
     file.seekg(size - static_cast<std::streamoff>(text.size()));
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -131,7 +142,7 @@ std::string end_of(const std::string& path) {
 /// Follows the job, and says what changes.
 class Follower {
   public:
-    Follower(std::string job, std::filesystem::path base)
+    Follower(SubmittedJob job, std::filesystem::path base)
         : job_(std::move(job)), base_(std::move(base)) {}
 
     /// Looks once, and says what is new. A signal ends the look.
@@ -140,19 +151,23 @@ class Follower {
     bool is_up() const { return is_up_; }
     /// The time until the next look.
     milliseconds pause() const;
-    /// The end of the job, in words. Throws RequestError (unavailable) if it is not a regular one.
+    /// Prints where the session is saved, and how the job has ended. Throws RequestError
+    /// (unavailable) if that is not a regular end.
     void tell_end() const;
 
   private:
     void say(const std::string& sentence);
+    /// Forgets the session of a job that waits again, after a computer has failed.
+    void begin_again();
     void look_for_session();
 
-    std::string job_;
+    SubmittedJob job_;
     std::filesystem::path base_;
     JobState state_;
     std::string said_;
     std::optional<steady_clock::time_point> runs_since_;
-    std::filesystem::path folder_;  ///< The run folder of the session, once it exists.
+    std::filesystem::path folder_;       ///< The run folder of the session, once it exists.
+    std::filesystem::path past_folder_;  ///< That of the session before the job waited again.
     bool is_up_ = false, has_missed_session_ = false;
     steady_clock::time_point begin_ = steady_clock::now();
 };
@@ -160,14 +175,14 @@ class Follower {
 void Follower::say(const std::string& sentence) {
     if (sentence != said_) {
         said_ = sentence;
-        fmt::print("job {} {}\n", job_, printable(sentence));
+        fmt::print("job {} {}\n", job_.id, printable(sentence));
         std::fflush(stdout);  // Pipes are not line-buffered.
     }
 }
 
 void Follower::look(const EndWish& end_wish) {
     const ProgramEnd end =
-        run_program({"scontrol", "show", "job", job_}, "", slurm_ms, end_wish.fd());
+        run_program(slurm_words(job_, {"scontrol", "show", "job"}), "", slurm_ms, end_wish.fd());
     if (end_wish.has_come()) {
         return;
     }
@@ -182,27 +197,41 @@ void Follower::look(const EndWish& end_wish) {
     state_ = std::move(now);
     if (state_.phase != JobState::Phase::runs) {
         if (!has_ended()) {
+            begin_again();
             say(sentence_of(state_));
         }
         return;
     }
-    say(sentence_of(state_) + (is_up_ ? "" : ". The machine starts"));
+    const bool starts = !is_up_ && state_.name == "RUNNING";
+    say(sentence_of(state_) + (starts ? ". The machine starts" : ""));
     runs_since_ = runs_since_.value_or(steady_clock::now());
     if (!is_up_) {
         look_for_session();
     }
 }
 
+void Follower::begin_again() {
+    if (!runs_since_) {
+        return;
+    }
+    past_folder_ = folder_;  // Another computer cannot see that its session has ended.
+    runs_since_.reset();
+    is_up_ = has_missed_session_ = false;
+    begin_ = steady_clock::now();
+}
+
 void Follower::look_for_session() {
     const std::vector<RunningSession> sessions = running_sessions(base_);
-    const auto found = std::ranges::find(sessions, job_, &RunningSession::job);
+    const auto found = std::ranges::find_if(sessions, [this](const RunningSession& each) {
+        return each.job == job_.id && (past_folder_.empty() || each.folder != past_folder_);
+    });
     if (found == sessions.end()) {
         if (!has_missed_session_ && steady_clock::now() - *runs_since_ > usual_start) {
             has_missed_session_ = true;
             fmt::print(stderr,
                        "warning: job {} runs, but no session of it is in {}. All computers of the "
                        "job must share this folder; --run-folder names another\n",
-                       job_, printable(base_.string()));
+                       job_.id, printable(base_.string()));
         }
         return;
     }
@@ -211,13 +240,14 @@ void Follower::look_for_session() {
         return;
     }
     is_up_ = true;
-    fmt::print("open      {}\nto watch  {}\n", found->facts.url, found->facts.watch_url);
+    fmt::print("open      {}\nto watch  {}\n", printable(found->facts.url),
+               printable(found->facts.watch_url));
     if (!found->facts.tunnel.empty()) {
         fmt::print("from another computer: {}, then open the same address there\n",
                    printable(found->facts.tunnel));
     }
     fmt::print("Ctrl-C ends job {0}. It goes on if this terminal closes: pxpl5 sessions show {0}\n",
-               job_);
+               job_.id);
     std::fflush(stdout);
 }
 
@@ -233,17 +263,18 @@ void Follower::tell_end() const {
     const bool is_regular = state_.name.empty() || state_.name == "COMPLETED" ||
                             state_.name == "COMPLETING" || state_.name == "CANCELLED" ||
                             state_.name == "TIMEOUT";
+    if (const std::string saved = folder_.empty() ? "" : read_note(folder_).saved; !saved.empty()) {
+        fmt::print("the session is saved in {}. Open it again with: pxpl5 serve --session {}\n",
+                   printable(saved), printable(shell_word(saved)));
+        std::fflush(stdout);
+    }
     if (!is_up_ || !is_regular) {
         throw RequestError(
             ExitCode::unavailable,
-            fmt::format("job {} {}{}. {}", job_, sentence_of(state_),
+            fmt::format("job {} {}{}. {}", job_.id, sentence_of(state_),
                         is_up_ ? "" : ", before its page was up", end_of(state_.output)));
     }
-    fmt::print("job {} {}\n", job_, printable(sentence_of(state_)));
-    if (const std::string saved = read_note(folder_).saved; !saved.empty()) {
-        fmt::print("the session is saved in {}. Open it again with: pxpl5 serve --session {}\n",
-                   printable(saved), printable(shell_word(saved)));
-    }
+    fmt::print("job {} {}\n", job_.id, printable(sentence_of(state_)));
 }
 
 }  // namespace
@@ -270,8 +301,8 @@ int serve_in_job(const JobOptions& options, const std::filesystem::path& base,
                  const std::string& time_limit) {
     constexpr int signal_base = 128;
     const EndWish end_wish;  // Before the job exists: from then on Ctrl-C must cancel it.
-    const std::string job = submit(options, time_limit);
-    fmt::print("job {} is submitted. Ctrl-C cancels it\n", job);
+    const SubmittedJob job = submit(options, time_limit);
+    fmt::print("job {} is submitted. Ctrl-C cancels it\n", job.id);
     std::fflush(stdout);
     Follower follower(job, base);
     for (;;) {
@@ -282,7 +313,7 @@ int serve_in_job(const JobOptions& options, const std::filesystem::path& base,
         }
         if (const int signal = end_wish.wait(follower.pause()); signal != 0) {
             cancel(job);
-            fmt::print("job {} is canceled\n", job);
+            fmt::print("job {} is canceled\n", job.id);
             return follower.is_up() ? 0 : signal_base + signal;
         }
     }

@@ -60,6 +60,35 @@ std::vector<std::string> sbatch_words(const JobOptions& job, const std::string& 
     return words;
 }
 
+std::optional<SubmittedJob> parse_submitted(const std::string& printed) {
+    constexpr std::string_view blanks = " \t\r\n", digits = "0123456789";
+    constexpr std::string_view letters =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._";
+    const std::size_t end = printed.find_last_not_of(blanks);
+    if (end == std::string::npos) {
+        return std::nullopt;
+    }
+    const std::string text = printed.substr(0, end + 1);
+    const std::string line = text.substr(text.rfind('\n') + 1);  // npos + 1 is 0.
+    const std::size_t split = std::min(line.find(';'), line.size());
+    SubmittedJob job{line.substr(0, split), line.substr(std::min(split + 1, line.size()))};
+    const bool has_cluster = !job.cluster.empty() && job.cluster.front() != '-' &&
+                             job.cluster.find_first_not_of(letters) == std::string::npos;
+    if (job.id.empty() || job.id.find_first_not_of(digits) != std::string::npos ||
+        (split < line.size() && !has_cluster)) {
+        return std::nullopt;
+    }
+    return job;
+}
+
+std::vector<std::string> slurm_words(const SubmittedJob& job, std::vector<std::string> words) {
+    if (!job.cluster.empty()) {
+        words.insert(words.begin() + 1, {"-M", job.cluster});
+    }
+    words.push_back(job.id);
+    return words;
+}
+
 std::string job_script(const JobOptions& job, const std::string& program) {
     constexpr std::string_view begin = "set -euo pipefail\n";
     std::string set = "set --";

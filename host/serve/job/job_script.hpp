@@ -1,6 +1,7 @@
-// The batch script of a job of Slurm that runs `pxpl5 serve`, and the command line that submits it.
+// The batch script of a job of Slurm that runs `pxpl5 serve`, and the command lines of Slurm.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,19 @@ struct JobOptions {
 ///
 /// time_limit  In the forms of Slurm; empty: the limit of the site.
 std::vector<std::string> sbatch_words(const JobOptions& job, const std::string& time_limit);
+
+/// A job that Slurm has accepted.
+struct SubmittedJob {
+    std::string id;       ///< Digits.
+    std::string cluster;  ///< Empty: the cluster of this computer.
+};
+
+/// Reads the output of `sbatch --parsable`: "12" or "12;cluster" in the last line that is not
+/// empty. A wrapper of the site may print other lines first. Empty if that line is no job.
+std::optional<SubmittedJob> parse_submitted(const std::string& printed);
+
+/// Returns the words for a command of Slurm about the job: `words` and the id, for its cluster.
+std::vector<std::string> slurm_words(const SubmittedJob& job, std::vector<std::string> words);
 
 /// Returns host/slurm-session.sbatch with the user's words in place of its arguments. Options for
 /// the job itself are left out.

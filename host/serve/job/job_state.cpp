@@ -43,11 +43,13 @@ JobState::Phase phase_of(std::string_view name) {
     constexpr std::array<std::string_view, 8> waiting{
         "PENDING",      "CONFIGURING",  "REQUEUED",      "REQUEUE_FED",
         "REQUEUE_HOLD", "SPECIAL_EXIT", "RESV_DEL_HOLD", "POWER_UP_NODE"};
-    constexpr std::array<std::string_view, 6> running{"RUNNING",   "SUSPENDED", "RESIZING",
-                                                      "SIGNALING", "STAGE_OUT", "COMPLETING"};
-    return std::ranges::find(waiting, name) != waiting.end()   ? JobState::Phase::waits
-           : std::ranges::find(running, name) != running.end() ? JobState::Phase::runs
-                                                               : JobState::Phase::has_ended;
+    constexpr std::array<std::string_view, 11> ended{
+        "",          "BOOT_FAIL",     "CANCELLED", "COMPLETED", "DEADLINE", "FAILED",
+        "NODE_FAIL", "OUT_OF_MEMORY", "PREEMPTED", "REVOKED",   "TIMEOUT"};
+    // The others, such as RUNNING, STOPPED or COMPLETING, and those of later versions, may go on.
+    return std::ranges::find(waiting, name) != waiting.end() ? JobState::Phase::waits
+           : std::ranges::find(ended, name) != ended.end()   ? JobState::Phase::has_ended
+                                                             : JobState::Phase::runs;
 }
 
 }  // namespace

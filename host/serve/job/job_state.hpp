@@ -16,7 +16,8 @@ struct JobState {
     std::string output = {};     ///< Path of the job's output.
 };
 
-/// Reads the output of `scontrol show job`. An unknown state counts as ended.
+/// Reads the output of `scontrol show job`. A job without a state has ended, and one whose state is
+/// unknown runs.
 JobState parse_job_state(const std::string& printed);
 
 /// Returns what the job does at the moment, for the user: "waits: Resources (...), ...".

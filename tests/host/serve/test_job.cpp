@@ -2,6 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <cstdlib>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "host/base/error.hpp"
 #include "host/base/kernel/run_program.hpp"
@@ -69,6 +72,22 @@ TEST_CASE("sbatch gets computers, time and the user's own options, in this order
                          RequestError);
 }
 
+TEST_CASE("sbatch prints the job in its last line, and Slurm is asked about that job") {
+    using Words = std::vector<std::string>;
+    const auto words = [](const std::string& printed) {
+        const std::optional<SubmittedJob> job = parse_submitted(printed);
+        return job ? slurm_words(*job, {"scontrol", "show", "job"}) : Words{};
+    };
+    CHECK(words("12\n") == Words{"scontrol", "show", "job", "12"});
+    CHECK(words("Welcome to Site; 3 jobs\n 7\n12;far-1\n \n") ==
+          Words{"scontrol", "-M", "far-1", "show", "job", "12"});
+    for (const char* wrong : {"", "\n", "12;", "Submitted batch job 12\n", "12 13\n", ";far\n",
+                              "12;-a\n", "12;a b\n", "12\ndone\n"}) {
+        CAPTURE(wrong);
+        CHECK(words(wrong).empty());
+    }
+}
+
 TEST_CASE("a job waits, runs or has ended") {
     using enum JobState::Phase;
     const JobState waiting =
@@ -88,6 +107,15 @@ TEST_CASE("a job waits, runs or has ended") {
     CHECK(sentence_of(state_of("COMPLETING", "")) == "ends on n[1-2]");
     CHECK(state_of("FAILED", "Reason=NonZeroExitCode").phase == has_ended);
     CHECK(sentence_of(state_of("FAILED", "")) == "has ended: FAILED");
+    CHECK(state_of("STOPPED", "").phase == runs);
+    CHECK(state_of("SOMETHING_NEW", "").phase == runs);
+    CHECK(sentence_of(state_of("SOMETHING_NEW", "")) == "is SOMETHING_NEW on n[1-2]");
+    for (const char* end : {"BOOT_FAIL", "CANCELLED", "COMPLETED", "DEADLINE", "NODE_FAIL",
+                            "OUT_OF_MEMORY", "PREEMPTED", "TIMEOUT", "REVOKED"}) {
+        CAPTURE(end);
+        CHECK(state_of(end, "").phase == has_ended);
+    }
+    CHECK(parse_job_state("").phase == has_ended);
     CHECK(sentence_of(parse_job_state("")) == "has ended: unknown to Slurm");
 }
 
