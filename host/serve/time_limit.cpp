@@ -173,11 +173,14 @@ void EndWatch::run(std::optional<std::int64_t> user_end_s) {
     if (polled[1].revents != 0) {
         return;
     }
-    EndsSoon soon{end_s.value_or(0), "the program has received SIGUSR1"};
-    if (user_end_s) {
-        soon.why = "the time of --time-limit is over";
-    } else if (end_s) {
-        soon.why = fmt::format("the time of job {} is over", variable("SLURM_JOB_ID"));
+    EndsSoon soon{0, "the program has received SIGUSR1"};
+    // A signal that comes long before the known end is for another reason.
+    const bool is_near = end_s && *end_s - now_s() <= std::int64_t{2} * warn_before_s;
+    if (is_near) {
+        soon.at_s = *end_s;
+        soon.why = user_end_s
+                       ? "--time-limit is reached"
+                       : fmt::format("job {} reaches its time limit", variable("SLURM_JOB_ID"));
     }
     warn_(std::move(soon));
 }

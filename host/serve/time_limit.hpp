@@ -40,7 +40,8 @@ class EndSignal {
 };
 
 /// Calls `warn` once, from a thread of its own: warn_before_s before the end, or when SIGUSR1
-/// comes. The end is the one of the user; without one, that of the job of Slurm.
+/// comes. The end is the one of the user; without one, that of the job of Slurm. If the signal
+/// comes more than 2 * warn_before_s before that end, the warning names the signal, and no time.
 class EndWatch {
   public:
     /// user_end_s  Seconds since 1970.

@@ -229,7 +229,8 @@ class Machines(OnACluster):
         out = self.cluster.login(["cat", f"pxpl5-{job}.out"]).stdout
         self.assertEqual(told.returncode, 0, out)
         end = re.search(r" EndTime=(\S+)", told.stdout)[1]
-        at = re.search(rf"warning: This session ends at (\S+)Z: the time of job {job} is over", out)
+        at = re.search(rf"warning: This session ends at (\S+)Z: job {job} reaches its time limit",
+                       out)
         local = time.mktime(time.strptime(end, "%Y-%m-%dT%H:%M:%S"))
         self.assertEqual(at[1], time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(local)))
         file = re.search(r"Open it again with: pxpl5 serve --session (\S+)", out)[1]

@@ -46,7 +46,7 @@ struct Lost {
 /// Something outside of the program will end it.
 struct EndsSoon {
     std::int64_t at_s = 0;  ///< Seconds since 1970; 0: unknown, but soon.
-    std::string why;        ///< "the time of job 12 is over"
+    std::string why;        ///< "job 12 reaches its time limit"
 };
 using Event = std::variant<Joined, Left, Said, Lost, EndsSoon>;
 

@@ -69,7 +69,7 @@ TEST_CASE("the warning comes at once if less than two minutes are left") {
     const std::int64_t end_s = std::time(nullptr) + warn_before_s - 1;
     const EndsSoon soon = warning_of(signal, end_s);
     CHECK(soon.at_s == end_s);
-    CHECK(soon.why == "the time of --time-limit is over");
+    CHECK(soon.why == "--time-limit is reached");
 }
 
 TEST_CASE("SIGUSR1 warns of an end whose time may be unknown") {
@@ -79,9 +79,20 @@ TEST_CASE("SIGUSR1 warns of an end whose time may be unknown") {
     const EndsSoon soon = warning_of(signal, std::nullopt);
     CHECK(soon.at_s == 0);
     CHECK(soon.why == "the program has received SIGUSR1");
+}
+
+TEST_CASE("SIGUSR1 names the known end only if that is near") {
+    const EndSignal signal;
+    kill(getpid(), SIGUSR1);
+    const std::int64_t near_s = std::time(nullptr) + 2 * warn_before_s;
+    const EndsSoon soon = warning_of(signal, near_s);
+    CHECK(soon.at_s == near_s);
+    CHECK(soon.why == "--time-limit is reached");
     kill(getpid(), SIGUSR1);
     const std::int64_t late_s = std::time(nullptr) + 100'000;
-    CHECK(warning_of(signal, late_s).at_s == late_s);
+    const EndsSoon early = warning_of(signal, late_s);
+    CHECK(early.at_s == 0);
+    CHECK(early.why == "the program has received SIGUSR1");
 }
 
 TEST_CASE("the end of a job of Slurm is in its environment") {
@@ -90,7 +101,7 @@ TEST_CASE("the end of a job of Slurm is in its environment") {
     setenv("SLURM_JOB_END_TIME", "1000", 1);
     const EndsSoon soon = warning_of(signal, std::nullopt);
     CHECK(soon.at_s == 1000);
-    CHECK(soon.why == "the time of job 12 is over");
+    CHECK(soon.why == "job 12 reaches its time limit");
     unsetenv("SLURM_JOB_ID");
     unsetenv("SLURM_JOB_END_TIME");
 }

@@ -93,7 +93,7 @@ class TimeLimit(unittest.TestCase):
         program = self.serve("phantom:sphere", "--time-limit", "1:30")
         viewer = self.viewer(program)
         ends = self.warned(viewer)
-        self.assertEqual(ends["why"], "the time of --time-limit is over")
+        self.assertEqual(ends["why"], "--time-limit is reached")
         self.assertEqual(program.stop()[0], 0)
         at = time.mktime(time.strptime(ends["at"], "%Y-%m-%dT%H:%M:%SZ")) - time.timezone
         self.assertLessEqual(before + 89, at)
@@ -117,7 +117,7 @@ class TimeLimit(unittest.TestCase):
                         ((path,), told)):
             program = self.serve("phantom:sphere", env=(("SLURM_JOB_ID", "77"), *env))
             ends = self.warned(self.viewer(program))
-            self.assertEqual((ends["at"], ends["why"]), (at, "the time of job 77 is over"))
+            self.assertEqual((ends["at"], ends["why"]), (at, "job 77 reaches its time limit"))
             self.assertEqual(program.stop()[0], 0)
 
     def test_a_session_that_cannot_be_saved_is_told_of(self):

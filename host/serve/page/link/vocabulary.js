@@ -198,7 +198,7 @@ export function readAnswerHeader(view) {
  * Something outside of the program will end it.
  * @typedef {object} EndState
  * @property {string} at  "2026-11-24T05:00:00Z"; empty if unknown, but soon
- * @property {string} why  "the time of job 12 is over"
+ * @property {string} why  "job 12 reaches its time limit"
  * @property {string} open  the command that opens the saved session; empty if it is not saved
  */
 
