@@ -72,10 +72,16 @@ class BehindAPortal(server_case.Case):
         self.assertEqual((status, headers["location"]), (302, f"{prefix}/?token={token}"))
         self.assertEqual(self.ask(prefix)[0], 403)
         port = prefix.rpartition("/")[2]
-        for path in (f"//evil.example/{port}", f"/a%0d%0aX:1/{port}", f"/\\evil.example/{port}"):
+        # The library makes one slash of several, so the first address stays on this server.
+        there = f"/evil.example/{port}/?token={token}"
+        for path, expected in ((f"//evil.example/{port}", (302, there)),
+                               (f"/%2f/evil.example/{port}", (302, there)),
+                               (f"/a%0d%0aX:1/{port}", (403, None)),  # No token after the line.
+                               (f"/\\evil.example/{port}", (404, None)),
+                               (f"/%5cevil.example/{port}", (404, None))):
             status, headers, _ = self.server.request(path)
-            self.assertIn(status, (302, 400, 403, 404), path)
-            self.assertNotIn("evil", headers.get("location", "").split("/", 2)[1:2], path)
+            self.assertEqual((status, headers["location"]), expected, path)
+            self.assertNotRegex(headers.get("location", "/"), r"^(//|/\\|[a-z]+:)", path)
             self.assertNotIn("x", headers)
 
     def test_other_origins_and_hosts_stay_refused(self):
