@@ -70,6 +70,7 @@ Routes::Routes(RouteFolders folders) : downloads_(std::move(folders.downloads)) 
     if (index == files_.end()) {
         throw missing(folders.page / "index.html", "");
     }
+    index->second.is_page = true;
     files_["/"] = index->second;
     if (!fs::is_regular_file(folders.d3)) {
         throw missing(folders.d3, "; Debian's package node-d3 installs it");

@@ -14,6 +14,7 @@ struct ServedFile {
     std::filesystem::path path;
     std::string type;        ///< Content-Type.
     std::string attachment;  ///< Name to save it under; empty: to be shown.
+    bool is_page = false;    ///< The page itself, which gives a browser its cookie.
 };
 
 /// The handling of a request's path.

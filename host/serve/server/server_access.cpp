@@ -75,10 +75,17 @@ std::string_view cookie_value(std::string_view cookies, std::string_view name) {
     return {};
 }
 
+/// The origin as browsers name it: without the port of the scheme.
+std::string origin_of(std::string_view scheme, std::string_view host, std::string_view port) {
+    host.remove_suffix(host.ends_with(port) ? port.size() : 0);
+    return fmt::format("{}{}", scheme, host);
+}
+
 /// A portal may encrypt what this server does not, and may name this server in the Host header.
 bool is_portal(const AccessRules& rules, std::string_view origin) {
     return std::ranges::any_of(rules.portals, [&](const std::string& host) {
-        return origin == "https://" + host || origin == "http://" + host;
+        return origin == origin_of("https://", host, ":443") ||
+               origin == origin_of("http://", host, ":80");
     });
 }
 

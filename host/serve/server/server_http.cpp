@@ -130,8 +130,7 @@ int Loop::on_request(lws* connection) {
             return add_slash(connection, request);
         case RouteKind::file:
             // With the page alone: the cookie belongs to the folder of what comes with it.
-            return send_file(connection, route.file,
-                             route.file.path.filename() == "index.html" ? verdict.cookie : "");
+            return send_file(connection, route.file, route.file.is_page ? verdict.cookie : "");
         default:
             return refuse(connection, 426, "This path accepts WebSocket connections only.");
     }

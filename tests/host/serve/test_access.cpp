@@ -102,6 +102,25 @@ TEST_CASE("a page from elsewhere may not use the server") {
     CHECK(judge(encrypted, request).cookie.ends_with("; Secure"));
 }
 
+TEST_CASE("browsers leave out the port of the scheme in the origin of a portal") {
+    AccessRules behind = rules();
+    allow_hosts(behind, {"full.example:443", "bare.example:80", "odd.example:8443"});
+    Request request = with_token("d0d0");
+    for (const char* origin :
+         {"https://full.example", "http://full.example:443", "http://bare.example",
+          "https://bare.example:80", "https://odd.example:8443", "http://odd.example:8443"}) {
+        CAPTURE(origin);
+        request.origin = origin;
+        CHECK(judge(behind, request).status == 200);
+    }
+    for (const char* origin : {"http://full.example", "https://bare.example", "https://odd.example",
+                               "https://odd.example:443"}) {
+        CAPTURE(origin);
+        request.origin = origin;
+        CHECK(judge(behind, request).status == 403);
+    }
+}
+
 TEST_CASE("tokens are 32 hexadecimal digits and never the same") {
     const std::string token = random_token();
     CHECK(token.size() == 32);

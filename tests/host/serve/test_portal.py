@@ -44,8 +44,10 @@ class BehindAPortal(server_case.Case):
                 self.assertEqual(self.ask(prefix + path, Cookie=cookie)[0], 200, kind + path)
                 self.assertEqual(self.ask(prefix + path)[0], 403, kind + path)
             # A cookie of a download would belong to its folder.
-            status, headers, _ = self.ask(f"{prefix}/download/mesh.ply?token={token}")
-            self.assertEqual((status, headers["set-cookie"]), (200, None))
+            for name in ("mesh.ply", "index.html"):
+                (pathlib.Path(self.folder) / "downloads" / name).touch()
+                status, headers, _ = self.ask(f"{prefix}/download/{name}?token={token}")
+                self.assertEqual((status, headers["set-cookie"]), (200, None), name)
             self.assertEqual(self.ask(prefix + "/nothing", Cookie=cookie)[0], 404)
             for path in ("/../secret", "/download/..%2fsecret", "/%2e%2e/%2e%2e/secret"):
                 self.assertIn(self.ask(prefix + path, Cookie=cookie)[0], (400, 403, 404), path)

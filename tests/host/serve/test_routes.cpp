@@ -38,6 +38,9 @@ TEST_CASE("the page's files, D3 and downloads have their paths and types") {
     const Folders at;
     const Routes routes(at.folders);
     CHECK(routes.find("/").file.path == at.folders.page / "index.html");
+    CHECK(routes.find("/").file.is_page);
+    CHECK(routes.find("/index.html").file.is_page);
+    CHECK_FALSE(routes.find("/main.js").file.is_page);
     CHECK(routes.find("/").file.type == "text/html; charset=utf-8");
     CHECK(routes.find("/main.js").file.type == "text/javascript; charset=utf-8");
     CHECK(routes.find("/panels/slice.js").kind == RouteKind::file);
