@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "host/session/transfer/slices_file_check.hpp"
+
 namespace pxpl5::host {
 
 namespace {
@@ -104,6 +106,10 @@ void Session::begin_again_or_drop(const Scene& wanted) {
 }
 
 void Session::scale(const NodeChange& change) {
+    if (volumes.has_volume() && volumes.volume().file) {
+        // The GPs read the file again. The machine continues if they cannot.
+        check_unchanged(*volumes.volume().file, volumes.volume().source);
+    }
     MachinePort& machine = conversation.machine();
     const Scene before = scene;
     bool has_new_nodes = false;

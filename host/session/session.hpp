@@ -48,7 +48,8 @@ struct Session {
     /// The same. If the content cannot be restored, drops it and throws ContentLost.
     void begin_again_or_drop(const Scene& wanted);
     /// Adds or retires GPs and Renderers, and restores everything. Throws RequestError for a count
-    /// out of range (usage), and if the machine cannot start or cannot hold the content with the
+    /// out of range (usage), for a file that the GPs read and that has changed (bad_data; then the
+    /// machine continues), and if the machine cannot start or cannot hold the content with the
     /// new nodes (failed): then it has its former nodes.
     void scale(const NodeChange& change);
     ~Session() { conversation.machine().name_surfaces({}); }

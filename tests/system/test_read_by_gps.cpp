@@ -316,7 +316,13 @@ TEST_CASE("GPs read the file again after a change of the machine, if it is still
 
     const auto time = fs::last_write_time(file);
     fs::last_write_time(file, time + std::chrono::seconds(7));
-    const std::string error = error_of([&] { session.scale({1, 0}); });
+    CHECK(has(error_of([&] { session.scale({1, 0}); }), ". Load it again when it is complete"));
+    CHECK(session.conversation.gps().size() == 3);
+    CHECK(result_of(session) == before);
+
+    const Scene scene = session.scene;
+    machine.start_again({});
+    const std::string error = error_of([&] { session.begin_again_or_drop(scene); });
     char name[256] = {};
     REQUIRE(gethostname(name, sizeof name - 1) == 0);
     CHECK(has(error, "gp-"));

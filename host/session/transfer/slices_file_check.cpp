@@ -67,6 +67,28 @@ bool names_data_file(const fs::path& source) {
     return std::string_view(begin.data(), begin.size()) == magic;
 }
 
+/// Refuses a file that is not the one that the io process read. It lies at `place`.
+void check_facts(const SlicesFile& file, const fs::path& place, const std::string& source) {
+    constexpr std::int64_t ns_per_s = 1'000'000'000;
+    struct stat now {};
+    if (stat(place.c_str(), &now) != 0) {
+        refuse(source, fmt::format("its data file {}: {}", file.path, std::strerror(errno)));
+    }
+    if (!S_ISREG(now.st_mode)) {
+        refuse(source, fmt::format("its data file {} is no regular file", file.path));
+    }
+    const FileFacts facts{static_cast<std::uint64_t>(now.st_size), now.st_ino,
+                          now.st_mtim.tv_sec * ns_per_s + now.st_mtim.tv_nsec};
+    if (facts != file.facts) {
+        refuse(source,
+               fmt::format("its data file {} has {} bytes, inode {}, and changed at {} ns; the io "
+                           "process read {} bytes, inode {}, changed at {} ns. Load it again when "
+                           "it is complete",
+                           file.path, facts.size_bytes, facts.inode, facts.modified_ns,
+                           file.facts.size_bytes, file.facts.inode, file.facts.modified_ns));
+    }
+}
+
 /// Refuses a file that the io process could not read itself, and one that has changed.
 void check_file(const SlicesFile& file, const Asked& asked) {
     const std::string& source = asked.source;
@@ -96,20 +118,7 @@ void check_file(const SlicesFile& file, const Asked& asked) {
                                        file.path));
         }
     }
-    constexpr std::int64_t ns_per_s = 1'000'000'000;
-    if (stat(real.c_str(), &now) != 0 || !S_ISREG(now.st_mode)) {
-        refuse(source, fmt::format("its data file {} is no regular file", file.path));
-    }
-    const FileFacts facts{static_cast<std::uint64_t>(now.st_size), now.st_ino,
-                          now.st_mtim.tv_sec * ns_per_s + now.st_mtim.tv_nsec};
-    if (facts != file.facts) {
-        refuse(source,
-               fmt::format("its data file {} has {} bytes, inode {}, and changed at {} ns; the io "
-                           "process read {} bytes, inode {}, changed at {} ns. Load it again when "
-                           "it is complete",
-                           file.path, facts.size_bytes, facts.inode, facts.modified_ns,
-                           file.facts.size_bytes, file.facts.inode, file.facts.modified_ns));
-    }
+    check_facts(file, real, source);
 }
 
 /// Refuses a file where the request has the host read the values.
@@ -129,22 +138,32 @@ void check_due(const SlicesFile& file, const bus::schema::ImportVolumeT& request
     }
 }
 
+/// Calls `check`, and waits for the file system up to the limit.
+template <class Check>
+void within_limit(const SlicesFile& file, const std::string& source, Check check) {
+    const auto checked = answer_within(answer_ms, [check] {
+        check();
+        return true;
+    });
+    if (!checked) {
+        refuse(source,
+               fmt::format("its data file {} cannot be checked: the file system does not answer "
+                           "within {} s. Load it again when the file system answers",
+                           file.path, answer_ms / 1000));
+    }
+}
+
 }  // namespace
 
 void check_slices_file(const SlicesFile& file, const bus::schema::ImportVolumeT& request,
                        const std::vector<std::string>& folders) {
     check_due(file, request);
     const Asked asked{request.path, request.raw != nullptr, folders};
-    const auto checked = answer_within(answer_ms, [file, asked] {
-        check_file(file, asked);
-        return true;
-    });
-    if (!checked) {
-        refuse(request.path,
-               fmt::format("its data file {} cannot be checked: the file system does not answer "
-                           "within {} s. Load it again when the file system answers",
-                           file.path, answer_ms / 1000));
-    }
+    within_limit(file, asked.source, [file, asked] { check_file(file, asked); });
+}
+
+void check_unchanged(const SlicesFile& file, const std::string& source) {
+    within_limit(file, source, [file, source] { check_facts(file, file.path, source); });
 }
 
 }  // namespace pxpl5::host

@@ -18,4 +18,8 @@ namespace pxpl5::host {
 void check_slices_file(const SlicesFile& file, const bus::schema::ImportVolumeT& request,
                        const std::vector<std::string>& folders);
 
+/// Checks that the facts of `file`, from which GPs have read the volume of `source`, are still the
+/// same. Throws RequestError (bad_data) naming the file and both values.
+void check_unchanged(const SlicesFile& file, const std::string& source);
+
 }  // namespace pxpl5::host

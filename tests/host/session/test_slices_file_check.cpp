@@ -142,7 +142,13 @@ TEST_SUITE("host/session/slices_file_check") {
         CHECK(has(bench.error_of(changed),
                   fmt::format("changed at {} ns. Load it again", changed.facts.modified_ns)));
         CHECK(has(bench.error_of(bench.folder / "raw"), "is no regular file"));
+        CHECK_THROWS_AS(check_unchanged(changed, "scan"), RequestError);
+        check_unchanged(DataBench::file_at(bench.folder / "values.raw"), "scan");
         changed.path = bench.folder / "missing.raw";
+        CHECK_THROWS_WITH_AS(
+            check_unchanged(changed, "scan"),
+            ("scan: its data file " + changed.path + ": No such file or directory").c_str(),
+            RequestError);
         CHECK(has(bench.error_of(changed), "missing.raw: No such file or directory"));
         bench.request.path = bench.folder;
         CHECK(has(bench.error_of(bench.folder / "values.raw"), "is no regular file, but"));
