@@ -167,7 +167,7 @@ class Follower {
     std::string said_;
     std::optional<steady_clock::time_point> runs_since_;
     std::filesystem::path folder_;       ///< The run folder of the session, once it exists.
-    std::filesystem::path past_folder_;  ///< That of the session before the job waited again.
+    std::filesystem::path past_folder_;  ///< The folder before the job waited again.
     bool is_up_ = false, has_missed_session_ = false;
     steady_clock::time_point begin_ = steady_clock::now();
 };
