@@ -6,26 +6,56 @@ usage: test_jobs.py BIN [unittest's arguments]
 SKIPPED without root, without the packages of `host/setup.sh cluster`, or without namespaces.
 """
 import pathlib
+import queue
 import re
 import shlex
 import signal
 import sys
+import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from cluster import Cluster, missing  # noqa: E402
+from cluster import missing  # noqa: E402
+from on_cluster import BIN, LIMIT_S, PXPL5, Dialog, new_cluster  # noqa: E402
 
-BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin").resolve()
-PXPL5 = str(BIN / "pxpl5")
-LIMIT_S = 120
 UP = r"Ctrl-C ends job \d+"
+
+
+class Follower(Dialog):
+    """A `pxpl5 serve` that follows its job."""
+
+    def __init__(self, program):
+        super().__init__(program)
+        self.shown = ""
+        self.job = self.until(r"job (\d+) is submitted")[1]
+
+    def until(self, pattern):
+        """Reads lines until one has the pattern. Returns the match."""
+        end = time.monotonic() + LIMIT_S
+        while not (found := re.search(pattern, self.shown)):
+            try:
+                line = self.out.get(timeout=max(0, end - time.monotonic()))
+            except queue.Empty:
+                raise AssertionError(f"no '{pattern}' in {LIMIT_S} s: {self.shown}") from None
+            if not line:
+                raise AssertionError(f"no '{pattern}': {self.shown}{self.rest(self.notes)}")
+            self.shown += line
+        return found
+
+    @staticmethod
+    def rest(lines):
+        return "".join(iter(lambda: lines.get(timeout=LIMIT_S), ""))
+
+    def ended(self):
+        """Waits for the end. Returns exit code, unread output and standard error."""
+        code = self.program.wait(LIMIT_S)
+        return code, self.rest(self.out), self.rest(self.notes)
 
 
 class Jobs(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.cluster = cls.enterClassContext(Cluster(
-            computers=3, slots=64, hosts_as_debian=True, noisy_bashrc=True, shared=[BIN]))
+        cls.cluster = cls.enterClassContext(new_cluster())
 
     def tearDown(self):
         self.cluster.login(["scancel", "--me"])
@@ -34,22 +64,8 @@ class Jobs(unittest.TestCase):
     def serve(self, *words):
         program = self.cluster.popen("login", [PXPL5, "serve", "--engine", "slurm", *words],
                                      stdout=-1, stderr=-1, text=True)
-        program.said = ""
-        program.job = self.until(program, r"job (\d+) is submitted")[1]
-        return program
-
-    def until(self, program, pattern):
-        """Reads lines until one has the pattern. Returns the match."""
-        while not (found := re.search(pattern, program.said)):
-            line = program.stdout.readline()
-            if not line:
-                self.fail(f"no '{pattern}': {program.said}{program.communicate()[1]}")
-            program.said += line
-        return found
-
-    def end_of(self, program):
-        out, complaint = program.communicate(timeout=LIMIT_S)
-        return program.returncode, out, complaint
+        self.addCleanup(program.end)
+        return Follower(program)
 
     def job(self, program):
         return self.cluster.login(["scontrol", "show", "job", program.job]).stdout
@@ -59,10 +75,10 @@ class Jobs(unittest.TestCase):
                                    "--output=/dev/null", "--wrap", "tail -f /dev/null"]).stdout
         for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
             program = self.serve("--nodes", "2")
-            self.until(program, r"job \d+ waits: Resources \(the computers that it needs are in")
+            program.until(r"job \d+ waits: Resources \(the computers that it needs are in")
             self.assertIn("JobState=PENDING", self.job(program))
-            program.send_signal(number)
-            ended, out, complaint = self.end_of(program)
+            program.program.send_signal(number)
+            ended, out, complaint = program.ended()
             self.assertEqual((ended, complaint), (code, ""))
             self.assertIn(f"job {program.job} is canceled\n", out)
             self.assertIn("JobState=CANCELLED", self.job(program))
@@ -72,24 +88,26 @@ class Jobs(unittest.TestCase):
     def test_a_job_shows_its_page_by_the_line_for_ssh(self):
         program = self.serve("--nodes", "2", "--time-limit", "10", "phantom:sphere",
                              "--sbatch-option=--comment=of ada", "--sbatch-option", "-Jball")
-        self.until(program, UP)
+        program.until(UP)
         job = self.job(program)
         for words in ("NumNodes=2", "TimeLimit=00:10:00", "Comment=of ada", "JobName=ball"):
             self.assertIn(words, job)
-        url, = re.findall(r"open +(http://127.0.0.1:\d+/\?token=\w+)\n", program.said)
-        line, = re.findall(r"from another computer: (ssh .*), then open the same", program.said)
+        url, = re.findall(r"open +(http://127.0.0.1:\d+/\?token=\w+)\n", program.shown)
+        line, = re.findall(r"from another computer: (ssh .*), then open the same", program.shown)
         self.assertRegex(line, r"^ssh -L (\d+):127\.0\.0\.1:\1 -J login n\d$")
         away = ({"n1", "n2", "n3"} - set(re.findall(r"n\d", line))).pop()
-        with self.cluster.popen(away, [*shlex.split(line), "echo up; read line"],
-                                stdin=-1, stdout=-1, stderr=-1, text=True) as tunnel:
-            while (said := tunnel.stdout.readline()) != "up\n":
-                self.assertTrue(said, "ssh has ended")
-            get = f"import urllib.request as r; print(r.urlopen({url!r}).read().decode())"
-            page = self.cluster.on(away, [sys.executable, "-c", get]).stdout
+        tunnel = Dialog(self.cluster.popen(away, [*shlex.split(line), "echo up; read line"],
+                                           stdin=-1, stdout=-1, stderr=-1, text=True))
+        self.addCleanup(tunnel.program.end)
+        while (said := tunnel.out.get(timeout=LIMIT_S)) != "up\n":
+            self.assertTrue(said, "ssh has ended")
+        get = f"import urllib.request as r; print(r.urlopen({url!r}).read().decode())"
+        page = self.cluster.on(away, [sys.executable, "-c", get]).stdout
+        tunnel.end()
         self.assertIn("<title>pxpl5</title>", page)
         self.check_secret(program, url.partition("token=")[2])
-        program.send_signal(signal.SIGINT)
-        code, out, complaint = self.end_of(program)
+        program.program.send_signal(signal.SIGINT)
+        code, out, complaint = program.ended()
         self.assertEqual((code, complaint), (0, ""))
         self.assertIn(f"job {program.job} is canceled\n", out)
         self.cluster.wait_until_idle()
@@ -108,21 +126,21 @@ class Jobs(unittest.TestCase):
 
     def test_a_job_goes_on_without_the_terminal(self):
         program = self.serve("phantom:sphere")
-        self.until(program, UP)
-        program.send_signal(signal.SIGHUP)
-        self.assertEqual(self.end_of(program)[0], -signal.SIGHUP)
+        program.until(UP)
+        program.program.send_signal(signal.SIGHUP)
+        self.assertEqual(program.ended()[0], -signal.SIGHUP)
         self.assertIn("JobState=RUNNING", self.job(program))
         shown = self.cluster.login([PXPL5, "sessions", "show", program.job]).stdout
         self.assertRegex(shown, r"open +http://127.0.0.1:\d+/\?token=")
 
     def test_the_end_of_a_job_names_the_saved_session(self):
         program = self.serve("phantom:sphere", "--time-limit", "2")
-        self.until(program, UP)
+        program.until(UP)
         wait = (f"until grep -q 'session is saved' pxpl5-{program.job}.out; do "
                 f"[ \"$(squeue -h -j {program.job} -o %T)\" ] || exit 1; sleep 0.1; done")
         self.cluster.login(["sh", "-c", wait], timeout=LIMIT_S)
         self.cluster.login(["scancel", program.job])
-        code, out, complaint = self.end_of(program)
+        code, out, complaint = program.ended()
         self.assertEqual((code, complaint), (0, ""))
         self.assertRegex(out, rf"job {program.job} has ended: CANCELLED\n")
         file = re.search(r"Open it again with: pxpl5 serve --session (\S+)", out)[1]
@@ -130,7 +148,7 @@ class Jobs(unittest.TestCase):
 
     def test_a_job_that_fails_shows_the_end_of_its_output(self):
         program = self.serve("missing.nrrd")
-        code, _, complaint = self.end_of(program)
+        code, _, complaint = program.ended()
         self.assertEqual(code, 69)
         self.assertRegex(complaint, rf"error: job {program.job} has ended: FAILED, before its page "
                          rf"was up. The end of its output /home/ada/pxpl5-{program.job}.out:\n"
