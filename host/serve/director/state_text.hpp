@@ -17,7 +17,7 @@ struct EndNotice {
     std::string problem;  ///< Why the session cannot be saved.
 };
 
-/// "This session ends at 2026-11-24T05:00:00Z: the time of job 12 is over."
+/// "This session ends at 2026-11-24T05:00:00Z: job 12 reaches its time limit."
 std::string sentence_of(const EndNotice& notice);
 
 /// Values of the state that the session does not have.
