@@ -51,7 +51,7 @@ class VolumeReader {
     std::optional<VolumeReceiver> receiver_;
     std::optional<Volume> received_;
     bool is_reading_ = false;  ///< A request for a volume is under way.
-    ImportOptions request_;    ///< That request.
+    ImportOptions request_;    ///< The request under way.
 };
 
 }  // namespace pxpl5::host
