@@ -210,7 +210,8 @@ test('an upload tells its name in a line and its progress, of one file, too', as
 });
 
 test('every option of `load` that an error may advise has a field', async () => {
-  const { text } = await say(await rawSocket(page, server.url), 'help load');
+  const raw = await rawSocket(page, server.url);
+  const { text } = await say(raw, 'help load');
   const options = [...text.matchAll(/\b(\w+)=/g)].map(([, name]) => name);
   assert.ok(options.includes('spacing'), text);
   for (const name of options) assert.equal(await byId(`open-${name}`).count(), 1, name);
@@ -221,9 +222,11 @@ test('every option of `load` that an error may advise has a field', async () => 
   await byId('open-path').fill(file);
   await byId('open-raw').fill('8x8x8,uint8');
   await byId('open-spacing').fill('1,1,2');
+  await byId('open-read').selectOption('gps');
   await byId('open-go').click();
   const { volume } = await stateWhen(page, now => now.volume?.size.every(each => each === 8));
   assert.deepEqual(volume.spacing_mm, [1, 1, 2]);
+  assert.match((await say(raw, 'history')).text, /bare\.raw .*read=gps/);
 });
 
 test('no text names a control that is not there', async () => {

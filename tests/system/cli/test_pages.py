@@ -54,6 +54,9 @@ EXCUSED = {
     (COMPUTERS, "pxpl5 serve --engine wait --set wait=2 --listen 0.0.0.0:5755 --key-file "
                 "session.key"): SEVERAL,
     (COMPUTERS, "pxpl5 join tcp://n1:5755 --key-file session.key --wait 600 --again"): SEVERAL,
+    (COMPUTERS, "pxpl5 run --engine slurm -"): SEVERAL,
+    (COMPUTERS, "sbatch -N2 --wrap 'srun pxpl5 join tcp://n1:40001 --key-file .../join.key'"):
+        SEVERAL,
     (SERVE, "pxpl5 serve knee.nii.gz --engine slurm --nodes 3 --time-limit 90 "
             "--sbatch-option=--partition=gpu"): "needs Slurm; cluster/jobs submits such jobs",
     (SERVE, "pxpl5 serve knee.nii.gz --bind 0.0.0.0 --insecure --allow-host ondemand.example.edu"):

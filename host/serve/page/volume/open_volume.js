@@ -157,9 +157,14 @@ function createOptions() {
     ['orientation', 'Orientation', 'Sides to which x, y, z point, if not stated, e.g. RAI'],
     ['origin', 'Origin', 'First voxel in mm, LPS, if not stated, e.g. -120,-120,40'],
     ['raw', 'Raw layout', 'Of a file without a header, e.g. 64x64x32,int16'],
-  ]).map(([key, label, title]) => {
-    const input = h('input', {type: 'text', class: 'grow', id: `open-${key}`, title,
-      autocomplete: 'off', 'data-testid': `open-${key}`});
+    ['read', 'Read by', 'The GPs each read their part of an uncompressed file, if it is large',
+      {'': 'host, or GPs above 8 GiB', host: 'host', gps: 'GPs'}],
+  ]).map(([key, label, title, choices]) => {
+    const given = {class: 'grow', id: `open-${key}`, title, 'data-testid': `open-${key}`};
+    const input = choices
+      ? h('select', given, ...Object.entries(choices).map(([value, text]) =>
+        h('option', {value}, text)))
+      : h('input', {...given, type: 'text', autocomplete: 'off'});
     return {key, input, row: h('label', {class: 'row', title}, h('span', {class: 'field'}, label),
       input, h('span', {class: 'muted example'}, title))};
   });
