@@ -17,6 +17,7 @@
 #include <cstring>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/owned_descriptor.hpp"
 
 namespace pxpl5::host {
 
@@ -24,19 +25,6 @@ namespace {
 
 constexpr std::size_t max_output_bytes = 65'536;
 constexpr int kill_ms = 5000;  // A killed process ends late while the kernel waits for a disk.
-
-/// A descriptor that is closed at the end of its life.
-struct File {
-    int fd;
-    explicit File(int opened) : fd(opened) {}
-    ~File() {
-        if (fd >= 0) {
-            close(fd);
-        }
-    }
-    File(const File&) = delete;
-    File& operator=(const File&) = delete;
-};
 
 [[noreturn]] void refuse(const std::string& program, int error) {
     throw RequestError(ExitCode::unavailable,
@@ -53,14 +41,14 @@ int open_memory(const std::string& program, const char* name) {
 }
 
 /// Makes writes past the limit fail, so that the output cannot fill the memory.
-void limit_output(const std::string& program, const File& file) {
+void limit_output(const std::string& program, const OwnedDescriptor& file) {
     if (ftruncate(file.fd, max_output_bytes) < 0 || fcntl(file.fd, F_ADD_SEALS, F_SEAL_GROW) < 0) {
         refuse(program, errno);
     }
 }
 
 /// Returns what the program has written. The program shares the file's offset.
-std::string text_of(const File& file) {
+std::string text_of(const OwnedDescriptor& file) {
     const auto size = std::clamp<off_t>(lseek(file.fd, 0, SEEK_CUR), 0, max_output_bytes);
     std::string text(static_cast<std::size_t>(size), '\0');
     const ssize_t got = pread(file.fd, text.data(), text.size(), 0);
@@ -99,7 +87,7 @@ pid_t start(std::vector<std::string>& words, const std::array<int, 3>& streams) 
 }
 
 /// Returns whether the process has ended within the time, and before `stop_fd` is readable.
-bool ends_in_time(const File& process, int limit_ms, int stop_fd) {
+bool ends_in_time(const OwnedDescriptor& process, int limit_ms, int stop_fd) {
     using Clock = std::chrono::steady_clock;
     std::array<pollfd, 2> polled{{{process.fd, POLLIN, 0}, {stop_fd, POLLIN, 0}}};
     const Clock::time_point end = Clock::now() + std::chrono::milliseconds(limit_ms);
@@ -124,7 +112,7 @@ int code_of(pid_t pid) {
 
 ProgramEnd run_program(std::vector<std::string> words, std::string_view input, int limit_ms,
                        int stop_fd) {
-    const File in(open_memory(words[0], "in")), out(open_memory(words[0], "out")),
+    const OwnedDescriptor in(open_memory(words[0], "in")), out(open_memory(words[0], "out")),
         errors(open_memory(words[0], "errors"));
     limit_output(words[0], out);
     limit_output(words[0], errors);
@@ -133,7 +121,7 @@ ProgramEnd run_program(std::vector<std::string> words, std::string_view input, i
     }
     lseek(in.fd, 0, SEEK_SET);
     const pid_t pid = start(words, {in.fd, out.fd, errors.fd});
-    const File process(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
+    const OwnedDescriptor process(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
     if (process.fd < 0) {
         const int error = errno;
         kill(-pid, SIGKILL);

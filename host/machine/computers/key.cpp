@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/owned_descriptor.hpp"
 #include "host/base/kernel/run_program.hpp"
 #include "host/machine/supervisor.hpp"
 
@@ -29,19 +30,6 @@ constexpr std::size_t max_key_bytes = 4096;
 constexpr int munge_ms = 10'000;
 constexpr int hexadecimal = 16;
 constexpr std::size_t number_digits = 16;  // Of 64 bits.
-
-/// A descriptor that is closed at the end of its life.
-struct File {
-    int fd;
-    explicit File(int opened) : fd(opened) {}
-    ~File() {
-        if (fd >= 0) {
-            close(fd);
-        }
-    }
-    File(const File&) = delete;
-    File& operator=(const File&) = delete;
-};
 
 void write_all(int fd, std::string_view text) {
     if (write(fd, text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
@@ -154,7 +142,7 @@ bus::Credentials parse_key(std::string_view text, const std::string& source) {
 }
 
 void write_key_file(const std::filesystem::path& path, const bus::Credentials& credentials) {
-    const File file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    const OwnedDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
     if (file.fd < 0) {
         throw RequestError(ExitCode::failed, fmt::format("cannot make the key file {}: {}",
                                                          path.string(), std::strerror(errno)));
@@ -181,7 +169,7 @@ bool is_open_to_others(const struct stat& facts) {
 }  // namespace
 
 bus::Credentials read_key_file(const std::filesystem::path& path) {
-    const File file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+    const OwnedDescriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
     struct stat facts {};
     if (file.fd < 0 || fstat(file.fd, &facts) != 0) {
         throw RequestError(ExitCode::usage, fmt::format("cannot read the key file {}: {}",
