@@ -80,7 +80,7 @@ std::string computers_text(const Roster& roster, const std::vector<int>& places,
 }  // namespace
 
 NetworkForecast network_forecast(const Roster& roster, const std::vector<int>& places,
-                                 std::uint32_t width, std::uint32_t height) {
+                                 std::uint32_t width, std::uint32_t height, Recording recording) {
     int frame_buffer = own_computer;
     std::map<int, double> gps, renderers;  // Nodes by computer.
     double gp_count = 0, renderer_count = 0;
@@ -107,8 +107,11 @@ NetworkForecast network_forecast(const Roster& roster, const std::vector<int>& p
         renderer_count);
     forecast.picture_bytes =
         frame_buffer == own_computer ? 0 : std::uint64_t{width} * height * sizeof(std::uint32_t);
-    forecast.bytes_per_triangle = isa::triangle::word_count * sizeof(std::uint32_t) *
-                                  (1 - near_pairs / (gp_count * renderer_count));
+    const std::size_t program_bytes =
+        isa::triangle::word_count * sizeof(std::uint32_t) +
+        (recording == Recording::off ? 0 : sizeof(bus::schema::Origin));
+    forecast.bytes_per_triangle =
+        static_cast<double>(program_bytes) * (1 - near_pairs / (gp_count * renderer_count));
     return forecast;
 }
 
@@ -122,7 +125,8 @@ std::string plan_text(const Topology& topology) {
     }
     const Roster roster = roster_of(topology);
     const std::vector<int> places = place_nodes(roster, topology, cluster.computers);
-    const NetworkForecast forecast = network_forecast(roster, places, usual_px, usual_px);
+    const NetworkForecast forecast =
+        network_forecast(roster, places, usual_px, usual_px, topology.record);
     return fmt::format(
         "plan:\n{}expected between computers, for a frame of {} x {} pixels: {:.2f} MB of pixels,\n"
         "and {:.2f} MB for each 10000 triangles in sight, once for each region that they touch\n",

@@ -20,9 +20,10 @@ struct NetworkForecast {
 /// The forecast for a picture of `width` x `height` pixels and one view. It assumes that each
 /// Renderer draws as many regions, and each GP as many triangles, as every other.
 ///
-/// places  The computer of each node of `roster`, as place_nodes() returns it.
+/// places     The computer of each node of `roster`, as place_nodes() returns it.
+/// recording  While a run is recorded, programs include the origin of each triangle.
 NetworkForecast network_forecast(const Roster& roster, const std::vector<int>& places,
-                                 std::uint32_t width, std::uint32_t height);
+                                 std::uint32_t width, std::uint32_t height, Recording recording);
 
 /// The nodes by computer, and the forecast for 512 x 512 pixels. Empty if the engine is local. Says
 /// what is missing where the number of cores of a computer is not known yet.

@@ -91,7 +91,7 @@ TEST_CASE("placement: a computer that is not there is named with those that are"
 
 TEST_CASE("plan: what crosses the network follows from the places") {
     const auto forecast = [](const Placed& placed) {
-        return network_forecast(placed.roster, placed.places, 512, 512);
+        return network_forecast(placed.roster, placed.places, 512, 512, Recording::off);
     };
     // All GPs and Renderers on n1: 16 regions of 128 x 128 pixels, and no program.
     const NetworkForecast together = forecast(place(2, 2, {{"n1", 4}}));
@@ -101,13 +101,17 @@ TEST_CASE("plan: what crosses the network follows from the places") {
     // GPs on n1 and n2, both Renderers on n1: the programs of half of the GPs.
     const NetworkForecast apart = forecast(place(4, 2, {{"n1", 4}, {"n2", 4}}, {"placement=pack"}));
     CHECK(apart.bytes_per_triangle == 34 * 4 * 0.5);
+    // A record of the run needs the 8 bytes of each triangle's origin, too.
+    const Placed recorded = place(4, 2, {{"n1", 4}, {"n2", 4}}, {"placement=pack"});
+    CHECK(network_forecast(recorded.roster, recorded.places, 512, 512, Recording::flight)
+              .bytes_per_triangle == (34 * 4 + 8) * 0.5);
     // A frame buffer beside the Renderers: the picture crosses instead of the regions.
     const NetworkForecast beside = forecast(place(2, 2, {{"n1", 4}}, {"frame_buffer.computer=n1"}));
     CHECK(beside.pixel_bytes == 0);
     CHECK(beside.picture_bytes == 512 * 512 * 4);
     // One pixel more is a row and a column of regions more.
     const Placed placed = place(2, 2, {{"n1", 4}});
-    CHECK(network_forecast(placed.roster, placed.places, 513, 513).pixel_bytes ==
+    CHECK(network_forecast(placed.roster, placed.places, 513, 513, Recording::off).pixel_bytes ==
           25 * 128 * 128 * 4);
 }
 
@@ -126,7 +130,7 @@ TEST_CASE("plan: the text has the nodes of each computer, or what is missing") {
           "  n1               30 nodes  gp-0..13, renderer-0..15\n"
           "  n2               22 nodes  gp-14..35\n"
           "expected between computers, for a frame of 512 x 512 pixels: 1.05 MB of pixels,\n"
-          "and 0.83 MB for each 10000 triangles in sight, once for each region that they touch\n");
+          "and 0.88 MB for each 10000 triangles in sight, once for each region that they touch\n");
     CHECK(text({"engine=ssh", "computers=n1:8,n2:8"}).find("(more than its 8 slots)") !=
           std::string::npos);
 }
