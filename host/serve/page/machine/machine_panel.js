@@ -1,5 +1,6 @@
 // Panel: the activity of the nodes, and the events after a node dies.
 import {h} from '../elements/dom.js';
+import {ComputersView} from './computers_view.js';
 import {ModelView} from './model_view.js';
 import {NodeDialog} from './node_dialog.js';
 import {NodeList} from './node_list.js';
@@ -46,6 +47,7 @@ class MachinePanel {
     this.nodes = new NodeList(choose);
     this.regions = new RegionMap();
     this.stages = new StageBars();
+    this.computers = new ComputersView(app);
     this.title = h('span', {'data-testid': 'machine-title'});
     this.events = h('ol', {class: 'events', 'data-testid': 'machine-events',
       'aria-live': 'polite', hidden: true});
@@ -55,6 +57,7 @@ class MachinePanel {
       h('h3', {}, 'Load of each node'), this.nodes.element,
       h('p', {class: 'legend'}, 'Each curve shows the last 10 seconds. Click a node to inspect ' +
         'or kill it.'),
+      this.computers.element,
       h('h3', {}, 'Regions by Renderer'), this.regions.canvas, this.regions.readout,
       h('h3', {}, 'Time per frame'), this.stages.element,
       h('h3', {}, 'Modelled machine of 1993'), new ModelView(app).element);
@@ -67,8 +70,13 @@ class MachinePanel {
   /** @param {HTMLElement} root */
   listen(root) {
     const {connection, store} = this.app;
-    root.addEventListener('panelshow', () => connection.wantMachine(true));
-    root.addEventListener('panelhide', () => connection.wantMachine(false));
+    for (const [event, isShown] of /** @type {const} */ ([['panelshow', true],
+      ['panelhide', false]])) {
+      root.addEventListener(event, () => {
+        connection.wantMachine(isShown);
+        this.computers.show(isShown);
+      });
+    }
     connection.on('machine', report => this.take(report));
     connection.on('note', ({level, text}) => {
       const dead = this.report?.nodes.filter(({name}) => names(text, name)) ?? [];

@@ -1,0 +1,108 @@
+// The other computers of a machine: their state, and buttons that use or release them.
+import {h} from '../elements/dom.js';
+
+/**
+ * An entry of the answer to the command `computers`.
+ * @typedef {object} Computer
+ * @property {string} name
+ * @property {'used' | 'idle' | 'lost' | 'released'} state
+ * @property {number} cores
+ * @property {number} nodes
+ * @property {string} [why]  Why it is lost.
+ */
+
+const STATES = {
+  used: 'draws', idle: 'has joined, without nodes', lost: 'lost', released: 'released',
+};
+
+/** Notes after which the list may have changed. */
+const ABOUT_COMPUTERS = /\bjoined\b|\blost\b|\bcomputer\b|started again/;
+
+/**
+ * @param {number} count
+ * @param {string} what
+ */
+const counted = (count, what) => `${count} ${what}${count === 1 ? '' : 's'}`;
+
+export class ComputersView {
+  /** @param {import('../panel/app.js').App} app */
+  constructor(app) {
+    /** @private */
+    this.app_ = app;
+    /** @private */
+    this.isShown_ = false;
+    /** @private */
+    this.rows_ = h('div', {class: 'stack', 'data-testid': 'computers'});
+    /** @private */
+    this.invitation_ = h('p', {class: 'legend', hidden: true, 'data-testid': 'invitation'});
+    this.element = h('div', {class: 'stack', hidden: true}, h('h3', {}, 'Computers'), this.rows_,
+      h('div', {class: 'row'},
+        h('button', {'data-testid': 'computers-use', title: 'Places the nodes again, on all ' +
+          'computers that have joined', onclick: () => void this.change_('use')}, 'Use all'),
+        h('button', {'data-testid': 'computers-invite', title: 'Prints the command for one more ' +
+          'computer', onclick: () => void this.invite_()}, 'Invite')),
+      this.invitation_);
+    app.connection.on('note', ({text}) => {
+      if (this.isShown_ && ABOUT_COMPUTERS.test(text)) {
+        void this.refresh();
+      }
+    });
+  }
+
+  /** @param {boolean} isShown */
+  show(isShown) {
+    this.isShown_ = isShown;
+    if (isShown) {
+      void this.refresh();
+    }
+  }
+
+  /** Asks for the list. A viewer that only watches may not ask. */
+  async refresh() {
+    if (this.app_.connection.watches) {
+      return;
+    }
+    const reply = await this.app_.connection.do('computers', {quiet: true});
+    if (reply.ok) {
+      this.list_(/** @type {Computer[]} */ (reply.result?.computers ?? []));
+    }
+  }
+
+  /**
+   * @private
+   * @param {Computer[]} computers
+   */
+  list_(computers) {
+    this.element.hidden = computers.length === 0;
+    this.rows_.replaceChildren(...computers.map(each => {
+      const canUse = each.state !== 'used', canRelease = each.state !== 'released';
+      return h('div', {class: 'row', 'data-testid': `computer-${each.name}`},
+        h('span', {class: 'grow', title: each.why ?? ''}, h('strong', {}, each.name), ' ',
+          h('span', {class: 'muted'}, `${STATES[each.state]}: ${counted(each.cores, 'core')}, ` +
+            counted(each.nodes, 'node'))),
+        canUse ? h('button', {onclick: () => void this.change_(`use ${each.name}`)}, 'Use') : null,
+        canRelease ? h('button', {onclick: () => void this.change_(`release ${each.name}`)},
+          'Release') : null);
+    }));
+  }
+
+  /**
+   * @private
+   * @param {string} words
+   */
+  async change_(words) {
+    const reply = await this.app_.connection.do(`computers ${words}`);
+    if (reply.ok) {
+      this.list_(/** @type {Computer[]} */ (reply.result?.computers ?? []));
+    }
+  }
+
+  /** @private */
+  async invite_() {
+    const reply = await this.app_.connection.do('computers invite');
+    if (reply.ok) {
+      this.invitation_.hidden = false;
+      this.invitation_.textContent = reply.text ?? '';
+    }
+  }
+}
