@@ -6,6 +6,7 @@ preset=$1
 shift
 
 cd "$top"
+echo "build: configuring the preset $preset"
 log=$(mktemp)
 if ! cmake --preset "$preset" >"$log" 2>&1; then
     cat "$log" >&2

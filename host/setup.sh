@@ -53,6 +53,11 @@ done
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then
     as_root=(sudo)
+    if ! command -v sudo >/dev/null; then
+        echo "setup: ${#missing[@]} packages are missing, and there is no sudo to install them." \
+            "As root: apt-get install ${missing[*]}" >&2
+        exit 69
+    fi
 fi
 policy=/usr/sbin/policy-rc.d  # Packages ask it whether they may start their services.
 if $has_cluster && [ ! -e $policy ]; then

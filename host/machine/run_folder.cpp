@@ -254,8 +254,11 @@ fs::path make_run_folder(const fs::path& base, const Topology& topology, int kee
     std::error_code error;
     const fs::path parent = fs::absolute(base);
     fs::create_directories(parent.parent_path(), error);
-    if (mkdir(parent.c_str(), 0700) != 0 && errno != EEXIST) {
-        refuse("cannot make the run folder", parent / name, std::strerror(errno));
+    if (!error && mkdir(parent.c_str(), 0700) != 0 && errno != EEXIST) {
+        error.assign(errno, std::generic_category());
+    }
+    if (error) {
+        refuse("cannot make the run folder", parent / name, error.message());
     }
     static std::vector<fs::path> locks;
     NewFolder made(parent);

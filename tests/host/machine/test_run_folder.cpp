@@ -69,6 +69,19 @@ TEST_CASE("a start does not remove the run folder of another start that has no l
     CHECK(fs::exists(run / "config.resolved.json"));
 }
 
+TEST_CASE("a run folder that cannot be made is refused with the first reason") {
+    // The kernel makes no folders in /sys. Of one in a missing folder, mkdir() would say that.
+    try {
+        make_run_folder("/sys/pxpl5/runs", Topology{}, 1);
+        FAIL("made");
+    } catch (const RequestError& error) {
+        const std::string reason = error.what();
+        CHECK(reason.starts_with("cannot make the run folder /sys/pxpl5/runs/"));
+        INFO(reason);
+        CHECK(reason.find("No such file") == std::string::npos);
+    }
+}
+
 TEST_CASE("two run folders of one second and one program have two names") {
     const test::TemporaryFolder folder;
     const fs::path base = folder.file("runs");

@@ -149,6 +149,8 @@ export class SurfaceCard {
       : `${grouped(surface.triangles)} triangles, ${grouped(surface.area_mm2 / 100, 1)} cm², `
         + `${grouped(surface.volume_ml, 1)} ml${isFiltered ? ' (all parts)' : ''}, `
         + `extracted in ${grouped(surface.extraction_ms, 0)} ms`;
+    // Files of an open mesh have no volume, so the card says what it counts.
+    this.facts_.title = 'The volume inside the surface, as far as the scan reaches';
     const table = surface.table === 'watertight' ? '' : `, table ${surface.table}`;
     this.title_.title = `${surface.name}${table}`;
     this.parts_.title = surface.components;
