@@ -109,14 +109,28 @@ TEST_SUITE("ringbus/zmq/zmq_link_line") {
         CHECK(host.port.refused() == 0);
     }
 
+    TEST_CASE("a line without keys gets no letter through, and is counted") {
+        Host host;
+        // ZeroMQ's own client may close the connection before the port has read why, and then
+        // counts as one that was cut. So this client waits until the port closes.
+        const std::string mechanism = std::string("NULL") + std::string(16, '\0');
+        const std::string greeting = std::string("\xff") + std::string(8, '\0') + "\x7f\x03" +
+                                     std::string(1, '\0') + mechanism + std::string(32, '\0');
+        REQUIRE(greeting.size() == 64);
+        const Stream stream(host.port.port());
+        stream.send(greeting);
+        CHECK(stream.read_all().size() <= 64);
+        host.await_strangers(1);
+        host.check_works();
+    }
+
     TEST_CASE("a line without the key gets no letter through, and is counted") {
         Host host;
         const Credentials other = make_credentials(Protection::curve, Reach::network);
         std::uint64_t counted = 0;
-        for (auto& [keys, server] : {std::pair(std::optional<CurveKeys>(), std::string()),
-                                     std::pair(other.keys, host.credentials.keys->open),
-                                     std::pair(other.keys, other.keys->open)}) {
-            Client client(keys, server);
+        for (const std::string& server :
+             {host.credentials.keys->open, std::string(other.keys->open)}) {
+            Client client(other.keys, server);
             client.connect_to(at(host.port.port()));
             client.send(1);
             host.await_strangers(++counted);
