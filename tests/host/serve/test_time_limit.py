@@ -100,7 +100,9 @@ class TimeLimit(unittest.TestCase):
         self.assertEqual(stat.S_IMODE(saved.lstat().st_mode), 0o600)
         self.assertEqual(ENDS.match(complaint)[3], ends["why"])
         self.assertEqual(SAVED.search(complaint).groups(), (str(saved), str(saved)))
-        self.assertEqual(complaint.count("\n"), 2, complaint)
+        # A slow computer says which nodes still run, too.
+        told = [line for line in complaint.splitlines() if not line.startswith("still running")]
+        self.assertEqual(len(told), 2, complaint)
         again = self.serve("--session", str(saved))
         viewer = self.viewer(again)
         self.assertEqual(viewer.resting(0)["digest"], after)
