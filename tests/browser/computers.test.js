@@ -21,18 +21,18 @@ async function press(name, button, expected) {
 test('a computer is released and used again, and the picture is the same', async () => {
   await byId('tab-machine').click();
   await byId('computer-a').waitFor();
-  assert.match(await textOf('a'), /^a draws: \d+ cores?, \d+ nodes?/);
-  assert.match(await textOf('b'), /^b draws: \d+ cores?, \d+ nodes?/);
+  assert.match(await textOf('a'), /^a used, \d+ cores?, [1-9]\d* nodes?/);
+  assert.match(await textOf('b'), /^b used, \d+ cores?, [1-9]\d* nodes?/);
   const { digest } = await settled(page);
   assert.match(digest, /^[0-9a-f]{16}$/);
   await byId('computers').scrollIntoViewIfNeeded();
   await shoot(page, 'computers');
 
-  await press('b', 'Release', /released: \d+ cores?, 0 nodes/);
+  await press('b', 'Release', /released, \d+ cores?, 0 nodes/);
   assert.equal(await byId('computer-b').getByRole('button', { name: 'Release' }).count(), 0);
   assert.equal((await settled(page)).digest, digest);
 
-  await press('b', 'Use', /draws: \d+ cores?, [1-9]\d* nodes?/);
+  await press('b', 'Use', /used, \d+ cores?, [1-9]\d* nodes?/);
   assert.equal((await settled(page)).digest, digest);
   assert.deepEqual(await errorsShown(page), []);
 });

@@ -75,12 +75,10 @@ struct Host {
 /// A client of ZeroMQ with any keys, which sends a letter.
 class Client {
   public:
-    explicit Client(const std::optional<CurveKeys>& own, const std::string& server_key) {
+    Client(const CurveKeys& own, const std::string& server_key) {
         socket_.set(zmq::sockopt::linger, 0);
-        if (own) {
-            guard_outbound(socket_, *own);
-            socket_.set(zmq::sockopt::curve_serverkey, server_key);
-        }
+        guard_outbound(socket_, own);
+        socket_.set(zmq::sockopt::curve_serverkey, server_key);
     }
     void connect_to(const std::string& endpoint) { socket_.connect(endpoint); }
     void send(int parts) {
@@ -128,9 +126,8 @@ TEST_SUITE("ringbus/zmq/zmq_link_line") {
         Host host;
         const Credentials other = make_credentials(Protection::curve, Reach::network);
         std::uint64_t counted = 0;
-        for (const std::string& server :
-             {host.credentials.keys->open, std::string(other.keys->open)}) {
-            Client client(other.keys, server);
+        for (const std::string& server : {host.credentials.keys->open, other.keys->open}) {
+            Client client(*other.keys, server);
             client.connect_to(at(host.port.port()));
             client.send(1);
             host.await_strangers(++counted);
@@ -175,7 +172,7 @@ TEST_SUITE("ringbus/zmq/zmq_link_line") {
 
     TEST_CASE("messages of several parts are dropped and counted") {
         Host host;
-        Client client(host.credentials.keys, host.credentials.keys->open);
+        Client client(*host.credentials.keys, host.credentials.keys->open);
         client.connect_to(at(host.port.port()));
         client.send(2);
         client.send(1);

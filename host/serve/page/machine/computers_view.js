@@ -1,5 +1,6 @@
 // The other computers of a machine: their state, and buttons that use or release them.
 import {h} from '../elements/dom.js';
+import {counted} from '../panel/panel_parts.js';
 
 /**
  * An entry of the answer to the command `computers`.
@@ -10,19 +11,6 @@ import {h} from '../elements/dom.js';
  * @property {number} nodes
  * @property {string} [why]  Why it is lost.
  */
-
-const STATES = {
-  used: 'draws', idle: 'has joined, without nodes', lost: 'lost', released: 'released',
-};
-
-/** Notes after which the list may have changed. */
-const ABOUT_COMPUTERS = /\bjoined\b|\blost\b|\bcomputer\b|started again/;
-
-/**
- * @param {number} count
- * @param {string} what
- */
-const counted = (count, what) => `${count} ${what}${count === 1 ? '' : 's'}`;
 
 export class ComputersView {
   /** @param {import('../panel/app.js').App} app */
@@ -42,11 +30,8 @@ export class ComputersView {
         h('button', {'data-testid': 'computers-invite', title: 'Prints the command for one more ' +
           'computer', onclick: () => void this.invite_()}, 'Invite')),
       this.invitation_);
-    app.connection.on('note', ({text}) => {
-      if (this.isShown_ && ABOUT_COMPUTERS.test(text)) {
-        void this.refresh();
-      }
-    });
+    // A note may say that a computer has joined or is lost, or that the machine has restarted.
+    app.connection.on('note', () => this.show(this.isShown_));
   }
 
   /** @param {boolean} isShown */
@@ -75,11 +60,12 @@ export class ComputersView {
   list_(computers) {
     this.element.hidden = computers.length === 0;
     this.rows_.replaceChildren(...computers.map(each => {
-      const canUse = each.state !== 'used', canRelease = each.state !== 'released';
+      const canUse = each.state !== 'used';
+      const canRelease = each.state === 'used' || each.state === 'idle';
       return h('div', {class: 'row', 'data-testid': `computer-${each.name}`},
-        h('span', {class: 'grow', title: each.why ?? ''}, h('strong', {}, each.name), ' ',
-          h('span', {class: 'muted'}, `${STATES[each.state]}: ${counted(each.cores, 'core')}, ` +
-            counted(each.nodes, 'node'))),
+        h('span', {class: 'grow'}, h('strong', {}, each.name), ' ',
+          h('span', {class: 'muted'}, `${each.state}, ${counted(each.cores, 'core')}, ` +
+            counted(each.nodes, 'node') + (each.why ? `: ${each.why}` : ''))),
         canUse ? h('button', {onclick: () => void this.change_(`use ${each.name}`)}, 'Use') : null,
         canRelease ? h('button', {onclick: () => void this.change_(`release ${each.name}`)},
           'Release') : null);

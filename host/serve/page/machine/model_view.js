@@ -1,6 +1,6 @@
 // Part of the machine panel: the modelled time of the 1993 machine for the current scene.
 import {h} from '../elements/dom.js';
-import {messageLine} from '../panel/panel_parts.js';
+import {counted, messageLine} from '../panel/panel_parts.js';
 
 /**
  * How busy the units of a kind were: shares of the time, 0..1; index of the busiest one, from 0.
@@ -43,14 +43,6 @@ function timeText(ms) {
 /** @param {number} share */
 function percent(share) {
   return `${Math.round(100 * share)} %`;
-}
-
-/**
- * @param {number} count
- * @param {string} what  One of them.
- */
-function counted(count, what) {
-  return `${count.toLocaleString('en')} ${what}${count === 1 ? '' : 's'}`;
 }
 
 /** @param {{limit: string, use: UnitUse[]}} step */
