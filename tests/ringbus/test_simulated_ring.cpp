@@ -3,7 +3,7 @@
 #include <memory>
 #include <set>
 
-#include "ringbus/simulated_link.hpp"
+#include "ringbus/simulated/simulated_link.hpp"
 
 using namespace pxpl5::bus;
 

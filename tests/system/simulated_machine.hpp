@@ -16,7 +16,7 @@
 #include "host/machine/port.hpp"
 #include "host/machine/roster.hpp"
 #include "renderer_firmware/node.hpp"
-#include "ringbus/simulated_link.hpp"
+#include "ringbus/simulated/simulated_link.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 #include "tests/system/troubled_node.hpp"
 

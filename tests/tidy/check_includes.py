@@ -19,7 +19,7 @@ MAY_INCLUDE = {
 ROOMS = {
     "isa": {".": set(), "reference": {"."}, "conformance": {"."}, "contract": {"."}},
     "ringbus": {"rules": set(), ".": {"rules"}, "trace": {"."}, "zmq": {"."},
-                "process": {".", "trace", "zmq"}},
+                "simulated": {"."}, "process": {".", "trace", "zmq"}},
     "renderer_firmware": {
         "hal": set(),
         "programs": set(),

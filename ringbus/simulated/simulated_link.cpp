@@ -1,4 +1,4 @@
-#include "ringbus/simulated_link.hpp"
+#include "ringbus/simulated/simulated_link.hpp"
 
 #include <fmt/core.h>
 
