@@ -35,6 +35,17 @@ void JobQueue::add_removal(std::uint16_t surface) {
     add(RemoveJob{surface});
 }
 
+std::optional<Job> JobQueue::drop_voxels() {
+    const auto found = std::ranges::find_if(
+        jobs_, [](const Job& job) { return std::holds_alternative<VoxelsJob>(job); });
+    if (found == jobs_.end()) {
+        return std::nullopt;
+    }
+    std::optional<Job> dropped = std::move(*found);
+    jobs_.erase(found);
+    return dropped;
+}
+
 bool JobQueue::awaits_surface(const Job& job) const {
     const auto* draw = std::get_if<DrawJob>(&job);
     return draw != nullptr && std::ranges::any_of(draw->request.surfaces, [&](const auto& wanted) {
@@ -61,7 +72,8 @@ void JobQueue::pop() {
 std::vector<Job> JobQueue::clear() {
     std::vector<Job> owed;
     for (Job& job : jobs_) {
-        if (std::holds_alternative<DrawJob>(job) || std::holds_alternative<FetchJob>(job)) {
+        if (std::holds_alternative<DrawJob>(job) || std::holds_alternative<FetchJob>(job) ||
+            std::holds_alternative<VoxelsJob>(job)) {
             owed.push_back(std::move(job));
         }
     }

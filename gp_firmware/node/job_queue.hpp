@@ -34,12 +34,15 @@ class JobQueue {
     /// Removes the measurement and returns it, if there is one: its answer is still owed.
     std::optional<Job> drop_measurement() { return std::exchange(measurement_, std::nullopt); }
 
+    /// Removes the question about voxels and returns it, if one waits: its answer is still owed.
+    std::optional<Job> drop_voxels();
+
     /// Returns the next job; null if no job is left, or if the next one is a frame that waits.
     Job* front();
     /// Removes the job that front() returned.
     void pop();
-    /// Removes all jobs and announcements. Returns the frames, meshes and measurements among the
-    /// jobs, because other nodes count their answers.
+    /// Removes all jobs and announcements. Returns the frames, meshes, measurements and voxels
+    /// among the jobs, because other nodes count their answers.
     std::vector<Job> clear();
 
     bool empty() const { return jobs_.empty() && !measurement_; }

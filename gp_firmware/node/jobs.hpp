@@ -98,7 +98,22 @@ struct MeasureJob {
     std::vector<SlabCounts> counts{};  ///< Done so far: all isovalues of a slab, slab after slab.
 };
 
+/// The most bytes of a box of voxels. The largest slice of a volume has as many.
+inline constexpr std::uint64_t max_voxels_bytes =
+    std::uint64_t{max_volume_voxels} * max_volume_voxels * sizeof(float);
+
+/// Sends values of voxels, slice by slice: compressed slices are restored one at a time.
+struct VoxelsJob {
+    static constexpr bus::Body asked_by = bus::Body::FetchVoxels;
+    std::uint32_t volume = 0;
+    bus::schema::VoxelBox box;
+    bus::NodeId to = 0;
+    std::vector<std::uint32_t> slices{};  ///< Slices that the GP answers for, ascending.
+    std::vector<std::uint8_t> values{};   ///< Values of the slices that are copied.
+    std::size_t copied = 0;               ///< Slices so far.
+};
+
 using Job = std::variant<SlicesJob, FileSlicesJob, VolumeEndJob, ScenePartJob, SceneEndJob,
-                         ExtractJob, RemoveJob, FetchJob, MaskJob, DrawJob, MeasureJob>;
+                         ExtractJob, RemoveJob, FetchJob, MaskJob, DrawJob, MeasureJob, VoxelsJob>;
 
 }  // namespace pxpl5::gp

@@ -9,6 +9,7 @@
 #include "gp_firmware/node/scenes.hpp"
 #include "gp_firmware/node/surfaces.hpp"
 #include "gp_firmware/node/volumes.hpp"
+#include "gp_firmware/node/voxels.hpp"
 
 namespace pxpl5::gp {
 
@@ -107,6 +108,8 @@ void GpNode::dispatch(const bus::Message& message, bus::Outbox& out) {
             return queue_.add(MaskJob{message});
         case bus::Body::MeasureIsovalues:
             return note_measure(message, *board_, queue_, out);
+        case bus::Body::FetchVoxels:
+            return note_voxels(message, *board_, queue_, out);
         case bus::Body::DrawFrame:
             return begin_frame(message, *board_, queue_, out);
         case bus::Body::BeginFrame:
@@ -159,6 +162,8 @@ void GpNode::drop_all(bus::Outbox& out) {
             answer_dropped(*fetch, *board_, out);
         } else if (const auto* measurement = std::get_if<MeasureJob>(&job)) {
             answer_dropped(*measurement, out);
+        } else if (const auto* voxels = std::get_if<VoxelsJob>(&job)) {
+            answer_dropped(*voxels, out);
         }
     }
     drop_content(*board_);

@@ -11,6 +11,7 @@
 //   MaskSurface       --->|            |
 //   FetchMesh         --->|            |---> MeshPart        (to the host)
 //   MeasureIsovalues  --->|            |---> IsovaluesMeasured  (to the host)
+//   FetchVoxels       --->|            |---> VoxelValues     (to the host)
 //   DrawFrame (GP 0)  --->|            |---> BeginFrame      (from GP 0 to all that draw)
 //   BeginFrame        --->|            |---> RegionPrograms  (one to each Renderer)
 //                         |            |---> FrameCounts     (to the host, if it asked for them)

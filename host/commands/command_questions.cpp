@@ -115,14 +115,10 @@ Reply run_slice(Session& session, const Arguments& arguments) {
     const int axis = arguments.words[0][0] - 'x';
     const int count = axis == 0 ? volume.nx : axis == 1 ? volume.ny : volume.nz;
     const int index = parse_whole("INDEX", arguments.words[1], 0, count - 1);
-    const Slice slice = slice_of(volume, axis, index);
+    const Slice slice = session.voxels.slice(axis, index);
     const SliceSide &across = slice.frame.across, &down = slice.frame.down;
     const std::vector<SurfaceContour> contours = contours_of(session.scene, slice);
     std::string title = fmt::format("slice {} {} of 0..{}", "xyz"[axis], index, count - 1);
-    if (volume.reduced) {
-        title += fmt::format(", shows {} {} and one voxel in {} along each axis", "xyz"[axis],
-                             index / volume.reduction * volume.reduction, volume.reduction);
-    }
 
     Reply reply;
     reply.text = fmt::format(
@@ -130,13 +126,6 @@ Reply run_slice(Session& session, const Arguments& arguments) {
         "at the bottom",
         title, across.count, down.count, across.spacing_mm, down.spacing_mm, across.begin,
         across.end, down.begin, down.end);
-    if (volume.reduced) {
-        add_warning(reply,
-                    fmt::format("the slice and its contours are those of {} in the copy of "
-                                "the host, which has one voxel in {} along each axis; the "
-                                "surfaces themselves are exact",
-                                index / volume.reduction * volume.reduction, volume.reduction));
-    }
     if (slice.frame.skew_deg > max_skew_deg) {
         add_warning(reply, fmt::format("its rows and columns are {:.1f} degrees off a right "
                                        "angle, and are shown at one",
@@ -160,11 +149,17 @@ Reply run_slice(Session& session, const Arguments& arguments) {
                                        {"top", down.begin},
                                        {"bottom", down.end}}},
                     {"skew_deg", slice.frame.skew_deg},
-                    {"reduction", std::int64_t{volume.reduction}},
+                    {"reduction", std::int64_t{1}},
                     {"contours", pieces},
                     {"hidden_in_3d", hidden}};
     if (arguments.words.size() > 2) {
         write_slice(session, arguments, slice, contours, title);
+        if (volume.reduced && volume.modality != "CT" &&
+            !(arguments.has("window") && arguments.has("level"))) {
+            add_warning(reply, fmt::format("the window follows from the values of one voxel in {} "
+                                           "along each axis; give window= and level= to set it",
+                                           volume.reduction));
+        }
         reply.text += "\nwrote " + arguments.words[2];
         reply.fields.push_back({"file", arguments.words[2]});
     }

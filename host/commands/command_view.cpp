@@ -9,7 +9,6 @@
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/fit_view.hpp"
 #include "host/scene/clip.hpp"
-#include "host/volume/reduced.hpp"
 
 namespace pxpl5::host {
 
@@ -269,16 +268,6 @@ std::vector<Fields> fields_of(const Session& session, const std::vector<Frames::
     return list;
 }
 
-/// Why the value of the nearest voxel is not known.
-std::string unknown_value(const Session& session) {
-    return session.volumes.has_volume() && session.volumes.volume().reduced
-               ? fmt::format(
-                     "a value that the host does not know: it keeps one voxel in {} along each "
-                     "axis",
-                     session.volumes.volume().reduction)
-               : "no value known";
-}
-
 }  // namespace
 
 Reply run_pick(Session& session, const Arguments& arguments) {
@@ -286,7 +275,10 @@ Reply run_pick(Session& session, const Arguments& arguments) {
     const int x = parse_whole("X", arguments.words[0], 0, size.width - 1);
     const int y = parse_whole("Y", arguments.words[1], 0, size.height - 1);
     const std::string wanted = shown_surface(session, arguments.text("surface", ""));
-    const std::vector<Frames::Picked> hits = session.frames.hits(x, y);
+    std::vector<Frames::Picked> hits = session.frames.hits(x, y);
+    for (Frames::Picked& hit : hits) {
+        session.voxels.add_values(hit.pick);
+    }
     const auto picked = Frames::chosen(hits, wanted);
     if (!picked) {
         return {wanted.empty() ? fmt::format("nothing at ({}, {}): the background", x, y)
@@ -299,7 +291,7 @@ Reply run_pick(Session& session, const Arguments& arguments) {
         "{} at ({:.2f}, {:.2f}, {:.2f}) mm LPS; isovalue {:.7g}, nearest voxel ({}, {}, {}) has {}",
         picked->surface, pick.p_mm.x, pick.p_mm.y, pick.p_mm.z,
         session.meshes.surface(picked->surface).isovalue, pick.x, pick.y, pick.z,
-        pick.value ? fmt::format("{:.7g}", *pick.value) : unknown_value(session));
+        pick.value ? fmt::format("{:.7g}", *pick.value) : "no value known");
     std::string_view where = "in front";  // The hits are sorted, nearest first.
     for (const Frames::Picked& hit : hits) {
         if (hit.surface == picked->surface) {
@@ -315,9 +307,6 @@ Reply run_pick(Session& session, const Arguments& arguments) {
         reply.fields.push_back(std::move(field));
     }
     reply.fields.push_back({"hits", fields_of(session, hits)});
-    if (arguments.has("set") && session.volumes.has_volume()) {
-        require_all_voxels(session.volumes.volume(), "pick set=");
-    }
     // The nearest voxel's value would give a surface that does not pass through the point.
     if (arguments.has("set") && pick.value_between) {
         Arguments surface;

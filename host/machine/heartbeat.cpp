@@ -37,6 +37,8 @@ std::string_view verb_of(Body kind) {
             return "storing a scene";
         case Body::MeasureIsovalues:
             return "measuring isovalues";
+        case Body::FetchVoxels:
+            return "sending values of voxels";
         case Body::BeginFrame:
         case Body::RegionPrograms:
             return "drawing";

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -30,27 +29,31 @@ glm::dvec3 unproject(const PickView& view, glm::dvec2 p_px, double z_ndc) {
     return glm::dvec3(p) / p.w;
 }
 
-double interpolated(const Volume& volume, const glm::dvec3& p_voxel) {
-    const glm::dvec3 last = glm::dvec3(volume.nx, volume.ny, volume.nz) - 2.0;
-    const glm::dvec3 cell = glm::clamp(glm::floor(p_voxel), glm::dvec3(0), last);
-    const glm::dvec3 f = glm::clamp(p_voxel - cell, 0.0, 1.0);
+/// p_voxel, held at the volume's faces.
+glm::dvec3 held_at_faces(const Pick& pick, const Volume& volume) {
+    const glm::dvec3 last = glm::dvec3(volume.nx, volume.ny, volume.nz) - 1.0;
+    return glm::clamp(pick.p_voxel, glm::dvec3(0), last);
+}
+
+/// Interpolates in the cell whose lowest voxel is `first`. value(up) is the value of the corner
+/// that is `up` voxels, 0 or 1 along each axis, above the lowest one.
+template <class Value>
+double interpolated(const glm::dvec3& p_voxel, const glm::ivec3& first, const Value& value) {
+    const glm::dvec3 f = glm::clamp(p_voxel - glm::dvec3(first), 0.0, 1.0);
     double sum = 0;
     for (int corner = 0; corner < 8; ++corner) {
-        const std::array<int, 3> up = {corner & 1, corner >> 1 & 1, corner >> 2};
+        const glm::ivec3 up(corner & 1, corner >> 1 & 1, corner >> 2);
         double weight = 1;
         for (int axis = 0; axis < 3; ++axis) {
-            weight *= up[static_cast<std::size_t>(axis)] != 0 ? f[axis] : 1 - f[axis];
+            weight *= up[axis] != 0 ? f[axis] : 1 - f[axis];
         }
-        sum += weight * voxel_value(volume, static_cast<int>(cell.x) + up[0],
-                                    static_cast<int>(cell.y) + up[1],
-                                    static_cast<int>(cell.z) + up[2]);
+        sum += weight * value(up);
     }
     return sum;
 }
 
 void look_at_voxels(const Volume& volume, Pick& found) {
-    const glm::dvec3 last = glm::dvec3(volume.nx, volume.ny, volume.nz) - 1.0;
-    const glm::dvec3 held = glm::clamp(found.p_voxel, glm::dvec3(0), last);
+    const glm::dvec3 held = held_at_faces(found, volume);
     found.is_in_volume = held == found.p_voxel;
     const glm::dvec3 nearest = glm::floor(held + 0.5);
     found.x = static_cast<int>(nearest.x);
@@ -58,11 +61,27 @@ void look_at_voxels(const Volume& volume, Pick& found) {
     found.z = static_cast<int>(nearest.z);
     if (!volume.values.empty()) {
         found.value = voxel_value(volume, found.x, found.y, found.z);
-        found.value_between = interpolated(volume, held);
+        const glm::ivec3 first = cell_around(found, volume);
+        found.value_between = interpolated(held, first, [&](const glm::ivec3& up) {
+            return voxel_value(volume, first.x + up.x, first.y + up.y, first.z + up.z);
+        });
     }
 }
 
 }  // namespace
+
+glm::ivec3 cell_around(const Pick& pick, const Volume& volume) {
+    const glm::dvec3 last = glm::dvec3(volume.nx, volume.ny, volume.nz) - 2.0;
+    return glm::ivec3(glm::clamp(glm::floor(held_at_faces(pick, volume)), glm::dvec3(0), last));
+}
+
+void set_values(Pick& pick, const Volume& volume, const Volume& cell) {
+    const glm::ivec3 first = cell_around(pick, volume);
+    pick.value = voxel_value(cell, pick.x - first.x, pick.y - first.y, pick.z - first.z);
+    pick.value_between =
+        interpolated(held_at_faces(pick, volume), first,
+                     [&](const glm::ivec3& up) { return voxel_value(cell, up.x, up.y, up.z); });
+}
 
 double voxel_value(const Volume& volume, int x, int y, int z) {
     assert(x >= 0 && x < volume.nx && y >= 0 && y < volume.ny && z >= 0 && z < volume.nz);

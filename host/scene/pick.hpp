@@ -38,6 +38,14 @@ struct Pick {
 /// Throws RequestError (usage) for a pixel outside of the view.
 std::optional<Pick> pick(const PickView& view, int x, int y, const Volume& volume);
 
+/// The lowest voxel of the eight around the pick.
+glm::ivec3 cell_around(const Pick& pick, const Volume& volume);
+
+/// Sets the values of the pick.
+/// volume  Only its shape is read.
+/// cell    2 x 2 x 2 voxels with values: those of `volume` from cell_around() on.
+void set_values(Pick& pick, const Volume& volume, const Volume& cell);
+
 /// Value of a voxel that is there; the volume has its values.
 double voxel_value(const Volume& volume, int x, int y, int z);
 

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <glm/mat3x3.hpp>
+#include <utility>
 
 #include "host/scene/overlay.hpp"
 #include "host/scene/slice_places.hpp"
@@ -107,6 +108,33 @@ void cut_square(const Square& square, double isovalue, SaddleRule rule,
     }
 }
 
+/// Bytes from a voxel to its neighbor along each axis.
+using Strides = std::array<std::size_t, 3>;
+
+Strides strides_of(const std::array<int, 3>& counts, Scalar type) {
+    const std::size_t size = size_bytes(type), row = size * index_of(counts[0]);
+    return {size, row, row * index_of(counts[1])};
+}
+
+/// The values of a plane as the picture shows them. `plane` is the voxel with the lowest indices.
+Slice arranged(SliceFrame frame, Scalar type, const std::byte* plane, const Strides& strides) {
+    Slice slice{std::move(frame), type, {}};
+    const std::size_t size = size_bytes(type);
+    const SliceSide &across = slice.frame.across, &down = slice.frame.down;
+    const auto offset = [&](const SliceSide& side, int i) {
+        return strides[index_of(side.axis)] * index_of(side.is_flipped ? side.count - 1 - i : i);
+    };
+    slice.values.resize(size * index_of(across.count) * index_of(down.count));
+    std::byte* to = slice.values.data();
+    for (int y = 0; y < down.count; ++y) {
+        const std::byte* row = plane + offset(down, y);
+        for (int x = 0; x < across.count; ++x, to += size) {
+            std::memcpy(to, row + offset(across, x), size);
+        }
+    }
+    return slice;
+}
+
 }  // namespace
 
 double SliceSide::place_mm(double number) const {
@@ -139,25 +167,21 @@ SliceFrame slice_frame(const Volume& volume, int axis) {
 Slice slice_of(const Volume& whole, int axis, int index) {
     assert(index >= 0 && index < (axis == 0 ? whole.nx : axis == 1 ? whole.ny : whole.nz));
     const Volume& volume = kept(whole);
-    Slice slice{slice_frame(volume, axis), volume.type, {}};
-    const std::size_t size = size_bytes(volume.type);
-    const std::array<std::size_t, 3> strides = {size, size * index_of(volume.nx),
-                                                size * index_of(volume.nx) * index_of(volume.ny)};
-    const SliceSide &across = slice.frame.across, &down = slice.frame.down;
-    const auto offset = [&](const SliceSide& side, int i) {
-        return strides[index_of(side.axis)] * index_of(side.is_flipped ? side.count - 1 - i : i);
-    };
-    slice.values.resize(size * index_of(across.count) * index_of(down.count));
-    std::byte* to = slice.values.data();
-    const std::byte* plane =
-        volume.values.data() + strides[index_of(axis)] * index_of(index / whole.reduction);
-    for (int y = 0; y < down.count; ++y) {
-        const std::byte* row = plane + offset(down, y);
-        for (int x = 0; x < across.count; ++x, to += size) {
-            std::memcpy(to, row + offset(across, x), size);
-        }
-    }
-    return slice;
+    const std::array counts = {volume.nx, volume.ny, volume.nz};
+    const Strides strides = strides_of(counts, volume.type);
+    return arranged(
+        slice_frame(volume, axis), volume.type,
+        volume.values.data() + strides[index_of(axis)] * index_of(index / whole.reduction),
+        strides);
+}
+
+Slice slice_of_plane(const Volume& volume, int axis, std::span<const std::byte> values) {
+    std::array counts = {volume.nx, volume.ny, volume.nz};
+    counts[index_of(axis)] = 1;
+    assert(values.size() == size_bytes(volume.type) * index_of(counts[0]) * index_of(counts[1]) *
+                                index_of(counts[2]));
+    return arranged(slice_frame(volume, axis), volume.type, values.data(),
+                    strides_of(counts, volume.type));
 }
 
 std::vector<double> numbers_of(const Slice& slice) {

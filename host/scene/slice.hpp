@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <glm/vec2.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,10 @@ struct Slice {
 /// n-th voxel (host/volume/reduced.hpp), or the slice itself if the host keeps all voxels.
 /// index  0 .. voxels along the axis - 1 (asserted).
 Slice slice_of(const Volume& whole, int axis, int index);
+
+/// Returns the slice whose voxels are `values`, for a volume whose values the host does not keep.
+/// values  All voxels of the slice, of volume.type: x fastest, then y, then z (size asserted).
+Slice slice_of_plane(const Volume& volume, int axis, std::span<const std::byte> values);
 
 /// A slice's values as numbers.
 std::vector<double> numbers_of(const Slice& slice);

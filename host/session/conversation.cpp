@@ -20,7 +20,7 @@ void Conversation::handle_frame_faults(std::function<bool(std::uint32_t)> takes_
 }
 
 void Conversation::broadcast(const bus::Payload& request) {
-    ++broadcasts_;
+    broadcasts_ += request.kind() == bus::Body::FetchVoxels ? 0 : 1;
     for (const bus::NodeId gp : gps()) {
         machine_.send(gp, request);
     }

@@ -40,7 +40,7 @@ class Conversation {
 
     /// Sends a request to every GP.
     void broadcast(const bus::Payload& request);
-    /// Number of broadcasts. A frame may change with each.
+    /// Number of broadcasts that may change a frame: all but questions about voxels.
     std::uint64_t broadcasts() const { return broadcasts_; }
 
     /// Sends `request` to every GP and waits until each has answered.

@@ -17,6 +17,7 @@
 #include "host/session/recovery.hpp"
 #include "host/session/surfaces.hpp"
 #include "host/session/volumes.hpp"
+#include "host/session/voxels.hpp"
 
 namespace pxpl5::host {
 
@@ -33,6 +34,7 @@ struct Session {
                       surfaces.forget_reports();
                       frames.forget_content();
                   }),
+          voxels(conversation, volumes),
           frames(conversation, scene, volumes, nodes),
           meshes(conversation, scene, volumes),
           surfaces(conversation, scene, volumes, meshes, frames),
@@ -70,6 +72,7 @@ struct Session {
     IoRequests io;
     Nodes nodes;
     Volumes volumes;
+    Voxels voxels;
     Frames frames;
     Meshes meshes;
     Surfaces surfaces;

@@ -140,6 +140,27 @@ void check(const SurfaceBuilt& built) {
     }
 }
 
+void check(const FetchVoxels& fetch) {
+    const VoxelBox& box = *fetch.box();
+    in("x", box.x(), 0, max_volume_voxels - 1);
+    in("y", box.y(), 0, max_volume_voxels - 1);
+    in("z", box.z(), 0, max_volume_voxels - 1);
+    in("nx", box.nx(), 1, max_volume_voxels - box.x());
+    in("ny", box.ny(), 1, max_volume_voxels - box.y());
+    in("nz", box.nz(), 1, max_volume_voxels - box.z());
+}
+
+void check(const VoxelValues& found) {
+    const std::size_t slices = found.slices()->size();
+    in("slices", slices, 0, max_volume_voxels);
+    ascending("slices", found.slices());
+    for (const std::uint32_t z : *found.slices()) {
+        in("slice", z, 0, max_volume_voxels - 1);
+    }
+    require(slices == 0 ? found.values()->size() == 0 : found.values()->size() % slices == 0,
+            "whole slices");
+}
+
 void check(const MeshPart& part) {
     each(part.slabs(), [](const SlabMesh& slab) {
         in("slab", slab.slab(), 0, max_slab);
@@ -239,8 +260,8 @@ void check_model_of(const bus::Message& message) {
 void require_documented_ranges(const bus::Message& message) {
     check_model_of<Hello, Topology, Fault, ImportVolume, VolumeHeader, Slices, ExportPicture,
                    ExportMesh, MeshContent, SetSurface, SurfaceBuilt, MeshPart, MaskSurface,
-                   MeasureIsovalues, IsovaluesMeasured, SceneBegin, ScenePart, ArchiveContent>(
-        message);
+                   MeasureIsovalues, IsovaluesMeasured, SceneBegin, ScenePart, ArchiveContent,
+                   FetchVoxels, VoxelValues>(message);
     require_documented_frame(message);
 }
 

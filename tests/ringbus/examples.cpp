@@ -124,13 +124,20 @@ std::vector<Payload> volume_examples() {
     done.bad_data = true;
     schema::DropVolumeT drop;
     drop.volume = 9;
+    schema::FetchVoxelsT fetch;
+    fetch.box = std::make_unique<schema::VoxelBox>(1, 2, 3, 4, 1, 2);
+    schema::VoxelValuesT found;
+    found.slices = {3, 4};
+    found.values = {1, 2, 3, 4, 5, 6, 7, 8};
     schema::ReadMeshT read;
     read.path = "skin.stl";
     schema::MeshContentT content;
     content.surfaces = example_mesh().surfaces;
-    return {
-        pack(import), pack(example_header()), pack(slices), pack(end),  pack(ready),  pack(picture),
-        pack(done),   pack(example_mesh()),   pack(drop),   pack(read), pack(content)};
+    return {pack(example_header()), pack(found),   pack(fetch),
+            pack(slices),           pack(content), pack(read),
+            pack(import),           pack(ready),   pack(end),
+            pack(example_mesh()),   pack(done),    pack(drop),
+            pack(picture)};
 }
 
 std::vector<Payload> surface_examples() {
@@ -387,7 +394,7 @@ Payload repacked(const bus::Message& message) {
         FetchMesh, MeshPart, DrawFrame, BeginFrame, RegionPrograms, RegionPixels, FrameDone,
         SaveTrace, TraceSaved, SceneBegin, ScenePart, SceneEnd, DropVolume, MaskSurface,
         MeasureIsovalues, IsovaluesMeasured, ExportMesh, AskActivity, Activity, FrameCounts,
-        ReadMesh, MeshContent, ReadArchive, ArchiveContent>(message);
+        ReadMesh, MeshContent, ReadArchive, ArchiveContent, FetchVoxels, VoxelValues>(message);
 }
 
 }  // namespace pxpl5::test

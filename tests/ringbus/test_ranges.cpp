@@ -122,6 +122,13 @@ TEST_SUITE("ringbus/ranges") {
                       "cells_active is 22, allowed are at most 21");
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_edges_crossed(71),
                       "edges_crossed is 71, allowed are at most 70");
+        CHECK_REFUSED(FetchVoxelsT, m.box->mutate_z(4096), "z is 4096");
+        CHECK_REFUSED(FetchVoxelsT, m.box->mutate_ny(0), "ny is 0");
+        CHECK_REFUSED(FetchVoxelsT, m.box->mutate_nx(4096), "nx is 4096, allowed are 1 .. 4095");
+        CHECK_REFUSED(VoxelValuesT, m.slices[1] = 3, "slice is 3, allowed are 4 ..");
+        CHECK_REFUSED(VoxelValuesT, m.slices[1] = 4096, "slice is 4096");
+        CHECK_REFUSED(VoxelValuesT, m.values.pop_back(), "bytes beyond whole slices is 1");
+        CHECK_REFUSED(VoxelValuesT, m.slices.clear(), "bytes beyond whole slices is 8");
         CHECK_REFUSED(MeshPartT, m.slabs[0]->slab = 4095, "slab is 4095");
         CHECK_REFUSED(MeshPartT, m.slabs[0]->origins.push_back(m.slabs[0]->origins[0]),
                       "number of origins is 2, expected 1");

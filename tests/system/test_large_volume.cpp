@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "host/machine/machine.hpp"
+#include "host/scene/slice.hpp"
 #include "host/session/session.hpp"
 #include "host/surface/certificate.hpp"
 
@@ -94,6 +96,23 @@ void write_volume(const fs::path& path, const Plan& plan) {
     REQUIRE(file.good());
 }
 
+/// A slice has the voxels of all boxes that it cuts, and no others.
+void check_slice(Session& session, int axis, std::int64_t index) {
+    CAPTURE(axis);
+    CAPTURE(index);
+    std::int64_t wanted = 0;
+    for (const Box& box : boxes) {
+        const auto a = static_cast<std::size_t>(axis);
+        if (index >= box.first[a] && index < box.first[a] + box.size[a]) {
+            wanted += box.size[0] * box.size[1] * box.size[2] / box.size[a];
+        }
+    }
+    const std::vector<double> values =
+        numbers_of(session.voxels.slice(axis, static_cast<int>(index)));
+    CHECK(std::ranges::count(values, double{inside}) == wanted);
+    CHECK(std::ranges::count(values, 0.0) == static_cast<std::int64_t>(values.size()) - wanted);
+}
+
 /// The most memory that a process has used so far.
 std::int64_t peak_mib(int pid) {
     std::ifstream status("/proc/" + std::to_string(pid) + "/status");
@@ -154,6 +173,12 @@ TEST_CASE("a volume larger than the memory of all nodes gives the surface that a
         CHECK(proof.area_mm2 == doctest::Approx(area).epsilon(1e-6));
         CHECK(proof.volume_mm3 == doctest::Approx(volume).epsilon(1e-6));
         CHECK(session.frames.draw().rgba.size() > 1000);
+        for (const Box& box : boxes) {  // From compressed slices, whole ones and those of all GPs.
+            for (const int axis : {0, 1, 2}) {
+                check_slice(session, axis, box.first[static_cast<std::size_t>(axis)]);
+            }
+        }
+        check_slice(session, 2, plan.nz - 1);
         for (const Machine::Process& process : machine.processes()) {
             CAPTURE(process.name);
             const std::int64_t peak = peak_mib(process.pid);

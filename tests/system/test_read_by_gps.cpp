@@ -15,6 +15,7 @@
 #include "host/base/error.hpp"
 #include "host/machine/machine.hpp"
 #include "host/scene/pick.hpp"
+#include "host/scene/slice.hpp"
 #include "host/session/session.hpp"
 #include "host/surface/certificate.hpp"
 #include "host/volume/identity.hpp"
@@ -333,4 +334,48 @@ TEST_CASE("GPs read the file again after a change of the machine, if it is still
     CHECK(!session.volumes.has_volume());
     session.volumes.load(file, by(ReadBy::gps));
     CHECK(result_of(session) == before);
+}
+
+TEST_CASE("slices and picked values are those of all voxels, for any machine") {
+    const Bench bench;
+    std::vector<Slice> exact;
+    std::optional<Pick> picked;
+    for (const Transport transport : {Transport::ipc, Transport::tcp}) {
+        for (const int gps : {1, 3, 8}) {
+            CAPTURE(gps);
+            Machine machine(machine_of(gps, 1, transport), bench.options);
+            Session session(machine);
+            for (const ReadBy read : {ReadBy::host, ReadBy::gps}) {
+                session.volumes.load(bench.folder / "scaled.nii", by(read));
+                REQUIRE((session.volumes.volume().reduced != nullptr) == (read == ReadBy::gps));
+                std::size_t at = 0;
+                for (const auto& [axis, count] : {std::pair{0, nx}, {1, ny}, {2, nz}}) {
+                    for (int i = 0; i < count; ++i) {
+                        const Slice slice = session.voxels.slice(axis, i);
+                        if (exact.size() == at) {
+                            exact.push_back(slice);
+                        }
+                        CHECK(slice.values == exact[at].values);
+                        CHECK(slice.frame.across.count == exact[at].frame.across.count);
+                        CHECK(slice.frame.down.spacing_mm == exact[at].frame.down.spacing_mm);
+                        ++at;
+                    }
+                }
+                session.scene.size = {180, 150};
+                session.surfaces.set("s", 100.5, CaseRule::watertight, gray);
+                auto found = session.frames.pick(90, 75, "");
+                REQUIRE(found);
+                const std::uint64_t key = session.frames.key();
+                session.voxels.add_values(found->pick);
+                CHECK(session.frames.key() == key);
+                picked = picked.value_or(found->pick);
+                REQUIRE(found->pick.value);
+                CHECK(found->pick.value == picked->value);
+                CHECK(found->pick.value_between == picked->value_between);
+            }
+            machine.shutdown();
+        }
+    }
+    CHECK(exact.front().values != exact[nx / 2].values);
+    CHECK(picked->value_between.value() == doctest::Approx(100.5).epsilon(0.1));
 }

@@ -177,7 +177,7 @@ void report_reduction(Volume& volume) {
          volume.reduction == 1
              ? text
              : fmt::format("{}; the host keeps one voxel in {} along each axis (reduced by {}), so "
-                           "slices, percentiles and histograms show 1 of {} voxels",
+                           "percentiles and histograms count 1 of {} voxels",
                            text, volume.reduction, volume.reduction, voxels)});
 }
 

@@ -226,8 +226,12 @@ void Director::answer_ask(const Wish& wish) {
     audience_.send_binary(wish.viewer, parts_.answer(*session_, *wish.id, wish.text));
 }
 
-/// Answers the waiting questions for slices, which need no node: also while a picture is drawn.
+/// Answers the waiting questions for slices also while a picture is drawn, if they need no node.
+/// Other questions wait for the picture, and a viewer's newest question replaces its older one.
 void Director::answer_slices() {
+    if (session_->volumes.has_volume() && session_->volumes.volume().reduced) {
+        return;
+    }
     while (const std::optional<Wish> ask = inbox_.take_ask("slice ")) {
         try {
             answer_ask(*ask);

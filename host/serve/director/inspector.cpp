@@ -10,7 +10,6 @@
 #include "host/base/error.hpp"
 #include "host/commands/text/slice_picture.hpp"
 #include "host/inspect/why/live_frame.hpp"
-#include "host/volume/reduced.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -111,8 +110,7 @@ Answer answer_slice(Session& session, const Json& ask) {
     }
     const std::array counts = {volume.nx, volume.ny, volume.nz};
     const auto index = whole_of(ask, "index", 0, counts[axis] - 1);
-    require_all_voxels(volume, "the slice panel");
-    const Slice slice = slice_of(volume, static_cast<int>(axis), static_cast<int>(index));
+    const Slice slice = session.voxels.slice(static_cast<int>(axis), static_cast<int>(index));
     Answer answer{"", slice.values};
     pad(answer.bytes);
     Json json = json_of(slice.frame, slice.type);

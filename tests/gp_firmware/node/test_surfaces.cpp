@@ -276,6 +276,28 @@ TEST_SUITE("gp/node_surfaces") {
         CHECK(gp.box.sent[2].as<schema::VolumeReady>() != nullptr);
     }
 
+    TEST_CASE("a newer question about voxels takes the place of one that waits") {
+        LoneGp gp({1, 1}, 0);
+        load(gp);
+        const auto ask = [&](schema::VoxelBox box) {
+            schema::FetchVoxelsT fetch;
+            fetch.volume = gp.box.of<schema::VolumeReady>().at(0)->volume();
+            fetch.box = std::make_unique<schema::VoxelBox>(box);
+            return bus::pack(fetch);
+        };
+        gp.receive(ask({0, 0, 0, 1, n, n}));
+        CHECK(gp.node.work(gp.box));  // Begun, and not done.
+        gp.receive(ask({3, 4, 5, 2, 3, 1}));
+        gp.work();
+        const auto answers = gp.box.of<schema::VoxelValues>();
+        REQUIRE(answers.size() == 2);
+        CHECK(answers[0]->slices()->size() == 0);
+        REQUIRE(answers[1]->slices()->size() == 1);
+        CHECK(answers[1]->slices()->Get(0) == 5);
+        CHECK(gp.fault_of(ask({0, 0, 19, 1, 1, 2})).find("the volume has 20 x 20 x 20") !=
+              std::string::npos);
+    }
+
     TEST_CASE("isovalues cannot be measured without a volume, or without all of it") {
         LoneGp gp({1, 1}, 0);
         CHECK(gp.fault_of(measure({1, 2})) ==
