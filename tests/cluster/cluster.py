@@ -237,6 +237,14 @@ class Cluster:
         """Running processes of the cluster, but not those of which it consists."""
         return [one for one in contents.processes(self._first) if one.key not in self._own]
 
+    def own_processes(self):
+        """The processes of which the cluster itself consists, such as its daemons."""
+        return [one for one in contents.processes(self._first) if one.key in self._own]
+
+    def path(self, computer, path):
+        """A path of the computer, as this process can open it."""
+        return pathlib.Path(f"/proc/{self._first[computer]}/root{path}")
+
     def wait_until_idle(self, limit_s=LIMIT_S):
         """Returns when processes() is empty. ClusterError has those that are left."""
         end = time.monotonic() + limit_s

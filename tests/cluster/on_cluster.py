@@ -62,15 +62,15 @@ class Dialog:
             lines.put(line)
         lines.put("")
 
-    def ask(self, line):
+    def ask(self, line, limit_s=LIMIT_S):
         """The reply to a command, as JSON."""
         self.program.stdin.write(f"{line}\n")
         self.program.stdin.flush()
-        reply = self.out.get(timeout=LIMIT_S)
+        reply = self.out.get(timeout=limit_s)
         return json.loads(reply) if reply else {"ok": False, "error": "ended"}
 
-    def result(self, line):
-        reply = self.ask(line)
+    def result(self, line, limit_s=LIMIT_S):
+        reply = self.ask(line, limit_s)
         if not reply["ok"]:
             raise AssertionError(f"{line}: {reply['error']}\n{''.join(self.said)}")
         return without_times(reply["result"])
