@@ -14,7 +14,7 @@ packages=(
     libseccomp-dev
     libcairo2-dev fonts-dejavu-core libmeshoptimizer-dev libassimp-dev
     libwebsockets-dev libturbojpeg0-dev node-d3 libnlopt-dev
-    doctest-dev libbenchmark-dev
+    doctest-dev libbenchmark-dev jq
 )
 has_tests=false has_cluster=false
 for argument in "$@"; do
@@ -29,7 +29,7 @@ for argument in "$@"; do
 done
 if $has_tests; then
     packages+=(chromium python3-jsonschema python3-yaml clang-format clang-19 clang-tidy-19 lld-19
-        libclang-rt-19-dev llvm-19 gcovr jq)
+        libclang-rt-19-dev llvm-19 gcovr)
     # Node may have come from elsewhere than Debian, which then must not be asked for another.
     command -v node >/dev/null || packages+=(nodejs)
     command -v npm >/dev/null || packages+=(npm)
