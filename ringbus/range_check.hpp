@@ -108,7 +108,7 @@ class Elements {
 std::string model_out_of_range(const schema::Message& message, std::size_t body_bytes);
 
 /// The same for volumes.
-std::string volume_out_of_range(const schema::Message& message);
+std::string volume_out_of_range(const schema::Message& message, std::size_t body_bytes);
 
 /// Returns the first field of the header's file that is out of range, with its value; empty if none
 /// is, or if the header has no file. The values lie within the file.

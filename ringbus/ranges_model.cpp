@@ -149,10 +149,13 @@ std::string range_of(const schema::MeasureIsovalues& measure) {
     return check.reason();
 }
 
-std::string range_of(const schema::IsovaluesMeasured& measured) {
+std::string range_of(const schema::IsovaluesMeasured& measured, Elements elements) {
     Check check;
     const schema::SlabCurve* last = nullptr;
     for (const auto* slab : *measured.slabs()) {
+        if (!elements.take(check, slab->counts()->size())) {
+            break;
+        }
         check.within("slab", slab->slab(), last == nullptr ? 0U : last->slab() + 1, max_slab);
         for (const auto* counts : *slab->counts()) {
             check.finite("area_mm2", counts->area_mm2()).finite("volume_mm3", counts->volume_mm3());
@@ -280,13 +283,13 @@ std::string model_out_of_range(const schema::Message& message, std::size_t body_
         case Body::MeasureIsovalues:
             return range_of(*message.body_as_MeasureIsovalues());
         case Body::IsovaluesMeasured:
-            return range_of(*message.body_as_IsovaluesMeasured());
+            return range_of(*message.body_as_IsovaluesMeasured(), elements);
         case Body::ExportMesh:
             return range_of(*message.body_as_ExportMesh(), elements);
         case Body::MeshContent:
             return range_of(*message.body_as_MeshContent(), elements);
         default:
-            return volume_out_of_range(message);
+            return volume_out_of_range(message, body_bytes);
     }
 }
 

@@ -63,7 +63,7 @@ void check_slices(Check& check, const schema::VolumeHeader& header) {
 }
 
 /// A single slice has a place, though no surface: Graphics Processors refuse it.
-std::string range_of(const schema::VolumeHeader& header) {
+std::string range_of(const schema::VolumeHeader& header, Elements elements) {
     Check check;
     check.within("nx", header.nx(), min_volume_voxels, max_volume_voxels)
         .within("ny", header.ny(), min_volume_voxels, max_volume_voxels)
@@ -79,6 +79,9 @@ std::string range_of(const schema::VolumeHeader& header) {
     if (header.findings() != nullptr) {
         for (const auto* finding : *header.findings()) {
             check.known("kind of finding", finding->kind());
+            if (!elements.take(check, finding->text()->size())) {
+                break;  // The host copies each text.
+            }
         }
     }
     return check.reason();
@@ -129,12 +132,12 @@ std::string range_of(const schema::VoxelValues& found) {
 
 }  // namespace
 
-std::string volume_out_of_range(const schema::Message& message) {
+std::string volume_out_of_range(const schema::Message& message, std::size_t body_bytes) {
     switch (message.body_type()) {
         case Body::ImportVolume:
             return range_of(*message.body_as_ImportVolume());
         case Body::VolumeHeader:
-            return range_of(*message.body_as_VolumeHeader());
+            return range_of(*message.body_as_VolumeHeader(), Elements(body_bytes));
         case Body::Slices:
             return range_of(*message.body_as_Slices());
         case Body::FetchVoxels:

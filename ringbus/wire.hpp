@@ -77,10 +77,14 @@ class Wire {
         return expected == received_.end() || header.sequence() >= expected->second.next;
     }
 
+    /// Whether the receiver's times follow those of a message. Times of an io process do not count:
+    /// what a damaged file makes it send must not move the host's.
+    enum class Times : std::uint8_t { followed, ignored };
+
     /// Throws WireFault if messages from this sender are missing or repeated, if the message is for
     /// another node, or if its times are too far ahead. A number or a time that no sound sender
     /// can have reached is not adopted.
-    void accept(const schema::Header& header) {
+    void accept(const schema::Header& header, Times times = Times::followed) {
         if (!is_ours(header)) {
             return;
         }
@@ -95,8 +99,11 @@ class Wire {
             ++received_messages_;
             received_bytes_ += header.body_bytes();
         }
-        clock_ = std::max(clock_, header.clock()) + 1;
-        model_.advance_to(header.arrival_ns());
+        if (times == Times::followed) {
+            clock_ = std::max(clock_, header.clock());
+            model_.advance_to(header.arrival_ns());
+        }
+        ++clock_;
     }
 
     /// Resets the numbers of `peer`, because a new node will use this id.

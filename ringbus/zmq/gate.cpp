@@ -13,6 +13,7 @@ namespace pxpl5::bus {
 std::optional<Arrived> Gate::receive(zmq::socket_t& inbound, Entrance entrance,
                                      const zmq::message_t& head) {
     Arrived arrived;
+    arrived.entrance = entrance;
     std::size_t parts = 1;
     for (bool more = head.more(); more; ++parts) {
         arrived.body = std::make_shared<zmq::message_t>();

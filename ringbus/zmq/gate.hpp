@@ -19,6 +19,7 @@ struct Arrived {
     std::optional<ArenaPlace> place;
     std::optional<ArenaOffer> offer;
     std::optional<PackedBody> packed;  ///< `body` is compressed.
+    Entrance entrance = Entrance::common;
 };
 
 class Gate {

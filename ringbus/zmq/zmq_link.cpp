@@ -143,7 +143,8 @@ struct ZmqLink::Parts {
         // may already belong to a message in transit.
         auto owner =
             is_known && wire.is_new(header) ? found->second->hold(arrived.place->ticket) : nullptr;
-        wire.accept(header);
+        wire.accept(header, arrived.entrance == Entrance::apart ? Wire::Times::ignored
+                                                                : Wire::Times::followed);
         if (arrived.place && !is_known) {
             throw BadMessage(header, fmt::format("message from node {}: its body is at {} of an "
                                                  "arena that was never offered",

@@ -284,4 +284,35 @@ TEST_SUITE("ringbus/ranges") {
         const Payload part = finish(builder, schema::CreateMeshPart(builder, 1, 1, slabs));
         CHECK(contains(refusal(part), "its lists have more elements than its"));
     }
+
+    TEST_CASE("curves and findings that share their contents are refused") {
+        constexpr std::size_t shared = 100'000;
+        flatbuffers::FlatBufferBuilder curves;
+        const auto counts = curves.CreateVectorOfStructs(
+            std::vector<schema::IsovalueCounts>(shared, schema::IsovalueCounts(1, 1, 1)));
+        std::vector<flatbuffers::Offset<schema::SlabCurve>> slabs;
+        for (std::uint32_t slab = 0; slab < 100; ++slab) {
+            slabs.push_back(schema::CreateSlabCurve(curves, slab, counts));
+        }
+        CHECK(contains(refusal(finish(curves, schema::CreateIsovaluesMeasured(
+                                                  curves, curves.CreateVector(slabs)))),
+                       "its lists have more elements than its"));
+
+        const schema::VolumeHeaderT sound = example_header();
+        flatbuffers::FlatBufferBuilder builder;
+        const auto name = builder.CreateString(sound.name);
+        const auto text = builder.CreateString(std::string(shared, 'x'));
+        const auto finding = schema::CreateFinding(builder, FindingKind::note, text);
+        const auto findings =
+            builder.CreateVector(std::vector<flatbuffers::Offset<schema::Finding>>(100, finding));
+        schema::VolumeHeaderBuilder header(builder);
+        header.add_name(name);
+        header.add_nx(sound.nx);
+        header.add_ny(sound.ny);
+        header.add_nz(sound.nz);
+        header.add_voxel_to_patient(sound.voxel_to_patient.get());
+        header.add_findings(findings);
+        CHECK(contains(refusal(finish(builder, header.Finish())),
+                       "its lists have more elements than its"));
+    }
 }

@@ -237,6 +237,26 @@ TEST_SUITE("ringbus/zmq/zmq_link_door") {
         CHECK(next_of(host).kind() == Body::VolumeReady);
     }
 
+    TEST_CASE("the host's times do not follow those of an io process") {
+        ZmqLink host({host_id, Role::host}, ipc_address("timeless"));
+        const std::string apart = host.listen_apart(Role::io, ipc_address("timeless-io"));
+        constexpr NodeId io_id = 9;
+        ZmqLink receiver({gp_id, Role::gp}, ipc_address("receiver-of-the-host"));
+        receiver.add_peer(host_id, Role::host, host.endpoint());
+        host.add_peer(gp_id, Role::gp, receiver.endpoint());
+        host.add_peer(io_id, Role::io, ipc_address("liar-io"));
+        RawPeer io(apart);
+        for (std::uint64_t number = 0; number < 3; ++number) {
+            io.send_as(io_id, host_id, number, pack(schema::IoDoneT{}),
+                       (number + 1) * max_ahead_ns / 4, last_clock);
+            CHECK(next_of(host).kind() == Body::IoDone);
+        }
+        host.send(gp_id, remove_surface(1));
+        const Message order = next_of(receiver);
+        CHECK(order.header().arrival_ns() < max_ahead_ns / 4);
+        CHECK(order.header().clock() < 10);
+    }
+
     TEST_CASE("the descriptor of a link with two sockets is readable for each of them") {
         ZmqLink host({host_id, Role::host}, ipc_address("watched"));
         const std::string apart = host.listen_apart(Role::io, ipc_address("watched-io"));
