@@ -278,13 +278,14 @@ void Launcher::take_control(const bus::Message& message, Handshake& handshake) {
 void Launcher::keep(const bus::Message& message) {
     backlog_.bytes += message.bytes().size();
     if (backlog_.messages.size() == max_backlog_messages || backlog_.bytes > max_backlog_bytes) {
-        fail(failed_code,
-             fmt::format("{} of {} bytes came from {} although {} messages of {} bytes wait "
-                         "already; at most {} of {} bytes may",
-                         bus::kind_name(message.kind()), message.bytes().size(),
-                         name_of(message.source()), backlog_.messages.size(),
-                         backlog_.bytes - message.bytes().size(), max_backlog_messages,
-                         max_backlog_bytes));
+        backlog_.bytes -= message.bytes().size();
+        blame(message.source(), failed_code,
+              fmt::format("{} of {} bytes came from {} although {} messages of {} bytes wait "
+                          "already; at most {} of {} bytes may",
+                          bus::kind_name(message.kind()), message.bytes().size(),
+                          name_of(message.source()), backlog_.messages.size(), backlog_.bytes,
+                          max_backlog_messages, max_backlog_bytes));
+        return;  // Of an io process that is not in use: it has ended.
     }
     backlog_.messages.push_back(message);
 }

@@ -62,9 +62,7 @@ class IdleNode final : public bus::Node {
                 write_in_the_name_of_gp_0(flags_);
                 [[fallthrough]];
             case test::Order::answer:
-                out.send(bus::host_id, role == schema::Role::io
-                                           ? bus::pack(schema::IoDoneT{})
-                                           : bus::pack(schema::VolumeReadyT{}));
+                answer(out);
                 return;
             case test::Order::forbidden:
                 out.send(bus::host_id, bus::pack(schema::FrameDoneT{}));
@@ -74,7 +72,7 @@ class IdleNode final : public bus::Node {
                 return;
             case test::Order::chatter:
                 for (int i = 0; i < test::chatter_messages; ++i) {
-                    out.send(bus::host_id, bus::pack(schema::VolumeReadyT{}));
+                    answer(out);
                 }
                 return;
             case test::Order::fault:
@@ -94,6 +92,11 @@ class IdleNode final : public bus::Node {
                 execl("/bin/true", "true", nullptr);
                 return;
         }
+    }
+
+    static void answer(bus::Outbox& out) {
+        out.send(bus::host_id, role == schema::Role::io ? bus::pack(schema::IoDoneT{})
+                                                        : bus::pack(schema::VolumeReadyT{}));
     }
 
     static bus::Payload damaged() {

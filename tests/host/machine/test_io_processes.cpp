@@ -110,6 +110,26 @@ TEST_CASE("an io process that is killed is named with its work, and memory is no
     machine.shutdown();
 }
 
+TEST_CASE("an io process that talks without end is killed, and the machine continues") {
+    Bench bench;
+    Machine machine(bench.topology, bench.options);
+    machine.send(machine.start_io(), io_order(Order::chatter));
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    std::string text;
+    try {
+        machine.wait_readable(ends[0]);  // The messages stay where they are.
+    } catch (const RequestError& error) {
+        text = error.what();
+    }
+    CHECK_MESSAGE(has(text, "io-0 broke the protocol and was killed: IoDone of "), text);
+    CHECK_MESSAGE(has(text, "came from io-0 although 16384 messages"), text);
+    ask_all(machine);
+    machine.shutdown();
+    close(ends[0]);
+    close(ends[1]);
+}
+
 TEST_CASE("an io process that never says Hello fails its request, and the machine continues") {
     Bench bench;
     bench.options.start_timeout_s = 8;
