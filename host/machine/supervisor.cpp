@@ -122,7 +122,7 @@ struct Supervisor::Parts {
     void watch(int fd);
     void watch_signals();
     /// timeout_ms  -1: no limit.
-    void run_until_event(int timeout_ms);
+    void run(int timeout_ms);
     void on_exit(Child& child, int exit_code, int signal);
     /// Waits until killed processes have ended, at most end_ms: the kernel may keep a process.
     void run_until_ended(const std::function<bool()>& have_ended);
@@ -172,7 +172,11 @@ void Supervisor::Parts::watch_signals() {
     }
 }
 
-void Supervisor::Parts::run_until_event(int timeout_ms) {
+void Supervisor::Parts::run(int timeout_ms) {
+    if (timeout_ms == 0) {
+        uv_run(&loop, UV_RUN_NOWAIT);
+        return;
+    }
     if (timeout_ms > 0) {
         uv_update_time(&loop);
         uv_timer_start(
@@ -315,11 +319,7 @@ int Supervisor::spawn(const ProcessCommand& command) {
 void Supervisor::wait(int fd, int timeout_ms) {
     parts_->watch(fd);
     parts_->timer_fired = parts_->fd_readable = parts_->input_readable = false;
-    if (timeout_ms == 0) {
-        uv_run(&parts_->loop, UV_RUN_NOWAIT);
-        return;
-    }
-    parts_->run_until_event(timeout_ms);
+    parts_->run(timeout_ms);
 }
 
 bool Supervisor::wait_input(int fd, int input, int timeout_ms) {
@@ -333,7 +333,7 @@ bool Supervisor::wait_input(int fd, int input, int timeout_ms) {
     uv_poll_start(&parts_->input_poll, UV_READABLE, [](uv_poll_t* handle, int, int) {
         static_cast<Parts*>(handle->data)->input_readable = true;
     });
-    parts_->run_until_event(timeout_ms);
+    parts_->run(timeout_ms);
     uv_poll_stop(&parts_->input_poll);
     epoll_ctl(parts_->input_set, EPOLL_CTL_DEL, input, &event);
     return parts_->input_readable;

@@ -158,6 +158,7 @@ TEST_CASE("a wait for input ends with the input, with its end, and with a death"
     Bench bench;
     int ends[2];
     REQUIRE(pipe(ends) == 0);
+    CHECK_FALSE(bench.supervisor.wait_input(-1, ends[0], 0));  // Does not wait.
     bench.shell("gp-0", "exit 1");
     CHECK_FALSE(bench.supervisor.wait_input(-1, ends[0]));
     CHECK(bench.supervisor.take_deaths().size() == 1);
