@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/owned_descriptor.hpp"
 #include "host/base/kernel/socket_folder.hpp"
 #include "host/machine/sessions/run_state.hpp"
 #include "ringbus/message.hpp"
@@ -133,7 +134,16 @@ void tidy_runs(const fs::path& base, int keep) {
     std::size_t ended = 0;
     for (const fs::path& run : runs) {
         const pid_t maker = *maker_of(run.filename().string());
-        const RunProbe probe(run, maker, RunProbe::Use::remove);
+        // Others may write to the base: only what lies in a folder of this user is removed, also
+        // if another user puts a link in its place meanwhile.
+        const OwnedDescriptor folder(
+            open(run.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+        struct stat facts {};
+        if (folder.fd < 0 || fstat(folder.fd, &facts) != 0 || facts.st_uid != geteuid()) {
+            continue;
+        }
+        const fs::path held = fmt::format("/proc/self/fd/{}", folder.fd);
+        const RunProbe probe(held, maker, RunProbe::Use::remove);
         if (probe.state == RunState::running) {
             running.insert(maker);
         }
@@ -141,7 +151,7 @@ void tidy_runs(const fs::path& base, int keep) {
             continue;
         }
         ++ended;
-        fs::remove_all(run / "uploads", ignored);
+        fs::remove_all(held / "uploads", ignored);
         if (keep > 0 && running.size() + ended > static_cast<std::size_t>(keep)) {
             fs::remove_all(run, ignored);
         }

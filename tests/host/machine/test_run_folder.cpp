@@ -82,6 +82,28 @@ TEST_CASE("a run folder that cannot be made is refused with the first reason") {
     }
 }
 
+TEST_CASE("uploads of ended runs go, but not those of another user, or behind a link") {
+    const test::TemporaryFolder folder;
+    const fs::path base = folder.file("runs"), elsewhere = folder.file("elsewhere");
+    const fs::path own = base / "20250101T000000Z-999999",
+                   foreign = base / "20250102T000000Z-999999",
+                   link = base / "20250103T000000Z-999999";
+    for (const fs::path& run : {own, foreign, elsewhere}) {
+        fs::create_directories(run / "uploads");
+        std::ofstream(run / "lock");
+    }
+    fs::create_directory_symlink(elsewhere, link);
+    constexpr uid_t other = 65534;
+    const bool has_foreign = chown(foreign.c_str(), other, other) == 0;
+    if (!has_foreign) {
+        MESSAGE("SKIPPED in part: only root can give a folder to another user");
+    }
+    make_run_folder(base, Topology{});
+    CHECK(!fs::exists(own / "uploads"));
+    CHECK(fs::exists(foreign / "uploads") == has_foreign);
+    CHECK(fs::exists(elsewhere / "uploads"));
+}
+
 TEST_CASE("two run folders of one second and one program have two names") {
     const test::TemporaryFolder folder;
     const fs::path base = folder.file("runs");
