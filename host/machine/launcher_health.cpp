@@ -293,10 +293,10 @@ std::optional<MachineError> Launcher::end_processes(int grace_ms, Ending ending)
         if (processes_.running_nodes().empty()) {
             processes_.finish();
         }
-        if (processes_.has_others() && processes_.others().takes_parts()) {
+        const bool patient = step == steps.size();
+        if (!patient && processes_.has_others() && processes_.others().takes_parts()) {
             deadline_ms = std::max(deadline_ms, now_ms() + file_ms);  // Logs and traces.
         }
-        const bool patient = step == steps.size();
         if (patient && now_ms() >= deadline_ms) {
             const std::string text =
                 fmt::format("{} cannot be ended: the kernel keeps it {} s after SIGKILL",
