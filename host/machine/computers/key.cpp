@@ -181,6 +181,13 @@ bus::Credentials read_key_file(const std::filesystem::path& path) {
             fmt::format("the key file {} has mode {:04o}, so others may read it. Run: chmod 600 {}",
                         path.string(), facts.st_mode & 07777U, path.string()));
     }
+    if (facts.st_uid != 0 && facts.st_uid != geteuid()) {
+        throw RequestError(
+            ExitCode::usage,
+            fmt::format("the key file {} belongs to user {}, who knows the key; this program runs "
+                        "as user {}. Use a key file of your own",
+                        path.string(), facts.st_uid, geteuid()));
+    }
     return parse_key(read_all(file.fd), "the key file " + path.string());
 }
 
