@@ -119,6 +119,9 @@ int Loop::on_request(lws* connection) {
     if (takes && verdict.role != Role::driver) {
         return refuse(connection, 403, "A view-only address cannot upload files.");
     }
+    if (!route.file.attachment.empty() && verdict.role != Role::driver) {
+        return refuse(connection, 403, "A view-only address cannot download files.");
+    }
     switch (route.kind) {
         case RouteKind::upload:
             return begin_upload(connection, request, false);

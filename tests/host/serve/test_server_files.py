@@ -71,11 +71,13 @@ class Files(Case):
         left = [path for path in pathlib.Path(self.folder, "uploads").rglob("*") if path.is_file()]
         self.assertEqual(left, [])
 
-    def test_who_watches_may_not_upload(self):
+    def test_who_watches_may_neither_upload_nor_download(self):
         token = urllib.parse.urlsplit(self.server.watch_url).query
         status, _, body = self.server.request("/upload?name=a&batch=b&" + token, method="POST",
                                               body=b"x", token=False)
         self.assertEqual((status, body), (403, b"A view-only address cannot upload files.\n"))
+        status, _, body = self.server.request("/download/mesh.ply?" + token, token=False)
+        self.assertEqual((status, body), (403, b"A view-only address cannot download files.\n"))
 
 
 class Start(unittest.TestCase):
