@@ -144,7 +144,7 @@ TEST_CASE("a removed folder of sockets is the cause that is named") {
     CHECK_MESSAGE(has(error.what(), "XDG_RUNTIME_DIR"), error.what());
 }
 
-TEST_CASE("a machine without a heartbeat waits for a stopped node for ever, as debuggers need") {
+TEST_CASE("no node of a machine without a heartbeat beats, so that a debugger may stop it") {
     Quick bench;
     bench.topology.heartbeat.misses = 0;
     Machine machine(bench.topology, bench.options);
