@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <type_traits>
 
@@ -42,6 +43,10 @@ class Check {
             fail(fmt::format("{} is {}", field, value));
         }
         return *this;
+    }
+    /// Checks that a length is finite and not negative.
+    Check& length(const char* field, double value) {
+        return within(field, value, 0.0, std::numeric_limits<double>::max());
     }
     Check& add(const std::string& reason) {
         if (!reason.empty()) {

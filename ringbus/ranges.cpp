@@ -100,7 +100,8 @@ std::string range_of(const schema::DrawFrame& draw) {
     }
     for (const auto* surface : *draw.surfaces()) {
         check.known("slabs", surface->slabs())
-            .within("opacity", surface->opacity(), 1, full_opacity);
+            .within("opacity", surface->opacity(), 1, full_opacity)
+            .at_most("detail", surface->detail(), max_detail);
     }
     return check.reason();
 }
@@ -133,7 +134,7 @@ std::string range_of(const schema::RegionProgram& program) {
 
 std::string range_of(const schema::RegionPrograms& programs, Elements elements) {
     Check check;
-    check.at_most("gp", programs.gp(), max_nodes - 1);
+    check.at_most("gp", programs.gp(), max_nodes - 1).length("moved_mm", programs.moved_mm());
     for (const auto* region : *programs.regions()) {
         if (!elements.take(check, region->segments()->size())) {
             break;
@@ -148,6 +149,7 @@ std::string range_of(const schema::RegionPixels& pixels) {
     const std::size_t wanted = std::size_t{pixels.tiles()->size()} * region_pixels;
     Check check;
     check.at_most("renderer", pixels.renderer(), max_nodes - 1)
+        .length("moved_mm", pixels.moved_mm())
         .equal("number of pixels", std::size_t{pixels.pixels()->size()},
                pixels.pixels()->size() == 0 ? 0 : wanted);
     if (pixels.depths() != nullptr) {
@@ -165,6 +167,7 @@ std::string range_of(const schema::FrameDone& done) {
     check.within("width", done.width(), 1, max_picture_px)
         .within("height", done.height(), 1, max_picture_px)
         .within("views", done.views(), 1, max_views)
+        .length("moved_mm", done.moved_mm())
         .equal("number of region_cycles", std::size_t{done.region_cycles()->size()}, regions)
         .equal("number of region_renderers", std::size_t{done.region_renderers()->size()}, regions);
     for (const std::uint16_t renderer : *done.region_renderers()) {

@@ -107,6 +107,15 @@ std::string range_of(const schema::SlabMesh& mesh, Elements& elements) {
     return check.reason();
 }
 
+std::string range_of(const schema::FetchMesh& fetch) {
+    Check check;
+    check.at_most("detail", fetch.detail(), max_detail);
+    if (fetch.detail() > 0) {
+        check.equal("origins of a simplified mesh", fetch.origins(), false);
+    }
+    return check.reason();
+}
+
 std::string range_of(const schema::ExportMesh& mesh, Elements elements) {
     Check check;
     check.within("number of surfaces", mesh.surfaces()->size(), 1, max_surfaces)
@@ -167,6 +176,7 @@ std::string range_of(const schema::IsovaluesMeasured& measured, Elements element
 
 std::string range_of(const schema::MeshPart& part, Elements elements) {
     Check check;
+    check.at_most("detail", part.detail(), max_detail).length("moved_mm", part.moved_mm());
     for (const auto* slab : *part.slabs()) {
         check.add(range_of(*slab, elements));
     }
@@ -270,6 +280,8 @@ std::string model_out_of_range(const schema::Message& message, std::size_t body_
             return range_of(*message.body_as_SetSurface());
         case Body::SurfaceBuilt:
             return range_of(*message.body_as_SurfaceBuilt());
+        case Body::FetchMesh:
+            return range_of(*message.body_as_FetchMesh());
         case Body::MeshPart:
             return range_of(*message.body_as_MeshPart(), elements);
         case Body::SceneBegin:

@@ -12,6 +12,8 @@ namespace pxpl5 {
 inline constexpr int sets_per_gp = 2;
 /// Slabs of a set. 32 make the slices of all sets 9 % more than the volume.
 inline constexpr int max_slabs_per_set = 32;
+/// Slabs of a block, which one GP simplifies alone. Block b begins at slab block_slabs * b.
+inline constexpr int block_slabs = 16;
 
 /// A volume's slabs, shared by `gp_count` GPs. Slab s lies between slices s and s + 1.
 struct SlabSets {
@@ -26,6 +28,11 @@ struct SlabSets {
 
     bool owns(int gp, int slab) const {
         return slab >= 0 && slab < slab_count() && owner(slab) == gp;
+    }
+
+    /// True if every block of slabs belongs to one GP, so that surfaces can be simplified.
+    bool have_whole_blocks() const {
+        return gp_count == 1 || slabs_per_set >= slab_count() || slabs_per_set % block_slabs == 0;
     }
 
     /// True if slice z bounds a slab that the GP owns.
@@ -57,10 +64,12 @@ struct SlabSets {
     }
 };
 
-/// The size of the sets of a volume that is too large for sets of one slab.
+/// The size of the sets of a volume that is too large for sets of one slab. Sets have whole blocks
+/// if the volume has enough slabs for them.
 inline int slabs_per_large_set(int slab_count, int gp_count) {
     const int sets = gp_count * sets_per_gp;
-    return std::clamp((slab_count + sets - 1) / sets, 2, max_slabs_per_set);
+    const int most = std::clamp((slab_count + sets - 1) / sets, 2, max_slabs_per_set);
+    return most < block_slabs ? most : most / block_slabs * block_slabs;
 }
 
 }  // namespace pxpl5

@@ -161,7 +161,14 @@ void check(const VoxelValues& found) {
             "whole slices");
 }
 
+void check(const FetchMesh& fetch) {
+    in("detail", fetch.detail(), 0, max_detail);
+    require(fetch.detail() == 0 || !fetch.origins(), "origins of a simplified mesh");
+}
+
 void check(const MeshPart& part) {
+    in("detail", part.detail(), 0, max_detail);
+    require(std::isfinite(part.moved_mm()) && part.moved_mm() >= 0, "moved_mm");
     each(part.slabs(), [](const SlabMesh& slab) {
         in("slab", slab.slab(), 0, max_slab);
         require(slab.keys()->size() == slab.vertices()->size(), "keys");
@@ -259,9 +266,9 @@ void check_model_of(const bus::Message& message) {
 
 void require_documented_ranges(const bus::Message& message) {
     check_model_of<Hello, Topology, Fault, ImportVolume, VolumeHeader, Slices, ExportPicture,
-                   ExportMesh, MeshContent, SetSurface, SurfaceBuilt, MeshPart, MaskSurface,
-                   MeasureIsovalues, IsovaluesMeasured, SceneBegin, ScenePart, ArchiveContent,
-                   FetchVoxels, VoxelValues>(message);
+                   ExportMesh, MeshContent, SetSurface, SurfaceBuilt, FetchMesh, MeshPart,
+                   MaskSurface, MeasureIsovalues, IsovaluesMeasured, SceneBegin, ScenePart,
+                   ArchiveContent, FetchVoxels, VoxelValues>(message);
     require_documented_frame(message);
 }
 

@@ -31,6 +31,7 @@ void check(const DrawFrame& draw) {
     each(draw.surfaces(), [](const SurfaceDraw& surface) {
         known("slabs", surface.slabs());
         in("opacity", surface.opacity(), 1, full_opacity);
+        in("detail", surface.detail(), 0, max_detail);
     });
     each(draw.clip_planes(),
          [](const ClipPlane& p) { finite("clip plane", p.a(), p.b(), p.c(), p.d()); });
@@ -54,6 +55,7 @@ constexpr int most_regions = 8192;  // Two views of 8192 x 8192 pixels.
 
 void check(const RegionPrograms& programs) {
     in("gp", programs.gp(), 0, max_nodes - 1);
+    require(std::isfinite(programs.moved_mm()) && programs.moved_mm() >= 0, "moved_mm");
     each(programs.regions(), [](const RegionProgram& region) {
         in("region", region.region(), 0, most_regions - 1);
         for (const Segment* segment : *region.segments()) {
@@ -67,6 +69,7 @@ void check(const RegionPrograms& programs) {
 void check(const RegionPixels& pixels) {
     const std::size_t all = pixels.tiles()->size() * region_pixels;
     in("renderer", pixels.renderer(), 0, max_nodes - 1);
+    require(std::isfinite(pixels.moved_mm()) && pixels.moved_mm() >= 0, "moved_mm");
     require(pixels.pixels()->size() == 0 || pixels.pixels()->size() == all, "pixels");
     require(pixels.depths() == nullptr || pixels.depths()->size() == all, "depths");
     for (const RegionTile* tile : *pixels.tiles()) {
@@ -78,6 +81,7 @@ void check(const FrameDone& done) {
     in("width", done.width(), 1, max_picture_px);
     in("height", done.height(), 1, max_picture_px);
     in("views", done.views(), 1, max_views);
+    require(std::isfinite(done.moved_mm()) && done.moved_mm() >= 0, "moved_mm");
     const std::uint64_t regions = regions_of(done.width(), done.height(), done.views());
     require(done.region_cycles()->size() == regions, "region_cycles");
     require(done.region_renderers()->size() == regions, "region_renderers");

@@ -157,9 +157,12 @@ std::vector<Payload> surface_examples() {
     built.elapsed_us = 5678;
     schema::FetchMeshT fetch;
     fetch.surface = 2;
+    fetch.detail = 1;
     schema::MeshPartT part;
     part.surface = 2;
     part.revision = 8;
+    part.detail = 1;
+    part.moved_mm = 1.25;
     auto slab = std::make_unique<schema::SlabMeshT>();
     slab->slab = 5;
     slab->vertices.assign(3, schema::MeshVertex(1, 2, 3, 0, 0, 1));
@@ -190,6 +193,7 @@ std::vector<Payload> frame_examples() {
     schema::RegionPixelsT pixels;
     pixels.frame = 4;
     pixels.renderer = 1;
+    pixels.moved_mm = 1.25;
     pixels.tiles = {schema::RegionTile(3, 20'000, 1500)};
     pixels.pixels.assign(region_pixels, 0xff336699);
     pixels.depths.assign(region_pixels, 0xffffff00);
@@ -198,6 +202,7 @@ std::vector<Payload> frame_examples() {
     done.width = 4;
     done.height = 2;
     done.views = 1;
+    done.moved_mm = 1.25;
     done.region_cycles = {12'345};
     done.region_renderers = {1};
     done.instructions = 678;
@@ -324,7 +329,7 @@ schema::DrawFrameT example_draw() {
     draw.specular_power = 20;
     draw.background = std::make_unique<schema::Rgb>(1, 2, 3);
     draw.surfaces.push_back(schema::SurfaceDraw(1, 2, schema::Rgb(9, 8, 7), true,
-                                                SlabChoice::outside_gaps, full_opacity));
+                                                SlabChoice::outside_gaps, full_opacity, 2));
     draw.clip_planes.push_back(schema::ClipPlane(1, 0, 0, -5));
     draw.read_back = true;
     draw.read_depths = true;
@@ -370,6 +375,7 @@ schema::RegionProgramsT example_programs() {
     region->words = {1, 2, 3, 4};
     region->segments = {schema::Segment(0, 7, 0, 2), schema::Segment(1, 3, 2, 2)};
     programs.regions.push_back(std::move(region));
+    programs.moved_mm = 1.25;
     programs.triangles_in = 100;
     programs.triangles_out = 60;
     return programs;

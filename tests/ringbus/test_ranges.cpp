@@ -129,6 +129,10 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(VoxelValuesT, m.slices[1] = 4096, "slice is 4096");
         CHECK_REFUSED(VoxelValuesT, m.values.pop_back(), "bytes beyond whole slices is 1");
         CHECK_REFUSED(VoxelValuesT, m.slices.clear(), "bytes beyond whole slices is 8");
+        CHECK_REFUSED(FetchMeshT, m.detail = 4, "detail is 4, allowed are at most 3");
+        CHECK_REFUSED(FetchMeshT, m.origins = true, "origins of a simplified mesh is true");
+        CHECK_REFUSED(MeshPartT, m.detail = 4, "detail is 4, allowed are at most 3");
+        CHECK_REFUSED(MeshPartT, m.moved_mm = -0.5, "moved_mm is -0.5");
         CHECK_REFUSED(MeshPartT, m.slabs[0]->slab = 4095, "slab is 4095");
         CHECK_REFUSED(MeshPartT, m.slabs[0]->origins.push_back(m.slabs[0]->origins[0]),
                       "number of origins is 2, expected 1");
@@ -191,6 +195,8 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(DrawFrameT, m.clip_planes[0] = schema::ClipPlane(0, 0, INFINITY, 0),
                       "clip plane is inf");
         CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_opacity(17), "opacity is 17");
+        CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_detail(4),
+                      "detail is 4, allowed are at most 3");
         CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_slabs(static_cast<SlabChoice>(9)),
                       "slabs is 9");
         CHECK_REFUSED(DrawFrameT, m.specular_power = 129, "specular_power is 129");
@@ -210,15 +216,18 @@ TEST_SUITE("ringbus/ranges") {
 
     TEST_CASE("programs, pixels and finished frames") {
         CHECK_REFUSED(RegionProgramsT, m.gp = 256, "gp is 256");
+        CHECK_REFUSED(RegionProgramsT, m.moved_mm = NAN, "moved_mm is nan");
         CHECK_REFUSED(RegionProgramsT, m.regions[0]->region = 8192, "region is 8192");
         CHECK_REFUSED(RegionProgramsT, m.regions[0]->segments[1].mutate_word_count(3),
                       "region 5: segment of slab 3 ends at word 5 of 4");
         CHECK_REFUSED(RegionProgramsT,
                       m.regions[0]->segments[0] = schema::Segment(0, 0, 0xffffffff, 0xffffffff),
                       "ends at word 8589934590 of 4");
+        CHECK_REFUSED(RegionPixelsT, m.moved_mm = INFINITY, "moved_mm is inf");
         CHECK_REFUSED(RegionPixelsT, m.renderer = 256, "renderer is 256");
         CHECK_REFUSED(RegionPixelsT, m.pixels.pop_back(), "is 16383, expected 16384");
         CHECK_REFUSED(RegionPixelsT, m.tiles[0].mutate_region(9000), "region is 9000");
+        CHECK_REFUSED(FrameDoneT, m.moved_mm = INFINITY, "moved_mm is inf");
         CHECK_REFUSED(FrameDoneT, m.views = 3, "views is 3");
         CHECK_REFUSED(FrameDoneT, m.pixels.pop_back(), "number of pixels is 7, expected 8");
         CHECK_REFUSED(FrameDoneT, m.region_cycles.clear(), "region_cycles is 0, expected 1");

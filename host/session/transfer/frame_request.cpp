@@ -100,7 +100,7 @@ bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t
         const Surface& surface = *drawn.surface;
         draw.surfaces.push_back(schema::SurfaceDraw(
             surface.id, surface.revision, to_wire(drawn.color), surface.cull_back, drawn.slabs,
-            static_cast<std::uint8_t>(surface.opacity)));
+            static_cast<std::uint8_t>(surface.opacity), static_cast<std::uint8_t>(stage.detail)));
     }
     for (const SceneClip& clip : scene.clips) {
         const glm::vec4 plane(grid_plane(clip.plane, stage.voxel_to_patient));

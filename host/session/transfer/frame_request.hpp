@@ -16,6 +16,7 @@ struct Stage {
     Subject subject;
     glm::dmat4 voxel_to_patient{1.0};  ///< Grid to patient millimeters.
     bool has_gaps = false;             ///< Some slabs lie across missing slices.
+    int detail = 0;                    ///< Detail of all surfaces; 0: exact, else see SurfaceDraw.
 };
 
 /// One entry of a frame's list of surfaces; a pixel's surface field is its index + 1.

@@ -72,6 +72,7 @@ struct MachineSize {
     int gps = 1, renderers = 1;
     std::uint64_t memory_bytes = plenty_bytes;
     Recording recording = Recording::off;
+    int slabs_per_set = 1;
 };
 
 inline bus::Payload topology(MachineSize size) {
@@ -148,7 +149,7 @@ inline gp::VolumeShape shape() {
     return {n, n, n, Scalar::uint8, glm::dmat4(1.0), 0, 255};
 }
 
-inline bus::Payload header(std::uint32_t volume = 1) {
+inline bus::Payload header(std::uint32_t volume = 1, int slabs_per_set = 1) {
     schema::VolumeHeaderT h;
     h.volume = volume;
     h.name = "sphere";
@@ -156,6 +157,7 @@ inline bus::Payload header(std::uint32_t volume = 1) {
     h.type = Scalar::uint8;
     h.voxel_to_patient = std::make_unique<schema::Matrix>(to_wire(glm::dmat4(1.0)));
     h.maximum = 255;
+    h.slabs_per_set = static_cast<std::uint16_t>(slabs_per_set);
     return bus::pack(h);
 }
 
@@ -177,9 +179,11 @@ inline bus::Payload slices(int first, int count, std::uint32_t volume = 1) {
     return bus::pack(s);
 }
 
-inline void load(LoneGp& gp, std::uint32_t volume = 1) {
-    gp.receive(header(volume));
-    for (const int z : gp::slices_needed(shape(), gp.share)) {
+inline void load(LoneGp& gp, std::uint32_t volume = 1, int slabs_per_set = 1) {
+    gp.receive(header(volume, slabs_per_set));
+    gp::VolumeShape in_sets = shape();
+    in_sets.slabs_per_set = slabs_per_set;
+    for (const int z : gp::slices_needed(in_sets, gp.share)) {
         gp.receive(slices(z, 1, volume));
     }
     schema::VolumeEndT end;
@@ -210,7 +214,7 @@ inline schema::DrawFrameT draw_frame(std::uint32_t frame, std::uint32_t revision
     d.specular_power = 10;
     d.background = std::make_unique<schema::Rgb>();
     d.surfaces.emplace_back(std::uint16_t{4}, revision, schema::Rgb(), false, SlabChoice::all,
-                            full_opacity);
+                            full_opacity, std::uint8_t{0});
     return d;
 }
 
@@ -220,7 +224,7 @@ inline std::vector<std::unique_ptr<LoneGp>> run_machine(MachineSize size,
     std::vector<std::unique_ptr<LoneGp>> gps;
     for (int i = 0; i < size.gps; ++i) {
         gps.push_back(std::make_unique<LoneGp>(size, i));
-        load(*gps.back());
+        load(*gps.back(), 1, size.slabs_per_set);
         gps.back()->receive(set_surface(4, 1, 100));
     }
     gps[0]->receive(bus::pack(draw));
