@@ -386,10 +386,11 @@ void RendererNode::send_pixels(bus::Outbox& out) {
     const std::unique_ptr<Drawing> drawn = std::move(drawing_);
     flatbuffers::FlatBufferBuilder& body = drawn->body;
     const auto tiles = body.CreateVectorOfStructs(drawn->tiles);
-    out.send(frame_buffer_,
-             bus::finish(body, schema::CreateRegionPixels(
-                                   body, drawn->plan.frame, static_cast<std::uint16_t>(index_),
-                                   tiles, drawn->pixels.offset, drawn->depths.offset)));
+    out.send(
+        frame_buffer_,
+        bus::finish(body, schema::CreateRegionPixels(
+                              body, drawn->plan.frame, static_cast<std::uint16_t>(index_), tiles,
+                              drawn->pixels.offset, drawn->depths.offset, drawn->plan.moved_mm)));
 }
 
 }  // namespace pxpl5::renderer

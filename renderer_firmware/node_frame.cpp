@@ -110,7 +110,9 @@ FramePlan plan_frame(const FrameMessages& messages, std::uint32_t renderer) {
         }
     }
     for (const auto& [gp, message] : messages.programs) {
-        for (const auto* program : *message.as<schema::RegionPrograms>()->regions()) {
+        const auto& programs = *message.as<schema::RegionPrograms>();
+        plan.moved_mm = std::max(plan.moved_mm, programs.moved_mm());
+        for (const auto* program : *programs.regions()) {
             take_region(plan, begin.draw()->surfaces()->size(), gp, *program);
         }
     }

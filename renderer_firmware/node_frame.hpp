@@ -39,6 +39,7 @@ struct FramePlan {
     };
     std::uint32_t frame = 0;
     bool counts = false;  ///< The host has requested counts of each part.
+    double moved_mm = 0;  ///< The largest of the messages.
     Pass pass;
     RegionPrograms programs;
     std::vector<Region> regions;  ///< The regions of this Renderer, ascending.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "gp_firmware/node/messages.hpp"
+#include "gp_firmware/node/surfaces.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
 #include "ringbus/node.hpp"
 
@@ -64,6 +65,7 @@ void drop_surface(Board& board, std::uint16_t surface) {
     for (const SlabMesh& mesh : held->second.slabs) {
         board.memory.release(size_bytes(mesh));
     }
+    drop_simplified(held->second, board.memory);
     board.surfaces.erase(held);
 }
 

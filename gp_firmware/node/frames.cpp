@@ -7,6 +7,7 @@
 
 #include "gp_firmware/node/messages.hpp"
 #include "gp_firmware/node/stages.hpp"
+#include "gp_firmware/node/surfaces.hpp"
 #include "gp_firmware/render/assignment.hpp"
 #include "isa/contract/sample_sums.hpp"
 
@@ -54,12 +55,28 @@ bool draw_slabs(Board& board, bus::StageClock* clock) {
     return more;
 }
 
+/// Makes one block of the simplified surfaces that the frame wants. Returns true when all are made.
+bool simplify_surfaces(const FrameRequest& request, Board& board, bus::StageClock* clock) {
+    return std::ranges::all_of(request.surfaces, [&](const SurfaceWanted& wanted) {
+        if (wanted.detail == 0) {
+            return true;
+        }
+        const SimplifiedWish wish{wanted.surface, wanted.detail, wanted.slabs};
+        require_whole_blocks(wish, board);
+        const bus::StageClock::In simplifying(clock, stage::simplify);
+        return simplify_next(wish, board);
+    });
+}
+
 bool draw_piece(DrawJob& job, Board& board, bus::Outbox& out) {
     auto& [drawing, programs, sent_count] = board.frame;
     if (job.stage == DrawJob::Stage::waiting) {
         const std::string missing = missing_surface(job.request, board.surfaces);
         if (!missing.empty()) {
             throw NodeFault(FaultCode::bad_input, missing);
+        }
+        if (!simplify_surfaces(job.request, board, out.clock())) {
+            return false;
         }
         drawing.begin(job.request);
         job.stage = DrawJob::Stage::drawing;

@@ -71,6 +71,7 @@ struct FetchJob {
     std::uint16_t surface = 0;
     bus::NodeId to = 0;
     bool origins = false;
+    int detail = 0;                           ///< 0: exact.
     std::unique_ptr<MeshPartBuilder> part{};  ///< Null until the job begins.
     std::size_t next_slab = 0;
 };

@@ -25,10 +25,10 @@ schema::MeshVertex to_wire(const Vertex& v) {
 // Bytes that a table and a slab add to the data, with room for alignment.
 constexpr std::size_t message_overhead_bytes = 256, slab_overhead_bytes = 96;
 
-/// Returns the maximal size of a surface's MeshPart.
-std::size_t size_bytes(const HeldSurface& held, bool origins) {
+/// Returns the maximal size of a MeshPart.
+std::size_t size_bytes(std::span<const SlabMesh> slabs, bool origins) {
     std::size_t bytes = message_overhead_bytes;
-    for (const SlabMesh& mesh : held.slabs) {
+    for (const SlabMesh& mesh : slabs) {
         bytes += slab_overhead_bytes +
                  mesh.vertices.size() * (sizeof(schema::MeshVertex) + sizeof(std::uint64_t)) +
                  mesh.indices.size() * sizeof(std::uint32_t) +
@@ -39,19 +39,16 @@ std::size_t size_bytes(const HeldSurface& held, bool origins) {
 
 }  // namespace
 
-MeshPartBuilder::MeshPartBuilder(std::uint16_t surface, const HeldSurface& held, bool origins)
-    : builder_(size_bytes(held, origins)),
-      surface_(surface),
-      revision_(held.revision),
-      origins_(origins) {
-    const std::size_t bytes = size_bytes(held, origins);
+MeshPartBuilder::MeshPartBuilder(const MeshToSend& mesh)
+    : builder_(size_bytes(mesh.slabs, mesh.origins)), all_(mesh) {
+    const std::size_t bytes = size_bytes(mesh.slabs, mesh.origins);
     if (bytes > bus::max_body_bytes) {
         throw bus::NodeFault(
             schema::FaultCode::out_of_memory,
             fmt::format(
                 "surface {}: one GP's part of the mesh has {} bytes, but a message has at most "
                 "{}; use more GPs",
-                surface, bytes, bus::max_body_bytes));
+                mesh.surface, bytes, bus::max_body_bytes));
     }
 }
 
@@ -64,12 +61,14 @@ void MeshPartBuilder::add(const SlabMesh& mesh, std::span<const Origin> origins)
     const auto indices = builder_.CreateVector(mesh.indices);
     slabs_.push_back(schema::CreateSlabMesh(builder_, static_cast<std::uint32_t>(mesh.slab),
                                             vertices_at, keys, indices,
-                                            origins_ ? origins_to_wire(builder_, origins) : 0));
+                                            all_.origins ? origins_to_wire(builder_, origins) : 0));
 }
 
 bus::Payload MeshPartBuilder::finish() {
     const auto slabs = builder_.CreateVector(slabs_);
-    return bus::finish(builder_, schema::CreateMeshPart(builder_, surface_, revision_, slabs));
+    return bus::finish(
+        builder_, schema::CreateMeshPart(builder_, all_.surface, all_.revision, slabs,
+                                         static_cast<std::uint8_t>(all_.detail), all_.moved_mm));
 }
 
 }  // namespace pxpl5::gp

@@ -10,12 +10,21 @@
 
 namespace pxpl5::gp {
 
+/// One GP's part of a mesh.
+struct MeshToSend {
+    std::uint16_t surface = 0;
+    std::uint32_t revision = 0;
+    std::span<const SlabMesh> slabs;
+    bool origins = false;  ///< Whether MeshPartBuilder::add() receives origins.
+    int detail = 0;        ///< 0: exact.
+    double moved_mm = 0;   ///< No point is farther from the exact surface.
+};
+
 /// Builds a MeshPart slab by slab.
 class MeshPartBuilder {
   public:
-    /// origins  Whether add() receives origins.
-    /// Throws   bus::NodeFault if the surface is larger than a message may be.
-    MeshPartBuilder(std::uint16_t surface, const HeldSurface& held, bool origins);
+    /// Throws bus::NodeFault if the mesh is larger than a message may be.
+    explicit MeshPartBuilder(const MeshToSend& mesh);
     /// origins  One per triangle, or empty.
     void add(const SlabMesh& mesh, std::span<const Origin> origins);
     bus::Payload finish();
@@ -23,9 +32,7 @@ class MeshPartBuilder {
   private:
     flatbuffers::FlatBufferBuilder builder_;
     std::vector<flatbuffers::Offset<bus::schema::SlabMesh>> slabs_;
-    std::uint16_t surface_;
-    std::uint32_t revision_;
-    bool origins_;
+    MeshToSend all_;
 };
 
 }  // namespace pxpl5::gp

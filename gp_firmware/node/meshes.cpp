@@ -5,6 +5,8 @@
 #include <cassert>
 
 #include "gp_firmware/node/messages.hpp"
+#include "gp_firmware/node/stages.hpp"
+#include "gp_firmware/node/surfaces.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
 
 namespace pxpl5::gp {
@@ -43,14 +45,35 @@ std::span<const Origin> origins_of(const HeldSurface& surface, const SlabMesh& m
     return mesh.origins;
 }
 
+/// The mesh that the job asks for: of a simplified surface, the blocks that are made.
+MeshToSend mesh_of(const FetchJob& job, const HeldSurface& surface) {
+    MeshToSend mesh{job.surface, surface.revision, surface.slabs, job.origins, job.detail, 0};
+    if (job.detail > 0) {
+        const auto made = surface.simplified.find({job.detail, SlabChoice::all});
+        const bool has_any = made != surface.simplified.end();
+        mesh.slabs = has_any ? made->second.blocks : std::span<const SlabMesh>();
+        mesh.moved_mm = has_any ? made->second.moved_mm : 0;
+    }
+    return mesh;
+}
+
 }  // namespace
 
 bool step(FetchJob& job, Board& board, bus::Outbox& out) {
     const HeldSurface& surface = surface_to_fetch(job.surface, board);
+    if (!job.part && job.detail > 0) {
+        const SimplifiedWish wish{job.surface, job.detail, SlabChoice::all};
+        require_whole_blocks(wish, board);
+        const bus::StageClock::In simplifying(out.clock(), stage::simplify);
+        if (!simplify_next(wish, board)) {
+            return false;
+        }
+    }
+    const MeshToSend all = mesh_of(job, surface);
     if (!job.part) {
-        job.part = std::make_unique<MeshPartBuilder>(job.surface, surface, job.origins);
-    } else if (job.next_slab < surface.slabs.size()) {
-        const SlabMesh& mesh = surface.slabs[job.next_slab++];
+        job.part = std::make_unique<MeshPartBuilder>(all);
+    } else if (job.next_slab < all.slabs.size()) {
+        const SlabMesh& mesh = all.slabs[job.next_slab++];
         job.part->add(mesh,
                       job.origins ? origins_of(surface, mesh, board) : std::span<const Origin>());
     } else {
@@ -63,7 +86,7 @@ bool step(FetchJob& job, Board& board, bus::Outbox& out) {
 void answer_dropped(const FetchJob& job, const Board& board, bus::Outbox& out) {
     const auto held = board.surfaces.find(job.surface);
     if (held != board.surfaces.end()) {
-        out.send(job.to, MeshPartBuilder(job.surface, held->second, job.origins).finish());
+        out.send(job.to, MeshPartBuilder(mesh_of(job, held->second)).finish());
     }
 }
 

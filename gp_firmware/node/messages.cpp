@@ -109,8 +109,8 @@ FrameRequest frame_request(const schema::DrawFrame& draw, const VolumeShape& sha
         }
     }
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
-        request.surfaces.push_back(
-            {surface->surface(), surface->revision(), surface->cull_back(), surface->slabs()});
+        request.surfaces.push_back({surface->surface(), surface->revision(), surface->cull_back(),
+                                    surface->slabs(), surface->detail()});
     }
     return request;
 }

@@ -103,7 +103,8 @@ void GpNode::dispatch(const bus::Message& message, bus::Outbox& out) {
             return queue_.add_removal(message.as<schema::RemoveSurface>()->surface());
         case bus::Body::FetchMesh:
             return queue_.add(FetchJob{message.as<schema::FetchMesh>()->surface(), message.source(),
-                                       message.as<schema::FetchMesh>()->origins()});
+                                       message.as<schema::FetchMesh>()->origins(),
+                                       message.as<schema::FetchMesh>()->detail()});
         case bus::Body::MaskSurface:
             return queue_.add(MaskJob{message});
         case bus::Body::MeasureIsovalues:

@@ -59,7 +59,7 @@ bus::Payload empty_programs_message(std::uint32_t frame, std::uint16_t gp_index,
         builder.CreateVector(std::vector<flatbuffers::Offset<schema::RegionProgram>>());
     return bus::finish(
         builder, schema::CreateRegionPrograms(builder, frame, gp_index, none, counts.triangles_in,
-                                              counts.triangles_out));
+                                              counts.triangles_out, counts.moved_mm));
 }
 
 void ProgramsMessages::begin(const FrameRequest& request, std::uint16_t gp_index,
@@ -112,10 +112,10 @@ void ProgramsMessages::make(const FrameDrawing& drawing, bus::Outbox& out) {
         programs.push_back(to_wire(builder, region, regions[region], rooms_.back().words));
     }
     const auto programs_at = builder.CreateVector(programs);
-    payload_ =
-        bus::finish(builder, schema::CreateRegionPrograms(builder, frame_, gp_index_, programs_at,
-                                                          drawing.counts().triangles_in,
-                                                          drawing.counts().triangles_out));
+    payload_ = bus::finish(
+        builder, schema::CreateRegionPrograms(
+                     builder, frame_, gp_index_, programs_at, drawing.counts().triangles_in,
+                     drawing.counts().triangles_out, drawing.counts().moved_mm));
     assert(std::as_bytes(payload_.bytes()).data() <=
            static_cast<const void*>(rooms_.front().words));
 }

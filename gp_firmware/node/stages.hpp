@@ -11,6 +11,7 @@ namespace pxpl5::gp::stage {
 using namespace bus::stage;
 inline constexpr std::string_view load = "load";  ///< Storing slices and gradients, or scene parts.
 inline constexpr std::string_view extract = "extract";
+inline constexpr std::string_view simplify = "simplify";  ///< Blocks with less detail.
 inline constexpr std::string_view measure = "measure";
 inline constexpr std::string_view assign = "assign";        ///< Regions to Renderers; only GP 0.
 inline constexpr std::string_view transform = "transform";  ///< Vertices to the screen.

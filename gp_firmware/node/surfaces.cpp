@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
+#include <span>
 #include <utility>
 
 #include "gp_firmware/node/messages.hpp"
 #include "gp_firmware/node/stages.hpp"
+#include "gp_firmware/surface/cluster_block.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
 
 namespace pxpl5::gp {
@@ -105,7 +108,7 @@ void take_mask(const schema::MaskSurface& mask, Board& board) {
         return;
     }
     HeldSurface& surface = held->second;
-    std::vector<std::vector<std::uint8_t>> hidden(surface.slabs.size());
+    std::vector<SlabMask> hidden(surface.slabs.size());
     for (const schema::SlabMask* slab : *mask.slabs()) {
         const auto mesh = std::ranges::lower_bound(surface.slabs, static_cast<int>(slab->slab()),
                                                    {}, &SlabMesh::slab);
@@ -124,6 +127,36 @@ void take_mask(const schema::MaskSurface& mask, Board& board) {
             slab->hidden()->begin(), slab->hidden()->end());
     }
     surface.hidden = std::move(hidden);
+    drop_simplified(surface, board.memory);
+}
+
+/// A mask that hides all triangles of a slab.
+SlabMask all_hidden(const SlabMesh& mesh) {
+    return SlabMask(mesh.indices.size() / 3 / 8 + 1, 0xFF);
+}
+
+/// Returns the masks of a block: the surface's, and full ones for slabs that are not chosen.
+std::vector<SlabMask> masks_of(const HeldSurface& surface, std::size_t first, std::size_t count,
+                               SlabChoice choice, std::span<const int> gap_slabs) {
+    if (surface.hidden.empty() && choice == SlabChoice::all) {
+        return {};
+    }
+    std::vector<SlabMask> masks(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const SlabMesh& mesh = surface.slabs[first + i];
+        if (!draws_slab(choice, mesh.slab, gap_slabs)) {
+            masks[i] = all_hidden(mesh);
+        } else if (!surface.hidden.empty()) {
+            masks[i] = surface.hidden[first + i];
+        }
+    }
+    return masks;
+}
+
+void drop(const SimplifiedSurface& simplified, LocalMemory& memory) {
+    for (const SlabMesh& block : simplified.blocks) {
+        memory.release(size_bytes(block));
+    }
 }
 
 }  // namespace
@@ -155,6 +188,7 @@ bool step(ExtractJob& job, Board& board, bus::Outbox& out) {
         surface.complete = false;
         surface.slabs.resize(board.store->slabs().size());
         surface.hidden.clear();
+        drop_simplified(surface, board.memory);
     }
     if (job.next_slab < surface.slabs.size()) {
         try {
@@ -190,6 +224,68 @@ bool step(MaskJob& job, Board& board, bus::Outbox& out) {
     built.memory_bytes = board.memory.used_bytes();
     out.send(bus::host_id, bus::pack(built));
     return true;
+}
+
+void require_whole_blocks(const SimplifiedWish& wish, const Board& board) {
+    if (board.is_scene || !board.store) {
+        throw NodeFault(FaultCode::bad_input,
+                        fmt::format("detail {} of surface {} was requested, but only surfaces of "
+                                    "volumes can be simplified; request detail 0",
+                                    wish.detail, wish.surface));
+    }
+    const SlabSets sets = slab_sets(board.store->shape(), board.machine.share.gp_count);
+    if (!sets.have_whole_blocks()) {
+        throw NodeFault(
+            FaultCode::bad_input,
+            fmt::format("detail {} of surface {} was requested, but the sets of volume {} have {} "
+                        "slab{} each on {} GPs, and a block of {} slabs must be in one GP; load "
+                        "the volume with gp.slabs_per_set={} or a multiple, or use one GP",
+                        wish.detail, wish.surface, *board.volume, sets.slabs_per_set,
+                        sets.slabs_per_set == 1 ? "" : "s", sets.gp_count, block_slabs,
+                        block_slabs));
+    }
+}
+
+bool simplify_next(const SimplifiedWish& wish, Board& board) {
+    HeldSurface& surface = board.surfaces.at(wish.surface);
+    assert(surface.complete);
+    const auto at = surface.simplified.try_emplace({wish.detail, wish.slabs}).first;
+    SimplifiedSurface& simplified = at->second;
+    const std::size_t first = simplified.slabs_done;
+    if (first == surface.slabs.size()) {
+        return true;
+    }
+    const auto in_block = [&](const SlabMesh& mesh) {
+        return mesh.slab / block_slabs == surface.slabs[first].slab / block_slabs;
+    };
+    const auto end = std::find_if_not(surface.slabs.begin() + static_cast<std::ptrdiff_t>(first),
+                                      surface.slabs.end(), in_block);
+    const auto count = static_cast<std::size_t>(end - surface.slabs.begin()) - first;
+    const VolumeShape& shape = board.store->shape();
+    SlabMesh made;
+    const double moved_mm = cluster_block(
+        shape, std::span(surface.slabs).subspan(first, count),
+        masks_of(surface, first, count, wish.slabs, shape.gap_slabs), 1 << wish.detail, made);
+    simplified.moved_mm = std::max(simplified.moved_mm, moved_mm);
+    simplified.slabs_done += count;
+    const SlabMesh& block = simplified.blocks.emplace_back(made);  // Without spare capacity.
+    try {
+        board.memory.charge(size_bytes(block), fmt::format("surface {}, simplified", wish.surface),
+                            "draw the surface exactly");
+    } catch (const OutOfLocalMemory&) {
+        simplified.blocks.pop_back();  // The memory was not charged.
+        drop(simplified, board.memory);
+        surface.simplified.erase(at);
+        throw;
+    }
+    return simplified.slabs_done == surface.slabs.size();
+}
+
+void drop_simplified(HeldSurface& surface, LocalMemory& memory) {
+    for (const auto& [key, simplified] : surface.simplified) {
+        drop(simplified, memory);
+    }
+    surface.simplified.clear();
 }
 
 }  // namespace pxpl5::gp

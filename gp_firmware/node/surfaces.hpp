@@ -1,4 +1,4 @@
-// The surface service: extracts, removes and masks surfaces.
+// The surface service: extracts, removes, masks and simplifies surfaces.
 #pragma once
 
 #include "gp_firmware/node/job_queue.hpp"
@@ -13,5 +13,23 @@ void note_surface(const bus::schema::SetSurface& set, const Board& board, JobQue
 bool step(ExtractJob& job, Board& board, bus::Outbox& out);
 bool step(RemoveJob& job, Board& board, bus::Outbox& out);
 bool step(MaskJob& job, Board& board, bus::Outbox& out);
+
+/// A simplified surface that is wanted.
+struct SimplifiedWish {
+    std::uint16_t surface = 0;  ///< Complete on this GP.
+    int detail = 1;             ///< 1..max_detail.
+    SlabChoice slabs = SlabChoice::all;
+};
+
+/// Throws bus::NodeFault if the GP's content cannot be simplified: a scene, or a volume whose
+/// blocks of slabs are spread over several GPs.
+void require_whole_blocks(const SimplifiedWish& wish, const Board& board);
+
+/// Makes one block, unless all are made. Returns true when all are made. Charges the block to the
+/// local memory. Throws OutOfLocalMemory, after it has dropped this simplified surface.
+bool simplify_next(const SimplifiedWish& wish, Board& board);
+
+/// Drops all simplified surfaces of a surface, because it has changed.
+void drop_simplified(HeldSurface& surface, LocalMemory& memory);
 
 }  // namespace pxpl5::gp

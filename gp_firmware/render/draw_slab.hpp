@@ -17,14 +17,8 @@ namespace pxpl5::gp {
 struct SurfaceStyle {
     std::uint16_t index = 0;  ///< Index in the frame's list. A pixel stores index + 1.
     bool cull_back = false;   ///< Omits triangles that face away from the eye.
-    /// Mask of the slab: bit t % 8 of byte t / 8 hides triangle t; an empty mask hides none.
-    std::span<const std::uint8_t> hidden{};
+    std::span<const std::uint8_t> hidden{};  ///< Mask of the slab, see is_hidden().
 };
-
-/// Returns whether a SurfaceStyle::hidden mask hides a triangle of the slab.
-inline bool is_hidden(std::span<const std::uint8_t> hidden, std::size_t triangle) {
-    return !hidden.empty() && (hidden[triangle / 8] >> triangle % 8 & 1) != 0;
-}
 
 /// Buffers kept from slab to slab, so that drawing allocates nothing.
 struct DrawScratch {
@@ -37,6 +31,7 @@ struct DrawCounts {
     std::uint32_t triangles_out = 0;  ///< Triangles emitted, summed over all regions.
     std::uint32_t drawn = 0;          ///< Triangles of triangles_in that are in any region.
     std::uint64_t transform_ns = 0;   ///< Wall time of transform().
+    double moved_mm = 0;              ///< No simplified triangle is farther from the exact surface.
 };
 
 /// Draws one slab into one view's regions. The caller has called begin_slab().

@@ -64,35 +64,46 @@ bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
     for (; next_surface_ < wanted_.size(); ++next_surface_, next_slab_ = 0) {
         const SurfaceWanted& wanted = wanted_[next_surface_];
         const HeldSurface& held = surfaces.at(wanted.surface);
-        const std::vector<SlabMesh>& slabs = held.slabs;
+        const SimplifiedSurface* simplified =
+            wanted.detail == 0 ? nullptr : &held.simplified.at({wanted.detail, wanted.slabs});
+        const std::vector<SlabMesh>& slabs = simplified ? simplified->blocks : held.slabs;
+        if (simplified != nullptr) {
+            counts_.moved_mm = std::max(counts_.moved_mm, simplified->moved_mm);
+        }
         SurfaceStyle style{static_cast<std::uint16_t>(next_surface_), wanted.cull_back};
         for (; next_slab_ < slabs.size(); ++next_slab_) {
             if (counts_.triangles_in >= enough) {
                 return true;
             }
             const SlabMesh& mesh = slabs[next_slab_];
-            if (!draws_slab(wanted.slabs, mesh.slab, gap_slabs_)) {
-                continue;
+            if (simplified == nullptr) {
+                if (!draws_slab(wanted.slabs, mesh.slab, gap_slabs_)) {
+                    continue;
+                }
+                if (!held.hidden.empty()) {
+                    style.hidden = held.hidden[next_slab_];
+                }
             }
-            programs_.begin_slab(style.index, static_cast<std::uint32_t>(mesh.slab));
-            if (!held.hidden.empty()) {
-                style.hidden = held.hidden[next_slab_];
-            }
-            const auto primitives = static_cast<std::uint32_t>(
-                mesh.indices.size() / 3 + mesh.spheres.size() + mesh.lines.size());
-            counts_.triangles_in += primitives;
-            DrawnSlab slab{style.index, static_cast<std::uint32_t>(mesh.slab), 0, 0};
-            for (const Eye& eye : eyes_) {
-                slab.primitives += primitives;
-                slab.culled += primitives - draw_for(eye, mesh, style);
-            }
-            if (primitives > 0) {
-                drawn_.push_back(slab);
-            }
+            draw_slab_or_block(mesh, style);
         }
     }
     programs_.end_frame();
     return false;
+}
+
+void FrameDrawing::draw_slab_or_block(const SlabMesh& mesh, const SurfaceStyle& style) {
+    programs_.begin_slab(style.index, static_cast<std::uint32_t>(mesh.slab));
+    const auto primitives = static_cast<std::uint32_t>(mesh.indices.size() / 3 +
+                                                       mesh.spheres.size() + mesh.lines.size());
+    counts_.triangles_in += primitives;
+    DrawnSlab slab{style.index, static_cast<std::uint32_t>(mesh.slab), 0, 0};
+    for (const Eye& eye : eyes_) {
+        slab.primitives += primitives;
+        slab.culled += primitives - draw_for(eye, mesh, style);
+    }
+    if (primitives > 0) {
+        drawn_.push_back(slab);
+    }
 }
 
 std::uint32_t FrameDrawing::draw_for(const Eye& eye, const SlabMesh& mesh,

@@ -6,6 +6,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "generated/vocabulary.hpp"
@@ -18,15 +19,25 @@
 
 namespace pxpl5::gp {
 
+/// A simplified surface, as far as it is made.
+struct SimplifiedSurface {
+    std::vector<SlabMesh> blocks;  ///< Ascending. A block has its first slab's number.
+    std::size_t slabs_done = 0;    ///< Slabs of the surface that are in the blocks.
+    double moved_mm = 0;           ///< No point is farther from the exact surface.
+};
+
+/// The detail of a simplified surface, and the slabs whose triangles it has.
+using SimplifiedKey = std::pair<int, SlabChoice>;
+
 /// The slabs of one surface that this GP stores.
 struct HeldSurface {
     std::uint32_t revision = 0;
     double isovalue = 0;  ///< Isovalue of this revision.
     CaseRule rule = CaseRule::watertight;
-    bool complete = false;        ///< All slabs have been extracted.
-    std::vector<SlabMesh> slabs;  ///< Ascending.
-    /// One SurfaceStyle::hidden mask per slab; empty if the surface has no mask.
-    std::vector<std::vector<std::uint8_t>> hidden;
+    bool complete = false;         ///< All slabs have been extracted.
+    std::vector<SlabMesh> slabs;   ///< Ascending.
+    std::vector<SlabMask> hidden;  ///< One mask per slab; empty if the surface has no mask.
+    std::map<SimplifiedKey, SimplifiedSurface> simplified;  ///< Without hidden triangles.
 };
 
 using Surfaces = std::map<std::uint16_t, HeldSurface>;
@@ -37,6 +48,7 @@ struct SurfaceWanted {
     std::uint32_t revision = 0;
     bool cull_back = false;
     SlabChoice slabs = SlabChoice::all;
+    int detail = 0;  ///< 0: exact, else see SurfaceDraw.
 };
 
 /// The request for one frame, the same for every GP.
@@ -79,9 +91,8 @@ class FrameDrawing {
 
     /// Draws slabs until it has handled `triangle_count` triangles, or all.
     ///
-    /// surfaces  Surfaces for which missing_surface() is empty. They must not change until the
-    /// frame
-    ///           is done.
+    /// surfaces  Surfaces for which missing_surface() is empty, with the complete simplified
+    ///           surfaces that the frame wants. They must not change until the frame is done.
     /// Returns   true while more is left to draw.
     bool draw(const Surfaces& surfaces, std::size_t triangle_count);
 
@@ -98,6 +109,7 @@ class FrameDrawing {
         RegionGrid grid;
     };
 
+    void draw_slab_or_block(const SlabMesh& mesh, const SurfaceStyle& style);
     /// Returns the number of the slab's primitives that are in any region.
     std::uint32_t draw_for(const Eye& eye, const SlabMesh& mesh, const SurfaceStyle& style);
 

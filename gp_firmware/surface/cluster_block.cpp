@@ -188,8 +188,9 @@ void drop_unused(SlabMesh& out) {
 
 }  // namespace
 
-double cluster_block(const VolumeShape& shape, std::span<const SlabMesh> slabs, int side,
-                     SlabMesh& out) {
+double cluster_block(const VolumeShape& shape, std::span<const SlabMesh> slabs,
+                     std::span<const SlabMask> hidden, int side, SlabMesh& out) {
+    assert(hidden.empty() || hidden.size() == slabs.size());
     assert(side == 2 || side == 4 || side == 8);
     assert(!slabs.empty() && slabs.front().slab % block_slabs == 0);
     const int first = slabs.front().slab, end = std::min(first + block_slabs, shape.slab_count());
@@ -227,6 +228,9 @@ double cluster_block(const VolumeShape& shape, std::span<const SlabMesh> slabs, 
         }
         const std::vector<std::uint32_t>& corners = slabs[s].indices;
         for (std::size_t i = 0; i < corners.size(); i += 3) {
+            if (!hidden.empty() && is_hidden(hidden[s], i / 3)) {
+                continue;
+            }
             const Triangle t =
                 sorted({number[corners[i]], number[corners[i + 1]], number[corners[i + 2]]});
             if (t.a != t.b && t.b != t.c) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 namespace pxpl5::gp {
@@ -64,5 +66,13 @@ struct SlabMesh {
     std::vector<Line> lines;             ///< Only in scenes.
     SlabCounts counts;
 };
+
+using SlabMask = std::vector<std::uint8_t>;
+
+/// Returns whether the mask of a slab hides a triangle: bit t % 8 of byte t / 8 hides triangle t.
+/// An empty mask hides none.
+inline bool is_hidden(std::span<const std::uint8_t> hidden, std::size_t triangle) {
+    return !hidden.empty() && (hidden[triangle / 8] >> triangle % 8 & 1) != 0;
+}
 
 }  // namespace pxpl5::gp

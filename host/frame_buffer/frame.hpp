@@ -30,6 +30,7 @@ struct Frame {
     std::vector<bool> region_is_in;            ///< By region.
     std::vector<std::uint64_t> region_cycles;  ///< By region.
     std::uint64_t instructions = 0;            ///< Over all regions.
+    double moved_mm = 0;                       ///< The largest of the Renderers' messages.
     std::span<std::uint32_t> picture;  ///< shape.pixels(), top row first; empty unless read_back.
     std::span<std::uint32_t> depths;   ///< Likewise; empty unless read_depths.
 

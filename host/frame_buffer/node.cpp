@@ -111,6 +111,7 @@ void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
         at += region_pixels;
     }
     frame.renderer_is_in[pixels.renderer()] = true;
+    frame.moved_mm = std::max(frame.moved_mm, pixels.moved_mm());
 }
 
 /// Bytes of a FrameDone around its pixels and cycles.
@@ -158,7 +159,7 @@ bus::Payload frame_done(FrameInFlight& done) {
                        done.body, frame.number, static_cast<std::uint32_t>(frame.shape.width),
                        static_cast<std::uint32_t>(frame.shape.height),
                        static_cast<std::uint16_t>(frame.shape.views), cycles, frame.instructions,
-                       done.picture, done.depths, renderers));
+                       done.picture, done.depths, renderers, frame.moved_mm));
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ Simplified simplify(const Volume& volume, std::span<const SlabMesh> slabs, int s
     Simplified simplified;
     for (std::size_t first = 0; first < slabs.size(); first += block_slabs) {
         const std::size_t count = std::min<std::size_t>(block_slabs, slabs.size() - first);
-        const double moved = cluster_block(volume.shape, slabs.subspan(first, count), side,
+        const double moved = cluster_block(volume.shape, slabs.subspan(first, count), {}, side,
                                            simplified.blocks.emplace_back());
         simplified.bound_mm = std::max(simplified.bound_mm, moved);
         simplified.triangles += simplified.blocks.back().indices.size() / 3;
