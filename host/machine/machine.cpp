@@ -221,6 +221,9 @@ void Machine::tell_suspects(std::function<void(const std::string&)> tell) {
         parts_->launcher->tell_suspects(parts_->tell_suspect);
     }
 }
+int Machine::slabs_per_set() const {
+    return parts_->topology.slabs_per_set;
+}
 bool Machine::is_recording() const {
     return parts_->running().is_recording();
 }

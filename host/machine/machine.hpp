@@ -74,6 +74,7 @@ class Machine final : public MachinePort {
     void watch(int fd, std::function<bool()> give_up) override;
     void tell_suspects(std::function<void(const std::string&)> tell) override;
     bool is_recording() const override;
+    int slabs_per_set() const override;
     void allow_give_up(bool allowed) override;
     SavedTraces save_traces() override;
     SavedTraces save_traces_after_fault() override;

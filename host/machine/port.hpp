@@ -183,6 +183,9 @@ class MachinePort {
         static_cast<void>(tell);
     }
 
+    /// Adjacent slabs that the topology gives to one GP; 0: the volume's size decides.
+    virtual int slabs_per_set() const { return 0; }
+
     virtual bool is_recording() const = 0;
     /// Orders every node to write its recording. Recording continues.
     /// Throws RequestError (usage) if nothing is recorded, MachineError as pump() does.

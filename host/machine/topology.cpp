@@ -50,6 +50,8 @@ constexpr std::array number_keys = {
     NumberKey{"gp.count", 1, 0, [](Topology& t) -> int& { return t.gp.count; }},
     NumberKey{"gp.memory_mib", 1, max_memory_mib,
               [](Topology& t) -> int& { return t.gp_memory_mib; }},
+    NumberKey{"gp.slabs_per_set", 0, max_volume_voxels,
+              [](Topology& t) -> int& { return t.slabs_per_set; }},
     NumberKey{"renderer.count", 1, 0, [](Topology& t) -> int& { return t.renderer.count; }},
     NumberKey{"frame_buffer.count", 1, max_frame_buffers,
               [](Topology& t) -> int& { return t.frame_buffer.count; }},

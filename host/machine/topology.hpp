@@ -90,6 +90,7 @@ struct Topology {
     RoleSettings gp, renderer, frame_buffer;
     int fitted_to_cores = 0;   ///< Value of the counts that were 0; 0 if none was 0.
     int gp_memory_mib = 4096;  ///< Local memory of each GP.
+    int slabs_per_set = 0;     ///< Adjacent slabs that belong to one GP; 0: by the volume's size.
     RingSettings ring;
     HeartbeatSettings heartbeat;
     ClusterSettings cluster;

@@ -168,6 +168,7 @@ Topology plan_of(const config::MachineT& machine) {
     const config::GpT gp = roles.gp ? *roles.gp : config::GpT{};
     copy_role(gp, plan.gp);
     plan.gp_memory_mib = gp.memory_mib;
+    plan.slabs_per_set = gp.slabs_per_set;
     copy_role(roles.renderer ? *roles.renderer : config::RendererT{}, plan.renderer);
     copy_role(roles.frame_buffer ? *roles.frame_buffer : config::FrameBufferT{}, plan.frame_buffer);
     const config::RingT ring = machine.ring ? *machine.ring : config::RingT{};
@@ -238,6 +239,7 @@ std::string resolved_json(const Topology& topology) {
     machine.roles = std::make_unique<config::RolesT>();
     machine.roles->gp = role_table<config::GpT>(topology.gp);
     machine.roles->gp->memory_mib = topology.gp_memory_mib;
+    machine.roles->gp->slabs_per_set = topology.slabs_per_set;
     machine.roles->renderer = role_table<config::RendererT>(topology.renderer);
     machine.roles->frame_buffer = role_table<config::FrameBufferT>(topology.frame_buffer);
     machine.ring = std::make_unique<config::RingT>();

@@ -21,6 +21,7 @@ void check_ranges(const Topology& plan) {
     in("renderer.count", plan.renderer.count, 1, max_nodes_per_role);
     in("frame_buffer.count", plan.frame_buffer.count, 1, 1);
     in("gp.memory_mib", plan.gp_memory_mib, 1, 1 << 20);
+    in("gp.slabs_per_set", plan.slabs_per_set, 0, max_volume_voxels);
     require(plan.ring.channels >= 1 && plan.ring.channel_mb_s >= 1 && plan.ring.hop_ns >= 0,
             "the ring");
     in("heartbeat.interval_ms", plan.heartbeat.interval_ms, 10, 60'000);

@@ -136,14 +136,16 @@ TEST_CASE("a value out of range is refused with the value and the range") {
 }
 
 TEST_CASE("an override sets one value") {
-    const Topology plan = parse_topology(
-        small, "small.json",
-        {"gp.count=4", "gp.memory_mib=16", "ring.transport=ipc", "seed=18446744073709551615",
-         "renderer.cpu=0,1", "frame_buffer.env=OMP_A=b=c", "record=full", "vector_target=avx2"});
+    const Topology plan =
+        parse_topology(small, "small.json",
+                       {"gp.count=4", "gp.memory_mib=16", "gp.slabs_per_set=48",
+                        "ring.transport=ipc", "seed=18446744073709551615", "renderer.cpu=0,1",
+                        "frame_buffer.env=OMP_A=b=c", "record=full", "vector_target=avx2"});
     CHECK(plan.vector_target == VectorTarget::avx2);
     CHECK(plan.record == Recording::full);
     CHECK(plan.gp.count == 4);
     CHECK(plan.gp_memory_mib == 16);
+    CHECK(plan.slabs_per_set == 48);
     CHECK(plan.ring.transport == Transport::ipc);
     CHECK(plan.seed == 18446744073709551615U);
     CHECK(plan.renderer.cpu == std::vector<int>{0, 1});
@@ -236,17 +238,18 @@ TEST_CASE("a parameter of the timing that cannot be is refused by name, value an
 }
 
 TEST_CASE("the resolved plan, read again, is the same plan") {
-    const Topology plan =
-        load_topology("default", {"gp.cpu=0,1", "renderer.env=PXPL5_NAME=a \"quoted\" value",
-                                  "seed=12345678901234567890", "ring.transport=tcp",
-                                  "ring.hop_ns=0", "record=off", "vector_target=sse4",
-                                  "gp.message_us=12.25", "assignment=recorded"});
+    const Topology plan = load_topology(
+        "default",
+        {"gp.cpu=0,1", "renderer.env=PXPL5_NAME=a \"quoted\" value", "gp.slabs_per_set=48",
+         "seed=12345678901234567890", "ring.transport=tcp", "ring.hop_ns=0", "record=off",
+         "vector_target=sse4", "gp.message_us=12.25", "assignment=recorded"});
     const std::string text = resolved_json(plan);
     const Topology again = parse_topology(text, "default.json");
     CHECK(resolved_json(again) == text);
     CHECK(again.gp.count == cores());
     CHECK(again.gp.cpu == plan.gp.cpu);
     CHECK(again.gp_memory_mib == plan.gp_memory_mib);
+    CHECK(again.slabs_per_set == plan.slabs_per_set);
     CHECK(again.renderer.env == plan.renderer.env);
     CHECK(again.seed == plan.seed);
     CHECK(again.record == Recording::off);
