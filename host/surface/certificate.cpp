@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <glm/glm.hpp>
 #include <numbers>
 
@@ -58,6 +59,7 @@ class Certifier {
             look_at_boundary(low, first);
             return;
         }
+        look_at_balance(low, uses);
         if (uses.size() > 2) {
             add_defect(DefectKind::overfull_edge, {low, first.high, 0}, 2, first.triangle());
         } else if (first.forward() == uses[1].forward()) {
@@ -66,9 +68,34 @@ class Certifier {
         look_for_repeated(low, uses);
     }
 
-    void look_at_boundary(std::uint32_t low, const EdgeUse& use) {
+    /// Several triangles of a simplified surface may end together at the volume's border.
+    void look_at_balance(std::uint32_t low, std::span<const EdgeUse> uses) {
+        std::int64_t balance = 0;
+        for (const EdgeUse& use : uses) {
+            balance += use.forward() ? 1 : -1;
+        }
+        if (balance == 0) {
+            return;
+        }
+        const std::uint32_t high = uses[0].high;
+        if (!is_in_border(low, high)) {
+            ++out_.unbalanced_edges;
+            return;
+        }
+        ++out_.border_edges;
+        for (std::int64_t i = 0; i < std::abs(balance); ++i) {
+            measure_.add_border(balance > 0 ? low : high, balance > 0 ? high : low, volume_);
+        }
+    }
+
+    bool is_in_border(std::uint32_t a, std::uint32_t b) const {
         const auto& middles = measure_.middles();
-        if (common_border(middles[low], middles[use.high], grid_) == 0) {
+        return common_border(middles[a], middles[b], grid_) != 0;
+    }
+
+    void look_at_boundary(std::uint32_t low, const EdgeUse& use) {
+        if (!is_in_border(low, use.high)) {
+            ++out_.unbalanced_edges;
             open_.push_back({low, use.high});
             add_defect(DefectKind::open_edge, {low, use.high, 0}, 2, use.triangle());
             return;

@@ -50,6 +50,8 @@ struct Certificate {
     std::int64_t holes = 0;
     std::array<std::int64_t, defect_kinds> defect_counts{};  ///< By DefectKind.
     std::vector<Defect> defects;                             ///< The first of each kind.
+    /// Edges off the border that triangles do not use equally often in both directions.
+    std::int64_t unbalanced_edges = 0;
     std::int64_t degenerate = 0;  ///< Triangles of no area: where a vertex lies on a voxel.
     std::int64_t slivers = 0;     ///< An angle below sliver_angle_deg; degenerate ones not counted.
     double area_mm2 = 0;
@@ -68,6 +70,10 @@ struct Certificate {
     bool closed_but_for_border() const {
         return triangles > 0 && count(DefectKind::open_edge) == 0;
     }
+    /// Each edge off the border has as many triangles in one direction as in the other, so that the
+    /// surface separates inside and outside even where it is not manifold.
+    bool watertight_but_for_border() const { return triangles > 0 && unbalanced_edges == 0; }
+    bool watertight() const { return watertight_but_for_border() && border_edges == 0; }
     /// Two triangles at each edge, or one at the boundary; one fan at each vertex.
     bool manifold() const;
     /// The two triangles of each edge run along it in opposite directions.

@@ -95,6 +95,8 @@ Fields certificate_fields(const Certificate& c, std::string_view name) {
     Fields fields = {{"surface", std::string(name)},
                      {"closed", c.closed()},
                      {"closed_but_for_border", c.closed_but_for_border()},
+                     {"watertight", c.watertight()},
+                     {"watertight_but_for_border", c.watertight_but_for_border()},
                      {"manifold", c.manifold()},
                      {"oriented", c.oriented()},
                      {"triangles", c.triangles},
@@ -160,6 +162,18 @@ Reply certificate_reply(const Certificate& c, std::string_view name) {
     if (c.collapsed > 0) {
         reply.text +=
             fmt::format("\n  {} more with two corners at one place, not counted", c.collapsed);
+    }
+    if (const std::int64_t overfull = c.count(DefectKind::overfull_edge); overfull > 0) {
+        reply.text +=
+            c.watertight_but_for_border()
+                ? fmt::format(
+                      "\n  watertight{}: each edge has as many triangles in one direction "
+                      "as in the other, also the {} with more than two",
+                      c.border_edges > 0 ? " but for the volume's border" : "", overfull)
+                : fmt::format(
+                      "\n  not watertight: {} edges have more triangles in one direction "
+                      "than in the other",
+                      c.unbalanced_edges);
     }
     reply.text += defects_text(c);
     return reply;

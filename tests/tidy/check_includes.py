@@ -60,7 +60,7 @@ ROOMS = {
     },
     "host/timing": {"counts": set(), "replay": {"counts"}, ".": {"counts", "replay"},
                     "cluster": {"counts", "replay", "."}},
-    "host/surface": {"atlas": set(), ".": set()},
+    "host/surface": {"atlas": set(), ".": set(), "blocks": {"."}},
     "host/session": {"activity": set(), "history": set(), "transfer": set(), "pictures": set(),
                      ".": {"activity", "history", "transfer"}},
     "host/io": {
