@@ -48,9 +48,9 @@ NamedValues values_of(const schema::DrawFrame& draw) {
     add("background", draw.background() == nullptr ? "none" : text_of(*draw.background()));
     add_each(values, "surface", draw.surfaces(),
              [&](const std::string& name, const schema::SurfaceDraw& s) {
-                 add(name,
-                     fmt::format("id {}, revision {}, color {}, {}", s.surface(), s.revision(),
-                                 text_of(s.color()), s.cull_back() ? "front only" : "both sides"));
+                 add(name, fmt::format("id {}, revision {}, color {}, {}, detail {}", s.surface(),
+                                       s.revision(), text_of(s.color()),
+                                       s.cull_back() ? "front only" : "both sides", s.detail()));
              });
     add_each(values, "clip plane", draw.clip_planes(),
              [&](const std::string& name, const schema::ClipPlane& p) {

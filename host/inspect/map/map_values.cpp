@@ -55,6 +55,9 @@ std::int64_t case_of(const RegionView& view, std::size_t pixel) {
         throw RequestError(ExitCode::bad_data,
                            primitive->is_of_scene
                                ? "the frame shows an archive, which has no voxel cells and no cases"
+                           : primitive->detail > 0
+                               ? "the frame is simplified, so that triangles have no voxel cells "
+                                 "and no cases; draw it exactly"
                                : "the provenance of triangles was not recorded; record with "
                                  "--record full or flight");
     }

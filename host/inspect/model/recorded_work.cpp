@@ -244,6 +244,14 @@ std::string WorkReader::why_not(const RecordedFrame& frame,
     if (!frame.missing.empty()) {
         return fmt::format("{}", fmt::join(frame.missing, "; "));
     }
+    for (const schema::SurfaceDraw* surface : *frame.draw().surfaces()) {
+        if (surface->detail() > 0) {
+            return fmt::format(
+                "surface {} is simplified (detail {}), and the model knows exact "
+                "surfaces only",
+                surface->surface(), surface->detail());
+        }
+    }
     std::uint64_t told = 0, counted = 0;
     for (const auto& [gp, message] : frame.inputs.begin()->second.programs) {
         told += message.as<schema::RegionPrograms>()->triangles_in();

@@ -81,12 +81,16 @@ std::string text(const schema::SurfaceBuilt& m) {
                        counted(triangles, "triangle"), counted(m.slabs()->size(), "slab"),
                        grouped(m.elapsed_us()));
 }
+std::string detail_text(int detail) {
+    return detail == 0 ? "" : fmt::format(", detail {}", detail);
+}
 std::string text(const schema::FetchMesh& m) {
-    return fmt::format("surface {}", m.surface());
+    return fmt::format("surface {}{}", m.surface(), detail_text(m.detail()));
 }
 std::string text(const schema::MeshPart& m) {
-    return fmt::format("surface {} revision {}: {}", m.surface(), m.revision(),
-                       counted(m.slabs()->size(), "slab"));
+    return fmt::format("surface {} revision {}{}: {}", m.surface(), m.revision(),
+                       detail_text(m.detail()),
+                       counted(m.slabs()->size(), m.detail() == 0 ? "slab" : "block"));
 }
 std::string text(const schema::DrawFrame& m) {
     return fmt::format("frame {}: {} x {}, {}, {}, {}{}", m.frame(), m.width(), m.height(),

@@ -47,16 +47,20 @@ void add_primitives(const RecordedFrame& frame, const RecordedRegion& region, st
     const auto* origins = program == nullptr ? nullptr : program->origins();
     std::size_t origin = origins == nullptr ? 0 : count_primitives(*program, segment.first_word);
     const std::size_t first = primitives.size();
+    const auto& surfaces = *frame.draw().surfaces();
+    const int detail =
+        segment.surface < surfaces.size() ? surfaces.Get(segment.surface)->detail() : 0;
     for (std::size_t at = 0; at < segment.words.size();
          at += isa::instruction_words(segment.words[at])) {
         if (segment.words[at] != primitive_word) {
             continue;
         }
-        Primitive primitive{part, primitives.size(), at, 0, std::nullopt, false};
+        Primitive primitive{part, primitives.size(), at, 0, std::nullopt, false, detail};
         if (origins != nullptr && origin < origins->size()) {
             const schema::Origin& from = *origins->Get(static_cast<std::uint32_t>(origin++));
-            primitive.is_of_scene = from.inside() == 0;  // No cell without a corner inside is cut.
-            if (!primitive.is_of_scene) {
+            const bool has_cell = from.inside() != 0;  // No cell without a corner inside is cut.
+            primitive.is_of_scene = !has_cell && detail == 0;
+            if (has_cell) {
                 primitive.origin = from;
             }
         }

@@ -13,8 +13,15 @@ namespace pxpl5::host::inspect {
 
 namespace {
 
-/// Draws the session's scene with one sample per pixel, and saves the traces.
+/// Draws the session's exact scene with one sample per pixel, and saves the traces.
 std::pair<std::uint32_t, std::string> record_frame(Session& session) {
+    struct Restore {
+        Scene& scene;
+        DetailChoice detail = scene.detail;
+        ~Restore() { scene.detail = detail; }
+    };
+    const Restore restore{session.scene};
+    session.scene.detail = {};  // A simplified triangle has no cell.
     session.frames.draw_samples(1);
     const std::uint32_t frame = session.frames.last().frame;
     return {frame, session.nodes.save_traces().folder};

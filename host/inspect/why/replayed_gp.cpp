@@ -82,6 +82,7 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
         s.revision = drawn->revision();
         s.color = {drawn->color().r(), drawn->color().g(), drawn->color().b()};
         s.cull_back = drawn->cull_back();
+        s.detail = drawn->detail();
         s.slabs = drawn->slabs();
         s.opacity = drawn->opacity();
         if (const auto message = run.surface(s.id, s.revision)) {
@@ -128,6 +129,10 @@ std::string ReplayedGp::missing(std::uint32_t surface, int k) {
     if (!surfaces_.at(surface).isovalue) {
         return fmt::format("no trace holds the SetSurface of surface {} (id {}, revision {})",
                            surface, surfaces_.at(surface).id, surfaces_.at(surface).revision);
+    }
+    if (const int detail = surfaces_.at(surface).detail; detail > 0) {
+        return fmt::format("surface {} is simplified in this frame (detail {}); draw it exactly",
+                           surface, detail);
     }
     const int slabs = volume_.shape().slab_count();
     if (k < 0 || k >= slabs) {

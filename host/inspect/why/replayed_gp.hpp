@@ -25,6 +25,7 @@ struct ShownSurface {
     std::uint32_t revision = 0;
     std::array<std::uint8_t, 3> color{};  ///< Red, green, blue.
     bool cull_back = false;
+    int detail = 0;                  ///< Above 0: simplified.
     SlabChoice slabs{};              ///< Which of them the frame draws.
     std::uint32_t opacity = 0;       ///< Sixteenths.
     std::optional<double> isovalue;  ///< Nothing if its SetSurface is not recorded.

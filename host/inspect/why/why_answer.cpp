@@ -205,11 +205,13 @@ std::string result_of(const PixelHistory& history, const PixelVisit& visit) {
 Answer visit_of(const WhyFinding& f, std::size_t v) {
     const PixelVisit& visit = f.history.visits[v];
     const PrimitiveFacts& facts = f.facts[v];
-    const bool is_of_scene = f.history.primitives[visit.primitive].is_of_scene;
-    const std::string what =
-        facts.cell ? to_text(facts.cell->name)
-                   : fmt::format("primitive {}, {}", visit.primitive,
-                                 is_of_scene ? "of an archive" : "provenance not recorded");
+    const Primitive& primitive = f.history.primitives[visit.primitive];
+    const std::string what = facts.cell
+                                 ? to_text(facts.cell->name)
+                                 : fmt::format("primitive {}, {}", visit.primitive,
+                                               primitive.is_of_scene  ? "of an archive"
+                                               : primitive.detail > 0 ? "simplified, of no cell"
+                                                                      : "provenance not recorded");
     Answer answer;
     answer
         .line(fmt::format("  {:<34} {:<38} depth {:>8}  {}", facts.address, what,

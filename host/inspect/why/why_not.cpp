@@ -112,6 +112,12 @@ std::string streams_missing(const PixelInquiry& inquiry, std::uint32_t surface) 
                 return fmt::format("surface {} belongs to an archive, which has no voxel cells",
                                    surface);
             }
+            if (p.detail > 0) {
+                return fmt::format(
+                    "surface {} is simplified in this frame (detail {}), so that "
+                    "its triangles have no voxel cells; draw it exactly",
+                    surface, p.detail);
+            }
             if (!p.origin) {
                 return fmt::format("{} was recorded without the provenance of its primitives",
                                    to_text(region.plan, p.address()));
