@@ -109,6 +109,9 @@ Fields surface_parameters(const Surface& surface, const FileSurface& file, Field
         fields.push_back({"moved_mm", *file.moved_mm});
         fields.push_back({"components_before", file.components_before});
     }
+    if (file.within_mm) {
+        fields.push_back({"within_mm", *file.within_mm});
+    }
     fields.push_back({"certificate", std::move(certificate)});
     return fields;
 }
@@ -171,6 +174,7 @@ Fields file_facts(const FileSurface& surface, const Certificate& certificate) {
                      {"triangles", certificate.triangles},
                      {"vertices", surface.vertices},
                      {"closed", certificate.closed()},
+                     {"watertight", certificate.watertight()},
                      {"manifold", certificate.manifold()},
                      {"oriented", certificate.oriented()},
                      {"inside_out", certificate.is_inside_out()},
@@ -180,6 +184,9 @@ Fields file_facts(const FileSurface& surface, const Certificate& certificate) {
     if (surface.moved_mm) {
         fields.push_back({"components_before", surface.components_before});
         fields.push_back({"moved_mm", *surface.moved_mm});
+    }
+    if (surface.within_mm) {
+        fields.push_back({"within_mm", *surface.within_mm});
     }
     return fields;
 }
@@ -200,6 +207,12 @@ void add_file_surface(Reply& reply, const FileSurface& surface, const Certificat
     }
     if (!certificate.closed()) {
         line += remedy;
+    }
+    if (surface.within_mm) {
+        line += fmt::format(
+            "; {}simplified: no point is farther than {:.3f} mm from the exact "
+            "surface, and parts of the surface that lie in one cell are gone",
+            certificate.watertight() ? "watertight, " : "", *surface.within_mm);
     }
     const bool is_solid =
         certificate.closed() && certificate.good() && !certificate.is_inside_out();
@@ -229,6 +242,13 @@ Reply run_export(Session& session, const Arguments& arguments) {
     MeshExport wish;
     wish.keep = arguments.number("keep", 1);
     wish.cap = arguments.text("cap", "no") == "yes";
+    wish.detail = parse_whole("detail", arguments.text("detail", "0"), 0, max_detail);
+    if (wish.detail > 0 && (wish.cap || wish.keep < 1)) {
+        refuse_command(
+            fmt::format("export: detail={} and {} cannot be combined, because {} starts from the "
+                        "exact surface; leave one out",
+                        wish.detail, wish.cap ? "cap=yes" : "keep=", wish.cap ? "cap" : "keep"));
+    }
     const std::string axes = arguments.text("axes", "LPS");
     wish.ras = axes == "RAS";
     for (std::string left = arguments.text("surfaces", ""); !left.empty();) {
@@ -265,6 +285,7 @@ Reply run_export(Session& session, const Arguments& arguments) {
                              {"text", report.text},
                              {"keep", wish.keep},
                              {"cap", wish.cap},
+                             {"detail", std::int64_t{wish.detail}},
                              {"clips", clip_words(session.scene)},
                              {"volume", volume_identity(session)},
                              {"surfaces", surfaces}},

@@ -41,7 +41,11 @@ Reply run_stats(Session& session, const Arguments&) {
 
 Reply run_digest(Session& session, const Arguments&) {
     const std::string frame = fmt::format("{:016x}", picture_digest(session.frames.draw()));
-    Reply reply{"frame " + frame, {{"frame", frame}}};
+    const double moved_mm = session.frames.last().moved_mm;
+    Reply reply{"frame " + frame, {{"frame", frame}, {"moved_mm", moved_mm}}};
+    if (moved_mm > 0) {
+        reply.text += fmt::format(" (simplified within {:.3f} mm)", moved_mm);
+    }
     Fields meshes;
     for (const Surface& surface : session.scene.surfaces) {
         const std::string mesh = fmt::format("{:016x}", session.meshes.digest(surface.name));

@@ -86,6 +86,18 @@ class PictureFiles {
     std::vector<Picture> pictures_;
 };
 
+/// States that the newest picture is simplified, if it is.
+void add_simplified(Reply& reply, const Session& session) {
+    const double moved_mm = session.frames.last().moved_mm;
+    reply.fields.push_back({"moved_mm", moved_mm});
+    if (moved_mm > 0) {
+        reply.text += fmt::format(
+            "; simplified: no point is farther than {:.3f} mm from its "
+            "surface",
+            moved_mm);
+    }
+}
+
 Fields to_fields(const Spread& spread) {
     return {{"median", spread.median}, {"p95", spread.p95}, {"max", spread.max}};
 }
@@ -132,6 +144,7 @@ Reply run_snapshot(Session& session, const Arguments& arguments) {
                  {"width", std::int64_t{picture.width}},
                  {"height", std::int64_t{picture.height}},
                  {"draw_ms", draw_ms}}};
+    add_simplified(reply, session);
     if (is_blank(picture)) {
         add_warning(reply, "nothing is visible in it", "; ");
     }
@@ -162,6 +175,7 @@ Reply run_orbit(Session& session, const Arguments& arguments) {
                         report.latency_ms.median, report.latency_ms.p95);
         reply.fields.push_back({"frames_per_s", rate});
     }
+    add_simplified(reply, session);
     reply.text += files.text();
     files.warn(reply);
     return reply;

@@ -10,6 +10,7 @@
 #include "host/commands/text/slice_picture.hpp"
 #include "host/commands/text/volume_text.hpp"
 #include "host/inspect/why/live_frame.hpp"
+#include "host/session/transfer/detail.hpp"
 
 namespace pxpl5::host {
 
@@ -193,7 +194,13 @@ Reply run_why(Session& session, const Arguments& arguments) {
             "pixel's center.\n{}",
             samples, reply.text);
     }
+    if (const int detail = session.scene.detail.detail; detail > 0) {
+        reply.text =
+            fmt::format("Pictures are simplified (detail {}); this explains the exact surface.\n{}",
+                        detail, reply.text);
+    }
     reply.fields.push_back({"picture_samples", std::int64_t{samples}});
+    reply.fields.push_back({"picture_detail", detail_word(session.scene.detail)});
     return reply;
 }
 

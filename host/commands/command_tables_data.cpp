@@ -153,7 +153,10 @@ std::vector<Command> mesh_commands() {
                       number_value("keep", "SHARE", 1e-4, 1,
                                    "share of the triangles to keep; less than 1 decimates"),
                       choice_value("cap", yes_no,
-                                   "close the mesh at the scan's border and at clip planes", "no")},
+                                   "close the mesh at the scan's border and at clip planes", "no"),
+                      number_value("detail", "N", 0, max_detail,
+                                   "0 exact; 1, 2, 3: simplified in cells of 2, 4, 8 voxels a "
+                                   "side; excludes keep= and cap=yes")},
           .kind = CommandKind::action,
           .is_long = true,
           .stage = RenderStage::output,

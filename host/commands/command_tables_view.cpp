@@ -100,6 +100,16 @@ std::vector<Command> style_commands() {
           .kind = CommandKind::setting,
           .stage = RenderStage::look},
          run_antialias},
+        {{.name = "detail",
+          .help = "Draws surfaces with fewer triangles; without a word, prints the choice. N "
+                  "clusters vertices in cells of 2, 4 or 8 voxels a side, in all pictures. 'auto' "
+                  "does so in the viewer's moving pictures if they have more than 2 million "
+                  "triangles; resting pictures and all files are then exact.",
+          .words = {{"DETAIL", "exact|auto|1|2|3", ""}},
+          .forms = "[exact|auto|1|2|3]",
+          .kind = CommandKind::setting,
+          .stage = RenderStage::look},
+         run_detail},
         {{.name = "overlay",
           .help = "Shows or hides side letters, scale bar and legend in written pictures.",
           .words = {choice_value("SWITCH", on_off, "")},

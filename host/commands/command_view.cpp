@@ -9,6 +9,7 @@
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/fit_view.hpp"
 #include "host/scene/clip.hpp"
+#include "host/session/transfer/detail.hpp"
 
 namespace pxpl5::host {
 
@@ -205,6 +206,40 @@ Reply run_antialias(Session& session, const Arguments& arguments) {
     session.scene.samples = samples;
     return {fmt::format("{} sample{} per pixel", samples, samples == 1 ? "" : "s"),
             {{"samples", std::int64_t{samples}}}};
+}
+
+Reply run_detail(Session& session, const Arguments& arguments) {
+    DetailChoice& choice = session.scene.detail;
+    const std::string refusal = session.frames.simplification_refusal();
+    if (!arguments.words.empty()) {
+        const std::string& word = arguments.words[0];
+        DetailChoice wanted{word == "auto", 0};
+        if (word != "auto" && word != "exact") {
+            wanted.detail = parse_whole("detail", word, 1, max_detail);
+            if (!refusal.empty()) {
+                throw RequestError(ExitCode::failed, fmt::format("detail {}: {}", word, refusal));
+            }
+        }
+        choice = wanted;
+    }
+    Reply reply;
+    reply.text =
+        choice.is_auto ? fmt::format(
+                             "detail auto: the viewer's moving pictures are simplified where "
+                             "they have more than {} triangles, all others are exact",
+                             moving_triangles)
+        : choice.detail == 0 ? "detail exact: all pictures have all triangles"
+                             : fmt::format(
+                                   "detail {}: all pictures are simplified in cells of {} voxels a "
+                                   "side",
+                                   choice.detail, 1 << choice.detail);
+    reply.fields = {{"detail", detail_word(choice)}};
+    const bool is_exact_yet = (choice.is_auto || choice.detail > 0) && !refusal.empty();
+    reply.fields.push_back({"refused", is_exact_yet});
+    if (is_exact_yet) {
+        add_warning(reply, "all pictures are exact: " + refusal);
+    }
+    return reply;
 }
 
 Reply run_overlay(Session& session, const Arguments& arguments) {

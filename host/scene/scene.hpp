@@ -66,6 +66,13 @@ struct SceneClip {
     friend bool operator==(const SceneClip&, const SceneClip&) = default;
 };
 
+/// The detail that surfaces are drawn with.
+struct DetailChoice {
+    bool is_auto = false;  ///< Moving pictures are simplified if necessary; all others are exact.
+    int detail = 0;        ///< Otherwise: 0 exact; 1..max_detail, see SurfaceDraw.
+    friend bool operator==(const DetailChoice&, const DetailChoice&) = default;
+};
+
 struct Scene {
     Camera camera;
     /// From above left, and a weaker one from the right, so that no side is without shape.
@@ -77,7 +84,8 @@ struct Scene {
     std::vector<SceneClip> clips;   ///< Only points on the kept side of all planes are drawn.
     bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in `gap_color`.
     Color gap_color{226, 84, 62};
-    int samples = 1;      ///< Samples per pixel of a picture, one of sample_counts.
+    int samples = 1;  ///< Samples per pixel of a picture, one of sample_counts.
+    DetailChoice detail;
     bool overlay = true;  ///< Pictures in files carry orientation letters and a scale bar.
 };
 

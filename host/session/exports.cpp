@@ -105,11 +105,17 @@ void Exports::pictures(std::span<const Picture> pictures, const std::string& pat
     io_.write(path, bus::pack(request));
 }
 
-WeldedMesh Exports::ready_for_file(const Surface& surface, bool cap) {
+SimplifiedMesh Exports::ready_for_file(const Surface& surface, const MeshExport& wish) {
     const VolumeGrid grid = meshes_.grid();
-    WeldedMesh mesh = meshes_.fetch_drawn(surface);
-    keep_apart(mesh, grid);
-    if (cap) {
+    SimplifiedMesh ready;
+    if (wish.detail == 0) {
+        ready.mesh = meshes_.fetch_drawn(surface);
+        keep_apart(ready.mesh, grid);
+    } else {
+        ready = meshes_.fetch_simplified(surface, wish.detail);
+    }
+    WeldedMesh& mesh = ready.mesh;
+    if (wish.cap) {
         require_all_voxels(meshes_.volumes().volume(), "closing a surface at the border");
         cap_at_border(mesh, meshes_.volumes().volume(), surface.isovalue);
     }
@@ -119,9 +125,9 @@ WeldedMesh Exports::ready_for_file(const Surface& surface, bool cap) {
         2 * least_from_voxel *
         std::min({glm::length(steps[0]), glm::length(steps[1]), glm::length(steps[2])});
     for (const SceneClip& clip : scene_.clips) {
-        cut_by_plane(mesh, clip.plane / glm::length(glm::dvec3(clip.plane)), least_mm, cap);
+        cut_by_plane(mesh, clip.plane / glm::length(glm::dvec3(clip.plane)), least_mm, wish.cap);
     }
-    return mesh;
+    return ready;
 }
 
 WeldedFile Exports::read_mesh(const std::string& path) {
@@ -148,13 +154,17 @@ MeshExportReport Exports::mesh(const std::string& path, const MeshExport& wish) 
         if (!wanted) {
             continue;
         }
-        const WeldedMesh mesh = ready_for_file(surface, wish.cap);
+        const SimplifiedMesh ready = ready_for_file(surface, wish);
+        const WeldedMesh& mesh = ready.mesh;
         if (mesh.triangles.empty()) {
             report.empty.push_back(surface.name);
             continue;
         }
         report.surfaces.push_back({surface.name, weld(mesh.p_grid, mesh.triangles),
                                    static_cast<std::int64_t>(mesh.keys.size())});
+        if (wish.detail > 0) {
+            report.surfaces.back().within_mm = ready.moved_mm;
+        }
         const std::size_t bytes = builder.GetSize() +
                                   mesh.keys.size() * sizeof(schema::MeshVertex) +
                                   mesh.triangles.size() * sizeof(mesh.triangles[0]);

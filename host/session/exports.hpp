@@ -29,6 +29,7 @@ struct MeshExport {
     bool ras = false;                   ///< Axes to the right, anterior, superior instead of LPS.
     double keep = 1;                    ///< Share of the triangles that decimation leaves.
     bool cap = false;                   ///< Closes the mesh at the scan's border and clip planes.
+    int detail = 0;                     ///< 0: exact, else simplified; then no cap and keep 1.
     std::string description;
 };
 
@@ -39,6 +40,8 @@ struct FileSurface {
     std::int64_t vertices = 0;            ///< In the file, which may have several at one place.
     std::optional<double> moved_mm = {};  ///< Largest move by decimation; nothing if keep is 1.
     std::int64_t components_before = 0;   ///< Before decimation; 0 if keep is 1.
+    /// If the surface is simplified: no point is farther from the exact surface.
+    std::optional<double> within_mm = {};
 };
 
 struct MeshExportReport {
@@ -63,7 +66,7 @@ class Exports {
 
   private:
     /// The drawn part of the surface, cut and closed, in millimeters.
-    WeldedMesh ready_for_file(const Surface& surface, bool cap);
+    SimplifiedMesh ready_for_file(const Surface& surface, const MeshExport& wish);
 
     IoRequests& io_;
     const Scene& scene_;

@@ -9,6 +9,7 @@
 #include "host/base/digest.hpp"
 #include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
+#include "host/session/transfer/detail.hpp"
 #include "host/session/transfer/scene_transfer.hpp"
 #include "isa/contract/sample_sums.hpp"
 #include "ringbus/rules/regions.hpp"
@@ -26,6 +27,7 @@ void add_pass(const schema::FrameDone& done, FrameReport& report) {
         return static_cast<int>(region_count(px, 1, 1));
     };
     report.frame = done.frame();
+    report.moved_mm = std::max(report.moved_mm, done.moved_mm());
     report.instructions += static_cast<std::int64_t>(done.instructions());
     report.region_columns = regions_across(done.width());
     report.region_rows = regions_across(done.height()) * done.views();
@@ -51,14 +53,22 @@ Frames::Frames(Conversation& conversation, Scene& scene, const Volumes& volumes,
     conversation_.handle_frame_faults([this](std::uint32_t frame) { return take_fault(frame); });
 }
 
-Stage Frames::stage() const {
+std::string Frames::simplification_refusal() const {
+    return volumes_.has_volume()
+               ? host::simplification_refusal(volumes_.volume(),
+                                              static_cast<int>(conversation_.gps().size()))
+               : std::string();
+}
+
+Stage Frames::stage(const Scene& scene) const {
     if (volumes_.archive() != nullptr) {
-        return {volumes_.archive_surfaces(), scene_subject(), glm::dmat4(1.0), false};
+        return {volumes_.archive_surfaces(), scene_subject(), glm::dmat4(1.0), false, 0};
     }
     const Volume& held = volumes_.volume();
     const glm::dvec3 last(held.nx - 1, held.ny - 1, last_place(held));
+    const bool is_simplified = scene.detail.detail > 0 && simplification_refusal().empty();
     return {scene_.surfaces, subject_of(last, held.voxel_to_patient), held.voxel_to_patient,
-            !held.gap_slabs.empty()};
+            !held.gap_slabs.empty(), is_simplified ? scene.detail.detail : 0};
 }
 
 void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back, Pass pass,
@@ -148,17 +158,18 @@ Picture Frames::take_oldest() {
     return picture;
 }
 
-void Frames::announce(const std::optional<Size>& size) {
+void Frames::announce(const std::optional<Moving>& moving) {
     drop_ahead();
-    announced_ = size;
+    announced_ = moving;
 }
 
 void Frames::request_announced() {
-    if (const std::optional<Size> size = std::exchange(announced_, std::nullopt)) {
+    if (const std::optional<Moving> moving = std::exchange(announced_, std::nullopt)) {
         Scene scene = scene_;
-        scene.size = *size;
+        scene.size = moving->size;
+        scene.detail = {false, moving->detail};
         ahead_ = {next_frame_, key_of(scene)};
-        request(scene, stage());
+        request(scene, stage(scene));
     }
 }
 
@@ -189,7 +200,7 @@ std::optional<Picture> Frames::draw_samples(int samples, const std::function<boo
             wait_until_pending(0);  // The machine holds two frames, not more.
             return std::nullopt;
         }
-        request(scene_, stage(), ReadBack::pixels, pass);
+        request(scene_, stage(scene_), ReadBack::pixels, pass);
     }
     wait_until_pending(0);
     return take_oldest();
@@ -210,7 +221,7 @@ int Frames::max_samples() const {
 
 std::uint64_t Frames::key_of(const Scene& scene) const {
     Digest digest;
-    const bus::Payload message = frame_request(scene, stage(), 0, {});
+    const bus::Payload message = frame_request(scene, stage(scene), 0, {});
     digest.add(std::as_bytes(message.bytes()));
     const std::array<std::uint64_t, 2> content = {volumes_.id(), conversation_.broadcasts()};
     digest.add(std::as_bytes(std::span(content)));
@@ -219,7 +230,8 @@ std::uint64_t Frames::key_of(const Scene& scene) const {
 
 std::optional<Pick> Frames::pick_alone(Surface surface, int x, int y) {
     surface.opacity = full_opacity;
-    Stage alone = stage();
+    Stage alone = stage(scene_);
+    alone.detail = 0;  // The point is exact.
     alone.surfaces = {&surface, 1};
     alone.has_gaps = false;
     depths_.clear();
@@ -280,7 +292,7 @@ OrbitReport Frames::orbit(int frames, const TakeFrame& take, int in_flight) {
         const bool is_single = scene_.samples == 1;
         for (; is_single && requested < frames && requested - taken < in_flight; ++requested) {
             scene_.camera = camera_of(requested);
-            request(scene_, stage());
+            request(scene_, stage(scene_));
         }
         if (!is_single) {
             scene_.camera = camera_of(taken);
@@ -322,7 +334,9 @@ std::vector<CountedFrame> Frames::draw_counted() {
         frame.width = static_cast<std::uint32_t>(scene_.size.width);
         frame.height = static_cast<std::uint32_t>(scene_.size.height);
         frame.pass = pass;
-        request(scene_, stage(), ReadBack::pixels, pass, true);
+        Stage exact = stage(scene_);
+        exact.detail = 0;  // The model of the machine of 1993 knows slabs, not blocks.
+        request(scene_, exact, ReadBack::pixels, pass, true);
     }
     wait_until_pending(0);
     take_oldest();

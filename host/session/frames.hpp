@@ -26,10 +26,11 @@ struct Picture {
 
 /// Sums over all passes of a picture of several samples.
 struct FrameReport {
-    std::uint32_t frame = 0;                      ///< Number of the last pass.
-    std::int64_t instructions = 0;                ///< Executed by all Renderers.
-    std::int64_t renderer_cycles = 0;             ///< Modelled, summed over regions.
-    double elapsed_ms = 0;                        ///< Request to picture.
+    std::uint32_t frame = 0;           ///< Number of the last pass.
+    std::int64_t instructions = 0;     ///< Executed by all Renderers.
+    std::int64_t renderer_cycles = 0;  ///< Modelled, summed over regions.
+    double elapsed_ms = 0;             ///< Request to picture.
+    double moved_mm = 0;  ///< No point of a simplified surface is farther from the exact surface.
     int region_columns = 0, region_rows = 0;      ///< Rows over all views.
     std::vector<std::uint64_t> region_cycles;     ///< Modelled, by region.
     std::vector<std::uint16_t> region_renderers;  ///< Index of the Renderer, by region.
@@ -64,7 +65,7 @@ class Frames {
     /// flight and returns nothing. Throws RequestError (failed) as drawing does, and if the
     /// Renderers have no room for the sums: see max_samples().
     std::optional<Picture> draw_samples(int samples, const std::function<bool()>& go_on = {});
-    /// Draws the scene, and drops the picture: one frame per sample, in the order of samples.
+    /// Draws the exact scene, and drops the picture: one frame per sample, in order of samples.
     std::vector<CountedFrame> draw_counted();
     /// The most samples that the machine can draw a picture of the scene's size with.
     int max_samples() const;
@@ -73,10 +74,15 @@ class Frames {
     using TakeFrame = std::function<void(int, const Picture&, const Camera&)>;
     OrbitReport orbit(int frames, const TakeFrame& take, int in_flight = max_frames_in_flight);
 
-    /// Announces that the next new surface is drawn once it is extracted, in this size and with one
-    /// sample. Surfaces::set() then requests the frame together with the surface. No size: no such
+    /// A picture that is drawn while something moves.
+    struct Moving {
+        Size size;
+        int detail = 0;
+    };
+    /// Announces that the next new surface is drawn once it is extracted, in this way and with one
+    /// sample. Surfaces::set() then requests the frame together with the surface. Nothing: no such
     /// frame.
-    void announce(const std::optional<Size>& size);
+    void announce(const std::optional<Moving>& moving);
     /// Requests the announced frame, if any. The next drawing takes the frame if it shows what is
     /// drawn, else drops the frame.
     void request_announced();
@@ -103,7 +109,9 @@ class Frames {
         return chosen(hits(x, y), surface);
     }
     /// The sphere that the camera looks at.
-    Subject subject() const { return stage().subject; }
+    Subject subject() const { return stage(scene_).subject; }
+    /// Why surfaces of the loaded volume cannot be simplified; empty if they can, or without one.
+    std::string simplification_refusal() const;
     /// A digest of a frame's request and of the GPs' content. Two moments have the same key only if
     /// the frames drawn then are the same.
     std::uint64_t key() const { return key_of(scene_); }
@@ -126,7 +134,7 @@ class Frames {
         std::uint64_t key = 0;
     };
 
-    Stage stage() const;
+    Stage stage(const Scene& scene) const;
     std::uint64_t key_of(const Scene& scene) const;
     void request(const Scene& scene, const Stage& stage, ReadBack read_back = ReadBack::pixels,
                  Pass pass = {}, bool counts = false);
@@ -146,7 +154,7 @@ class Frames {
     const Volumes& volumes_;
     Nodes& nodes_;
     std::uint32_t next_frame_ = 0;
-    std::optional<Size> announced_;
+    std::optional<Moving> announced_;
     std::optional<Ahead> ahead_;
     std::deque<Pending> pending_;
     std::deque<Picture> finished_;

@@ -8,6 +8,7 @@
 #include "host/base/digest.hpp"
 #include "host/base/error.hpp"
 #include "host/base/nearest.hpp"
+#include "host/session/transfer/detail.hpp"
 #include "host/surface/mesh_gather.hpp"
 #include "host/surface/mesh_mask.hpp"
 
@@ -80,11 +81,12 @@ Surface& Meshes::surface(const std::string& name) const {
                                                                   : did_you_mean(name, names)));
 }
 
-void Meshes::fetch_parts(const Surface& surface, bool origins,
+void Meshes::fetch_parts(const Surface& surface, Wish wish,
                          const std::function<void(const bus::Message&)>& take) {
     schema::FetchMeshT request;
     request.surface = surface.id;
-    request.origins = origins;
+    request.origins = wish.origins;
+    request.detail = static_cast<std::uint8_t>(wish.detail);
     conversation_.ask_cancelable(
         "mesh of " + surface.name, bus::pack(request),
         [id = surface.id, revision = surface.revision](const bus::Message& message) {
@@ -96,7 +98,7 @@ void Meshes::fetch_parts(const Surface& surface, bool origins,
 
 std::uint64_t Meshes::digest(const std::string& name) {
     std::map<std::uint32_t, std::uint64_t> slab_digests;
-    fetch_parts(surface(name), false, [&](const bus::Message& message) {
+    fetch_parts(surface(name), {}, [&](const bus::Message& message) {
         for (const auto* mesh : *message.as<schema::MeshPart>()->slabs()) {
             slab_digests[mesh->slab()] = digest_of(*mesh);
         }
@@ -111,7 +113,20 @@ std::uint64_t Meshes::digest(const std::string& name) {
 WeldedMesh Meshes::fetch(const std::string& name, bool cells) {
     const Surface& known = surface(name);
     MeshGather gather(grid(), known.id, known.revision);
-    fetch_parts(known, cells, [&gather](const bus::Message& part) { gather.add(part); });
+    fetch_parts(known, {cells, 0}, [&gather](const bus::Message& part) { gather.add(part); });
+    return gather.finish();
+}
+
+SimplifiedMesh Meshes::fetch_simplified(const Surface& surface, int detail) {
+    const Volume& volume = volumes_.volume();
+    const std::string refusal =
+        simplification_refusal(volume, static_cast<int>(conversation_.gps().size()));
+    if (!refusal.empty()) {
+        throw RequestError(ExitCode::failed, refusal);
+    }
+    BlockGather gather({surface.id, surface.revision, detail, volume.nz});
+    fetch_parts(surface, {false, detail},
+                [&gather](const bus::Message& part) { gather.add(part); });
     return gather.finish();
 }
 

@@ -10,6 +10,7 @@
 #include "host/scene/scene.hpp"
 #include "host/session/volumes.hpp"
 #include "host/surface/atlas/atlas_chart.hpp"
+#include "host/surface/blocks/block_gather.hpp"
 #include "host/surface/components.hpp"
 #include "host/surface/volume_grid.hpp"
 #include "host/surface/welded_mesh.hpp"
@@ -40,6 +41,10 @@ class Meshes {
     WeldedMesh fetch(const std::string& name, bool cells = false);
     /// The surface's mesh without the components that are not drawn.
     WeldedMesh fetch_drawn(const Surface& surface);
+    /// The surface, simplified, without the components that are not drawn. Throws RequestError
+    /// (failed) if the volume's surfaces cannot be simplified.
+    /// detail  1..max_detail.
+    SimplifiedMesh fetch_simplified(const Surface& surface, int detail);
     /// FNV-1a over the surface's triangles in slab order: equal for every size of machine.
     std::uint64_t digest(const std::string& name);
     /// Draws only the shown triangles of `mesh`, until the surface changes.
@@ -52,8 +57,13 @@ class Meshes {
     std::vector<AtlasRow> measure(std::span<const double> isovalues, CaseRule table);
 
   private:
+    /// The kind of mesh that fetch_parts() asks for.
+    struct Wish {
+        bool origins = false;
+        int detail = 0;
+    };
     /// Gives each GP's part of the surface's mesh to `take`, in any order.
-    void fetch_parts(const Surface& surface, bool origins,
+    void fetch_parts(const Surface& surface, Wish wish,
                      const std::function<void(const bus::Message&)>& take);
 
     Conversation& conversation_;

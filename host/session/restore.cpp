@@ -145,6 +145,7 @@ void restore_all(Session& session, const Scene& wanted) {
     session.scene.size = wanted.size;
     session.scene.samples = wanted.samples;
     session.scene.overlay = wanted.overlay;
+    session.scene.detail = wanted.detail;
     restore(session, wanted);
 }
 

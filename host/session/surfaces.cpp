@@ -190,7 +190,9 @@ SweepReport Surfaces::sweep(const std::string& name, std::span<const double> iso
             const std::int64_t start_ns = now_ns();
             const bool is_ahead =
                 scene_.samples == 1 && before.components.kind == ComponentFilter::Kind::all;
-            frames_.announce(is_ahead ? std::optional(scene_.size) : std::nullopt);
+            frames_.announce(is_ahead
+                                 ? std::optional(Frames::Moving{scene_.size, scene_.detail.detail})
+                                 : std::nullopt);
             const SurfaceReport report = set(name, isovalue, before.table, before.color);
             const Picture picture = frames_.draw();
             pictures_ms.push_back(ms_since(start_ns));

@@ -22,7 +22,8 @@ struct LoadProgress {
 struct LoadSettings {
     /// Called while a volume is loaded; may be empty.
     std::function<void(const LoadProgress&)> progress;
-    /// Slabs per slice set; 0: slabs_per_set_for(). Changes no surface and no picture.
+    /// Slabs per slice set; 0: MachinePort::slabs_per_set(), then slabs_per_set_for(). Changes no
+    /// surface and no picture.
     int slabs_per_set = 0;
     /// Starts the next io process during a load, because a picture or mesh is written soon after.
     bool will_write = false;

@@ -183,7 +183,9 @@ void Volumes::begin_distribution(Volume& volume, Loading& loading) {
     }
     replace_content();  // Not earlier, because the new volume might have been unreadable.
     const int gp_count = static_cast<int>(conversation_.gps().size());
+    const int of_topology = conversation_.machine().slabs_per_set();
     volume.slabs_per_set = settings_.slabs_per_set != 0 ? settings_.slabs_per_set
+                           : of_topology != 0           ? of_topology
                                                         : slabs_per_set_for(volume, gp_count);
     const bus::Payload header = volume_header(volume, id_);
     for (const bus::NodeId gp : conversation_.gps()) {

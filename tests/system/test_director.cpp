@@ -97,6 +97,36 @@ TEST_CASE("what moves is drawn at once, and itself 150 ms after the last input")
     check_refined(stage.watchers.frames, 2);
 }
 
+TEST_CASE("with detail auto, moving pictures are simplified and resting ones are exact") {
+    Theatre stage;
+    stage.director.session().load_settings.slabs_per_set = 16;
+    stage.director.open("load phantom:sphere");
+    stage.director.show_first_surfaces();
+    stage.settle();
+    const std::uint64_t exact = picture_digest(*stage.director.session().frames.draw_samples(16));
+    stage.watchers.frames.clear();
+    stage.watchers.does(1, "detail auto");
+    stage.steps();
+    CHECK(stage.watchers.last("state")["detail"] == "auto");
+    REQUIRE(!stage.watchers.frames.empty());
+    CHECK(!stage.watchers.frames.back().rests);
+    CHECK(stage.watchers.frames.back().moved_mm > 0);
+    stage.settle();
+    CHECK(stage.watchers.frames.back().rests);
+    CHECK(stage.watchers.frames.back().moved_mm == 0);
+    CHECK(stage.watchers.frames.back().digest == exact);
+    stage.watchers.does(2, "surface sphere iso=0.05");  // Its frame is requested ahead.
+    stage.steps();
+    CHECK(stage.watchers.frames.back().moved_mm > 0);
+    stage.watchers.does(3, "detail 3");  // All pictures.
+    stage.settle();
+    CHECK(stage.watchers.frames.back().rests);
+    CHECK(stage.watchers.frames.back().moved_mm > 0);
+    stage.watchers.does(4, "detail exact");
+    stage.steps();
+    CHECK(stage.watchers.frames.back().moved_mm == 0);
+}
+
 TEST_CASE("a refinement is given up when something comes, and its picture is not shown") {
     Theatre stage;
     stage.watchers.frames.clear();

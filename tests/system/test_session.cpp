@@ -217,7 +217,7 @@ TEST_CASE("an announced frame is requested with the surface, and drawn once") {
     const Picture expected = session.frames.draw();
     CHECK(expected.rgba != plain.rgba);
     session.surfaces.set("s", 0.5, CaseRule::watertight, gray);
-    session.frames.announce(session.scene.size);
+    session.frames.announce(Frames::Moving{session.scene.size, 0});
     session.surfaces.set("s", 0.2, CaseRule::watertight, gray);
     CHECK(session.frames.has_frame_ahead());
     CHECK(session.frames.draw().rgba == expected.rgba);
@@ -234,16 +234,16 @@ TEST_CASE("an announced frame that does not show the scene is dropped") {
     session.surfaces.set("t", 0.2, CaseRule::watertight, {20, 200, 20});
     const Picture expected = session.frames.draw();
     session.scene.camera.angles.azimuth_deg = 70;
-    session.frames.announce(session.scene.size);
+    session.frames.announce(Frames::Moving{session.scene.size, 0});
     session.surfaces.set("s", 0.5, CaseRule::watertight, gray);
     session.scene.camera.angles.azimuth_deg = 0;
     CHECK(session.frames.draw().rgba == expected.rgba);
-    session.frames.announce(session.scene.size);
+    session.frames.announce(Frames::Moving{session.scene.size, 0});
     session.surfaces.set("s", 0.5, CaseRule::watertight, gray);
     session.surfaces.remove("t");
     const Picture one = session.frames.draw();
     CHECK(session.frames.draw().rgba == one.rgba);
-    session.frames.announce(session.scene.size);
+    session.frames.announce(Frames::Moving{session.scene.size, 0});
     session.surfaces.set("s", 0.2, CaseRule::watertight, gray);
     session.volumes.load("phantom:sphere");
     CHECK_FALSE(session.frames.has_frame_ahead());

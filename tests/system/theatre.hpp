@@ -118,6 +118,7 @@ struct Theatre {
             return std::to_string(id);
         };
         parts.clock_ns = [this] { return now_ns; };
+        parts.moving_triangles = 1000;  // Fewer than the sphere has.
         const auto launch = [this] {
             ++launches;
             if (failing_launches > 0) {

@@ -87,6 +87,9 @@ std::string surface_text(const Surface& surface) {
 Attributes attributes_of(const Session& session, const Camera& camera) {
     Attributes attributes = {{"view", view_text(camera)},
                              {"samples", std::to_string(session.scene.samples)}};
+    if (const double moved_mm = session.frames.last().moved_mm; moved_mm > 0) {
+        attributes.emplace_back("simplified_within_mm", fmt::format("{:.3f}", moved_mm));
+    }
     if (!session.scene.clips.empty()) {
         attributes.emplace_back("clips", clips_text(session.scene));
     }

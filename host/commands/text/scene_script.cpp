@@ -6,6 +6,7 @@
 
 #include "host/base/command_line.hpp"
 #include "host/phantom/phantom.hpp"
+#include "host/session/transfer/detail.hpp"
 #include "host/volume/identity.hpp"
 
 namespace pxpl5::host {
@@ -131,6 +132,7 @@ void add_looks(const Scene& scene, Lines& lines) {
                {"power", std::to_string(material.specular_power)}});
     lines.add("background", {color_word(scene.background)});
     lines.add("antialias", {std::to_string(scene.samples)});
+    lines.add("detail", {detail_word(scene.detail)});
     lines.add("overlay", {scene.overlay ? "on" : "off"});
     lines.add("size", {fmt::format("{}x{}", scene.size.width, scene.size.height)});
     const Camera& camera = scene.camera;

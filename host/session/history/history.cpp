@@ -46,7 +46,8 @@ std::uint64_t History::add_line(const std::string& text, const std::string& subj
 void History::note(const Deed& deed, const Scene& before, const Scene& after) {
     const bool is_step = !same_parameters(before, after);
     const bool is_change = is_step || before.size != after.size ||
-                           before.overlay != after.overlay || before.samples != after.samples;
+                           before.overlay != after.overlay || before.samples != after.samples ||
+                           before.detail != after.detail;
     if (!deed.is_action && !is_change) {
         return;
     }

@@ -21,8 +21,8 @@ struct Deed {
     bool is_action = false;  ///< Belongs to the script even if the scene stays the same.
 };
 
-/// Whether undo would restore the same. Ignores the size and overlay of the picture and the numbers
-/// of surfaces.
+/// Whether undo would restore the same. Ignores size, overlay and detail of the picture and the
+/// numbers of surfaces.
 bool same_parameters(const Scene& a, const Scene& b);
 
 /// Steps have parameters, but no pictures and no meshes. Consecutive settings of one subject are

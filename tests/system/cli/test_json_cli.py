@@ -27,7 +27,7 @@ SPHERE = "load phantom:sphere; surface s iso=0.5; size 64x64"
 LINES = f"""{SPHERE}; info; info phantom:letters crop=10:29,0:19,5:24; atlas steps=4; histogram 4
 slice z 3; slice z 3 {{}}/slice.png; presets; components s; components s show=largest; certificate
 compare s; compare s off; export {{}}/s.stl keep=0.5; view 20 30 pan=1,2; light 1 20 30; light
-clip L; clip off; material power=20; background red; tint gaps; antialias 1; overlay on
+clip L; clip off; material power=20; background red; tint gaps; antialias 1; detail auto; overlay on
 pick 32 32 set=t; pick 0 0; measure 30 32 34 32; why 32 32; snapshot {{}}/s.png; orbit 2
 sweep s 0.4 0.5 2 {{}}/sweep.gif; stats; activity; model; digest; trace save; mark; undo
 redo; scale gp=2; computers; history; history {{}}/h.txt; remove t; play {{}}/play.txt
@@ -116,6 +116,25 @@ class Json(unittest.TestCase):
             jsonschema.validate(beside, {"$ref": "#/$defs/certificate_file",
                                          "$defs": SCHEMA["$defs"]})
             self.assertEqual(beside["volume"]["read_as"]["raw"], "5x5x5,uint8,0")
+
+    def test_a_simplified_mesh_is_watertight_and_states_its_bound(self):
+        path = os.path.join(self.folder, "simple.ply")
+        code, replies = self.run_lines(
+            f"{SPHERE}; export {self.folder}/exact.ply; export {path} detail=2; certificate {path}")
+        self.assertEqual((code, [each["ok"] for each in replies]), (0, [True] * 6))
+        exact, simple = replies[3]["result"], replies[4]["result"]
+        self.assertLess(simple["triangles"], exact["triangles"] / 4)
+        self.assertGreater(simple["surfaces"][0]["within_mm"], 0)
+        self.assertNotIn("within_mm", exact["surfaces"][0])
+        self.assertIn("no point is farther than", json.dumps(replies[4]))
+        beside = json.loads(pathlib.Path(simple["certificate"]).read_text())
+        jsonschema.validate(beside, {"$ref": "#/$defs/certificate_file", "$defs": SCHEMA["$defs"]})
+        self.assertEqual(beside["detail"], 2)
+        self.assertEqual(beside["surfaces"][0]["within_mm"], simple["surfaces"][0]["within_mm"])
+        for certificate in (beside["surfaces"][0]["certificate"],
+                            replies[5]["result"]["certificates"][0]):
+            self.assertTrue(certificate["watertight"])
+            self.assertEqual(certificate["open_edges"], 0)
 
     def test_warnings_name_what_an_export_would_change(self):
         _, replies = self.run_lines(

@@ -17,7 +17,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "host/serve
 from websocket_client import Refused, WebSocket  # noqa: E402
 
 BINARIES = pathlib.Path()  # From the command line.
-HEADER = struct.Struct("<IIIHHBBBBfQ")
+HEADER = struct.Struct("<IIIHHBBBBfQd")
 
 
 class Program:
