@@ -24,7 +24,7 @@ REWRITE = "python3 host/serve/generate_page_schema.py --write"
 # Scalars: bytes, type in C++, and reader of a DataView.
 SCALARS = {"ubyte": (1, "std::uint8_t", "Uint8"), "uint16": (2, "std::uint16_t", "Uint16"),
            "uint32": (4, "std::uint32_t", "Uint32"), "uint64": (8, "std::uint64_t", "BigUint64"),
-           "float": (4, "float", "Float32")}
+           "float": (4, "float", "Float32"), "double": (8, "double", "Float64")}
 CPP_TYPES = {"string": "std::string", "bool": "bool", "int64": "std::int64_t", "double": "double"}
 JS_TYPES = {"string": "string", "bool": "boolean", "int64": "number", "double": "number"}
 

@@ -105,19 +105,20 @@ test('scale bars have round lengths', () => {
 });
 
 test('a frame\'s header is taken apart; what is cut off is refused', () => {
-  const view = new DataView(new ArrayBuffer(35));
+  const view = new DataView(new ArrayBuffer(43));
   view.setUint32(0, 0x46523550, true);
   [7, 300].forEach((value, k) => view.setUint32(4 + 4 * k, value, true));
   [640, 480].forEach((value, k) => view.setUint16(12 + 2 * k, value, true));
   [2, 90, 16, 3].forEach((value, k) => view.setUint8(16 + k, value));
   view.setFloat32(20, 12.5, true);
   view.setBigUint64(24, 0xabcdef0123456789n, true);
+  view.setFloat64(32, 0.75, true);
   const {header, picture} = parseFrame(view.buffer);
   assert.deepEqual(header, {number: 7, revision: 300, width: 640, height: 480, kind: 'png',
     quality: 90, samples: 16, rests: true, last: true, machine_ms: 12.5,
-    digest: 'abcdef0123456789'});
+    digest: 'abcdef0123456789', moved_mm: 0.75});
   assert.equal(picture.byteLength, 3);
-  assert.throws(() => parseFrame(new ArrayBuffer(31)), /31 bytes, its header has 32/);
+  assert.throws(() => parseFrame(new ArrayBuffer(39)), /39 bytes, its header has 40/);
   view.setUint8(16, 9);
   assert.throws(() => parseFrame(view.buffer), /kind 9/);
 });

@@ -15,6 +15,7 @@
 #include "host/serve/director/pace.hpp"
 #include "host/serve/director/state_text.hpp"
 #include "host/session/session.hpp"
+#include "host/session/transfer/detail.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -32,7 +33,8 @@ struct DirectorParts {
     std::function<std::string(Session&, std::uint32_t id, std::string_view message)> answer;
     /// Returns the object of the message `machine`, the nodes' work. Empty: no such messages.
     std::function<std::string(Session&)> machine_text;
-    std::function<std::int64_t()> clock_ns;  ///< Monotonic clock.
+    std::function<std::int64_t()> clock_ns;                  ///< Monotonic clock.
+    std::int64_t moving_triangles = host::moving_triangles;  ///< See `detail auto`.
     /// File of the session that is saved before the end. Its folder is made if missing, for the
     /// owner alone.
     std::filesystem::path saved_session;
@@ -111,7 +113,7 @@ class Director {
     std::string current_state() const;
     void tell_state();
 
-    Size moving_size() const;
+    Frames::Moving moving() const;
     bool draw_moving();
     bool draw_resting();
     int most_samples() const;

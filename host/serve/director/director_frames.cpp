@@ -37,13 +37,27 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
     frame.samples = samples;
     frame.rests = rests;
     frame.last = last;
+    frame.moved_mm = session_->frames.last().moved_mm;
     frame.machine_ms = static_cast<float>(session_->frames.last().elapsed_ms);
     audience_.show(std::move(frame));
 }
 
-/// The size of moving pictures, limited by the time of a frame.
-Size Director::moving_size() const {
-    return scaled(session_->scene.size, std::min(pace_.scale(), audience_.advice().scale));
+/// Moving pictures: the size is limited by the time of a frame. With `detail auto`, the detail is
+/// limited by the number of triangles.
+Frames::Moving Director::moving() const {
+    const Scene& scene = session_->scene;
+    const Size size = scaled(scene.size, std::min(pace_.scale(), audience_.advice().scale));
+    if (!scene.detail.is_auto) {
+        return {size, scene.detail.detail};
+    }
+    std::int64_t triangles = 0;
+    for (const Surface& surface : scene.surfaces) {
+        if (surface.visible && !is_compared(scene.surfaces, surface) &&
+            session_->surfaces.has_report(surface.name)) {
+            triangles += session_->surfaces.report_of(surface.name).triangles;
+        }
+    }
+    return {size, moving_detail(triangles, parts_.moving_triangles)};
 }
 
 /// Requests the picture of a new isovalue together with the surface.
@@ -54,7 +68,7 @@ void Director::announce_frame(const Arguments& command) {
         draws ? session_->surfaces.find(command.words[0]) : std::nullopt;
     // A filter of components selects the triangles only after the extraction.
     const bool is_ahead = draws && (!known || known->components.kind == ComponentFilter::Kind::all);
-    session_->frames.announce(is_ahead ? std::optional(moving_size()) : std::nullopt);
+    session_->frames.announce(is_ahead ? std::optional(moving()) : std::nullopt);
 }
 
 /// Draws a moving picture after a change. Returns false if nothing has changed.
@@ -67,16 +81,23 @@ bool Director::draw_moving() {
         tell_state();  // The overlay of the page follows the state.
     }
     const Size wished = session_->scene.size;
+    const DetailChoice chosen = session_->scene.detail;
     const std::int64_t start_ns = parts_.clock_ns();
     const std::uint32_t revision = revision_;
     guard("drawing", [&] {
         struct Restore {
-            Session& session;
+            Scene& scene;
             Size size;
-            ~Restore() { session.scene.size = size; }
+            DetailChoice detail;
+            ~Restore() {
+                scene.size = size;
+                scene.detail = detail;
+            }
         };
-        const Restore restore{*session_, wished};
-        session_->scene.size = moving_size();
+        const Restore restore{session_->scene, wished, chosen};
+        const Frames::Moving now = moving();
+        session_->scene.size = now.size;
+        session_->scene.detail = {false, now.detail};
         show(session_->frames.draw_samples(1).value(), 1, false, false);
     });
     pace_.drawn(since_ms(start_ns));

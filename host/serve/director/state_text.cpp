@@ -6,6 +6,7 @@
 
 #include "generated/page_schema.hpp"
 #include "host/commands/text/volume_text.hpp"
+#include "host/session/transfer/detail.hpp"
 #include "host/volume/identity.hpp"
 
 namespace pxpl5::host::serve {
@@ -117,6 +118,7 @@ void add_looks(const Scene& scene, State& state) {
     }
     state.tint_gaps = scene.tint_gaps;
     state.overlay = scene.overlay;
+    state.detail = detail_word(scene.detail);
 }
 
 }  // namespace

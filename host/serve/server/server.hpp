@@ -59,6 +59,7 @@ struct Shown {
     bool rests = false;          ///< A resting picture: sent lossless, to every viewer.
     bool last = false;           ///< No refinement follows.
     float machine_ms = 0;        ///< Request to picture.
+    double moved_mm = 0;         ///< Above 0: simplified; no point is farther from the surfaces.
     std::uint64_t digest = 0;    ///< 0 while moving.
 };
 

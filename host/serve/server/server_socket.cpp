@@ -226,6 +226,7 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     header.flags = static_cast<std::uint8_t>((shown.rests ? +FrameFlag::rests : 0) |
                                              (shown.last ? +FrameFlag::last : 0));
     header.machine_ms = shown.machine_ms;
+    header.moved_mm = shown.moved_mm;
     header.digest = shown.digest;
     viewer.link.sent(header.number, sizeof(FrameHeader) + picture.size(), now_ms());
     return write_message(connection, frame_header(header), picture, LWS_WRITE_BINARY);

@@ -104,10 +104,12 @@ TEST_CASE("a frame's header has its fields where the protocol puts them") {
     header.flags = FrameFlag::last;
     header.machine_ms = 1.5F;
     header.digest = 0x1122334455667788U;
+    header.moved_mm = 1.5;
     const std::string bytes = frame_header(header);
-    const unsigned char expected[] = {'P',  '5',  'R',  'F',  4,    3,    2,    1,    77,   0,   0,
-                                      0,    0,    5,    0,    4,    1,    80,   16,   2,    0,   0,
-                                      0xc0, 0x3f, 0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11};
+    const unsigned char expected[] = {'P',  '5',  'R',  'F',  4,    3,    2,    1,    77,   0,
+                                      0,    0,    0,    5,    0,    4,    1,    80,   16,   2,
+                                      0,    0,    0xc0, 0x3f, 0x88, 0x77, 0x66, 0x55, 0x44, 0x33,
+                                      0x22, 0x11, 0,    0,    0,    0,    0,    0,    0xf8, 0x3f};
     REQUIRE(bytes.size() == sizeof(expected));
     CHECK(std::memcmp(bytes.data(), expected, sizeof(expected)) == 0);
     header.flags = FrameFlag::rests | FrameFlag::last;

@@ -253,8 +253,8 @@ class Frames(Case):
         """The next frame's header as a dict, and its picture."""
         message = viewer.receive()
         names = ("magic", "number", "revision", "width", "height", "kind", "quality", "samples",
-                 "flags", "machine_ms", "digest")
-        return dict(zip(names, struct.unpack("<IIIHHBBBBfQ", message[:32]))), message[32:]
+                 "flags", "machine_ms", "digest", "moved_mm")
+        return dict(zip(names, struct.unpack("<IIIHHBBBBfQd", message[:40]))), message[40:]
 
     def shown(self, viewer, number):
         viewer.send(json.dumps({"shown": number}))

@@ -19,6 +19,7 @@ export const LIMITS = Object.freeze({
   max_spacing_mm: 1000,
   max_smooth_mm: 100,
   max_slab: 4094,
+  max_detail: 3,
   max_isovalues: 4096,
   max_picture_px: 8192,
   max_views: 2,
@@ -79,7 +80,7 @@ export const PICTURE_KIND = Object.freeze({jpeg: 1, png: 2});
 
 export const FRAME_FLAG = Object.freeze({rests: 1, last: 2});
 
-export const FRAME_HEADER_BYTES = 32;
+export const FRAME_HEADER_BYTES = 40;
 export const FRAME_HEADER_MAGIC = 0x46523550;
 /** Precedes the picture in the binary message of a frame. Numbers are little-endian.
  * @param {DataView} view */
@@ -95,6 +96,7 @@ export function readFrameHeader(view) {
     flags: view.getUint8(19),
     machine_ms: view.getFloat32(20, true),
     digest: view.getBigUint64(24, true),
+    moved_mm: view.getFloat64(32, true),
   };
 }
 
@@ -217,6 +219,7 @@ export function readAnswerHeader(view) {
  * @property {ClipState[]} clips
  * @property {boolean} tint_gaps
  * @property {boolean} overlay
+ * @property {string} detail  exact, auto, 1, 2 or 3, as `detail` takes it
  * @property {string | null} undo  the line that `undo` reverts
  * @property {string | null} redo
  * @property {MachineState} machine

@@ -26,13 +26,17 @@ export function createBadge(app) {
     const [now, before] = [at, times[0]];
     const rate = times.length > 2 ? (times.length - 1) / (now - before) * 1000 : 0;
     const samples = header.samples > 1 ? `, ${header.samples} samples` : '';
-    quality.textContent = header.kind === 'png'
-      ? `lossless${samples}` : `moving, JPEG ${header.quality}`;
-    quality.classList.toggle('good', header.kind === 'png');
-    quality.title = header.kind === 'png'
+    const isSimplified = header.moved_mm > 0;
+    const within = isSimplified ? `, simplified within ${millimeters(header.moved_mm)} mm` : '';
+    quality.textContent = (header.kind === 'png'
+      ? `lossless${samples}` : `moving, JPEG ${header.quality}`) + within;
+    quality.classList.toggle('good', header.kind === 'png' && !isSimplified);
+    quality.title = (header.kind === 'png'
       ? 'Every pixel is exactly as rendered'
         + (samples ? `, averaged over ${header.samples} samples` : '')
-      : `Compressed during interaction (quality ${header.quality} of 100), lossless at rest`;
+      : `Compressed during interaction (quality ${header.quality} of 100), lossless at rest`)
+      + (isSimplified ? '. Surfaces have fewer triangles; no point is farther from the exact '
+        + 'surface. Small parts may be missing. The command detail sets this.' : '');
     digest.textContent = header.digest;
     label.hidden = header.digest === '';
     speed.textContent = `${header.machine_ms.toFixed(0)} ms`
@@ -46,6 +50,14 @@ export function createBadge(app) {
       text.textContent = '';
     }
   });
+}
+
+/**
+ * Rounds up, because the number is a bound.
+ * @param {number} mm
+ */
+function millimeters(mm) {
+  return (Math.ceil(mm * 100) / 100).toFixed(2);
 }
 
 /**
