@@ -8,7 +8,7 @@
 #include "tests/fuzz/edits.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/fuzz/message_ranges.hpp"
-#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/examples/examples.hpp"
 
 namespace pxpl5::fuzz {
 

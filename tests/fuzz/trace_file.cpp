@@ -8,7 +8,7 @@
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/fuzz/message_ranges.hpp"
 #include "tests/fuzz/scratch.hpp"
-#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/examples/examples.hpp"
 #include "tests/ringbus/trace/recorder_support.hpp"
 
 namespace pxpl5::fuzz {

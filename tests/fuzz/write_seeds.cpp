@@ -11,7 +11,7 @@
 #include "tests/host/io/mesh_solids.hpp"
 #include "tests/host/io/volume_writers.hpp"
 #include "tests/isa/random_program.hpp"
-#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/examples/examples.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::test;

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "tests/random_seed.hpp"
-#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/examples/examples.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 
 using namespace pxpl5::bus;

@@ -12,7 +12,7 @@
 
 #include "ringbus/trace/trace_file.hpp"
 #include "ringbus/zmq/zmq_link.hpp"
-#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/examples/examples.hpp"
 #include "tests/ringbus/ipc_address.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
 #include "tests/ringbus/wire_bytes.hpp"

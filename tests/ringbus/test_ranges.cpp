@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/examples/examples.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 
 using namespace pxpl5;

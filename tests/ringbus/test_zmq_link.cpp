@@ -11,7 +11,7 @@
 #include "ringbus/credit.hpp"
 #include "ringbus/wire.hpp"
 #include "ringbus/zmq/zmq_link.hpp"
-#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/examples/examples.hpp"
 #include "tests/ringbus/ipc_address.hpp"
 #include "tests/ringbus/test_zmq_link_peer.hpp"
 #include "tests/ringbus/wire_bytes.hpp"

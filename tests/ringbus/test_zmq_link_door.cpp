@@ -10,7 +10,7 @@
 #include "ringbus/wire.hpp"
 #include "ringbus/zmq/arena.hpp"
 #include "ringbus/zmq/inbound.hpp"
-#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/examples/examples.hpp"
 #include "tests/ringbus/ipc_address.hpp"
 #include "tests/ringbus/large_bodies.hpp"
 #include "tests/ringbus/test_zmq_link_peer.hpp"

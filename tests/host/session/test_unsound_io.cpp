@@ -7,7 +7,7 @@
 
 #include "host/base/error.hpp"
 #include "host/session/session.hpp"
-#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/examples/examples.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 
 using namespace pxpl5;

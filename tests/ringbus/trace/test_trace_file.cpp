@@ -12,7 +12,7 @@
 
 #include "ringbus/trace/trace_file.hpp"
 #include "tests/random_seed.hpp"
-#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/examples/examples.hpp"
 #include "tests/ringbus/scratch_folder.hpp"
 
 using namespace pxpl5;

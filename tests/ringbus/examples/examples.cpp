@@ -1,9 +1,10 @@
-#include "tests/ringbus/examples.hpp"
+#include "tests/ringbus/examples/examples.hpp"
 
 #include <algorithm>
 #include <array>
 
 #include "generated/vocabulary.hpp"
+#include "tests/ringbus/examples/volume_examples.hpp"
 
 namespace pxpl5::test {
 
@@ -59,85 +60,6 @@ std::vector<Payload> control_examples() {
             pack(fault),
             pack(schema::SaveTraceT{}),
             pack(saved)};
-}
-
-schema::ExportMeshT example_mesh() {
-    schema::ExportMeshT mesh;
-    mesh.path = "skin.ply";
-    auto surface = std::make_unique<schema::ExportSurfaceT>();
-    surface->name = "skin";
-    surface->color = std::make_unique<schema::Rgb>(1, 2, 3);
-    surface->vertices.assign(3, schema::MeshVertex(1, 2, 3, 0, 0, 1));
-    surface->indices = {0, 1, 2};
-    mesh.surfaces.push_back(std::move(surface));
-    mesh.axes = PatientAxes::RAS;
-    return mesh;
-}
-
-std::vector<Payload> volume_examples() {
-    schema::ImportVolumeT import;
-    import.path = "pelvis.nrrd";
-    import.series = "2";
-    import.spacing_mm = {1, 2, 3};
-    import.raw = std::make_unique<schema::RawLayoutT>();
-    import.raw->nx = import.raw->ny = import.raw->nz = 64;
-    import.raw->type = "int16";
-    import.crop_first = {0, 1, 2};
-    import.crop_size = {10, 11, 12};
-    import.resample_size = {20, 22, 24};
-    import.smooth_mm = 0.5;
-    import.orientation = "RAI";
-    import.origin_mm = {-10, 20, 30.5};
-    schema::SlicesT slices;
-    slices.volume = 9;
-    slices.first_slice = 4;
-    slices.slice_count = 2;
-    slices.values = {1, 2, 3, 4, 5, 6, 7, 8};
-    schema::VolumeEndT end;
-    end.volume = 9;
-    schema::VolumeReadyT ready;
-    ready.volume = 9;
-    ready.slabs = 12;
-    ready.memory_bytes = 1 << 20;
-    ready.elapsed_us = 999;
-    ready.slices = 15;
-    ready.rows_in_runs = 40;
-    ready.runs = 100;
-    schema::ExportPictureT picture;
-    picture.path = "skin.png";
-    picture.width = 2;
-    picture.height = 1;
-    picture.rgba = {1, 2, 3, 4, 5, 6, 7, 8};
-    picture.description = "skin";
-    auto attribute = std::make_unique<schema::AttributeT>();
-    attribute->name = "isovalue";
-    attribute->value = "300";
-    picture.attributes.push_back(std::move(attribute));
-    auto mark = std::make_unique<schema::MarkT>();
-    mark->kind = MarkKind::text;
-    mark->points = {schema::PicturePoint(1, 0.5F)};
-    mark->color = std::make_unique<schema::Rgba>(255, 255, 255, 128);
-    mark->text = "L";
-    picture.marks.push_back(std::move(mark));
-    schema::IoDoneT done;
-    done.error = "no such file";
-    done.bad_data = true;
-    schema::DropVolumeT drop;
-    drop.volume = 9;
-    schema::FetchVoxelsT fetch;
-    fetch.box = std::make_unique<schema::VoxelBox>(1, 2, 3, 4, 1, 2);
-    schema::VoxelValuesT found;
-    found.slices = {3, 4};
-    found.values = {1, 2, 3, 4, 5, 6, 7, 8};
-    schema::ReadMeshT read;
-    read.path = "skin.stl";
-    schema::MeshContentT content;
-    content.surfaces = example_mesh().surfaces;
-    return {pack(example_header()), pack(found),   pack(fetch),
-            pack(slices),           pack(content), pack(read),
-            pack(import),           pack(ready),   pack(end),
-            pack(example_mesh()),   pack(done),    pack(drop),
-            pack(picture)};
 }
 
 std::vector<Payload> surface_examples() {
@@ -336,34 +258,6 @@ schema::DrawFrameT example_draw() {
     draw.region_costs = {5, 4, 3, 2, 1, 0};
     draw.counts = true;
     return draw;
-}
-
-schema::VolumeHeaderT example_header() {
-    schema::VolumeHeaderT header;
-    header.volume = 9;
-    header.name = "pelvis";
-    header.nx = 4;
-    header.ny = 5;
-    header.nz = 6;
-    header.type = Scalar::float32;
-    header.voxel_to_patient = std::make_unique<schema::Matrix>(identity());
-    header.minimum = -1000;
-    header.maximum = 3000;
-    header.slice_places = {0, 1, 2, 3, 5, 6};
-    header.gap_slabs = {3};
-    header.slabs_per_set = 2;
-    header.modality = "CT";
-    header.series = "1.2.840.1";
-    header.findings.push_back(std::make_unique<schema::FindingT>());
-    header.findings[0]->kind = FindingKind::missing_slices;
-    header.findings[0]->text = "one slice is missing";
-    header.file = std::make_unique<schema::SlicesFileT>();
-    header.file->path = "/data/pelvis.raw";
-    header.file->offset = 20;
-    header.file->stored = Component::float32;
-    header.file->size_bytes = 500;  // 20 and 4 x 5 x 6 values of 4 bytes.
-    header.reduction = 2;
-    return header;
 }
 
 schema::RegionProgramsT example_programs() {
