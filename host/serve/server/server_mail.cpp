@@ -60,12 +60,37 @@ void Mail::opened(std::string path) {
     wake_server();
 }
 
+/// A viewer that has joined and left before the session looked, and said nothing, leaves no trace.
+/// Otherwise connections that come and go would fill the memory while the session works.
+bool Mail::take_back(const Left& left) {
+    auto joined = events_.end();
+    for (auto event = events_.begin(); event != events_.end(); ++event) {
+        const auto* const said = std::get_if<Said>(&*event);
+        if (said != nullptr && said->viewer == left.viewer) {
+            return false;
+        }
+        const auto* const came = std::get_if<Joined>(&*event);
+        if (came != nullptr && came->viewer == left.viewer) {
+            joined = event;
+        }
+    }
+    if (joined == events_.end()) {
+        return false;
+    }
+    events_.erase(joined);
+    return true;
+}
+
 bool Mail::push(Event event) {
     const auto* said = std::get_if<Said>(&event);
     const std::size_t bytes = said == nullptr ? 0 : said->text.size() + sizeof(Event);
     const std::scoped_lock lock(mutex_);
     if (bytes > 0 && event_bytes_ + bytes > max_waiting_event_bytes) {
         return false;
+    }
+    const auto* const left = std::get_if<Left>(&event);
+    if (left != nullptr && take_back(*left)) {
+        return true;
     }
     event_bytes_ += bytes;
     events_.push_back(std::move(event));

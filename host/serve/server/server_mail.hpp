@@ -58,6 +58,7 @@ class Mail {
 
   private:
     void wake_session();
+    bool take_back(const Left& left);
 
     int event_fd_ = -1;
     mutable std::mutex mutex_;
