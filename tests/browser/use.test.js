@@ -216,6 +216,14 @@ test('light, material, background', async () => {
   assert.equal(new Set([before, lit, dull, blue, two].map(each => each.digest)).size, 5);
 });
 
+test('fewer triangles are refused where the GPs have sets of one slab', async () => {
+  await byId('detail').selectOption('2');
+  await byId('toast-error').getByText('cannot be simplified').waitFor();
+  await page.waitForFunction(() =>
+    document.querySelector('[data-testid=detail]').value === 'exact');
+  assert.equal((await state(page)).detail, 'exact');
+});
+
 test('clip planes: add, move, flip, box, remove', async () => {
   const before = await settled(page);
   const halved = await after(page, () => byId('clip-add-L').click(),

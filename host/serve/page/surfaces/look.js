@@ -1,4 +1,4 @@
-// Light and material: lights as dots on a ball, material, background, tint of gaps.
+// Light and material: lights as dots on a ball, material, background, tint of gaps, detail.
 import {h, s, update} from '../elements/dom.js';
 import {plain} from '../link/lines.js';
 import {gesture} from '../panel/gesture.js';
@@ -12,6 +12,8 @@ const BALL = 34;              // Radius, in the drawing's units.
 const KEY_DEG = 5;
 const NEW_LIGHT = '0 45 intensity=0.4';
 const DEGREE = Math.PI / 180;
+const DETAILS = {exact: 'all', auto: 'fewer while moving', 1: 'cells of 2 voxels',
+  2: 'cells of 4 voxels', 3: 'cells of 8 voxels'};
 
 /**
  * The position of a light's dot on the ball, right and down. Lights from behind lie outside.
@@ -189,13 +191,21 @@ function createMaterial(root, app) {
     onchange: () => void app.connection.set({name: 'tint',
       words: [gaps.checked ? 'gaps' : 'off']})});
   const gapLabel = h('label', {class: 'row'}, gaps, 'Tint where slices are missing');
+  const detail = h('select', {'data-testid': 'detail', onchange: async () => {
+    detail.blur();
+    await app.connection.do(`detail ${detail.value}`);
+    show(detail, app.store.state?.detail ?? detail.value);  // Again the old one after an error.
+  }}, ...Object.entries(DETAILS).map(([value, text]) => h('option', {value}, text)));
   root.append(h('label', {class: 'row'}, h('span', {class: 'field'}, 'Background'), color),
-    gapLabel);
-  app.store.subscribe(['material', 'background', 'tint_gaps', 'volume'], state => {
+    h('label', {class: 'row', title: 'Fewer triangles are drawn faster. The status line states '
+      + 'how far surfaces are off. "Fewer while moving": above 2 million triangles; exact at rest'},
+    h('span', {class: 'field'}, 'Triangles'), detail), gapLabel);
+  app.store.subscribe(['material', 'background', 'tint_gaps', 'volume', 'detail'], state => {
     for (const {key, input} of rows) {
       show(input, String(state.material[key]));
     }
     show(color, state.background);
+    show(detail, state.detail);
     gaps.checked = state.tint_gaps;
     gapLabel.hidden = (state.volume?.gaps ?? 0) === 0;
   });
