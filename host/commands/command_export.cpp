@@ -14,6 +14,7 @@
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/text/picture_text.hpp"
 #include "host/commands/text/volume_text.hpp"
+#include "host/session/transfer/detail.hpp"
 
 namespace pxpl5::host {
 
@@ -159,7 +160,7 @@ void add_warnings(Reply& reply, const Session& session, const MeshExportReport& 
 /// Returns "; " and what closes an open mesh of the surface.
 std::string open_remedy(const Surface& surface, const MeshExport& wish) {
     std::string remedy;
-    if (!wish.cap) {
+    if (!wish.cap && wish.detail == 0) {
         remedy = "; cap=yes closes a mesh at the scan's border and at clip planes";
     }
     if (surface.table == CaseRule::lorensen1987) {
@@ -210,9 +211,9 @@ void add_file_surface(Reply& reply, const FileSurface& surface, const Certificat
     }
     if (surface.within_mm) {
         line += fmt::format(
-            "; {}simplified: no point is farther than {:.3f} mm from the exact "
+            "; {}simplified: no point is farther than {} mm from the exact "
             "surface, and parts of the surface that lie in one cell are gone",
-            certificate.watertight() ? "watertight, " : "", *surface.within_mm);
+            certificate.watertight() ? "watertight, " : "", bound_text(*surface.within_mm));
     }
     const bool is_solid =
         certificate.closed() && certificate.good() && !certificate.is_inside_out();

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "host/commands/text/picture_text.hpp"
+#include "host/session/transfer/detail.hpp"
 
 namespace pxpl5::host {
 
@@ -44,7 +45,7 @@ Reply run_digest(Session& session, const Arguments&) {
     const double moved_mm = session.frames.last().moved_mm;
     Reply reply{"frame " + frame, {{"frame", frame}, {"moved_mm", moved_mm}}};
     if (moved_mm > 0) {
-        reply.text += fmt::format(" (simplified within {:.3f} mm)", moved_mm);
+        reply.text += fmt::format(" (simplified within {} mm)", bound_text(moved_mm));
     }
     Fields meshes;
     for (const Surface& surface : session.scene.surfaces) {

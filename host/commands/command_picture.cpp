@@ -7,6 +7,7 @@
 #include "host/base/error.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/text/picture_text.hpp"
+#include "host/session/transfer/detail.hpp"
 
 namespace pxpl5::host {
 
@@ -91,10 +92,8 @@ void add_simplified(Reply& reply, const Session& session) {
     const double moved_mm = session.frames.last().moved_mm;
     reply.fields.push_back({"moved_mm", moved_mm});
     if (moved_mm > 0) {
-        reply.text += fmt::format(
-            "; simplified: no point is farther than {:.3f} mm from its "
-            "surface",
-            moved_mm);
+        reply.text += fmt::format("; simplified: no point is farther than {} mm from its surface",
+                                  bound_text(moved_mm));
     }
 }
 

@@ -11,6 +11,7 @@
 #include "host/base/digest.hpp"
 #include "host/commands/text/volume_text.hpp"
 #include "host/scene/overlay.hpp"
+#include "host/session/transfer/detail.hpp"
 
 namespace pxpl5::host {
 
@@ -31,12 +32,22 @@ std::vector<PictureMark> archive_marks(const Session& session) {
 
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
+/// "simplified within 7.114 mm", or nothing for a picture of all triangles.
+std::string simplified_text(const Session& session) {
+    const double moved_mm = session.frames.last().moved_mm;
+    return moved_mm > 0 ? fmt::format("simplified within {} mm", bound_text(moved_mm)) : "";
+}
+
 Caption caption_of(const Session& session) {
     if (session.volumes.archive() != nullptr) {
         return {session.volumes.archive()->file, ""};
     }
     const Volume& volume = session.volumes.volume();
-    return {volume.name, place_warning(volume)};
+    std::string warning = place_warning(volume);
+    if (const std::string simplified = simplified_text(session); !simplified.empty()) {
+        warning += (warning.empty() ? "" : "; ") + simplified;
+    }
+    return {volume.name, warning};
 }
 
 std::string spacing_text(const Volume& volume) {
@@ -88,7 +99,7 @@ Attributes attributes_of(const Session& session, const Camera& camera) {
     Attributes attributes = {{"view", view_text(camera)},
                              {"samples", std::to_string(session.scene.samples)}};
     if (const double moved_mm = session.frames.last().moved_mm; moved_mm > 0) {
-        attributes.emplace_back("simplified_within_mm", fmt::format("{:.3f}", moved_mm));
+        attributes.emplace_back("simplified_within_mm", bound_text(moved_mm));
     }
     if (!session.scene.clips.empty()) {
         attributes.emplace_back("clips", clips_text(session.scene));
@@ -132,6 +143,9 @@ std::string describe_scene(const Session& session, const Camera& camera) {
     }
     if (!scene.clips.empty()) {
         text += "; clip " + clips_text(scene);
+    }
+    if (const std::string simplified = simplified_text(session); !simplified.empty()) {
+        text += "; " + simplified;
     }
     return text;
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
+
 #include "ringbus/rules/slabs.hpp"
 
 namespace pxpl5::host {
@@ -25,6 +27,10 @@ int moving_detail(std::int64_t triangles, std::int64_t most) {
         ++detail;
     }
     return detail;
+}
+
+std::string bound_text(double mm) {
+    return fmt::format("{:.3f}", std::ceil(mm * 1000) / 1000);
 }
 
 std::string detail_word(const DetailChoice& choice) {

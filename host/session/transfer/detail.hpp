@@ -20,6 +20,9 @@ std::string simplification_refusal(const Volume& volume, int gp_count);
 /// max_detail. Cells with a side of n voxels are assumed to leave one of n * n triangles.
 int moving_detail(std::int64_t triangles, std::int64_t most = moving_triangles);
 
+/// Returns a bound of distances in mm as "7.114", rounded up, because it must stay a bound.
+std::string bound_text(double mm);
+
 /// Returns the word for the command `detail`: "exact", "auto", "1", ...
 std::string detail_word(const DetailChoice& choice);
 

@@ -183,6 +183,12 @@ TEST_CASE("a script repeats the detail, and undo passes over it") {
     CHECK(bone.session.history.undo_line() == "view 30 10");
 }
 
+TEST_CASE("a bound is written no smaller than it is") {
+    CHECK(bound_text(7.1131) == "7.114");
+    CHECK(bound_text(0.125) == "0.125");
+    CHECK(bound_text(0.0001) == "0.001");
+}
+
 TEST_CASE("moving pictures get the least detail that keeps them within their budget") {
     CHECK(moving_detail(0) == 0);
     CHECK(moving_detail(moving_triangles) == 0);
