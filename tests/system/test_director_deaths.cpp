@@ -89,6 +89,7 @@ TEST_CASE("the whole scene is put back after a death") {
                                             "tint gaps",
                                             "size 96x80",
                                             "antialias 4",
+                                            "detail auto",
                                             "overlay on"};
     int id = 0;
     for (const std::string& line : lines) {
@@ -105,7 +106,7 @@ TEST_CASE("the whole scene is put back after a death") {
     CHECK(same_parameters(before, after));
     // Does not compile when Scene has a member that this test does not know of.
     const auto& [camera, lights, material, background, size, surfaces, clips, tint_gaps, gap_color,
-                 samples, overlay] = after;
+                 samples, detail, overlay] = after;
     CHECK(camera == before.camera);
     CHECK(lights == before.lights);
     CHECK(material == before.material);
@@ -116,8 +117,10 @@ TEST_CASE("the whole scene is put back after a death") {
     CHECK(tint_gaps == before.tint_gaps);
     CHECK(gap_color == before.gap_color);
     CHECK(samples == before.samples);
+    CHECK(detail == before.detail);
     CHECK(overlay == before.overlay);
     CHECK(samples == 4);
+    CHECK(detail.is_auto);
 }
 
 TEST_CASE("a machine that cannot be started again at once is started once more") {
