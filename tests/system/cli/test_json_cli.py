@@ -126,7 +126,6 @@ class Json(unittest.TestCase):
         self.assertLess(simple["triangles"], exact["triangles"] / 4)
         self.assertGreater(simple["surfaces"][0]["within_mm"], 0)
         self.assertNotIn("within_mm", exact["surfaces"][0])
-        self.assertIn("no point is farther than", json.dumps(replies[4]))
         beside = json.loads(pathlib.Path(simple["certificate"]).read_text())
         jsonschema.validate(beside, {"$ref": "#/$defs/certificate_file", "$defs": SCHEMA["$defs"]})
         self.assertEqual(beside["detail"], 2)

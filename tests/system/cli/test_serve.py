@@ -79,7 +79,7 @@ class Viewer:
         if isinstance(message, str):
             self.texts.append(json.loads(message))
             return self.texts[-1]
-        magic, number, revision, width, height, kind, _, samples, flags, _, digest = \
+        magic, number, revision, width, height, kind, _, samples, flags, _, digest, _ = \
             HEADER.unpack_from(message)
         assert magic == 0x46523550, hex(magic)
         self.socket.send(json.dumps({"shown": number}))
