@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import test, {mock} from 'node:test';
 
 import {Connection} from '../../host/serve/page/link/connection.js';
+import {FRAME_HEADER_BYTES} from '../../host/serve/page/link/vocabulary.js';
 import {PictureView} from '../../host/serve/page/picture/picture.js';
 import {Store} from '../../host/serve/page/state/store.js';
 
@@ -220,7 +221,7 @@ test('the server\'s reason for closing is what the person reads', () => {
 
 /** A frame's message: header and no picture. @param {number} number */
 function frameOf(number) {
-  const message = new ArrayBuffer(32);
+  const message = new ArrayBuffer(FRAME_HEADER_BYTES);
   const view = new DataView(message);
   [0x46523550, number, number].forEach((value, k) => view.setUint32(4 * k, value, true));
   view.setUint8(16, 1);

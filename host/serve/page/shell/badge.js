@@ -27,11 +27,12 @@ export function createBadge(app) {
     const rate = times.length > 2 ? (times.length - 1) / (now - before) * 1000 : 0;
     const samples = header.samples > 1 ? `, ${header.samples} samples` : '';
     const isSimplified = header.moved_mm > 0;
-    const within = isSimplified ? `, simplified within ${millimeters(header.moved_mm)} mm` : '';
-    quality.textContent = (header.kind === 'png'
-      ? `lossless${samples}` : `moving, JPEG ${header.quality}`) + within;
-    quality.classList.toggle('good', header.kind === 'png' && !isSimplified);
-    quality.title = (header.kind === 'png'
+    const isLossless = header.kind === 'png';
+    const within = `simplified within ${millimeters(header.moved_mm)} mm`;
+    quality.textContent = isSimplified ? (isLossless ? within : `moving, ${within}`)
+      : isLossless ? `lossless${samples}` : `moving, JPEG ${header.quality}`;
+    quality.classList.toggle('good', isLossless && !isSimplified);
+    quality.title = (isLossless
       ? 'Every pixel is exactly as rendered'
         + (samples ? `, averaged over ${header.samples} samples` : '')
       : `Compressed during interaction (quality ${header.quality} of 100), lossless at rest`)
