@@ -150,7 +150,7 @@ TEST_CASE("a simplified mesh is watertight and no farther from the exact mesh th
 
 TEST_CASE("simplification is refused where blocks are spread over GPs, with the remedy") {
     Bone bone(machine_of(2, 1, 7), 1);
-    for (const char* line : {"detail 1", "export /nowhere/a.stl detail=1"}) {
+    for (const char* line : {"detail 1", "export refused.stl detail=1"}) {
         const std::string refused = bone.refusal(line);
         CAPTURE(line);
         CHECK(has(refused, "each GP has sets of 1 slab,"));
@@ -169,9 +169,9 @@ TEST_CASE("simplification is refused where blocks are spread over GPs, with the 
 
 TEST_CASE("export refuses what starts from the exact surface") {
     Bone bone(machine_of(1, 1, 8));
-    CHECK(has(bone.refusal("export /nowhere/a.stl detail=2 cap=yes"),
+    CHECK(has(bone.refusal("export refused.stl detail=2 cap=yes"),
               "detail=2 and cap=yes cannot be combined"));
-    CHECK(has(bone.refusal("export /nowhere/a.stl detail=2 keep=0.5"),
+    CHECK(has(bone.refusal("export refused.stl detail=2 keep=0.5"),
               "detail=2 and keep= cannot be combined"));
 }
 
