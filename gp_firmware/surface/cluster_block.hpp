@@ -10,10 +10,10 @@
 namespace pxpl5::gp {
 
 /// Simplifies the mesh of one block. Each vertex moves to the mean of the vertices in its cell of
-/// `side` x `side` x `side` voxels. Vertices in the first or last slice of the block and in a face
-/// of the volume are clustered apart, in that slice or face. Triangles that lose their area go, and
-/// triangles on each other with opposite orientation go in pairs. A surface without open edges
-/// stays without them, but an edge may have more than two triangles.
+/// `side` x `side` x `side` voxels. Vertices in the first or last slice of the block, or in a face
+/// of the volume, are clustered only with others in the same slice or face. Triangles with two
+/// corners in one cell are removed. So are pairs of triangles with the same corners and opposite
+/// winding. A closed surface stays closed, but an edge may have more than two triangles.
 ///
 /// Neighbor blocks compute the same bits for the vertices of their common slice, and give them the
 /// same keys. The result depends on nothing but the volume, the surface and `side`.
