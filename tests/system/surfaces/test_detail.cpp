@@ -6,55 +6,19 @@
 #include <string>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/commands/commands.hpp"
-#include "host/session/session.hpp"
 #include "host/session/transfer/detail.hpp"
 #include "host/surface/certificate.hpp"
 #include "host/surface/mesh_distance.hpp"
 #include "host/surface/patient_mesh.hpp"
 #include "ringbus/rules/slabs.hpp"
-#include "tests/system/simulated_machine.hpp"
+#include "tests/system/surfaces/bone.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
+using test::Bone;
+using test::machine_of;
 
 namespace {
-
-Topology machine_of(int gps, int renderers, std::uint64_t seed) {
-    Topology topology;
-    topology.gp.count = gps;
-    topology.renderer.count = renderers;
-    topology.frame_buffer.count = 1;
-    topology.gp_memory_mib = 256;
-    topology.seed = seed;
-    return topology;
-}
-
-/// A session with the built-in pelvis' bone, in sets of `slabs_per_set` slabs.
-struct Bone {
-    explicit Bone(const Topology& topology, int slabs_per_set = block_slabs)
-        : machine(topology), session(machine) {
-        session.load_settings.slabs_per_set = slabs_per_set;
-        session.volumes.load("phantom:pelvis");
-        session.scene.size = {200, 170};
-        session.surfaces.set("bone", 250.5, CaseRule::watertight, {160, 160, 160});
-    }
-    Reply run(const std::string& line) { return run_command(session, parse_line(line)); }
-    std::string refusal(const std::string& line) {
-        try {
-            run(line);
-        } catch (const RequestError& error) {
-            return error.what();
-        }
-        return {};
-    }
-    std::vector<std::uint32_t> draw() { return session.frames.draw().rgba; }
-    double moved_mm() const { return session.frames.last().moved_mm; }
-
-    test::SimulatedMachine machine;
-    Session session;
-};
 
 bool has(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
@@ -109,7 +73,7 @@ TEST_CASE("a simplified picture and its bound are the same on machines of any si
 }
 
 TEST_CASE("exact pictures stay exact, also after simplified ones and with detail auto") {
-    Bone bone(machine_of(2, 2, 5));
+    Bone bone(machine_of(2, 2, 5), block_slabs);
     const auto exact = bone.draw();
     CHECK(bone.moved_mm() == 0);
     bone.run("detail 3");
@@ -126,7 +90,7 @@ TEST_CASE("exact pictures stay exact, also after simplified ones and with detail
 }
 
 TEST_CASE("a simplified mesh is watertight and no farther from the exact mesh than its bound") {
-    Bone bone(machine_of(2, 1, 6));
+    Bone bone(machine_of(2, 1, 6), block_slabs);
     const Surface surface = bone.session.meshes.surface("bone");
     const VolumeGrid grid = bone.session.meshes.grid();
     WeldedMesh exact = bone.session.meshes.fetch("bone");
@@ -168,7 +132,7 @@ TEST_CASE("simplification is refused where blocks are spread over GPs, with the 
 }
 
 TEST_CASE("export refuses what starts from the exact surface") {
-    Bone bone(machine_of(1, 1, 8));
+    Bone bone(machine_of(1, 1, 8), block_slabs);
     CHECK(has(bone.refusal("export refused.stl detail=2 cap=yes"),
               "detail=2 and cap=yes cannot be combined"));
     CHECK(has(bone.refusal("export refused.stl detail=2 keep=0.5"),
@@ -176,7 +140,7 @@ TEST_CASE("export refuses what starts from the exact surface") {
 }
 
 TEST_CASE("a script repeats the detail, and undo passes over it") {
-    Bone bone(machine_of(1, 1, 9));
+    Bone bone(machine_of(1, 1, 9), block_slabs);
     bone.run("view 30 10");
     bone.run("detail 2");
     CHECK(has(bone.session.history.script(), "detail 2\n"));

@@ -8,42 +8,18 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/commands/commands.hpp"
-#include "host/session/session.hpp"
 #include "host/surface/atlas/isovalue_components.hpp"
 #include "host/surface/certificate.hpp"
-#include "tests/system/simulated_machine.hpp"
+#include "tests/system/surfaces/bone.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
+using test::Bone;
+using test::machine_of;
 
 namespace {
 
 constexpr Color gray{160, 160, 160};
-
-Topology machine_of(int gps, int renderers, std::uint64_t seed = 11) {
-    Topology topology;
-    topology.gp.count = gps;
-    topology.renderer.count = renderers;
-    topology.frame_buffer.count = 1;
-    topology.gp_memory_mib = 256;
-    topology.seed = seed;
-    return topology;
-}
-
-/// A session of its own on a machine of its own, with the built-in pelvis' bone.
-struct Bone {
-    explicit Bone(const Topology& topology) : machine(topology), session(machine) {
-        session.volumes.load("phantom:pelvis");
-        session.scene.size = {200, 170};
-        session.surfaces.set("bone", 250.5, CaseRule::watertight, gray);
-    }
-    Reply run(const std::string& line) { return run_command(session, parse_line(line)); }
-    std::vector<std::uint32_t> draw() { return session.frames.draw().rgba; }
-
-    test::SimulatedMachine machine;
-    Session session;
-};
 
 }  // namespace
 
