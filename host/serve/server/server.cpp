@@ -1,10 +1,7 @@
 #include "host/serve/server/server.hpp"
 
-#include <fmt/format.h>
 #include <pthread.h>
-#include <unistd.h>
 
-#include <array>
 #include <csignal>
 #include <thread>
 
@@ -12,15 +9,6 @@
 
 namespace pxpl5::host::serve {
 namespace {
-
-/// A name for the address that a browser can open.
-std::string host_in_url(const std::string& bind) {
-    if (bind == "0.0.0.0" || bind == "::") {
-        std::array<char, 256> name{};
-        return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
-    }
-    return bind.find(':') == std::string::npos ? bind : "[" + bind + "]";
-}
 
 /// Signals are for the main thread, which waits for them; threads inherit what is blocked.
 class SignalsBlocked {
@@ -44,8 +32,6 @@ class Server::Core {
   public:
     explicit Core(const ServerOptions& options) : loop(options, mail) {
         mail.wake_server = [this] { loop.wake(); };
-        address = fmt::format("{}://{}:{}/?token=", loop.rules().encrypted ? "https" : "http",
-                              host_in_url(options.bind), loop.port());
         const SignalsBlocked blocked;
         thread = std::thread([this] { loop.run(); });
     }
@@ -58,7 +44,6 @@ class Server::Core {
 
     Mail mail;
     Loop loop;
-    std::string address;
     std::thread thread;
 };
 
@@ -66,13 +51,15 @@ Server::Server(const ServerOptions& options) : core_(std::make_unique<Core>(opti
 Server::~Server() = default;
 
 std::string Server::url() const {
-    return core_->address + core_->loop.rules().driver_token;
+    return core_->loop.listener().address() +
+           "?token=" + core_->loop.listener().rules().driver_token;
 }
 std::string Server::watch_url() const {
-    return core_->address + core_->loop.rules().watcher_token;
+    return core_->loop.listener().address() +
+           "?token=" + core_->loop.listener().rules().watcher_token;
 }
 int Server::port() const {
-    return core_->loop.port();
+    return core_->loop.listener().port();
 }
 
 int Server::event_fd() const {

@@ -100,12 +100,12 @@ int Loop::on_http_event(lws* connection, int reason, std::string_view data) {
 
 int Loop::on_request(lws* connection) {
     const Request request = read_request(connection);
-    const Verdict verdict = judge(rules_, request);
+    const Verdict verdict = judge(listener_.rules(), request);
     if (verdict.status != 200) {
         return refuse(connection, verdict.status, verdict.reason);
     }
-    accept(connection);
-    const Route route = routes_.find(request.path, port_);
+    strangers_.accept(connection);
+    const Route route = routes_.find(request.path, listener_.port());
     const bool sends = request.method == "POST" || request.method == "PUT";
     const bool takes = route.kind == RouteKind::upload || route.kind == RouteKind::upload_files ||
                        route.kind == RouteKind::upload_done;

@@ -5,17 +5,16 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "host/serve/server/listener.hpp"
 #include "host/serve/server/routes.hpp"
-#include "host/serve/server/server_access.hpp"
 #include "host/serve/server/server_mail.hpp"
 #include "host/serve/server/server_uploads.hpp"
 #include "host/serve/server/server_viewer.hpp"
+#include "host/serve/server/strangers.hpp"
 
 struct lws;
-struct lws_context;
 
 namespace pxpl5::host::serve {
 
@@ -24,12 +23,10 @@ class Loop {
   public:
     /// Binds. Throws as Server does.
     Loop(const ServerOptions& options, Mail& mail);
-    ~Loop();
     Loop(const Loop&) = delete;
     Loop& operator=(const Loop&) = delete;
 
-    int port() const { return port_; }
-    const AccessRules& rules() const { return rules_; }
+    const Listener& listener() const { return listener_; }
 
     void run();   ///< Until stop(). Pushes Lost if libwebsockets cannot go on.
     void wake();  ///< From any thread: there is mail.
@@ -56,16 +53,8 @@ class Loop {
     };
 
     // server_loop.cpp
-    void listen(const ServerOptions& options);
     void deliver();
     void advise();
-
-    // server_strangers.cpp
-    /// Notes a connection that has not shown a secret, and ends the oldest if there are too many.
-    void meet(lws* connection);
-    /// The connection has shown a secret.
-    void accept(lws* connection);
-    bool is_stranger(lws* connection) const;
 
     // server_http.cpp
     int on_http_event(lws* connection, int reason, std::string_view data);
@@ -93,12 +82,8 @@ class Loop {
     Mail& mail_;
     Routes routes_;
     Uploads uploads_;
-    AccessRules rules_;
-    lws_context* context_ = nullptr;
-    int port_ = 0;
     std::atomic<bool> stopping_ = false;
-    /// Connections without a secret, the oldest first, with the address of each.
-    std::vector<std::pair<lws*, std::string>> strangers_;
+    Strangers strangers_;
     std::map<lws*, Role> handshakes_;
     std::map<lws*, Socket> sockets_;
     std::map<lws*, Upload> uploading_;
@@ -106,6 +91,7 @@ class Loop {
     std::uint64_t encoded_sequence_ = 0;
     std::map<int, std::string> encoded_;  ///< The encoded frame by quality; 0 is the PNG.
     std::size_t resting_pixels_ = 0;
+    Listener listener_;  ///< The last: its callbacks use the others.
 };
 
 }  // namespace pxpl5::host::serve

@@ -97,15 +97,16 @@ int Loop::on_socket_event(lws* connection, int reason, std::string_view data) {
 
 int Loop::on_handshake(lws* connection) {
     const Request request = read_request(connection);
-    Verdict verdict = judge(rules_, request);
-    if (verdict.status == 200 && routes_.find(request.path, port_).kind != RouteKind::socket) {
+    Verdict verdict = judge(listener_.rules(), request);
+    if (verdict.status == 200 &&
+        routes_.find(request.path, listener_.port()).kind != RouteKind::socket) {
         verdict = {404, fmt::format("There is no WebSocket at {}.", request.path), {}, {}};
     }
     if (verdict.status != 200) {
         (void)answer(connection, verdict.status, "text/plain; charset=utf-8", verdict.reason);
         return -1;
     }
-    accept(connection);
+    strangers_.accept(connection);
     handshakes_[connection] = verdict.role;
     return 0;
 }
@@ -265,7 +266,7 @@ int Loop::on_timer(lws* connection, Socket& socket) {
 void Loop::forget(lws* connection) {
     uploading_.erase(connection);
     handshakes_.erase(connection);
-    std::erase_if(strangers_, [&](const auto& entry) { return entry.first == connection; });
+    strangers_.forget(connection);
     const auto socket = sockets_.extract(connection);
     if (socket.empty() || !socket.mapped().joined) {
         return;
