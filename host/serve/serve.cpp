@@ -1,9 +1,12 @@
 #include "host/serve/serve.hpp"
 
 #include <fmt/core.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -14,11 +17,13 @@
 #include "host/base/standard_streams.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/machine/sessions/session_note.hpp"
+#include "host/serve/classroom/front.hpp"
 #include "host/serve/director/director.hpp"
 #include "host/serve/director/file_access.hpp"
 #include "host/serve/director/inspector.hpp"
 #include "host/serve/job/job.hpp"
-#include "host/serve/time_limit.hpp"
+#include "host/serve/limits/memory_limit.hpp"
+#include "host/serve/limits/time_limit.hpp"
 #include "host/session/activity_text.hpp"
 
 namespace pxpl5::host::serve {
@@ -81,13 +86,15 @@ void change(SessionNote& note, const std::function<void(SessionFacts&)>& act) {
     note.set(facts);
 }
 
-/// Tells the terminal and other programs of the end that comes.
+/// Tells the terminal and other programs of the end that comes, or of no end.
 void tell_end_notice(SessionNote& note, const EndNotice& notice) {
     change(note, [&](SessionFacts& facts) {
         facts.ends_at = notice.at;
         facts.saved = notice.saved;
     });
-    if (!notice.problem.empty()) {
+    if (notice.why.empty()) {
+        fmt::print(stderr, "note: the session goes on, because it is used again\n");
+    } else if (!notice.problem.empty()) {
         fmt::print(stderr, "warning: {}\n", printable(notice.problem));
     } else if (!notice.saved.empty()) {
         fmt::print(stderr, "note: the session is saved in {}. Open it again with: {}\n",
@@ -99,8 +106,9 @@ void tell_end_notice(SessionNote& note, const EndNotice& notice) {
 
 /// The end that --time-limit names, in seconds since 1970.
 std::optional<std::int64_t> end_by_user(const std::string& time_limit) {
-    return time_limit.empty() ? std::nullopt
-                              : std::optional(std::time(nullptr) + parse_time_limit(time_limit));
+    return time_limit.empty()
+               ? std::nullopt
+               : std::optional(std::time(nullptr) + parse_duration("--time-limit", time_limit));
 }
 
 DirectorParts parts_of(const ServeOptions& options, const std::shared_ptr<Machine>& machine,
@@ -116,12 +124,32 @@ DirectorParts parts_of(const ServeOptions& options, const std::shared_ptr<Machin
     // Old run folders are removed, so the session lies beside them.
     const std::filesystem::path& run = machine->run_folder();
     parts.saved_session = run.parent_path() / "saved" / (run.filename().string() + ".pxpl5");
+    if (!options.idle_limit.empty()) {
+        parts.idle_limit_ms =
+            ms_per_s * static_cast<double>(parse_duration("--idle-limit", options.idle_limit));
+    }
     parts.tell_end_notice = [&note](const EndNotice& notice) { tell_end_notice(note, notice); };
     parts.tell_viewers = [&note](std::size_t count) {
         change(note,
                [count](SessionFacts& facts) { facts.viewers = static_cast<std::int64_t>(count); });
     };
     return parts;
+}
+
+/// Ends this process, after the viewers were told.
+void end_for_memory(Server& server, const std::string& why) {
+    fmt::print(stderr, "error: {}\n", why);
+    server.warn(EndsSoon{std::time(nullptr), why});
+    kill(getpid(), SIGTERM);
+}
+
+/// Ends this process with its parent.
+void tie_to(pid_t parent) {
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) {  // It has ended before the call.
+        throw RequestError(ExitCode::unavailable,
+                           fmt::format("process {} has ended, which --end-with names", parent));
+    }
 }
 
 /// Opens what the command line names, and lets viewers open it again.
@@ -141,9 +169,26 @@ void open_content(Director& director, const ServeOptions& options, FileAccess& a
     }
 }
 
+int serve_sessions(const ServeOptions& options) {
+    if (is_submitted(options.job, options.topology.cluster)) {
+        throw RequestError(ExitCode::usage,
+                           "--sessions with --engine slurm needs a job that runs already. Begin "
+                           "one with 'salloc', and serve the class in it");
+    }
+    return serve_class({options.sessions, options.job.words, options.machine.run_base,
+                        options.idle_limit, options.memory_limit},
+                       options.server);
+}
+
 }  // namespace
 
 int serve(const ServeOptions& options) {
+    if (options.end_with != 0) {
+        tie_to(options.end_with);
+    }
+    if (options.sessions > 0) {
+        return serve_sessions(options);
+    }
     const EndSignal end_signal;  // Before the machine: its threads block the signal, too.
     const std::optional<std::int64_t> user_end_s = end_by_user(options.time_limit);
     if (is_submitted(options.job, options.topology.cluster)) {
@@ -155,6 +200,7 @@ int serve(const ServeOptions& options) {
     server_options.downloads = machine->run_folder() / "downloads";
     SessionNote note(machine->run_folder());
     const RemovedAtEnd removed{server_options.uploads};
+    std::atomic<bool> uses_too_much = false;
     try {
         Server server(server_options);
         const EndWatch end_watch(end_signal, user_end_s,
@@ -177,13 +223,19 @@ int serve(const ServeOptions& options) {
             facts.tunnel = tunnel_to(server, options.server);
         });
         print_addresses(note.facts(), options.topology);
+        const MemoryWatch memory_watch(options.memory_limit, [&](const std::string& why) {
+            end_for_memory(server, why);
+            uses_too_much = true;
+        });
         director.run();
+        fmt::print(stderr, "note: {} {}\n", idle_end_words,
+                   duration_text(parse_duration("--idle-limit", options.idle_limit)));
     } catch (const MachineError& error) {
         if (!error.is_interruption) {
             throw;
         }
     }
-    return 0;
+    return static_cast<int>(uses_too_much ? ExitCode::failed : ExitCode::ok);
 }
 
 }  // namespace pxpl5::host::serve

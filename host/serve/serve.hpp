@@ -1,6 +1,8 @@
 // The subcommand `serve`: a machine, a session and a web server.
 #pragma once
 
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "host/base/command_line.hpp"
@@ -16,13 +18,18 @@ struct ServeOptions {
     MachineOptions machine;
     std::vector<Arguments> commands;  ///< Run before viewers join: load, surfaces.
     std::string session;              ///< File of a saved session, played instead of `commands`.
-    std::string time_limit;           ///< See parse_time_limit(); empty: none.
+    std::string time_limit;           ///< See parse_duration(); empty: none.
+    std::string idle_limit;           ///< The longest time without use, as above; empty: none.
+    std::uint64_t memory_limit = 0;   ///< Of all processes on this computer, in bytes; 0: none.
+    int sessions = 0;                 ///< Of a class, each with its own machine; 0: no class.
+    int end_with = 0;                 ///< The parent whose end ends this process; 0: none.
     JobOptions job;                   ///< The job that `serve` submits with engine slurm.
 };
 
-/// Submits a job that serves, if is_submitted(). Otherwise prints the address and serves until
-/// Ctrl-C or SIGTERM, then returns 0. Throws RequestError if a command fails or the server cannot
-/// start, MachineError if the machine cannot be started again.
+/// Serves a class if `sessions` says so. Submits a job that serves, if is_submitted(). Otherwise
+/// prints the address and serves until Ctrl-C, SIGTERM or the limit for use, then returns 0, or
+/// until the limit of memory, then returns 1. Throws RequestError if a command fails or the server
+/// cannot start, MachineError if the machine cannot be started again.
 int serve(const ServeOptions& options);
 
 }  // namespace pxpl5::host::serve

@@ -27,6 +27,24 @@ inline void declare_server(CLI::App& app, ServeOptions& options) {
                    "Time until this program is ended from outside, to warn 2 minutes before: 90 "
                    "(minutes), 1:30:00 or 1-12 (days-hours); by default that of the Slurm job. "
                    "A job that --engine slurm submits gets this limit");
+    app.add_option("--idle-limit", options.idle_limit,
+                   "End the session when nobody has used it for this time, in the same forms; "
+                   "viewers are warned, and the session is saved");
+    app.add_option("--memory-limit", options.memory_limit,
+                   "End the session when its processes on this computer use more memory, for "
+                   "example 4GiB or 500MB")
+        ->transform(CLI::AsSizeValue(false));
+    constexpr int max_sessions = 200;
+    app.add_option("--sessions", options.sessions,
+                   "Serve a class: each browser that opens the address gets a session and a "
+                   "machine of its own, at most this number at the same time. Each ends after 30 "
+                   "minutes without use, or when it uses more than its part of the free memory, "
+                   "unless the two options above say otherwise")
+        ->check(CLI::Range(1, max_sessions));
+    app.add_option("--end-with", options.end_with,
+                   "End with this process, which must be the parent")
+        ->check(CLI::PositiveNumber)
+        ->group("");  // For the sessions of a class.
     app.add_option("--nodes", options.job.nodes,
                    "Computers of the job that --engine slurm submits outside of a job")
         ->check(CLI::Range(1, max_computers));

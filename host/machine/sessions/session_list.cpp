@@ -5,14 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <tuple>
 
 #include "host/base/error.hpp"
 #include "host/machine/sessions/json_values.hpp"
+#include "host/machine/sessions/process_memory.hpp"
 #include "host/machine/sessions/run_state.hpp"
 
 namespace pxpl5::host {
@@ -21,67 +20,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The fields behind the name in /proc/PID/stat: the state and the parent.
-struct ProcessStat {
-    char state = '?';
-    pid_t parent = 0;
-};
-
-ProcessStat stat_of(const fs::path& process) {
-    std::ifstream file(process / "stat");
+/// The state in /proc/PID/stat; '?' if there is no such process.
+char process_state(std::int64_t pid) {
+    std::ifstream file(fmt::format("/proc/{}/stat", pid));
     std::string line;
     std::getline(file, line);
-    ProcessStat stat;
-    const std::size_t name_end = line.rfind(')');
-    if (name_end != std::string::npos) {
-        std::istringstream(line.substr(name_end + 1)) >> stat.state >> stat.parent;
-    }
-    return stat;
-}
-
-/// Shared pages count in parts, so that the sum over processes is right.
-std::uint64_t proportional_bytes(pid_t pid) {
-    constexpr std::uint64_t bytes_per_kib = 1024;
-    std::ifstream file(fmt::format("/proc/{}/smaps_rollup", pid));
-    for (std::string line; std::getline(file, line);) {
-        std::uint64_t kib = 0;
-        if (line.starts_with("Pss:") && std::istringstream(line.substr(4)) >> kib) {
-            return kib * bytes_per_kib;
-        }
-    }
-    return 0;
-}
-
-/// Children by parent, for all processes of this computer.
-std::multimap<pid_t, pid_t> children() {
-    std::multimap<pid_t, pid_t> found;
-    std::error_code ignored;
-    for (const fs::directory_entry& entry : fs::directory_iterator("/proc", ignored)) {
-        const std::string name = entry.path().filename().string();
-        pid_t pid = 0;
-        const char* end = name.data() + name.size();
-        if (std::from_chars(name.data(), end, pid).ptr == end) {
-            found.emplace(stat_of(entry.path()).parent, pid);
-        }
-    }
-    return found;
-}
-
-std::uint64_t memory_of(pid_t pid, const std::multimap<pid_t, pid_t>& children) {
-    std::uint64_t bytes = proportional_bytes(pid);
-    const auto [begin, end] = children.equal_range(pid);
-    for (auto child = begin; child != end; ++child) {
-        bytes += memory_of(child->second, children);
-    }
-    return bytes;
+    const std::size_t name_end = line.rfind(") ");
+    return name_end + 2 < line.size() && name_end != std::string::npos ? line[name_end + 2] : '?';
 }
 
 std::string state_text(const RunningSession& session, RunState run) {
     if (run == RunState::unknown) {
         return "unknown";
     }
-    const auto pid = static_cast<pid_t>(session.pid);
-    if (session.is_here && stat_of(fmt::format("/proc/{}", pid)).state == 'T') {
+    if (session.is_here && process_state(session.pid) == 'T') {
         return "stopped";
     }
     if (session.facts.is_ending) {
@@ -128,6 +80,19 @@ bool is_own_folder(const fs::path& path) {
     return lstat(path.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) && facts.st_uid == geteuid();
 }
 
+/// The run folders of this user, the oldest first.
+std::vector<fs::path> run_folders(const fs::path& base) {
+    std::vector<fs::path> folders;
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
+        if (maker_of(entry.path().filename().string()) && is_own_folder(entry.path())) {
+            folders.push_back(entry.path());
+        }
+    }
+    std::ranges::sort(folders);  // Their names begin with the time.
+    return folders;
+}
+
 bool is_called(const RunningSession& session, const std::string& name) {
     return session.name == name || fmt::format("{}", session.pid) == name ||
            (!session.job.empty() && session.job == name);
@@ -136,15 +101,7 @@ bool is_called(const RunningSession& session, const std::string& name) {
 }  // namespace
 
 std::vector<RunningSession> running_sessions(const fs::path& base) {
-    std::vector<fs::path> folders;
-    std::error_code ignored;
-    for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
-        if (maker_of(entry.path().filename().string()) && is_own_folder(entry.path())) {
-            folders.push_back(entry.path());
-        }
-    }
-    std::ranges::sort(folders);                       // Their names begin with the time.
-    std::optional<std::multimap<pid_t, pid_t>> tree;  // Many processes: only if it is needed.
+    const std::vector<fs::path> folders = run_folders(base);
     std::map<std::tuple<std::string, std::int64_t, std::int64_t>, bool> seen;
     std::vector<RunningSession> sessions;
     for (const fs::path& folder : folders) {
@@ -156,14 +113,24 @@ std::vector<RunningSession> running_sessions(const fs::path& base) {
             continue;
         }
         if (found->is_here) {
-            if (!tree) {
-                tree = children();
-            }
-            found->memory_bytes = memory_of(static_cast<pid_t>(found->pid), *tree);
+            found->memory_bytes = proportional_bytes(static_cast<pid_t>(found->pid));
         }
         sessions.push_back(std::move(*found));
     }
     return sessions;
+}
+
+SessionFacts facts_of_process(const fs::path& base, pid_t pid) {
+    for (const fs::path& folder : run_folders(base)) {
+        if (maker_of(folder.filename().string()) != pid) {
+            continue;
+        }
+        // An ended run may have had the same process id.
+        if (const auto session = session_of(folder, pid); session && session->is_here) {
+            return session->facts;
+        }
+    }
+    return {};
 }
 
 RunningSession find_session(const fs::path& base, const std::string& name) {

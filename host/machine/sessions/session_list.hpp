@@ -1,6 +1,8 @@
 // The running sessions of this user, on this computer and on others that share the folder.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -31,6 +33,10 @@ struct RunningSession {
 /// Returns the sessions whose run folders lie in `base`, the oldest first. Programs that have ended
 /// or were killed are left out. Empty if `base` does not exist.
 std::vector<RunningSession> running_sessions(const std::filesystem::path& base);
+
+/// Returns the facts of this process of this computer, whose run folder lies in `base`. Empty facts
+/// if it has none. Faster than running_sessions().
+SessionFacts facts_of_process(const std::filesystem::path& base, pid_t pid);
 
 /// Returns the session with this name, process id or job id; "latest" is the newest. Throws
 /// RequestError (usage) if there is no such session, or more than one.

@@ -60,6 +60,7 @@ class Alarm {
 
 Director::Director(Audience& audience, DirectorParts parts)
     : audience_(audience), parts_(std::move(parts)) {
+    end_.used_ns = parts_.clock_ns();
     start();
 }
 Director::~Director() {
@@ -102,10 +103,13 @@ double Director::since_ms(std::int64_t then_ns) const {
 void Director::run() {
     const Alarm alarm(audience_.event_fd());
     for (;;) {
-        while (end_.lost.empty() && step()) {
+        while (end_.lost.empty() && !is_idle_too_long() && step()) {
         }
         if (!end_.lost.empty()) {
             throw RequestError(ExitCode::unavailable, end_.lost);
+        }
+        if (is_idle_too_long()) {
+            return;
         }
         alarm.set(due_ms());
         parts_.machine->watch(-1, {});  // The events must stay unread, because they end the wait.
@@ -131,6 +135,9 @@ bool Director::step() {
     }
     if (wants_machine() && since_ms(machine_text_ns_) >= machine_text_ms) {
         tell_machine();
+        return true;
+    }
+    if (warn_of_idle_end()) {
         return true;
     }
     if (is_save_due()) {
@@ -159,6 +166,9 @@ double Director::due_ms() const {
     if (wants_machine()) {
         sooner(machine_text_ms - since_ms(machine_text_ns_));
     }
+    if (parts_.idle_limit_ms > 0) {
+        sooner(idle_left_ms() - (end_.notice ? 0 : idle_warning_ms(parts_.idle_limit_ms)));
+    }
     return due;
 }
 
@@ -170,6 +180,7 @@ void Director::take_events() {
 
 void Director::take(const Joined& joined) {
     viewers_[joined.viewer] = {joined.role, false};
+    end_.used_ns = joined.role == Role::driver ? parts_.clock_ns() : end_.used_ns;
     tell_viewers();
     audience_.send(
         joined.viewer,
@@ -227,6 +238,7 @@ void Director::take(const Said& said) {
             work_.cancels = true;  // For the command under way; do_command() resets the flag.
             return;
         }
+        end_.used_ns = parts_.clock_ns();
         wish.is_ask = message.ask.has_value();
         wish.text = wish.is_ask ? said.text : *message.line;
         wish.kind = message.ask.value_or("") + " " + message.axis.value_or("");

@@ -22,6 +22,9 @@ namespace pxpl5::host::serve {
 inline constexpr double rest_ms = 150;  ///< Time without input before the resting picture is drawn.
 inline constexpr double machine_text_ms = 250;  ///< Between two `machine` messages.
 
+/// Time between the warning and the end of a session that nobody uses, in milliseconds.
+double idle_warning_ms(double limit_ms);
+
 /// Functions and settings of a director.
 struct DirectorParts {
     std::shared_ptr<MachinePort> machine;
@@ -35,6 +38,8 @@ struct DirectorParts {
     std::function<std::string(Session&)> machine_text;
     std::function<std::int64_t()> clock_ns;                  ///< Monotonic clock.
     std::int64_t moving_triangles = host::moving_triangles;  ///< See `detail auto`.
+    /// Time without a viewer's command or question after which run() returns; 0: none.
+    double idle_limit_ms = 0;
     /// File of the session that is saved before the end. Its folder is made if missing, for the
     /// owner alone.
     std::filesystem::path saved_session;
@@ -62,9 +67,11 @@ class Director {
     /// Adds the first surfaces of the loaded volume, if the scene has none, and fits the view.
     void show_first_surfaces();
 
-    /// Serves until the machine is interrupted or cannot be started again. Then throws
-    /// MachineError.
+    /// Serves until nobody has used the session for the limit. Throws MachineError when the machine
+    /// is interrupted or cannot be started again.
     void run();
+    /// Returns whether the limit has passed.
+    bool is_idle_too_long() const;
     /// Takes the messages that came and does the most urgent work. Returns false if there was no
     /// work. Then due_ms() is the time until the next work.
     bool step();
@@ -103,6 +110,8 @@ class Director {
     void tell_restart(const std::string& text, bool is_over);
     void tell_end(const MachineError& death);
     bool is_save_due() const;
+    double idle_left_ms() const;
+    bool warn_of_idle_end();
     void save_session();
     bool put_back(const History& history, const Scene& scene);
     void start();
@@ -159,6 +168,8 @@ class Director {
         std::string lost;                 ///< Why the server has ended; empty while it runs.
         std::optional<EndNotice> notice;  ///< The program will be ended from outside.
         std::uint32_t saved_revision = 0;
+        std::int64_t used_ns = 0;      ///< Time of the last command or question.
+        bool is_because_idle = false;  ///< The notice is of the limit for use.
     };
     End end_;
 };

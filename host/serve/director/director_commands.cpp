@@ -107,6 +107,7 @@ void Director::do_command(const Wish& wish) {
         Director& director;
         ~UnderWay() {
             director.work_.is_command = false;
+            director.end_.used_ns = director.parts_.clock_ns();
             director.watch_viewers();  // Forgets a cancellation that came too late.
             director.busy_.clear();
             director.end_progress();

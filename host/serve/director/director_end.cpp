@@ -1,6 +1,8 @@
 // Director: the warning before the end of the program, and the session that is saved for later.
 #include <fmt/chrono.h>
 
+#include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <system_error>
@@ -12,7 +14,51 @@
 
 namespace pxpl5::host::serve {
 
+namespace {
+
+constexpr double ms_per_s = 1000;
+
+}  // namespace
+
+double idle_warning_ms(double limit_ms) {
+    constexpr double usual_ms = 120'000;
+    return std::min(usual_ms, limit_ms / 2);
+}
+
+double Director::idle_left_ms() const {
+    return parts_.idle_limit_ms - since_ms(end_.used_ns);
+}
+
+bool Director::is_idle_too_long() const {
+    return parts_.idle_limit_ms > 0 && idle_left_ms() <= 0;
+}
+
+/// Announces the end of a session that nobody uses, or takes the announcement back. Returns whether
+/// something has changed.
+bool Director::warn_of_idle_end() {
+    const double left_ms = idle_left_ms();
+    const bool is_near =
+        parts_.idle_limit_ms > 0 && left_ms > 0 && left_ms <= idle_warning_ms(parts_.idle_limit_ms);
+    if (is_near && !end_.notice) {
+        take(EndsSoon{std::time(nullptr) + std::lround(left_ms / ms_per_s),
+                      "nobody has used it for some time. Any action here keeps it open"});
+        end_.is_because_idle = true;
+        return true;
+    }
+    if (!is_near && end_.is_because_idle) {
+        end_.is_because_idle = false;
+        end_.notice.reset();
+        state_is_old_ = true;
+        if (parts_.tell_end_notice) {
+            parts_.tell_end_notice({});
+        }
+        return true;
+    }
+    return false;
+}
+
 void Director::take(const EndsSoon& soon) {
+    end_.is_because_idle = false;
     end_.notice = EndNotice{};
     end_.notice->why = soon.why;
     if (soon.at_s != 0) {

@@ -19,7 +19,7 @@ bool is_submitted(const JobOptions& job, const ClusterSettings& cluster);
 /// Returns the exit code.
 ///
 /// base        The parent of the run folders, which the computers of the job share.
-/// time_limit  See parse_time_limit(); empty: the limit of the site.
+/// time_limit  See parse_duration(); empty: the limit of the site.
 /// Throws RequestError: usage for wrong options, unavailable with the words of Slurm if the job is
 /// refused, or ends before its page is up, or fails later.
 int serve_in_job(const JobOptions& job, const std::filesystem::path& base,

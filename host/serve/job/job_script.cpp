@@ -19,8 +19,10 @@ namespace {
 constexpr std::array<std::string_view, 4> options_of_job{"--nodes", "--sbatch-option",
                                                          "--time-limit", "--engine"};
 
-/// The words for `serve` in the job.
-std::vector<std::string> words_in_job(const std::vector<std::string>& words) {
+}  // namespace
+
+std::vector<std::string> words_without(const std::vector<std::string>& words,
+                                       std::span<const std::string_view> options) {
     std::vector<std::string> kept;
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (words[i] == "--") {  // No option follows.
@@ -28,7 +30,7 @@ std::vector<std::string> words_in_job(const std::vector<std::string>& words) {
             break;
         }
         const std::size_t equals = words[i].find('=');
-        if (std::ranges::find(options_of_job, words[i].substr(0, equals)) == options_of_job.end()) {
+        if (std::ranges::find(options, words[i].substr(0, equals)) == options.end()) {
             kept.push_back(words[i]);
         } else if (equals == std::string::npos) {
             ++i;  // Its value is the next word.
@@ -36,8 +38,6 @@ std::vector<std::string> words_in_job(const std::vector<std::string>& words) {
     }
     return kept;
 }
-
-}  // namespace
 
 std::vector<std::string> sbatch_words(const JobOptions& job, const std::string& time_limit) {
     std::vector<std::string> words{"sbatch", "--parsable"};
@@ -92,7 +92,7 @@ std::vector<std::string> slurm_words(const SubmittedJob& job, std::vector<std::s
 std::string job_script(const JobOptions& job, const std::string& program) {
     constexpr std::string_view begin = "set -euo pipefail\n";
     std::string set = "set --";
-    for (const std::string& word : words_in_job(job.words)) {
+    for (const std::string& word : words_without(job.words, options_of_job)) {
         set += " " + shell_word(word);
     }
     set += fmt::format("\nPXPL5={}\n", shell_word(program));

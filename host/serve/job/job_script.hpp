@@ -2,7 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pxpl5::host::serve {
@@ -13,6 +15,10 @@ struct JobOptions {
     int nodes = 0;                    ///< Computers; 0: as many as the site gives.
     std::vector<std::string> sbatch;  ///< Further options of sbatch: "--partition=gpu".
 };
+
+/// Returns `words` without these options, each of which has a value: "--port 80", "--port=80".
+std::vector<std::string> words_without(const std::vector<std::string>& words,
+                                       std::span<const std::string_view> options);
 
 /// Returns the command line of sbatch, which reads the script from standard input. Throws
 /// RequestError (usage) for a word that is no option, because sbatch would take it for a file.

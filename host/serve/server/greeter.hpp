@@ -1,4 +1,4 @@
-// The web server of a class: it sends each student's browser to the student's own session.
+// The web server of a class: it sends each browser to a session of its own.
 #pragma once
 
 #include <functional>
@@ -10,36 +10,47 @@
 
 namespace pxpl5::host::serve {
 
-/// The answer to a student: a page with one heading and one sentence, or another port.
+/// The answer to a browser: a page with a heading and a sentence, or the port of a session.
 struct Greeting {
     int status = 200;  ///< Of HTTP.
     std::string heading, sentence;
-    int again_s = 0;           ///< Seconds until the browser asks again; 0: never.
-    int port = 0;              ///< Not 0: the browser is sent to this port of the computer.
-    std::string token;         ///< The driver's, of the server at that port.
-    std::string secret = {};   ///< Not empty: the student's cookie from now on.
+    int again_s = 0;          ///< Seconds until the browser asks again; 0: never.
+    std::string secret = {};  ///< Not empty: from now on the browser's cookie.
+    int port = 0;             ///< Not 0: the browser is sent to this port of the computer.
+    std::string token = {};   ///< The driver's token of the server there.
 };
 
-/// What the greeter asks. Both functions are called in the server's thread.
-struct Greeted {
-    /// For a browser that has shown this cookie. Compares it in constant time with the secrets that
-    /// were given out; an answer of status 0 says that it is none of them.
-    std::function<Greeting(const std::function<bool(const std::string& secret)>& has_shown)> known;
-    /// For a browser without a cookie that has shown the token of the class.
-    std::function<Greeting()> fresh;
+/// The greeter's questions. All are called in the thread of the greeter.
+class Receptionist {
+  public:
+    virtual ~Receptionist() = default;
+    /// Greets a browser that has shown a secret that was given out. Returns status 0 if it has
+    /// shown none.
+    ///
+    /// has_shown  Whether the browser has shown this secret.
+    virtual Greeting greet_known(
+        const std::function<bool(const std::string& secret)>& has_shown) = 0;
+    /// Greets a browser that has shown the token of the class.
+    virtual Greeting greet_new() = 0;
+    /// Returns whether a session has this port.
+    virtual bool has_port(int port) = 0;
+    /// The greeter cannot go on.
+    virtual void lost() = 0;
 };
 
-/// Serves from a thread of its own. Like Server, it asks every request for a secret and for a name
-/// of this computer in Host, and keeps connections few that have not shown a secret.
+/// Serves from a thread of its own. Every request needs a name of this computer in Host, and a
+/// secret: the cookie or the token of the class. Connections without a secret are few and short, as
+/// those of Server.
 class Greeter {
   public:
-    /// options  Folders are not used. Throws as Server does.
-    Greeter(const ServerOptions& options, Greeted greeted);
+    /// options  Page and folders are not used.
+    /// Throws as Server does.
+    Greeter(const ServerOptions& options, Receptionist& receptionist);
     ~Greeter();
     Greeter(const Greeter&) = delete;
     Greeter& operator=(const Greeter&) = delete;
 
-    std::string url() const;  ///< For students, token included.
+    std::string url() const;  ///< With the token of the class.
     int port() const;
 
   private:
@@ -47,12 +58,10 @@ class Greeter {
     std::unique_ptr<Core> core_;
 };
 
-/// The path and query of an address of another port of this computer, seen from a page of the
-/// greeter: "../4712/?token=T". A portal finds the port in it; without a portal, the greeter gets
-/// this path, and sends the browser on to the other port.
-std::string place_of(int port, std::string_view token);
+/// The port that ends a path such as "/rnode/n1/4712/"; 0 if there is none.
+int last_port_in(std::string_view path);
 
-/// The other port in such a path; 0 if there is none. "/rnode/n1/4712/" has none without a token.
-int port_in(std::string_view path);
+/// A page of HTML. Both texts are plain.
+std::string greeting_page(const Greeting& greeting);
 
 }  // namespace pxpl5::host::serve

@@ -1,33 +1,11 @@
 #include "host/serve/server/server.hpp"
 
-#include <pthread.h>
-
-#include <csignal>
 #include <thread>
 
+#include "host/base/kernel/signals_blocked.hpp"
 #include "host/serve/server/server_loop.hpp"
 
 namespace pxpl5::host::serve {
-namespace {
-
-/// Signals are for the main thread, which waits for them; threads inherit what is blocked.
-class SignalsBlocked {
-  public:
-    SignalsBlocked() {
-        sigset_t all;
-        sigfillset(&all);
-        pthread_sigmask(SIG_BLOCK, &all, &before_);
-    }
-    ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-    SignalsBlocked(const SignalsBlocked&) = delete;
-    SignalsBlocked& operator=(const SignalsBlocked&) = delete;
-
-  private:
-    sigset_t before_{};
-};
-
-}  // namespace
-
 class Server::Core {
   public:
     explicit Core(const ServerOptions& options) : loop(options, mail) {

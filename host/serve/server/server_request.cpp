@@ -63,7 +63,8 @@ Request read_request(lws* connection) {
     return request;
 }
 
-int answer(lws* connection, int status, const char* type, std::string_view text) {
+int answer(lws* connection, int status, const char* type, std::string_view text,
+           std::string_view cookie) {
     std::vector<unsigned char> buffer(LWS_PRE + max_head_bytes + text.size());
     unsigned char* const start = buffer.data() + LWS_PRE;
     unsigned char* const end = start + max_head_bytes;
@@ -74,6 +75,10 @@ int answer(lws* connection, int status, const char* type, std::string_view text)
         lws_add_http_header_by_token(connection, WSI_TOKEN_HTTP_CACHE_CONTROL,
                                      reinterpret_cast<const unsigned char*>(no_store.data()),
                                      static_cast<int>(no_store.size()), &at, end) != 0 ||
+        (!cookie.empty() &&
+         lws_add_http_header_by_token(connection, WSI_TOKEN_HTTP_SET_COOKIE,
+                                      reinterpret_cast<const unsigned char*>(cookie.data()),
+                                      static_cast<int>(cookie.size()), &at, end) != 0) ||
         lws_finalize_write_http_header(connection, start, &at, end) != 0) {
         return -1;
     }

@@ -20,7 +20,10 @@ std::string header_of(lws* connection, int token);
 Request read_request(lws* connection);
 
 /// Answers the request with a short text. Returns other than 0 to close the connection.
-int answer(lws* connection, int status, const char* type, std::string_view text);
+///
+/// cookie  Value of Set-Cookie; empty: none.
+int answer(lws* connection, int status, const char* type, std::string_view text,
+           std::string_view cookie = {});
 
 /// Sends the browser to another path of this server. Returns other than 0 to close the connection.
 int redirect(lws* connection, const std::string& path);

@@ -1,5 +1,5 @@
 // When the program is ended from outside.
-#include "host/serve/time_limit.hpp"
+#include "host/serve/limits/time_limit.hpp"
 
 #include <doctest/doctest.h>
 #include <unistd.h>
@@ -34,12 +34,12 @@ EndsSoon warning_of(const EndSignal& signal, std::optional<std::int64_t> end_s) 
 }  // namespace
 
 TEST_CASE("a time limit has the forms of Slurm") {
-    CHECK(parse_time_limit("90") == 5400);
-    CHECK(parse_time_limit("2:05") == 125);
-    CHECK(parse_time_limit("1:30:05") == 5405);
-    CHECK(parse_time_limit("1-12") == 129600);
-    CHECK(parse_time_limit("1-12:30") == 131400);
-    CHECK(parse_time_limit("1-12:30:01") == 131401);
+    CHECK(parse_duration("--time-limit", "90") == 5400);
+    CHECK(parse_duration("--time-limit", "2:05") == 125);
+    CHECK(parse_duration("--time-limit", "1:30:05") == 5405);
+    CHECK(parse_duration("--time-limit", "1-12") == 129600);
+    CHECK(parse_duration("--time-limit", "1-12:30") == 131400);
+    CHECK(parse_duration("--time-limit", "1-12:30:01") == 131401);
 }
 
 TEST_CASE("a time limit that is no duration is refused with what is one") {
@@ -47,7 +47,7 @@ TEST_CASE("a time limit that is no duration is refused with what is one") {
          {"", "soon", "1:", "-1", "1-", "1:2:3:4", "1.5", "1-1-1", "2h", "99999999999999999999"}) {
         CAPTURE(text);
         CHECK_THROWS_WITH_AS(
-            parse_time_limit(text),
+            parse_duration("--time-limit", text),
             doctest::Contains("is no duration. Give minutes (90), hours, minutes and seconds"),
             host::RequestError);
     }

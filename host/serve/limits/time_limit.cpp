@@ -1,4 +1,4 @@
-#include "host/serve/time_limit.hpp"
+#include "host/serve/limits/time_limit.hpp"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -20,6 +20,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/kernel/run_program.hpp"
+#include "host/base/kernel/signals_blocked.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -94,7 +95,7 @@ int ms_until_warning(std::optional<std::int64_t> end_s) {
 
 }  // namespace
 
-std::int64_t parse_time_limit(const std::string& text) {
+std::int64_t parse_duration(const std::string& option, const std::string& text) {
     const std::size_t dash = text.find('-');
     const bool has_days = dash != std::string::npos;
     const auto days = numbers_of(has_days ? std::string_view(text).substr(0, dash) : "0");
@@ -102,9 +103,9 @@ std::int64_t parse_time_limit(const std::string& text) {
     if (!days || days->size() != 1 || !rest || rest->size() > 3) {
         throw RequestError(
             ExitCode::usage,
-            fmt::format("--time-limit '{}' is no duration. Give minutes (90), hours, minutes and "
+            fmt::format("{} '{}' is no duration. Give minutes (90), hours, minutes and "
                         "seconds (1:30:00), or days and hours (1-12)",
-                        text));
+                        option, text));
     }
     std::vector<std::int64_t> hms = *rest;
     if (has_days || hms.size() == 3) {
@@ -114,6 +115,24 @@ std::int64_t parse_time_limit(const std::string& text) {
         hms.resize(3, 0);
     }
     return days->front() * s_per_day + hms[0] * s_per_hour + hms[1] * s_per_minute + hms[2];
+}
+
+std::string duration_text(std::int64_t seconds) {
+    struct Unit {
+        const char* name;
+        std::int64_t seconds;
+    };
+    std::string text;
+    for (const Unit& unit : {Unit{"day", s_per_day}, Unit{"hour", s_per_hour},
+                             Unit{"minute", s_per_minute}, Unit{"second", 1}}) {
+        const std::int64_t count = seconds / unit.seconds;
+        seconds -= count * unit.seconds;
+        if (count != 0) {
+            text += fmt::format("{}{} {}{}", text.empty() ? "" : " ", count, unit.name,
+                                count == 1 ? "" : "s");
+        }
+    }
+    return text.empty() ? "0 seconds" : text;
 }
 
 std::optional<std::int64_t> end_in_job(const std::string& printed) {
@@ -144,17 +163,19 @@ EndSignal::~EndSignal() {
     close(fd_);
 }
 
+bool EndSignal::take() const {
+    signalfd_siginfo signal{};
+    return read(fd_, &signal, sizeof signal) == sizeof signal;
+}
+
 EndWatch::EndWatch(const EndSignal& signal, std::optional<std::int64_t> user_end_s,
                    std::function<void(EndsSoon)> warn)
     : signal_fd_(signal.fd()), stop_fd_(eventfd(0, EFD_CLOEXEC)), warn_(std::move(warn)) {
     if (stop_fd_ < 0) {
         throw std::system_error(errno, std::generic_category(), "eventfd");
     }
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);  // Signals are for the main thread.
+    const SignalsBlocked blocked;
     thread_ = std::thread([this, user_end_s] { run(user_end_s); });
-    pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 EndWatch::~EndWatch() {

@@ -6,18 +6,26 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "host/serve/server/server.hpp"
 
 namespace pxpl5::host::serve {
 
+/// How a session's last line begins that ended because nobody used it.
+inline constexpr std::string_view idle_end_words =
+    "the session has ended, because nobody has used it for";
+
 /// Seconds before the end at which the viewers are warned.
 inline constexpr int warn_before_s = 120;
 
 /// Reads a duration in the forms of Slurm: minutes, M:S, H:M:S, D-H, D-H:M, D-H:M:S. Returns
-/// seconds. Throws RequestError (usage).
-std::int64_t parse_time_limit(const std::string& text);
+/// seconds. Throws RequestError (usage) that names the option.
+std::int64_t parse_duration(const std::string& option, const std::string& text);
+
+/// "1 hour 30 minutes", "5 seconds".
+std::string duration_text(std::int64_t seconds);
 
 /// Reads EndTime in what `scontrol show job` prints, as seconds since 1970; nothing if the job has
 /// no end.
@@ -34,6 +42,8 @@ class EndSignal {
 
     /// Readable when SIGUSR1 has come.
     int fd() const { return fd_; }
+    /// Returns whether the signal has come since the last call.
+    bool take() const;
 
   private:
     int fd_;

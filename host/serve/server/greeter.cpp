@@ -1,0 +1,236 @@
+#include "host/serve/server/greeter.hpp"
+
+#include <fmt/format.h>
+#include <libwebsockets.h>
+
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <thread>
+
+#include "host/base/kernel/signals_blocked.hpp"
+#include "host/serve/server/listener.hpp"
+#include "host/serve/server/server_request.hpp"
+#include "host/serve/server/strangers.hpp"
+
+namespace pxpl5::host::serve {
+namespace {
+
+constexpr const char* content_policy =
+    "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'";
+constexpr const char* html = "text/html; charset=utf-8";
+constexpr std::string_view style =
+    "body{margin:0;min-height:100vh;display:grid;place-items:center;background:#14181d;"
+    "color:#e6e9ed;font:16px/1.5 system-ui,sans-serif}"
+    "main{max-width:32rem;padding:1.5rem}h1{font-size:1.5rem;margin:0 0 .5rem}"
+    "p{margin:0;overflow-wrap:anywhere}";
+
+std::string escaped(std::string_view text) {
+    std::string result;
+    for (const char c : text) {
+        switch (c) {
+            case '<':
+                result += "&lt;";
+                break;
+            case '&':
+                result += "&amp;";
+                break;
+            default:
+                result += c;
+        }
+    }
+    return result;
+}
+
+/// The part of a Host header before the port.
+std::string_view without_port(std::string_view host) {
+    const std::size_t bracket = host.rfind(']');
+    const std::size_t colon = host.rfind(':');
+    return colon == std::string_view::npos || (bracket != std::string_view::npos && colon < bracket)
+               ? host
+               : host.substr(0, colon);
+}
+
+/// Whether Host and Origin allow the request, whatever secret it shows.
+Verdict judge_source(const AccessRules& rules, Request request) {
+    request.query["token"] = rules.driver_token;
+    return judge(rules, request);
+}
+
+}  // namespace
+
+int last_port_in(std::string_view path) {
+    if (!path.ends_with('/') || path.size() < 3) {
+        return 0;
+    }
+    path.remove_suffix(1);
+    const std::string_view last = path.substr(path.rfind('/') + 1);
+    constexpr int most = 65535;
+    int port = 0;
+    const auto [end, error] = std::from_chars(last.data(), last.data() + last.size(), port);
+    return error == std::errc{} && end == last.data() + last.size() && port > 0 && port <= most
+               ? port
+               : 0;
+}
+
+std::string greeting_page(const Greeting& greeting) {
+    return fmt::format(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+        "<meta name=\"viewport\" content=\"width=device-width\">{}<title>{}</title>"
+        "<style>{}</style></head>\n<body><main><h1>{}</h1><p>{}</p></main></body></html>\n",
+        greeting.again_s == 0
+            ? ""
+            : fmt::format("<meta http-equiv=\"refresh\" content=\"{}\">", greeting.again_s),
+        escaped(greeting.heading), style, escaped(greeting.heading), escaped(greeting.sentence));
+}
+
+class Greeter::Core {
+  public:
+    Core(const ServerOptions& options, Receptionist& receptionist)
+        : receptionist_(receptionist), listener_(options, protocols.data(), content_policy, this) {
+        const SignalsBlocked blocked;
+        thread_ = std::thread([this] {
+            while (!stopping_ && lws_service(listener_.context(), 0) >= 0) {
+            }
+            if (!stopping_) {
+                receptionist_.lost();
+            }
+        });
+    }
+    ~Core() {
+        stopping_ = true;
+        lws_cancel_service(listener_.context());
+        thread_.join();
+    }
+    Core(const Core&) = delete;
+    Core& operator=(const Core&) = delete;
+
+    const Listener& listener() const { return listener_; }
+
+  private:
+    static int on_call(lws* connection, lws_callback_reasons reason, void* user, void* data,
+                       std::size_t size);
+    int on_event(lws* connection, int reason);
+    int on_request(lws* connection);
+    int say(lws* connection, const Greeting& greeting) const;
+    /// Sends a browser that has asked for another port, seen from this one, to it.
+    int pass_on(lws* connection, const Request& request, int port) const;
+
+    static const std::array<lws_protocols, 2> protocols;
+
+    Receptionist& receptionist_;
+    Strangers strangers_;
+    std::atomic<bool> stopping_ = false;
+    Listener listener_;  ///< Its callbacks use the members above.
+    std::thread thread_;
+};
+
+const std::array<lws_protocols, 2> Greeter::Core::protocols{
+    {{"pxpl5-class", on_call, 0, 0, 0, nullptr, 0}, {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};
+
+int Greeter::Core::on_call(lws* connection, lws_callback_reasons reason, void* /*user*/,
+                           void* /*data*/, std::size_t /*size*/) {
+    lws_context* context = lws_get_context(connection);
+    auto* core = context == nullptr ? nullptr : static_cast<Core*>(lws_context_user(context));
+    // Nothing may be thrown through libwebsockets: a connection that cannot be served is closed.
+    try {
+        return core == nullptr ? 0 : core->on_event(connection, reason);
+    } catch (const std::exception&) {
+        return -1;
+    }
+}
+
+int Greeter::Core::on_event(lws* connection, int reason) {
+    switch (reason) {
+        case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
+            strangers_.meet(connection);
+            return 0;
+        case LWS_CALLBACK_TIMER:
+            return strangers_.has(connection) ? -1 : 0;
+        case LWS_CALLBACK_WSI_DESTROY:
+            strangers_.forget(connection);
+            return 0;
+        case LWS_CALLBACK_HTTP:
+            return on_request(connection);
+        case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
+        case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
+            return -1;  // The sessions have the WebSockets.
+        default:
+            return 0;
+    }
+}
+
+int Greeter::Core::on_request(lws* connection) {
+    const Request request = read_request(connection);
+    const AccessRules& rules = listener_.rules();
+    if (const Verdict source = judge_source(rules, request); source.status != 200) {
+        return say(connection, {source.status, "This address is not known", source.reason});
+    }
+    if ((request.method != "GET" && request.method != "HEAD") || !request.path.ends_with('/')) {
+        return say(connection, {404, "There is no such page",
+                                "Open the whole address of the class, with the slash before '?'."});
+    }
+    const int port = last_port_in(request.path);
+    if (port != 0 && port != listener_.port() && receptionist_.has_port(port)) {
+        return pass_on(connection, request, port);
+    }
+    Request with_cookie = request;
+    with_cookie.query.clear();
+    // The cookie counts before the token, so that the same browser gets the same session again.
+    Greeting greeting = receptionist_.greet_known([&](const std::string& secret) {
+        AccessRules of_browser = rules;
+        of_browser.driver_session = secret;
+        return judge(of_browser, with_cookie).status == 200;
+    });
+    if (greeting.status == 0) {
+        if (judge(rules, request).status != 200) {
+            return say(connection, {403, "This address is not complete",
+                                    "Open the whole address of the class, with its token."});
+        }
+        greeting = receptionist_.greet_new();
+    }
+    strangers_.accept(connection);
+    return say(connection, greeting);
+}
+
+int Greeter::Core::say(lws* connection, const Greeting& greeting) const {
+    if (greeting.port != 0) {
+        // From the place of this server's own port, which a portal may have in its path.
+        return redirect(connection, fmt::format("../{}/?token={}", greeting.port, greeting.token));
+    }
+    // Lax: a browser shows the cookie also when it follows a link to this page.
+    const std::string cookie =
+        greeting.secret.empty()
+            ? ""
+            : fmt::format("{}={}; HttpOnly; SameSite=Lax{}", listener_.rules().cookie_name,
+                          greeting.secret, listener_.rules().encrypted ? "; Secure" : "");
+    const int kept = answer(connection, greeting.status, html, greeting_page(greeting), cookie);
+    return greeting.status == 200 ? kept : -1;
+}
+
+int Greeter::Core::pass_on(lws* connection, const Request& request, int port) const {
+    const auto token = request.query.find("token");
+    constexpr std::string_view digits = "0123456789abcdef";
+    if (token == request.query.end() ||
+        token->second.find_first_not_of(digits) != std::string::npos) {
+        return say(connection,
+                   {403, "This address is not complete", "Open the address of the class again."});
+    }
+    return redirect(connection, fmt::format("{}://{}:{}/?token={}",
+                                            listener_.rules().encrypted ? "https" : "http",
+                                            without_port(request.host), port, token->second));
+}
+
+Greeter::Greeter(const ServerOptions& options, Receptionist& receptionist)
+    : core_(std::make_unique<Core>(options, receptionist)) {}
+Greeter::~Greeter() = default;
+
+std::string Greeter::url() const {
+    return core_->listener().address() + "?token=" + core_->listener().rules().driver_token;
+}
+int Greeter::port() const {
+    return core_->listener().port();
+}
+
+}  // namespace pxpl5::host::serve
