@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -136,13 +135,6 @@ DirectorParts parts_of(const ServeOptions& options, const std::shared_ptr<Machin
     return parts;
 }
 
-/// Ends this process, after the viewers were told.
-void end_for_memory(Server& server, const std::string& why) {
-    fmt::print(stderr, "error: {}\n", why);
-    server.warn(EndsSoon{std::time(nullptr), why});
-    kill(getpid(), SIGTERM);
-}
-
 /// Ends this process with its parent.
 void tie_to(pid_t parent) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -200,7 +192,7 @@ int serve(const ServeOptions& options) {
     server_options.downloads = machine->run_folder() / "downloads";
     SessionNote note(machine->run_folder());
     const RemovedAtEnd removed{server_options.uploads};
-    std::atomic<bool> uses_too_much = false;
+    std::string memory_error;  // Written before the watch is gone, read after that.
     try {
         Server server(server_options);
         const EndWatch end_watch(end_signal, user_end_s,
@@ -224,18 +216,22 @@ int serve(const ServeOptions& options) {
         });
         print_addresses(note.facts(), options.topology);
         const MemoryWatch memory_watch(options.memory_limit, [&](const std::string& why) {
-            end_for_memory(server, why);
-            uses_too_much = true;
+            memory_error = why;
+            server.warn(EndsSoon{std::time(nullptr), why});
+            kill(getpid(), SIGTERM);
         });
         director.run();
-        fmt::print(stderr, "note: {} {}\n", idle_end_words,
+        fmt::print(stderr, "note: {} {} without use\n", idle_end_words,
                    duration_text(parse_duration("--idle-limit", options.idle_limit)));
     } catch (const MachineError& error) {
         if (!error.is_interruption) {
             throw;
         }
     }
-    return static_cast<int>(uses_too_much ? ExitCode::failed : ExitCode::ok);
+    if (!memory_error.empty()) {
+        throw RequestError(ExitCode::failed, memory_error);
+    }
+    return 0;
 }
 
 }  // namespace pxpl5::host::serve

@@ -28,7 +28,7 @@ inline void declare_server(CLI::App& app, ServeOptions& options) {
                    "(minutes), 1:30:00 or 1-12 (days-hours); by default that of the Slurm job. "
                    "A job that --engine slurm submits gets this limit");
     app.add_option("--idle-limit", options.idle_limit,
-                   "End the session when nobody has used it for this time, in the same forms; "
+                   "End the session after this time without use, in the same forms; "
                    "viewers are warned, and the session is saved");
     app.add_option("--memory-limit", options.memory_limit,
                    "End the session when its processes on this computer use more memory, for "

@@ -240,3 +240,56 @@ TEST_CASE("a load is given up when somebody says so, and leaves nothing") {
     CHECK(stage.watchers.last("state")["volume"].is_null());
     CHECK(stage.watchers.last("state")["busy"].is_null());
 }
+
+TEST_CASE("a session without use is announced to end, goes on when used, and ends") {
+    constexpr double minute_ms = 60'000;
+    Theatre stage(10 * minute_ms);
+    CHECK(stage.director.due_ms() <= 8 * minute_ms);
+    stage.passes(7.9 * minute_ms);
+    stage.watchers.says({{"id", 1}, {"ping", true}});  // The page's, without the user.
+    stage.watchers.says({{"id", 2}, {"ask", "slice"}, {"axis", "x"}}, Role::watcher);
+    stage.steps();
+    CHECK(stage.watchers.last("state")["end"].is_null());
+    stage.passes(0.2 * minute_ms);
+    stage.steps();
+    const Json end = stage.watchers.last("state")["end"];
+    REQUIRE(end.is_object());
+    CHECK(end["why"].get<std::string>().starts_with("it has not been used for some time"));
+    CHECK(!end["at"].get<std::string>().empty());
+    CHECK(!stage.director.is_idle_too_long());
+
+    stage.watchers.does(3, "view 10 20");
+    stage.steps();
+    CHECK(stage.watchers.last("state")["end"].is_null());
+    stage.passes(9.9 * minute_ms);
+    CHECK(!stage.director.is_idle_too_long());
+    stage.steps();
+    CHECK(stage.watchers.last("state")["end"].is_object());
+    stage.passes(0.2 * minute_ms);
+    CHECK(stage.director.is_idle_too_long());
+    CHECK(stage.director.due_ms() == 0);
+    stage.director.run();  // Returns.
+}
+
+TEST_CASE("the time of a long command counts as use") {
+    constexpr double minute_ms = 60'000;
+    Theatre stage(10 * minute_ms);
+    stage.director.session().load_settings.progress = [&](const LoadProgress&) {
+        stage.passes(30 * minute_ms);
+    };
+    stage.watchers.does(1, "load phantom:torus");
+    stage.steps();
+    CHECK(stage.watchers.reply(1)["ok"] == true);
+    CHECK(!stage.director.is_idle_too_long());
+}
+
+TEST_CASE("the end of a job is not taken back when somebody uses the session") {
+    constexpr double minute_ms = 60'000;
+    Theatre stage(10 * minute_ms);
+    stage.passes(8.1 * minute_ms);
+    stage.steps();
+    stage.watchers.events.emplace_back(EndsSoon{1'000'000'000, "job 12 reaches its time limit"});
+    stage.watchers.does(1, "view 10 20");
+    stage.steps();
+    CHECK(stage.watchers.last("state")["end"]["why"] == "job 12 reaches its time limit");
+}

@@ -99,16 +99,22 @@ struct Theatre {
     std::function<void()> during;  ///< Called once, while the session waits for nodes.
     int failing_launches = 0;      ///< Number of launches that will fail.
     bool dies_always = false;      ///< Each further machine dies, too.
+    double idle_limit_ms = 0;
     std::shared_ptr<MortalMachine> machine;
     Director director{watchers, parts()};
 
-    Theatre() {
+    /// its_idle_limit_ms  See DirectorParts.
+    explicit Theatre(double its_idle_limit_ms = 0) : idle_limit_ms(its_idle_limit_ms) {
         director.session().scene.overlay = false;
         director.open("size 128x96");
         director.open("load phantom:sphere");
         director.show_first_surfaces();
         watchers.events.emplace_back(Joined{1, Role::driver});
-        settle();
+        if (idle_limit_ms == 0) {
+            settle();
+        } else {
+            steps();  // There is always a time to come.
+        }
     }
     DirectorParts parts() {
         DirectorParts parts;
@@ -118,6 +124,7 @@ struct Theatre {
             return std::to_string(id);
         };
         parts.clock_ns = [this] { return now_ns; };
+        parts.idle_limit_ms = idle_limit_ms;
         parts.moving_triangles = 1000;  // Fewer than the sphere has.
         const auto launch = [this] {
             ++launches;

@@ -14,8 +14,9 @@ struct ClassOptions {
     int sessions = 0;                ///< At the same time; 0: no class.
     std::vector<std::string> words;  ///< The user's command line after `serve`.
     std::filesystem::path run_base;  ///< Parent of the sessions' run folders.
-    std::string idle_limit;          ///< Of each session; empty: that of classes.
-    std::uint64_t memory_limit = 0;  ///< Of each session in bytes; 0: a part of what is free.
+    std::string idle_limit;          ///< The limit of each session; empty: 30 minutes.
+    std::uint64_t memory_limit =
+        0;  ///< The limit of each session, in bytes; 0: a part of what is free.
 };
 
 /// Prints the address of the class and serves it until Ctrl-C or SIGTERM. Then ends all sessions

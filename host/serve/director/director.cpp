@@ -238,7 +238,7 @@ void Director::take(const Said& said) {
             work_.cancels = true;  // For the command under way; do_command() resets the flag.
             return;
         }
-        end_.used_ns = parts_.clock_ns();
+        end_.used_ns = said.role == Role::driver ? parts_.clock_ns() : end_.used_ns;
         wish.is_ask = message.ask.has_value();
         wish.text = wish.is_ask ? said.text : *message.line;
         wish.kind = message.ask.value_or("") + " " + message.axis.value_or("");

@@ -22,7 +22,7 @@ namespace pxpl5::host::serve {
 inline constexpr double rest_ms = 150;  ///< Time without input before the resting picture is drawn.
 inline constexpr double machine_text_ms = 250;  ///< Between two `machine` messages.
 
-/// Time between the warning and the end of a session that nobody uses, in milliseconds.
+/// Time between the warning and the end of an unused session, in milliseconds.
 double idle_warning_ms(double limit_ms);
 
 /// Functions and settings of a director.
@@ -67,7 +67,7 @@ class Director {
     /// Adds the first surfaces of the loaded volume, if the scene has none, and fits the view.
     void show_first_surfaces();
 
-    /// Serves until nobody has used the session for the limit. Throws MachineError when the machine
+    /// Serves until the limit for the time without use. Throws MachineError when the machine
     /// is interrupted or cannot be started again.
     void run();
     /// Returns whether the limit has passed.

@@ -33,7 +33,7 @@ bool Director::is_idle_too_long() const {
     return parts_.idle_limit_ms > 0 && idle_left_ms() <= 0;
 }
 
-/// Announces the end of a session that nobody uses, or takes the announcement back. Returns whether
+/// Announces the end of an unused session, or takes the announcement back. Returns whether
 /// something has changed.
 bool Director::warn_of_idle_end() {
     const double left_ms = idle_left_ms();
@@ -41,7 +41,7 @@ bool Director::warn_of_idle_end() {
         parts_.idle_limit_ms > 0 && left_ms > 0 && left_ms <= idle_warning_ms(parts_.idle_limit_ms);
     if (is_near && !end_.notice) {
         take(EndsSoon{std::time(nullptr) + std::lround(left_ms / ms_per_s),
-                      "nobody has used it for some time. Any action here keeps it open"});
+                      "it has not been used for some time. Any action here keeps it open"});
         end_.is_because_idle = true;
         return true;
     }

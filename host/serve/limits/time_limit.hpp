@@ -13,9 +13,8 @@
 
 namespace pxpl5::host::serve {
 
-/// How a session's last line begins that ended because nobody used it.
-inline constexpr std::string_view idle_end_words =
-    "the session has ended, because nobody has used it for";
+/// How the last line of a session begins that has ended for lack of use.
+inline constexpr std::string_view idle_end_words = "the session has ended after";
 
 /// Seconds before the end at which the viewers are warned.
 inline constexpr int warn_before_s = 120;

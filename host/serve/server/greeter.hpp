@@ -12,7 +12,7 @@ namespace pxpl5::host::serve {
 
 /// The answer to a browser: a page with a heading and a sentence, or the port of a session.
 struct Greeting {
-    int status = 200;  ///< Of HTTP.
+    int status = 200;  ///< HTTP status.
     std::string heading, sentence;
     int again_s = 0;          ///< Seconds until the browser asks again; 0: never.
     std::string secret = {};  ///< Not empty: from now on the browser's cookie.

@@ -1,0 +1,296 @@
+#!/usr/bin/env python3
+"""`pxpl5 serve --sessions N` as a class meets it: test_class.py FOLDER_OF_BINARIES [words]."""
+import contextlib
+import http.client
+import json
+import os
+import pathlib
+import re
+import select
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.parse
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "system/cli"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import test_serve  # noqa: E402
+from portal import Portal  # noqa: E402
+from processes import children_of  # noqa: E402
+from websocket_client import Closed, Refused, WebSocket  # noqa: E402
+
+LIMIT_S, POLL_S = 90, 0.1
+
+
+class Front:
+    """The program that serves the class."""
+
+    def __init__(self, folder, *words):
+        self.process = subprocess.Popen(
+            [test_serve.BINARIES / "pxpl5", "serve", "phantom:sphere", "--run-folder", folder,
+             "--topology", "one-of-each", *words],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            env={**os.environ, "TMPDIR": str(folder.parent)})
+        self.said = ""
+        while "Ctrl-C" not in self.said:
+            line = self.process.stdout.readline()
+            assert line, self.process.communicate()[1]
+            self.said += line
+        self.url, = re.findall(r"http://\S+", self.said)
+        self.parts = urllib.parse.urlsplit(self.url)
+
+    def end(self, by=signal.SIGINT):
+        """Exit code, what it has said since its start, and what it complained of."""
+        self.process.send_signal(by)
+        said, complaint = self.process.communicate(timeout=LIMIT_S)
+        return self.process.returncode, said, complaint
+
+
+def get(url, cookie=None, host=None):
+    """One request: status, headers, body."""
+    parts = urllib.parse.urlsplit(url)
+    connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=LIMIT_S)
+    headers = {"Cookie": cookie} if cookie else {}
+    if host:
+        headers["Host"] = host
+    connection.request("GET", (parts.path or "/") + ("?" + parts.query if parts.query else ""),
+                       headers=headers)
+    answer = connection.getresponse()
+    body = answer.read().decode()
+    connection.close()
+    return answer.status, answer.headers, body
+
+
+def heading(answer):
+    return re.search("<h1>(.*)</h1>", answer[2])[1]
+
+
+class Class(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pxpl5-class-test-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def front(self, *words):
+        front = Front(self.folder / "runs", *words)
+
+        def end():
+            if front.process.poll() is None:
+                front.end()
+        self.addCleanup(end)
+        return front
+
+    def student(self, front):
+        """The cookie of a browser that opens the address of the class for the first time."""
+        status, headers, _ = get(front.url)
+        self.assertEqual(status, 200)
+        return headers["set-cookie"].split(";")[0]
+
+    def until(self, front, cookie, fits):
+        """Asks as the page does, until an answer fits."""
+        end = time.monotonic() + LIMIT_S
+        answer = get(front.url, cookie)
+        while not fits(answer):
+            self.assertLess(time.monotonic(), end, answer)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                front.process.wait(POLL_S)
+                self.fail(front.process.communicate()[1])
+            answer = get(front.url, cookie)
+        return answer
+
+    def session(self, front, cookie):
+        """The address of the student's own session, once it is ready."""
+        _, headers, _ = self.until(front, cookie, lambda answer: answer[0] == 302)
+        there = urllib.parse.urljoin(front.url, headers["location"])
+        status, headers, _ = get(there)
+        self.assertEqual(status, 302)
+        return headers["location"]
+
+    def viewer(self, url):
+        viewer = test_serve.Viewer(url)
+        self.addCleanup(viewer.socket.close)
+        return viewer
+
+    def watch(self, pids):
+        """Descriptors that become readable when these processes end."""
+        watched = [os.pidfd_open(pid) for pid in pids]
+        for each in watched:
+            self.addCleanup(os.close, each)
+        return watched
+
+    def assert_end(self, watched):
+        for each in watched:
+            self.assertEqual(select.select([each], [], [], LIMIT_S)[0], [each])
+
+    def test_each_student_has_a_session_and_the_same_one_again(self):
+        front = self.front("--sessions", "2")
+        self.assertIn("2 sessions at the same time", front.said)
+        self.assertIn("30 minutes without use", front.said)
+        ann, bob, eve = (self.student(front) for _ in range(3))
+        here, there = self.session(front, ann), self.session(front, bob)
+        self.assertNotEqual(here, there)
+        self.assertEqual(self.session(front, ann), here)
+        answer = get(front.url, eve)
+        self.assertEqual((answer[0], heading(answer)), (503, "All 2 sessions are taken"))
+        # What one does, the other does not see.
+        first, second = self.viewer(here), self.viewer(there)
+        pictures = [viewer.resting(viewer.do(line)["revision"])["digest"]
+                    for viewer, line in ((first, "background white"),
+                                         (second, "background #010101"))]
+        self.assertNotEqual(*pictures)
+        states = [viewer.until(lambda message: "background" in message.get("state", {}))["state"]
+                  for viewer in (self.viewer(here), self.viewer(there))]
+        self.assertNotEqual(states[0]["background"], states[1]["background"])
+        # A token opens its own session alone.
+        for address, other in ((here, there), (here, front.url), (front.url, there)):
+            parts = urllib.parse.urlsplit(address)
+            token = urllib.parse.urlsplit(other).query
+            self.assertEqual(get(f"http://{parts.netloc}/?{token}")[0], 403)
+        # When one has ended, the next student gets its place.
+        listed = subprocess.run([test_serve.BINARIES / "pxpl5", "sessions", "--json",
+                                 "--run-folder", self.folder / "runs"], capture_output=True,
+                                text=True, timeout=LIMIT_S, check=True)
+        pids = [each["pid"] for each in json.loads(listed.stdout)["sessions"]]
+        self.assertEqual(sorted(pids), sorted(children_of(front.process.pid)))
+        os.kill(pids[0], signal.SIGTERM)
+        self.session(front, eve)
+        # The student who has lost the session is told once, and waits after that.
+        answers = [get(front.url, cookie) for cookie in (ann, bob)]
+        lost = [ann, bob][[status for status, _, _ in answers].index(200)]
+        told, = [answer for answer in answers if answer[0] == 200]
+        self.assertEqual(heading(told), "Your session has ended")
+        self.assertIn("It was asked to end. Reload", told[2])
+        self.assertEqual(get(front.url, lost)[0], 503)
+        nodes = self.watch(node for pid in children_of(front.process.pid)
+                           for node in children_of(pid))
+        code, said, complaint = front.end()
+        self.assertEqual((code, complaint), (0, ""))
+        self.assertRegex(said, r"session \d has ended: It was asked to end\. \(1 of 2 taken\)")
+        self.assertGreaterEqual(len(nodes), 6)
+        self.assert_end(nodes)
+        self.assertEqual([each.name for each in self.folder.iterdir()], ["runs"])
+
+    def test_strangers_get_nothing(self):
+        front = self.front("--sessions", "1")
+        base = f"http://{front.parts.netloc}"
+        name = self.student(front).split("=")[0]
+        for path, status in (("/", 403), ("/?token=" + "0" * 32, 403), ("/main.js", 404),
+                             ("/4711/?token=" + "0" * 32, 403), ("/x/../../etc/passwd", 404),
+                             ("/socket", 404)):
+            self.assertEqual(get(base + path)[0], status, path)
+        self.assertEqual(get(base, f"{name}={'0' * 32}")[0], 403)
+        self.assertEqual(get(base, f"{name}=")[0], 403)
+        self.assertEqual(get(front.url, host="evil.example")[0], 403)
+        self.assertNotIn("set-cookie", get(front.url, host="evil.example")[1])
+        with self.assertRaises((Refused, Closed)):
+            WebSocket(front.url)
+        self.assertEqual(children_of(front.process.pid), [])
+        # A browser that keeps no cookies takes no session.
+        for _ in range(3):
+            self.assertEqual(get(front.url)[0], 200)
+        self.assertEqual(children_of(front.process.pid), [])
+        self.assertEqual(front.end(signal.SIGTERM), (0, "", ""))
+
+    def test_a_portal_leads_to_the_session(self):
+        portal = Portal()
+        self.addCleanup(portal.close)
+        front = self.front("--sessions", "1", "--allow-host", "portal.example.edu")
+        for kind in ("/rnode/localhost", "/node/localhost"):
+            place = f"http://127.0.0.1:{portal.port}{kind}/{front.parts.port}/"
+            _, headers, _ = get(f"{place}?{front.parts.query}", host="portal.example.edu")
+            cookie = headers["set-cookie"].split(";")[0]
+            self.until(front, cookie, lambda answer: answer[0] in (302, 503))
+            status, headers, _ = get(f"{place}?{front.parts.query}", cookie,
+                                     host="portal.example.edu")
+            if kind == "/node/localhost":  # The one session has the other cookie.
+                self.assertEqual(status, 503)
+                continue
+            there = urllib.parse.urljoin(place, headers["location"])
+            self.assertRegex(there, rf"{kind}/\d+/\?token=")
+            status, headers, body = get(there, host="portal.example.edu")
+            self.assertEqual(status, 200)
+            self.assertIn("pxpl5", body)
+
+    def test_a_session_that_nobody_uses_ends(self):
+        front = self.front("--sessions", "1", "--idle-limit", "0:04")
+        self.assertIn("4 seconds without use", front.said)
+        cookie = self.student(front)
+        viewer = self.viewer(self.session(front, cookie))
+        ends = viewer.until(lambda message: message.get("state", {}).get("end"))["state"]["end"]
+        self.assertTrue(ends["why"].startswith("it has not been used for"))
+        _, _, body = self.until(front, cookie, lambda answer: answer[0] == 200)
+        self.assertIn("The session has ended after 4 seconds without use. Reload",
+                      body)
+        # A new one begins after that.
+        self.session(front, cookie)
+        self.assertEqual(front.end()[::2], (0, ""))
+
+    def test_a_session_that_takes_too_much_memory_ends(self):
+        front = self.front("--sessions", "1", "--memory-limit", "1MiB")
+        self.assertIn("more than 0.000977 GiB of memory", front.said)
+        cookie = self.student(front)
+        get(front.url, cookie)
+        _, _, body = self.until(front, cookie,
+                                lambda answer: "Your session has ended" in answer[2])
+        self.assertRegex(body, r"The session uses [\d.]+ GiB of memory, more than its limit of "
+                               r"0\.000977 GiB\. Reload")
+        self.assertEqual(front.end()[0], 0)
+
+    def test_sessions_end_with_a_front_that_is_killed(self):
+        front = self.front("--sessions", "1")
+        self.session(front, self.student(front))
+        session, = children_of(front.process.pid)
+        watched = self.watch([session, *children_of(session)])
+        self.assertGreaterEqual(len(watched), 4)
+        self.assertLess(front.end(signal.SIGKILL)[0], 0)
+        self.assert_end(watched)
+
+    def test_a_volume_that_cannot_be_opened_is_told(self):
+        front = self.front("--sessions", "1", "--surface", "ball=nothing")
+        cookie = self.student(front)
+        get(front.url, cookie)
+        _, _, body = self.until(front, cookie,
+                                lambda answer: "Your session has ended" in answer[2])
+        self.assertIn("nothing", body)
+        code, said, _ = front.end()
+        self.assertEqual(code, 0)
+        self.assertRegex(said, r"session 1 has ended: .*nothing")
+
+    def test_ports_follow_that_of_the_class(self):
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        port = min(port, 60000)
+        front = self.front("--sessions=1", f"--port={port}")
+        self.assertEqual(front.parts.port, port)
+        self.assertIn(f":{port + 1}/", self.session(front, self.student(front)))
+
+    def test_the_end_of_a_job_is_passed_on(self):
+        front = self.front("--sessions", "1")
+        viewer = self.viewer(self.session(front, self.student(front)))
+        front.process.send_signal(signal.SIGUSR1)
+        ends = viewer.until(lambda message: message.get("state", {}).get("end"))["state"]["end"]
+        self.assertEqual(ends["why"], "the program has received SIGUSR1")
+        self.assertEqual(front.end()[0], 0)
+
+    def test_wrong_options_are_refused(self):
+        for words, told in ((("--sessions", "0"), "--sessions"),
+                            (("--sessions", "201"), "--sessions"),
+                            (("--sessions", "2", "--bind", "0.0.0.0"), "--insecure"),
+                            (("--sessions", "2", "--idle-limit", "soon"),
+                             "--idle-limit 'soon' is no duration"),
+                            (("--sessions", "2", "--memory-limit", "much"), "--memory-limit"),
+                            (("--sessions", "2", "--engine", "slurm"), "salloc")):
+            done = subprocess.run([test_serve.BINARIES / "pxpl5", "serve", *words],
+                                  capture_output=True, text=True, timeout=LIMIT_S, check=False)
+            self.assertEqual(done.returncode, 64, (words, done.stderr))
+            self.assertIn(told, done.stderr)
+
+
+if __name__ == "__main__":
+    test_serve.BINARIES = pathlib.Path(sys.argv.pop(1))
+    unittest.main()

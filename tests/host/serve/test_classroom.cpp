@@ -1,0 +1,138 @@
+#include <doctest/doctest.h>
+
+#include <map>
+#include <string>
+
+#include "host/serve/classroom/classroom.hpp"
+
+namespace pxpl5::host::serve {
+
+namespace {
+
+/// A class whose sessions have the addresses that the test gives them.
+struct Class {
+    std::map<pid_t, std::string> urls;
+    int wakes = 0;
+    Classroom room;
+
+    explicit Class(int places)
+        : room(
+              places,
+              [this](pid_t pid) {
+                  SessionFacts facts;
+                  facts.url = urls[pid];
+                  return facts;
+              },
+              [this] { ++wakes; }) {}
+
+    /// Greets a browser with this cookie.
+    Greeting comes(const std::string& cookie) {
+        return room.greet_known([&](const std::string& secret) { return secret == cookie; });
+    }
+    /// The cookie of a browser that comes for the first time, with the token.
+    std::string joins() { return room.greet_new().secret; }
+    /// Starts the wanted sessions as process 100 + number.
+    int starts() {
+        const auto wanted = room.take_wanted();
+        for (const WantedSession& each : wanted) {
+            room.started(each.number, 100 + each.number);
+        }
+        return static_cast<int>(wanted.size());
+    }
+};
+
+}  // namespace
+
+TEST_CASE("a browser gets one session, which it finds again") {
+    Class lab(3);
+    const std::string ann = lab.joins(), bob = lab.joins();
+    CHECK(ann != bob);
+    CHECK(ann.size() == 32);
+    CHECK(lab.room.taken() == 0);  // Browsers without cookies take no session.
+    CHECK(lab.comes(ann).again_s == 1);
+    CHECK(lab.comes(ann).heading == "Your session starts");
+    CHECK(lab.wakes == 1);
+    CHECK(lab.starts() == 1);
+    CHECK(lab.starts() == 0);
+    CHECK(lab.comes(bob).status == 200);
+    CHECK(lab.starts() == 1);
+    CHECK(lab.room.taken() == 2);
+    lab.urls = {{101, "http://127.0.0.1:4711/?token=aa"}, {102, "https://[::1]:4712/?token=bb"}};
+    CHECK(lab.comes(ann).port == 4711);
+    CHECK(lab.comes(ann).token == "aa");
+    CHECK(lab.comes(bob).port == 4712);
+    CHECK(lab.comes(bob).token == "bb");
+    CHECK(lab.room.has_port(4711));
+    CHECK(!lab.room.has_port(4713));
+    CHECK(!lab.room.has_port(0));
+    CHECK(lab.comes("stranger").status == 0);
+    CHECK(lab.comes("").status == 0);
+}
+
+TEST_CASE("more browsers than sessions wait until one has ended") {
+    Class lab(1);
+    const std::string ann = lab.joins(), bob = lab.joins();
+    CHECK(lab.comes(ann).status == 200);
+    const Greeting full = lab.comes(bob);
+    CHECK(full.status == 503);
+    CHECK(full.heading == "All 1 sessions are taken");
+    CHECK(full.again_s > 0);
+    const auto first = lab.room.take_wanted();
+    REQUIRE(first.size() == 1);
+    CHECK(first[0].place == 1);
+    lab.room.ended(first[0].number, "It has met a bear.");
+    CHECK(lab.comes(bob).heading == "Your session starts");
+    const auto second = lab.room.take_wanted();
+    REQUIRE(second.size() == 1);
+    CHECK(second[0].number == 2);
+    CHECK(second[0].place == 1);
+    // The other browser is told once, and waits after that.
+    CHECK(lab.comes(ann).heading == "Your session has ended");
+    CHECK(lab.comes(ann).status == 503);
+    lab.room.ended(2, "");
+    CHECK(lab.comes(ann).heading == "Your session starts");
+}
+
+TEST_CASE("the end of a session is told once, with its reason") {
+    Class lab(2);
+    const std::string ann = lab.joins();
+    lab.comes(ann);
+    lab.starts();
+    lab.room.ended(7, "Another session.");
+    CHECK(lab.room.taken() == 1);
+    lab.room.ended(1, "It has met a bear.");
+    CHECK(lab.room.taken() == 0);
+    CHECK(lab.comes(ann).sentence == "It has met a bear. Reload this page to begin a new one.");
+    CHECK(lab.comes(ann).heading == "Your session starts");
+    CHECK(lab.starts() == 1);
+}
+
+TEST_CASE("an address without a port is no address") {
+    Class lab(1);
+    const std::string ann = lab.joins();
+    lab.comes(ann);
+    lab.starts();
+    for (const char* url : {"", "http://127.0.0.1/?token=aa", "http://127.0.0.1:x/?token=aa",
+                            "http://127.0.0.1:4711/", "http://127.0.0.1:99999/?token=aa"}) {
+        lab.urls[101] = url;
+        CHECK_MESSAGE(lab.comes(ann).port == 0, url);
+    }
+}
+
+TEST_CASE("the port of a session ends the path") {
+    CHECK(last_port_in("/4711/") == 4711);
+    CHECK(last_port_in("/rnode/n1/4711/") == 4711);
+    for (const char* path : {"", "/", "//", "/4711", "4711", "/a/", "/47a/", "/-1/", "/65536/",
+                             "/0/", "/99999999999/", "/4711/main.js"}) {
+        CHECK_MESSAGE(last_port_in(path) == 0, path);
+    }
+}
+
+TEST_CASE("a page shows texts as texts") {
+    const std::string page = greeting_page({200, "A & <b>", "</p><script>", 5});
+    CHECK(page.find("<h1>A &amp; &lt;b></h1><p>&lt;/p>&lt;script></p>") != std::string::npos);
+    CHECK(page.find("content=\"5\"") != std::string::npos);
+    CHECK(greeting_page({200, "A", "B"}).find("refresh") == std::string::npos);
+}
+
+}  // namespace pxpl5::host::serve
