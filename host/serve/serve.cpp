@@ -114,6 +114,7 @@ DirectorParts parts_of(const ServeOptions& options, const std::shared_ptr<Machin
                        SessionNote& note) {
     DirectorParts parts;
     parts.topology = options.topology.name;
+    parts.class_port = options.class_port;
     parts.clock_ns = now_ns;
     parts.answer = [](Session& session, std::uint32_t id, std::string_view message) {
         return answer_message(id, answer(session, message));

@@ -20,11 +20,11 @@ struct ServeOptions {
     std::string session;              ///< File of a saved session, played instead of `commands`.
     std::string time_limit;           ///< See parse_duration(); empty: none.
     std::string idle_limit;           ///< The longest time without use, as above; empty: none.
-    std::uint64_t memory_limit =
-        0;             ///< All processes on this computer together, in bytes; 0: none.
-    int sessions = 0;  ///< The most at the same time in a class; 0: no class.
-    int end_with = 0;  ///< The parent whose end ends this process; 0: none.
-    JobOptions job;    ///< The job that `serve` submits with engine slurm.
+    std::uint64_t memory_limit = 0;   ///< Bytes of all processes on this computer; 0: none.
+    int sessions = 0;                 ///< The most at the same time in a class; 0: no class.
+    int end_with = 0;                 ///< The parent whose end ends this process; 0: none.
+    int class_port = 0;               ///< Port of the page of the class; 0: no class.
+    JobOptions job;                   ///< The job that `serve` submits with engine slurm.
 };
 
 /// Serves a class if `sessions` says so. Submits a job that serves, if is_submitted(). Otherwise

@@ -45,6 +45,7 @@ inline void declare_server(CLI::App& app, ServeOptions& options) {
                    "End with this process, which must be the parent")
         ->check(CLI::PositiveNumber)
         ->group("");  // For the sessions of a class.
+    app.add_option("--class-port", options.class_port, "Port of the page of the class")->group("");
     app.add_option("--nodes", options.job.nodes,
                    "Computers of the job that --engine slurm submits outside of a job")
         ->check(CLI::Range(1, max_computers));

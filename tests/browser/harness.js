@@ -48,10 +48,10 @@ export async function serve(...words) {
   for await (const line of createInterface({ input: child.stdout })) {
     const found = /https?:\/\/\S+/.exec(line);
     if (found) addresses.push(found[0]);
-    if (addresses.length === 2) break;
+    if (line.startsWith('Ctrl-C')) break;  // The last line. A class has one address.
   }
   child.stdout.resume();
-  if (addresses.length < 2) {
+  if (addresses.length < 1) {
     throw new Error(`pxpl5 serve ended early: ${JSON.stringify(await ended)}`);
   }
   const [url, watchUrl] = addresses;
@@ -96,6 +96,7 @@ export async function openPage(browser, url, { script, ...options } = {}) {
   await page.waitForFunction(() => {
     const stage = document.querySelector('[data-testid=stage]');
     const [width, height] = globalThis.pxpl5?.state?.size ?? [0, 1];
+    if (!stage) return false;  // The page of a class, which becomes the viewer.
     const fits = Math.abs(width / height - stage.clientWidth / stage.clientHeight) < 0.02;
     return globalThis.pxpl5?.frames > 0 && (fits || document.body.classList.contains('watcher'));
   }).catch(async error => {

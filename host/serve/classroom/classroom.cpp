@@ -67,7 +67,8 @@ Greeting Classroom::greet_known(const std::function<bool(const std::string&)>& h
 Greeting Classroom::greet_new() {
     const std::lock_guard lock(mutex_);
     welcome({random_token(), ""});
-    Greeting greeting{200, "Your session starts", "This page needs cookies to go on.",
+    Greeting greeting{200, "Your session starts",
+                      "This page shows it as soon as the volume is open. It needs cookies.",
                       again_while_starting_s};
     greeting.secret = guests_.back().secret;
     return greeting;
@@ -82,7 +83,9 @@ void Classroom::welcome(Guest guest) {
 
 Greeting Classroom::begin(const std::string& secret) {
     if (std::ssize(seats_) >= places_) {
-        return {503, fmt::format("All {} sessions are taken", places_),
+        return {503,
+                places_ == 1 ? "The only session is taken"
+                             : fmt::format("All {} sessions are taken", places_),
                 fmt::format("This page asks again every {} seconds, and opens your session as "
                             "soon as another one has ended.",
                             again_when_full_s),

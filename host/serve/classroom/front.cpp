@@ -130,6 +130,7 @@ void Front::start(const WantedSession& wanted) {
     command.name = fmt::format("session {}", wanted.number);
     command.program = program_folder() / "pxpl5";
     command.arguments = {"serve", fmt::format("--end-with={}", getpid()),
+                         fmt::format("--class-port={}", greeter_->port()),
                          "--idle-limit=" + idle_limit_,
                          fmt::format("--memory-limit={}B", memory_limit_)};
     if (has_fixed_ports_) {

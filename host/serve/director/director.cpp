@@ -189,6 +189,7 @@ void Director::take(const Joined& joined) {
                                                                                      : "watcher")},
                                     {"viewer", std::int64_t{joined.viewer}},
                                     {"topology", parts_.topology},
+                                    {"class_port", std::int64_t{parts_.class_port}},
                                     {"commands", table_fields()}}}}));
     // During work the scene is incomplete, so the last state is sent.
     const bool is_complete = busy_.empty() && !work_.waits;

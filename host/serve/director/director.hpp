@@ -29,6 +29,7 @@ double idle_warning_ms(double limit_ms);
 struct DirectorParts {
     std::shared_ptr<MachinePort> machine;
     std::string topology;             ///< The topology's name for the page.
+    int class_port = 0;               ///< Port of the page of the class; 0: no class.
     std::filesystem::path downloads;  ///< Folder of "download:NAME" in a command.
     /// Throws RequestError for a viewer's command that may not be run. Empty: all may.
     std::function<void(const CommandDescriptor&, const Arguments&)> check_command;

@@ -75,7 +75,7 @@ TEST_CASE("more browsers than sessions wait until one has ended") {
     CHECK(lab.comes(ann).status == 200);
     const Greeting full = lab.comes(bob);
     CHECK(full.status == 503);
-    CHECK(full.heading == "All 1 sessions are taken");
+    CHECK(full.heading == "The only session is taken");
     CHECK(full.again_s > 0);
     const auto first = lab.room.take_wanted();
     REQUIRE(first.size() == 1);

@@ -24,7 +24,7 @@
 
 /**
  * @typedef {{version: string, role: 'driver' | 'watcher', viewer: number, topology: string,
- *   commands: CommandDescriptor[]}} Hello
+ *   class_port: number, commands: CommandDescriptor[]}} Hello
  */
 /** @typedef {{what: string, done: number, total: number}} Progress */
 /** @typedef {{level: 'info' | 'error', text: string}} Note */

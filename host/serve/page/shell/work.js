@@ -1,8 +1,10 @@
 // The progress of long work, the notice of a lost connection, and hints.
 import {byId, h} from '../elements/dom.js';
+import {ofPort} from '../link/ports.js';
 import {address} from '../link/token.js';
 
 /** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/types.js').Hello} Hello */
 /** @typedef {import('../link/types.js').Progress} Progress */
 
 const SHOW_AFTER_MS = 300;      // Shorter work is not shown.
@@ -15,6 +17,8 @@ const LOOK_MS = 500;
 const PING_MS = 2000;           // So that a silence is found while nothing is asked, too.
 const FORBIDDEN = 403;
 const RECONNECTING = 'Reconnecting. The session is kept as long as pxpl5 serve runs.';
+const OF_CLASS = 'Reconnecting. If your session has ended, the page of the class says why and '
+  + 'begins a new one.';
 const NEW_ADDRESS = 'The server was started again and has a new address. Open the address that '
   + 'pxpl5 serve printed in its terminal. The former session has ended.';
 
@@ -103,15 +107,21 @@ async function isRefused() {
 /** @param {App} app */
 export function createVeil(app) {
   let timer = 0;
+  let classPort = 0;
   app.connection.on('lost', async (/** @type {string} */ why) => {
     byId('lost-why').textContent = why;
     byId('lost-next').textContent ||= RECONNECTING;
     if (timer === 0) {
       timer = window.setTimeout(() => { byId('lost').hidden = false; }, VEIL_AFTER_MS);
     }
-    byId('lost-next').textContent = await isRefused() ? NEW_ADDRESS : RECONNECTING;
+    byId('lost-next').textContent = await isRefused() ? NEW_ADDRESS
+      : classPort ? OF_CLASS : RECONNECTING;
   });
-  app.connection.on('hello', () => {
+  app.connection.on('hello', (/** @type {Hello} */ {class_port}) => {
+    classPort = class_port;
+    const link = /** @type {HTMLAnchorElement} */ (byId('class'));
+    link.hidden = classPort === 0;
+    link.href = ofPort(classPort, location.href);
     clearTimeout(timer);
     timer = 0;
     byId('lost').hidden = true;
