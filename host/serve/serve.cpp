@@ -16,7 +16,7 @@
 #include "host/base/standard_streams.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/machine/sessions/session_note.hpp"
-#include "host/serve/classroom/front.hpp"
+#include "host/serve/classroom/class_server.hpp"
 #include "host/serve/director/director.hpp"
 #include "host/serve/director/file_access.hpp"
 #include "host/serve/director/inspector.hpp"
@@ -169,7 +169,8 @@ int serve_sessions(const ServeOptions& options) {
                            "one with 'salloc', and serve the class in it");
     }
     return serve_class({options.sessions, options.job.words, options.machine.run_base,
-                        options.idle_limit, options.memory_limit},
+                        options.topology.fitted_to_cores, options.idle_limit, options.memory_limit,
+                        end_by_user(options.time_limit)},
                        options.server);
 }
 
@@ -198,6 +199,12 @@ int serve(const ServeOptions& options) {
         Server server(server_options);
         const EndWatch end_watch(end_signal, user_end_s,
                                  [&server](EndsSoon soon) { server.warn(std::move(soon)); });
+        const MemoryWatch memory_watch(options.memory_limit, [&](const std::string& why) {
+            memory_error = why;
+            fmt::print(stderr, "error: {}\n", why);
+            server.warn(EndsSoon{std::time(nullptr), why});
+            kill(getpid(), SIGTERM);
+        });
         FileAccess access = access_of(options, server_options);
         WebAudience audience(server);
         DirectorParts parts = parts_of(options, machine, note);
@@ -215,12 +222,9 @@ int serve(const ServeOptions& options) {
             facts.watch_url = server.watch_url();
             facts.tunnel = tunnel_to(server, options.server);
         });
-        print_addresses(note.facts(), options.topology);
-        const MemoryWatch memory_watch(options.memory_limit, [&](const std::string& why) {
-            memory_error = why;
-            server.warn(EndsSoon{std::time(nullptr), why});
-            kill(getpid(), SIGTERM);
-        });
+        if (options.end_with == 0) {  // The parent shows the addresses.
+            print_addresses(note.facts(), options.topology);
+        }
         director.run();
         fmt::print(stderr, "note: {} {} without use\n", idle_end_words,
                    duration_text(parse_duration("--idle-limit", options.idle_limit)));
@@ -229,10 +233,7 @@ int serve(const ServeOptions& options) {
             throw;
         }
     }
-    if (!memory_error.empty()) {
-        throw RequestError(ExitCode::failed, memory_error);
-    }
-    return 0;
+    return static_cast<int>(memory_error.empty() ? ExitCode::ok : ExitCode::failed);
 }
 
 }  // namespace pxpl5::host::serve

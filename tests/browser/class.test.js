@@ -45,7 +45,8 @@ test('students open one address and work apart, and a session that has ended beg
     await shoot(ann.page, 'class-ended-1280');
     await link.click();
     await ann.page.getByRole('heading', { name: 'Your session has ended' }).waitFor();
-    assert.match(await ann.page.locator('p').innerText(), /^It was asked to end\. Reload/);
+    assert.match(await ann.page.locator('p').innerText(),
+                 /^The session was asked to end, by .* signal\. Reload/);
     await ann.page.reload();
     await ann.page.waitForFunction(() => globalThis.pxpl5?.frames > 0 ||
       document.body.innerText.includes('are taken'));

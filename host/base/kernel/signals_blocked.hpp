@@ -6,8 +6,8 @@
 
 namespace pxpl5::host {
 
-/// Blocks all signals in this thread. Threads that start meanwhile keep them blocked, so that
-/// signals reach the main thread.
+/// Blocks all signals in this thread. Threads started during its lifetime inherit the blocked
+/// signals, so that signals reach the main thread.
 class SignalsBlocked {
   public:
     SignalsBlocked() {

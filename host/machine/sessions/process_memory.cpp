@@ -8,6 +8,7 @@
 #include <functional>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace pxpl5::host {
 
@@ -15,17 +16,57 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Names in a folder of /proc, which may change or go meanwhile.
+std::vector<std::string> names_in(const fs::path& folder) {
+    std::vector<std::string> names;
+    std::error_code error;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+        names.push_back(at->path().filename().string());
+    }
+    return names;
+}
+
+/// The parent in /proc/PID/stat; 0 if there is no such process.
+pid_t parent_of(const std::string& pid) {
+    std::ifstream file(fmt::format("/proc/{}/stat", pid));
+    std::string line;
+    std::getline(file, line);
+    char state = '?';
+    pid_t parent = 0;
+    const std::size_t name_end = line.rfind(')');
+    if (name_end != std::string::npos) {
+        std::istringstream(line.substr(name_end + 1)) >> state >> parent;
+    }
+    return parent;
+}
+
+std::vector<pid_t> children_of(pid_t pid) {
+    std::vector<pid_t> found;
+    bool is_told = false;
+    const std::string tasks = fmt::format("/proc/{}/task", pid);
+    for (const std::string& thread : names_in(tasks)) {  // Each has the children that it started.
+        std::ifstream children(tasks + "/" + thread + "/children");
+        is_told = is_told || children.is_open();
+        for (pid_t child = 0; children >> child;) {
+            found.push_back(child);
+        }
+    }
+    if (is_told) {
+        return found;
+    }
+    for (const std::string& name : names_in("/proc")) {  // A kernel without CONFIG_PROC_CHILDREN.
+        if (name.find_first_not_of("0123456789") == std::string::npos && parent_of(name) == pid) {
+            found.push_back(std::stoi(name));
+        }
+    }
+    return found;
+}
+
 /// Sums over the tree of processes. A process that ends meanwhile counts 0.
 std::uint64_t sum_of_tree(pid_t root, const std::function<std::uint64_t(pid_t)>& bytes_of) {
     std::uint64_t bytes = bytes_of(root);
-    std::error_code ignored;
-    // Each thread has the children that it has started.
-    for (const fs::directory_entry& thread :
-         fs::directory_iterator(fmt::format("/proc/{}/task", root), ignored)) {
-        std::ifstream children(thread.path() / "children");
-        for (pid_t child = 0; children >> child;) {
-            bytes += sum_of_tree(child, bytes_of);
-        }
+    for (const pid_t child : children_of(root)) {
+        bytes += sum_of_tree(child, bytes_of);
     }
     return bytes;
 }

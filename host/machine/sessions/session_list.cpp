@@ -120,17 +120,17 @@ std::vector<RunningSession> running_sessions(const fs::path& base) {
     return sessions;
 }
 
-SessionFacts facts_of_process(const fs::path& base, pid_t pid) {
+std::optional<RunningSession> session_of_process(const fs::path& base, pid_t pid) {
     for (const fs::path& folder : run_folders(base)) {
         if (maker_of(folder.filename().string()) != pid) {
             continue;
         }
         // An ended run may have had the same process id.
-        if (const auto session = session_of(folder, pid); session && session->is_here) {
-            return session->facts;
+        if (auto session = session_of(folder, pid); session && session->is_here) {
+            return session;
         }
     }
-    return {};
+    return std::nullopt;
 }
 
 RunningSession find_session(const fs::path& base, const std::string& name) {

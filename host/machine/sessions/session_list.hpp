@@ -34,9 +34,9 @@ struct RunningSession {
 /// or were killed are left out. Empty if `base` does not exist.
 std::vector<RunningSession> running_sessions(const std::filesystem::path& base);
 
-/// Returns the facts of this process of this computer, whose run folder lies in `base`. Empty facts
-/// if it has none. Faster than running_sessions().
-SessionFacts facts_of_process(const std::filesystem::path& base, pid_t pid);
+/// Returns the session of this process of this computer, without its memory; nothing if it has no
+/// run folder in `base`. Faster than running_sessions().
+std::optional<RunningSession> session_of_process(const std::filesystem::path& base, pid_t pid);
 
 /// Returns the session with this name, process id or job id; "latest" is the newest. Throws
 /// RequestError (usage) if there is no such session, or more than one.

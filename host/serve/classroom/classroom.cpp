@@ -13,7 +13,7 @@ namespace pxpl5::host::serve {
 namespace {
 
 constexpr int again_when_full_s = 15, again_while_starting_s = 1;
-constexpr std::size_t max_guests = 1000;
+constexpr std::size_t max_waiting = 1000;
 
 /// The port and the token of "http://[::1]:4711/?token=T".
 std::pair<int, std::string> place_in(const std::string& url) {
@@ -27,123 +27,143 @@ std::pair<int, std::string> place_in(const std::string& url) {
     return {port, url.substr(token + middle.size())};
 }
 
+PageAnswer starting(const char* sentence) {
+    return {200, "Your session starts", sentence, again_while_starting_s};
+}
+
 }  // namespace
 
-Classroom::Classroom(int places, std::function<SessionFacts(pid_t)> facts_of,
-                     std::function<void()> wake)
-    : places_(places), facts_of_(std::move(facts_of)), wake_(std::move(wake)) {}
+Classroom::Classroom(int places, std::function<void()> wake)
+    : places_(places), wake_(std::move(wake)) {}
 
-Greeting Classroom::look(Seat& seat) const {
-    if (seat.port == 0 && seat.pid != 0) {
-        std::tie(seat.port, seat.token) = place_in(facts_of_(seat.pid).url);
-    }
-    if (seat.port != 0) {
-        Greeting greeting;
-        greeting.port = seat.port;
-        greeting.token = seat.token;
-        return greeting;
-    }
-    return {200, "Your session starts", "This page shows it as soon as the volume is open.",
-            again_while_starting_s};
-}
-
-Greeting Classroom::greet_known(const std::function<bool(const std::string&)>& has_shown) {
+PageAnswer Classroom::answer_known(const std::function<bool(const std::string&)>& has_shown) {
     const std::lock_guard lock(mutex_);
-    const auto shown = [&](const auto& each) { return has_shown(each.secret); };
-    if (const auto seat = std::ranges::find_if(seats_, shown); seat != seats_.end()) {
-        return look(*seat);
+    const auto shown = [&](const auto& each) {
+        return !each.secret.empty() && has_shown(each.secret);
+    };
+    if (const auto entry = std::ranges::find_if(entries_, shown); entry != entries_.end()) {
+        PageAnswer answer = starting("This page shows it as soon as the volume is open.");
+        answer.port = entry->port;
+        answer.token = entry->token;
+        return answer;
     }
-    const auto guest = std::ranges::find_if(guests_, shown);
-    if (guest == guests_.end()) {
+    const auto waiting = std::ranges::find_if(waiting_, shown);
+    if (waiting == waiting_.end()) {
         return {0, "", ""};
     }
-    if (!guest->why.empty()) {
+    if (!waiting->why.empty()) {
         return {200, "Your session has ended",
-                std::exchange(guest->why, "") + " Reload this page to begin a new one."};
+                std::exchange(waiting->why, "") + " Reload this page to begin a new one."};
     }
-    return begin(std::string(guest->secret));
+    return begin(std::string(waiting->secret));
 }
 
-Greeting Classroom::greet_new() {
+PageAnswer Classroom::answer_new() {
     const std::lock_guard lock(mutex_);
-    welcome({random_token(), ""});
-    Greeting greeting{200, "Your session starts",
-                      "This page shows it as soon as the volume is open. It needs cookies.",
-                      again_while_starting_s};
-    greeting.secret = guests_.back().secret;
-    return greeting;
+    PageAnswer answer =
+        starting("This page shows it as soon as the volume is open. It needs cookies.");
+    answer.secret = random_token();
+    add_waiting({answer.secret, ""});
+    return answer;
 }
 
-void Classroom::welcome(Guest guest) {
-    guests_.push_back(std::move(guest));
-    if (guests_.size() > max_guests) {
-        guests_.erase(guests_.begin());
+void Classroom::add_waiting(Waiting waiting) {
+    waiting_.push_back(std::move(waiting));
+    if (waiting_.size() > max_waiting) {
+        waiting_.erase(waiting_.begin());
     }
 }
 
-Greeting Classroom::begin(const std::string& secret) {
-    if (std::ssize(seats_) >= places_) {
+PageAnswer Classroom::begin(const std::string& secret) {
+    const auto ahead =
+        std::ranges::find_if(entries_, [](const Entry& each) { return each.secret.empty(); });
+    if (ahead != entries_.end()) {
+        ahead->secret = secret;
+    } else if (std::ssize(entries_) < places_) {
+        add_entry(secret);
+    } else {
         return {503,
                 places_ == 1 ? "The only session is taken"
                              : fmt::format("All {} sessions are taken", places_),
-                fmt::format("This page asks again every {} seconds, and opens your session as "
-                            "soon as another one has ended.",
+                fmt::format("This page asks again every {} seconds, and opens your session when "
+                            "one is free.",
                             again_when_full_s),
                 again_when_full_s};
     }
-    std::erase_if(guests_, [&](const Guest& each) { return each.secret == secret; });
-    int place = 1;
-    while (std::ranges::any_of(seats_,
-                               [&](const Seat& each) { return each.session.place == place; })) {
-        ++place;
-    }
-    seats_.push_back({{++last_number_, place}, secret});
+    std::erase_if(waiting_, [&](const Waiting& each) { return each.secret == secret; });
+    return starting("This page shows it as soon as the volume is open.");
+}
+
+void Classroom::add_entry(const std::string& secret) {
+    entries_.push_back({{++last_number_, next_place()}, secret});
     wake_();
-    return look(seats_.back());
+}
+
+/// The free place that was used longest ago: its port may be taken by another program.
+int Classroom::next_place() {
+    const auto is_taken = [&] {
+        return std::ranges::any_of(
+            entries_, [&](const Entry& each) { return each.session.place == last_place_; });
+    };
+    do {
+        last_place_ = last_place_ % places_ + 1;
+    } while (is_taken());
+    return last_place_;
 }
 
 bool Classroom::has_port(int port) {
     const std::lock_guard lock(mutex_);
-    return std::ranges::any_of(seats_, [&](const Seat& each) { return each.port == port; });
+    return port != 0 &&
+           std::ranges::any_of(entries_, [&](const Entry& each) { return each.port == port; });
 }
 
-void Classroom::lost() {
-    is_lost_ = true;
+void Classroom::fail() {
+    has_failed_ = true;
     wake_();
+}
+
+void Classroom::want_one() {
+    const std::lock_guard lock(mutex_);
+    add_entry("");
 }
 
 std::vector<WantedSession> Classroom::take_wanted() {
     const std::lock_guard lock(mutex_);
     std::vector<WantedSession> wanted;
-    for (Seat& seat : seats_) {
-        if (std::exchange(seat.is_wanted, false)) {
-            wanted.push_back(seat.session);
+    for (Entry& entry : entries_) {
+        if (std::exchange(entry.is_wanted, false)) {
+            wanted.push_back(entry.session);
         }
     }
     return wanted;
 }
 
-void Classroom::started(int number, pid_t pid) {
+void Classroom::ready(int number, const std::string& url) {
     const std::lock_guard lock(mutex_);
-    for (Seat& seat : seats_) {
-        seat.pid = seat.session.number == number ? pid : seat.pid;
+    for (Entry& entry : entries_) {
+        if (entry.session.number == number) {
+            std::tie(entry.port, entry.token) = place_in(url);
+        }
     }
 }
 
 void Classroom::ended(int number, const std::string& why) {
     const std::lock_guard lock(mutex_);
-    const auto seat = std::ranges::find_if(
-        seats_, [&](const Seat& each) { return each.session.number == number; });
-    if (seat == seats_.end()) {
+    const auto entry = std::ranges::find_if(
+        entries_, [&](const Entry& each) { return each.session.number == number; });
+    if (entry == entries_.end()) {
         return;
     }
-    welcome({seat->secret, why});
-    seats_.erase(seat);
+    if (!entry->secret.empty()) {
+        add_waiting({entry->secret, why});
+    }
+    entries_.erase(entry);
 }
 
 int Classroom::taken() const {
     const std::lock_guard lock(mutex_);
-    return static_cast<int>(seats_.size());
+    return static_cast<int>(
+        std::ranges::count_if(entries_, [](const Entry& each) { return !each.secret.empty(); }));
 }
 
 }  // namespace pxpl5::host::serve

@@ -169,8 +169,8 @@ class Director {
         std::string lost;                 ///< Why the server has ended; empty while it runs.
         std::optional<EndNotice> notice;  ///< The program will be ended from outside.
         std::uint32_t saved_revision = 0;
-        std::int64_t used_ns = 0;      ///< Time of the last command or question.
-        bool is_because_idle = false;  ///< The notice is of the limit for use.
+        std::int64_t used_ns = 0;      ///< Time when a driver joined, commanded or asked.
+        bool is_because_idle = false;  ///< The notice announces the idle limit.
     };
     End end_;
 };

@@ -96,6 +96,7 @@ Reply Director::run(const Arguments& arguments) {
         }
     }
     Reply reply = run_command(*session_, placed, &noted);
+    end_.used_ns = parts_.clock_ns();
     if (!download.empty()) {
         reply.fields.push_back({"download", "download/" + download});
     }

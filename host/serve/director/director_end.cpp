@@ -59,6 +59,7 @@ bool Director::warn_of_idle_end() {
 
 void Director::take(const EndsSoon& soon) {
     end_.is_because_idle = false;
+    end_.saved_revision = 0;  // The notice names the file again.
     end_.notice = EndNotice{};
     end_.notice->why = soon.why;
     if (soon.at_s != 0) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <thread>
@@ -11,12 +12,19 @@ namespace pxpl5::host::serve {
 /// "4.2 GiB".
 std::string gib_text(std::uint64_t bytes);
 
+/// Memory that this process and its children may still use: what the computer has left, or less if
+/// a control group (version 2) around this process allows less. 0 if it is unknown.
+///
+/// root  The folder with proc and the mounted control groups.
+std::uint64_t free_memory(const std::filesystem::path& root = "/");
+
 /// Looks every 2 s, from a thread of its own, at the memory of this process and of all that it has
 /// started on this computer. Shared pages count once.
 class MemoryWatch {
   public:
     /// limit_bytes  0: none.
-    /// act          Called once, with a sentence, when the processes have more than the limit.
+    /// act          Called once, with a sentence, when the processes have more than the limit. It
+    ///              must end this process: 20 s later, the watch kills this process.
     MemoryWatch(std::uint64_t limit_bytes, std::function<void(const std::string& why)> act);
     /// Ends the thread.
     ~MemoryWatch();

@@ -13,7 +13,7 @@
 
 namespace pxpl5::host::serve {
 
-/// How the last line of a session begins that has ended for lack of use.
+/// Begin of the last line of a session that was not used.
 inline constexpr std::string_view idle_end_words = "the session has ended after";
 
 /// Seconds before the end at which the viewers are warned.

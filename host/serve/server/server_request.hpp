@@ -25,7 +25,8 @@ Request read_request(lws* connection);
 int answer(lws* connection, int status, const char* type, std::string_view text,
            std::string_view cookie = {});
 
-/// Sends the browser to another path of this server. Returns other than 0 to close the connection.
+/// Sends the browser to another path of this server, or to another server. Returns other than 0 to
+/// close the connection.
 int redirect(lws* connection, const std::string& path);
 
 }  // namespace pxpl5::host::serve

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """`pxpl5 serve --sessions N` as a class meets it: test_class.py FOLDER_OF_BINARIES [words]."""
+import calendar
 import contextlib
 import http.client
 import json
@@ -42,6 +43,7 @@ class Front:
             assert line, self.process.communicate()[1]
             self.said += line
         self.url, = re.findall(r"http://\S+", self.said)
+        assert "session 1 is ready: " in self.said, self.said
         self.parts = urllib.parse.urlsplit(self.url)
 
     def end(self, by=signal.SIGINT):
@@ -163,13 +165,14 @@ class Class(unittest.TestCase):
         lost = [ann, bob][[status for status, _, _ in answers].index(200)]
         told, = [answer for answer in answers if answer[0] == 200]
         self.assertEqual(heading(told), "Your session has ended")
-        self.assertIn("It was asked to end. Reload", told[2])
+        self.assertIn("The session was asked to end, by", told[2])
         self.assertEqual(get(front.url, lost)[0], 503)
         nodes = self.watch(node for pid in children_of(front.process.pid)
                            for node in children_of(pid))
         code, said, complaint = front.end()
         self.assertEqual((code, complaint), (0, ""))
-        self.assertRegex(said, r"session \d has ended: It was asked to end\. \(1 of 2 taken\)")
+        self.assertRegex(said, r"session \d has ended: The session was asked to end, .* signal\. "
+                         r"\(1 of 2 taken\)")
         self.assertGreaterEqual(len(nodes), 6)
         self.assert_end(nodes)
         self.assertEqual([each.name for each in self.folder.iterdir()], ["runs"])
@@ -188,11 +191,12 @@ class Class(unittest.TestCase):
         self.assertNotIn("set-cookie", get(front.url, host="evil.example")[1])
         with self.assertRaises((Refused, Closed)):
             WebSocket(front.url)
-        self.assertEqual(children_of(front.process.pid), [])
+        with contextlib.closing(http.client.HTTPConnection(front.parts.netloc)) as connection:
+            connection.request("HEAD", f"/?{front.parts.query}")
+            self.assertEqual(connection.getresponse().status, 404)
         # A browser that keeps no cookies takes no session.
         for _ in range(3):
             self.assertEqual(get(front.url)[0], 200)
-        self.assertEqual(children_of(front.process.pid), [])
         self.assertEqual(front.end(signal.SIGTERM), (0, "", ""))
 
     def test_a_portal_leads_to_the_session(self):
@@ -230,14 +234,15 @@ class Class(unittest.TestCase):
         self.assertEqual(front.end()[::2], (0, ""))
 
     def test_a_session_that_takes_too_much_memory_ends(self):
-        front = self.front("--sessions", "1", "--memory-limit", "1MiB")
-        self.assertIn("more than 0.000977 GiB of memory", front.said)
+        # More than the host alone needs, so that the nodes count, too.
+        front = self.front("--sessions", "1", "--memory-limit", "18MiB")
+        self.assertIn("more than 0.0176 GiB of memory", front.said)
         cookie = self.student(front)
         get(front.url, cookie)
         _, _, body = self.until(front, cookie,
                                 lambda answer: "Your session has ended" in answer[2])
         self.assertRegex(body, r"The session uses [\d.]+ GiB of memory, more than its limit of "
-                               r"0\.000977 GiB\. Reload")
+                               r"0\.0176 GiB\. Reload")
         self.assertEqual(front.end()[0], 0)
 
     def test_sessions_end_with_a_front_that_is_killed(self):
@@ -249,32 +254,75 @@ class Class(unittest.TestCase):
         self.assertLess(front.end(signal.SIGKILL)[0], 0)
         self.assert_end(watched)
 
-    def test_a_volume_that_cannot_be_opened_is_told(self):
-        front = self.front("--sessions", "1", "--surface", "ball=nothing")
-        cookie = self.student(front)
-        get(front.url, cookie)
-        _, _, body = self.until(front, cookie,
-                                lambda answer: "Your session has ended" in answer[2])
-        self.assertIn("nothing", body)
-        code, said, _ = front.end()
-        self.assertEqual(code, 0)
-        self.assertRegex(said, r"session 1 has ended: .*nothing")
+    def test_a_class_that_cannot_work_does_not_start(self):
+        for words, reason in ((("--surface", "ball=nothing"), "nothing"),
+                              (("--port", str(self.free_port())), "Address already in use")):
+            with socket.socket() as other:
+                if "--port" in words:
+                    other.bind(("127.0.0.1", int(words[1]) + 1))
+                    other.listen()
+                done = subprocess.run(
+                    [test_serve.BINARIES / "pxpl5", "serve", "phantom:sphere", "--sessions", "2",
+                     "--run-folder", self.folder / "runs", *words], capture_output=True, text=True,
+                    timeout=LIMIT_S, check=False)
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertRegex(done.stderr, "error: the first session of the class cannot start: .*"
+                             + reason)
 
-    def test_ports_follow_that_of_the_class(self):
+    def free_port(self):
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
-        port = min(port, 60000)
-        front = self.front("--sessions=1", f"--port={port}")
+            return min(probe.getsockname()[1], 60_000)
+
+    def test_ports_follow_that_of_the_class(self):
+        port = self.free_port()
+        front = self.front("--sessions=2", f"--port={port}")
         self.assertEqual(front.parts.port, port)
-        self.assertIn(f":{port + 1}/", self.session(front, self.student(front)))
+        with socket.socket() as other:  # A program that has a port of the class.
+            other.bind(("127.0.0.1", port + 2))
+            other.listen()
+            ann, bob = self.student(front), self.student(front)
+            self.assertIn(f":{port + 1}/", self.session(front, ann))
+            get(front.url, bob)
+            _, _, body = self.until(front, bob, lambda answer: "has ended" in answer[2])
+            self.assertIn(f"port {port + 2}: Address already in use.", body)
+
+    def test_a_killed_session_names_the_signal(self):
+        front = self.front("--sessions", "1")
+        cookie = self.student(front)
+        self.session(front, cookie)
+        os.kill(children_of(front.process.pid)[0], signal.SIGKILL)
+        _, _, body = self.until(front, cookie, lambda answer: "has ended" in answer[2])
+        self.assertIn("session 1 was killed by signal 9 (SIGKILL). Reload", body)
+        self.session(front, cookie)
+
+    def test_the_time_limit_is_that_of_the_class(self):
+        front = self.front("--sessions", "2", "--time-limit", "1:50")
+        ann, bob = self.student(front), self.student(front)
+        ends = []
+        for cookie in (ann, bob):  # The second session starts later.
+            viewer = self.viewer(self.session(front, cookie))
+            ends.append(viewer.until(lambda message: message.get("state", {}).get("end"))
+                        ["state"]["end"])
+        self.assertEqual([end["why"] for end in ends], ["--time-limit is reached"] * 2)
+        times = [calendar.timegm(time.strptime(end["at"], "%Y-%m-%dT%H:%M:%SZ")) for end in ends]
+        self.assertLessEqual(abs(times[0] - times[1]), 1)
+
+    def test_no_limit_of_time_without_use(self):
+        front = self.front("--sessions", "1", "--idle-limit", "0")
+        self.assertIn("each ends when it uses more than", front.said)
+        self.session(front, self.student(front))
 
     def test_the_end_of_a_job_is_passed_on(self):
-        front = self.front("--sessions", "1")
+        front = self.front("--sessions", "2")
         viewer = self.viewer(self.session(front, self.student(front)))
+        late = self.student(front)
+        get(front.url, late)  # This session only starts.
         front.process.send_signal(signal.SIGUSR1)
-        ends = viewer.until(lambda message: message.get("state", {}).get("end"))["state"]["end"]
-        self.assertEqual(ends["why"], "the program has received SIGUSR1")
+        for each in (viewer, None):
+            each = each or self.viewer(self.session(front, late))
+            ends = each.until(lambda message: message.get("state", {}).get("end"))["state"]["end"]
+            self.assertEqual(ends["why"], "the program has received SIGUSR1")
         self.assertEqual(front.end()[0], 0)
 
     def test_wrong_options_are_refused(self):
@@ -284,6 +332,7 @@ class Class(unittest.TestCase):
                             (("--sessions", "2", "--idle-limit", "soon"),
                              "--idle-limit 'soon' is no duration"),
                             (("--sessions", "2", "--memory-limit", "much"), "--memory-limit"),
+                            (("--sessions", "2", "--port", "65534"), "65535 to 65536"),
                             (("--sessions", "2", "--engine", "slurm"), "salloc")):
             done = subprocess.run([test_serve.BINARIES / "pxpl5", "serve", *words],
                                   capture_output=True, text=True, timeout=LIMIT_S, check=False)

@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
-#include <map>
 #include <string>
+#include <vector>
 
 #include "host/serve/classroom/classroom.hpp"
 
@@ -9,36 +9,21 @@ namespace pxpl5::host::serve {
 
 namespace {
 
-/// A class whose sessions have the addresses that the test gives them.
+/// A class, and what its browsers and sessions do.
 struct Class {
-    std::map<pid_t, std::string> urls;
     int wakes = 0;
     Classroom room;
 
-    explicit Class(int places)
-        : room(
-              places,
-              [this](pid_t pid) {
-                  SessionFacts facts;
-                  facts.url = urls[pid];
-                  return facts;
-              },
-              [this] { ++wakes; }) {}
+    explicit Class(int places) : room(places, [this] { ++wakes; }) {}
 
     /// Greets a browser with this cookie.
-    Greeting comes(const std::string& cookie) {
-        return room.greet_known([&](const std::string& secret) { return secret == cookie; });
+    PageAnswer comes(const std::string& cookie) {
+        return room.answer_known([&](const std::string& secret) { return secret == cookie; });
     }
     /// The cookie of a browser that comes for the first time, with the token.
-    std::string joins() { return room.greet_new().secret; }
-    /// Starts the wanted sessions as process 100 + number.
-    int starts() {
-        const auto wanted = room.take_wanted();
-        for (const WantedSession& each : wanted) {
-            room.started(each.number, 100 + each.number);
-        }
-        return static_cast<int>(wanted.size());
-    }
+    std::string joins() { return room.answer_new().secret; }
+    /// Starts the wanted sessions, and returns their number.
+    int starts() { return static_cast<int>(room.take_wanted().size()); }
 };
 
 }  // namespace
@@ -57,7 +42,9 @@ TEST_CASE("a browser gets one session, which it finds again") {
     CHECK(lab.comes(bob).status == 200);
     CHECK(lab.starts() == 1);
     CHECK(lab.room.taken() == 2);
-    lab.urls = {{101, "http://127.0.0.1:4711/?token=aa"}, {102, "https://[::1]:4712/?token=bb"}};
+    CHECK(!lab.room.has_port(0));
+    lab.room.ready(1, "http://127.0.0.1:4711/?token=aa");
+    lab.room.ready(2, "https://[::1]:4712/?token=bb");
     CHECK(lab.comes(ann).port == 4711);
     CHECK(lab.comes(ann).token == "aa");
     CHECK(lab.comes(bob).port == 4712);
@@ -73,38 +60,73 @@ TEST_CASE("more browsers than sessions wait until one has ended") {
     Class lab(1);
     const std::string ann = lab.joins(), bob = lab.joins();
     CHECK(lab.comes(ann).status == 200);
-    const Greeting full = lab.comes(bob);
+    const PageAnswer full = lab.comes(bob);
     CHECK(full.status == 503);
     CHECK(full.heading == "The only session is taken");
     CHECK(full.again_s > 0);
     const auto first = lab.room.take_wanted();
     REQUIRE(first.size() == 1);
     CHECK(first[0].place == 1);
-    lab.room.ended(first[0].number, "It has met a bear.");
+    lab.room.ended(first[0].number, "It has no memory.");
     CHECK(lab.comes(bob).heading == "Your session starts");
     const auto second = lab.room.take_wanted();
     REQUIRE(second.size() == 1);
     CHECK(second[0].number == 2);
     CHECK(second[0].place == 1);
-    // The other browser is told once, and waits after that.
+    // The other browser reads the reason once, and waits after that.
     CHECK(lab.comes(ann).heading == "Your session has ended");
     CHECK(lab.comes(ann).status == 503);
     lab.room.ended(2, "");
     CHECK(lab.comes(ann).heading == "Your session starts");
 }
 
-TEST_CASE("the end of a session is told once, with its reason") {
+TEST_CASE("a browser gets the reason of the end of its session once") {
     Class lab(2);
     const std::string ann = lab.joins();
     lab.comes(ann);
     lab.starts();
     lab.room.ended(7, "Another session.");
     CHECK(lab.room.taken() == 1);
-    lab.room.ended(1, "It has met a bear.");
+    lab.room.ended(1, "It has no memory.");
     CHECK(lab.room.taken() == 0);
-    CHECK(lab.comes(ann).sentence == "It has met a bear. Reload this page to begin a new one.");
+    CHECK(lab.comes(ann).sentence == "It has no memory. Reload this page to begin a new one.");
     CHECK(lab.comes(ann).heading == "Your session starts");
     CHECK(lab.starts() == 1);
+}
+
+TEST_CASE("a place that has failed is not the next one, because its port may be taken") {
+    Class lab(3);
+    std::vector<int> places;
+    for (int i = 0; i < 4; ++i) {
+        lab.comes(lab.joins());
+        const auto wanted = lab.room.take_wanted();
+        REQUIRE(wanted.size() == 1);
+        places.push_back(wanted[0].place);
+        lab.room.ended(wanted[0].number, "Its port is taken.");
+    }
+    CHECK(places == std::vector<int>{1, 2, 3, 1});
+    lab.comes(lab.joins());
+    lab.comes(lab.joins());
+    CHECK(lab.room.take_wanted()[1].place == 3);
+}
+
+TEST_CASE("the first browser gets the session that was started ahead") {
+    Class lab(2);
+    lab.room.want_one();
+    CHECK(lab.starts() == 1);
+    CHECK(lab.room.taken() == 0);
+    lab.room.ready(1, "http://127.0.0.1:4711/?token=aa");
+    CHECK(lab.comes("").status == 0);  // A session without a browser has no secret yet.
+    const std::string ann = lab.joins(), bob = lab.joins();
+    CHECK(lab.comes(ann).again_s == 1);
+    CHECK(lab.comes(ann).port == 4711);
+    CHECK(lab.starts() == 0);
+    CHECK(lab.comes(bob).port == 0);
+    CHECK(lab.starts() == 1);
+    CHECK(lab.room.taken() == 2);
+    lab.room.ended(2, "x");
+    lab.room.ended(1, "y");
+    CHECK(lab.comes(ann).sentence.starts_with("y"));
 }
 
 TEST_CASE("an address without a port is no address") {
@@ -114,7 +136,7 @@ TEST_CASE("an address without a port is no address") {
     lab.starts();
     for (const char* url : {"", "http://127.0.0.1/?token=aa", "http://127.0.0.1:x/?token=aa",
                             "http://127.0.0.1:4711/", "http://127.0.0.1:99999/?token=aa"}) {
-        lab.urls[101] = url;
+        lab.room.ready(1, url);
         CHECK_MESSAGE(lab.comes(ann).port == 0, url);
     }
 }
@@ -129,10 +151,10 @@ TEST_CASE("the port of a session ends the path") {
 }
 
 TEST_CASE("a page shows texts as texts") {
-    const std::string page = greeting_page({200, "A & <b>", "</p><script>", 5});
+    const std::string page = page_text({200, "A & <b>", "</p><script>", 5});
     CHECK(page.find("<h1>A &amp; &lt;b></h1><p>&lt;/p>&lt;script></p>") != std::string::npos);
     CHECK(page.find("content=\"5\"") != std::string::npos);
-    CHECK(greeting_page({200, "A", "B"}).find("refresh") == std::string::npos);
+    CHECK(page_text({200, "A", "B"}).find("refresh") == std::string::npos);
 }
 
 }  // namespace pxpl5::host::serve

@@ -114,8 +114,8 @@ export function createVeil(app) {
     if (timer === 0) {
       timer = window.setTimeout(() => { byId('lost').hidden = false; }, VEIL_AFTER_MS);
     }
-    byId('lost-next').textContent = await isRefused() ? NEW_ADDRESS
-      : classPort ? OF_CLASS : RECONNECTING;
+    byId('lost-next').textContent = classPort ? OF_CLASS
+      : await isRefused() ? NEW_ADDRESS : RECONNECTING;
   });
   app.connection.on('hello', (/** @type {Hello} */ {class_port}) => {
     classPort = class_port;

@@ -1,4 +1,4 @@
-#include "host/serve/server/greeter.hpp"
+#include "host/serve/server/class_page.hpp"
 
 #include <fmt/format.h>
 #include <libwebsockets.h>
@@ -43,13 +43,10 @@ std::string escaped(std::string_view text) {
     return result;
 }
 
-/// The part of a Host header before the port.
+/// The part of a Host header before the port: "lab1", "[::1]".
 std::string_view without_port(std::string_view host) {
-    const std::size_t bracket = host.rfind(']');
-    const std::size_t colon = host.rfind(':');
-    return colon == std::string_view::npos || (bracket != std::string_view::npos && colon < bracket)
-               ? host
-               : host.substr(0, colon);
+    return host.starts_with('[') ? host.substr(0, host.find(']') + 1)
+                                 : host.substr(0, host.find(':'));
 }
 
 /// Whether Host and Origin allow the request, whatever secret it shows.
@@ -74,27 +71,27 @@ int last_port_in(std::string_view path) {
                : 0;
 }
 
-std::string greeting_page(const Greeting& greeting) {
+std::string page_text(const PageAnswer& answer) {
     return fmt::format(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
         "<meta name=\"viewport\" content=\"width=device-width\">{}<title>{}</title>"
         "<style>{}</style></head>\n<body><main><h1>{}</h1><p>{}</p></main></body></html>\n",
-        greeting.again_s == 0
+        answer.again_s == 0
             ? ""
-            : fmt::format("<meta http-equiv=\"refresh\" content=\"{}\">", greeting.again_s),
-        escaped(greeting.heading), style, escaped(greeting.heading), escaped(greeting.sentence));
+            : fmt::format("<meta http-equiv=\"refresh\" content=\"{}\">", answer.again_s),
+        escaped(answer.heading), style, escaped(answer.heading), escaped(answer.sentence));
 }
 
-class Greeter::Core {
+class ClassPage::Core {
   public:
-    Core(const ServerOptions& options, Receptionist& receptionist)
-        : receptionist_(receptionist), listener_(options, protocols.data(), content_policy, this) {
+    Core(const ServerOptions& options, ClassAnswers& answers)
+        : answers_(answers), listener_(options, protocols.data(), content_policy, this) {
         const SignalsBlocked blocked;
         thread_ = std::thread([this] {
             while (!stopping_ && lws_service(listener_.context(), 0) >= 0) {
             }
             if (!stopping_) {
-                receptionist_.lost();
+                answers_.fail();
             }
         });
     }
@@ -113,24 +110,24 @@ class Greeter::Core {
                        std::size_t size);
     int on_event(lws* connection, int reason);
     int on_request(lws* connection);
-    int say(lws* connection, const Greeting& greeting) const;
+    int send(lws* connection, const PageAnswer& reply) const;
     /// Sends a browser that has asked for another port, seen from this one, to it.
     int pass_on(lws* connection, const Request& request, int port) const;
 
     static const std::array<lws_protocols, 2> protocols;
 
-    Receptionist& receptionist_;
+    ClassAnswers& answers_;
     Strangers strangers_;
     std::atomic<bool> stopping_ = false;
     Listener listener_;  ///< Its callbacks use the members above.
     std::thread thread_;
 };
 
-const std::array<lws_protocols, 2> Greeter::Core::protocols{
+const std::array<lws_protocols, 2> ClassPage::Core::protocols{
     {{"pxpl5-class", on_call, 0, 0, 0, nullptr, 0}, {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};
 
-int Greeter::Core::on_call(lws* connection, lws_callback_reasons reason, void* /*user*/,
-                           void* /*data*/, std::size_t /*size*/) {
+int ClassPage::Core::on_call(lws* connection, lws_callback_reasons reason, void* /*user*/,
+                             void* /*data*/, std::size_t /*size*/) {
     lws_context* context = lws_get_context(connection);
     auto* core = context == nullptr ? nullptr : static_cast<Core*>(lws_context_user(context));
     // Nothing may be thrown through libwebsockets: a connection that cannot be served is closed.
@@ -141,7 +138,7 @@ int Greeter::Core::on_call(lws* connection, lws_callback_reasons reason, void* /
     }
 }
 
-int Greeter::Core::on_event(lws* connection, int reason) {
+int ClassPage::Core::on_event(lws* connection, int reason) {
     switch (reason) {
         case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
             strangers_.meet(connection);
@@ -161,75 +158,76 @@ int Greeter::Core::on_event(lws* connection, int reason) {
     }
 }
 
-int Greeter::Core::on_request(lws* connection) {
+int ClassPage::Core::on_request(lws* connection) {
     const Request request = read_request(connection);
     const AccessRules& rules = listener_.rules();
     if (const Verdict source = judge_source(rules, request); source.status != 200) {
-        return say(connection, {source.status, "This address is not known", source.reason});
+        return send(connection, {source.status, "This address is not known", source.reason});
     }
-    if ((request.method != "GET" && request.method != "HEAD") || !request.path.ends_with('/')) {
-        return say(connection, {404, "There is no such page",
-                                "Open the whole address of the class, with the slash before '?'."});
+    if (request.method != "GET" || !request.path.ends_with('/')) {
+        return send(connection,
+                    {404, "There is no such page",
+                     "Open the whole address of the class, with the slash before '?'."});
     }
     const int port = last_port_in(request.path);
-    if (port != 0 && port != listener_.port() && receptionist_.has_port(port)) {
+    if (port != 0 && port != listener_.port() && answers_.has_port(port)) {
         return pass_on(connection, request, port);
     }
     Request with_cookie = request;
     with_cookie.query.clear();
     // The cookie counts before the token, so that the same browser gets the same session again.
-    Greeting greeting = receptionist_.greet_known([&](const std::string& secret) {
+    PageAnswer answer = answers_.answer_known([&](const std::string& secret) {
         AccessRules of_browser = rules;
         of_browser.driver_session = secret;
         return judge(of_browser, with_cookie).status == 200;
     });
-    if (greeting.status == 0) {
+    if (answer.status == 0) {
         if (judge(rules, request).status != 200) {
-            return say(connection, {403, "This address is not complete",
-                                    "Open the whole address of the class, with its token."});
+            return send(connection, {403, "This address is not complete",
+                                     "Open the whole address of the class, with its token."});
         }
-        greeting = receptionist_.greet_new();
+        answer = answers_.answer_new();
     }
     strangers_.accept(connection);
-    return say(connection, greeting);
+    return send(connection, answer);
 }
 
-int Greeter::Core::say(lws* connection, const Greeting& greeting) const {
-    if (greeting.port != 0) {
+int ClassPage::Core::send(lws* connection, const PageAnswer& reply) const {
+    if (reply.port != 0) {
         // From the place of this server's own port, which a portal may have in its path.
-        return redirect(connection, fmt::format("../{}/?token={}", greeting.port, greeting.token));
+        return redirect(connection, fmt::format("../{}/?token={}", reply.port, reply.token));
     }
     // Lax: a browser shows the cookie also when it follows a link to this page.
     const std::string cookie =
-        greeting.secret.empty()
+        reply.secret.empty()
             ? ""
             : fmt::format("{}={}; HttpOnly; SameSite=Lax{}", listener_.rules().cookie_name,
-                          greeting.secret, listener_.rules().encrypted ? "; Secure" : "");
-    const int kept = answer(connection, greeting.status, html, greeting_page(greeting), cookie);
-    return greeting.status == 200 ? kept : -1;
+                          reply.secret, listener_.rules().encrypted ? "; Secure" : "");
+    const int kept = answer(connection, reply.status, html, page_text(reply), cookie);
+    return reply.status == 200 ? kept : -1;
 }
 
-int Greeter::Core::pass_on(lws* connection, const Request& request, int port) const {
+int ClassPage::Core::pass_on(lws* connection, const Request& request, int port) const {
     const auto token = request.query.find("token");
     constexpr std::string_view digits = "0123456789abcdef";
     if (token == request.query.end() ||
         token->second.find_first_not_of(digits) != std::string::npos) {
-        return say(connection,
-                   {403, "This address is not complete", "Open the address of the class again."});
+        return send(connection,
+                    {403, "This address is not complete", "Open the address of the class again."});
     }
     return redirect(connection, fmt::format("{}://{}:{}/?token={}",
                                             listener_.rules().encrypted ? "https" : "http",
                                             without_port(request.host), port, token->second));
 }
 
-Greeter::Greeter(const ServerOptions& options, Receptionist& receptionist)
-    : core_(std::make_unique<Core>(options, receptionist)) {}
-Greeter::~Greeter() = default;
+ClassPage::ClassPage(const ServerOptions& options, ClassAnswers& answers)
+    : core_(std::make_unique<Core>(options, answers)) {}
+ClassPage::~ClassPage() = default;
 
-std::string Greeter::url() const {
+std::string ClassPage::url() const {
     return core_->listener().address() + "?token=" + core_->listener().rules().driver_token;
 }
-int Greeter::port() const {
+int ClassPage::port() const {
     return core_->listener().port();
 }
 

@@ -11,7 +11,7 @@
 namespace pxpl5::host::serve {
 
 /// The answer to a browser: a page with a heading and a sentence, or the port of a session.
-struct Greeting {
+struct PageAnswer {
     int status = 200;  ///< HTTP status.
     std::string heading, sentence;
     int again_s = 0;          ///< Seconds until the browser asks again; 0: never.
@@ -20,35 +20,35 @@ struct Greeting {
     std::string token = {};   ///< The driver's token of the server there.
 };
 
-/// The greeter's questions. All are called in the thread of the greeter.
-class Receptionist {
+/// The page's questions. All are called in the thread of the page.
+class ClassAnswers {
   public:
-    virtual ~Receptionist() = default;
+    virtual ~ClassAnswers() = default;
     /// Greets a browser that has shown a secret that was given out. Returns status 0 if it has
     /// shown none.
     ///
     /// has_shown  Whether the browser has shown this secret.
-    virtual Greeting greet_known(
+    virtual PageAnswer answer_known(
         const std::function<bool(const std::string& secret)>& has_shown) = 0;
     /// Greets a browser that has shown the token of the class.
-    virtual Greeting greet_new() = 0;
+    virtual PageAnswer answer_new() = 0;
     /// Returns whether a session has this port.
     virtual bool has_port(int port) = 0;
-    /// The greeter cannot go on.
-    virtual void lost() = 0;
+    /// The page cannot go on.
+    virtual void fail() = 0;
 };
 
 /// Serves from a thread of its own. Every request needs a name of this computer in Host, and a
 /// secret: the cookie or the token of the class. Connections without a secret are few and short, as
 /// those of Server.
-class Greeter {
+class ClassPage {
   public:
     /// options  Page and folders are not used.
     /// Throws as Server does.
-    Greeter(const ServerOptions& options, Receptionist& receptionist);
-    ~Greeter();
-    Greeter(const Greeter&) = delete;
-    Greeter& operator=(const Greeter&) = delete;
+    ClassPage(const ServerOptions& options, ClassAnswers& answers);
+    ~ClassPage();
+    ClassPage(const ClassPage&) = delete;
+    ClassPage& operator=(const ClassPage&) = delete;
 
     std::string url() const;  ///< With the token of the class.
     int port() const;
@@ -62,6 +62,6 @@ class Greeter {
 int last_port_in(std::string_view path);
 
 /// A page of HTML. Both texts are plain.
-std::string greeting_page(const Greeting& greeting);
+std::string page_text(const PageAnswer& answer);
 
 }  // namespace pxpl5::host::serve
