@@ -29,6 +29,7 @@ Reply run_presets(Session& session, const Arguments& arguments);
 Reply run_clip(Session& session, const Arguments& arguments);
 Reply run_antialias(Session& session, const Arguments& arguments);
 Reply run_detail(Session& session, const Arguments& arguments);
+Reply run_stereo(Session& session, const Arguments& arguments);
 Reply run_overlay(Session& session, const Arguments& arguments);
 Reply run_tint(Session& session, const Arguments& arguments);
 Reply run_pick(Session& session, const Arguments& arguments);

@@ -92,8 +92,10 @@ void add_simplified(Reply& reply, const Session& session) {
     const double moved_mm = session.frames.last().moved_mm;
     reply.fields.push_back({"moved_mm", moved_mm});
     if (moved_mm > 0) {
-        reply.text += fmt::format("; simplified: no point is farther than {} mm from its surface",
-                                  bound_text(moved_mm));
+        reply.text += fmt::format(
+            "; simplified: no point is farther than {} mm from the exact "
+            "surface, and small parts may be missing",
+            bound_text(moved_mm));
     }
 }
 

@@ -28,7 +28,7 @@ struct Pixel {
 
 /// words[first] and the one behind it.
 Pixel parse_pixel(const Session& session, const Arguments& arguments, std::size_t first) {
-    const Size& size = session.scene.size;
+    const Size size = composed_size(session.scene.size, session.scene.stereo.mode);
     return {parse_whole("X", arguments.words[first], 0, size.width - 1),
             parse_whole("Y", arguments.words[first + 1], 0, size.height - 1)};
 }

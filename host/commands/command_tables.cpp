@@ -6,9 +6,10 @@ namespace pxpl5::host {
 CommandTable command_table() {
     static const std::vector<Command> table = [] {
         std::vector<Command> rows;
-        for (const auto& group : {volume_commands(), surface_commands(), mesh_commands(),
-                                  view_commands(), style_commands(), pixel_commands(),
-                                  picture_commands(), machine_commands(), session_commands()}) {
+        for (const auto& group :
+             {volume_commands(), surface_commands(), mesh_commands(), view_commands(),
+              style_commands(), drawing_commands(), pixel_commands(), picture_commands(),
+              machine_commands(), session_commands()}) {
             rows.insert(rows.end(), group.begin(), group.end());
         }
         return rows;

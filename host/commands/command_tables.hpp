@@ -22,6 +22,7 @@ std::vector<Command> surface_commands();
 std::vector<Command> mesh_commands();
 std::vector<Command> view_commands();
 std::vector<Command> style_commands();
+std::vector<Command> drawing_commands();
 std::vector<Command> pixel_commands();
 std::vector<Command> picture_commands();
 std::vector<Command> machine_commands();

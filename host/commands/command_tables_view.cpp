@@ -10,6 +10,9 @@ namespace {
 
 constexpr Words gaps_off = {"gaps", "off"};
 
+constexpr double min_eyes_mm = 0.001, max_eyes_mm = 100'000;
+constexpr std::array<std::string_view, 5> stereo_modes{"off", "anaglyph", "sbs", "cross", "rows"};
+
 constexpr Parameter x_word{"X", "X", "pixel from the left of the picture"};
 constexpr Parameter y_word{"Y", "Y", "pixel from the top of the picture"};
 
@@ -93,6 +96,11 @@ std::vector<Command> style_commands() {
           .kind = CommandKind::setting,
           .stage = RenderStage::scene},
          run_tint},
+    };
+}
+
+std::vector<Command> drawing_commands() {
+    return {
         {{.name = "antialias",
           .help = "Sets the number of samples per pixel. Edges are smooth with 4 or 16 samples.",
           .words = {{"SAMPLES", "1|4|16", ""}},
@@ -104,12 +112,32 @@ std::vector<Command> style_commands() {
           .help = "Draws surfaces with fewer triangles; without a word, prints the choice. N "
                   "clusters vertices in cells of 2, 4 or 8 voxels a side, in all pictures. 'auto' "
                   "does so in the viewer's moving pictures if they have more than 2 million "
-                  "triangles; resting pictures and all files are then exact.",
+                  "triangles; resting pictures and all files are then exact. Several GPs need sets "
+                  "of 16 slices: start pxpl5 with --set gp.slabs_per_set=16 for volumes within "
+                  "the paper's limits.",
           .words = {{"DETAIL", "exact|auto|1|2|3", ""}},
           .forms = "[exact|auto|1|2|3]",
           .kind = CommandKind::setting,
           .stage = RenderStage::look},
          run_detail},
+        {{.name = "stereo",
+          .help = "Draws each picture for both eyes; without a word, prints the choice. 'anaglyph' "
+                  "is for red and cyan glasses, 'sbs' has the left eye's picture at the left, "
+                  "'cross' at the right, 'rows' is for 3-D monitors with alternate rows. 'size' "
+                  "is that of one eye's picture. Pixels of pick, measure and why are those of the "
+                  "whole picture; of an anaglyph they mean the left eye.",
+          .words = {choice_value("MODE", stereo_modes, "")},
+          .options = {number_value("separation", "MM", min_eyes_mm, max_eyes_mm,
+                                   "distance between the eyes; 0.035 of the camera's distance, "
+                                   "divided by the zoom, by default",
+                                   "mm"),
+                      number_value("convergence", "MM", min_eyes_mm, max_eyes_mm,
+                                   "distance from the eyes to what appears at the screen; the "
+                                   "center of the volume by default",
+                                   "mm")},
+          .kind = CommandKind::setting,
+          .stage = RenderStage::look},
+         run_stereo},
         {{.name = "overlay",
           .help = "Shows or hides side letters, scale bar and legend in written pictures.",
           .words = {choice_value("SWITCH", on_off, "")},

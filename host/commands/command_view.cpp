@@ -242,6 +242,28 @@ Reply run_detail(Session& session, const Arguments& arguments) {
     return reply;
 }
 
+Reply run_stereo(Session& session, const Arguments& arguments) {
+    Stereo& stereo = session.scene.stereo;
+    if (!arguments.words.empty()) {
+        stereo = {*find_stereo(arguments.words[0]), arguments.number("separation", 0),
+                  arguments.number("convergence", 0)};
+    } else if (!arguments.options.empty()) {
+        refuse_command("stereo: options need a mode, for example: stereo anaglyph separation=30");
+    }
+    const std::string mode(stereo_word(stereo.mode));
+    Reply reply{"stereo " + mode, {{"stereo", mode}}};
+    const bool has_subject = session.volumes.has_volume() || session.volumes.archive() != nullptr;
+    if (stereo.mode == StereoMode::off || !has_subject) {
+        return reply;
+    }
+    const EyePlaces places = eye_places(stereo, session.scene.camera, session.frames.subject());
+    reply.text += fmt::format(": eyes {:.4g} mm apart, parallax 0 at {:.4g} mm",
+                              places.separation_mm, places.convergence_mm);
+    reply.fields.push_back({"separation_mm", places.separation_mm});
+    reply.fields.push_back({"convergence_mm", places.convergence_mm});
+    return reply;
+}
+
 Reply run_overlay(Session& session, const Arguments& arguments) {
     session.scene.overlay = arguments.words[0] == "on";
     return {"overlay " + arguments.words[0], {{"overlay", session.scene.overlay}}};
@@ -306,7 +328,7 @@ std::vector<Fields> fields_of(const Session& session, const std::vector<Frames::
 }  // namespace
 
 Reply run_pick(Session& session, const Arguments& arguments) {
-    const auto& size = session.scene.size;
+    const Size size = composed_size(session.scene.size, session.scene.stereo.mode);
     const int x = parse_whole("X", arguments.words[0], 0, size.width - 1);
     const int y = parse_whole("Y", arguments.words[1], 0, size.height - 1);
     const std::string wanted = shown_surface(session, arguments.text("surface", ""));

@@ -107,6 +107,10 @@ Subject subject_of(const glm::dvec3& last, const glm::dmat4& voxel_to_patient) {
     return subject;
 }
 
+double camera_distance_mm(const Subject& subject) {
+    return subject.radius_mm / std::sin(half_angle_rad);
+}
+
 CameraMatrices camera_matrices(const Camera& camera, const Subject& subject, double aspect) {
     assert(aspect > 0);
     assert(camera.zoom > 0);
@@ -122,7 +126,7 @@ CameraMatrices camera_matrices(const Camera& camera, const Subject& subject, dou
     const glm::dvec3 right = std::cos(roll) * level - std::sin(roll) * upright;
     const glm::dvec3 up = std::sin(roll) * level + std::cos(roll) * upright;
 
-    const double distance = subject.radius_mm / std::sin(half_angle_rad);
+    const double distance = camera_distance_mm(subject);
     CameraMatrices m{glm::dmat4(1.0), glm::dmat4(0.0)};
     for (int axis = 0; axis < 3; ++axis) {
         m.patient_to_eye[axis] = glm::dvec4(right[axis], up[axis], back[axis], 0);

@@ -69,6 +69,9 @@ struct CameraMatrices {
     glm::dmat4 projection;      ///< Eye to clip space, OpenGL convention.
 };
 
+/// From the camera to the subject's center, in millimeters.
+double camera_distance_mm(const Subject& subject);
+
 /// Perspective of 30 degrees at zoom 1; the near and far planes enclose the subject at any zoom.
 ///
 /// aspect   Width over height of the picture, > 0.

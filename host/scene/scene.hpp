@@ -14,6 +14,7 @@
 #include "generated/vocabulary.hpp"
 #include "host/base/command_line.hpp"
 #include "host/scene/camera.hpp"
+#include "host/scene/stereo.hpp"
 
 namespace pxpl5::host {
 
@@ -79,13 +80,14 @@ struct Scene {
     std::vector<Light> lights = {{-28, 32, 0.72}, {55, -8, 0.26}};
     Material material;
     Color background{18, 22, 30};
-    Size size{512, 512};
+    Size size{512, 512};            ///< The picture of one eye.
     std::vector<Surface> surfaces;  ///< In drawing order.
     std::vector<SceneClip> clips;   ///< Only points on the kept side of all planes are drawn.
     bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in `gap_color`.
     Color gap_color{226, 84, 62};
     int samples = 1;  ///< Samples per pixel of a picture, one of sample_counts.
     DetailChoice detail;
+    Stereo stereo;
     bool overlay = true;  ///< Pictures in files carry orientation letters and a scale bar.
 };
 

@@ -41,6 +41,17 @@ void add_pass(const schema::FrameDone& done, FrameReport& report) {
     }
 }
 
+/// The picture of a frame, of which two views become one picture.
+Picture picture_of(const schema::FrameDone& done, StereoMode stereo) {
+    const Size view{static_cast<int>(done.width()), static_cast<int>(done.height())};
+    if (done.views() == 1) {
+        return {view.width, view.height, {done.pixels()->begin(), done.pixels()->end()}};
+    }
+    const Size size = composed_size(view, stereo);
+    return {size.width, size.height,
+            composed({done.pixels()->data(), done.pixels()->size()}, view, stereo)};
+}
+
 }  // namespace
 
 Frames::Frames(Conversation& conversation, Scene& scene, const Volumes& volumes, Nodes& nodes)
@@ -62,13 +73,19 @@ std::string Frames::simplification_refusal() const {
 
 Stage Frames::stage(const Scene& scene) const {
     if (volumes_.archive() != nullptr) {
-        return {volumes_.archive_surfaces(), scene_subject(), glm::dmat4(1.0), false, 0};
+        return {volumes_.archive_surfaces(),       scene_subject(), glm::dmat4(1.0), false, 0,
+                cameras_of(scene, scene_subject())};
     }
     const Volume& held = volumes_.volume();
     const glm::dvec3 last(held.nx - 1, held.ny - 1, last_place(held));
     const bool is_simplified = scene.detail.detail > 0 && simplification_refusal().empty();
-    return {scene_.surfaces, subject_of(last, held.voxel_to_patient), held.voxel_to_patient,
-            !held.gap_slabs.empty(), is_simplified ? scene.detail.detail : 0};
+    const Subject subject = subject_of(last, held.voxel_to_patient);
+    return {scene_.surfaces,
+            subject,
+            held.voxel_to_patient,
+            !held.gap_slabs.empty(),
+            is_simplified ? scene.detail.detail : 0,
+            cameras_of(scene, subject)};
 }
 
 void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back, Pass pass,
@@ -79,8 +96,8 @@ void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back,
     }
     const bus::Payload message =
         frame_request(scene, stage, next_frame_, picture_costs_, read_back, pass, counts);
-    pending_.push_back(
-        {next_frame_++, picture_started_ns_, pass, read_back == ReadBack::pixels_and_depths});
+    pending_.push_back({next_frame_++, picture_started_ns_, pass,
+                        read_back == ReadBack::pixels_and_depths, scene.stereo.mode});
     conversation_.machine().send(conversation_.gps().front(), message);
 }
 
@@ -104,9 +121,7 @@ void Frames::take_done(const schema::FrameDone& done) {
         depths_.assign(done.depths()->begin(), done.depths()->end());
     }
     if (done.pixels() != nullptr) {
-        finished_.push_back({static_cast<int>(done.width()),
-                             static_cast<int>(done.height() * done.views()),
-                             {done.pixels()->begin(), done.pixels()->end()}});
+        finished_.push_back(picture_of(done, pending.stereo));
     }
     if (pending.is_question) {
         return;
@@ -208,7 +223,8 @@ std::optional<Picture> Frames::draw_samples(int samples, const std::function<boo
 
 int Frames::max_samples() const {
     const auto px = [](int length) { return static_cast<std::uint32_t>(length); };
-    const std::size_t regions = region_count(px(scene_.size.width), px(scene_.size.height), 1);
+    const std::uint32_t views = scene_.stereo.mode == StereoMode::off ? 1 : 2;
+    const std::size_t regions = region_count(px(scene_.size.width), px(scene_.size.height), views);
     const std::size_t renderers = conversation_.renderer_count();
     int most = 1;
     for (const int samples : sample_counts) {
@@ -228,26 +244,28 @@ std::uint64_t Frames::key_of(const Scene& scene) const {
     return digest.value();
 }
 
-std::optional<Pick> Frames::pick_alone(Surface surface, int x, int y) {
+std::optional<Pick> Frames::pick_alone(Surface surface, const EyePixel& at) {
     surface.opacity = full_opacity;
     Stage alone = stage(scene_);
     alone.detail = 0;  // The point is exact.
     alone.surfaces = {&surface, 1};
     alone.has_gaps = false;
+    alone.cameras = {alone.cameras.at(static_cast<std::size_t>(at.eye))};
     depths_.clear();
     request(scene_, alone, ReadBack::pixels_and_depths);
     const Picture picture = take_oldest();
-    return host::pick({matrices_of(scene_, alone), picture.width, picture.height, depths_}, x, y,
+    return host::pick({alone.cameras.front(), picture.width, picture.height, depths_}, at.x, at.y,
                       volumes_.volume());
 }
 
 std::vector<Frames::Picked> Frames::hits(int x, int y) {
     volumes_.volume();  // Throws for archives.
     drop_ahead();
+    const EyePixel at = eye_pixel(x, y, scene_.size, scene_.stereo.mode);
     std::vector<Picked> found;
     for (const Surface& surface : scene_.surfaces) {
         if (surface.visible && !is_compared(scene_.surfaces, surface)) {
-            if (const std::optional<Pick> hit = pick_alone(surface, x, y)) {
+            if (const std::optional<Pick> hit = pick_alone(surface, at)) {
                 found.push_back({*hit, surface.name, surface.opacity});
             }
         }

@@ -98,8 +98,9 @@ class Frames {
         bool is_opaque() const { return opacity == full_opacity; }
     };
     /// Returns the points of all visible surfaces under the middle of pixel (x, y) from the top
-    /// left, nearest first. Draws each surface once, alone and opaque, so that the holes of the
-    /// screen door have no part in the answer. Throws RequestError for archives.
+    /// left, nearest first; of a stereo picture those that the eye of this pixel sees. Draws each
+    /// surface once, alone and opaque, so that the holes of the screen door have no part in the
+    /// answer. Throws RequestError for archives.
     std::vector<Picked> hits(int x, int y);
     /// Returns the nearest of `hits` on an opaque surface; without one, the nearest of all; nothing
     /// without hits. `surface`, if not empty, names the only surface that counts.
@@ -128,6 +129,7 @@ class Frames {
         std::int64_t started_ns = 0;  ///< Start of the picture's first pass.
         Pass pass;
         bool is_question = false;  ///< Asks for depths, and is no picture that is shown.
+        StereoMode stereo = StereoMode::off;
     };
     struct Ahead {
         std::uint32_t frame = 0;
@@ -138,7 +140,7 @@ class Frames {
     std::uint64_t key_of(const Scene& scene) const;
     void request(const Scene& scene, const Stage& stage, ReadBack read_back = ReadBack::pixels,
                  Pass pass = {}, bool counts = false);
-    std::optional<Pick> pick_alone(Surface surface, int x, int y);
+    std::optional<Pick> pick_alone(Surface surface, const EyePixel& at);
     bool take_fault(std::uint32_t frame);
     void take_done(const bus::schema::FrameDone& done);
     void take_counts(const bus::Message& message);

@@ -146,6 +146,7 @@ void restore_all(Session& session, const Scene& wanted) {
     session.scene.samples = wanted.samples;
     session.scene.overlay = wanted.overlay;
     session.scene.detail = wanted.detail;
+    session.scene.stereo = wanted.stereo;
     restore(session, wanted);
 }
 

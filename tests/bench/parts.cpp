@@ -136,10 +136,10 @@ std::uint32_t Parts::extract() {
 
 void Parts::draw(std::uint32_t frame) {
     scene_.camera.angles.azimuth_deg = step_deg * frame;
-    const host::Stage stage{
-        scene_.surfaces,
-        host::subject_of(volume_.nx, volume_.ny, volume_.nz, volume_.voxel_to_patient),
-        volume_.voxel_to_patient, false};
+    const host::Subject subject =
+        host::subject_of(volume_.nx, volume_.ny, volume_.nz, volume_.voxel_to_patient);
+    const host::Stage stage{scene_.surfaces, subject, volume_.voxel_to_patient,
+                            false,           0,       host::cameras_of(scene_, subject)};
     gp_wire.sent.clear();
     gp.receive(Held(host::frame_request(scene_, stage, frame, {})).message(gp_id), gp_wire);
     work(gp, gp_wire);

@@ -90,6 +90,7 @@ TEST_CASE("the whole scene is put back after a death") {
                                             "size 96x80",
                                             "antialias 4",
                                             "detail auto",
+                                            "stereo anaglyph separation=20",
                                             "overlay on"};
     int id = 0;
     for (const std::string& line : lines) {
@@ -106,7 +107,7 @@ TEST_CASE("the whole scene is put back after a death") {
     CHECK(same_parameters(before, after));
     // Does not compile when Scene has a member that this test does not know of.
     const auto& [camera, lights, material, background, size, surfaces, clips, tint_gaps, gap_color,
-                 samples, detail, overlay] = after;
+                 samples, detail, stereo, overlay] = after;
     CHECK(camera == before.camera);
     CHECK(lights == before.lights);
     CHECK(material == before.material);
@@ -118,8 +119,10 @@ TEST_CASE("the whole scene is put back after a death") {
     CHECK(gap_color == before.gap_color);
     CHECK(samples == before.samples);
     CHECK(detail == before.detail);
+    CHECK(stereo == before.stereo);
     CHECK(overlay == before.overlay);
     CHECK(samples == 4);
+    CHECK(stereo.mode == StereoMode::anaglyph);
     CHECK(detail.is_auto);
 }
 

@@ -1,8 +1,9 @@
-// Pictures of several samples a pixel, as a session sees them.
+// Pictures of several samples a pixel, and of two eyes, as a session sees them.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cstring>
+#include <glm/geometric.hpp>
 #include <memory>
 #include <set>
 #include <vector>
@@ -188,4 +189,87 @@ TEST_CASE("the most samples are those that the Renderers have room to sum") {
     CHECK(bench.session.frames.max_samples() == 1);
     bench.session.scene.size = {200, 150};
     CHECK(bench.session.frames.draw_samples(16).has_value());
+}
+
+TEST_CASE("each eye of a pair is the picture of its camera alone, bit for bit, on any machine") {
+    Bench bench(2, 3);
+    bench.session.scene.stereo = {StereoMode::side_by_side, 40, 0};
+    const Picture pair = bench.session.frames.draw();
+    REQUIRE(pair.width == 400);
+    REQUIRE(pair.height == 150);
+    REQUIRE(bench.asked.back().views.size() == 2);
+    Bench one(1, 1);
+    std::vector<Pixels> alone;
+    for (const std::size_t eye : {0U, 1U}) {
+        schema::DrawFrameT draw = bench.asked.back();
+        draw.views.erase(draw.views.begin() + static_cast<std::ptrdiff_t>(1 - eye));
+        draw.region_costs.clear();
+        alone.push_back(one.alone(draw, static_cast<std::uint32_t>(eye)));
+        REQUIRE(alone.back().size() == 200 * 150);
+        std::size_t wrong = 0;
+        for (std::size_t p = 0; p < alone.back().size(); ++p) {
+            wrong += pair.rgba[p / 200 * 400 + eye * 200 + p % 200] == alone.back()[p] ? 0 : 1;
+        }
+        CHECK(wrong == 0);
+    }
+    CHECK(alone[0] != alone[1]);
+
+    Bench other(1, 1);
+    for (const StereoMode mode :
+         {StereoMode::side_by_side, StereoMode::crossed, StereoMode::rows, StereoMode::anaglyph}) {
+        bench.session.scene.stereo.mode = mode;
+        other.session.scene.stereo = bench.session.scene.stereo;
+        CHECK(other.session.frames.draw().rgba == bench.session.frames.draw().rgba);
+    }
+    bench.session.scene.stereo.mode = StereoMode::rows;
+    const Picture rows = bench.session.frames.draw();
+    for (const int y : {74, 75}) {
+        const auto row = [y](const Pixels& pixels) {
+            return Pixels(pixels.begin() + y * 200, pixels.begin() + (y + 1) * 200);
+        };
+        CHECK(row(rows.rgba) == row(alone[static_cast<std::size_t>(y % 2)]));
+    }
+}
+
+TEST_CASE("a picture of two eyes has several samples a pixel, too") {
+    Bench bench(2, 2);
+    bench.session.scene.stereo.mode = StereoMode::side_by_side;
+    const Pixels plain = bench.session.frames.draw().rgba;
+    REQUIRE(bench.session.frames.max_samples() >= 4);
+    const Pixels fine = bench.session.frames.draw_samples(4)->rgba;
+    CHECK(fine.size() == plain.size());
+    CHECK(fine != plain);
+    Bench other(1, 3);
+    other.session.scene.stereo = bench.session.scene.stereo;
+    CHECK(other.session.frames.draw_samples(4)->rgba == fine);
+}
+
+TEST_CASE("both eyes see a picked point at its place") {
+    Bench bench(2, 2);
+    Scene& scene = bench.session.scene;
+    scene.stereo = {StereoMode::side_by_side, 40, 0};
+    const Subject subject = bench.session.frames.subject();
+    const std::vector<CameraMatrices> eyes = cameras_of(scene, subject);
+    int points = 0, again = 0;
+    for (int y = 5; y < 150; y += 10) {
+        for (int x = 5; x < 200; x += 10) {
+            const auto left = bench.session.frames.pick(x, y);
+            if (!left) {
+                continue;
+            }
+            ++points;
+            const glm::dvec4 clip =
+                eyes[1].projection * eyes[1].patient_to_eye * glm::dvec4(left->pick.p_mm, 1);
+            const auto column = static_cast<int>((clip.x / clip.w + 1) / 2 * 200);
+            const double row = (1 - clip.y / clip.w) / 2 * 150;
+            CHECK(row == doctest::Approx(y + 0.5).epsilon(1e-3));  // No parallax up or down.
+            const auto right = column >= 0 && column < 200
+                                   ? bench.session.frames.pick(200 + column, y)
+                                   : std::nullopt;
+            // The other eye may see another part in front, or the next pixel's point.
+            again += right && glm::distance(right->pick.p_mm, left->pick.p_mm) < 2 ? 1 : 0;
+        }
+    }
+    CHECK(points > 20);
+    CHECK(again > points * 3 / 4);
 }

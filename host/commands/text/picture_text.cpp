@@ -68,6 +68,32 @@ std::string view_text(const Camera& camera) {
     return text;
 }
 
+/// "anaglyph separation 30 convergence 600", in millimeters; empty for one camera.
+std::string stereo_text(const Session& session, const Camera& camera) {
+    const Stereo& stereo = session.scene.stereo;
+    if (stereo.mode == StereoMode::off) {
+        return "";
+    }
+    const EyePlaces places = eye_places(stereo, camera, session.frames.subject());
+    return fmt::format("{} separation {:.6g} convergence {:.6g}", stereo_word(stereo.mode),
+                       places.separation_mm, places.convergence_mm);
+}
+
+/// Each eye's picture has the marks, at the distance of the screen.
+void add_to_both(std::vector<PictureMark>& marks, const Scene& scene) {
+    const int shift_px = composed_size(scene.size, scene.stereo.mode).width - scene.size.width;
+    if (shift_px == 0) {
+        return;
+    }
+    const std::vector<PictureMark> of_one = marks;
+    for (PictureMark mark : of_one) {
+        for (glm::vec2& point : mark.points) {
+            point.x += static_cast<float>(shift_px);
+        }
+        marks.push_back(std::move(mark));
+    }
+}
+
 /// The surfaces that the picture shows.
 std::vector<Surface> drawn_surfaces(const Scene& scene) {
     std::vector<Surface> drawn;
@@ -98,6 +124,9 @@ std::string surface_text(const Surface& surface) {
 Attributes attributes_of(const Session& session, const Camera& camera) {
     Attributes attributes = {{"view", view_text(camera)},
                              {"samples", std::to_string(session.scene.samples)}};
+    if (std::string stereo = stereo_text(session, camera); !stereo.empty()) {
+        attributes.emplace_back("stereo", std::move(stereo));
+    }
     if (const double moved_mm = session.frames.last().moved_mm; moved_mm > 0) {
         attributes.emplace_back("simplified_within_mm", bound_text(moved_mm));
     }
@@ -138,6 +167,9 @@ std::string describe_scene(const Session& session, const Camera& camera) {
                            volume.nz, spacing_text(volume));
     }
     text += "; view " + view_text(camera);
+    if (const std::string stereo = stereo_text(session, camera); !stereo.empty()) {
+        text += "; stereo " + stereo;
+    }
     for (const Surface& surface : drawn_surfaces(scene)) {
         text += fmt::format("; surface {} isovalue {}", surface.name, surface.isovalue);
     }
@@ -166,6 +198,7 @@ PictureExtras picture_extras(const Session& session, const Camera& camera) {
         extras.marks = session.volumes.archive() != nullptr
                            ? archive_marks(session)
                            : overlay_marks(seen, session.frames.subject(), caption_of(session));
+        add_to_both(extras.marks, session.scene);
     }
     return extras;
 }
@@ -183,6 +216,7 @@ PictureExtras animation_extras(const Session& session) {
         overlay.legend = legend_of(scene.surfaces);
         overlay.letters = overlay.directions = false;
         extras.marks = overlay_marks(overlay);
+        add_to_both(extras.marks, scene);
     }
     return extras;
 }

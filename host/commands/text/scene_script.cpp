@@ -24,6 +24,17 @@ std::string color_word(const Color& color) {
     return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
 }
 
+Options options_of(const Stereo& stereo) {
+    Options options;
+    if (stereo.separation_mm > 0) {
+        options["separation"] = exact(stereo.separation_mm);
+    }
+    if (stereo.convergence_mm > 0) {
+        options["convergence"] = exact(stereo.convergence_mm);
+    }
+    return options;
+}
+
 class Lines {
   public:
     void add(const std::string& name, std::vector<std::string> words, Options options = {}) {
@@ -133,6 +144,7 @@ void add_looks(const Scene& scene, Lines& lines) {
     lines.add("background", {color_word(scene.background)});
     lines.add("antialias", {std::to_string(scene.samples)});
     lines.add("detail", {detail_word(scene.detail)});
+    lines.add("stereo", {std::string(stereo_word(scene.stereo.mode))}, options_of(scene.stereo));
     lines.add("overlay", {scene.overlay ? "on" : "off"});
     lines.add("size", {fmt::format("{}x{}", scene.size.width, scene.size.height)});
     const Camera& camera = scene.camera;

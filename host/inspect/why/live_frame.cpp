@@ -46,14 +46,33 @@ void check_is_whole(const RecordedRun& run, std::uint32_t number) {
 
 struct LiveFrame::Parts {
     Parts(std::uint64_t its_key, std::uint32_t number, const std::string& folder,
-          const Volume* volume)
-        : key(its_key), run(RecordedRun::open(folder)) {
+          const Volume* volume, const Scene& scene)
+        : key(its_key),
+          run(RecordedRun::open(folder)),
+          eye_size(scene.size),
+          stereo(scene.stereo.mode) {
         check_is_whole(run, number);
         inquiry.emplace(run, number, volume);
     }
 
+    /// The same pixel where the frame has it, whose views lie one below the other.
+    EyePixel stacked(int x, int y) const {
+        const Size size = composed_size(eye_size, stereo);
+        if (x < 0 || x >= size.width || y < 0 || y >= size.height) {
+            throw RequestError(
+                ExitCode::usage,
+                fmt::format("pixel ({}, {}) is outside of the picture, which has {} x {} pixels", x,
+                            y, size.width, size.height));
+        }
+        EyePixel pixel = eye_pixel(x, y, eye_size, stereo);
+        pixel.y += pixel.eye * eye_size.height;
+        return pixel;
+    }
+
     std::uint64_t key;
     RecordedRun run;
+    Size eye_size;
+    StereoMode stereo;
     std::optional<FrameInquiry> inquiry;
     std::optional<RegionScrub> scrub;
 };
@@ -61,7 +80,7 @@ struct LiveFrame::Parts {
 LiveFrame::LiveFrame(Session& session, std::uint64_t key) {
     const auto [frame, folder] = record_frame(session);
     const Volume* volume = session.volumes.has_volume() ? &session.volumes.volume() : nullptr;
-    parts_ = std::make_unique<Parts>(key, frame, folder, volume);
+    parts_ = std::make_unique<Parts>(key, frame, folder, volume, session.scene);
 }
 
 LiveFrame::~LiveFrame() = default;
@@ -78,17 +97,19 @@ LiveFrame& LiveFrame::of(Session& session) {
 }
 
 Reply LiveFrame::why(int x, int y) {
-    return answer_of(inspect::why(*parts_->inquiry, x, y)).reply();
+    const EyePixel pixel = parts_->stacked(x, y);
+    return answer_of(inspect::why(*parts_->inquiry, pixel.x, pixel.y)).reply();
 }
 
 ScrubView LiveFrame::scrub(int x, int y, const ScrubWish& wish) {
     const RecordedFrame& frame = parts_->inquiry->frame;
-    const RegionPlace place = frame.region_at(x, y);
+    const EyePixel pixel = parts_->stacked(x, y);
+    const RegionPlace place = frame.region_at(pixel.x, pixel.y);
     if (!parts_->scrub || parts_->scrub->region() != place.number) {
         parts_->scrub.reset();
         parts_->scrub.emplace(frame.regions.at(place.number));
     }
-    return parts_->scrub->view(wish, {x - place.x0_px, y - place.y0_px});
+    return parts_->scrub->view(wish, {pixel.x - place.x0_px, pixel.y - place.y0_px});
 }
 
 }  // namespace pxpl5::host::inspect

@@ -58,7 +58,8 @@ void refuse_output(const CommandDescriptor& command, const Arguments& arguments)
 
 /// Whether both scenes give the same picture.
 bool same_picture(const Scene& a, const Scene& b) {
-    return same_parameters(a, b) && a.size == b.size && a.detail == b.detail;
+    return same_parameters(a, b) && a.size == b.size && a.detail == b.detail &&
+           a.stereo == b.stereo;
 }
 
 }  // namespace

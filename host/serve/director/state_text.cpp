@@ -119,6 +119,7 @@ void add_looks(const Scene& scene, State& state) {
     state.tint_gaps = scene.tint_gaps;
     state.overlay = scene.overlay;
     state.detail = detail_word(scene.detail);
+    state.stereo = stereo_word(scene.stereo.mode);
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ void History::note(const Deed& deed, const Scene& before, const Scene& after) {
     const bool is_step = !same_parameters(before, after);
     const bool is_change = is_step || before.size != after.size ||
                            before.overlay != after.overlay || before.samples != after.samples ||
-                           before.detail != after.detail;
+                           before.detail != after.detail || before.stereo != after.stereo;
     if (!deed.is_action && !is_change) {
         return;
     }

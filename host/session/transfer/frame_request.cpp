@@ -48,8 +48,8 @@ glm::dmat4 moved(glm::dmat4 projection, Size size, Pass pass) {
     return projection;
 }
 
-std::unique_ptr<schema::ViewT> view_of(const Scene& scene, const Stage& stage, Pass pass) {
-    const CameraMatrices camera = matrices_of(scene, stage);
+std::unique_ptr<schema::ViewT> view_of(const CameraMatrices& camera, const Scene& scene,
+                                       const Stage& stage, Pass pass) {
     auto view = std::make_unique<schema::ViewT>();
     view->voxel_to_eye =
         std::make_unique<schema::Matrix>(to_wire(camera.patient_to_eye * stage.voxel_to_patient));
@@ -60,9 +60,12 @@ std::unique_ptr<schema::ViewT> view_of(const Scene& scene, const Stage& stage, P
 
 }  // namespace
 
-CameraMatrices matrices_of(const Scene& scene, const Stage& stage) {
+std::vector<CameraMatrices> cameras_of(const Scene& scene, const Subject& subject) {
     const double aspect = static_cast<double>(scene.size.width) / scene.size.height;
-    return camera_matrices(scene.camera, stage.subject, aspect);
+    const CameraMatrices middle = camera_matrices(scene.camera, subject, aspect);
+    return scene.stereo.mode == StereoMode::off
+               ? std::vector{middle}
+               : eye_matrices(middle, eye_places(scene.stereo, scene.camera, subject));
 }
 
 std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage) {
@@ -88,7 +91,9 @@ bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t
     draw.frame = frame;
     draw.width = static_cast<std::uint32_t>(scene.size.width);
     draw.height = static_cast<std::uint32_t>(scene.size.height);
-    draw.views.push_back(view_of(scene, stage, pass));
+    for (const CameraMatrices& camera : stage.cameras) {
+        draw.views.push_back(view_of(camera, scene, stage, pass));
+    }
     for (const Light& light : scene.lights) {
         draw.lights.push_back(to_wire(light));
     }

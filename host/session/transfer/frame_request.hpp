@@ -17,6 +17,7 @@ struct Stage {
     glm::dmat4 voxel_to_patient{1.0};  ///< Grid to patient millimeters.
     bool has_gaps = false;             ///< Some slabs lie across missing slices.
     int detail = 0;                    ///< Detail of all surfaces; 0: exact, else see SurfaceDraw.
+    std::vector<CameraMatrices> cameras = {};  ///< One, or those of the left and the right eye.
 };
 
 /// One entry of a frame's list of surfaces; a pixel's surface field is its index + 1.
@@ -30,8 +31,8 @@ struct DrawnSurface {
 /// surfaces of their own.
 std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage);
 
-/// The matrices of the stage's picture.
-CameraMatrices matrices_of(const Scene& scene, const Stage& stage);
+/// The matrices of a picture of the scene: of the left and the right eye, or of one camera.
+std::vector<CameraMatrices> cameras_of(const Scene& scene, const Subject& subject);
 
 /// Whether FrameDone carries depths besides pixels.
 enum class ReadBack : std::uint8_t { pixels, pixels_and_depths };

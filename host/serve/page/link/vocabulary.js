@@ -220,6 +220,7 @@ export function readAnswerHeader(view) {
  * @property {boolean} tint_gaps
  * @property {boolean} overlay
  * @property {string} detail  exact, auto, 1, 2 or 3, as `detail` takes it
+ * @property {string} stereo  off, anaglyph, sbs, cross or rows, as `stereo` takes it
  * @property {string | null} undo  the line that `undo` reverts
  * @property {string | null} redo
  * @property {MachineState} machine

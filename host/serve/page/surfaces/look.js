@@ -15,6 +15,9 @@ const DEGREE = Math.PI / 180;
 const DETAILS = {exact: 'all', auto: 'fewer while moving', 1: 'cells of 2 voxels',
   2: 'cells of 4 voxels', 3: 'cells of 8 voxels'};
 
+/** Modes whose pictures have the size of one camera's, and stand being scaled. */
+const STEREO_MODES = {off: 'off', anaglyph: 'red and cyan glasses'};
+
 /**
  * The position of a light's dot on the ball, right and down. Lights from behind lie outside.
  * @param {LightState} light
@@ -196,17 +199,27 @@ function createMaterial(root, app) {
     await app.connection.do(`detail ${detail.value}`);
     show(detail, app.store.state?.detail ?? detail.value);  // Again the old one after an error.
   }}, ...Object.entries(DETAILS).map(([value, text]) => h('option', {value}, text)));
+  const stereo = h('select', {'data-testid': 'stereo', onchange: async () => {
+    stereo.blur();
+    await app.connection.do(`stereo ${stereo.value}`);
+    show(stereo, app.store.state?.stereo ?? stereo.value);
+  }}, ...Object.entries(STEREO_MODES).map(([value, text]) => h('option', {value}, text)));
   root.append(h('label', {class: 'row'}, h('span', {class: 'field'}, 'Background'), color),
     h('label', {class: 'row', title: 'Fewer triangles are drawn faster. The status line states '
       + 'how far surfaces are off. "Fewer while moving": above 2 million triangles; exact at rest'},
-    h('span', {class: 'field'}, 'Triangles'), detail), gapLabel);
-  app.store.subscribe(['material', 'background', 'tint_gaps', 'volume', 'detail'], state => {
+    h('span', {class: 'field'}, 'Triangles'), detail),
+    h('label', {class: 'row', title: 'Draws a picture for each eye. The command stereo sets the '
+      + 'distance of the eyes.'}, h('span', {class: 'field'}, 'Stereo'), stereo), gapLabel);
+  app.store.subscribe(['material', 'background', 'tint_gaps', 'volume'], state => {
     for (const {key, input} of rows) {
       show(input, String(state.material[key]));
     }
     show(color, state.background);
-    show(detail, state.detail);
     gaps.checked = state.tint_gaps;
     gapLabel.hidden = (state.volume?.gaps ?? 0) === 0;
+  });
+  app.store.subscribe(['detail', 'stereo'], state => {
+    show(detail, state.detail);
+    show(stereo, state.stereo);
   });
 }
