@@ -1,4 +1,4 @@
-// Fewer triangles: chosen in the page, drawn, stated below the picture, and exact again.
+// Fewer triangles and stereo: chosen in the page, drawn, and one exact picture again.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { byId, page, shoot, usePage } from './harness.js';
@@ -32,5 +32,16 @@ test('fewer triangles, and all again', async () => {
   assert.doesNotMatch(await quality(), /simplified/);
   assert.equal((await choose('exact')).digest, exact.digest);
   assert.match(await byId('badge-quality').getAttribute('class'), /good/);
+  assert.deepEqual(await errorsShown(page), []);
+});
+
+test('an anaglyph, and one camera again', async () => {
+  const before = await settled(page);
+  const stereo = word => after(page, () => byId('stereo').selectOption(word),
+                               (now, word) => now.stereo === word, word);
+  const pair = await stereo('anaglyph');
+  assert.notEqual(pair.digest, before.digest);
+  await shoot(page, 'stereo-anaglyph-1280');
+  assert.equal((await stereo('off')).digest, before.digest);
   assert.deepEqual(await errorsShown(page), []);
 });
