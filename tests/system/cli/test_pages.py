@@ -61,6 +61,10 @@ EXCUSED = {
             "--sbatch-option=--partition=gpu"): "needs Slurm; cluster/jobs submits such jobs",
     (SERVE, "pxpl5 serve knee.nii.gz --bind 0.0.0.0 --insecure --allow-host ondemand.example.edu"):
         "serves until Ctrl-C; browser/portal opens the page behind a portal",
+    (SERVE, "pxpl5 serve knee.nii.gz --sessions 30 --port 8000 --bind 0.0.0.0 --insecure"):
+        "serves until Ctrl-C; system/class serves classes",
+    (SERVE, "pxpl5 serves a class: 30 sessions at the same time, each with a machine of its own"):
+        "is printed by the command above it",
     (SESSIONS, "pxpl5 sessions show latest"): RUNNING,
     (SESSIONS, "pxpl5 sessions end 4711"): RUNNING,
     (KUBERNETES, "pxpl5 key | kubectl create secret generic pxpl5-key --from-file=key=/dev/stdin"):
