@@ -11,6 +11,8 @@
 #include <sstream>
 #include <system_error>
 
+#include "host/base/kernel/control_groups.hpp"
+
 namespace pxpl5::host {
 
 namespace {
@@ -50,32 +52,6 @@ std::uint64_t threads_of_computer() {
     return threads;
 }
 
-/// The number in a file of a control group. Empty for "max", and if the file does not exist.
-std::optional<std::uint64_t> number_in(const fs::path& path) {
-    std::ifstream file(path);
-    std::uint64_t number = 0;
-    return file >> number ? std::optional(number) : std::nullopt;
-}
-
-/// Keeps in `least` the tighter of `least` and the limits of `group` and of the groups around it.
-/// In a container, a group may have a path that is not mounted.
-void note_groups(const fs::path& mount, fs::path group, std::optional<ThreadLimit>& least) {
-    for (bool is_root = false; !is_root; group = group.parent_path()) {
-        is_root = group.empty();
-        const fs::path folder = is_root ? mount : mount / group;
-        const auto most = number_in(folder / "pids.max");
-        const auto used = number_in(folder / "pids.current");
-        if (most && used) {
-            const ThreadLimit limit{
-                fmt::format("the limit of its control group ({})", (folder / "pids.max").string()),
-                "TasksMax of systemd, --pids-limit of docker", *most, *used};
-            if (!least || limit.left() < least->left()) {
-                least = limit;
-            }
-        }
-    }
-}
-
 }  // namespace
 
 std::uint64_t threads_of_user(uid_t user, const fs::path& root) {
@@ -113,22 +89,11 @@ std::optional<ThreadLimit> user_thread_limit(std::uint64_t needed) {
 }
 
 std::optional<ThreadLimit> group_thread_limit(const fs::path& root) {
-    std::ifstream file(root / "proc/self/cgroup");
-    const fs::path mount = root / "sys/fs/cgroup";
-    std::optional<ThreadLimit> least;
-    // Lines are "4:pids:/group" in version 1 and "0::/group" in version 2.
-    for (std::string line; std::getline(file, line);) {
-        const std::size_t first = line.find(':'), second = line.find(':', first + 1);
-        if (first == std::string::npos || second == std::string::npos) {
-            continue;
-        }
-        const std::string controllers = line.substr(first + 1, second - first - 1);
-        const fs::path group = fs::path(line.substr(second + 1)).relative_path();
-        if (controllers.empty() || controllers == "pids") {
-            note_groups(mount / controllers, group, least);
-        }
-    }
-    return least;
+    const std::optional<GroupLimit> least = tightest_group_limit("pids", root);
+    return least ? std::optional(ThreadLimit{
+                       fmt::format("the limit of its control group ({})", least->file.string()),
+                       "TasksMax of systemd, --pids-limit of docker", least->most, least->used})
+                 : std::nullopt;
 }
 
 }  // namespace pxpl5::host

@@ -58,6 +58,16 @@ void check(const ClassOptions& options, const ServerOptions& server) {
     }
 }
 
+/// The limit of each session in bytes; 0, which is none, if the free memory is unknown.
+std::uint64_t memory_limit_of(const ClassOptions& options) {
+    if (options.memory_limit != 0) {
+        return options.memory_limit;
+    }
+    const std::optional<std::uint64_t> free = free_memory();
+    const auto sessions = static_cast<std::uint64_t>(options.sessions);
+    return free ? std::max<std::uint64_t>(*free / sessions, 1) : 0;
+}
+
 /// The last line that begins with "error: ", without this word; empty if there is none.
 std::string error_in(const std::filesystem::path& log) {
     constexpr std::string_view word = "error: ";
@@ -143,9 +153,7 @@ ClassServer::ClassServer(const ClassOptions& options, const ServerOptions& serve
       words_(words_without(options.words, options_of_class)),
       idle_limit_(options.idle_limit.empty() ? usual_idle_limit : options.idle_limit),
       idle_s_(parse_duration("--idle-limit", idle_limit_)),
-      memory_limit_(options.memory_limit != 0
-                        ? options.memory_limit
-                        : free_memory() / static_cast<std::uint64_t>(options.sessions)),
+      memory_limit_(memory_limit_of(options)),
       classroom_(options.sessions, [this] { (void)eventfd_write(wanted_.fd, 1); }),
       page_(std::make_unique<ClassPage>(server, classroom_)),
       has_fixed_ports_(server.port != 0) {

@@ -10,10 +10,10 @@
 #include <csignal>
 #include <fstream>
 #include <optional>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "host/base/kernel/control_groups.hpp"
 #include "host/base/kernel/signals_blocked.hpp"
 #include "host/machine/sessions/process_memory.hpp"
 
@@ -26,15 +26,8 @@ namespace fs = std::filesystem;
 constexpr int pause_ms = 2000;
 constexpr int kill_ms = 20'000;
 
-/// The number at the begin of a file; nothing for "max", or if there is no such file.
-std::optional<std::uint64_t> number_in(const fs::path& path) {
-    std::ifstream file(path);
-    std::uint64_t number = 0;
-    return file >> number ? std::optional(number) : std::nullopt;
-}
-
-/// MemAvailable in bytes; 0 if it is unknown.
-std::uint64_t available_memory(const fs::path& root) {
+/// MemAvailable in bytes.
+std::optional<std::uint64_t> available_memory(const fs::path& root) {
     std::ifstream file(root / "proc/meminfo");
     for (std::string word; file >> word;) {
         constexpr std::uint64_t bytes_per_kib = 1024;
@@ -43,33 +36,15 @@ std::uint64_t available_memory(const fs::path& root) {
             return kib * bytes_per_kib;
         }
     }
-    return 0;
+    return std::nullopt;
 }
 
 }  // namespace
 
-std::uint64_t free_memory(const fs::path& root) {
-    std::uint64_t least = available_memory(root);
-    std::ifstream file(root / "proc/self/cgroup");
-    constexpr std::string_view begin = "0::/";
-    for (std::string line; std::getline(file, line);) {
-        if (!line.starts_with(begin)) {
-            continue;
-        }
-        const fs::path mount = root / "sys/fs/cgroup";
-        fs::path group = line.substr(begin.size());
-        for (bool is_root = false; !is_root; group = group.parent_path()) {
-            is_root = group.empty();
-            const fs::path folder = is_root ? mount : mount / group;
-            const auto most = number_in(folder / "memory.max");
-            const auto used = number_in(folder / "memory.current");
-            if (most && used) {
-                const std::uint64_t left = *most > *used ? *most - *used : 0;
-                least = least == 0 ? left : std::min(least, left);
-            }
-        }
-    }
-    return least;
+std::optional<std::uint64_t> free_memory(const fs::path& root) {
+    const std::optional<std::uint64_t> available = available_memory(root);
+    const std::optional<GroupLimit> group = tightest_group_limit("memory", root);
+    return group ? std::min(group->left(), available.value_or(group->left())) : available;
 }
 
 std::string gib_text(std::uint64_t bytes) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -13,10 +14,10 @@ namespace pxpl5::host::serve {
 std::string gib_text(std::uint64_t bytes);
 
 /// Memory that this process and its children may still use: what the computer has left, or less if
-/// a control group (version 2) around this process allows less. 0 if it is unknown.
+/// a control group (version 2) around this process allows less. Empty if it is unknown.
 ///
 /// root  The folder with proc and the mounted control groups.
-std::uint64_t free_memory(const std::filesystem::path& root = "/");
+std::optional<std::uint64_t> free_memory(const std::filesystem::path& root = "/");
 
 /// Looks every 2 s, from a thread of its own, at the memory of this process and of all that it has
 /// started on this computer. Shared pages count once.
