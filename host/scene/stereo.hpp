@@ -40,8 +40,8 @@ struct EyePlaces {
 };
 
 /// The user's values, or 0.035 of the camera's distance divided by the zoom, and the distance of
-/// the subject's center. The nearest point of the subject then has a parallax of about a thirtieth
-/// of the picture's height, which most people can fuse.
+/// the subject's center. The parallax of the subject's nearest point is then about 1/30 of the
+/// picture's height. Most people can fuse this.
 EyePlaces eye_places(const Stereo& stereo, const Camera& camera, const Subject& subject);
 
 /// The matrices of the left and the right eye. The axes of both are parallel, and the frusta

@@ -283,7 +283,7 @@ TEST_CASE("the time of a long command counts as use") {
     CHECK(!stage.director.is_idle_too_long());
 }
 
-TEST_CASE("the end of a job is not taken back when somebody uses the session") {
+TEST_CASE("the announced end of a job stays announced while the session is used") {
     constexpr double minute_ms = 60'000;
     Theatre stage(10 * minute_ms);
     stage.passes(8.1 * minute_ms);

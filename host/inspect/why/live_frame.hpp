@@ -28,8 +28,9 @@ class LiveFrame {
     LiveFrame& operator=(const LiveFrame&) = delete;
     ~LiveFrame();
 
-    /// Explains the color of pixel (x, y) of the session's picture; of a stereo picture, as the eye
-    /// of this pixel sees it (eye_pixel()). Throws RequestError if the pixel is outside.
+    /// Explains the color of pixel (x, y) of the session's picture. A pixel of a stereo picture
+    /// belongs to one eye (eye_pixel()), and the picture of this eye is explained. Throws
+    /// RequestError (usage) if the pixel is outside of the picture.
     Reply why(int x, int y);
 
     /// The region that holds pixel (x, y) behind `wish.at` of its instructions. Its stepper is kept
