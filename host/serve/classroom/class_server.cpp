@@ -195,7 +195,8 @@ std::vector<std::string> ClassServer::arguments_of(const WantedSession& wanted) 
     }
     if (options_.end_s) {
         const std::int64_t left_s = std::max<std::int64_t>(*options_.end_s - std::time(nullptr), 1);
-        arguments.push_back(fmt::format("--time-limit=0:{}", left_s));
+        // Minutes and seconds: parse_duration() takes numbers up to a million.
+        arguments.push_back(fmt::format("--time-limit={}:{}", left_s / 60, left_s % 60));
     }
     if (options_.fitted_cores != 0) {
         const int cores = std::clamp(busy_share * options_.fitted_cores / options_.sessions, 1,

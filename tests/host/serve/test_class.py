@@ -308,6 +308,10 @@ class Class(unittest.TestCase):
         times = [calendar.timegm(time.strptime(end["at"], "%Y-%m-%dT%H:%M:%SZ")) for end in ends]
         self.assertLessEqual(abs(times[0] - times[1]), 1)
 
+    def test_a_time_limit_of_weeks_reaches_the_sessions(self):
+        front = self.front("--sessions", "1", "--time-limit", "20-0")
+        self.session(front, self.student(front))
+
     def test_no_limit_of_time_without_use(self):
         front = self.front("--sessions", "1", "--idle-limit", "0")
         self.assertIn("each ends when it uses more than", front.said)
