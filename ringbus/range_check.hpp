@@ -115,8 +115,8 @@ std::string model_out_of_range(const schema::Message& message, std::size_t body_
 /// The same for volumes.
 std::string volume_out_of_range(const schema::Message& message, std::size_t body_bytes);
 
-/// Returns the first field of the header's file that is out of range, with its value; empty if none
-/// is, or if the header has no file. The values lie within the file.
-std::string file_out_of_range(const schema::VolumeHeader& header);
+/// Returns the first field of the header's files that is out of range, with its value; empty if
+/// none is, or if the header has no files. The values lie within the files, which have all slices.
+std::string files_out_of_range(const schema::VolumeHeader& header);
 
 }  // namespace pxpl5::bus

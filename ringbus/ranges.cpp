@@ -243,38 +243,49 @@ std::string range_of(const schema::FrameCounts& counts) {
 constexpr std::size_t max_path_bytes = 4096;
 constexpr std::uint64_t most_file_bytes = std::uint64_t{1} << 62;
 
-std::string range_of(const schema::SlicesFile& file) {
+std::string range_of(const schema::SlicesFile& file, std::uint64_t slice_bytes) {
     const std::string_view path = file.path()->string_view();
-    return Check()
-        .within("length of a file's path", path.size(), 2, max_path_bytes)
+    Check check;
+    check.within("length of a file's path", path.size(), 2, max_path_bytes)
         .equal("whether the file's path is absolute", path.starts_with('/'), true)
         .equal("whether the file's path has a zero byte", path.find('\0') != path.npos, false)
-        .known("stored", file.stored())
+        .within("slices of a file", file.slices(), 1, max_volume_voxels)
         .finite("slope", file.slope())
         .finite("intercept", file.intercept())
         .at_most("size_bytes", file.size_bytes(), most_file_bytes)
-        .at_most("offset", file.offset(), file.size_bytes())
+        .at_most("offset", file.offset(), file.size_bytes());
+    if (!check.reason().empty()) {
+        return check.reason();  // The arithmetic below needs these fields.
+    }
+    return check
+        .at_most("bytes of the values", file.slices() * slice_bytes,
+                 file.size_bytes() - file.offset())
         .reason();
 }
 
 }  // namespace
 
-std::string file_out_of_range(const schema::VolumeHeader& header) {
-    const schema::SlicesFile* file = header.file();
+std::string files_out_of_range(const schema::VolumeHeader& header) {
+    const schema::StoredVolume* stored = header.stored();
     Check check;
     check.within("reduction", header.reduction(), 1, max_volume_voxels);
-    if (file == nullptr) {
+    if (stored == nullptr) {
         return check.equal("whether a reduction has no file", header.reduction() > 1, false)
             .reason();
     }
-    check.add(range_of(*file));
+    check.known("component", stored->component())
+        .within("files of a volume", stored->files()->size(), 1, max_volume_voxels);
     if (!check.reason().empty()) {
-        return check.reason();  // The arithmetic below needs these fields.
+        return check.reason();
     }
-    const std::uint64_t values =
-        std::uint64_t{header.nx()} * header.ny() * header.nz() * component_bytes(file->stored());
-    return check.at_most("bytes of the values", values, file->size_bytes() - file->offset())
-        .reason();
+    const std::size_t value_bytes = component_bytes(stored->component());
+    check.at_most("bits_stored", stored->bits_stored(), 8 * value_bytes);
+    std::uint64_t slices = 0;
+    for (const schema::SlicesFile* file : *stored->files()) {
+        check.add(range_of(*file, std::uint64_t{header.nx()} * header.ny() * value_bytes));
+        slices += file->slices();
+    }
+    return check.equal("slices of all files", slices, std::uint64_t{header.nz()}).reason();
 }
 
 std::string out_of_range(const schema::Message& message, std::size_t body_bytes) {

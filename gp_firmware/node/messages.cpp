@@ -81,15 +81,6 @@ VolumeShape shape_of(const schema::VolumeHeader& header) {
     return shape;
 }
 
-SlicesFile slices_file_of(const schema::SlicesFile& wire) {
-    return {wire.path()->str(),
-            wire.offset(),
-            wire.stored(),
-            wire.big_endian(),
-            {wire.slope(), wire.intercept()},
-            {wire.size_bytes(), wire.inode(), wire.modified_ns()}};
-}
-
 FrameRequest frame_request(const schema::DrawFrame& draw, const VolumeShape& shape) {
     FrameRequest request;
     request.frame = draw.frame();

@@ -10,7 +10,6 @@
 #include "gp_firmware/render/frame_drawing.hpp"
 #include "gp_firmware/volume/slice.hpp"
 #include "ringbus/node.hpp"
-#include "ringbus/rules/slices_file.hpp"
 
 namespace pxpl5::gp {
 
@@ -22,8 +21,6 @@ namespace pxpl5::gp {
 std::uint64_t to_us(std::chrono::steady_clock::duration elapsed);
 
 VolumeShape shape_of(const bus::schema::VolumeHeader& header);
-
-SlicesFile slices_file_of(const bus::schema::SlicesFile& wire);
 
 /// Returns the request without the assignment.
 /// shape  The volume's shape; default-constructed without a volume.

@@ -4,6 +4,7 @@
 
 #include "gp_firmware/node/messages.hpp"
 #include "gp_firmware/node/stages.hpp"
+#include "ringbus/stored_volume.hpp"
 
 namespace pxpl5::gp {
 
@@ -30,12 +31,12 @@ void begin_volume(const schema::VolumeHeader& header, Board& board, JobQueue& qu
     } catch (const std::exception&) {
         rethrow_as_fault();
     }
-    if (header.file() == nullptr || board.store->complete()) {
+    if (header.stored() == nullptr || board.store->complete()) {
         return;  // The host sends the slices, or the GP owns no slab and needs none.
     }
     try {
-        queue.add(FileSlicesJob{
-            std::make_unique<StoredSlices>(board.store->shape(), slices_file_of(*header.file()))});
+        queue.add(FileSlicesJob{std::make_unique<StoredSlices>(
+            board.store->shape(), bus::stored_volume_of(*header.stored()))});
     } catch (const StoredFileError& error) {
         board.store.reset();
         rethrow_file_error(error, board);
@@ -72,7 +73,7 @@ bool step(FileSlicesJob& job, Board& board, bus::Outbox& out) {
     try {
         board.store->add_slice(z, job.file->read(z));
         if (board.store->complete()) {
-            job.file->check();  // Every slice is of the same file.
+            job.file->check();  // The last slices are of the same file, too.
         }
     } catch (const StoredFileError& error) {
         rethrow_file_error(error, board);

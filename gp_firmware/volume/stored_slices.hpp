@@ -1,7 +1,8 @@
-// Slices that a GP reads from the volume's file.
+// Slices that a GP reads from the volume's files.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,20 +13,32 @@ namespace pxpl5::gp {
 
 class StoredSlices {
   public:
-    /// Opens the file. Throws StoredFileError.
-    StoredSlices(const VolumeShape& shape, const SlicesFile& file);
+    /// Opens the first file. Throws StoredFileError.
+    /// stored  Its files have shape.nz slices.
+    StoredSlices(const VolumeShape& shape, const StoredVolume& stored);
 
     /// Reads slice z. Returns nx * ny voxels of shape.type, valid until the next call.
     /// Throws StoredFileError.
     std::span<const std::byte> read(int z);
-    /// Throws StoredFileError if the file has changed since it was opened.
-    void check() const { opened_.check(); }
+    /// Throws StoredFileError if the file of the last slice has changed since it was opened. Others
+    /// were checked when the next file was opened.
+    void check() const { opened_->check(); }
 
   private:
-    SlicesFile file_;
+    /// The index of the file that has slice z, and the slice's place in that file.
+    struct Place {
+        std::size_t file = 0;
+        std::uint32_t slice = 0;
+    };
+    Place place_of(int z) const;
+    const SlicesFile& open(std::size_t file);
+
+    StoredVolume stored_;
     Scalar type_;
-    StoredFile opened_;
-    std::vector<std::byte> stored_, voxels_;
+    std::vector<std::uint32_t> firsts_;  ///< The first slice of each file.
+    std::optional<StoredFile> opened_;   ///< One at a time: a series has thousands of files.
+    std::size_t open_ = 0;
+    std::vector<std::byte> values_, voxels_;
 };
 
 }  // namespace pxpl5::gp

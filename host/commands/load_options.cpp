@@ -97,8 +97,8 @@ std::vector<Parameter> load_option_list() {
         {"origin", "X,Y,Z", "place of the first voxel in millimeters, LPS, for such a file"},
         {"raw", "XxYxZ,TYPE[,be][,OFFSET]", "layout of a file without a header"},
         choice_value("read", enum_names<ReadBy>,
-                     "reader of the values of an uncompressed file: the host, which sends them, or "
-                     "the GPs, which all must see the file; automatic: the GPs above 8 GiB",
+                     "reader of the values of uncompressed files: the host, which sends them, or "
+                     "the GPs, which all must see the files; automatic: the GPs above 8 GiB",
                      enum_names<ReadBy>[0]),
     };
 }

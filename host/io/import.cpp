@@ -10,6 +10,7 @@
 #include "host/base/part_file.hpp"
 #include "host/io/dicom/dicom_file.hpp"
 #include "host/io/formats/picture_stack.hpp"
+#include "host/io/formats/scan_values.hpp"
 #include "host/io/formats/stored_header.hpp"
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/place.hpp"
@@ -85,6 +86,54 @@ std::vector<fs::path> files_of(const fs::path& folder) {
     return files;
 }
 
+constexpr const char* other_reader =
+    "Load it with read=host, or write it as an uncompressed NRRD, MetaImage or NIfTI file first";
+
+[[noreturn]] void refuse_gps(const std::string& source, const std::string& reason,
+                             const std::string& remedy = other_reader) {
+    throw ImportError(fmt::format("{}: GPs cannot read the values from this {}: {}. {}", source,
+                                  fs::is_directory(source) ? "folder" : "file", reason, remedy));
+}
+
+/// The host cannot read larger files either, not even a part.
+std::string remedy_for(std::uint64_t needed_bytes) {
+    return needed_bytes > max_volume_bytes
+               ? fmt::format(
+                     "It has {} bytes, and the host reads at most {}. Write the part that "
+                     "is needed to a file first, or load all of it without these options",
+                     needed_bytes, max_volume_bytes)
+               : other_reader;
+}
+
+/// Whether the GPs read the values. Throws ImportError if they are asked to, and cannot.
+/// reason  Why they cannot read the files; empty if they can.
+bool is_read_by_gps(const std::string& source, std::string reason, std::uint64_t needed_bytes,
+                    const ImportRequest& request) {
+    if (request.crop_first || request.resample_size || request.resample_spacing_mm ||
+        request.smooth_mm != 0) {
+        reason = "crop=, resample= and smooth= need all values in the io process";
+    }
+    if (request.read == ReadBy::gps && !reason.empty()) {
+        refuse_gps(source, reason, remedy_for(needed_bytes));
+    }
+    return request.read == ReadBy::gps || (request.read == ReadBy::automatic && reason.empty() &&
+                                           needed_bytes > request.host_bytes);
+}
+
+/// The values of the slices, for the GPs.
+SeriesVolume scan_series(const std::string& source, OrderedSeries series,
+                         const ImportRequest& request) {
+    series.result.volume.stored = stored_volume_of(series.slices);
+    scan_values({source, {}, request.allowed, request.reduced_bytes}, series.result.volume);
+    return std::move(series.result);
+}
+
+std::uint64_t needed_bytes(const std::vector<DicomSlice>& slices) {
+    const DicomSlice& first = slices.front();
+    return static_cast<std::uint64_t>(first.columns) * static_cast<std::uint64_t>(first.rows) *
+           static_cast<std::uint64_t>(first.bits) / 8 * slices.size();
+}
+
 Volume import_slices(const std::string& source, std::vector<DicomSlice> slices,
                      const ImportRequest& request) {
     DicomPixels pixels;
@@ -95,7 +144,11 @@ Volume import_slices(const std::string& source, std::vector<DicomSlice> slices,
             throw UnreadablePixels(slice.path, error);
         }
     };
-    auto [volume, stated] = assemble_series(source, std::move(slices), request, decode);
+    OrderedSeries series = order_series(source, std::move(slices), request);
+    const bool by_gps =
+        is_read_by_gps(source, why_not_by_gps(series.slices), needed_bytes(series.slices), request);
+    auto [volume, stated] = by_gps ? scan_series(source, std::move(series), request)
+                                   : decode_series(source, std::move(series), decode);
     take_directions(source, request, {}, volume);
     stated[2] = stated[2] || !request.spacing_mm;  // What is assumed along z was said already.
     take_spacing(source, request, stated, volume);
@@ -195,6 +248,9 @@ Volume import_folder(const fs::path& folder, const ImportRequest& request) {
                 ? fmt::format("{}: none of its {} files is a DICOM image", source, files.others)
                 : files.left_out.front().text);
     }
+    if (files.slices.empty() && request.read == ReadBy::gps) {
+        refuse_gps(source, "pictures are compressed");
+    }
     Volume volume = files.slices.empty() ? read_pictures(source, files.pictures, request)
                                          : import_readable(source, files, request);
     report_left_out(files, volume);
@@ -216,50 +272,12 @@ Volume import_dicom_file(const fs::path& path, const ImportRequest& request) {
     return import_slices(file, std::move(slices), request);
 }
 
-/// Why GPs cannot read the file of the request; empty if they can.
-std::string why_not_by_gps(const StoredHeader& header, const ImportRequest& request) {
-    const bool is_processed = request.crop_first || request.resample_size ||
-                              request.resample_spacing_mm || request.smooth_mm != 0;
-    return is_processed ? "crop=, resample= and smooth= need all values in the io process"
-                        : why_not_by_gps(header);
-}
-
-constexpr const char* other_reader =
-    "Load it with read=host, or write it as an uncompressed NRRD, MetaImage or NIfTI file first";
-
-[[noreturn]] void refuse_gps(const std::string& file, const std::string& reason,
-                             const std::string& remedy = other_reader) {
-    throw ImportError(
-        fmt::format("{}: GPs cannot read the values from this file: {}. {}", file, reason, remedy));
-}
-
-/// The host cannot read larger files either, not even a part.
-std::string remedy_for(const StoredHeader& header) {
-    const std::uint64_t needed = needed_bytes(header);
-    return needed > max_volume_bytes
-               ? fmt::format(
-                     "It has {} bytes, and the host reads at most {}. Write the part that "
-                     "is needed to a file first, or load all of it without these options",
-                     needed, max_volume_bytes)
-               : other_reader;
-}
-
-/// Whether the GPs read the values. Throws ImportError if they are asked to, and cannot.
-bool is_read_by_gps(const fs::path& path, const StoredHeader& header,
-                    const ImportRequest& request) {
-    const std::string reason = why_not_by_gps(header, request);
-    if (request.read == ReadBy::gps && !reason.empty()) {
-        refuse_gps(path.string(), reason, remedy_for(header));
-    }
-    return request.read == ReadBy::gps || (request.read == ReadBy::automatic && reason.empty() &&
-                                           needed_bytes(header) > request.host_bytes);
-}
-
 Volume import_stored(const fs::path& path, const StoredHeader& header,
                      const ImportRequest& request) {
-    Volume volume = is_read_by_gps(path, header, request)
-                        ? scan_stored_values(path, header, request.reduced_bytes)
-                        : read_stored_values(path, header);
+    const bool by_gps =
+        is_read_by_gps(path.string(), why_not_by_gps(header), needed_bytes(header), request);
+    Volume volume = by_gps ? scan_stored_values(path, header, request.reduced_bytes)
+                           : read_stored_values(path, header);
     take_directions(path.string(), request, header.assumed_directions, volume);
     take_spacing(path.string(), request, header.spacing_stated, volume);
     return volume;
@@ -283,17 +301,14 @@ Volume import_checked(const fs::path& path, const ImportRequest& request) {
     }
     const Format format = format_of(path);
     if (fs::is_directory(path)) {
-        if (request.read == ReadBy::gps) {
-            refuse_gps(path.string(), "it is a folder");
-        }
         return import_folder(path, request);
     }
     if (!request.series.empty() && format != Format::dicom) {
         throw ImportError(fmt::format("{}: series is '{}', but only DICOM holds series",
                                       path.string(), request.series));
     }
-    if (request.read == ReadBy::gps && (format == Format::dicom || format == Format::pictures)) {
-        refuse_gps(path.string(), "its values are compressed or spread over several places");
+    if (request.read == ReadBy::gps && format == Format::pictures) {
+        refuse_gps(path.string(), "pictures are compressed");
     }
     switch (format) {
         case Format::dicom:

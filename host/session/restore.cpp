@@ -106,9 +106,9 @@ void Session::begin_again_or_drop(const Scene& wanted) {
 }
 
 void Session::scale(const NodeChange& change) {
-    if (volumes.has_volume() && volumes.volume().file) {
-        // The GPs read the file again. The machine continues if they cannot.
-        check_unchanged(*volumes.volume().file, volumes.volume().source);
+    if (volumes.has_volume() && volumes.volume().stored) {
+        // The GPs read the files again. The machine continues if they cannot.
+        check_unchanged(*volumes.volume().stored, volumes.volume().source);
     }
     MachinePort& machine = conversation.machine();
     const Scene before = scene;

@@ -47,13 +47,13 @@ VolumeReader::VolumeReader(Conversation& conversation, IoRequests& io, const Loa
     });
 }
 
-/// The io process decodes the header of a stranger, so that the host checks the file that the io
-/// process states before any GP opens it.
+/// The io process decodes the header of a stranger, so that the host checks the files that the io
+/// process states before any GP opens them.
 void VolumeReader::begin(const schema::VolumeHeader& header) {
     VolumeReceiver receiver;
     receiver.begin(header);
-    if (const std::optional<SlicesFile>& file = receiver.volume().file) {
-        check_slices_file(*file, request_, conversation_.machine().io_folders());
+    if (const std::optional<StoredVolume>& stored = receiver.volume().stored) {
+        check_slices_files(*stored, request_, conversation_.machine().io_folders());
     }
     receiver_ = std::move(receiver);
 }

@@ -15,7 +15,7 @@ std::string remedy_for(const Volume& volume) {
     const std::uint64_t voxels = static_cast<std::uint64_t>(volume.nx) *
                                  static_cast<std::uint64_t>(volume.ny) *
                                  static_cast<std::uint64_t>(volume.nz);
-    const std::size_t stored = volume.file ? component_bytes(volume.file->stored) : 0;
+    const std::size_t stored = volume.stored ? component_bytes(volume.stored->component) : 0;
     const std::uint64_t bytes = voxels * std::max(stored, size_bytes(volume.type));
     return bytes <= max_volume_bytes
                ? "Load with read=host, or a part with crop="

@@ -41,8 +41,8 @@ struct Volume {
     std::vector<std::byte> values;    ///< nx * ny * nz, x fastest, little endian, of `type`.
     std::string source;               ///< File, folder or phantom:NAME.
     std::uint64_t digest = 0;         ///< FNV-1a over the values; 0 if unknown.
-    /// The GPs read the values from this file. Otherwise the host sends the values.
-    std::optional<SlicesFile> file;
+    /// The GPs read the values from these files. Otherwise the host sends the values.
+    std::optional<StoredVolume> stored;
     /// Above 1: `values` is empty, and `reduced` has every n-th voxel along each axis, from 0.
     int reduction = 1;
     std::shared_ptr<const Volume> reduced;

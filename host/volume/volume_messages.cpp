@@ -9,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/volume/reduced.hpp"
+#include "ringbus/stored_volume.hpp"
 
 namespace pxpl5::host {
 
@@ -19,27 +20,24 @@ namespace {
 /// Few and large messages: waking a node costs more than a megabyte of copying.
 constexpr std::size_t batch_bytes = std::size_t{4} << 20;
 
-std::unique_ptr<schema::SlicesFileT> to_wire(const SlicesFile& file) {
-    auto wire = std::make_unique<schema::SlicesFileT>();
-    wire->path = file.path;
-    wire->offset = file.offset_bytes;
-    wire->stored = file.stored;
-    wire->big_endian = file.big_endian;
-    wire->slope = file.scale.slope;
-    wire->intercept = file.scale.intercept;
-    wire->size_bytes = file.facts.size_bytes;
-    wire->inode = file.facts.inode;
-    wire->modified_ns = file.facts.modified_ns;
+std::unique_ptr<schema::StoredVolumeT> to_wire(const StoredVolume& stored) {
+    auto wire = std::make_unique<schema::StoredVolumeT>();
+    wire->component = stored.component;
+    wire->big_endian = stored.big_endian;
+    wire->bits_stored = static_cast<std::uint8_t>(stored.bits_stored);
+    for (const SlicesFile& file : stored.files) {
+        auto each = std::make_unique<schema::SlicesFileT>();
+        each->path = file.path;
+        each->offset = file.offset_bytes;
+        each->slices = file.slices;
+        each->slope = file.scale.slope;
+        each->intercept = file.scale.intercept;
+        each->size_bytes = file.facts.size_bytes;
+        each->inode = file.facts.inode;
+        each->modified_ns = file.facts.modified_ns;
+        wire->files.push_back(std::move(each));
+    }
     return wire;
-}
-
-SlicesFile slices_file_of(const schema::SlicesFile& wire) {
-    return {wire.path()->str(),
-            wire.offset(),
-            wire.stored(),
-            wire.big_endian(),
-            {wire.slope(), wire.intercept()},
-            {wire.size_bytes(), wire.inode(), wire.modified_ns()}};
 }
 
 }  // namespace
@@ -75,8 +73,8 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
     }
     header.source = volume.source;
     header.digest = volume.digest;
-    if (volume.file) {
-        header.file = to_wire(*volume.file);
+    if (volume.stored) {
+        header.stored = to_wire(*volume.stored);
     }
     header.reduction = static_cast<std::uint16_t>(volume.reduction);
     return bus::pack(header);
@@ -132,8 +130,8 @@ void VolumeReceiver::begin(const schema::VolumeHeader& header) {
     volume_.minimum = header.minimum();
     volume_.maximum = header.maximum();
     take_report(header);
-    if (header.file() != nullptr) {
-        volume_.file = slices_file_of(*header.file());
+    if (header.stored() != nullptr) {
+        volume_.stored = bus::stored_volume_of(*header.stored());
         volume_.digest = header.digest();
         volume_.reduction = header.reduction();
         if (volume_.reduction > 1) {
@@ -166,7 +164,7 @@ void VolumeReceiver::add(const schema::Slices& slices) {
     }
     const auto values = std::as_bytes(std::span(slices.values()->data(), bytes));
     coming.values.insert(coming.values.end(), values.begin(), values.end());
-    if (!volume_.file) {  // The io process has read all values of a file, and states the digest.
+    if (!volume_.stored) {  // The io process has read all values of files, and states the digest.
         digest_.add(values);
         volume_.digest = slices_there() == volume_.nz ? digest_.value() : 0;
     }

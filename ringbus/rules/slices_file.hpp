@@ -1,4 +1,4 @@
-// Values of a volume in a file, and how they become voxels: the io process and the GPs convert them
+// Values of a volume in files, and how they become voxels: the io process and the GPs convert them
 // alike. Plain.
 #pragma once
 
@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "generated/vocabulary.hpp"
 
@@ -71,15 +72,24 @@ struct FileFacts {
     friend bool operator==(const FileFacts&, const FileFacts&) = default;
 };
 
-/// Raw values of a volume in a file: x fastest, then y, then z.
+/// Slices of a volume, one after the other in a file: x fastest, then y.
 struct SlicesFile {
     std::string path;                ///< Absolute.
     std::uint64_t offset_bytes = 0;  ///< Before the first value.
-    Component stored = Component::uint8;
-    bool big_endian = false;
+    std::uint32_t slices = 1;
     StoredScale scale;
     FileFacts facts;
     friend bool operator==(const SlicesFile&, const SlicesFile&) = default;
+};
+
+/// Raw values of a volume. The slices of each file follow those of the file before it along z. A
+/// file may occur again, with other slices of it.
+struct StoredVolume {
+    Component component = Component::uint8;
+    bool big_endian = false;
+    int bits_stored = 0;  ///< Lowest bits of a value that are in use; 0 for all.
+    std::vector<SlicesFile> files;
+    friend bool operator==(const StoredVolume&, const StoredVolume&) = default;
 };
 
 /// Reverses the bytes of each value of `size` bytes.
@@ -116,41 +126,67 @@ bool convert_values(std::span<const std::byte> stored, const StoredScale& scale,
     return fits;
 }
 
-/// Whether the stored values are the voxels, but for the order of their bytes.
-inline bool are_voxels(const SlicesFile& file, Scalar type) {
+/// Clears the bits above the `stored` lowest ones of whole numbers: they become 0, or the sign.
+/// values  In this machine's byte order.
+/// stored  0 for all bits.
+inline void clear_unused_bits(std::span<std::byte> values, Component component, int stored) {
+    if (stored == 0 || stored == static_cast<int>(8 * component_bytes(component))) {
+        return;
+    }
+    with_type(component, [&]<typename T>(T*) {
+        if constexpr (std::is_integral_v<T>) {
+            const int unused = static_cast<int>(8 * sizeof(T)) - stored;
+            for (std::size_t at = 0; at + sizeof(T) <= values.size(); at += sizeof(T)) {
+                std::make_unsigned_t<T> bits = 0;
+                std::memcpy(&bits, values.data() + at, sizeof bits);
+                bits = static_cast<std::make_unsigned_t<T>>(bits << unused);
+                // The shift of a signed value repeats the sign.
+                const T value = static_cast<T>(static_cast<T>(bits) >> unused);
+                std::memcpy(values.data() + at, &value, sizeof value);
+            }
+        }
+    });
+}
+
+/// Whether stored values are the voxels, but for the order of their bytes and unused bits.
+inline bool are_voxels(Component stored, const StoredScale& scale, Scalar type) {
     const Component same = type == Scalar::uint8    ? Component::uint8
                            : type == Scalar::int16  ? Component::int16
                            : type == Scalar::uint16 ? Component::uint16
                                                     : Component::float32;
-    return file.stored == same && file.scale.is_identity();
+    return stored == same && scale.is_identity();
 }
 
-/// Converts stored values to voxels of `type`.
-/// stored  Values of the file. Their bytes are put into this machine's order.
+/// Puts the bytes of stored values into this machine's order, and clears bits that are not in use.
+inline void read_stored(std::span<std::byte> stored, const StoredVolume& volume) {
+    if (volume.big_endian) {
+        swap_bytes(stored, component_bytes(volume.component));
+    }
+    clear_unused_bits(stored, volume.component, volume.bits_stored);
+}
+
+/// Converts values of read_stored() to voxels of `type`.
 /// voxels  As many, of `type`.
 /// Returns false if a value does not fit into `type`: then the file is not the one of which the
 ///         type was chosen.
-inline bool convert_stored(std::span<std::byte> stored, const SlicesFile& file, Scalar type,
-                           std::span<std::byte> voxels) {
-    if (file.big_endian) {
-        swap_bytes(stored, component_bytes(file.stored));
-    }
-    if (are_voxels(file, type)) {
+inline bool convert_stored(std::span<const std::byte> stored, Component component,
+                           const StoredScale& scale, Scalar type, std::span<std::byte> voxels) {
+    if (are_voxels(component, scale, type)) {
         std::copy(stored.begin(), stored.end(), voxels.begin());
         return true;
     }
-    return with_type(file.stored, [&]<typename From>(From*) {
+    return with_type(component, [&]<typename From>(From*) {
         switch (type) {
             case Scalar::uint8:
-                return convert_values<From, std::uint8_t>(stored, file.scale, voxels);
+                return convert_values<From, std::uint8_t>(stored, scale, voxels);
             case Scalar::int16:
-                return convert_values<From, std::int16_t>(stored, file.scale, voxels);
+                return convert_values<From, std::int16_t>(stored, scale, voxels);
             case Scalar::uint16:
-                return convert_values<From, std::uint16_t>(stored, file.scale, voxels);
+                return convert_values<From, std::uint16_t>(stored, scale, voxels);
             case Scalar::float32:
                 break;
         }
-        return convert_values<From, float>(stored, file.scale, voxels);
+        return convert_values<From, float>(stored, scale, voxels);
     });
 }
 

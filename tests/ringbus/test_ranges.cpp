@@ -78,14 +78,21 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(ImportVolumeT, m.raw->ny = 0, "ny is 0");
         CHECK_REFUSED(ImportVolumeT, m.read = static_cast<ReadBy>(3), "read is 3");
         CHECK_REFUSED(ImportVolumeT, m.reduced_bytes = 0, "reduced_bytes is 0");
-        CHECK_REFUSED(VolumeHeaderT, m.file->path = "scan.raw", "path is absolute is false");
-        CHECK_REFUSED(VolumeHeaderT, m.file->path += '\0', "has a zero byte is true");
-        CHECK_REFUSED(VolumeHeaderT, m.file->stored = static_cast<Component>(99), "stored is 99");
-        CHECK_REFUSED(VolumeHeaderT, m.file->slope = nan_value, "slope is nan");
-        CHECK_REFUSED(VolumeHeaderT, m.file->offset = m.file->size_bytes + 1, "offset is");
-        CHECK_REFUSED(VolumeHeaderT, ++m.file->offset, "bytes of the values is");
+        CHECK_REFUSED(VolumeHeaderT, m.stored->files[0]->path = "scan.raw",
+                      "path is absolute is false");
+        CHECK_REFUSED(VolumeHeaderT, m.stored->files[0]->path += '\0', "has a zero byte is true");
+        CHECK_REFUSED(VolumeHeaderT, m.stored->component = static_cast<Component>(99),
+                      "component is 99");
+        CHECK_REFUSED(VolumeHeaderT, m.stored->bits_stored = 33, "bits_stored is 33");
+        CHECK_REFUSED(VolumeHeaderT, m.stored->files.clear(), "files of a volume is 0");
+        CHECK_REFUSED(VolumeHeaderT, m.stored->files[0]->slope = nan_value, "slope is nan");
+        CHECK_REFUSED(VolumeHeaderT, m.stored->files[0]->offset = 501, "offset is 501");
+        CHECK_REFUSED(VolumeHeaderT, ++m.stored->files[0]->offset, "bytes of the values is 480");
+        CHECK_REFUSED(VolumeHeaderT, m.stored->files[0]->slices = 0, "slices of a file is 0");
+        CHECK_REFUSED(VolumeHeaderT, m.stored->files[0]->slices = 5,
+                      "slices of all files is 5, expected 6");
         CHECK_REFUSED(VolumeHeaderT, m.reduction = 0, "reduction is 0");
-        CHECK_REFUSED(VolumeHeaderT, m.file.reset(), "whether a reduction has no file is true");
+        CHECK_REFUSED(VolumeHeaderT, m.stored.reset(), "whether a reduction has no file is true");
     }
 
     TEST_CASE("a picture and a mesh on their way out") {

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -20,6 +19,7 @@
 #include "host/surface/certificate.hpp"
 #include "host/volume/identity.hpp"
 #include "host/volume/reduced.hpp"
+#include "tests/host/io/dicom_files.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
@@ -44,10 +44,8 @@ std::string bytes_of(bool big_endian, double slope = 1, double intercept = 0) {
     for (int z = 0; z < nz; ++z) {
         for (int y = 0; y < ny; ++y) {
             for (int x = 0; x < nx; ++x) {
-                const T value = static_cast<T>((density(x, y, z) - intercept) / slope);
-                std::string one(sizeof value, '\0');
-                std::memcpy(one.data(), &value, sizeof value);
-                bytes += big_endian ? std::string(one.rbegin(), one.rend()) : one;
+                bytes += test::bytes_of(static_cast<T>((density(x, y, z) - intercept) / slope),
+                                        big_endian);
             }
         }
     }
@@ -61,29 +59,28 @@ std::string nrrd(const std::string& type, const std::string& endian, const std::
            "space origin: (3,-4,5)\n" + more;
 }
 
-/// A NIfTI-1 header of 352 bytes: float64 scale, in RAS.
-std::string nifti(std::int16_t datatype, float slope, float intercept) {
-    std::string head(352, '\0');
-    const auto put = [&](std::size_t at, auto value) {
-        std::memcpy(head.data() + at, &value, sizeof value);
-    };
-    put(0, std::int32_t{348});
-    const std::int16_t dims[] = {3, nx, ny, nz, 1, 1, 1, 1};
-    const float pixdim[] = {1, 1, 1.5F, 2, 1, 1, 1, 1};
-    for (std::size_t i = 0; i < 8; ++i) {
-        put(40 + 2 * i, dims[i]);
-        put(76 + 4 * i, pixdim[i]);
+std::string nifti(float slope, float intercept) {
+    return test::NiftiHeader()
+        .put_dims({3, nx, ny, nz, 1, 1, 1, 1})
+        .put(112, slope)
+        .put(116, intercept)
+        .put_sform({{{1, 0, 0, 3}, {0, 1.5F, 0, -4}, {0, 0, 2, 5}}})
+        .bytes();
+}
+
+/// Slice z of a series, 1.5 mm high pixels, 2 mm apart, each with a scale of its own.
+test::DicomSet slice_at(int z) {
+    const int intercept = z % 3 - 1;
+    std::string values;
+    for (int y = 0; y < ny; ++y) {
+        for (int x = 0; x < nx; ++x) {
+            values +=
+                test::bytes_of(static_cast<std::int16_t>(std::floor(density(x, y, z)) - intercept));
+        }
     }
-    put(70, datatype);
-    put(108, 352.0F);
-    put(112, slope);
-    put(116, intercept);
-    put(123, std::int8_t{2});
-    put(254, std::int16_t{1});
-    const float rows[3][4] = {{1, 0, 0, 3}, {0, 1.5F, 0, -4}, {0, 0, 2, 5}};
-    std::memcpy(head.data() + 280, rows, sizeof rows);
-    std::memcpy(head.data() + 344, "n+1", 4);
-    return head;
+    test::DicomSet set = test::dicom_image(nx, ny, values);
+    set.text(0x28, 0x1052, "DS", std::to_string(intercept)).text(0x28, 0x1053, "DS", "1");
+    return test::dicom_place(set, {3, -4, 5 + 2.0 * z}, {1, 0, 0}, {0, 1, 0}, 1, 1.5);
 }
 
 /// Files of one shape in all layouts.
@@ -104,7 +101,11 @@ struct Bench {
               "ObjectType = Image\nNDims = 3\nDimSize = 40 36 30\nElementType = MET_DOUBLE\n"
               "ElementSpacing = 1 1.5 2\nElementDataFile = LOCAL\n" +
                   bytes_of<double>(false));
-        write("scaled.nii", nifti(4, 0.5F, -3) + bytes_of<std::int16_t>(false, 0.5, -3));
+        write("scaled.nii", nifti(0.5F, -3) + bytes_of<std::int16_t>(false, 0.5, -3));
+        fs::create_directory(folder / "series");
+        for (int z = 0; z < nz; ++z) {  // Names run against the places.
+            write(fmt::format("series/{:02}.dcm", nz - z), slice_at(z).file());
+        }
         options.binaries = PXPL5_BIN_DIR;
         options.run_base = folder / "run";
     }
@@ -118,8 +119,8 @@ struct Bench {
     MachineOptions options;
 };
 
-const std::vector<std::string> files = {"attached.nrrd", "detached.nhdr", "image.mhd", "local.mha",
-                                        "scaled.nii"};
+const std::vector<std::string> files = {"attached.nrrd", "detached.nhdr", "image.mhd",
+                                        "local.mha",     "scaled.nii",    "series"};
 
 Topology machine_of(int gps, int renderers, Transport transport = Transport::ipc) {
     Topology topology;
@@ -192,7 +193,7 @@ TEST_CASE("meshes, certificates and pictures are the same whoever reads, for any
                     CAPTURE(gps);
                     CAPTURE(files[i]);
                     session.volumes.load(bench.folder / files[i], by(read));
-                    CHECK(session.volumes.volume().file.has_value() == (read == ReadBy::gps));
+                    CHECK(session.volumes.volume().stored.has_value() == (read == ReadBy::gps));
                     const Result result = result_of(session);
                     CHECK(result.triangles > 1000);
                     if (first.size() == i) {
@@ -223,7 +224,7 @@ TEST_CASE("GPs without slabs read nothing") {
         session.volumes.load(bench.folder / "thin.nrrd", by(ReadBy::host));
         const Result sent = result_of(session);
         session.volumes.load(bench.folder / "thin.nrrd", by(ReadBy::gps));
-        CHECK(session.volumes.volume().file);
+        CHECK(session.volumes.volume().stored);
         CHECK(result_of(session) == sent);
         CHECK(sent.triangles > 0);
     }
@@ -286,22 +287,22 @@ TEST_CASE("the GPs read large values of their own accord if their file has them 
     ImportOptions options = by(ReadBy::automatic);
     options.host_bytes = 2 * voxels;
     session.volumes.load(bench.folder / "attached.nrrd", options);
-    CHECK(!session.volumes.volume().file);
+    CHECK(!session.volumes.volume().stored);
     --options.host_bytes;
     session.volumes.load(bench.folder / "attached.nrrd", options);
-    CHECK(session.volumes.volume().file);
+    CHECK(session.volumes.volume().stored);
     options.crop_first = {0, 0, 0};
     options.crop_size = {10, 10, 10};
     session.volumes.load(bench.folder / "attached.nrrd", options);
-    CHECK(!session.volumes.volume().file);
+    CHECK(!session.volumes.volume().stored);
 
     options.read = ReadBy::gps;
     CHECK(has(error_of([&] { session.volumes.load(bench.folder / "attached.nrrd", options); }),
               "attached.nrrd: GPs cannot read the values from this file: crop="));
     CHECK(has(error_of([&] { session.volumes.load("phantom:sphere", by(ReadBy::gps)); }),
               "a phantom has no file that GPs could read"));
-    CHECK(has(error_of([&] { session.volumes.load(bench.folder, by(ReadBy::gps)); }),
-              "it is a folder. Load it with read=host"));
+    CHECK(has(error_of([&] { session.volumes.load(bench.folder / "series", options); }),
+              "series: GPs cannot read the values from this folder: crop="));
 }
 
 TEST_CASE("GPs read the file again after a change of the machine, if it is still the same") {
@@ -333,6 +334,24 @@ TEST_CASE("GPs read the file again after a change of the machine, if it is still
               "when the host loaded the volume. All computers must see the same unchanged file"));
     CHECK(!session.volumes.has_volume());
     session.volumes.load(file, by(ReadBy::gps));
+    CHECK(result_of(session) == before);
+}
+
+TEST_CASE("GPs read a series again, and name the file of it that has changed") {
+    const Bench bench;
+    Machine machine(machine_of(2, 1), bench.options);
+    Session session(machine);
+    const std::string folder = bench.folder / "series";
+    session.volumes.load(folder, by(ReadBy::gps));
+    CHECK(session.volumes.volume().stored.value().files.size() == nz);
+    const Result before = result_of(session);
+    session.scale({1, 0});
+    CHECK(result_of(session) == before);
+    std::ofstream(folder + "/17.dcm", std::ios::app) << "more";
+    CHECK(has(error_of([&] {
+                  session.scale({1, 0});
+              }),
+              folder + ": its data file " + folder + "/17.dcm has "));
     CHECK(result_of(session) == before);
 }
 

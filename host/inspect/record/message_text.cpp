@@ -42,11 +42,18 @@ std::string text(const schema::Fault& m) {
 std::string text(const schema::ImportVolume& m) {
     return m.path()->str();
 }
+/// "/scans/ct/1.dcm and 111 more places".
+std::string text(const flatbuffers::Vector<flatbuffers::Offset<schema::SlicesFile>>& files) {
+    const std::string first = files.Get(0)->path()->str();
+    return files.size() == 1
+               ? first
+               : fmt::format("{} and {}", first, counted(files.size() - 1, "more place"));
+}
 std::string text(const schema::VolumeHeader& m) {
     return fmt::format("volume {} '{}': {}x{}x{} {}, values {} .. {}, digest {:016x}{}", m.volume(),
                        m.name()->c_str(), m.nx(), m.ny(), m.nz(), enum_name(m.type()), m.minimum(),
                        m.maximum(), m.digest(),
-                       m.file() == nullptr ? "" : "; GPs read " + m.file()->path()->str());
+                       m.stored() == nullptr ? "" : "; GPs read " + text(*m.stored()->files()));
 }
 std::string text(const schema::Slices& m) {
     return fmt::format("volume {}, slices {} .. {}", m.volume(), m.first_slice(),

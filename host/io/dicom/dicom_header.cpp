@@ -190,6 +190,14 @@ bool is_lossy(const gdcm::Reader& reader, const gdcm::DataSet& data) {
            syntax == TransferSyntax::JPEGLSNearLossless;
 }
 
+/// Whether values lie in the file as in memory.
+bool is_little_endian(const gdcm::Reader& reader) {
+    using gdcm::TransferSyntax;
+    const TransferSyntax::TSType syntax = reader.GetFile().GetHeader().GetDataSetTransferSyntax();
+    return syntax == TransferSyntax::ImplicitVRLittleEndian ||
+           syntax == TransferSyntax::ExplicitVRLittleEndian;
+}
+
 /// Values that all frames of a file share.
 DicomSlice read_shared(const fs::path& path, const gdcm::Reader& reader) {
     const std::string file = path.string();
@@ -295,6 +303,12 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
     if (pixels.stated > pixels.left + 1) {  // Some writers forget the byte that makes it even.
         throw ImportError(fmt::format("{}: pixel data (7fe0,0010) state {} bytes, {} are left",
                                       file, pixels.stated, pixels.left));
+    }
+    const std::uint64_t pixel_bytes =
+        static_cast<std::uint64_t>(shared.columns) * static_cast<std::uint64_t>(shared.rows) *
+        static_cast<std::uint64_t>(shared.frames) * static_cast<std::uint64_t>(shared.bits) / 8;
+    if (pixels.stated >= pixel_bytes && is_little_endian(reader)) {
+        shared.raw_offset_bytes = pixels.offset_bytes;
     }
     std::vector<DicomSlice> slices;
     for (int frame = 0; frame < shared.frames; ++frame) {

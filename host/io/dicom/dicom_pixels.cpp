@@ -59,8 +59,7 @@ void check_gray(const std::string& file, const DicomSlice& slice) {
             fmt::format("{}: samples per pixel (0028,0002) are {}, must be 1: color is not read",
                         file, slice.samples));
     }
-    constexpr std::array grays = {"", "MONOCHROME1", "MONOCHROME2"};
-    if (std::ranges::find(grays, slice.photometric) == grays.end()) {
+    if (!slice.is_gray()) {
         throw ImportError(
             fmt::format("{}: photometric interpretation (0028,0004) is '{}', must be MONOCHROME1 "
                         "or MONOCHROME2: color is not read",
@@ -220,31 +219,6 @@ void check_pixels(const std::string& file, const DicomSlice& slice, const gdcm::
     }
 }
 
-template <typename T>
-void clear_unused(std::vector<char>& values, int stored) {
-    const int unused = static_cast<int>(8 * sizeof(T)) - stored;
-    for (std::size_t at = 0; at + sizeof(T) <= values.size(); at += sizeof(T)) {
-        std::make_unsigned_t<T> bits = 0;
-        std::memcpy(&bits, values.data() + at, sizeof bits);
-        bits = static_cast<std::make_unsigned_t<T>>(bits << unused);
-        // The shift of a signed value repeats the sign.
-        const T value = static_cast<T>(static_cast<T>(bits) >> unused);
-        std::memcpy(values.data() + at, &value, sizeof value);
-    }
-}
-
-/// Bits above the `stored` ones may hold an overlay: they become 0, or the sign.
-void clear_unused_bits(std::vector<char>& values, Component component, int stored) {
-    if (stored == static_cast<int>(8 * component_bytes(component))) {
-        return;
-    }
-    with_type(component, [&]<typename T>(T*) {
-        if constexpr (std::is_integral_v<T>) {
-            clear_unused<T>(values, stored);
-        }
-    });
-}
-
 /// The values of one frame, or of one tile of it.
 std::vector<std::byte> tile_of(std::span<const std::byte> frame, const DicomSlice& slice,
                                std::size_t value_bytes) {
@@ -289,7 +263,9 @@ void DicomPixels::add(const DicomSlice& slice, ValueSink& sink) {
                 "{}: its pixel data of transfer syntax {} (0002,0010) cannot be decoded", file,
                 image.GetTransferSyntax().GetString()));
         }
-        clear_unused_bits(file_->values, file_->component, image.bits_stored(slice));
+        // Bits above the stored ones may hold an overlay.
+        clear_unused_bits(std::as_writable_bytes(std::span(file_->values)), file_->component,
+                          image.bits_stored(slice));
         file_->path = slice.path;
     }
     const std::size_t frame_bytes = file_->values.size() / static_cast<std::size_t>(slice.frames);

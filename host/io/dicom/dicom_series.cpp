@@ -147,8 +147,8 @@ std::array<bool, 3> spacing_stated(const Series& slices) {
 
 }  // namespace
 
-SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> slices,
-                             const ImportRequest& request, const DecodeSlice& decode) {
+OrderedSeries order_series(const std::string& source, std::vector<DicomSlice> slices,
+                           const ImportRequest& request) {
     const std::vector<Series> all = series_of(std::move(slices));
     Volume volume;
     const std::size_t chosen = choose(source, all, request.series, volume.findings);
@@ -158,7 +158,7 @@ SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> 
                                        "another series is left out: " + line_of(i + 1, all[i])});
         }
     }
-    const OrderedSlices ordered = order_slices(source, all[chosen], request, volume.findings);
+    OrderedSlices ordered = order_slices(source, all[chosen], request, volume.findings);
     const DicomSlice& first = ordered.slices.front();
     if (ordered.slices.size() > max_volume_voxels) {
         throw ImportError(fmt::format("{}: {} voxels along z, must be 1 to {}", source,
@@ -171,16 +171,28 @@ SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> 
     volume.series = first.series;
     place_slices(ordered, request, volume);
     report_slices(ordered.slices, volume.findings);
+    const std::array<bool, 3> stated = spacing_stated(ordered.slices);
+    return {{std::move(volume), stated}, std::move(ordered.slices)};
+}
+
+SeriesVolume decode_series(const std::string& source, OrderedSeries series,
+                           const DecodeSlice& decode) {
+    Volume& volume = series.result.volume;
     const std::size_t slice_values =
         static_cast<std::size_t>(volume.nx) * static_cast<std::size_t>(volume.ny);
     check_volume_bytes(source, fmt::format("{}x{}x{} of 2 bytes", volume.nx, volume.ny, volume.nz),
-                       slice_values * ordered.slices.size() * 2);
-    ValueSink sink(slice_values * ordered.slices.size());
-    for (const DicomSlice& slice : ordered.slices) {
+                       slice_values * series.slices.size() * 2);
+    ValueSink sink(slice_values * series.slices.size());
+    for (const DicomSlice& slice : series.slices) {
         decode(slice, sink);
     }
     sink.finish(source, volume);
-    return {std::move(volume), spacing_stated(ordered.slices)};
+    return std::move(series.result);
+}
+
+SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> slices,
+                             const ImportRequest& request, const DecodeSlice& decode) {
+    return decode_series(source, order_series(source, std::move(slices), request), decode);
 }
 
 }  // namespace pxpl5::host::io

@@ -39,9 +39,15 @@ struct DicomSlice {
     std::optional<double> frame_step_mm;
     Scale scale;
     std::uint64_t pixel_offset_bytes = 0;  ///< Position of the values in the file; 0 if unknown.
-    bool is_lossy = false;                 ///< JPEG and the like.
+    /// Position of values that are little endian and neither compressed nor deflated.
+    std::optional<std::uint64_t> raw_offset_bytes;
+    bool is_lossy = false;  ///< JPEG and the like.
 
     bool is_inverted() const { return photometric == "MONOCHROME1"; }
+    bool is_gray() const {
+        return samples == 1 &&
+               (photometric.empty() || photometric == "MONOCHROME2" || is_inverted());
+    }
 
     int stored_columns() const { return columns * tiles_across; }
     int stored_rows() const { return rows * tiles_across; }
@@ -68,6 +74,12 @@ struct SeriesVolume {
     std::array<bool, 3> spacing_stated{};  ///< By the slices that were taken, along x, y, z.
 };
 
+/// One series whose values have not been read.
+struct OrderedSeries {
+    SeriesVolume result;             ///< The volume without values, their type and range.
+    std::vector<DicomSlice> slices;  ///< The slices of the volume, in order.
+};
+
 /// Puts the slices of one series in order along their normal. The z step comes from the slices'
 /// positions alone: thickness is not distance, and a tilted gantry shears. Where steps differ, the
 /// volume's slice_places and gap_slabs say so. What was left out or is odd is in the findings.
@@ -75,8 +87,23 @@ struct SeriesVolume {
 /// source   File or folder, for error texts.
 /// request  Its series is the one to take; must be given if there are several.
 /// Throws   ImportError: several series (listed), an unknown one, slices without positions.
+OrderedSeries order_series(const std::string& source, std::vector<DicomSlice> slices,
+                           const ImportRequest& request);
+
+/// Reads the values of a series. Throws ImportError for more than max_volume_bytes.
+SeriesVolume decode_series(const std::string& source, OrderedSeries series,
+                           const DecodeSlice& decode);
+
+/// order_series() and decode_series().
 SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> slices,
                              const ImportRequest& request, const DecodeSlice& decode);
+
+/// Why GPs cannot read the values of these slices from their files: "IM7 is compressed". Empty if
+/// they can.
+std::string why_not_by_gps(const std::vector<DicomSlice>& slices);
+
+/// Where the values of slices lie that why_not_by_gps() has accepted. The files have no facts yet.
+StoredVolume stored_volume_of(const std::vector<DicomSlice>& slices);
 
 /// Slices of one volume in order, and how far along their normal each lies.
 struct OrderedSlices {

@@ -239,7 +239,7 @@ class Walker {
             const bool is_pixels = depth == 0 && element.tag == pixel_data;
             if (is_pixels && element.length != undefined) {
                 // Fewer pixels than stated: who knows the picture's size says so.
-                pixels_ = {element.length, end - element.value};
+                pixels_ = {element.length, end - element.value, element.value};
                 at = element.value + std::min<std::uint64_t>(element.length, end - element.value);
             } else if (element.length == undefined) {
                 at = walk_items(element, end, is_pixels, depth + 1);

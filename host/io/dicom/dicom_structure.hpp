@@ -10,6 +10,7 @@ namespace pxpl5::host::io {
 /// Uncompressed pixels as (7fe0,0010) states them, and as the file has them.
 struct PixelBytes {
     std::uint64_t stated = 0, left = 0;
+    std::uint64_t offset_bytes = 0;  ///< Before them in the file.
 };
 
 /// Walks through all elements, sequences and fragments of `path`, which begins as a DICOM file.

@@ -1,4 +1,5 @@
-// Reads the values of a file that GPs read, too: their type, range, digest and a reduced copy.
+#include "host/io/formats/scan_values.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,8 +7,10 @@
 #include <utility>
 
 #include "host/base/digest.hpp"
+#include "host/io/formats/byte_source.hpp"
 #include "host/io/formats/stored_header.hpp"
 #include "host/io/values/import_request.hpp"
+#include "host/io/values/value_sink.hpp"
 #include "host/volume/reduced.hpp"
 
 namespace pxpl5::host::io {
@@ -84,67 +87,72 @@ class Copier {
     Digest digest_;
 };
 
-/// The values in their file, slice by slice.
+[[noreturn]] void refuse_changed(const ScanPlace& place, const std::string& path) {
+    throw ImportError(
+        fmt::format("{}: {} has changed while it was read; load it again when it is complete",
+                    place.source, path));
+}
+
+/// The slices in their files, in order.
 class StoredSlices {
   public:
-    StoredSlices(const fs::path& path, const StoredHeader& header)
-        : file_(path.string()),
-          header_(header),
-          data_(header.data_files.front()),
-          opened_(path, data_, header.allowed),
-          slice_(needed_bytes(header) /
-                 static_cast<std::size_t>(volume_dims(file_, header.sizes)[2])) {
-        const std::uint64_t needed = needed_bytes(header), size = opened_.size_bytes();
-        at_.path = fs::absolute(data_).string();
-        at_.offset_bytes = header.line_skip == 0
-                               ? header.offset_bytes
-                               : offset_after_lines(data_.string(), opened_.path(),
-                                                    header.offset_bytes, header.line_skip);
-        const std::uint64_t after = size - std::min(size, at_.offset_bytes);
-        at_.offset_bytes += !header.at_end ? header.byte_skip : after - std::min(after, needed);
-        if (at_.offset_bytes > size || size - at_.offset_bytes < needed) {
-            throw too_short(file_, header, data_, size - std::min(size, at_.offset_bytes));
-        }
-        at_.stored = header.component;
-        at_.big_endian = header.big_endian;
-        at_.scale = header.scale;
-        at_.facts = opened_.facts();
-    }
+    StoredSlices(const ScanPlace& place, const Volume& volume)
+        : place_(place),
+          stored_(*volume.stored),
+          slice_(voxels_of(volume.nx, volume.ny, 1) * component_bytes(stored_.component)) {}
 
-    const SlicesFile& at() const { return at_; }
+    /// The files with their facts.
+    const StoredVolume& stored() const { return stored_; }
 
-    /// Calls `take` with the bytes of each slice, in the order of the file.
+    /// Calls `take` with each slice and its file. The values are those of read_stored().
     template <typename Take>
     void read_all(Take take) {
-        ByteSource source(opened_.path(), Encoding::raw, at_.offset_bytes);
-        for (std::uint64_t done = 0; done < needed_bytes(header_); done += slice_.size()) {
-            const std::size_t came = source.read(slice_);
-            if (came < slice_.size()) {
-                throw too_short(file_, header_, data_, done + came);
+        for (std::size_t at = 0; at < stored_.files.size(); ++at) {
+            SlicesFile& file = stored_.files[at];
+            DataFile& opened = open(file.path);
+            if (file.facts == FileFacts{}) {
+                file.facts = opened.facts();
             }
-            take(std::span(slice_));
-        }
-        if (opened_.facts_now() != at_.facts) {
-            throw ImportError(
-                fmt::format("{}: {} has changed while it was read; load it again "
-                            "when it is complete",
-                            file_, data_.string()));
+            ByteSource bytes(opened.path(), Encoding::raw, file.offset_bytes);
+            for (std::uint32_t slice = 0; slice < file.slices; ++slice) {
+                if (bytes.read(slice_) < slice_.size()) {
+                    refuse_changed(place_, file.path);
+                }
+                read_stored(slice_, stored_);
+                take(std::span(slice_), file);
+            }
+            if (opened.facts_now() != file.facts) {
+                refuse_changed(place_, file.path);
+            }
         }
     }
 
   private:
-    std::string file_;
-    const StoredHeader& header_;
-    fs::path data_;
-    DataFile opened_;
-    SlicesFile at_;
+    /// Frames of one file follow each other, so that the last file stays open.
+    DataFile& open(const std::string& path) {
+        if (!opened_ || path != open_path_) {
+            opened_.reset();
+            opened_.emplace(place_.header.empty() ? fs::path(path) : place_.header, path,
+                            place_.allowed);
+            open_path_ = path;
+        }
+        return *opened_;
+    }
+
+    const ScanPlace& place_;
+    StoredVolume stored_;
+    std::optional<DataFile> opened_;
+    std::string open_path_;
     std::vector<std::byte> slice_;
 };
 
 /// The type of the voxels if they are the stored values.
-std::optional<Scalar> type_as_stored(const SlicesFile& file) {
+std::optional<Scalar> type_as_stored(const StoredVolume& stored) {
     for (const Scalar type : {Scalar::uint8, Scalar::int16, Scalar::uint16, Scalar::float32}) {
-        if (are_voxels(file, type)) {
+        const auto as_stored = [&](const SlicesFile& file) {
+            return are_voxels(stored.component, file.scale, type);
+        };
+        if (std::ranges::all_of(stored.files, as_stored)) {
             return type;
         }
     }
@@ -152,24 +160,31 @@ std::optional<Scalar> type_as_stored(const SlicesFile& file) {
 }
 
 /// Reads the values again: the type of converted voxels depends on all of them.
-Copier convert_slices(const std::string& file, const Volume& volume, StoredSlices& slices,
-                      std::uint64_t reduced_bytes) {
-    Copier copier(volume, reduced_bytes);
+Copier convert_slices(const ScanPlace& place, const Volume& volume, StoredSlices& slices) {
+    Copier copier(volume, place.reduced_bytes);
     std::vector<std::byte> voxels(voxels_of(volume.nx, volume.ny, 1) * size_bytes(volume.type));
-    slices.read_all([&](std::span<std::byte> slice) {
-        if (!convert_stored(slice, *volume.file, volume.type, voxels)) {
-            throw ImportError(
-                fmt::format("{}: {} has changed while it was read; load it again "
-                            "when it is complete",
-                            file, volume.file->path));
+    slices.read_all([&](std::span<const std::byte> slice, const SlicesFile& file) {
+        if (!convert_stored(slice, slices.stored().component, file.scale, volume.type, voxels)) {
+            refuse_changed(place, file.path);
         }
         copier.add(voxels);
     });
     return copier;
 }
 
+/// "scan.raw", or "112 files, the first of which is 1.dcm".
+std::string files_text(const StoredVolume& stored) {
+    std::size_t files = 1;
+    for (std::size_t at = 1; at < stored.files.size(); ++at) {
+        files += stored.files[at].path != stored.files[at - 1].path ? 1 : 0;
+    }
+    const std::string& first = stored.files.front().path;
+    return files == 1 ? first : fmt::format("{} files, the first of which is {}", files, first);
+}
+
 void report_reduction(Volume& volume) {
-    const std::string text = fmt::format("the GPs read the values from {}", volume.file->path);
+    const std::string text =
+        fmt::format("the GPs read the values from {}", files_text(*volume.stored));
     const std::int64_t voxels =
         std::int64_t{volume.reduction} * volume.reduction * volume.reduction;
     volume.findings.push_back(
@@ -181,6 +196,38 @@ void report_reduction(Volume& volume) {
                            text, volume.reduction, volume.reduction, voxels)});
 }
 
+/// Where the values begin in a file of the header.
+std::uint64_t offset_of(const std::string& file, const fs::path& data, const DataFile& opened,
+                        const StoredHeader& header, std::uint64_t needed) {
+    const std::uint64_t size = opened.size_bytes();
+    std::uint64_t offset = header.line_skip == 0
+                               ? header.offset_bytes
+                               : offset_after_lines(data.string(), opened.path(),
+                                                    header.offset_bytes, header.line_skip);
+    const std::uint64_t after = size - std::min(size, offset);
+    offset += !header.at_end ? header.byte_skip : after - std::min(after, needed);
+    if (offset > size || size - offset < needed) {
+        throw too_short(file, header, data, size - std::min(size, offset));
+    }
+    return offset;
+}
+
+StoredVolume stored_volume_of(const fs::path& path, const StoredHeader& header, int slices) {
+    StoredVolume stored{header.component, header.big_endian, 0, {}};
+    const std::size_t count = header.data_files.size();
+    for (const fs::path& data : header.data_files) {
+        const DataFile opened(path, data, header.allowed);
+        SlicesFile& file = stored.files.emplace_back();
+        file.path = fs::absolute(data).string();
+        file.offset_bytes =
+            offset_of(path.string(), data, opened, header, needed_bytes(header) / count);
+        file.slices = static_cast<std::uint32_t>(slices) / static_cast<std::uint32_t>(count);
+        file.scale = header.scale;
+        file.facts = opened.facts();
+    }
+    return stored;
+}
+
 }  // namespace
 
 std::string why_not_by_gps(const StoredHeader& header) {
@@ -188,44 +235,48 @@ std::string why_not_by_gps(const StoredHeader& header) {
         return is_compressed(header.encoding) ? "its values are compressed"
                                               : "its values are written as text";
     }
-    return header.data_files.size() == 1
+    const std::uint64_t slices = header.sizes.size() < 3 ? 1 : header.sizes[2];
+    return !header.data_files.empty() && slices % header.data_files.size() == 0
                ? ""
-               : fmt::format("its values are in {} files", header.data_files.size());
+               : fmt::format("its {} files do not have whole slices, of which there are {}",
+                             header.data_files.size(), slices);
+}
+
+void scan_values(const ScanPlace& place, Volume& volume) {
+    StoredSlices slices(place, volume);
+    const Component component = volume.stored->component;
+    ValueSink sink(voxels_of(volume.nx, volume.ny, volume.nz), ValueSink::Keeps::none);
+    std::optional<Copier> copier;
+    if (const std::optional<Scalar> type = type_as_stored(*volume.stored)) {
+        volume.type = *type;
+        copier.emplace(volume, place.reduced_bytes);
+    }
+    slices.read_all([&](std::span<const std::byte> slice, const SlicesFile& file) {
+        sink.add(slice, component, file.scale);
+        if (copier) {
+            copier->add(slice);
+        }
+    });
+    sink.finish(place.source, volume);
+    if (!copier) {
+        copier.emplace(convert_slices(place, volume, slices));
+    }
+    volume.stored = slices.stored();
+    copier->finish(volume);
+    report_reduction(volume);
 }
 
 Volume scan_stored_values(const fs::path& path, const StoredHeader& header,
                           std::uint64_t reduced_bytes) {
-    const std::string file = path.string();
-    const std::array<int, 3> dims = volume_dims(file, header.sizes);
+    const std::array<int, 3> dims = volume_dims(path.string(), header.sizes);
     Volume volume;
     volume.nx = dims[0];
     volume.ny = dims[1];
     volume.nz = dims[2];
     volume.voxel_to_patient = header.voxel_to_patient;
     volume.findings = header.findings;
-    StoredSlices slices(path, header);
-    volume.file = slices.at();
-    ValueSink sink(voxels_of(volume.nx, volume.ny, volume.nz), ValueSink::Keeps::none);
-    std::optional<Copier> copier;
-    if (const std::optional<Scalar> type = type_as_stored(*volume.file)) {
-        volume.type = *type;
-        copier.emplace(volume, reduced_bytes);
-    }
-    slices.read_all([&](std::span<std::byte> slice) {
-        if (header.big_endian) {
-            swap_bytes(slice, component_bytes(header.component));
-        }
-        sink.add(slice, header.component, header.scale);
-        if (copier) {
-            copier->add(slice);
-        }
-    });
-    sink.finish(file, volume);
-    if (!copier) {
-        copier.emplace(convert_slices(file, volume, slices, reduced_bytes));
-    }
-    copier->finish(volume);
-    report_reduction(volume);
+    volume.stored = stored_volume_of(path, header, volume.nz);
+    scan_values({path.string(), path, header.allowed, reduced_bytes}, volume);
     return volume;
 }
 

@@ -183,7 +183,7 @@ void check_stored_header(const fs::path& path, StoredHeader& header) {
     const std::uint64_t needed = needed_bytes(header);
     const std::uint64_t files = header.data_files.size();
     if (!why_not_by_gps(header).empty() ||
-        DataFile(path, header.data_files.front(), header.allowed).size_bytes() < needed) {
+        DataFile(path, header.data_files.front(), header.allowed).size_bytes() < needed / files) {
         check_volume_bytes(file, fmt::format("{} of {}", join_sizes(header.sizes), header.type),
                            needed);
     }

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string_view>
 
 #include "host/base/error.hpp"
@@ -23,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A file system on a network may not answer.
-constexpr std::int64_t answer_ms = 10'000;
+constexpr std::int64_t answer_ms = 10'000, answer_ms_per_file = 10;
 
 /// The parts of a request that decide which files its io process may open.
 struct Asked {
@@ -32,17 +33,36 @@ struct Asked {
     std::vector<std::string> folders;
 };
 
+/// The stated file `at` lies where the one before it does, and was checked with it.
+bool is_checked(const std::vector<SlicesFile>& files, std::size_t at) {
+    return at > 0 && files[at].path == files[at - 1].path && files[at].facts == files[at - 1].facts;
+}
+
 [[noreturn]] void refuse(const std::string& source, const std::string& reason) {
     throw RequestError(ExitCode::bad_data, fmt::format("{}: {}", source, reason));
 }
 
-/// Whether `file`, which has no links, lies in `folder` or below.
-bool lies_in(const fs::path& file, const fs::path& folder) {
-    std::error_code failure;
-    const fs::path real = fs::canonical(folder, failure);
-    const fs::path name = failure ? fs::path() : file.lexically_relative(real);
-    return !name.empty() && *name.begin() != "..";
-}
+/// Folders without links, which exist.
+class RealFolders {
+  public:
+    void add(const fs::path& folder) {
+        std::error_code failure;
+        const fs::path real = fs::canonical(folder, failure);
+        if (!failure) {
+            folders_.push_back(real);
+        }
+    }
+    /// Whether `file`, which has no links, lies in one of the folders or below.
+    bool hold(const fs::path& file) const {
+        return std::ranges::any_of(folders_, [&](const fs::path& folder) {
+            const fs::path name = file.lexically_relative(folder);
+            return !name.empty() && *name.begin() != "..";
+        });
+    }
+
+  private:
+    std::vector<fs::path> folders_;
+};
 
 /// Whether a file of this format can name a data file: NRRD, MetaImage, NIfTI and Analyze. Any
 /// suffix that no other format has may be that of an NRRD file.
@@ -89,40 +109,67 @@ void check_facts(const SlicesFile& file, const fs::path& place, const std::strin
     }
 }
 
-/// Refuses a file that the io process could not read itself, and one that has changed.
-void check_file(const SlicesFile& file, const Asked& asked) {
-    const std::string& source = asked.source;
-    struct stat now {};
-    if (stat(source.c_str(), &now) != 0 || !S_ISREG(now.st_mode)) {
-        refuse(source, fmt::format("is no regular file, but the io process states that the GPs "
-                                   "read the values from {}. Load the file of the volume",
-                                   file.path));
-    }
-    std::error_code failure;
-    const fs::path real = fs::canonical(file.path, failure);
-    if (failure) {
-        refuse(source, fmt::format("its data file {}: {}", file.path, failure.message()));
-    }
-    if (!fs::equivalent(real, source, failure)) {
-        if (asked.has_raw || !names_data_file(source)) {
-            refuse(source, fmt::format("the io process states the data file {}, but a file of this "
-                                       "format has its values itself. Load it with read=host",
-                                       file.path));
-        }
-        if (!lies_in(real, fs::absolute(source).parent_path()) &&
-            std::ranges::none_of(asked.folders,
-                                 [&](const auto& each) { return lies_in(real, each); })) {
-            refuse(source, fmt::format("its data file {} lies outside of the header's folder. If "
-                                       "the header is trusted, allow the folder of the data with "
-                                       "--allow DIR",
-                                       file.path));
+/// Where the files of a request may lie.
+class Places {
+  public:
+    explicit Places(const Asked& asked) : source_(asked.source) {
+        struct stat now {};
+        const bool exists = stat(source_.c_str(), &now) == 0;
+        is_folder_ = exists && S_ISDIR(now.st_mode);
+        is_file_ = exists && S_ISREG(now.st_mode);
+        has_others_ = !asked.has_raw && (is_folder_ || (is_file_ && names_data_file(source_)));
+        folders_.add(is_folder_ ? fs::path(source_) : fs::absolute(source_).parent_path());
+        for (const std::string& folder : asked.folders) {
+            folders_.add(folder);
         }
     }
-    check_facts(file, real, source);
-}
+
+    /// Refuses a file that the io process could not read itself, and one that has changed.
+    void check(const SlicesFile& file) const {
+        if (!is_folder_ && !is_file_) {
+            refuse(source_, fmt::format("is no regular file and no folder, but the io process "
+                                        "states that the GPs read the values from {}. Load the "
+                                        "file of the volume",
+                                        file.path));
+        }
+        std::error_code failure;
+        const fs::path real = fs::canonical(file.path, failure);
+        if (failure) {
+            refuse(source_, fmt::format("its data file {}: {}", file.path, failure.message()));
+        }
+        if (is_folder_ || !fs::equivalent(real, source_, failure)) {
+            check_other(file, real);
+        }
+        check_facts(file, real, source_);
+    }
+
+  private:
+    void check_other(const SlicesFile& file, const fs::path& real) const {
+        if (!has_others_) {
+            refuse(source_,
+                   fmt::format("the io process states the data file {}, but {}. Load it with "
+                               "read=host",
+                               file.path,
+                               is_folder_ ? "raw= describes a file, and this is a folder"
+                                          : "a file of this format has its values itself"));
+        }
+        if (!folders_.hold(real)) {
+            refuse(source_,
+                   fmt::format("its data file {} lies outside of {}. If the {} is trusted, allow "
+                               "the folder of the data with --allow DIR",
+                               file.path, is_folder_ ? "this folder" : "the header's folder",
+                               is_folder_ ? "folder" : "header"));
+        }
+    }
+
+    std::string source_;
+    bool is_folder_ = false, is_file_ = false;
+    bool has_others_ = false;  ///< Values may lie in other files than the source.
+    RealFolders folders_;
+};
 
 /// Refuses a file where the request has the host read the values.
-void check_due(const SlicesFile& file, const bus::schema::ImportVolumeT& request) {
+void check_due(const StoredVolume& stored, const bus::schema::ImportVolumeT& request) {
     const bool is_processed = !request.crop_first.empty() || !request.crop_size.empty() ||
                               !request.resample_size.empty() ||
                               !request.resample_spacing_mm.empty() || request.smooth_mm != 0;
@@ -134,36 +181,49 @@ void check_due(const SlicesFile& file, const bus::schema::ImportVolumeT& request
         refuse(request.path,
                fmt::format("the io process states that the GPs read the values from {}, but the "
                            "request {}, so that the host reads them. Load it again",
-                           file.path, wish));
+                           stored.files.front().path, wish));
     }
 }
 
-/// Calls `check`, and waits for the file system up to the limit.
+/// Calls `check` with the files, each once, and waits for the file system up to the limit.
 template <class Check>
-void within_limit(const SlicesFile& file, const std::string& source, Check check) {
-    const auto checked = answer_within(answer_ms, [check] {
-        check();
+void within_limit(const StoredVolume& stored, const std::string& source, Check check) {
+    const auto limit_ms =
+        answer_ms + answer_ms_per_file * static_cast<std::int64_t>(stored.files.size());
+    const auto checked = answer_within(limit_ms, [check, files = stored.files]() mutable {
+        for (std::size_t at = 0; at < files.size(); ++at) {
+            if (!is_checked(files, at)) {
+                check(files[at]);
+            }
+        }
         return true;
     });
     if (!checked) {
         refuse(source,
                fmt::format("its data file {} cannot be checked: the file system does not answer "
                            "within {} s. Load it again when the file system answers",
-                           file.path, answer_ms / 1000));
+                           stored.files.front().path, limit_ms / 1000));
     }
 }
 
 }  // namespace
 
-void check_slices_file(const SlicesFile& file, const bus::schema::ImportVolumeT& request,
-                       const std::vector<std::string>& folders) {
-    check_due(file, request);
+void check_slices_files(const StoredVolume& stored, const bus::schema::ImportVolumeT& request,
+                        const std::vector<std::string>& folders) {
+    check_due(stored, request);
     const Asked asked{request.path, request.raw != nullptr, folders};
-    within_limit(file, asked.source, [file, asked] { check_file(file, asked); });
+    within_limit(stored, asked.source,
+                 [places = std::optional<Places>(), asked](const SlicesFile& file) mutable {
+                     if (!places) {
+                         places.emplace(asked);  // Asks the file system, too.
+                     }
+                     places->check(file);
+                 });
 }
 
-void check_unchanged(const SlicesFile& file, const std::string& source) {
-    within_limit(file, source, [file, source] { check_facts(file, file.path, source); });
+void check_unchanged(const StoredVolume& stored, const std::string& source) {
+    within_limit(stored, source,
+                 [source](const SlicesFile& file) { check_facts(file, file.path, source); });
 }
 
 }  // namespace pxpl5::host

@@ -68,8 +68,8 @@ std::vector<SliceBatch> batches_for_gp(const Volume& volume, int gp_index, int g
 VolumeDistribution::VolumeDistribution(const Volume& volume, std::uint32_t id, int gp_count)
     : id_(id) {
     for (int gp = 0; gp < gp_count; ++gp) {
-        queues_.push_back({volume.file ? std::vector<SliceBatch>()  // The GPs read it.
-                                       : batches_for_gp(volume, gp, gp_count)});
+        queues_.push_back({volume.stored ? std::vector<SliceBatch>()  // The GPs read them.
+                                         : batches_for_gp(volume, gp, gp_count)});
         total_ += static_cast<int>(queues_.back().batches.size());
         for (const SliceBatch& batch : queues_.back().batches) {
             ++receivers_[batch.first];

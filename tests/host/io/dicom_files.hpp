@@ -57,12 +57,23 @@ class DicomSet {
         }
         return all;
     }
+    /// Compressed pixels in one fragment.
+    DicomSet& compressed_pixels(const std::string& bytes) {
+        const std::string undefined(4, '\xff');
+        elements_[{0x7fe0, 0x10}] = tag(0x7fe0, 0x10) + "OB" + std::string(2, '\0') + undefined +
+                                    tag(0xfffe, 0xe000) + bytes_of(std::uint32_t{0}) +
+                                    tag(0xfffe, 0xe000) +
+                                    bytes_of(static_cast<std::uint32_t>(bytes.size())) + bytes +
+                                    tag(0xfffe, 0xe0dd) + bytes_of(std::uint32_t{0});
+        return *this;
+    }
     /// With preamble and meta information.
-    std::string file() const {
+    /// syntax  UID of the transfer syntax; explicit little endian unless given.
+    std::string file(const std::string& syntax = "1.2.840.10008.1.2.1") const {
         DicomSet meta;
         meta.put(2, 1, "OB", std::string("\0\1", 2));
         meta.text(2, 2, "UI", "1.2.840.10008.5.1.4.1.1.2").text(2, 3, "UI", "1.2.3.4");
-        meta.text(2, 0x10, "UI", "1.2.840.10008.1.2.1").text(2, 0x12, "UI", "1.2.3.9");
+        meta.text(2, 0x10, "UI", syntax).text(2, 0x12, "UI", "1.2.3.9");
         const std::string rest = meta.bytes();
         DicomSet length;
         length.put(2, 0, "UL", bytes_of(static_cast<std::uint32_t>(rest.size())));

@@ -240,6 +240,24 @@ TEST_SUITE("host/io/data") {
                    "dicom_multiframe/emri_small_jpeg_2k_lossless.dcm");
     }
 
+    TEST_CASE("series have the same voxels if the GPs read them") {
+        if (!has_data()) {
+            return;
+        }
+        for (const char* folder : {"ct/knee_dicom", "ct/phantom_head_tilt_dicom"}) {
+            CAPTURE(folder);
+            ImportRequest request;
+            request.path = data_folder + folder;
+            const Volume whole = import_volume(request);
+            request.read = ReadBy::gps;
+            const Volume scanned = import_volume(request);
+            REQUIRE(scanned.stored);
+            CHECK(scanned.stored->files.size() == static_cast<std::size_t>(whole.nz));
+            CHECK(scanned.values == whole.values);
+            CHECK(scanned.voxel_to_patient == whole.voxel_to_patient);
+        }
+    }
+
     TEST_CASE("a NIfTI-1 and a NIfTI-2 of one head have the same voxels in the same place") {
         if (!has_data()) {
             return;

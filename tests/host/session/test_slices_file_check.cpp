@@ -52,8 +52,12 @@ struct DataBench {
     }
     std::string error_of(const SlicesFile& file,
                          const std::vector<std::string>& allowed = {}) const {
+        return error_of(StoredVolume{Component::uint8, false, 0, {file}}, allowed);
+    }
+    std::string error_of(const StoredVolume& stored,
+                         const std::vector<std::string>& allowed = {}) const {
         try {
-            check_slices_file(file, request, allowed);
+            check_slices_files(stored, request, allowed);
         } catch (const RequestError& error) {
             CHECK(error.code == ExitCode::bad_data);
             CHECK(std::string(error.what()).starts_with(request.path + ": "));
@@ -142,15 +146,43 @@ TEST_SUITE("host/session/slices_file_check") {
         CHECK(has(bench.error_of(changed),
                   fmt::format("changed at {} ns. Load it again", changed.facts.modified_ns)));
         CHECK(has(bench.error_of(bench.folder / "raw"), "is no regular file"));
-        CHECK_THROWS_AS(check_unchanged(changed, "scan"), RequestError);
-        check_unchanged(DataBench::file_at(bench.folder / "values.raw"), "scan");
+        const auto unchanged = [](const SlicesFile& file) {
+            check_unchanged({Component::uint8, false, 0, {file}}, "scan");
+        };
+        CHECK_THROWS_AS(unchanged(changed), RequestError);
+        unchanged(DataBench::file_at(bench.folder / "values.raw"));
         changed.path = bench.folder / "missing.raw";
         CHECK_THROWS_WITH_AS(
-            check_unchanged(changed, "scan"),
+            unchanged(changed),
             ("scan: its data file " + changed.path + ": No such file or directory").c_str(),
             RequestError);
         CHECK(has(bench.error_of(changed), "missing.raw: No such file or directory"));
+        bench.request.path = bench.top / "absent";
+        CHECK(has(bench.error_of(bench.folder / "values.raw"),
+                  "is no regular file and no folder, but"));
+    }
+
+    TEST_CASE("a folder's files are accepted if all lie in it or below, links followed") {
+        DataBench bench;
         bench.request.path = bench.folder;
-        CHECK(has(bench.error_of(bench.folder / "values.raw"), "is no regular file, but"));
+        StoredVolume stored{Component::uint8, false, 0, {}};
+        for (const char* name : {"scan.bin", "values.raw", "values.raw", "raw/values.raw"}) {
+            stored.files.push_back(DataBench::file_at(bench.folder / name));
+        }
+        CHECK(bench.error_of(stored) == "none");
+        stored.files.push_back(DataBench::file_at(bench.folder / "link.raw"));
+        CHECK(has(bench.error_of(stored),
+                  "link.raw lies outside of this folder. If the folder is "
+                  "trusted, allow the folder of the data with --allow"));
+        CHECK(bench.error_of(stored, {bench.top / "elsewhere"}) == "none");
+        stored.files.pop_back();
+        ++stored.files[2].facts.inode;  // The same path again, with other facts.
+        CHECK(has(bench.error_of(stored), "values.raw has 6 bytes"));
+        --stored.files[2].facts.inode;
+        ++stored.files[3].facts.size_bytes;
+        CHECK(has(bench.error_of(stored), "raw/values.raw has 6 bytes"));
+        --stored.files[3].facts.size_bytes;
+        bench.request.raw = std::make_unique<bus::schema::RawLayoutT>();
+        CHECK(has(bench.error_of(stored), "raw= describes a file, and this is a folder"));
     }
 }

@@ -66,7 +66,7 @@ class UnsoundMachine final : public MachinePort {
 /// A header whose values the io process sends.
 schema::VolumeHeaderT whole_header() {
     schema::VolumeHeaderT header = test::example_header();
-    header.file.reset();
+    header.stored.reset();
     header.reduction = 1;
     return header;
 }

@@ -45,11 +45,13 @@ schema::VolumeHeaderT example_header() {
     header.findings.push_back(std::make_unique<schema::FindingT>());
     header.findings[0]->kind = FindingKind::missing_slices;
     header.findings[0]->text = "one slice is missing";
-    header.file = std::make_unique<schema::SlicesFileT>();
-    header.file->path = "/data/pelvis.raw";
-    header.file->offset = 20;
-    header.file->stored = Component::float32;
-    header.file->size_bytes = 500;  // 20 and 4 x 5 x 6 values of 4 bytes.
+    header.stored = std::make_unique<schema::StoredVolumeT>();
+    header.stored->component = Component::float32;
+    header.stored->files.push_back(std::make_unique<schema::SlicesFileT>());
+    header.stored->files[0]->path = "/data/pelvis.raw";
+    header.stored->files[0]->offset = 20;
+    header.stored->files[0]->slices = 6;
+    header.stored->files[0]->size_bytes = 500;  // 20 and 4 x 5 x 6 values of 4 bytes.
     header.reduction = 2;
     return header;
 }

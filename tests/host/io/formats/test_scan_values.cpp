@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -14,10 +15,12 @@
 #include "host/base/digest.hpp"
 #include "host/io/formats/stored_header.hpp"
 #include "host/volume/reduced.hpp"
+#include "tests/host/io/formats/gp_shape.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
 using namespace pxpl5::host::io;
+using namespace pxpl5::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -66,15 +69,6 @@ StoredHeader written(const fs::path& path, Component component, bool big_endian,
     return header;
 }
 
-gp::VolumeShape shape_of(const Volume& volume) {
-    gp::VolumeShape shape;
-    shape.nx = volume.nx;
-    shape.ny = volume.ny;
-    shape.nz = volume.nz;
-    shape.type = volume.type;
-    return shape;
-}
-
 const std::vector<Scale> scales = {{1, 0}, {0.37, -12.5}, {1, -1024}, {2, 0}};
 
 }  // namespace
@@ -106,8 +100,8 @@ TEST_CASE("the scan finds type, range, values and findings of the import, for ev
                 findings.pop_back();  // The last one is about the GPs.
                 CHECK(findings == whole.findings);
 
-                REQUIRE(scanned.file);
-                gp::StoredSlices slices(shape_of(scanned), *scanned.file);
+                REQUIRE(scanned.stored);
+                gp::StoredSlices slices(shape_of(scanned), *scanned.stored);
                 const std::size_t bytes = whole.values.size() / 6;
                 for (const int z : {5, 0, 3}) {
                     const auto slice = slices.read(z);
@@ -152,13 +146,14 @@ TEST_CASE("a file that a GP finds changed is refused with the file, both values 
     const Volume scanned = scan_stored_values(path, header, all_bytes);
     const auto error = [&](SlicesFile file) {
         try {
-            gp::StoredSlices(shape_of(scanned), file).check();
+            gp::StoredSlices(shape_of(scanned), StoredVolume{Component::uint8, false, 0, {file}})
+                .check();
         } catch (const gp::StoredFileError& refusal) {
             return std::string(refusal.what());
         }
         return std::string("none");
     };
-    SlicesFile file = *scanned.file;
+    SlicesFile file = scanned.stored->files[0];
     CHECK(error(file) == "none");
     file.facts.size_bytes = 7;
     CHECK(error(file).find(path.string() +
@@ -167,10 +162,10 @@ TEST_CASE("a file that a GP finds changed is refused with the file, both values 
     CHECK(error(file).ends_with("Load it again, or with read=host"));
     file.facts.size_bytes = max_volume_bytes + 1;
     CHECK(error(file).ends_with("Load it again"));
-    file = *scanned.file;
+    file = scanned.stored->files[0];
     ++file.facts.inode;
     CHECK(error(file).find("its inode is") != std::string::npos);
-    file = *scanned.file;
+    file = scanned.stored->files[0];
     --file.facts.modified_ns;
     CHECK(error(file).find("the time of its last change in ns is") != std::string::npos);
     file.path = scratch.folder;
@@ -178,7 +173,7 @@ TEST_CASE("a file that a GP finds changed is refused with the file, both values 
     file.path = scratch.folder / "absent.raw";
     CHECK(error(file).find("cannot be opened: No such file or directory") != std::string::npos);
 
-    gp::StoredSlices slices(shape_of(scanned), *scanned.file);
+    gp::StoredSlices slices(shape_of(scanned), *scanned.stored);
     std::ofstream(path, std::ios::app) << "more";
     CHECK_THROWS_AS(slices.check(), gp::StoredFileError);
     fs::resize_file(path, 30);
@@ -193,7 +188,7 @@ TEST_CASE("a value that does not fit into the type of the voxels is no voxel") {
     CHECK(scanned.type == Scalar::float32);
     gp::VolumeShape shape = shape_of(scanned);
     shape.type = Scalar::int16;
-    gp::StoredSlices slices(shape, *scanned.file);
+    gp::StoredSlices slices(shape, *scanned.stored);
     std::string error;
     try {
         slices.read(5);
@@ -202,4 +197,35 @@ TEST_CASE("a value that does not fit into the type of the voxels is no voxel") {
     }
     CHECK(error.find("slice 5 has the value ") != std::string::npos);
     CHECK(error.find("int16 voxels have -32768 to 32767") != std::string::npos);
+}
+
+TEST_CASE("values in several files have the same bits, if each has whole slices") {
+    const Scratch scratch;
+    const fs::path path = scratch.folder / "values.raw";
+    StoredHeader header = written(path, Component::int16, true, {0.5, 3});
+    const Volume whole = read_stored_values(path, header);
+    header.data_files.clear();
+    for (const int part : {0, 1, 2}) {
+        const fs::path file = scratch.folder / ("part" + std::to_string(part));
+        std::string bytes(2 * 5 * 4 * 2, '\0');
+        std::ifstream(path, std::ios::binary)
+            .seekg(21 + part * static_cast<std::streamoff>(bytes.size()))
+            .read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+        std::ofstream(file, std::ios::binary) << std::string(21, '?') + bytes;
+        header.data_files.push_back(file);
+    }
+    CHECK(why_not_by_gps(header).empty());
+    const Volume scanned = scan_stored_values(path, header, all_bytes);
+    REQUIRE(scanned.stored);
+    CHECK(scanned.stored->files.size() == 3);
+    CHECK(scanned.values == whole.values);
+    gp::StoredSlices slices(shape_of(scanned), *scanned.stored);
+    const std::size_t bytes = whole.values.size() / 6;
+    for (const int z : {5, 0, 1, 2, 4, 3}) {
+        const auto slice = slices.read(z);
+        CHECK(std::equal(slice.begin(), slice.end(),
+                         whole.values.begin() + static_cast<std::ptrdiff_t>(bytes) * z));
+    }
+    header.data_files.push_back(path);
+    CHECK(why_not_by_gps(header) == "its 4 files do not have whole slices, of which there are 6");
 }
