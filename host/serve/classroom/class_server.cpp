@@ -140,6 +140,7 @@ class ClassServer {
     Supervisor supervisor_;
     std::map<int, Running> running_;  ///< By number.
     std::string first_error_;         ///< The error of a first session that could not start.
+    ExitCode first_code_ = ExitCode::failed;  ///< Its exit code.
     Classroom classroom_;
     std::unique_ptr<ClassPage> page_;
     bool has_fixed_ports_;
@@ -259,6 +260,9 @@ void ClassServer::note_ends() {
         const std::string why = reason_of(death, log_of(death.name));
         running_.erase(number);
         first_error_ = why;
+        first_code_ = death.signal == 0 && death.exit_code != 0
+                          ? static_cast<ExitCode>(death.exit_code)
+                          : ExitCode::failed;
         classroom_.ended(number, sentence(why));
         print(number, "has ended: " + sentence(why));
         std::error_code ignored;
@@ -294,7 +298,7 @@ bool ClassServer::start_first() {
     do {
         step();
         if (running_.empty()) {
-            throw RequestError(ExitCode::failed,
+            throw RequestError(first_code_,
                                "the first session of the class cannot start: " + first_error_);
         }
         if (supervisor_.take_interrupt() != 0) {

@@ -255,17 +255,20 @@ class Class(unittest.TestCase):
         self.assert_end(watched)
 
     def test_a_class_that_cannot_work_does_not_start(self):
-        for words, reason in ((("--surface", "ball=nothing"), "nothing"),
-                              (("--port", str(self.free_port())), "Address already in use")):
+        port = str(self.free_port())
+        for volume, words, code, reason in (
+                ("phantom:sphere", ("--surface", "ball=nothing"), 64, "nothing"),
+                ("phantom:sphere", ("--port", port), 69, "Address already in use"),
+                ("/nowhere.nrrd", (), 65, "No such file")):
             with socket.socket() as other:
                 if "--port" in words:
                     other.bind(("127.0.0.1", int(words[1]) + 1))
                     other.listen()
                 done = subprocess.run(
-                    [test_serve.BINARIES / "pxpl5", "serve", "phantom:sphere", "--sessions", "2",
+                    [test_serve.BINARIES / "pxpl5", "serve", volume, "--sessions", "2",
                      "--run-folder", self.folder / "runs", *words], capture_output=True, text=True,
                     timeout=LIMIT_S, check=False)
-            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertEqual(done.returncode, code, done.stderr)
             self.assertRegex(done.stderr, "error: the first session of the class cannot start: .*"
                              + reason)
 
