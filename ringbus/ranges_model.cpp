@@ -67,7 +67,9 @@ std::string range_of(const schema::SurfaceBuilt& built) {
             .finite("volume_mm3", slab->volume_mm3());
         last = slab;
     }
-    return check.reason();
+    return check.at_most("left_out", built.left_out(), built.slabs()->size())
+        .at_most("gps_to_hold_all", built.gps_to_hold_all(), max_nodes_per_role)
+        .reason();
 }
 
 bool is_finite(const schema::MeshVertex& v) {

@@ -76,6 +76,7 @@ void drop_content(Board& board) {
     board.store.reset();
     board.is_scene = false;
     board.scratch = {};
+    board.restored = {};
     board.frame.drawing = {};
     board.frame.programs = {};
     return_freed_memory();

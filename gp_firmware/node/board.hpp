@@ -56,7 +56,8 @@ struct Board {
     std::unique_ptr<SliceStore> store;    ///< Null for a scene, and if the volume does not fit.
     bool is_scene = false;                ///< `volume` is the number of a scene.
     Surfaces surfaces;
-    SlabMesh scratch;  ///< Grows during extraction, so that the stored meshes need not.
+    SlabMesh scratch;   ///< Grows during extraction, so that the stored meshes need not.
+    SlabMesh restored;  ///< The slab that stored_or_extracted() returned last.
     FrameOutput frame;
 };
 

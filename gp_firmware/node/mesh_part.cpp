@@ -29,10 +29,11 @@ constexpr std::size_t message_overhead_bytes = 256, slab_overhead_bytes = 96;
 std::size_t size_bytes(std::span<const SlabMesh> slabs, bool origins) {
     std::size_t bytes = message_overhead_bytes;
     for (const SlabMesh& mesh : slabs) {
+        const MeshSize size = size_of(mesh);
         bytes += slab_overhead_bytes +
-                 mesh.vertices.size() * (sizeof(schema::MeshVertex) + sizeof(std::uint64_t)) +
-                 mesh.indices.size() * sizeof(std::uint32_t) +
-                 (origins ? mesh.indices.size() / 3 * sizeof(schema::Origin) : 0);
+                 size.vertices * (sizeof(schema::MeshVertex) + sizeof(std::uint64_t)) +
+                 3 * size.triangles * sizeof(std::uint32_t) +
+                 (origins ? size.triangles * sizeof(schema::Origin) : 0);
     }
     return bytes;
 }

@@ -36,7 +36,7 @@ const HeldSurface& surface_to_fetch(std::uint16_t surface, const Board& board) {
 
 /// Returns the origins of a slab's triangles. If they are not kept, extracts the slab again.
 std::span<const Origin> origins_of(const HeldSurface& surface, const SlabMesh& mesh, Board& board) {
-    if (!board.machine.keeps_origins) {
+    if (mesh.origins.size() < mesh.indices.size() / 3) {
         extract_slab(*board.store, mesh.slab, surface.isovalue, case_table(surface.rule),
                      board.scratch, true);
         assert(board.scratch.indices == mesh.indices);
@@ -73,7 +73,8 @@ bool step(FetchJob& job, Board& board, bus::Outbox& out) {
     if (!job.part) {
         job.part = std::make_unique<MeshPartBuilder>(all);
     } else if (job.next_slab < all.slabs.size()) {
-        const SlabMesh& mesh = all.slabs[job.next_slab++];
+        const SlabMesh& mesh =
+            stored_or_extracted(surface, all.slabs[job.next_slab++], board, job.origins);
         job.part->add(mesh,
                       job.origins ? origins_of(surface, mesh, board) : std::span<const Origin>());
     } else {

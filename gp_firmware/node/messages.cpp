@@ -146,7 +146,8 @@ SlabMesh slab_mesh_of(const schema::ScenePart& part) {
 }
 
 bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& held,
-                                   std::size_t memory_bytes, std::uint64_t elapsed_us) {
+                                   std::size_t memory_bytes, std::uint64_t elapsed_us,
+                                   int gps_to_hold_all) {
     schema::SurfaceBuiltT built;
     built.surface = surface;
     built.revision = held.revision;
@@ -155,7 +156,9 @@ bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& hel
         built.slabs.emplace_back(static_cast<std::uint32_t>(mesh.slab), c.triangles, c.vertices,
                                  c.cells_active, c.cells_ambiguous, c.rows_skipped, c.cells_visited,
                                  c.edges_visited, c.edges_crossed, c.area_mm2, c.volume_mm3);
+        built.left_out += mesh.left_out ? 1 : 0;
     }
+    built.gps_to_hold_all = static_cast<std::uint32_t>(gps_to_hold_all);
     built.memory_bytes = memory_bytes;
     built.elapsed_us = elapsed_us;
     return bus::pack(built);

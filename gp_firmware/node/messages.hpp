@@ -39,8 +39,10 @@ flatbuffers::Offset<flatbuffers::Vector<const bus::schema::Origin*>> origins_to_
 /// Returns the primitives of a scene part.
 SlabMesh slab_mesh_of(const bus::schema::ScenePart& part);
 
+/// gps_to_hold_all  See SurfaceBuilt; 0 if no slab is left out.
 bus::Payload surface_built_message(std::uint16_t surface, const HeldSurface& held,
-                                   std::size_t memory_bytes, std::uint64_t elapsed_us);
+                                   std::size_t memory_bytes, std::uint64_t elapsed_us,
+                                   int gps_to_hold_all);
 
 /// drawing  A frame that is drawn completely.
 bus::Payload frame_counts_message(std::uint32_t frame, const FrameDrawing& drawing);

@@ -22,14 +22,28 @@ using schema::FaultCode;
 
 constexpr std::size_t triangles_per_piece = 50'000;  ///< About 1 ms of an extraction.
 
-std::size_t mesh_bytes(const HeldSurface& surface) {
-    std::size_t bytes = 0;
-    for (const SlabMesh& mesh : surface.slabs) {
-        bytes += size_bytes(mesh);
-    }
-    return bytes;
+bool is_left_out(const SlabMesh& mesh) {
+    return mesh.left_out.has_value();
 }
 
+/// Estimates from the slabs of this GP how many GPs would hold all surfaces without leaving slabs
+/// out. Returns 0 if the surface has none that is left out, or no number of GPs would do.
+int gps_to_hold_all(const HeldSurface& surface, const Board& board) {
+    if (std::ranges::none_of(surface.slabs, is_left_out)) {
+        return 0;
+    }
+    std::size_t bytes = 0;
+    for (const auto& [number, held] : board.surfaces) {
+        for (const SlabMesh& mesh : held.slabs) {
+            const MeshSize size = size_of(mesh);
+            bytes += size.vertices * (sizeof(Vertex) + sizeof(std::uint64_t)) +
+                     3 * size.triangles * sizeof(std::uint32_t);
+        }
+    }
+    return gp_count_that_would_do(board.store->shape(), board.memory.size_bytes(),
+                                  bytes * static_cast<std::size_t>(board.machine.share.gp_count),
+                                  board.store->packing());
+}
 /// Copies a list. Keeps the capacity of `to` unless more than half of it would be unused.
 template <class T>
 void copy_closely(const std::vector<T>& from, std::vector<T>& to) {
@@ -43,6 +57,7 @@ void copy_closely(const std::vector<T>& from, std::vector<T>& to) {
 void copy_closely(const SlabMesh& from, SlabMesh& to) {
     to.slab = from.slab;
     to.counts = from.counts;
+    to.left_out.reset();
     copy_closely(from.vertices, to.vertices);
     copy_closely(from.keys, to.keys);
     copy_closely(from.indices, to.indices);
@@ -57,22 +72,43 @@ bool is_roomy(const SlabMesh& mesh) {
     return size_bytes(mesh) > 2 * used_bytes + spare_bytes;
 }
 
-/// Estimates the surfaces' bytes on all GPs from the slabs of this GP, and advises on the GP count.
-std::string memory_advice(const ExtractJob& job, const Board& board) {
-    std::size_t all = 0;
-    for (const auto& [number, held] : board.surfaces) {
-        const std::size_t here = mesh_bytes(held);
-        all += number == job.surface ? here * held.slabs.size() / job.next_slab : here;
+/// Frees the spare capacity of a mesh.
+void tighten(SlabMesh& mesh) {
+    mesh = SlabMesh(mesh);
+}
+
+/// Makes the new mesh slabs[at], which is not charged yet, fit: without spare capacity, without the
+/// meshes of the older revision behind it, without spare capacity of the meshes before it, and at
+/// last without its lists.
+void fit_into_memory(std::span<SlabMesh> slabs, std::size_t at, LocalMemory& memory) {
+    SlabMesh& mesh = slabs[at];
+    const auto fits = [&] { return size_bytes(mesh) <= memory.available_bytes(); };
+    if (fits()) {
+        return;
     }
-    return gp_count_advice(board.store->shape(), board.memory.size_bytes(),
-                           all * static_cast<std::size_t>(board.machine.share.gp_count));
+    tighten(mesh);
+    for (std::size_t older = at + 1; older < slabs.size() && !fits(); ++older) {
+        memory.release(size_bytes(slabs[older]));
+        slabs[older] = SlabMesh{};
+    }
+    for (std::size_t newer = 0; newer < at && !fits(); ++newer) {
+        memory.release(size_bytes(slabs[newer]));
+        tighten(slabs[newer]);
+        memory.charge(size_bytes(slabs[newer]), "a mesh without spare capacity");
+    }
+    if (!fits()) {
+        SlabMesh sizes;
+        sizes.slab = mesh.slab;
+        sizes.counts = mesh.counts;
+        sizes.left_out = size_of(mesh);
+        mesh = std::move(sizes);
+    }
 }
 
 /// Extracts a piece of the next slab. The slab replaces that of the older revision, because the
 /// memory need not have room for both.
 void extract_next(ExtractJob& job, HeldSurface& surface, Board& board) {
     SlabMesh& mesh = surface.slabs[job.next_slab];
-    const std::size_t before = size_bytes(mesh);
     if (!job.extraction) {
         job.extraction =
             begin_slab(*board.store, board.store->slabs()[job.next_slab], job.isovalue,
@@ -82,22 +118,17 @@ void extract_next(ExtractJob& job, HeldSurface& surface, Board& board) {
         return;
     }
     job.extraction = nullptr;
-    if (board.store->shape().holds_gradients() && !is_roomy(board.scratch)) {
+    board.memory.release(size_bytes(mesh));
+    const bool fits_as_it_is = size_bytes(board.scratch) <= board.memory.available_bytes();
+    if (board.store->shape().holds_gradients() && !is_roomy(board.scratch) && fits_as_it_is) {
         std::swap(board.scratch, mesh);  // In a small volume, time matters more than unused memory.
+        board.scratch.left_out.reset();
     } else {
         copy_closely(board.scratch, mesh);
+        fit_into_memory(surface.slabs, job.next_slab, board.memory);
     }
     ++job.next_slab;
-    board.memory.release(before);
-    try {
-        const std::size_t bytes = size_bytes(mesh);
-        const bool fits = bytes <= board.memory.available_bytes();  // Advice takes time to compute.
-        board.memory.charge(bytes, fmt::format("surface {}", job.surface),
-                            fits ? std::string() : memory_advice(job, board));
-    } catch (const OutOfLocalMemory&) {
-        mesh = SlabMesh{};  // The memory was not charged.
-        throw;
-    }
+    board.memory.charge(size_bytes(mesh), fmt::format("surface {}", job.surface));
 }
 
 /// Ignores a mask for another revision than the stored one.
@@ -115,7 +146,7 @@ void take_mask(const schema::MaskSurface& mask, Board& board) {
         if (mesh == surface.slabs.end() || mesh->slab != static_cast<int>(slab->slab())) {
             continue;  // Another GP stores this slab.
         }
-        const std::size_t triangles = mesh->indices.size() / 3, bytes = slab->hidden()->size();
+        const std::size_t triangles = size_of(*mesh).triangles, bytes = slab->hidden()->size();
         if (bytes != (triangles + 7) / 8) {
             throw NodeFault(
                 FaultCode::bad_input,
@@ -132,7 +163,7 @@ void take_mask(const schema::MaskSurface& mask, Board& board) {
 
 /// A mask that hides all triangles of a slab.
 SlabMask all_hidden(const SlabMesh& mesh) {
-    return SlabMask(mesh.indices.size() / 3 / 8 + 1, 0xFF);
+    return SlabMask(size_of(mesh).triangles / 8 + 1, 0xFF);
 }
 
 /// Returns the masks of a block: the surface's, and full ones for slabs that are not chosen.
@@ -158,6 +189,45 @@ void drop(const SimplifiedSurface& simplified, LocalMemory& memory) {
         memory.release(size_bytes(block));
     }
 }
+
+/// The meshes of a block. Those that are left out are extracted, and charged while this object
+/// lives.
+class BlockMeshes {
+  public:
+    /// Throws OutOfLocalMemory.
+    BlockMeshes(const HeldSurface& surface, std::span<const SlabMesh> slabs, Board& board)
+        : memory_(board.memory), slabs_(slabs) {
+        if (std::ranges::none_of(slabs, is_left_out)) {
+            return;
+        }
+        for (const SlabMesh& mesh : slabs) {
+            extracted_.push_back(stored_or_extracted(surface, mesh, board, false));
+            if (is_left_out(mesh)) {
+                const std::size_t bytes = size_bytes(extracted_.back());
+                try {
+                    memory_.charge(bytes, "a block of slabs to be simplified",
+                                   "draw the surface exactly");
+                } catch (const OutOfLocalMemory&) {
+                    memory_.release(charged_bytes_);
+                    throw;
+                }
+                charged_bytes_ += bytes;
+            }
+        }
+        slabs_ = extracted_;
+    }
+    ~BlockMeshes() { memory_.release(charged_bytes_); }
+    BlockMeshes(const BlockMeshes&) = delete;
+    BlockMeshes& operator=(const BlockMeshes&) = delete;
+
+    std::span<const SlabMesh> meshes() const { return slabs_; }
+
+  private:
+    LocalMemory& memory_;
+    std::span<const SlabMesh> slabs_;
+    std::vector<SlabMesh> extracted_;
+    std::size_t charged_bytes_ = 0;
+};
 
 }  // namespace
 
@@ -191,19 +261,15 @@ bool step(ExtractJob& job, Board& board, bus::Outbox& out) {
         drop_simplified(surface, board.memory);
     }
     if (job.next_slab < surface.slabs.size()) {
-        try {
-            extract_next(job, surface, board);
-        } catch (...) {
-            drop_surface(board, job.surface);
-            throw;
-        }
+        extract_next(job, surface, board);
     }
     if (job.next_slab < surface.slabs.size()) {
         return false;
     }
     surface.complete = true;
     out.send(bus::host_id, surface_built_message(job.surface, surface, board.memory.used_bytes(),
-                                                 to_us(Clock::now() - job.since)));
+                                                 to_us(Clock::now() - job.since),
+                                                 gps_to_hold_all(surface, board)));
     return true;
 }
 
@@ -224,6 +290,17 @@ bool step(MaskJob& job, Board& board, bus::Outbox& out) {
     built.memory_bytes = board.memory.used_bytes();
     out.send(bus::host_id, bus::pack(built));
     return true;
+}
+
+const SlabMesh& stored_or_extracted(const HeldSurface& surface, const SlabMesh& mesh, Board& board,
+                                    bool with_origins) {
+    if (!mesh.left_out) {
+        return mesh;
+    }
+    extract_slab(*board.store, mesh.slab, surface.isovalue, case_table(surface.rule),
+                 board.restored, with_origins);
+    assert(board.restored.indices.size() == 3 * mesh.left_out->triangles);
+    return board.restored;
 }
 
 void require_whole_blocks(const SimplifiedWish& wish, const Board& board) {
@@ -263,9 +340,17 @@ bool simplify_next(const SimplifiedWish& wish, Board& board) {
     const auto count = static_cast<std::size_t>(end - surface.slabs.begin()) - first;
     const VolumeShape& shape = board.store->shape();
     SlabMesh made;
-    const double moved_mm = cluster_block(
-        shape, std::span(surface.slabs).subspan(first, count),
-        masks_of(surface, first, count, wish.slabs, shape.gap_slabs), 1 << wish.detail, made);
+    double moved_mm = 0;
+    try {
+        const BlockMeshes block(surface, std::span(surface.slabs).subspan(first, count), board);
+        moved_mm = cluster_block(shape, block.meshes(),
+                                 masks_of(surface, first, count, wish.slabs, shape.gap_slabs),
+                                 1 << wish.detail, made);
+    } catch (const OutOfLocalMemory&) {
+        drop(simplified, board.memory);
+        surface.simplified.erase(at);
+        throw;
+    }
     simplified.moved_mm = std::max(simplified.moved_mm, moved_mm);
     simplified.slabs_done += count;
     const SlabMesh& block = simplified.blocks.emplace_back(made);  // Without spare capacity.

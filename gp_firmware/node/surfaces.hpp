@@ -1,4 +1,5 @@
-// The surface service: extracts, removes, masks and simplifies surfaces.
+// The surface service: extracts, removes, masks and simplifies surfaces. Slabs that do not fit into
+// the local memory are left out, and extracted again where they are needed.
 #pragma once
 
 #include "gp_firmware/node/job_queue.hpp"
@@ -13,6 +14,12 @@ void note_surface(const bus::schema::SetSurface& set, const Board& board, JobQue
 bool step(ExtractJob& job, Board& board, bus::Outbox& out);
 bool step(RemoveJob& job, Board& board, bus::Outbox& out);
 bool step(MaskJob& job, Board& board, bus::Outbox& out);
+
+/// Returns a slab of a complete surface. Extracts it if it is left out; then the mesh stays until
+/// the next call.
+/// with_origins  An extracted mesh has origins. A stored one has them if the run is recorded.
+const SlabMesh& stored_or_extracted(const HeldSurface& surface, const SlabMesh& mesh, Board& board,
+                                    bool with_origins);
 
 /// A simplified surface that is wanted.
 struct SimplifiedWish {

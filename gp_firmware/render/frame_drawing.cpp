@@ -59,7 +59,8 @@ void FrameDrawing::begin(const FrameRequest& request) {
     gap_slabs_ = request.gap_slabs;
 }
 
-bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
+bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count,
+                        const ExtractLeftOut& extract) {
     const std::size_t enough = counts_.triangles_in + triangle_count;
     for (; next_surface_ < wanted_.size(); ++next_surface_, next_slab_ = 0) {
         const SurfaceWanted& wanted = wanted_[next_surface_];
@@ -84,7 +85,7 @@ bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count) {
                     style.hidden = held.hidden[next_slab_];
                 }
             }
-            draw_slab_or_block(mesh, style);
+            draw_slab_or_block(mesh.left_out ? extract(held, mesh) : mesh, style);
         }
     }
     programs_.end_frame();

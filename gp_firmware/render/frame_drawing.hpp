@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -81,6 +82,9 @@ std::size_t region_count(const FrameRequest& request);
 /// Returns an empty text if `surfaces` has all surfaces of `request`, else names the missing one.
 std::string missing_surface(const FrameRequest& request, const Surfaces& surfaces);
 
+/// Returns a mesh that is left out of a surface. It stays until the next call.
+using ExtractLeftOut = std::function<const SlabMesh&(const HeldSurface&, const SlabMesh&)>;
+
 /// Draws one frame at a time; keeps its buffers from frame to frame.
 class FrameDrawing {
   public:
@@ -93,8 +97,10 @@ class FrameDrawing {
     ///
     /// surfaces  Surfaces for which missing_surface() is empty, with the complete simplified
     ///           surfaces that the frame wants. They must not change until the frame is done.
+    /// extract   Called for slabs that are left out; may be empty if there are none.
     /// Returns   true while more is left to draw.
-    bool draw(const Surfaces& surfaces, std::size_t triangle_count);
+    bool draw(const Surfaces& surfaces, std::size_t triangle_count,
+              const ExtractLeftOut& extract = {});
 
     /// Returns the grid of the frame's views. Requires a frame with surfaces.
     const RegionGrid& grid() const { return eyes_.at(0).grid; }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -55,6 +56,11 @@ struct Line {
     glm::vec3 from_voxel, to_voxel;
 };
 
+/// Lengths of a mesh's lists.
+struct MeshSize {
+    std::size_t vertices = 0, triangles = 0;
+};
+
 /// Slab `slab` is the layer of cells between slices slab and slab + 1.
 struct SlabMesh {
     int slab = 0;
@@ -65,7 +71,15 @@ struct SlabMesh {
     std::vector<Sphere> spheres;         ///< Only in scenes.
     std::vector<Line> lines;             ///< Only in scenes.
     SlabCounts counts;
+    /// Set if the lists did not fit into the local memory, and are empty: the GP extracts the slab
+    /// again where its triangles are needed.
+    std::optional<MeshSize> left_out;
 };
+
+/// Returns the size of the mesh, which may be left out.
+inline MeshSize size_of(const SlabMesh& mesh) {
+    return mesh.left_out.value_or(MeshSize{mesh.vertices.size(), mesh.indices.size() / 3});
+}
 
 using SlabMask = std::vector<std::uint8_t>;
 

@@ -60,15 +60,17 @@ SliceStore::~SliceStore() {
     memory_.release(charged_bytes_);
 }
 
+double SliceStore::packing() const {
+    const std::size_t raw_bytes = next_ * shape_.slice_voxels() * size_bytes(shape_.type);
+    return packed_bytes_ == 0 ? 1
+                              : static_cast<double>(packed_bytes_) / static_cast<double>(raw_bytes);
+}
+
 void SliceStore::charge(std::size_t bytes, int z) {
     const bool fits = bytes <= memory_.available_bytes();  // Advice takes time to compute.
-    const std::size_t raw_bytes = next_ * shape_.slice_voxels() * size_bytes(shape_.type);
-    const double packing =
-        packed_bytes_ == 0 ? 1
-                           : static_cast<double>(packed_bytes_) / static_cast<double>(raw_bytes);
     memory_.charge(
         bytes, "slice " + std::to_string(z) + (packer_ ? ", compressed" : ""),
-        fits ? std::string() : gp_count_advice(shape_, memory_.size_bytes(), 0, packing));
+        fits ? std::string() : gp_count_advice(shape_, memory_.size_bytes(), 0, packing()));
     charged_bytes_ += bytes;
 }
 

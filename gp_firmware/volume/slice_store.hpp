@@ -76,6 +76,8 @@ class SliceStore {
     const HeldSlice& slice(int z) const;
     /// Whether the slices are kept compressed.
     bool is_packed() const { return packer_ != nullptr; }
+    /// Returns the share of their bytes that compressed slices take; 1 if none is compressed.
+    double packing() const;
     /// Returns slice z and the slices that its gradients come from. An owned slab touches z, and
     /// either slices are still arriving or gradients are not stored, so all of them are stored.
     SliceNeighbors neighbors(int z) const;

@@ -105,6 +105,18 @@ Surface wished_surface(const Session& session, const std::optional<Surface>& kno
     return wish;
 }
 
+/// Why pictures of the surface take longer than others, and what helps.
+std::string left_out_text(const SurfaceReport& report) {
+    return fmt::format(
+        "{} of {} slabs do not fit into the memory of the GPs, which extract them again for each "
+        "picture and mesh. {}",
+        report.slabs_left_out, report.slabs.size(),
+        report.gps_to_hold_all > 0
+            ? fmt::format("About {} GPs, or more memory for each (gp.memory_mib), would hold them",
+                          report.gps_to_hold_all)
+            : "More memory for each GP (gp.memory_mib), or a part of the volume (crop=), helps");
+}
+
 }  // namespace
 
 Fields surface_fields(const Surface& surface, const SurfaceReport& report) {
@@ -118,7 +130,8 @@ Fields surface_fields(const Surface& surface, const SurfaceReport& report) {
                      {"rows_skipped", report.rows_skipped},
                      {"area_mm2", report.area_mm2},
                      {"extraction_ms", report.elapsed_ms},
-                     {"gp_memory_bytes", report.memory_bytes}};
+                     {"gp_memory_bytes", report.memory_bytes},
+                     {"slabs_left_out", report.slabs_left_out}};
     if (report.triangles > 0) {
         fields.push_back({"volume_ml", report.volume_mm3 / 1000});
     }
@@ -152,6 +165,9 @@ Reply run_surface(Session& session, const Arguments& arguments) {
     session.surfaces.set_style(wish);
     const SurfaceReport& report = session.surfaces.report_of(name);
     Reply reply{surface_text(wish, report), surface_fields(wish, report)};
+    if (report.slabs_left_out > 0) {
+        add_warning(reply, left_out_text(report));
+    }
     if (report.triangles == 0) {
         add_warning(reply, fmt::format("no surface there: the volume's values are {} .. {}",
                                        volume.minimum, volume.maximum));

@@ -75,7 +75,8 @@ SurfaceReport Surfaces::extract(const Surface& surface) {
     request.isovalue = surface.isovalue;
     request.table = surface.table;
     std::vector<schema::SlabCounts> slabs;
-    std::int64_t memory_bytes = 0;
+    SurfaceReport all;
+    bool can_hold_all = true;
     conversation_.expect([&](const bus::Message& message) {
         const auto* built = message.as<schema::SurfaceBuilt>();
         if (built == nullptr || built->surface() != request.surface ||
@@ -85,7 +86,10 @@ SurfaceReport Surfaces::extract(const Surface& surface) {
         for (const schema::SlabCounts* slab : *built->slabs()) {
             slabs.push_back(*slab);
         }
-        memory_bytes += static_cast<std::int64_t>(built->memory_bytes());
+        all.memory_bytes += static_cast<std::int64_t>(built->memory_bytes());
+        all.slabs_left_out += built->left_out();
+        all.gps_to_hold_all = std::max(all.gps_to_hold_all, std::int64_t{built->gps_to_hold_all()});
+        can_hold_all = can_hold_all && (built->left_out() == 0 || built->gps_to_hold_all() > 0);
         return true;
     });
     struct Forget {
@@ -101,7 +105,9 @@ SurfaceReport Surfaces::extract(const Surface& surface) {
     }
     SurfaceReport report = sum_slabs(std::move(slabs));
     report.elapsed_ms = ms_since(start_ns);
-    report.memory_bytes = memory_bytes;
+    report.memory_bytes = all.memory_bytes;
+    report.slabs_left_out = all.slabs_left_out;
+    report.gps_to_hold_all = can_hold_all ? all.gps_to_hold_all : 0;
     return report;
 }
 

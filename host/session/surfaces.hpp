@@ -21,9 +21,11 @@ struct SurfaceReport {
     std::int64_t triangles = 0, vertices = 0;
     std::int64_t cells_active = 0, cells_ambiguous = 0, rows_skipped = 0;
     double area_mm2 = 0;
-    double volume_mm3 = 0;                         ///< Enclosed; the volume's faces close it.
-    double elapsed_ms = 0;                         ///< Command to the last GP's acknowledgement.
-    std::int64_t memory_bytes = 0;                 ///< In use over all GPs afterwards.
+    double volume_mm3 = 0;             ///< Enclosed; the volume's faces close it.
+    double elapsed_ms = 0;             ///< Command to the last GP's acknowledgement.
+    std::int64_t memory_bytes = 0;     ///< In use over all GPs afterwards.
+    std::int64_t slabs_left_out = 0;   ///< The GPs extract them again for each picture.
+    std::int64_t gps_to_hold_all = 0;  ///< GPs that would leave out none, about; 0: none would.
     std::vector<bus::schema::SlabCounts> slabs{};  ///< Ascending.
 };
 

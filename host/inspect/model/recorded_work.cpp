@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -53,6 +54,20 @@ std::map<SurfaceKey, Slabs> told_slabs(const RecordedRun& run) {
     return told;
 }
 
+/// Surfaces with slabs that did not fit into a GP's memory.
+std::set<SurfaceKey> left_out_surfaces(const RecordedRun& run) {
+    std::set<SurfaceKey> found;
+    if (const NodeTrace* host = run.find(schema::Role::host, 0)) {
+        for_messages(*host, {Body::SurfaceBuilt}, [&](const bus::Message& message) {
+            const auto& built = *message.as<schema::SurfaceBuilt>();
+            if (built.left_out() > 0) {
+                found.insert({built.surface(), built.revision()});
+            }
+        });
+    }
+    return found;
+}
+
 /// Primitives of scenes: by scene and surface, then by slab.
 using Scenes =
     std::map<std::pair<std::uint32_t, std::uint16_t>, std::map<std::uint32_t, std::uint64_t>>;
@@ -78,7 +93,11 @@ bool has_all(const NodeTrace* node) {
 class WorkReader {
   public:
     WorkReader(const RecordedRun& run, const std::vector<Range>& frames)
-        : run_(run), frames_(frames), told_(told_slabs(run)), scenes_(recorded_scenes(run)) {}
+        : run_(run),
+          frames_(frames),
+          told_(told_slabs(run)),
+          left_out_(left_out_surfaces(run)),
+          scenes_(recorded_scenes(run)) {}
 
     timing::RunWork read();
 
@@ -98,6 +117,7 @@ class WorkReader {
     const RecordedRun& run_;
     const std::vector<Range>& frames_;
     const std::map<SurfaceKey, Slabs> told_;
+    const std::set<SurfaceKey> left_out_;
     const Scenes scenes_;
     timing::RunWork work_;
     std::optional<KnownVolume> volume_;  ///< Volume in the GPs,
@@ -250,6 +270,12 @@ std::string WorkReader::why_not(const RecordedFrame& frame,
                 "surface {} is simplified (detail {}), and the model knows exact "
                 "surfaces only",
                 surface->surface(), surface->detail());
+        }
+        if (left_out_.contains({surface->surface(), surface->revision()})) {
+            return fmt::format(
+                "surface {} has slabs that the GPs extracted again for each frame, and the model "
+                "knows surfaces in memory only",
+                surface->surface());
         }
     }
     std::uint64_t told = 0, counted = 0;

@@ -84,9 +84,11 @@ std::string text(const schema::SurfaceBuilt& m) {
     for (const schema::SlabCounts* slab : *m.slabs()) {
         triangles += slab->triangles();
     }
-    return fmt::format("surface {} revision {}: {} in {}, {} us", m.surface(), m.revision(),
-                       counted(triangles, "triangle"), counted(m.slabs()->size(), "slab"),
-                       grouped(m.elapsed_us()));
+    return fmt::format(
+        "surface {} revision {}: {} in {}, {} us{}", m.surface(), m.revision(),
+        counted(triangles, "triangle"), counted(m.slabs()->size(), "slab"), grouped(m.elapsed_us()),
+        m.left_out() == 0 ? ""
+                          : fmt::format("; {} left out of memory", counted(m.left_out(), "slab")));
 }
 std::string detail_text(int detail) {
     return detail == 0 ? "" : fmt::format(", detail {}", detail);

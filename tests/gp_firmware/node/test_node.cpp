@@ -171,25 +171,6 @@ TEST_SUITE("gp/node") {
         CHECK(gp.fault_of(set_surface(4, 1, 100)).find("no volume is stored") != std::string::npos);
     }
 
-    TEST_CASE("a surface beyond the memory is refused with the number of GPs that would do") {
-        LoneGp small({1, 1}, 0);
-        load(small);
-        const auto needed = small.box.of<schema::VolumeReady>()[0]->memory_bytes();
-        LoneGp gp({1, 1, needed + 10000}, 0);
-        load(gp);
-        gp.receive(set_surface(4, 1, 100));
-        const std::string fault = gp.fault_of_work();
-        CHECK(gp.code == schema::FaultCode::out_of_memory);
-        CHECK(fault.find("surface 4") != std::string::npos);
-        CHECK(fault.find("bytes each would do") != std::string::npos);
-        CHECK(gp.box.of<schema::SurfaceBuilt>().empty());
-        // Nothing of it is left: an empty surface fits.
-        gp.receive(set_surface(4, 2, 250));
-        gp.work();
-        REQUIRE(gp.box.of<schema::SurfaceBuilt>().size() == 1);
-        CHECK(gp.box.of<schema::SurfaceBuilt>()[0]->memory_bytes() == needed);
-    }
-
     TEST_CASE("messages that a GP cannot obey are faults that say why") {
         LoneGp master({2, 1}, 0), other({2, 1}, 1);
         CHECK(other.fault_of(bus::pack(draw_frame(1, 1))) ==

@@ -77,6 +77,8 @@ std::vector<Payload> surface_examples() {
                    schema::SlabCounts(5, 20, 21, 22, 2, 3, 40, 70, 25, 4.5, 5.5)};
     built.memory_bytes = 1234;
     built.elapsed_us = 5678;
+    built.left_out = 1;
+    built.gps_to_hold_all = 3;
     schema::FetchMeshT fetch;
     fetch.surface = 2;
     fetch.detail = 1;

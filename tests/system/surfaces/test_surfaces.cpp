@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "host/base/error.hpp"
@@ -239,4 +240,40 @@ TEST_CASE("wrong words about surfaces are refused and change nothing") {
                          doctest::Contains("all intensities add up to 4, 3.9 are the most"),
                          RequestError);
     CHECK_NOTHROW(bone.draw());
+}
+
+TEST_CASE("surfaces that do not fit into the GPs' memory look and measure the same") {
+    const auto seen_by = [](const Topology& topology, std::int64_t& left_out,
+                            std::string& warning) {
+        Bone bone(topology);
+        std::vector<std::vector<std::uint32_t>> pictures = {bone.draw()};
+        for (const char* line : {"components bone show=largest", "stereo anaglyph", "clip L",
+                                 "antialias 4", "surface bone iso=300.5"}) {
+            const Reply reply = bone.run(line);
+            warning += reply.warnings.empty() ? "" : reply.warnings.front();
+            pictures.push_back(bone.draw());
+        }
+        const SurfaceReport report = bone.session.surfaces.report_of("bone");
+        left_out = report.slabs_left_out;
+        const Certificate proof =
+            certify(bone.session.meshes.fetch("bone", true), bone.session.meshes.grid());
+        return std::tuple(pictures, bone.session.meshes.digest("bone"), report.triangles,
+                          report.area_mm2, proof.vertices, proof.volume_mm3);
+    };
+    std::int64_t left_out = 0;
+    std::string warning;
+    const auto whole = seen_by(machine_of(1, 1), left_out, warning);
+    CHECK(left_out == 0);
+    CHECK(warning.empty());
+    Topology scarce = machine_of(1, 1);
+    {
+        const Bone bone(scarce);
+        const auto bytes = bone.session.surfaces.report_of("bone").memory_bytes;
+        scarce.gp_memory_mib = static_cast<int>(bytes >> 20) - 1;
+    }
+    CHECK(seen_by(scarce, left_out, warning) == whole);
+    CHECK(left_out > 0);
+    CHECK(warning.find(" slabs do not fit into the memory of the GPs, which extract them again for "
+                       "each picture and mesh. About 2 GPs, or more memory for each") !=
+          std::string::npos);
 }
