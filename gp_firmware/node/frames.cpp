@@ -48,7 +48,7 @@ bool draw_slabs(Board& board, bus::StageClock* clock) {
     FrameDrawing& drawing = board.frame.drawing;
     const bus::StageClock::In selecting(clock, stage::select);
     const std::uint64_t before_ns = drawing.counts().transform_ns;
-    const auto extract = [&](const HeldSurface& surface, const SlabMesh& mesh) -> const SlabMesh& {
+    const auto extract = [&](const HeldSurface& surface, SlabMesh& mesh) -> const SlabMesh& {
         const bus::StageClock::In extracting(clock, stage::extract);
         return stored_or_extracted(surface, mesh, board, board.machine.keeps_origins);
     };

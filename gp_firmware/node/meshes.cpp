@@ -18,7 +18,7 @@ using bus::NodeFault;
 using schema::FaultCode;
 
 /// Throws NodeFault if no complete mesh of the surface is stored.
-const HeldSurface& surface_to_fetch(std::uint16_t surface, const Board& board) {
+HeldSurface& surface_to_fetch(std::uint16_t surface, Board& board) {
     if (board.is_scene) {
         throw NodeFault(FaultCode::bad_input,
                         fmt::format("the mesh of surface {} was requested, but a scene has no "
@@ -60,7 +60,7 @@ MeshToSend mesh_of(const FetchJob& job, const HeldSurface& surface) {
 }  // namespace
 
 bool step(FetchJob& job, Board& board, bus::Outbox& out) {
-    const HeldSurface& surface = surface_to_fetch(job.surface, board);
+    HeldSurface& surface = surface_to_fetch(job.surface, board);
     if (!job.part && job.detail > 0) {
         const SimplifiedWish wish{job.surface, job.detail, SlabChoice::all};
         require_whole_blocks(wish, board);
@@ -73,8 +73,10 @@ bool step(FetchJob& job, Board& board, bus::Outbox& out) {
     if (!job.part) {
         job.part = std::make_unique<MeshPartBuilder>(all);
     } else if (job.next_slab < all.slabs.size()) {
+        const std::size_t slab = job.next_slab++;
         const SlabMesh& mesh =
-            stored_or_extracted(surface, all.slabs[job.next_slab++], board, job.origins);
+            job.detail > 0 ? all.slabs[slab]
+                           : stored_or_extracted(surface, surface.slabs[slab], board, job.origins);
         job.part->add(mesh,
                       job.origins ? origins_of(surface, mesh, board) : std::span<const Origin>());
     } else {

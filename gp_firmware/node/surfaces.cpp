@@ -26,6 +26,13 @@ bool is_left_out(const SlabMesh& mesh) {
     return mesh.left_out.has_value();
 }
 
+/// Returns the bytes of a mesh without spare capacity.
+std::size_t tight_bytes(const SlabMesh& mesh) {
+    const MeshSize size = size_of(mesh);
+    return size.vertices * (sizeof(Vertex) + sizeof(std::uint64_t)) +
+           3 * size.triangles * sizeof(std::uint32_t);
+}
+
 /// Estimates from the slabs of this GP how many GPs would hold all surfaces without leaving slabs
 /// out. Returns 0 if the surface has none that is left out, or no number of GPs would do.
 int gps_to_hold_all(const HeldSurface& surface, const Board& board) {
@@ -35,15 +42,15 @@ int gps_to_hold_all(const HeldSurface& surface, const Board& board) {
     std::size_t bytes = 0;
     for (const auto& [number, held] : board.surfaces) {
         for (const SlabMesh& mesh : held.slabs) {
-            const MeshSize size = size_of(mesh);
-            bytes += size.vertices * (sizeof(Vertex) + sizeof(std::uint64_t)) +
-                     3 * size.triangles * sizeof(std::uint32_t);
+            bytes += tight_bytes(mesh);
         }
     }
+    const int gps = board.machine.share.gp_count;
     return gp_count_that_would_do(board.store->shape(), board.memory.size_bytes(),
-                                  bytes * static_cast<std::size_t>(board.machine.share.gp_count),
-                                  board.store->packing());
+                                  bytes * static_cast<std::size_t>(gps), board.store->packing(),
+                                  gps + 1);
 }
+
 /// Copies a list. Keeps the capacity of `to` unless more than half of it would be unused.
 template <class T>
 void copy_closely(const std::vector<T>& from, std::vector<T>& to) {
@@ -67,21 +74,31 @@ void copy_closely(const SlabMesh& from, SlabMesh& to) {
 /// Whether more than half of the mesh's capacity is unused. A few pages do not count.
 bool is_roomy(const SlabMesh& mesh) {
     constexpr std::size_t spare_bytes = 4096;
-    const std::size_t used_bytes = mesh.vertices.size() * (sizeof(Vertex) + sizeof(std::uint64_t)) +
-                                   mesh.indices.size() * sizeof(std::uint32_t);
-    return size_bytes(mesh) > 2 * used_bytes + spare_bytes;
+    return size_bytes(mesh) > 2 * tight_bytes(mesh) + spare_bytes;
 }
 
 /// Frees the spare capacity of a mesh.
 void tighten(SlabMesh& mesh) {
-    mesh = SlabMesh(mesh);
+    if (size_bytes(mesh) > tight_bytes(mesh)) {
+        mesh = SlabMesh(mesh);
+    }
+}
+
+/// Takes the lists out of a mesh, which is not charged.
+void leave_out(SlabMesh& mesh) {
+    SlabMesh sizes;
+    sizes.slab = mesh.slab;
+    sizes.counts = mesh.counts;
+    sizes.left_out = size_of(mesh);
+    mesh = std::move(sizes);
 }
 
 /// Makes the new mesh slabs[at], which is not charged yet, fit: without spare capacity, without the
-/// meshes of the older revision behind it, without spare capacity of the meshes before it, and at
-/// last without its lists.
-void fit_into_memory(std::span<SlabMesh> slabs, std::size_t at, LocalMemory& memory) {
+/// meshes of the older revision behind it, without simplified surfaces, which are made again when
+/// they are wanted, without spare capacity of the meshes before it, and at last without its lists.
+void fit_into_memory(std::span<SlabMesh> slabs, std::size_t at, Board& board) {
     SlabMesh& mesh = slabs[at];
+    LocalMemory& memory = board.memory;
     const auto fits = [&] { return size_bytes(mesh) <= memory.available_bytes(); };
     if (fits()) {
         return;
@@ -91,17 +108,31 @@ void fit_into_memory(std::span<SlabMesh> slabs, std::size_t at, LocalMemory& mem
         memory.release(size_bytes(slabs[older]));
         slabs[older] = SlabMesh{};
     }
+    for (auto held = board.surfaces.begin(); held != board.surfaces.end() && !fits(); ++held) {
+        drop_simplified(held->second, memory);
+    }
     for (std::size_t newer = 0; newer < at && !fits(); ++newer) {
         memory.release(size_bytes(slabs[newer]));
         tighten(slabs[newer]);
         memory.charge(size_bytes(slabs[newer]), "a mesh without spare capacity");
     }
     if (!fits()) {
-        SlabMesh sizes;
-        sizes.slab = mesh.slab;
-        sizes.counts = mesh.counts;
-        sizes.left_out = size_of(mesh);
-        mesh = std::move(sizes);
+        leave_out(mesh);
+    }
+}
+
+/// Leaves out slabs of complete surfaces until `bytes` are free, or none is left.
+void make_room(std::size_t bytes, Board& board) {
+    for (auto& [number, held] : board.surfaces) {
+        for (SlabMesh& mesh : held.slabs) {
+            if (bytes <= board.memory.available_bytes()) {
+                return;
+            }
+            if (held.complete && size_bytes(mesh) > 0) {
+                board.memory.release(size_bytes(mesh));
+                leave_out(mesh);
+            }
+        }
     }
 }
 
@@ -125,7 +156,7 @@ void extract_next(ExtractJob& job, HeldSurface& surface, Board& board) {
         board.scratch.left_out.reset();
     } else {
         copy_closely(board.scratch, mesh);
-        fit_into_memory(surface.slabs, job.next_slab, board.memory);
+        fit_into_memory(surface.slabs, job.next_slab, board);
     }
     ++job.next_slab;
     board.memory.charge(size_bytes(mesh), fmt::format("surface {}", job.surface));
@@ -190,44 +221,27 @@ void drop(const SimplifiedSurface& simplified, LocalMemory& memory) {
     }
 }
 
-/// The meshes of a block. Those that are left out are extracted, and charged while this object
-/// lives.
-class BlockMeshes {
-  public:
-    /// Throws OutOfLocalMemory.
-    BlockMeshes(const HeldSurface& surface, std::span<const SlabMesh> slabs, Board& board)
-        : memory_(board.memory), slabs_(slabs) {
-        if (std::ranges::none_of(slabs, is_left_out)) {
-            return;
-        }
-        for (const SlabMesh& mesh : slabs) {
-            extracted_.push_back(stored_or_extracted(surface, mesh, board, false));
-            if (is_left_out(mesh)) {
-                const std::size_t bytes = size_bytes(extracted_.back());
-                try {
-                    memory_.charge(bytes, "a block of slabs to be simplified",
-                                   "draw the surface exactly");
-                } catch (const OutOfLocalMemory&) {
-                    memory_.release(charged_bytes_);
-                    throw;
-                }
-                charged_bytes_ += bytes;
-            }
-        }
-        slabs_ = extracted_;
+/// Extracts a slab that is left out. The mesh stays until the next call.
+const SlabMesh& extract_again(const HeldSurface& surface, const SlabMesh& mesh, Board& board,
+                              bool with_origins) {
+    extract_slab(*board.store, mesh.slab, surface.isovalue, case_table(surface.rule),
+                 board.restored, with_origins);
+    assert(board.restored.indices.size() == 3 * mesh.left_out->triangles);
+    return board.restored;
+}
+
+/// Returns the meshes of a block. Those that are left out are extracted into `extracted`, which is
+/// scratch and does not count as local memory.
+std::span<const SlabMesh> block_meshes(const HeldSurface& surface, std::span<const SlabMesh> slabs,
+                                       Board& board, std::vector<SlabMesh>& extracted) {
+    if (std::ranges::none_of(slabs, is_left_out)) {
+        return slabs;
     }
-    ~BlockMeshes() { memory_.release(charged_bytes_); }
-    BlockMeshes(const BlockMeshes&) = delete;
-    BlockMeshes& operator=(const BlockMeshes&) = delete;
-
-    std::span<const SlabMesh> meshes() const { return slabs_; }
-
-  private:
-    LocalMemory& memory_;
-    std::span<const SlabMesh> slabs_;
-    std::vector<SlabMesh> extracted_;
-    std::size_t charged_bytes_ = 0;
-};
+    for (const SlabMesh& mesh : slabs) {
+        extracted.push_back(is_left_out(mesh) ? extract_again(surface, mesh, board, false) : mesh);
+    }
+    return extracted;
+}
 
 }  // namespace
 
@@ -274,7 +288,6 @@ bool step(ExtractJob& job, Board& board, bus::Outbox& out) {
 }
 
 bool step(RemoveJob& job, Board& board, bus::Outbox&) {
-    // A surface that did not fit is not stored, and the host has received a fault.
     if (board.surfaces.contains(job.surface)) {
         drop_surface(board, job.surface);
     }
@@ -292,15 +305,19 @@ bool step(MaskJob& job, Board& board, bus::Outbox& out) {
     return true;
 }
 
-const SlabMesh& stored_or_extracted(const HeldSurface& surface, const SlabMesh& mesh, Board& board,
+const SlabMesh& stored_or_extracted(const HeldSurface& surface, SlabMesh& mesh, Board& board,
                                     bool with_origins) {
     if (!mesh.left_out) {
         return mesh;
     }
-    extract_slab(*board.store, mesh.slab, surface.isovalue, case_table(surface.rule),
-                 board.restored, with_origins);
-    assert(board.restored.indices.size() == 3 * mesh.left_out->triangles);
-    return board.restored;
+    const SlabMesh& extracted = extract_again(surface, mesh, board, with_origins);
+    if (tight_bytes(mesh) > board.memory.available_bytes() ||
+        with_origins != board.machine.keeps_origins) {
+        return extracted;
+    }
+    mesh = SlabMesh(extracted);
+    board.memory.charge(size_bytes(mesh), "a slab that was left out");
+    return mesh;
 }
 
 void require_whole_blocks(const SimplifiedWish& wish, const Board& board) {
@@ -340,20 +357,15 @@ bool simplify_next(const SimplifiedWish& wish, Board& board) {
     const auto count = static_cast<std::size_t>(end - surface.slabs.begin()) - first;
     const VolumeShape& shape = board.store->shape();
     SlabMesh made;
-    double moved_mm = 0;
-    try {
-        const BlockMeshes block(surface, std::span(surface.slabs).subspan(first, count), board);
-        moved_mm = cluster_block(shape, block.meshes(),
-                                 masks_of(surface, first, count, wish.slabs, shape.gap_slabs),
-                                 1 << wish.detail, made);
-    } catch (const OutOfLocalMemory&) {
-        drop(simplified, board.memory);
-        surface.simplified.erase(at);
-        throw;
-    }
+    std::vector<SlabMesh> extracted;
+    const double moved_mm = cluster_block(
+        shape,
+        block_meshes(surface, std::span(surface.slabs).subspan(first, count), board, extracted),
+        masks_of(surface, first, count, wish.slabs, shape.gap_slabs), 1 << wish.detail, made);
     simplified.moved_mm = std::max(simplified.moved_mm, moved_mm);
     simplified.slabs_done += count;
     const SlabMesh& block = simplified.blocks.emplace_back(made);  // Without spare capacity.
+    make_room(size_bytes(block), board);
     try {
         board.memory.charge(size_bytes(block), fmt::format("surface {}, simplified", wish.surface),
                             "draw the surface exactly");

@@ -15,10 +15,10 @@ bool step(ExtractJob& job, Board& board, bus::Outbox& out);
 bool step(RemoveJob& job, Board& board, bus::Outbox& out);
 bool step(MaskJob& job, Board& board, bus::Outbox& out);
 
-/// Returns a slab of a complete surface. Extracts it if it is left out; then the mesh stays until
-/// the next call.
+/// Returns a slab of a complete surface. Extracts it if it is left out, and stores it if it fits by
+/// now; else the mesh stays until the next call.
 /// with_origins  An extracted mesh has origins. A stored one has them if the run is recorded.
-const SlabMesh& stored_or_extracted(const HeldSurface& surface, const SlabMesh& mesh, Board& board,
+const SlabMesh& stored_or_extracted(const HeldSurface& surface, SlabMesh& mesh, Board& board,
                                     bool with_origins);
 
 /// A simplified surface that is wanted.

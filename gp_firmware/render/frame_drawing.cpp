@@ -59,15 +59,15 @@ void FrameDrawing::begin(const FrameRequest& request) {
     gap_slabs_ = request.gap_slabs;
 }
 
-bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count,
+bool FrameDrawing::draw(Surfaces& surfaces, std::size_t triangle_count,
                         const ExtractLeftOut& extract) {
     const std::size_t enough = counts_.triangles_in + triangle_count;
     for (; next_surface_ < wanted_.size(); ++next_surface_, next_slab_ = 0) {
         const SurfaceWanted& wanted = wanted_[next_surface_];
-        const HeldSurface& held = surfaces.at(wanted.surface);
-        const SimplifiedSurface* simplified =
+        HeldSurface& held = surfaces.at(wanted.surface);
+        SimplifiedSurface* const simplified =
             wanted.detail == 0 ? nullptr : &held.simplified.at({wanted.detail, wanted.slabs});
-        const std::vector<SlabMesh>& slabs = simplified ? simplified->blocks : held.slabs;
+        std::vector<SlabMesh>& slabs = simplified ? simplified->blocks : held.slabs;
         if (simplified != nullptr) {
             counts_.moved_mm = std::max(counts_.moved_mm, simplified->moved_mm);
         }
@@ -76,7 +76,7 @@ bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count,
             if (counts_.triangles_in >= enough) {
                 return true;
             }
-            const SlabMesh& mesh = slabs[next_slab_];
+            SlabMesh& mesh = slabs[next_slab_];
             if (simplified == nullptr) {
                 if (!draws_slab(wanted.slabs, mesh.slab, gap_slabs_)) {
                     continue;
@@ -85,7 +85,12 @@ bool FrameDrawing::draw(const Surfaces& surfaces, std::size_t triangle_count,
                     style.hidden = held.hidden[next_slab_];
                 }
             }
-            draw_slab_or_block(mesh.left_out ? extract(held, mesh) : mesh, style);
+            if (mesh.left_out) {  // Extracting it is a piece of work.
+                draw_slab_or_block(extract(held, mesh), style);
+                ++next_slab_;
+                return true;
+            }
+            draw_slab_or_block(mesh, style);
         }
     }
     programs_.end_frame();

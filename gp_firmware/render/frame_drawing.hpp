@@ -82,8 +82,8 @@ std::size_t region_count(const FrameRequest& request);
 /// Returns an empty text if `surfaces` has all surfaces of `request`, else names the missing one.
 std::string missing_surface(const FrameRequest& request, const Surfaces& surfaces);
 
-/// Returns a mesh that is left out of a surface. It stays until the next call.
-using ExtractLeftOut = std::function<const SlabMesh&(const HeldSurface&, const SlabMesh&)>;
+/// Returns a mesh that is left out of a surface, and may store it. It stays until the next call.
+using ExtractLeftOut = std::function<const SlabMesh&(const HeldSurface&, SlabMesh&)>;
 
 /// Draws one frame at a time; keeps its buffers from frame to frame.
 class FrameDrawing {
@@ -93,14 +93,14 @@ class FrameDrawing {
     /// empty.
     void begin(const FrameRequest& request);
 
-    /// Draws slabs until it has handled `triangle_count` triangles, or all.
+    /// Draws slabs until it has handled `triangle_count` triangles, a slab that was left out, or
+    /// all.
     ///
     /// surfaces  Surfaces for which missing_surface() is empty, with the complete simplified
     ///           surfaces that the frame wants. They must not change until the frame is done.
     /// extract   Called for slabs that are left out; may be empty if there are none.
     /// Returns   true while more is left to draw.
-    bool draw(const Surfaces& surfaces, std::size_t triangle_count,
-              const ExtractLeftOut& extract = {});
+    bool draw(Surfaces& surfaces, std::size_t triangle_count, const ExtractLeftOut& extract = {});
 
     /// Returns the grid of the frame's views. Requires a frame with surfaces.
     const RegionGrid& grid() const { return eyes_.at(0).grid; }

@@ -92,8 +92,8 @@ std::size_t packed_peak_bytes(const VolumeShape& shape, Share share, double pack
 }
 
 int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,
-                           std::size_t surface_bytes, double packing) {
-    for (int count = 1; count <= max_nodes_per_role; ++count) {
+                           std::size_t surface_bytes, double packing, int least) {
+    for (int count = least; count <= max_nodes_per_role; ++count) {
         if (fits(shape, count, memory_bytes, surface_bytes, packing)) {
             return count;
         }

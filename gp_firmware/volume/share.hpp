@@ -51,11 +51,11 @@ int slabs_per_set_with(const VolumeShape& shape, int gp_count);
 
 /// The smallest number of GPs with `memory_bytes` each that can hold the volume, and beside it
 /// `surface_bytes` of surfaces spread evenly over the slabs; 0 if max_nodes_per_role GPs
-/// do not suffice.
+/// do not suffice. Fewer than `least` are not tried.
 /// packing  Share of their bytes that compressed slices take with the index of their rows; 1 if
 ///          they are not compressed.
 int gp_count_that_would_do(const VolumeShape& shape, std::size_t memory_bytes,
-                           std::size_t surface_bytes = 0, double packing = 1);
+                           std::size_t surface_bytes = 0, double packing = 1, int least = 1);
 
 /// "9 GPs would do; ..." or "even 64 GPs would not do; ...": advice for OutOfLocalMemory.
 std::string gp_count_advice(const VolumeShape& shape, std::size_t memory_bytes,

@@ -68,9 +68,19 @@ Reply run_scale(Session& session, const Arguments& arguments) {
     const int gps = static_cast<int>(session.conversation.gps().size());
     const int renderers = static_cast<int>(session.conversation.renderer_count());
     const double ms = ms_since(start_ns);
-    return {
+    Reply reply{
         fmt::format("the machine has {}; ready after {:.0f} ms", nodes_text(gps, renderers), ms),
         {{"gps", std::int64_t{gps}}, {"renderers", std::int64_t{renderers}}, {"scale_ms", ms}}};
+    for (const Surface& surface : session.scene.surfaces) {
+        if (!session.surfaces.has_report(surface.name)) {
+            continue;
+        }
+        const SurfaceReport& report = session.surfaces.report_of(surface.name);
+        if (report.slabs_left_out > 0) {
+            add_warning(reply, fmt::format("surface {}: {}", surface.name, left_out_text(report)));
+        }
+    }
+    return reply;
 }
 
 namespace {

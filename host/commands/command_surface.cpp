@@ -105,7 +105,8 @@ Surface wished_surface(const Session& session, const std::optional<Surface>& kno
     return wish;
 }
 
-/// Why pictures of the surface take longer than others, and what helps.
+}  // namespace
+
 std::string left_out_text(const SurfaceReport& report) {
     return fmt::format(
         "{} of {} slabs do not fit into the memory of the GPs, which extract them again for each "
@@ -116,8 +117,6 @@ std::string left_out_text(const SurfaceReport& report) {
                           report.gps_to_hold_all)
             : "More memory for each GP (gp.memory_mib), or a part of the volume (crop=), helps");
 }
-
-}  // namespace
 
 Fields surface_fields(const Surface& surface, const SurfaceReport& report) {
     Fields fields = {{"name", surface.name},
@@ -131,7 +130,8 @@ Fields surface_fields(const Surface& surface, const SurfaceReport& report) {
                      {"area_mm2", report.area_mm2},
                      {"extraction_ms", report.elapsed_ms},
                      {"gp_memory_bytes", report.memory_bytes},
-                     {"slabs_left_out", report.slabs_left_out}};
+                     {"slabs_left_out", report.slabs_left_out},
+                     {"gps_to_hold_all", report.gps_to_hold_all}};
     if (report.triangles > 0) {
         fields.push_back({"volume_ml", report.volume_mm3 / 1000});
     }
@@ -144,9 +144,13 @@ std::string surface_text(const Surface& surface, const SurfaceReport& report) {
                            surface.isovalue, report.elapsed_ms);
     }
     return fmt::format(
-        "{}: isovalue {}, {} triangles, {} vertices, {:.1f} cm2, {:.1f} ml, extracted in {:.1f} ms",
+        "{}: isovalue {}, {} triangles, {} vertices, {:.1f} cm2, {:.1f} ml, extracted in {:.1f} "
+        "ms{}",
         surface.name, surface.isovalue, report.triangles, report.vertices, report.area_mm2 / 100,
-        report.volume_mm3 / 1000, report.elapsed_ms);
+        report.volume_mm3 / 1000, report.elapsed_ms,
+        report.slabs_left_out == 0 ? ""
+                                   : fmt::format("; {} of {} slabs left out of memory",
+                                                 report.slabs_left_out, report.slabs.size()));
 }
 
 Reply run_surface(Session& session, const Arguments& arguments) {

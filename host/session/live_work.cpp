@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "host/base/error.hpp"
 #include "host/timing/counts/runs.hpp"
 #include "host/volume/reduced.hpp"
 
@@ -80,6 +81,14 @@ VolumeWork volume_work(const Session& session) {
 BuildWork build_work(const Session& session, const std::string& surface) {
     const SurfaceReport& report = session.surfaces.report_of(surface);
     const Surface built = *session.surfaces.find(surface);
+    if (report.slabs_left_out > 0) {
+        throw RequestError(
+            ExitCode::failed,
+            fmt::format("surface {} has slabs that the GPs extract again for each frame, and the "
+                        "model knows surfaces in memory only; give the GPs more memory "
+                        "(gp.memory_mib), or use more GPs",
+                        surface));
+    }
     BuildWork work;
     work.surface = built.id;
     work.revision = built.revision;

@@ -162,37 +162,50 @@ TEST_SUITE("gp/node_left_out") {
               bytes_of<schema::RegionPrograms>(*whole));
     }
 
-    TEST_CASE("a surface with slabs that are left out is simplified alike, or refused by name") {
+    TEST_CASE("simplified surfaces are the same, and take the room of exact slabs") {
         const auto whole = gp_with_surface({});
         whole->receive(fetch(false, 1));
+        whole->receive(fetch(false, 0));
         whole->work();
-        // No room for the slabs of a block, and none for the simplified block.
-        for (const auto& [part, what] : {std::pair{0.3, "a block of slabs to be simplified: needs"},
-                                         {0.97, "surface 4, simplified: needs"}}) {
-            const auto scarce = gp_with_surface({1, 1, scarce_bytes(part)});
-            REQUIRE(last_built(*scarce).left_out() > 0);
-            const std::uint64_t used = scarce->node.status().memory_bytes;
-            scarce->receive(fetch(false, 1));
-            const std::string refused = scarce->fault_of_work();
-            CAPTURE(refused);
-            CHECK(refused.starts_with(what));
-            CHECK(refused.find("draw the surface exactly") != std::string::npos);
-            CHECK(scarce->node.status().memory_bytes == used);
+        for (const double part : {0.4, 0.97, 1.0}) {
+            CAPTURE(part);
+            const std::uint64_t memory = scarce_bytes(part);
+            const auto gp = gp_with_surface({1, 1, memory});
+            gp->receive(fetch(false, 1));
+            gp->receive(fetch(false, 0));
+            gp->work();
+            CHECK(bytes_of<schema::MeshPart>(*gp) == bytes_of<schema::MeshPart>(*whole));
+            CHECK(gp->node.status().memory_bytes <= memory);
+            // An extraction takes the room of simplified surfaces.
+            gp->receive(set_surface(5, 1, 100));
+            gp->receive(set_surface(4, 2, 100));
+            gp->work();
+            CHECK(last_built(*gp).memory_bytes() <= memory);
         }
+    }
 
-        LoneGp gp({1, 1, scarce_bytes(2.5)}, 0);
-        load(gp);
-        for (const std::uint16_t surface : {5, 6, 4}) {  // The last one finds no room.
-            gp.receive(set_surface(surface, 1, 100));
+    TEST_CASE("a simplified surface that does not fit by itself is a fault, and leaves nothing") {
+        const auto gp = gp_with_surface({1, 1, scarce_bytes(0)});
+        gp->receive(fetch(false, 1));
+        const std::string refused = gp->fault_of_work();
+        CHECK(refused.find("surface 4, simplified: needs") != std::string::npos);
+        CHECK(refused.find("draw the surface exactly") != std::string::npos);
+        CHECK(gp->code == schema::FaultCode::out_of_memory);
+        LoneGp empty({}, 0);
+        load(empty);
+        CHECK(gp->node.status().memory_bytes == empty.node.status().memory_bytes);
+        const auto whole = gp_with_surface({});
+        for (LoneGp* each : {gp.get(), whole.get()}) {
+            each->receive(fetch(false, 0));
+            each->work();
         }
-        gp.work();
-        REQUIRE(last_built(gp).left_out() > 0);
-        schema::RemoveSurfaceT remove;
-        remove.surface = 5;
-        gp.receive(bus::pack(remove));
-        gp.receive(fetch(false, 1));
-        gp.work();
-        CHECK(bytes_of<schema::MeshPart>(gp) == bytes_of<schema::MeshPart>(*whole));
+        CHECK(bytes_of<schema::MeshPart>(*gp) == bytes_of<schema::MeshPart>(*whole));
+    }
+
+    TEST_CASE("the node reads messages after each slab that it extracts again") {
+        const auto gp = gp_with_surface({1, 1, scarce_bytes(0.3)});
+        gp->receive(bus::pack(draw_frame(1, 1)));
+        CHECK(gp->work() > static_cast<int>(last_built(*gp).left_out()));
     }
 
     TEST_CASE("nothing is left out where the surface fits without spare capacity") {
@@ -220,6 +233,14 @@ TEST_SUITE("gp/node_left_out") {
         schema::RemoveSurfaceT remove;
         remove.surface = 5;
         gp.receive(bus::pack(remove));
+        gp.receive(bus::pack(draw_frame(1, 1)));
+        gp.work();
+        const std::uint64_t drawn = gp.node.status().memory_bytes;  // The frame stored the slabs.
+        CHECK(gp.box.of<schema::RegionPrograms>().size() == 1);
+        gp.receive(bus::pack(draw_frame(2, 1)));
+        CHECK(gp.work() < 5);
+        CHECK(gp.node.status().memory_bytes == drawn);
+        CHECK(drawn > last_built(gp).memory_bytes() / 2);
         gp.receive(set_surface(4, 2, 100));
         gp.work();
         CHECK(last_built(gp).left_out() == 0);

@@ -114,16 +114,6 @@ TEST_SUITE("gp/node_simplified") {
         CHECK(gp.node.status().memory_bytes == without);
     }
 
-    TEST_CASE("a simplified surface that does not fit is a fault, and leaves nothing") {
-        const std::uint64_t used = gp_with_surface()->node.status().memory_bytes;
-        const auto gp = gp_with_surface({1, 1, used + 64});
-        gp->receive(fetch(1));
-        CHECK(gp->fault_of_work().find("surface 4, simplified") != std::string::npos);
-        CHECK(gp->code == schema::FaultCode::out_of_memory);
-        CHECK(gp->node.status().memory_bytes == used);
-        CHECK(triangles_of(fetched(*gp, 0)) > 0);
-    }
-
     TEST_CASE("a frame draws the simplified mesh and states its bound, whatever the machine") {
         const auto exact = streams(run_machine({1, 2}, frame(1, 1, 0)));
         const auto one = run_machine({1, 2}, frame(1, 1, 2));
