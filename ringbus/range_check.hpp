@@ -117,6 +117,7 @@ std::string volume_out_of_range(const schema::Message& message, std::size_t body
 
 /// Returns the first field of the header's files that is out of range, with its value; empty if
 /// none is, or if the header has no files. The values lie within the files, which have all slices.
-std::string files_out_of_range(const schema::VolumeHeader& header);
+/// elements  Takes the paths, each of which the host copies.
+std::string files_out_of_range(const schema::VolumeHeader& header, Elements& elements);
 
 }  // namespace pxpl5::bus

@@ -265,7 +265,7 @@ std::string range_of(const schema::SlicesFile& file, std::uint64_t slice_bytes) 
 
 }  // namespace
 
-std::string files_out_of_range(const schema::VolumeHeader& header) {
+std::string files_out_of_range(const schema::VolumeHeader& header, Elements& elements) {
     const schema::StoredVolume* stored = header.stored();
     Check check;
     check.within("reduction", header.reduction(), 1, max_volume_voxels);
@@ -283,6 +283,9 @@ std::string files_out_of_range(const schema::VolumeHeader& header) {
     std::uint64_t slices = 0;
     for (const schema::SlicesFile* file : *stored->files()) {
         check.add(range_of(*file, std::uint64_t{header.nx()} * header.ny() * value_bytes));
+        if (!elements.take(check, file->path()->size())) {
+            return check.reason();
+        }
         slices += file->slices();
     }
     return check.equal("slices of all files", slices, std::uint64_t{header.nz()}).reason();

@@ -75,7 +75,7 @@ std::string range_of(const schema::VolumeHeader& header, Elements elements) {
         .at_most("minimum", header.minimum(), header.maximum())
         .within("slabs_per_set", header.slabs_per_set(), 1, max_volume_voxels);
     check_slices(check, header);
-    check.add(files_out_of_range(header));
+    check.add(files_out_of_range(header, elements));
     if (header.findings() != nullptr) {
         for (const auto* finding : *header.findings()) {
             check.known("kind of finding", finding->kind());

@@ -34,13 +34,8 @@ void begin_volume(const schema::VolumeHeader& header, Board& board, JobQueue& qu
     if (header.stored() == nullptr || board.store->complete()) {
         return;  // The host sends the slices, or the GP owns no slab and needs none.
     }
-    try {
-        queue.add(FileSlicesJob{std::make_unique<StoredSlices>(
-            board.store->shape(), bus::stored_volume_of(*header.stored()))});
-    } catch (const StoredFileError& error) {
-        board.store.reset();
-        rethrow_file_error(error, board);
-    }
+    queue.add(FileSlicesJob{std::make_unique<StoredSlices>(
+        board.store->shape(), bus::stored_volume_of(*header.stored()))});
 }
 
 void note_slices(const bus::Message& message, const Board& board, JobQueue& queue) {

@@ -66,7 +66,6 @@ StoredSlices::StoredSlices(const VolumeShape& shape, const StoredVolume& stored)
         firsts_.push_back(first);
         first += file.slices;
     }
-    open(0);
 }
 
 StoredSlices::Place StoredSlices::place_of(int z) const {

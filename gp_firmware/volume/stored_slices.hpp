@@ -13,8 +13,7 @@ namespace pxpl5::gp {
 
 class StoredSlices {
   public:
-    /// Opens the first file. Throws StoredFileError.
-    /// stored  Its files have shape.nz slices.
+    /// stored  Its files have shape.nz slices. A file is opened when a slice of it is read.
     StoredSlices(const VolumeShape& shape, const StoredVolume& stored);
 
     /// Reads slice z. Returns nx * ny voxels of shape.type, valid until the next call.
@@ -22,7 +21,11 @@ class StoredSlices {
     std::span<const std::byte> read(int z);
     /// Throws StoredFileError if the file of the last slice has changed since it was opened. Others
     /// were checked when the next file was opened.
-    void check() const { opened_->check(); }
+    void check() const {
+        if (opened_) {
+            opened_->check();
+        }
+    }
 
   private:
     /// The index of the file that has slice z, and the slice's place in that file.

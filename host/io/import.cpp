@@ -99,8 +99,8 @@ constexpr const char* other_reader =
 std::string remedy_for(std::uint64_t needed_bytes) {
     return needed_bytes > max_volume_bytes
                ? fmt::format(
-                     "It has {} bytes, and the host reads at most {}. Write the part that "
-                     "is needed to a file first, or load all of it without these options",
+                     "It has {} bytes, and the host reads at most {}. Write it, or the part "
+                     "that is needed, to an uncompressed NRRD, MetaImage or NIfTI file first",
                      needed_bytes, max_volume_bytes)
                : other_reader;
 }
@@ -128,10 +128,11 @@ SeriesVolume scan_series(const std::string& source, OrderedSeries series,
     return std::move(series.result);
 }
 
+/// Bytes of all voxels in the host, which decode_series() takes to have 2 bytes or more.
 std::uint64_t needed_bytes(const std::vector<DicomSlice>& slices) {
     const DicomSlice& first = slices.front();
     return static_cast<std::uint64_t>(first.columns) * static_cast<std::uint64_t>(first.rows) *
-           static_cast<std::uint64_t>(first.bits) / 8 * slices.size();
+           static_cast<std::uint64_t>(std::max(first.bits / 8, 2)) * slices.size();
 }
 
 Volume import_slices(const std::string& source, std::vector<DicomSlice> slices,
@@ -249,7 +250,7 @@ Volume import_folder(const fs::path& folder, const ImportRequest& request) {
                 : files.left_out.front().text);
     }
     if (files.slices.empty() && request.read == ReadBy::gps) {
-        refuse_gps(source, "pictures are compressed");
+        refuse_gps(source, "pictures are decoded by the io process");
     }
     Volume volume = files.slices.empty() ? read_pictures(source, files.pictures, request)
                                          : import_readable(source, files, request);
@@ -308,7 +309,7 @@ Volume import_checked(const fs::path& path, const ImportRequest& request) {
                                       path.string(), request.series));
     }
     if (request.read == ReadBy::gps && format == Format::pictures) {
-        refuse_gps(path.string(), "pictures are compressed");
+        refuse_gps(path.string(), "pictures are decoded by the io process");
     }
     switch (format) {
         case Format::dicom:

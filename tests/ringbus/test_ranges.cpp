@@ -125,6 +125,8 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_slab(0), "slab is 0, allowed are 1 .. 4094");
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_slab(4095), "slab is 4095");
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[0].mutate_area_mm2(nan_value), "area_mm2 is nan");
+        CHECK_REFUSED(SurfaceBuiltT, m.left_out = 3, "left_out is 3, allowed are at most 2");
+        CHECK_REFUSED(SurfaceBuiltT, m.gps_to_hold_all = 70'000, "gps_to_hold_all is 70000");
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_cells_visited(21),
                       "cells_active is 22, allowed are at most 21");
         CHECK_REFUSED(SurfaceBuiltT, m.slabs[1].mutate_edges_crossed(71),

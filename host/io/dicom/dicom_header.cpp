@@ -15,6 +15,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/io/values/file_at_work.hpp"
+#include "host/io/values/file_facts.hpp"
 #include "host/io/values/header_text.hpp"
 
 namespace pxpl5::host::io {
@@ -281,6 +282,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
     if (!begins_as_dicom(path)) {
         return {};
     }
+    const FileFacts facts = facts_of(path);
     const PixelBytes pixels = check_dicom_structure(path);
     const FileAtWork at_work(file);
     gdcm::Trace::WarningOff();
@@ -307,6 +309,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
     const std::uint64_t pixel_bytes =
         static_cast<std::uint64_t>(shared.columns) * static_cast<std::uint64_t>(shared.rows) *
         static_cast<std::uint64_t>(shared.frames) * static_cast<std::uint64_t>(shared.bits) / 8;
+    shared.facts = facts;
     if (pixels.stated >= pixel_bytes && is_little_endian(reader)) {
         shared.raw_offset_bytes = pixels.offset_bytes;
     }

@@ -41,6 +41,7 @@ struct DicomSlice {
     std::uint64_t pixel_offset_bytes = 0;  ///< Position of the values in the file; 0 if unknown.
     /// Position of values that are little endian and neither compressed nor deflated.
     std::optional<std::uint64_t> raw_offset_bytes;
+    FileFacts facts;        ///< Before the header was read.
     bool is_lossy = false;  ///< JPEG and the like.
 
     bool is_inverted() const { return photometric == "MONOCHROME1"; }
@@ -102,7 +103,7 @@ SeriesVolume assemble_series(const std::string& source, std::vector<DicomSlice> 
 /// they can.
 std::string why_not_by_gps(const std::vector<DicomSlice>& slices);
 
-/// Where the values of slices lie that why_not_by_gps() has accepted. The files have no facts yet.
+/// Where the values of slices lie that why_not_by_gps() has accepted.
 StoredVolume stored_volume_of(const std::vector<DicomSlice>& slices);
 
 /// Slices of one volume in order, and how far along their normal each lies.

@@ -48,7 +48,7 @@ std::string why_not_by_gps(const std::vector<DicomSlice>& slices) {
             return fmt::format("{} has its slices side by side, as a mosaic", file_name(slice));
         }
         if (!slice.raw_offset_bytes) {
-            return fmt::format("{} is compressed, big endian, or cut", file_name(slice));
+            return fmt::format("{} is compressed, deflated, big endian, or cut", file_name(slice));
         }
         if (slice.bits != first.bits || slice.bits_stored != first.bits_stored ||
             slice.is_signed != first.is_signed) {
@@ -75,7 +75,7 @@ StoredVolume stored_volume_of(const std::vector<DicomSlice>& slices) {
                 continue;
             }
         }
-        stored.files.push_back({path, offset, 1, slice.scale, {}});
+        stored.files.push_back({path, offset, 1, slice.scale, slice.facts});
     }
     return stored;
 }

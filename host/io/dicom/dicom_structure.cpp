@@ -238,6 +238,9 @@ class Walker {
             }
             const bool is_pixels = depth == 0 && element.tag == pixel_data;
             if (is_pixels && element.length != undefined) {
+                if (pixels_.offset_bytes != 0) {
+                    fail(element, "stands in the file twice");
+                }
                 // Fewer pixels than stated: who knows the picture's size says so.
                 pixels_ = {element.length, end - element.value, element.value};
                 at = element.value + std::min<std::uint64_t>(element.length, end - element.value);

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "host/io/values/file_facts.hpp"
 #include "host/io/values/import_request.hpp"
 
 namespace pxpl5::host::io {
@@ -122,11 +123,9 @@ DataFile::DataFile(const fs::path& header, const fs::path& data, const AllowedFo
 }
 
 FileFacts DataFile::facts_now() const {
-    constexpr std::int64_t ns_per_s = 1'000'000'000;
     struct stat facts {};
     fstat(file_, &facts);
-    return {static_cast<std::uint64_t>(facts.st_size), facts.st_ino,
-            facts.st_mtim.tv_sec * ns_per_s + facts.st_mtim.tv_nsec};
+    return facts_of(facts);
 }
 
 DataFile::~DataFile() {

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "gp_firmware/volume/stored_slices.hpp"
+#include "host/io/dicom/dicom_file.hpp"
+#include "host/io/formats/scan_values.hpp"
 #include "host/io/import.hpp"
 #include "tests/host/io/formats/gp_shape.hpp"
 #include "tests/host/io/volume_writers.hpp"
@@ -172,6 +174,21 @@ TEST_SUITE("host/io/scan_dicom") {
         }
     }
 
+    TEST_CASE("bytes and words with bits that are not in use, odd lengths, and inverted grays") {
+        const auto check = []<typename T>(T, std::uint16_t bits) {
+            const TemporaryFolder folder;
+            const StoredVolume stored = check_same(series<T>(folder, [&](DicomSet& set, int) {
+                set.number(0x28, 0x101, bits).number(0x28, 0x102, bits - 1);
+                set.text(0x28, 4, "CS", "MONOCHROME1");
+            }));
+            CHECK(stored.bits_stored == bits);
+        };
+        check(std::uint8_t{}, 5);  // 35 bytes of values, and one that makes them even.
+        check(std::int8_t{}, 6);
+        check(std::uint32_t{}, 20);
+        check(std::int32_t{}, 17);
+    }
+
     TEST_CASE("frames that follow each other are one place, others have their own") {
         const TemporaryFolder folder;
         const StoredVolume rising =
@@ -209,7 +226,8 @@ TEST_SUITE("host/io/scan_dicom") {
         packed.compressed_pixels("0123456789");
         const std::string compressed =
             refusal(folder.write("x.dcm", packed.file("1.2.840.10008.1.2.4.90")));
-        CHECK(has(compressed, begin + "x.dcm is compressed, big endian, or cut. Load it with"));
+        CHECK(has(compressed,
+                  begin + "x.dcm is compressed, deflated, big endian, or cut. Load it with"));
         CHECK(has(refusal(folder.write("x.dcm", mosaic().file())),
                   begin + "x.dcm has its slices side by side, as a mosaic"));
 
@@ -237,8 +255,39 @@ TEST_SUITE("host/io/scan_dicom") {
         set.put(0x7fe0, 0x10, "OW", values_of<std::int16_t>(1).substr(0, 40));
         set.put(0xfffc, 0xfffc, "OB", std::string(100, 'x'));
         CHECK(has(refusal(folder.write("x.dcm", set.file())),
-                  "x.dcm is compressed, big endian, "
-                  "or cut"));
+                  "x.dcm is compressed, deflated, big endian, or cut"));
+    }
+
+    TEST_CASE("a file that changes after its header was read is refused") {
+        const TemporaryFolder folder;
+        const std::string path = folder.write("x.dcm", multi_frame({1, 3, 5}).file());
+        OrderedSeries series = order_series(path, read_dicom_slices(path), request_for(path, {}));
+        series.result.volume.stored = stored_volume_of(series.slices);
+        CHECK_NOTHROW(scan_values({path, {}, {}, 1000}, series.result.volume));
+        series.result.volume.stored = stored_volume_of(series.slices);
+        std::ofstream(path, std::ios::app) << "more";
+        CHECK_THROWS_WITH_AS(scan_values({path, {}, {}, 1000}, series.result.volume),
+                             doctest::Contains("has changed while it was read"), ImportError);
+    }
+
+    TEST_CASE("pixels that stand in a file twice are refused") {
+        const TemporaryFolder folder;
+        const std::string bytes = slice_at<std::int16_t>(1, 1).file();
+        const std::string pixels_again = slice_at<std::int16_t>(1, 2).file().substr(
+            bytes.size() - 2 * pixels - 12);  // The last element.
+        CHECK(
+            has(refusal(folder.write("x.dcm", bytes + pixels_again)), "stands in the file twice"));
+    }
+
+    TEST_CASE("a GP opens the files of its slices only") {
+        const TemporaryFolder folder;
+        const std::string path = series<std::int16_t>(folder, unchanged);
+        const Volume volume = import_volume(request_for(path, ReadBy::gps));
+        fs::remove(path + "/3.dcm");  // Slice 0.
+        gp::StoredSlices slices(shape_of(volume), *volume.stored);
+        CHECK_NOTHROW(slices.read(2));
+        CHECK_NOTHROW(slices.check());
+        CHECK_THROWS_AS(slices.read(0), gp::StoredFileError);
     }
 
     TEST_CASE("a file of the series that has changed is named") {

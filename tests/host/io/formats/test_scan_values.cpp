@@ -147,7 +147,7 @@ TEST_CASE("a file that a GP finds changed is refused with the file, both values 
     const auto error = [&](SlicesFile file) {
         try {
             gp::StoredSlices(shape_of(scanned), StoredVolume{Component::uint8, false, 0, {file}})
-                .check();
+                .read(0);
         } catch (const gp::StoredFileError& refusal) {
             return std::string(refusal.what());
         }
@@ -174,6 +174,7 @@ TEST_CASE("a file that a GP finds changed is refused with the file, both values 
     CHECK(error(file).find("cannot be opened: No such file or directory") != std::string::npos);
 
     gp::StoredSlices slices(shape_of(scanned), *scanned.stored);
+    slices.read(0);
     std::ofstream(path, std::ios::app) << "more";
     CHECK_THROWS_AS(slices.check(), gp::StoredFileError);
     fs::resize_file(path, 30);
