@@ -9,7 +9,9 @@
 #include <utility>
 
 #include "isa/contract/sample_sums.hpp"
+#include "renderer_firmware/node_output.hpp"
 #include "ringbus/rules/regions.hpp"
+#include "ringbus/rules/views.hpp"
 
 namespace pxpl5::renderer {
 
@@ -27,34 +29,6 @@ constexpr std::size_t max_faults = 16;
 
 [[noreturn]] void refuse(FaultCode code, const std::string& reason) {
     throw NodeFault(code, reason);
-}
-
-/// One word per pixel of some regions, in the body of an unfinished message.
-struct RegionWords {
-    flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> offset;
-    std::span<std::uint32_t> words;
-
-    RegionWords() = default;
-    RegionWords(flatbuffers::FlatBufferBuilder& body, std::size_t regions) {
-        std::uint32_t* first = nullptr;
-        const std::size_t count = regions * region_pixels;
-        offset = body.CreateUninitializedVector<std::uint32_t>(count, &first);
-        words = {first, count};
-    }
-    /// Returns the words of the region at `place`.
-    std::span<std::uint32_t> region(std::size_t place) const {
-        return words.subspan(place * region_pixels, region_pixels);
-    }
-};
-
-/// Bytes of a body besides its pixels and tiles.
-constexpr std::size_t body_margin_bytes = 1024;
-
-/// Returns the size of the body that sends `regions` regions to the frame buffer.
-std::size_t body_bytes(std::size_t regions, bool has_pixels, bool wants_depths) {
-    const std::size_t words = region_pixels * ((has_pixels ? 1 : 0) + (wants_depths ? 1 : 0));
-    return regions * (words * sizeof(std::uint32_t) + sizeof(schema::RegionTile)) +
-           body_margin_bytes;
 }
 
 /// Returns the words in the order of the message.
@@ -85,28 +59,34 @@ std::uint64_t held_bytes(const FrameMessages& messages) {
 }  // namespace
 
 /// A frame whose messages have all arrived. The readout of its regions goes directly into the
-/// message to the frame buffer.
+/// messages to the frame buffers.
 struct RendererNode::Drawing {
-    Drawing(FrameMessages messages, std::uint32_t renderer, flatbuffers::Allocator* memory)
+    Drawing(FrameMessages messages, std::uint32_t renderer, std::size_t frame_buffers,
+            flatbuffers::Allocator* memory)
         : inputs(std::move(messages)),
           plan(plan_frame(inputs, renderer)),
-          programs(region_frame(plan.programs)),
-          body(body_bytes(plan.regions.size(), has_pixels(), wants_depths()), memory),
-          pixels(body, has_pixels() ? plan.regions.size() : 0) {
-        if (wants_depths()) {
-            depths = RegionWords(body, plan.regions.size());
+          programs(region_frame(plan.programs)) {
+        const schema::DrawFrame& draw = *inputs.begin->as<schema::BeginFrame>()->draw();
+        regions_per_view = region_count(draw.width(), draw.height(), 1);
+        std::vector<std::size_t> regions(
+            std::min<std::size_t>(draw.views()->size(), frame_buffers));
+        for (const FramePlan::Region& region : plan.regions) {
+            ++regions[frame_buffer_of(region.number / regions_per_view, regions.size())];
+        }
+        for (const std::size_t count : regions) {
+            outputs.emplace_back(
+                count, OutputContents{plan.pass.is_last(), !plan.programs.depths.empty()}, memory);
         }
     }
-    bool has_pixels() const { return plan.pass.is_last(); }
-    bool wants_depths() const { return !plan.programs.depths.empty(); }
+    RegionOutput& output_of(const FramePlan::Region& region) {
+        return outputs[frame_buffer_of(region.number / regions_per_view, outputs.size())];
+    }
 
     FrameMessages inputs;  ///< Owns the messages that the plan points into.
     FramePlan plan;
     RegionFrame programs;  ///< The Renderer's own programs.
-    std::size_t next_region = 0;
-    flatbuffers::FlatBufferBuilder body;
-    RegionWords pixels, depths;
-    std::vector<schema::RegionTile> tiles;   ///< Tiles of the drawn regions.
+    std::size_t next_region = 0, regions_per_view = 0;
+    std::vector<RegionOutput> outputs;       ///< By frame buffer; of those that have a view.
     std::vector<schema::PartCounts> counts;  ///< Counts of the drawn regions, if requested.
     std::vector<schema::FaultT> faults;      ///< Faults to report.
     std::size_t fault_count = 0;
@@ -171,24 +151,24 @@ bus::Doing RendererNode::doing() {
 void RendererNode::on_topology(const bus::Message& message) {
     self_ = message.header().destination();
     gp_ids_.clear();
-    bool found_self = false, found_frame_buffer = false;
+    frame_buffers_.clear();
+    bool found_self = false;
     for (const schema::NodeInfo* node : *message.as<schema::Topology>()->nodes()) {
         if (node->role() == schema::Role::gp) {
             gp_ids_[node->index()] = node->id();
-        } else if (node->role() == schema::Role::frame_buffer && node->index() == 0) {
-            frame_buffer_ = node->id();
-            found_frame_buffer = true;
+        } else if (node->role() == schema::Role::frame_buffer) {
+            frame_buffers_.resize(std::max<std::size_t>(frame_buffers_.size(), node->index() + 1U));
+            frame_buffers_[node->index()] = node->id();
         } else if (node->role() == schema::Role::renderer && node->id() == self_) {
             index_ = node->index();
             found_self = true;
         }
     }
-    if (!found_self || !found_frame_buffer || gp_ids_.empty()) {
-        refuse(
-            FaultCode::bad_input,
-            fmt::format("topology: node {} is {}a Renderer; there are {} GPs and {} frame buffer 0",
-                        self_, found_self ? "" : "not ", gp_ids_.size(),
-                        found_frame_buffer ? "one" : "no"));
+    if (!found_self || frame_buffers_.empty() || gp_ids_.empty()) {
+        refuse(FaultCode::bad_input,
+               fmt::format("topology: node {} is {}a Renderer; there are {} GPs and {} frame "
+                           "buffers",
+                           self_, found_self ? "" : "not ", gp_ids_.size(), frame_buffers_.size()));
     }
 }
 
@@ -222,6 +202,10 @@ void RendererNode::on_begin(const bus::Message& message) {
                    "frame {}: Renderer {} has {} regions, but can sum {} samples of at most {}",
                    draw.frame(), index_, ours, draw.samples(),
                    isa::max_summed_regions(draw.samples())));
+    }
+    if (frame_buffers_.empty()) {
+        refuse(FaultCode::bad_input,
+               fmt::format("frame {}: the topology has no frame buffer", draw.frame()));
     }
     FrameMessages& inputs = inputs_of(draw.frame());
     if (inputs.begin) {
@@ -291,7 +275,8 @@ void RendererNode::start_next(bus::Outbox& out) {
     newest_drawn_ = complete->first;
     FrameMessages inputs = std::move(complete->second);
     const auto newer = waiting_.erase(complete);
-    auto drawing = std::make_unique<Drawing>(std::move(inputs), index_, out.body_allocator());
+    auto drawing = std::make_unique<Drawing>(std::move(inputs), index_, frame_buffers_.size(),
+                                             out.body_allocator());
     // Senders keep their order, so the missing messages of older frames are lost.
     for (auto old = waiting_.begin(); old != newer; ++old) {
         drawing->faults.push_back(lost_frame(old->first, old->second, gp_ids_.size()));
@@ -328,13 +313,12 @@ void RendererNode::draw_next_region(bus::StageClock* clock) {
     const bus::StageClock::In drawing(clock, stage::plan);
     const std::size_t place = drawing_->next_region++;
     FramePlan::Region& region = drawing_->plan.regions[place];
-    const std::span<std::uint32_t> pixels =
-        drawing_->has_pixels() ? drawing_->pixels.region(place) : std::span<std::uint32_t>();
+    RegionOutput& output = drawing_->output_of(region);
     // Discards the readout of segments. Our GPs' segments read nothing out.
     const auto route = [&](PartKind kind) {
         drawing.enter(kind < PartKind::depths ? stage::primitives : stage::end_of_region);
-        executor_.read_out_into(kind == PartKind::end_of_region ? pixels
-                                : kind == PartKind::depths      ? drawing_->depths.region(place)
+        executor_.read_out_into(kind == PartKind::end_of_region ? output.next_pixels()
+                                : kind == PartKind::depths      ? output.next_depths()
                                                                 : std::span<std::uint32_t>());
     };
     RegionFrame& programs = drawing_->programs;
@@ -352,8 +336,8 @@ void RendererNode::draw_next_region(bus::StageClock* clock) {
                     drawing_->plan.counts ? Counting::each_part : Counting::whole_region);
     drawing.enter(stage::plan);
     executor_.read_out_into({});
-    drawing_->tiles.emplace_back(static_cast<std::uint16_t>(region.number), result.counts.cycles,
-                                 result.counts.instructions);
+    output.add({static_cast<std::uint16_t>(region.number), result.counts.cycles,
+                result.counts.instructions});
     for (const PartCounts& part : result.parts) {
         drawing_->counts.push_back(to_wire(region.number, part));
     }
@@ -382,15 +366,12 @@ void RendererNode::send_counts(bus::Outbox& out) {
 
 void RendererNode::send_pixels(bus::Outbox& out) {
     ++frames_;
-    // If the send throws, the drawing must be gone: its body can be finished only once.
+    // If a send throws, the drawing must be gone: its messages can be finished only once.
     const std::unique_ptr<Drawing> drawn = std::move(drawing_);
-    flatbuffers::FlatBufferBuilder& body = drawn->body;
-    const auto tiles = body.CreateVectorOfStructs(drawn->tiles);
-    out.send(
-        frame_buffer_,
-        bus::finish(body, schema::CreateRegionPixels(
-                              body, drawn->plan.frame, static_cast<std::uint16_t>(index_), tiles,
-                              drawn->pixels.offset, drawn->depths.offset, drawn->plan.moved_mm)));
+    for (std::size_t i = 0; i < drawn->outputs.size(); ++i) {
+        out.send(frame_buffers_[i],
+                 drawn->outputs[i].finish(drawn->plan.frame, index_, drawn->plan.moved_mm));
+    }
 }
 
 }  // namespace pxpl5::renderer

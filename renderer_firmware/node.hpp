@@ -1,6 +1,6 @@
 // One Renderer: receives opcode streams for its regions, executes them, sends the regions.
 //
-//   BeginFrame     --->+----------+---> RegionPixels   (to the frame buffer)
+//   BeginFrame     --->+----------+---> RegionPixels   (to the frame buffers)
 //   RegionPrograms --->| Renderer |---> FrameCounts    (to the host, on request)
 //   Topology       --->+----------+---> Fault          (to the host)
 #pragma once
@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "renderer_firmware/fast/fast.hpp"
 #include "renderer_firmware/node_frame.hpp"
@@ -54,7 +55,8 @@ class RendererNode final : public bus::Node {
     void send_pixels(bus::Outbox& out);
     void tell_faults(bus::Outbox& out);
 
-    bus::NodeId self_ = 0, frame_buffer_ = 0;
+    bus::NodeId self_ = 0;
+    std::vector<bus::NodeId> frame_buffers_;          ///< By index.
     std::uint32_t index_ = 0;                         ///< Index of this Renderer.
     std::map<std::uint32_t, bus::NodeId> gp_ids_;     ///< GP by index.
     std::map<std::uint32_t, FrameMessages> waiting_;  ///< Frames that are not yet drawn.

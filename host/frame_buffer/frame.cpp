@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "ringbus/rules/regions.hpp"
+#include "ringbus/rules/views.hpp"
 
 namespace pxpl5::host {
 
@@ -50,6 +51,15 @@ std::size_t FrameShape::pixels() const {
 
 bool Frame::complete() const {
     return std::find(renderer_is_in.begin(), renderer_is_in.end(), false) == renderer_is_in.end();
+}
+
+std::optional<std::size_t> Frame::own_region(std::size_t region) const {
+    const auto per_view = static_cast<std::size_t>(whole.columns() * whole.rows());
+    const std::size_t view = region / per_view;
+    if (frame_buffer_of(view, share.frame_buffers) != share.index) {
+        return std::nullopt;
+    }
+    return view_place(view, share.frame_buffers) * per_view + region % per_view;
 }
 
 void place_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,

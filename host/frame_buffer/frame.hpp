@@ -1,7 +1,9 @@
 // One frame on its way to being complete.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,10 +20,19 @@ struct FrameShape {
     std::size_t pixels() const;
 };
 
-/// A frame that has begun.
+/// Which views of a frame one frame buffer assembles: see frame_buffer_of().
+struct ViewShare {
+    std::size_t index = 0;          ///< This frame buffer.
+    std::size_t frame_buffers = 1;  ///< Count in the machine.
+};
+
+/// A frame that has begun, as far as its views belong to this frame buffer. Regions count over
+/// these views, except in messages of Renderers.
 struct Frame {
     std::uint32_t number = 0;
     FrameShape shape;
+    FrameShape whole;  ///< With the views of all frame buffers.
+    ViewShare share;
     bool read_back = false;
     bool read_depths = false;
     bool has_pixels = true;                    ///< False of a pass that is not its picture's last.
@@ -35,6 +46,9 @@ struct Frame {
     std::span<std::uint32_t> depths;   ///< Likewise; empty unless read_depths.
 
     bool complete() const;
+    /// The region that has this number in the whole frame. Nothing if another frame buffer
+    /// assembles its view.
+    std::optional<std::size_t> own_region(std::size_t region) const;
 };
 
 /// Copies one region into its place, cropped to the view, with every alpha at 255.

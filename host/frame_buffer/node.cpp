@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cassert>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "isa/contract/region_layout.hpp"
+#include "ringbus/rules/views.hpp"
 
 namespace pxpl5::host {
 
@@ -33,10 +35,11 @@ FrameShape shape_of(const schema::DrawFrame& draw) {
             static_cast<int>(draw.views()->size())};
 }
 
-std::vector<std::uint16_t> assignment_of(const schema::BeginFrame& begin, const FrameShape& shape,
+/// The Renderers of all regions of `frame`, by region.
+std::vector<std::uint16_t> assignment_of(const schema::BeginFrame& begin, const Frame& frame,
                                          std::size_t renderer_count) {
     const auto& given = *begin.assignment();
-    assert(given.size() == static_cast<std::size_t>(shape.regions()));
+    assert(given.size() == static_cast<std::size_t>(frame.whole.regions()));
     const auto outside = std::find_if(given.begin(), given.end(),
                                       [=](std::uint16_t r) { return r >= renderer_count; });
     if (outside != given.end()) {
@@ -45,7 +48,13 @@ std::vector<std::uint16_t> assignment_of(const schema::BeginFrame& begin, const 
             fmt::format("frame {}: region {} is assigned to Renderer {}, there are {}",
                         begin.draw()->frame(), outside - given.begin(), *outside, renderer_count));
     }
-    return {given.begin(), given.end()};
+    std::vector<std::uint16_t> own(static_cast<std::size_t>(frame.shape.regions()));
+    for (flatbuffers::uoffset_t region = 0; region < given.size(); ++region) {
+        if (const auto place = frame.own_region(region)) {
+            own[*place] = given[region];
+        }
+    }
+    return own;
 }
 
 /// Throws unless the message holds each region that its Renderer draws in `frame` exactly once.
@@ -57,20 +66,28 @@ void check_tiles(const Frame& frame, const schema::RegionPixels& pixels) {
     std::vector<bool> seen = frame.region_is_in;
     for (const schema::RegionTile* tile : *pixels.tiles()) {
         const std::size_t region = tile->region();
-        if (region >= seen.size()) {
+        if (region >= static_cast<std::size_t>(frame.whole.regions())) {
             throw_fault(schema::FaultCode::bad_message,
-                        fmt::format("{}: region {}, the frame has {}", from, region, seen.size()));
+                        fmt::format("{}: region {}, the frame has {}", from, region,
+                                    frame.whole.regions()));
         }
-        if (frame.assignment[region] != pixels.renderer()) {
+        const std::optional<std::size_t> own = frame.own_region(region);
+        if (!own) {
+            throw_fault(schema::FaultCode::bad_message,
+                        fmt::format("{}: region {} belongs to a view of another frame buffer, this "
+                                    "is {} of {}",
+                                    from, region, frame.share.index, frame.share.frame_buffers));
+        }
+        if (frame.assignment[*own] != pixels.renderer()) {
             throw_fault(schema::FaultCode::bad_message,
                         fmt::format("{}: region {} is Renderer {}'s", from, region,
-                                    frame.assignment[region]));
+                                    frame.assignment[*own]));
         }
-        if (seen[region]) {
+        if (seen[*own]) {
             throw_fault(schema::FaultCode::bad_message,
                         fmt::format("{}: region {} came twice", from, region));
         }
-        seen[region] = true;
+        seen[*own] = true;
     }
     const auto due =
         std::count(frame.assignment.begin(), frame.assignment.end(), pixels.renderer());
@@ -97,15 +114,16 @@ void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
     const std::span<const std::uint32_t> words(pixels.pixels()->data(), pixels.pixels()->size());
     std::size_t at = 0;
     for (const schema::RegionTile* tile : *pixels.tiles()) {
-        frame.region_is_in[tile->region()] = true;
-        frame.region_cycles[tile->region()] = tile->cycles();
+        const std::size_t own = *frame.own_region(tile->region());
+        const int region = static_cast<int>(own);
+        frame.region_is_in[own] = true;
+        frame.region_cycles[own] = tile->cycles();
         frame.instructions += tile->instructions();
         if (frame.read_back) {
-            place_region(frame.shape, tile->region(), words.subspan(at, region_pixels),
-                         frame.picture);
+            place_region(frame.shape, region, words.subspan(at, region_pixels), frame.picture);
         }
         if (frame.read_depths) {
-            place_depths(frame.shape, tile->region(), {pixels.depths()->data() + at, region_pixels},
+            place_depths(frame.shape, region, {pixels.depths()->data() + at, region_pixels},
                          frame.depths);
         }
         at += region_pixels;
@@ -117,20 +135,26 @@ void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
 /// Bytes of a FrameDone around its pixels and cycles.
 constexpr std::size_t body_margin_bytes = 1024;
 
-/// A frame at its beginning, with room for its pictures in a message of `memory`.
-FrameInFlight begun(const schema::BeginFrame& begin, std::size_t renderer_count,
-                    flatbuffers::Allocator* memory) {
+/// A frame at its beginning.
+Frame begun(const schema::BeginFrame& begin, const ViewShare& share, std::size_t renderer_count) {
     Frame frame;
     frame.number = begin.draw()->frame();
-    frame.shape = shape_of(*begin.draw());
+    frame.shape = frame.whole = shape_of(*begin.draw());
+    frame.shape.views =
+        static_cast<int>(views_of(begin.draw()->views()->size(), share.index, share.frame_buffers));
+    frame.share = share;
     frame.read_back = begin.draw()->read_back();
     frame.read_depths = begin.draw()->read_depths();
     frame.has_pixels = begin.draw()->sample() + 1 == begin.draw()->samples();
-    frame.assignment = assignment_of(begin, frame.shape, renderer_count);
+    frame.assignment = assignment_of(begin, frame, renderer_count);
     frame.renderer_is_in.resize(renderer_count);
     frame.region_is_in.resize(frame.assignment.size());
     frame.region_cycles.resize(frame.assignment.size());
+    return frame;
+}
 
+/// The same frame, with room for its pictures in a message of `memory`.
+FrameInFlight in_message(Frame frame, flatbuffers::Allocator* memory) {
     const std::size_t pixels = frame.shape.pixels();
     const std::size_t words = (frame.read_back ? pixels : 0) + (frame.read_depths ? pixels : 0);
     flatbuffers::FlatBufferBuilder body(
@@ -165,8 +189,8 @@ bus::Payload frame_done(FrameInFlight& done) {
 }  // namespace
 
 void FrameBufferNode::receive(const bus::Message& message, bus::Outbox& out) {
-    if (const auto* topology = message.as<schema::Topology>()) {
-        on_topology(*topology);
+    if (message.kind() == schema::Body::Topology) {
+        on_topology(message);
     } else if (const auto* begin = message.as<schema::BeginFrame>()) {
         on_begin_frame(*begin, out);
     } else if (message.kind() == schema::Body::RegionPixels) {
@@ -189,13 +213,26 @@ bus::NodeStatus FrameBufferNode::status() const {
     return {bytes, in_flight_.size(), frames_};
 }
 
-void FrameBufferNode::on_topology(const schema::Topology& topology) {
+void FrameBufferNode::on_topology(const bus::Message& message) {
     renderer_ids_.clear();
-    for (const schema::NodeInfo* node : *topology.nodes()) {
-        if (node->role() == schema::Role::renderer) {
+    share_ = {0, 0};
+    bool found_self = false;
+    for (const schema::NodeInfo* node : *message.as<schema::Topology>()->nodes()) {
+        if (node->role() == schema::Role::frame_buffer) {
+            ++share_.frame_buffers;
+            if (node->id() == message.header().destination()) {
+                share_.index = node->index();
+                found_self = true;
+            }
+        } else if (node->role() == schema::Role::renderer) {
             renderer_ids_.resize(std::max<std::size_t>(renderer_ids_.size(), node->index() + 1U));
             renderer_ids_[node->index()] = node->id();
         }
+    }
+    if (!found_self || share_.index >= share_.frame_buffers) {
+        throw_fault(schema::FaultCode::bad_input,
+                    fmt::format("topology: node {} is not one of the {} frame buffers",
+                                message.header().destination(), share_.frame_buffers));
     }
 }
 
@@ -205,7 +242,10 @@ void FrameBufferNode::on_begin_frame(const schema::BeginFrame& begin, bus::Outbo
         throw_fault(schema::FaultCode::bad_message,
                     fmt::format("frame {} begins after frame {}", number, next_frame_ - 1));
     }
-    in_flight_.push_back(begun(begin, renderer_ids_.size(), out.body_allocator()));
+    Frame frame = begun(begin, share_, renderer_ids_.size());
+    if (frame.shape.views > 0) {  // Without a view, no message of this frame comes or goes.
+        in_flight_.push_back(in_message(std::move(frame), out.body_allocator()));
+    }
     next_frame_ = number + 1;
     give_up_before(in_flight_.size() > max_in_flight ? in_flight_[1].frame.number : 0);
     take_early(out);

@@ -30,8 +30,9 @@ struct FrameInFlight {
     Words picture, depths;
 };
 
-/// Role frame_buffer. A frame is complete when every Renderer has sent its RegionPixels. Frames
-/// complete in order, because every Renderer sends its frames in order.
+/// Role frame_buffer. Assembles the views that frame_buffer_of() gives it. A frame is complete when
+/// every Renderer has sent its RegionPixels of these views. Frames complete in order, because every
+/// Renderer sends its frames in order.
 class FrameBufferNode final : public bus::Node {
   public:
     void receive(const bus::Message& message, bus::Outbox& out) override;
@@ -39,7 +40,7 @@ class FrameBufferNode final : public bus::Node {
     bus::NodeStatus status() const override;
 
   private:
-    void on_topology(const bus::schema::Topology& topology);
+    void on_topology(const bus::Message& message);
     void on_begin_frame(const bus::schema::BeginFrame& begin, bus::Outbox& out);
     void on_region_pixels(const bus::Message& message, bus::Outbox& out);
     void check_sender(bus::NodeId source, const bus::schema::RegionPixels& pixels) const;
@@ -51,6 +52,7 @@ class FrameBufferNode final : public bus::Node {
     /// Shows the oldest frame, which is complete, and notifies the host.
     void swap_in(bus::Outbox& out);
 
+    ViewShare share_;
     std::vector<bus::NodeId> renderer_ids_;  ///< By index.
     std::deque<FrameInFlight> in_flight_;    ///< Oldest first.
     std::vector<bus::Message> early_;        ///< Regions that overtook their BeginFrame.

@@ -70,6 +70,7 @@ struct Wishes {
     std::uint8_t opacity = full_opacity;  ///< Opacity of the second surface.
     bool read_depths = false;
     std::uint8_t sample = 0, samples = 1;
+    unsigned views = 1;  ///< Each has its share of the assignment.
 };
 
 inline bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>& assignment,
@@ -77,12 +78,14 @@ inline bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>&
     schema::BeginFrameT body;
     body.draw = std::make_unique<schema::DrawFrameT>();
     body.draw->frame = frame;
-    body.draw->width = static_cast<std::uint32_t>(128 * assignment.size());
+    body.draw->width = static_cast<std::uint32_t>(128 * assignment.size() / wishes.views);
     body.draw->height = 128;
-    auto view = std::make_unique<schema::ViewT>();
-    view->voxel_to_eye = std::make_unique<schema::Matrix>();
-    view->projection = std::make_unique<schema::Matrix>();
-    body.draw->views.push_back(std::move(view));
+    for (unsigned i = 0; i < wishes.views; ++i) {
+        auto view = std::make_unique<schema::ViewT>();
+        view->voxel_to_eye = std::make_unique<schema::Matrix>();
+        view->projection = std::make_unique<schema::Matrix>();
+        body.draw->views.push_back(std::move(view));
+    }
     body.draw->ambient = 1;
     body.draw->specular_power = 1;
     body.draw->background = std::make_unique<schema::Rgb>(10, 20, 30);
@@ -114,7 +117,7 @@ inline WordList sheet(std::uint32_t surface, std::uint32_t depth) {
 
 /// One Renderer among `renderers`, with `gps` GPs.
 struct RendererBench {
-    RendererBench(int gps, int renderers, int index)
+    RendererBench(int gps, int renderers, int index, int frame_buffers = 1)
         : id(static_cast<bus::NodeId>(first_renderer + index)) {
         schema::TopologyT topology;
         const auto add = [&](int node_id, schema::Role role, int i) {
@@ -131,7 +134,9 @@ struct RendererBench {
         for (int i = 0; i < renderers; ++i) {
             add(first_renderer + i, schema::Role::renderer, i);
         }
-        add(frame_buffer, schema::Role::frame_buffer, 0);
+        for (int i = 0; i < frame_buffers; ++i) {
+            add(frame_buffer + i, schema::Role::frame_buffer, i);
+        }
         take(bus::host_id, bus::pack(topology));
     }
 
@@ -168,13 +173,16 @@ struct RendererBench {
         }
     }
 
-    std::vector<const schema::RegionPixels*> frames() const {
+    /// The RegionPixels that a frame buffer gets.
+    std::vector<const schema::RegionPixels*> frames(int to = 0) const {
         std::vector<const schema::RegionPixels*> found;
         for (const RendererOutbox::Sent& s : out.sent) {
             if (s.payload.kind() == Body::RegionPixels) {
-                CHECK(s.to == frame_buffer);
-                found.push_back(
-                    schema::GetMessage(s.payload.bytes().data())->body_as_RegionPixels());
+                CHECK(s.to >= frame_buffer);
+                if (s.to == frame_buffer + to) {
+                    found.push_back(
+                        schema::GetMessage(s.payload.bytes().data())->body_as_RegionPixels());
+                }
             }
         }
         return found;

@@ -236,7 +236,7 @@ TEST_CASE("a topology without this Renderer is refused") {
     schema::TopologyT topology;
     topology.nodes.push_back(std::make_unique<schema::NodeInfoT>());
     const std::string reason = bench.refused(bus::host_id, bus::pack(topology));
-    CHECK(reason.find("node 10 is not a Renderer; there are 0 GPs and no frame buffer 0") !=
+    CHECK(reason.find("node 10 is not a Renderer; there are 0 GPs and 0 frame buffers") !=
           std::string::npos);
 }
 
@@ -256,4 +256,58 @@ TEST_CASE("a frame that cannot be sent is a fault, and the next one is drawn") {
     REQUIRE(bench.frames().size() == 1);
     CHECK(bench.frames()[0]->frame() == 2);
     CHECK(is_all(*bench.frames()[0], 0, colors[1]));
+}
+
+TEST_CASE("with two frame buffers, each gets one message with the regions of its view") {
+    for (const bool has_depths : {false, true}) {
+        RendererBench bench(1, 2, 1, 2);
+        // Regions 0 to 2 are the left eye's, 3 to 5 the right eye's.
+        bench.take(first_gp, begin(5, {1, 0, 1, 0, 1, 0}, {16, has_depths, 0, 1, 2}));
+        bench.from_gp(
+            0, programs(5, 0, {{2, {{0, 3, sheet(0, 5000)}}}, {4, {{1, 3, sheet(1, 4000)}}}}));
+        bench.work();
+        CHECK(bench.faults().empty());
+        REQUIRE(bench.frames(0).size() == 1);
+        REQUIRE(bench.frames(1).size() == 1);
+        const schema::RegionPixels &left = *bench.frames(0)[0], &right = *bench.frames(1)[0];
+        REQUIRE(left.tiles()->size() == 2);
+        CHECK(left.tiles()->Get(0)->region() == 0);
+        CHECK(left.tiles()->Get(1)->region() == 2);
+        CHECK(is_all(left, 0, background));
+        CHECK(is_all(left, 1, colors[0]));
+        REQUIRE(right.tiles()->size() == 1);
+        CHECK(right.tiles()->Get(0)->region() == 4);
+        CHECK(is_all(right, 0, colors[1]));
+        REQUIRE((right.depths() != nullptr) == has_depths);
+        if (has_depths) {
+            REQUIRE(left.depths()->size() == 2 * tile);
+            CHECK(left.depths()->Get(tile) == (1 | 5000 << 8));
+            REQUIRE(right.depths()->size() == tile);
+            CHECK(right.depths()->Get(0) == (2 | 4000 << 8));
+        }
+    }
+}
+
+TEST_CASE("a frame buffer of which a Renderer has no region gets a message, of no view none") {
+    RendererBench bench(1, 2, 1, 2);
+    bench.take(first_gp, begin(5, {0, 1}, {16, false, 0, 1, 2}));
+    bench.from_gp(0, programs(5, 0, {}));
+    bench.take(first_gp, begin(6, {1, 0}));
+    bench.from_gp(0, programs(6, 0, {}));
+    bench.work();
+    REQUIRE(bench.frames(0).size() == 2);
+    CHECK(bench.frames(0)[0]->tiles()->size() == 0);
+    CHECK(bench.frames(0)[1]->frame() == 6);
+    CHECK(bench.frames(0)[1]->tiles()->size() == 1);
+    REQUIRE(bench.frames(1).size() == 1);
+    CHECK(bench.frames(1)[0]->frame() == 5);
+    CHECK(bench.frames(1)[0]->tiles()->size() == 1);
+}
+
+TEST_CASE("a frame without a frame buffer to send it to is refused") {
+    RendererBench bench(1, 1, 0);
+    schema::TopologyT topology;
+    topology.nodes.push_back(std::make_unique<schema::NodeInfoT>());
+    bench.refused(bus::host_id, bus::pack(topology));
+    CHECK(bench.refused(first_gp, begin(1, {0})) == "frame 1: the topology has no frame buffer");
 }

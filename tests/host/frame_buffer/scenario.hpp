@@ -23,6 +23,11 @@ inline constexpr int side = 128;
 inline constexpr std::uint32_t opaque = 0xff000000;
 inline constexpr bus::NodeId master_gp = 1, first_renderer = 10, frame_buffer = 99;
 
+/// Which frame buffer of how many is driven.
+struct FrameBufferPlace {
+    int index = 0, count = 1;
+};
+
 struct Outbox final : bus::Outbox {
     using bus::Outbox::send;
     void send(bus::NodeId to, bus::Payload payload) override {
@@ -53,7 +58,7 @@ inline bus::Message delivered(bus::NodeId source, const bus::Payload& payload) {
 
 /// A frame buffer among `renderers` Renderers, driven by hand.
 struct FrameBufferBench {
-    explicit FrameBufferBench(int renderers) {
+    explicit FrameBufferBench(int renderers, const FrameBufferPlace& place = {}) {
         schema::TopologyT topology;
         const auto add = [&topology](bus::NodeId id, schema::Role role, int index) {
             auto info = std::make_unique<schema::NodeInfoT>();
@@ -67,7 +72,10 @@ struct FrameBufferBench {
         for (int i = 0; i < renderers; ++i) {
             add(static_cast<bus::NodeId>(first_renderer + i), schema::Role::renderer, i);
         }
-        add(frame_buffer, schema::Role::frame_buffer, 0);
+        for (int i = 0; i < place.count; ++i) {
+            add(static_cast<bus::NodeId>(frame_buffer + i - place.index),
+                schema::Role::frame_buffer, i);
+        }
         node.receive(delivered(bus::host_id, bus::pack(topology)), out);
     }
 
@@ -137,13 +145,14 @@ struct Scenario {
         return bus::pack(message);
     }
 
-    schema::RegionPixelsT tiles(int renderer) const {
+    /// place  The frame buffer that the tiles are for.
+    schema::RegionPixelsT tiles(int renderer, const FrameBufferPlace& place = {}) const {
         schema::RegionPixelsT message;
         message.frame = frame;
         message.renderer = static_cast<std::uint16_t>(renderer);
         // Last region first: the order within a message is the Renderer's own.
         for (std::size_t r = regions.size(); r-- > 0;) {
-            if (assignment[r] == renderer) {
+            if (assignment[r] == renderer && view_of(r) % place.count == place.index) {
                 message.tiles.emplace_back(static_cast<std::uint16_t>(r), cycles[r], 3 * cycles[r]);
                 message.pixels.insert(message.pixels.end(), regions[r].begin(), regions[r].end());
                 for (std::size_t i = 0; read_depths && i < regions[r].size(); ++i) {
@@ -153,7 +162,12 @@ struct Scenario {
         }
         return message;
     }
-    bus::Payload pixels(int renderer) const { return bus::pack(tiles(renderer)); }
+    bus::Payload pixels(int renderer, const FrameBufferPlace& place = {}) const {
+        return bus::pack(tiles(renderer, place));
+    }
+    int view_of(std::size_t region) const {
+        return static_cast<int>(region) / (columns() * rows());
+    }
 
     /// Pixel by pixel from the definition: regions row by row from the top left, then the views.
     std::vector<std::uint32_t> expected() const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
@@ -301,4 +302,68 @@ TEST_CASE("a pass that is not its picture's last is finished by regions without 
     last.from_renderer(0, with_pixels);
     REQUIRE(last.done() == std::vector<std::uint32_t>{3});
     CHECK(picture_of(last.out.sent[0]) == frame.expected());
+}
+
+TEST_CASE("each of two frame buffers assembles its own eye, and one alone a frame of one view") {
+    std::mt19937 random(seed());
+    CAPTURE(seed());
+    Scenario pair = random_scenario(random, 4, {300, 200, 2}, 3);
+    pair.read_depths = true;
+    const Scenario mono = random_scenario(random, 5, {130, 60, 1}, 3);
+    const std::vector<std::uint32_t> whole = pair.expected(), depths = pair.expected_depths();
+    const std::ptrdiff_t half = std::ptrdiff_t{300} * 200;
+    for (const int eye : {0, 1}) {
+        CAPTURE(eye);
+        const FrameBufferPlace place{eye, 2};
+        FrameBufferBench bench(3, place);
+        bench.take(master_gp, pair.begin());
+        for (int i = 0; i < 3; ++i) {
+            CHECK(bench.done().empty());
+            bench.from_renderer(i, pair.pixels(i, place));
+        }
+        REQUIRE(bench.done() == std::vector<std::uint32_t>{4});
+        const schema::FrameDone& done = FrameBufferBench::frame_done(bench.out.sent[0]);
+        CHECK(done.views() == 1);
+        CHECK(picture_of(bench.out.sent[0]) ==
+              std::vector<std::uint32_t>(whole.begin() + eye * half,
+                                         whole.begin() + (eye + 1) * half));
+        CHECK(std::vector<std::uint32_t>(done.depths()->begin(), done.depths()->end()) ==
+              std::vector<std::uint32_t>(depths.begin() + eye * half,
+                                         depths.begin() + (eye + 1) * half));
+        const auto at = pair.cycles.begin() + eye * 6;  // 3 x 2 regions of each view.
+        CHECK(std::vector<std::uint64_t>(done.region_cycles()->begin(),
+                                         done.region_cycles()->end()) ==
+              std::vector<std::uint64_t>(at, at + 6));
+        const auto by = pair.assignment.begin() + eye * 6;
+        CHECK(std::vector<std::uint16_t>(done.region_renderers()->begin(),
+                                         done.region_renderers()->end()) ==
+              std::vector<std::uint16_t>(by, by + 6));
+        CHECK(done.instructions() == 3 * std::accumulate(at, at + 6, std::uint64_t{0}));
+
+        bench.take(master_gp, mono.begin());
+        for (int i = 0; i < 3; ++i) {
+            const std::string fault =
+                bench.fault(static_cast<bus::NodeId>(first_renderer + i), mono.pixels(i));
+            CHECK_MESSAGE(has(fault, eye == 0 ? "no fault" : "the frame is over"), fault);
+        }
+        REQUIRE(bench.out.sent.size() == (eye == 0 ? 2 : 1));
+        CHECK(bench.node.status().queue == 0);
+    }
+}
+
+TEST_CASE("a region of the other eye's view is refused by its number, and so is a strange place") {
+    std::mt19937 random(seed());
+    Scenario pair = random_scenario(random, 4, {100, 60, 2}, 1);
+    FrameBufferBench bench(1, {1, 2});
+    bench.take(master_gp, pair.begin());
+    CHECK(
+        bench.fault(first_renderer, pair.pixels(0, {0, 2})) ==
+        "frame 4, Renderer 0: region 0 belongs to a view of another frame buffer, this is 1 of 2");
+    bench.from_renderer(0, pair.pixels(0, {1, 2}));
+    CHECK(bench.done() == std::vector<std::uint32_t>{4});
+
+    schema::TopologyT topology;
+    topology.nodes.push_back(std::make_unique<schema::NodeInfoT>());
+    CHECK(bench.fault(bus::host_id, bus::pack(topology)) ==
+          "topology: node 99 is not one of the 0 frame buffers");
 }
