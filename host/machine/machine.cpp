@@ -25,7 +25,7 @@ struct Machine::Parts {
     std::unique_ptr<Launcher> launcher;
     std::shared_ptr<Processes> kept;  ///< The computers of the machine before, for the next.
     MachineError lost{ExitCode::unavailable, "the machine has not started"};
-    std::vector<bus::NodeId> gps, renderers;
+    std::vector<bus::NodeId> gps, renderers, frame_buffers;
     int watched_fd = -1;
     std::function<bool()> give_up;
     NameOfSurface name_of_surface;
@@ -46,6 +46,7 @@ void Machine::Parts::start(const Topology& plan) {
     launcher->launch();
     gps = ids_of(launcher->roster(), bus::schema::Role::gp);
     renderers = ids_of(launcher->roster(), bus::schema::Role::renderer);
+    frame_buffers = ids_of(launcher->roster(), bus::schema::Role::frame_buffer);
 }
 
 Machine::Machine(const Topology& topology, const MachineOptions& options)
@@ -139,6 +140,10 @@ const std::vector<bus::NodeId>& Machine::gp_ids() const {
 }
 const std::vector<bus::NodeId>& Machine::renderer_ids() const {
     return parts_->renderers;
+}
+
+const std::vector<bus::NodeId>& Machine::frame_buffer_ids() const {
+    return parts_->frame_buffers;
 }
 
 std::vector<MachineNode> Machine::nodes() const {

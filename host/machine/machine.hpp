@@ -47,6 +47,7 @@ class Machine final : public MachinePort {
 
     const std::vector<bus::NodeId>& gp_ids() const override;
     const std::vector<bus::NodeId>& renderer_ids() const override;
+    const std::vector<bus::NodeId>& frame_buffer_ids() const override;
     std::vector<MachineNode> nodes() const override;
     bus::Traffic traffic() const override;
     void kill(bus::NodeId id) override;

@@ -78,6 +78,7 @@ class MachinePort {
     virtual const std::vector<bus::NodeId>& gp_ids()
         const = 0;  ///< In order of index; [0] is the Master GP.
     virtual const std::vector<bus::NodeId>& renderer_ids() const = 0;
+    virtual const std::vector<bus::NodeId>& frame_buffer_ids() const = 0;  ///< In order of index.
 
     /// All nodes in ring order, the host first, without the io process.
     virtual std::vector<MachineNode> nodes() const { return {}; }

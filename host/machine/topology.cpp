@@ -37,8 +37,7 @@ struct NumberKey {
     int& (*in)(Topology&);
 };
 
-// One view of a picture needs one frame buffer; both eyes of a stereo picture share it, stacked.
-constexpr int max_frame_buffers = 1;
+constexpr int max_frame_buffers = max_views;  // A view belongs to one frame buffer.
 constexpr off_t max_file_bytes = off_t{1} << 20;
 constexpr int max_memory_mib = 1 << 20;
 constexpr int max_restarts = 1000;

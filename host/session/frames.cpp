@@ -22,43 +22,39 @@ namespace schema = bus::schema;
 
 /// Adds one pass to the report of its picture, except the time. All passes assign the regions to
 /// the same Renderers.
-void add_pass(const schema::FrameDone& done, FrameReport& report) {
-    const auto regions_across = [](std::uint32_t px) {
-        return static_cast<int>(region_count(px, 1, 1));
+void add_pass(const WholeFrame& done, FrameReport& report) {
+    const auto regions_across = [](int px) {
+        return static_cast<int>(region_count(static_cast<std::uint32_t>(px), 1, 1));
     };
-    report.frame = done.frame();
-    report.moved_mm = std::max(report.moved_mm, done.moved_mm());
-    report.instructions += static_cast<std::int64_t>(done.instructions());
-    report.region_columns = regions_across(done.width());
-    report.region_rows = regions_across(done.height()) * done.views();
-    report.region_renderers.assign(done.region_renderers()->begin(),
-                                   done.region_renderers()->end());
-    report.region_cycles.resize(done.region_cycles()->size());
-    for (flatbuffers::uoffset_t region = 0; region < done.region_cycles()->size(); ++region) {
-        const std::uint64_t cycles = done.region_cycles()->Get(region);
+    report.frame = done.frame;
+    report.moved_mm = std::max(report.moved_mm, done.moved_mm);
+    report.instructions += static_cast<std::int64_t>(done.instructions);
+    report.region_columns = regions_across(done.view.width);
+    report.region_rows = regions_across(done.view.height) * done.views;
+    report.region_renderers = done.region_renderers;
+    report.region_cycles.resize(done.region_cycles.size());
+    for (std::size_t region = 0; region < done.region_cycles.size(); ++region) {
+        const std::uint64_t cycles = done.region_cycles[region];
         report.region_cycles[region] += cycles;
         report.renderer_cycles += static_cast<std::int64_t>(cycles);
     }
 }
 
 /// The picture of a frame, of which two views become one picture.
-Picture picture_of(const schema::FrameDone& done, StereoMode stereo) {
-    const Size view{static_cast<int>(done.width()), static_cast<int>(done.height())};
-    if (done.views() == 1) {
-        return {view.width, view.height, {done.pixels()->begin(), done.pixels()->end()}};
+Picture picture_of(const WholeFrame& done, StereoMode stereo) {
+    if (done.views == 1) {
+        return {done.view.width, done.view.height, {done.pixels.begin(), done.pixels.end()}};
     }
-    const Size size = composed_size(view, stereo);
-    return {size.width, size.height,
-            composed({done.pixels()->data(), done.pixels()->size()}, view, stereo)};
+    const Size size = composed_size(done.view, stereo);
+    return {size.width, size.height, composed(done.pixels, done.view, stereo)};
 }
 
 }  // namespace
 
 Frames::Frames(Conversation& conversation, Scene& scene, const Volumes& volumes, Nodes& nodes)
     : conversation_(conversation), scene_(scene), volumes_(volumes), nodes_(nodes) {
-    conversation_.handle(bus::Body::FrameDone, [this](const bus::Message& message) {
-        take_done(*message.as<schema::FrameDone>());
-    });
+    conversation_.handle(bus::Body::FrameDone,
+                         [this](const bus::Message& message) { take_done(message); });
     conversation_.handle(bus::Body::FrameCounts,
                          [this](const bus::Message& message) { take_counts(message); });
     conversation_.handle_frame_faults([this](std::uint32_t frame) { return take_fault(frame); });
@@ -97,7 +93,9 @@ void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back,
     const bus::Payload message =
         frame_request(scene, stage, next_frame_, picture_costs_, read_back, pass, counts);
     pending_.push_back({next_frame_++, picture_started_ns_, pass,
-                        read_back == ReadBack::pixels_and_depths, scene.stereo.mode});
+                        read_back == ReadBack::pixels_and_depths, scene.stereo.mode,
+                        FrameParts(scene.size, stage.cameras.size(),
+                                   conversation_.machine().frame_buffer_ids().size())});
     conversation_.machine().send(conversation_.gps().front(), message);
 }
 
@@ -111,34 +109,46 @@ bool Frames::take_fault(std::uint32_t frame) {
     return is_pending;
 }
 
-void Frames::take_done(const schema::FrameDone& done) {
-    if (pending_.empty() || done.frame() != pending_.front().frame) {
+/// A frame buffer may be a frame ahead of another one. Frames finish in order all the same.
+void Frames::take_done(const bus::Message& message) {
+    const auto pending =
+        std::ranges::find(pending_, message.as<schema::FrameDone>()->frame(), &Pending::frame);
+    if (pending == pending_.end()) {
         return;  // The frame was abandoned.
     }
-    const Pending pending = pending_.front();
-    pending_.pop_front();
-    if (done.depths() != nullptr) {
-        depths_.assign(done.depths()->begin(), done.depths()->end());
+    const std::vector<bus::NodeId>& senders = conversation_.machine().frame_buffer_ids();
+    const auto sender = std::ranges::find(senders, message.source());
+    pending->parts.take(static_cast<std::size_t>(sender - senders.begin()), message);
+    while (!pending_.empty() && pending_.front().parts.is_complete()) {
+        Pending frame = std::move(pending_.front());
+        pending_.pop_front();
+        finish(std::move(frame));
     }
-    if (done.pixels() != nullptr) {
-        finished_.push_back(picture_of(done, pending.stereo));
+}
+
+void Frames::finish(Pending frame) {
+    const WholeFrame done = frame.parts.whole();
+    if (!done.depths.empty()) {
+        depths_.assign(done.depths.begin(), done.depths.end());
     }
-    if (pending.is_question) {
+    if (!done.pixels.empty()) {
+        finished_.push_back(picture_of(done, frame.stereo));
+    }
+    if (frame.is_question) {
         return;
     }
     nodes_.count_frame();
-    if (pending.pass.sample == 0) {
+    if (frame.pass.sample == 0) {
         last_ = {};
     }
     add_pass(done, last_);
-    if (const auto counted = std::ranges::find(counted_, done.frame(), &CountedFrame::frame);
+    if (const auto counted = std::ranges::find(counted_, done.frame, &CountedFrame::frame);
         counted != counted_.end()) {
-        counted->views = done.views();
-        counted->region_renderers.assign(done.region_renderers()->begin(),
-                                         done.region_renderers()->end());
+        counted->views = static_cast<std::uint32_t>(done.views);
+        counted->region_renderers = done.region_renderers;
     }
-    last_.elapsed_ms = ms_since(pending.started_ns);
-    region_costs_.assign(done.region_cycles()->begin(), done.region_cycles()->end());
+    last_.elapsed_ms = ms_since(frame.started_ns);
+    region_costs_ = done.region_cycles;
 }
 
 void Frames::abandon() {

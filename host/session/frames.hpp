@@ -13,6 +13,7 @@
 #include "host/base/spread.hpp"
 #include "host/scene/pick.hpp"
 #include "host/session/nodes.hpp"
+#include "host/session/transfer/frame_parts.hpp"
 #include "host/session/transfer/frame_request.hpp"
 #include "host/session/volumes.hpp"
 
@@ -130,6 +131,7 @@ class Frames {
         Pass pass;
         bool is_question = false;  ///< Asks for depths, and is no picture that is shown.
         StereoMode stereo = StereoMode::off;
+        FrameParts parts;  ///< The messages that have arrived.
     };
     struct Ahead {
         std::uint32_t frame = 0;
@@ -142,7 +144,8 @@ class Frames {
                  Pass pass = {}, bool counts = false);
     std::optional<Pick> pick_alone(Surface surface, const EyePixel& at);
     bool take_fault(std::uint32_t frame);
-    void take_done(const bus::schema::FrameDone& done);
+    void take_done(const bus::Message& message);
+    void finish(Pending frame);
     void take_counts(const bus::Message& message);
     bool is_counted(const CountedFrame& frame) const;
     /// Takes the frame ahead if its key is the scene's; else waits for the frame and drops it.

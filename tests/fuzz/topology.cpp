@@ -19,7 +19,7 @@ void in(const char* name, int value, int low, int high) {
 void check_ranges(const Topology& plan) {
     in("gp.count", plan.gp.count, 1, max_nodes_per_role);
     in("renderer.count", plan.renderer.count, 1, max_nodes_per_role);
-    in("frame_buffer.count", plan.frame_buffer.count, 1, 1);
+    in("frame_buffer.count", plan.frame_buffer.count, 1, 2);
     in("gp.memory_mib", plan.gp_memory_mib, 1, 1 << 20);
     in("gp.slabs_per_set", plan.slabs_per_set, 0, max_volume_voxels);
     require(plan.ring.channels >= 1 && plan.ring.channel_mb_s >= 1 && plan.ring.hop_ns >= 0,

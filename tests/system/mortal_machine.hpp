@@ -56,6 +56,9 @@ class MortalMachine final : public MachinePort {
     const std::vector<bus::NodeId>& renderer_ids() const override {
         return inside_->renderer_ids();
     }
+    const std::vector<bus::NodeId>& frame_buffer_ids() const override {
+        return inside_->frame_buffer_ids();
+    }
     void send(bus::NodeId to, bus::Payload payload) override {
         inside_->send(to, std::move(payload));
     }

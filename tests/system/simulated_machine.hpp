@@ -48,10 +48,12 @@ class SimulatedMachine final : public host::MachinePort {
         ring_.run_until_idle();  // All nodes connect before the first message.
         gps_ = ids_of(roster_, bus::schema::Role::gp);
         renderers_ = ids_of(roster_, bus::schema::Role::renderer);
+        frame_buffers_ = ids_of(roster_, bus::schema::Role::frame_buffer);
     }
 
     const std::vector<bus::NodeId>& gp_ids() const override { return gps_; }
     const std::vector<bus::NodeId>& renderer_ids() const override { return renderers_; }
+    const std::vector<bus::NodeId>& frame_buffer_ids() const override { return frame_buffers_; }
 
     std::vector<host::MachineNode> nodes() const override { return nodes_of(roster_); }
     bus::Traffic traffic() const override { return ring_.traffic(bus::host_id); }
@@ -149,7 +151,7 @@ class SimulatedMachine final : public host::MachinePort {
     std::vector<std::unique_ptr<bus::Node>> nodes_;
     bus::SimulatedRing ring_;
     host::Roster roster_;
-    std::vector<bus::NodeId> gps_, renderers_;
+    std::vector<bus::NodeId> gps_, renderers_, frame_buffers_;
 };
 
 }  // namespace pxpl5::test

@@ -85,6 +85,17 @@ TEST_CASE("the machine of the paper has 36 GPs of 8 MiB, 16 Renderers and a fram
     CHECK(plan.ring.channel_mb_s == 80);
 }
 
+TEST_CASE("the stereo machine is the paper's with a second frame buffer, timing included") {
+    const Topology stereo = load_topology("paper-1993-stereo");
+    CHECK(stereo.frame_buffer.count == 2);
+    const auto text = [](Topology plan) {
+        plan.name = "machine";
+        plan.frame_buffer.count = 1;
+        return resolved_json(plan);
+    };
+    CHECK(text(stereo) == text(load_topology("paper-1993")));
+}
+
 TEST_CASE("a known key in the wrong place is refused with the place where it belongs") {
     const std::string error = refusal_of(R"({"gp": {"count": 2}})");
     CHECK_MESSAGE(has(error, "unknown key 'gp'; it belongs in 'roles'"), error);
@@ -121,8 +132,8 @@ TEST_CASE("a value out of range is refused with the value and the range") {
     CHECK_MESSAGE(over == "some/machine.json: gp.count is 65, must be 1..64", over);
     const std::string under = refusal_of("{ roles: { renderer: { count: -1 } } }");
     CHECK_MESSAGE(has(under, "renderer.count is -1, must be 1..64"), under);
-    CHECK(has(refusal_of("{ roles: { frame_buffer: { count: 2 } } }"),
-              "frame_buffer.count is 2, must be 1..1"));
+    CHECK(has(refusal_of("{ roles: { frame_buffer: { count: 3 } } }"),
+              "frame_buffer.count is 3, must be 1..2"));
     CHECK(has(refusal_of("{ ring: { transport: 7 } }"), "ring.transport is 7, must be ipc or tcp"));
     CHECK(has(refusal_of("{ record: 7 }"), "record is 7, must be off, flight or full"));
     CHECK(has(refusal_of("{ vector_target: 9 }"),
@@ -271,7 +282,7 @@ TEST_CASE("a machine is found by name or by path, and an unknown name lists the 
     const std::string near = refusal([] { load_topology("paper-1992"); });
     CHECK_MESSAGE(near == "no topology 'paper-1992'; did you mean 'paper-1993'?", near);
     const std::string far = refusal([] { load_topology("x"); });
-    CHECK_MESSAGE(has(far, "default, one-of-each, paper-1993"), far);
+    CHECK_MESSAGE(has(far, "default, one-of-each, paper-1993, paper-1993-stereo"), far);
     CHECK(has(refusal([&path] { load_topology(path.string()); }), path.string()));
 }
 

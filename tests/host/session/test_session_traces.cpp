@@ -19,6 +19,7 @@ class FaultyMachine final : public MachinePort {
     FaultyMachine(schema::FaultCode code, bool recording) : code_(code), recording_(recording) {}
     const std::vector<bus::NodeId>& gp_ids() const override { return ids_; }
     const std::vector<bus::NodeId>& renderer_ids() const override { return ids_; }
+    const std::vector<bus::NodeId>& frame_buffer_ids() const override { return ids_; }
     void send(bus::NodeId, bus::Payload payload) override {
         const auto* end = schema::GetMessage(payload.bytes().data())->body_as_SceneEnd();
         scene_ = end == nullptr ? scene_ : end->scene();

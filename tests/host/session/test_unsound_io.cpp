@@ -21,6 +21,7 @@ class UnsoundMachine final : public MachinePort {
   public:
     const std::vector<bus::NodeId>& gp_ids() const override { return ids_; }
     const std::vector<bus::NodeId>& renderer_ids() const override { return ids_; }
+    const std::vector<bus::NodeId>& frame_buffer_ids() const override { return ids_; }
     void send(bus::NodeId to, bus::Payload payload) override {
         is_asked_ = is_asked_ || to == io_id;
         const auto* end = schema::GetMessage(payload.bytes().data())->body_as_SceneEnd();

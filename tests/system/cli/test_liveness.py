@@ -105,6 +105,18 @@ class Liveness(unittest.TestCase):
                     for pid in children:
                         self.assertFalse(pathlib.Path(f"/proc/{pid}").exists())
 
+    def test_a_stopped_second_frame_buffer_is_named_when_its_eye_is_missing(self):
+        talk = self.talk(*QUICK, "--set", "frame_buffer.count=2")
+        self.assertTrue(talk.ask("digest")["ok"])
+        self.assertTrue(talk.ask("stereo sbs")["ok"])
+        first, second = [pid for pid in children_of(talk.process.pid)
+                         if name_of(pid) == NODES["framebuffer-0"]]
+        os.kill(max(first, second), signal.SIGSTOP)
+        answer = talk.ask("digest")
+        self.assertRegex(answer["error"], r"^framebuffer-1 \(process \d+\) does not answer: ")
+        self.assertEqual(answer["exit_code"], TIMEOUT_CODE)
+        self.assertEqual(talk.end()[0], TIMEOUT_CODE)
+
     def test_a_node_that_stops_while_the_host_waits_for_a_line_is_named(self):
         talk = self.talk(*QUICK)
         os.kill(talk.node("renderer-0"), signal.SIGSTOP)

@@ -64,6 +64,23 @@ class Restarts(unittest.TestCase):
                 self.assertEqual([restart["gps"], restart["renderers"]], [2, 2])
                 self.assertNotIn("restarts", replies[-1])
 
+    def test_a_pair_is_drawn_again_after_either_frame_buffer_dies(self):
+        """With a frame buffer for each eye the pair has the bits that one frame buffer gives it."""
+        pair = [*SCENE, "stereo sbs"]
+        before = self.answers([*pair, "digest"])[-1]["result"]
+        two = ("--set", "frame_buffer.count=2")
+        for node in ("framebuffer-0", "framebuffer-1"):
+            with self.subTest(node=node):
+                replies = self.answers([*pair, "digest", f"kill {node}", "digest"], *two)
+                self.assertEqual([replies[-3]["result"], replies[-1]["result"]], [before, before])
+                (restart,) = replies[-1]["restarts"]
+                self.assertEqual(restart["node"], node)
+                self.assertIn(f"{node} was killed by signal 9", restart["cause"])
+        code, replies, _ = self.run_lines([*pair, "kill framebuffer-1", "digest"], *two,
+                                          *policy("frame_buffer", "end"))
+        self.assertEqual(code, 137)
+        self.assertIn("framebuffer-1 was killed by signal 9", replies[-1]["error"])
+
     def test_the_user_reads_of_it_on_standard_error(self):
         _, _, complaint = self.run_lines(["load phantom:sphere", "kill gp-1", "surface a iso=0.5"])
         first, second = complaint.splitlines()

@@ -1,0 +1,160 @@
+// Pictures of two eyes, from one frame buffer or from two, as a session sees them.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <map>
+#include <vector>
+
+#include "tests/system/pictures/letters_bench.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::test;
+
+TEST_CASE("each eye of a pair is the picture of its camera alone, bit for bit, on any machine") {
+    LettersBench bench(2, 3);
+    bench.session.scene.stereo = {StereoMode::side_by_side, 40, 0};
+    const Picture pair = bench.session.frames.draw();
+    REQUIRE(pair.width == 400);
+    REQUIRE(pair.height == 150);
+    REQUIRE(bench.asked.back().views.size() == 2);
+    LettersBench one(1, 1);
+    std::vector<Pixels> alone;
+    for (const std::size_t eye : {0U, 1U}) {
+        schema::DrawFrameT draw = bench.asked.back();
+        draw.views.erase(draw.views.begin() + static_cast<std::ptrdiff_t>(1 - eye));
+        draw.region_costs.clear();
+        alone.push_back(one.alone(draw, static_cast<std::uint32_t>(eye)));
+        REQUIRE(alone.back().size() == 200 * 150);
+        std::size_t wrong = 0;
+        for (std::size_t p = 0; p < alone.back().size(); ++p) {
+            wrong += pair.rgba[p / 200 * 400 + eye * 200 + p % 200] == alone.back()[p] ? 0 : 1;
+        }
+        CHECK(wrong == 0);
+    }
+    CHECK(alone[0] != alone[1]);
+
+    LettersBench other(1, 1);
+    for (const StereoMode mode :
+         {StereoMode::side_by_side, StereoMode::crossed, StereoMode::rows, StereoMode::anaglyph}) {
+        bench.session.scene.stereo.mode = mode;
+        other.session.scene.stereo = bench.session.scene.stereo;
+        CHECK(other.session.frames.draw().rgba == bench.session.frames.draw().rgba);
+    }
+    bench.session.scene.stereo.mode = StereoMode::rows;
+    const Picture rows = bench.session.frames.draw();
+    for (const int y : {74, 75}) {
+        const auto row = [y](const Pixels& pixels) {
+            return Pixels(pixels.begin() + y * 200, pixels.begin() + (y + 1) * 200);
+        };
+        CHECK(row(rows.rgba) == row(alone[static_cast<std::size_t>(y % 2)]));
+    }
+}
+
+TEST_CASE("with a frame buffer for each eye, every kind of frame has the same bits as with one") {
+    LettersBench one(2, 3), two(2, 3, 2);
+    const std::vector<bus::NodeId> buffers = two.machine.frame_buffer_ids();
+    REQUIRE(buffers.size() == 2);
+    const auto check_pictures = [&](int samples) {
+        const Pixels expected = one.session.frames.draw_samples(samples)->rgba;
+        CHECK(two.session.frames.draw_samples(samples)->rgba == expected);
+        const FrameReport &a = one.session.frames.last(), &b = two.session.frames.last();
+        CHECK(b.region_cycles == a.region_cycles);
+        CHECK(b.instructions == a.instructions);
+        CHECK(b.region_renderers == a.region_renderers);
+    };
+    check_pictures(1);
+    check_pictures(4);
+    CHECK(two.views_done == std::map<bus::NodeId, int>{{buffers[0], 5}});  // Frames of one view.
+    for (const StereoMode mode : {StereoMode::side_by_side, StereoMode::anaglyph}) {
+        one.session.scene.stereo.mode = two.session.scene.stereo.mode = mode;
+        two.views_done.clear();
+        check_pictures(1);
+        check_pictures(4);
+        CHECK(two.views_done == std::map<bus::NodeId, int>{{buffers[0], 5}, {buffers[1], 5}});
+    }
+    one.session.scene.stereo.mode = two.session.scene.stereo.mode = StereoMode::crossed;
+    const auto hit = one.session.frames.pick(300, 75), same = two.session.frames.pick(300, 75);
+    REQUIRE(hit.has_value());
+    REQUIRE(same.has_value());
+    CHECK(same->pick.p_mm == hit->pick.p_mm);
+    CHECK(two.session.frames.draw_counted().front().views == 2);
+}
+
+TEST_CASE("overlapping frames of two frame buffers finish in order, whichever is ahead") {
+    LettersBench one(1, 1);
+    one.session.scene.stereo.mode = StereoMode::rows;
+    std::vector<Pixels> expected;
+    one.session.frames.orbit(
+        6, [&](int, const Picture& picture, const Camera&) { expected.push_back(picture.rgba); });
+    int ahead = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        CAPTURE(seed);
+        // The frames whose parts have come to the host from one frame buffer only.
+        std::map<std::uint32_t, int> parts;
+        Topology topology = plan(2, 3, 2);
+        topology.seed = seed;
+        test::SimulatedMachine machine(topology, {}, [&](bus::NodeId, const bus::Message& message) {
+            if (const auto* done = message.as<schema::FrameDone>()) {
+                ++parts[done->frame()];
+                ahead +=
+                    std::ranges::count(parts, 1, &std::pair<const std::uint32_t, int>::second) > 1;
+            }
+        });
+        Session session(machine);
+        session.volumes.load("phantom:letters");
+        session.scene = one.session.scene;
+        const Surface& letters = one.session.scene.surfaces.front();
+        session.scene.surfaces.clear();
+        session.surfaces.set("letters", letters.isovalue, CaseRule::watertight, letters.color);
+        std::size_t taken = 0;
+        session.frames.orbit(6, [&](int, const Picture& picture, const Camera&) {
+            CHECK(picture.rgba == expected.at(taken++));
+        });
+        CHECK(taken == 6);
+    }
+    CHECK(ahead > 0);  // Else no seed has tried what this test is about.
+}
+
+TEST_CASE("a picture of two eyes has several samples a pixel, too") {
+    LettersBench bench(2, 2);
+    bench.session.scene.stereo.mode = StereoMode::side_by_side;
+    const Pixels plain = bench.session.frames.draw().rgba;
+    REQUIRE(bench.session.frames.max_samples() >= 4);
+    const Pixels fine = bench.session.frames.draw_samples(4)->rgba;
+    CHECK(fine.size() == plain.size());
+    CHECK(fine != plain);
+    LettersBench other(1, 3);
+    other.session.scene.stereo = bench.session.scene.stereo;
+    CHECK(other.session.frames.draw_samples(4)->rgba == fine);
+}
+
+TEST_CASE("both eyes see a picked point at its place") {
+    LettersBench bench(2, 2);
+    Scene& scene = bench.session.scene;
+    scene.stereo = {StereoMode::side_by_side, 40, 0};
+    const Subject subject = bench.session.frames.subject();
+    const std::vector<CameraMatrices> eyes = cameras_of(scene, subject);
+    int points = 0, again = 0;
+    for (int y = 5; y < 150; y += 10) {
+        for (int x = 5; x < 200; x += 10) {
+            const auto left = bench.session.frames.pick(x, y);
+            if (!left) {
+                continue;
+            }
+            ++points;
+            const glm::dvec4 clip =
+                eyes[1].projection * eyes[1].patient_to_eye * glm::dvec4(left->pick.p_mm, 1);
+            const auto column = static_cast<int>((clip.x / clip.w + 1) / 2 * 200);
+            const double row = (1 - clip.y / clip.w) / 2 * 150;
+            CHECK(row == doctest::Approx(y + 0.5).epsilon(1e-3));  // No parallax up or down.
+            const auto right = column >= 0 && column < 200
+                                   ? bench.session.frames.pick(200 + column, y)
+                                   : std::nullopt;
+            // The other eye may see another part in front, or the next pixel's point.
+            again += right && glm::distance(right->pick.p_mm, left->pick.p_mm) < 2 ? 1 : 0;
+        }
+    }
+    CHECK(points > 20);
+    CHECK(again > points * 3 / 4);
+}
