@@ -56,3 +56,34 @@ TEST_CASE("a scrubbed region ends as the frame shows it, and is kept until the s
         why().starts_with("Pictures show the mean of 4 samples of the pixel; this explains one "));
     machine.shutdown();
 }
+
+TEST_CASE("questions about a pixel of the right eye are answered from its own frame buffer") {
+    const test::ScratchFolder folder;
+    Topology topology;
+    topology.gp.count = topology.renderer.count = topology.frame_buffer.count = 2;
+    topology.record = Recording::flight;
+    MachineOptions options;
+    options.binaries = PXPL5_BIN_DIR;
+    options.run_base = folder / "run";
+    Machine machine(topology, options);
+    Session session(machine);
+    session.volumes.load("phantom:sphere");
+    session.scene.size = {256, 256};
+    session.scene.stereo.mode = StereoMode::side_by_side;
+    session.surfaces.set("ball", 0.5, CaseRule::watertight, {200, 100, 50});
+    const Picture pair = session.frames.draw();
+    REQUIRE(pair.width == 512);
+
+    const inspect::ScrubView end = LiveFrame::of(session).scrub(256 + 140, 130, {});
+    REQUIRE(end.y0_px == 256 + 128);  // The right eye's view lies below the left eye's.
+    int differ = 0;
+    for (int i = 0; i < 128 * 128; ++i) {
+        const int x = 256 + end.x0_px + i % 128, y = end.y0_px - 256 + i / 128;
+        const std::uint32_t there = pair.rgba[static_cast<std::size_t>(y * 512 + x)];
+        differ += ((there ^ end.rgba[static_cast<std::size_t>(i)]) & 0xFFFFFF) != 0 ? 1 : 0;
+    }
+    CHECK(differ == 0);
+    const std::string why = LiveFrame::of(session).why(256 + 140, 130).text;
+    CHECK_MESSAGE(why.find("as in the recorded frame") != std::string::npos, why);
+    machine.shutdown();
+}

@@ -50,7 +50,8 @@ std::optional<std::size_t> first_of(const NodeTrace& a, const Entries& in_a, con
 }  // namespace
 
 std::optional<std::string> first_message_difference(const RecordedRun& a, const RecordedRun& b) {
-    if (a.gp_count() != b.gp_count() || a.renderer_count() != b.renderer_count()) {
+    if (a.gp_count() != b.gp_count() || a.renderer_count() != b.renderer_count() ||
+        a.frame_buffer_count() != b.frame_buffer_count()) {
         return std::nullopt;
     }
     for (const auto& [id, node_a] : a.nodes()) {

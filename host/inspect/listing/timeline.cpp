@@ -27,7 +27,7 @@ enum Track : int { receives = 1, draws = 2, modelled = 3 };
 struct FrameTimes {
     std::optional<std::uint64_t> asked_ns, done_ns;  ///< DrawFrame at GP 0, FrameDone at the host.
     std::map<std::uint32_t, std::uint64_t> fed_ns;   ///< Last RegionPrograms, by Renderer.
-    std::map<std::uint32_t, MessageRef> pixels;      ///< By Renderer.
+    std::map<std::uint32_t, std::vector<MessageRef>> pixels;  ///< By Renderer, in order of receipt.
 };
 
 class Timeline {
@@ -113,7 +113,7 @@ class Timeline {
         } else if (ref.at().kind() == Body::RegionPrograms) {
             frame.fed_ns[ref.node->info.index] = wall_ns;
         } else if (const auto* pixels = message.as<schema::RegionPixels>()) {
-            frame.pixels[pixels->renderer()] = ref;
+            frame.pixels[pixels->renderer()].push_back(ref);
         }
     }
 
@@ -158,22 +158,28 @@ class Timeline {
     }
 
     void put_drawing(const std::string& name, bus::NodeId node, std::uint64_t fed_wall_ns,
-                     const MessageRef& pixels) {
+                     const std::vector<MessageRef>& pixels) {
         // A Renderer that is fed ahead begins a frame when the frame before is drawn.
         std::int64_t& drawn_ns = drawn_ns_[node];
         const std::int64_t from_ns = std::max(since_start(fed_wall_ns), drawn_ns);
-        drawn_ns = std::max(from_ns, since_start(pixels.at().wall_ns));
+        drawn_ns = std::max(from_ns, since_start(pixels.back().at().wall_ns));
         put_slice(node, draws, name, from_ns, drawn_ns - from_ns, Json::object());
         std::int64_t& free_ns = modelled_free_ns_[node];
         free_ns = std::max(free_ns, from_ns);
-        const bus::Message message = pixels.load();
-        for (const schema::RegionTile* tile : *message.as<schema::RegionPixels>()->tiles()) {
-            const std::int64_t length_ns = static_cast<std::int64_t>(tile->cycles()) * ns_per_cycle;
-            put_slice(node, modelled, fmt::format("{} region {}", name, tile->region()), free_ns,
-                      length_ns,
-                      {{"cycles", tile->cycles()}, {"instructions", tile->instructions()}});
-            free_ns += length_ns;
+        for (const MessageRef& part : pixels) {
+            const bus::Message message = part.load();
+            for (const schema::RegionTile* tile : *message.as<schema::RegionPixels>()->tiles()) {
+                put_region(name, node, *tile, free_ns);
+            }
         }
+    }
+
+    void put_region(const std::string& name, bus::NodeId node, const schema::RegionTile& tile,
+                    std::int64_t& free_ns) {
+        const std::int64_t length_ns = static_cast<std::int64_t>(tile.cycles()) * ns_per_cycle;
+        put_slice(node, modelled, fmt::format("{} region {}", name, tile.region()), free_ns,
+                  length_ns, {{"cycles", tile.cycles()}, {"instructions", tile.instructions()}});
+        free_ns += length_ns;
     }
 
     void put_messages(const std::vector<MessageRef>& messages) {

@@ -7,6 +7,7 @@
 
 #include "host/base/digest.hpp"
 #include "isa/contract/region_layout.hpp"
+#include "ringbus/rules/views.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -36,23 +37,36 @@ void each_pixel(const RecordedFrame& frame, std::uint32_t region, const Visit& v
     }
 }
 
+/// The region, if the message has it.
+std::optional<RecordedTile> tile_in(const schema::RegionPixels& sent, std::uint32_t region) {
+    for (std::uint32_t i = 0; i < sent.tiles()->size(); ++i) {
+        const schema::RegionTile& tile = *sent.tiles()->Get(i);
+        if (tile.region() == region) {
+            const auto part_of = [i](const flatbuffers::Vector<std::uint32_t>* words) {
+                return words == nullptr || words->size() == 0
+                           ? std::span<const std::uint32_t>()
+                           : std::span(words->data() + i * region_pixels, region_pixels);
+            };
+            return RecordedTile{part_of(sent.pixels()),
+                                part_of(sent.depths()),
+                                {tile.instructions(), tile.cycles()}};
+        }
+    }
+    return std::nullopt;
+}
+
+std::span<const std::uint32_t> pixels_in(const bus::Message& done) {
+    const auto* pixels = done.as<schema::FrameDone>()->pixels();
+    return pixels == nullptr ? std::span<const std::uint32_t>()
+                             : std::span<const std::uint32_t>(pixels->data(), pixels->size());
+}
+
 }  // namespace
 
 std::optional<RecordedTile> tile_of(const RecordedFrame& frame, std::uint32_t region) {
     for (const auto& [renderer, message] : frame.pixels) {
-        const auto& sent = *message.as<schema::RegionPixels>();
-        for (std::uint32_t i = 0; i < sent.tiles()->size(); ++i) {
-            const schema::RegionTile& tile = *sent.tiles()->Get(i);
-            if (tile.region() == region) {
-                const auto part_of = [i](const flatbuffers::Vector<std::uint32_t>* words) {
-                    return words == nullptr || words->size() == 0
-                               ? std::span<const std::uint32_t>()
-                               : std::span(words->data() + i * region_pixels, region_pixels);
-                };
-                return RecordedTile{part_of(sent.pixels()),
-                                    part_of(sent.depths()),
-                                    {tile.instructions(), tile.cycles()}};
-            }
+        if (const auto tile = tile_in(*message.as<schema::RegionPixels>(), region)) {
+            return tile;
         }
     }
     return std::nullopt;
@@ -64,13 +78,26 @@ FrameShape shape_of(const RecordedFrame& frame) {
             static_cast<int>(draw.views()->size())};
 }
 
-std::span<const std::uint32_t> picture_of(const RecordedFrame& frame) {
-    const auto* done = frame.done ? frame.done->as<schema::FrameDone>() : nullptr;
-    if (done == nullptr || done->pixels() == nullptr ||
-        done->pixels()->size() != shape_of(frame).pixels()) {
-        return {};
+std::vector<std::uint32_t> joined_picture(const RecordedFrame& frame) {
+    std::vector<std::uint32_t> joined;
+    if (frame.done.size() < 2) {
+        return joined;
     }
-    return {done->pixels()->data(), done->pixels()->size()};
+    const auto views = static_cast<std::size_t>(shape_of(frame).views);
+    for (std::size_t view = 0; view < views; ++view) {
+        const std::size_t buffer = frame_buffer_of(view, frame.done.size());
+        const std::span<const std::uint32_t> stack = pixels_in(frame.done[buffer]);
+        const std::size_t pixels = stack.size() / views_of(views, buffer, frame.done.size());
+        const auto own = stack.subspan(view_place(view, frame.done.size()) * pixels, pixels);
+        joined.insert(joined.end(), own.begin(), own.end());
+    }
+    return joined;
+}
+
+std::span<const std::uint32_t> picture_of(const RecordedFrame& frame) {
+    const std::span<const std::uint32_t> picture =
+        frame.done.size() == 1 ? pixels_in(frame.done.front()) : frame.joined;
+    return picture.size() == shape_of(frame).pixels() ? picture : std::span<const std::uint32_t>();
 }
 
 std::uint64_t digest_of(std::span<const std::uint32_t> picture) {

@@ -25,6 +25,10 @@ std::optional<RecordedTile> tile_of(const RecordedFrame& frame, std::uint32_t re
 
 FrameShape shape_of(const RecordedFrame& frame);
 
+/// The picture that several frame buffers have sent, views stacked. Empty if one frame buffer has
+/// sent all views, or if a part is missing.
+std::vector<std::uint32_t> joined_picture(const RecordedFrame& frame);
+
 /// The frame that the host received, shape_of() pixels; empty if not recorded or not read back.
 std::span<const std::uint32_t> picture_of(const RecordedFrame& frame);
 

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "host/base/error.hpp"
+#include "host/inspect/record/recorded_results.hpp"
 #include "isa/contract/region_layout.hpp"
 #include "isa/contract/sample_sums.hpp"
 #include "ringbus/rules/regions.hpp"
@@ -177,11 +178,12 @@ void RecordedRun::index_entry(FrameIndex::At at, const bus::Message& message) {
     const std::uint32_t node = index_of(at.node);
     const bool at_renderer = roles_[at.node].first == schema::Role::renderer;
     if (const auto* topology = message.as<schema::Topology>()) {
-        gp_count_ = renderer_count_ = 0;
+        gp_count_ = renderer_count_ = frame_buffer_count_ = 0;
         for (const schema::NodeInfo* info : *topology->nodes()) {
             roles_[info->id()] = {info->role(), info->index()};
             gp_count_ += info->role() == schema::Role::gp ? 1 : 0;
             renderer_count_ += info->role() == schema::Role::renderer ? 1 : 0;
+            frame_buffer_count_ += info->role() == schema::Role::frame_buffer ? 1 : 0;
         }
     } else if (const auto* begin = message.as<schema::BeginFrame>()) {
         FrameIndex& frame = frames_[begin->draw()->frame()];
@@ -192,9 +194,9 @@ void RecordedRun::index_entry(FrameIndex::At at, const bus::Message& message) {
     } else if (const auto* programs = message.as<schema::RegionPrograms>()) {
         frames_[programs->frame()].programs[node][programs->gp()] = at;
     } else if (const auto* pixels = message.as<schema::RegionPixels>()) {
-        frames_[pixels->frame()].pixels[pixels->renderer()] = at;
+        frames_[pixels->frame()].pixels.emplace(pixels->renderer(), at);
     } else if (const auto* done = message.as<schema::FrameDone>()) {
-        frames_[done->frame()].done = at;
+        frames_[done->frame()].done[message.source()] = at;
     }
 }
 
@@ -246,9 +248,10 @@ RecordedFrame RecordedRun::frame(std::uint32_t number) const {
     RecordedFrame frame;
     frame.number = number;
     frame.begin = load(*index.begin);
-    if (index.done) {
-        frame.done = load(*index.done);
+    for (const auto& [frame_buffer, at] : index.done) {
+        frame.done.push_back(load(at));
     }
+    frame.joined = joined_picture(frame);
     add_earlier(frame);
     for (const auto& [renderer, at] : index.pixels) {
         frame.pixels.emplace(renderer, load(at));

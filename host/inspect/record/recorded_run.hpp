@@ -59,8 +59,10 @@ struct RecordedFrame {
     std::map<std::uint32_t, RecordedRegion> regions;  ///< By number; those that can be executed.
     std::vector<std::string> missing;        ///< Why other regions are missing, a sentence each.
     std::unique_ptr<RecordedFrame> earlier;  ///< Only in a pass: the pass before, if recorded.
-    std::optional<bus::Message> done;        ///< FrameDone, if the host's trace has it.
-    std::map<std::uint32_t, bus::Message> pixels;  ///< RegionPixels by Renderer, if they came.
+    std::vector<bus::Message> done;  ///< FrameDone by frame buffer, if the host's trace has it.
+    /// RegionPixels by Renderer, if they came: one for each frame buffer.
+    std::multimap<std::uint32_t, bus::Message> pixels;
+    std::vector<std::uint32_t> joined;  ///< The picture, if several frame buffers have sent it.
 
     const bus::schema::DrawFrame& draw() const {
         return *begin->as<bus::schema::BeginFrame>()->draw();
@@ -106,6 +108,7 @@ class RecordedRun {
     std::string node_name(bus::NodeId id) const;  ///< "gp-3"; "node-77" if not of this machine.
     std::uint32_t gp_count() const { return gp_count_; }
     std::uint32_t renderer_count() const { return renderer_count_; }
+    std::uint32_t frame_buffer_count() const { return frame_buffer_count_; }
 
     /// Numbers of the frames that began, ascending.
     std::vector<std::uint32_t> frames() const;
@@ -127,10 +130,11 @@ class RecordedRun {
             bus::NodeId node = 0;
             std::size_t entry = 0;
         };
-        std::optional<At> begin, done;
+        std::optional<At> begin;
+        std::map<bus::NodeId, At> done;                                 ///< By frame buffer.
         std::map<std::uint32_t, At> begins;                             ///< By Renderer.
         std::map<std::uint32_t, std::map<std::uint32_t, At>> programs;  ///< By Renderer, GP.
-        std::map<std::uint32_t, At> pixels;                             ///< By Renderer.
+        std::multimap<std::uint32_t, At> pixels;                        ///< By Renderer.
     };
     void add_earlier(RecordedFrame& frame) const;
     void index_node(bus::NodeId id, const NodeTrace& node);
@@ -140,7 +144,7 @@ class RecordedRun {
 
     std::map<bus::NodeId, NodeTrace> nodes_;
     std::map<bus::NodeId, std::pair<bus::schema::Role, std::uint32_t>> roles_;
-    std::uint32_t gp_count_ = 0, renderer_count_ = 0;
+    std::uint32_t gp_count_ = 0, renderer_count_ = 0, frame_buffer_count_ = 0;
     std::map<std::uint32_t, FrameIndex> frames_;
 };
 

@@ -28,6 +28,7 @@ struct Gatherer {
         std::set<std::uint32_t> counted;                        ///< GPs.
     };
     std::map<std::uint32_t, Inputs> inputs;
+    std::map<std::uint32_t, std::uint32_t> views_done;  ///< By frame.
 
     void add(const NodeTrace& node, const bus::Message& message) {
         if (const auto* begin = message.as<schema::BeginFrame>()) {
@@ -39,7 +40,7 @@ struct Gatherer {
                 frames[pixels->frame()].instructions += tile->instructions();
             }
         } else if (const auto* done = message.as<schema::FrameDone>()) {
-            frames[done->frame()].done = true;
+            views_done[done->frame()] += done->views();
         } else if (const auto* volume = message.as<schema::VolumeHeader>()) {
             volumes[volume->volume()] = {volume->volume(),
                                          volume->name()->str(),
@@ -132,7 +133,8 @@ RunTable table_of(const RecordedRun& run) {
     RunTable table;
     table.gps = run.gp_count();
     table.renderers = run.renderer_count();
-    Gatherer gatherer{run, {}, {}, {}};
+    table.frame_buffers = run.frame_buffer_count();
+    Gatherer gatherer{run, {}, {}, {}, {}};
     for (const auto& [id, node] : run.nodes()) {
         take_info(table, node.info);
         table.nodes.push_back(row_of(node));
@@ -144,6 +146,7 @@ RunTable table_of(const RecordedRun& run) {
     }
     for (auto& [number, frame] : gatherer.frames) {
         frame.number = number;
+        frame.done = frame.views > 0 && gatherer.views_done[number] >= frame.views;
         frame.executable = gatherer.executable(gatherer.inputs[number]);
         table.frames.push_back(frame);
     }
@@ -258,9 +261,11 @@ Answer answer_of(const RunTable& run) {
         versions += fmt::format("; {} {}", key, value.substr(0, hash_digits));
         more.push_back({key, value});
     }
+    const std::string buffers =
+        run.frame_buffers > 1 ? fmt::format(", frame buffers {}", run.frame_buffers) : "";
     Answer answer;
     answer.line(versions)
-        .line(fmt::format("machine: GPs {}, Renderers {}{}", run.gps, run.renderers,
+        .line(fmt::format("machine: GPs {}, Renderers {}{}{}", run.gps, run.renderers, buffers,
                           machine_text(run.topology)))
         .data("build", run.build)
         .data("schema_hash", run.schema_hash)
@@ -268,6 +273,7 @@ Answer answer_of(const RunTable& run) {
         .data("topology", run.topology)
         .data("gps", run.gps)
         .data("renderers", run.renderers)
+        .data("frame_buffers", run.frame_buffers)
         .line("")
         .table(volumes_table(run.volumes))
         .line("")

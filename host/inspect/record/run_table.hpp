@@ -35,14 +35,14 @@ struct FrameRow {
     std::uint64_t words = 0;                           ///< In all streams.
     std::size_t regions = 0, executable = 0;  ///< Executable: all its messages are recorded.
     std::uint64_t instructions = 0;           ///< Reported by the Renderers; 0 if missing.
-    bool done = false;                        ///< FrameDone came.
+    bool done = false;                        ///< FrameDone came, of all views.
 };
 
 struct RunTable {
     std::string build, schema_hash;
     std::map<std::string, std::string> more;  ///< E.g. isa_hash; without the topology.
     std::string topology;                     ///< Resolved, as JSON; empty if it was not recorded.
-    std::uint32_t gps = 0, renderers = 0;
+    std::uint32_t gps = 0, renderers = 0, frame_buffers = 0;
     std::vector<NodeRow> nodes;
     std::vector<VolumeRow> volumes;
     std::vector<FrameRow> frames;

@@ -213,7 +213,7 @@ TEST_CASE("maps of a frame: idle and busy add up, cost is what the Renderer repo
             const std::uint32_t number = x < 128 ? 0 : 1;
             const inspect::RecordedRegion& region = ball().frame.regions.at(number);
             const auto* pixels =
-                ball().frame.pixels.at(region.renderer).as<bus::schema::RegionPixels>();
+                ball().frame.pixels.find(region.renderer)->second.as<bus::schema::RegionPixels>();
             const auto* tile = pixels->tiles()->Get(0);
             REQUIRE(tile->region() == number);
             REQUIRE(idle.values[i] + busy.values[i] ==

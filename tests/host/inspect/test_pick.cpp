@@ -26,7 +26,7 @@ struct Depths {
     std::span<const std::uint32_t> words;
 
     explicit Depths(const inspect::RecordedRun& run) : frame(run.frame(run.frames().back())) {
-        const auto* done = frame.done.value().as<bus::schema::FrameDone>();
+        const auto* done = frame.done.at(0).as<bus::schema::FrameDone>();
         REQUIRE(done->depths() != nullptr);
         words = {done->depths()->data(), done->depths()->size()};
     }
@@ -232,7 +232,7 @@ TEST_SUITE("clip planes") {
         const inspect::RecordedRun run = recorded.run();
         const Depths depths(run);
         const host::PickView view = view_of(recorded, camera, depths);
-        const auto* pixels = depths.frame.done->as<bus::schema::FrameDone>()->pixels();
+        const auto* pixels = depths.frame.done.at(0).as<bus::schema::FrameDone>()->pixels();
         int lit = 0;
         for (int y = 0; y < height; y += 3) {
             for (int x = 0; x < width; x += 3) {

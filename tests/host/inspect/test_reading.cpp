@@ -285,6 +285,30 @@ TEST_CASE("the table of a run tells nodes, volume, and which regions can be exec
     CHECK(Json::parse(host::json_text(answer_of(table).fields()))["frames"][0]["width"] == 256);
 }
 
+TEST_CASE("a frame of two frame buffers is done when both have reported it") {
+    host::Topology topology = test::machine_of(1, 1);
+    topology.frame_buffer.count = 2;
+    test::RecordedMachine recorded(topology);
+    test::set_up_sphere(recorded.session, {100, 60});
+    recorded.session.frames.draw();
+    recorded.session.scene.stereo.mode = host::StereoMode::anaglyph;
+    recorded.session.frames.draw();
+    std::vector<NodeTrace> traces = recorded.traces.traces();
+    const RunTable whole = table_of(RecordedRun(traces));
+    REQUIRE(whole.frames.size() == 2);
+    CHECK(whole.frames[0].done);
+    CHECK(whole.frames[1].done);
+    CHECK(whole.frames[1].instructions > whole.frames[0].instructions);
+    CHECK(holds(answer_of(whole).text(), "\nmachine: GPs 1, Renderers 1, frame buffers 2"));
+    std::erase_if(traces.front().entries, [&](const bus::trace::Entry& entry) {
+        return entry.kind() == bus::Body::FrameDone &&
+               entry.header.source() == recorded.machine.frame_buffer_ids().back();
+    });
+    const RunTable half = table_of(RecordedRun(traces));
+    CHECK(half.frames[0].done);
+    CHECK_FALSE(half.frames[1].done);
+}
+
 TEST_CASE("the text of a run tells the machine as far as its topology was recorded") {
     RunTable table;
     table.gps = 36;

@@ -77,7 +77,7 @@ TEST_CASE("a walk of single steps ends where whole parts do") {
     }
     CHECK(count == parts.counts().instructions);
     CHECK(steps.counts().cycles == parts.counts().cycles);
-    const auto* tile = frame.pixels.at(0).as<schema::RegionPixels>()->tiles()->Get(0);
+    const auto* tile = frame.pixels.find(0)->second.as<schema::RegionPixels>()->tiles()->Get(0);
     CHECK(count == tile->instructions());
     CHECK(parts.counts().cycles == tile->cycles());
     for (int y = 0; y < 128; ++y) {

@@ -45,6 +45,58 @@ TEST_CASE("a replay gives the frames again that the session saw, on both executo
     }
 }
 
+TEST_CASE("both eyes of a pair are replayed from the traces of two frame buffers") {
+    host::Topology topology = test::machine_of(2, 3);
+    topology.frame_buffer.count = 2;
+    test::RecordedMachine recorded(topology);
+    test::set_up_sphere(recorded.session, {200, 150});
+    recorded.session.frames.draw();
+    recorded.session.scene.stereo.mode = host::StereoMode::side_by_side;
+    const host::Picture pair = recorded.session.frames.draw();
+    const inspect::RecordedRun run = recorded.run();
+    CHECK(run.frame_buffer_count() == 2);
+    const inspect::ReplayReport report = inspect::replay(run, {});
+    CHECK(report.agrees());
+    REQUIRE(report.frames.size() == 2);
+    CHECK(report.frames[0].compared() == 4);  // One view of 2 x 2 regions.
+    CHECK(report.frames[1].compared() == 8);
+    CHECK(report.frames[1].digest == report.frames[1].recorded);
+
+    const inspect::RecordedFrame frame = run.frame(1);
+    const std::span<const std::uint32_t> picture = inspect::picture_of(frame);
+    REQUIRE(picture.size() == 2 * 200 * 150);
+    std::size_t wrong = 0;
+    for (std::size_t p = 0; p < picture.size(); ++p) {  // Stacked here, side by side there.
+        const std::size_t eye = p / (200 * 150), row = p / 200 % 150;
+        wrong += picture[p] == pair.rgba[row * 400 + eye * 200 + p % 200] ? 0 : 1;
+    }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("a wrong pixel of the second frame buffer's picture is named where the pair has it") {
+    host::Topology topology = test::machine_of(1, 2);
+    topology.frame_buffer.count = 2;
+    test::RecordedMachine recorded(topology);
+    test::set_up_sphere(recorded.session, {100, 100});
+    recorded.session.scene.stereo.mode = host::StereoMode::rows;
+    recorded.session.frames.draw();
+    std::vector<inspect::NodeTrace> traces = recorded.traces.traces();
+    int parts = 0;
+    test::change<schema::FrameDone>(traces, [&](schema::FrameDoneT& done) {
+        done.pixels.back() ^= ++parts == 2 ? 0x800000 : 0;
+    });
+    REQUIRE(parts == 2);
+    const bool is_second =
+        traces.front().entries.back().header.source() == recorded.machine.frame_buffer_ids().back();
+    const inspect::ReplayReport report =
+        inspect::replay(inspect::RecordedRun(std::move(traces)), {});
+    REQUIRE_FALSE(report.agrees());
+    const std::string text = inspect::answer_of(report.frames[0]).text();
+    CHECK_MESSAGE(
+        text.find(is_second ? "pixel (99, 199): #" : "pixel (99, 99): #") != std::string::npos,
+        text);
+}
+
 TEST_CASE("one wrong bit of a recorded pixel is found, and named in the picture's coordinates") {
     const test::TracedSphere traced({200, 150}, 3, 2);
     std::vector<inspect::NodeTrace> traces = traced.traces();

@@ -30,7 +30,7 @@ struct Shown {
 
 Shown shown_by(const inspect::RecordedRun& run, std::uint32_t number) {
     const inspect::RecordedFrame frame = run.frame(number);
-    const auto& done = *frame.done.value().as<bus::schema::FrameDone>();
+    const auto& done = *frame.done.at(0).as<bus::schema::FrameDone>();
     return {{done.pixels()->begin(), done.pixels()->end()},
             {done.depths()->begin(), done.depths()->end()}};
 }
