@@ -19,6 +19,7 @@ class FrameBufferModel {
 
   private:
     void swap(std::uint32_t frame);
+    void report_in(std::uint32_t frame);
 
     Hardware& hardware_;
     FrameTable& frames_;

@@ -44,6 +44,7 @@ class FramePlan {
     FramePlan(const Machine& machine, const Costs& costs, const FrameWork& frame);
 
     std::size_t regions() const { return regions_.size(); }
+    std::size_t views() const { return regions_.empty() ? 0 : regions_.back().view + 1; }
     const RegionPlan& region(std::size_t index) const { return regions_[index]; }
     const Bin& bin(std::size_t region, std::size_t gp) const { return bins_[region * gps_ + gp]; }
     /// Doors that begin in a bin, by their words.

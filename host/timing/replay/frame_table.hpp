@@ -18,6 +18,7 @@ struct FrameRun {
     std::vector<std::uint16_t> ready;       ///< GPs whose bins are complete, in that order.
     std::size_t regions = 0;
     std::size_t regions_due = 0;  ///< Regions that are incomplete in the frame buffer.
+    std::size_t reports_due = 0;  ///< Frame buffers whose FrameDone has not come to the host.
     Callback<> complete;          ///< The last pixel is in the frame buffer.
     Callback<> shown;             ///< Swapped in; of a pass: complete.
     Callback<> known;             ///< The host knows the frame.

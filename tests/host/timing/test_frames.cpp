@@ -248,6 +248,14 @@ TEST_CASE("two eyes go to two frame buffers, which swap together") {
     // Ports of 2 frame buffers: places 4, 5 and 6, 7. Region 1 is view 1.
     CHECK(words_between(time, {2, 4}, {4, 5}) == 16 * 1026);
     CHECK(words_between(time, {2, 4}, {7, 8}) == 16 * 1026);
+    // Each reports its view to the host.
+    CHECK(words_between(time, {4, 5}, {0, 1}) == 6);
+    CHECK(words_between(time, {6, 7}, {0, 1}) == 6);
+    frame.views = 1;
+    frame.width = 256;
+    const RunTime mono = simulate(machine, {{frame}, {}});
+    CHECK(words_between(mono, {4, 5}, {0, 1}) == 6);
+    CHECK(words_between(mono, {6, 7}, {0, 1}) == 0);
 }
 
 TEST_CASE("frames overlap as far as they may be under way") {
