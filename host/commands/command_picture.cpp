@@ -2,9 +2,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
+#include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/text/picture_text.hpp"
 #include "host/session/transfer/detail.hpp"
@@ -103,11 +106,31 @@ Fields to_fields(const Spread& spread) {
     return {{"median", spread.median}, {"p95", spread.p95}, {"max", spread.max}};
 }
 
+/// Whether the file has a picture for each eye, in one (.jps) or in two (.mpo).
+bool is_pair_in_one(const std::string& path) {
+    return suffix_of(path) == ".jps";
+}
+bool is_pair_in_two(const std::string& path) {
+    return suffix_of(path) == ".mpo";
+}
+
 /// The settings of one picture. The scene has its own again afterwards.
 class OnePicture {
   public:
     OnePicture(Scene& scene, const Arguments& arguments)
-        : scene_(scene), size_(scene.size), samples_(scene.samples), overlay_(scene.overlay) {
+        : scene_(scene),
+          size_(scene.size),
+          samples_(scene.samples),
+          overlay_(scene.overlay),
+          mode_(scene.stereo.mode) {
+        const std::string& path = arguments.words[0];
+        const bool is_pair = is_pair_in_one(path) || is_pair_in_two(path);
+        if (is_pair && mode_ == StereoMode::off) {
+            refuse_command(
+                fmt::format("{}: {} holds a picture for each eye, but stereo is off. "
+                            "Type `stereo sbs` first, or write a .png",
+                            arguments.name, path));
+        }
         const Size size = arguments.has("size")
                               ? parse_size(arguments.text("size", ""), 1, max_user_picture_px)
                               : size_;
@@ -115,11 +138,16 @@ class OnePicture {
         scene.samples = parse_samples(arguments.name, samples);
         scene.size = size;
         scene.overlay = arguments.text("overlay", overlay_ ? "on" : "off") == "on";
+        if (is_pair) {  // The left eye's picture lies at the right in a .jps file.
+            scene.stereo.mode =
+                is_pair_in_one(path) ? StereoMode::crossed : StereoMode::side_by_side;
+        }
     }
     ~OnePicture() {
         scene_.size = size_;
         scene_.samples = samples_;
         scene_.overlay = overlay_;
+        scene_.stereo.mode = mode_;
     }
     OnePicture(const OnePicture&) = delete;
     OnePicture& operator=(const OnePicture&) = delete;
@@ -129,7 +157,22 @@ class OnePicture {
     Size size_;
     int samples_;
     bool overlay_;
+    StereoMode mode_;
 };
+
+/// Both halves of a picture, left half first.
+std::vector<Picture> halves_of(const Picture& pair) {
+    const std::ptrdiff_t width = pair.width / 2;
+    std::vector<Picture> halves;
+    for (const int side : {0, 1}) {
+        Picture& half = halves.emplace_back(Picture{pair.width / 2, pair.height, {}});
+        for (int y = 0; y < pair.height; ++y) {
+            const auto row = pair.rgba.begin() + std::ptrdiff_t{y} * pair.width + side * width;
+            half.rgba.insert(half.rgba.end(), row, row + width);
+        }
+    }
+    return halves;
+}
 
 }  // namespace
 
@@ -137,13 +180,19 @@ Reply run_snapshot(Session& session, const Arguments& arguments) {
     const OnePicture settings(session.scene, arguments);
     const Picture picture = session.frames.draw();
     const double draw_ms = session.frames.last().elapsed_ms;
-    session.exports.pictures({&picture, 1}, arguments.words[0],
-                             picture_extras(session, session.scene.camera));
-    Reply reply{fmt::format("wrote {} ({}x{}, drawn in {:.1f} ms)", arguments.words[0],
-                            picture.width, picture.height, draw_ms),
-                {{"file", arguments.words[0]},
-                 {"width", std::int64_t{picture.width}},
-                 {"height", std::int64_t{picture.height}},
+    const std::string& path = arguments.words[0];
+    const bool is_two = is_pair_in_two(path);
+    const std::vector<Picture> pictures = is_two ? halves_of(picture) : std::vector{picture};
+    session.exports.pictures(pictures, path,
+                             picture_extras(session, session.scene.camera,
+                                            is_two ? EyesInFile::apart : EyesInFile::composed));
+    const int width = pictures[0].width, height = pictures[0].height;
+    Reply reply{fmt::format("wrote {} ({}{}x{}, drawn in {:.1f} ms)", path,
+                            is_two ? "2 pictures of " : "", width, height, draw_ms),
+                {{"file", path},
+                 {"width", std::int64_t{width}},
+                 {"height", std::int64_t{height}},
+                 {"pictures", std::int64_t{std::ssize(pictures)}},
                  {"draw_ms", draw_ms}}};
     add_simplified(reply, session);
     if (is_blank(picture)) {

@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::array<std::string_view, 1> save_choice = {"save"};
 constexpr std::array<std::string_view, 3> computers_choices = {"use", "release", "invite"};
+constexpr std::array<std::string_view, 7> snapshot_suffixes = {".png", ".tif", ".tiff", ".exr",
+                                                               ".gif", ".jps", ".mpo"};
 constexpr Words script_forms = {"steps", "scene"};
 
 constexpr Parameter delay = number_value(
@@ -33,8 +35,9 @@ constexpr Parameter scale_option(std::string_view name, std::string_view help) {
 std::vector<Command> picture_commands() {
     return {
         {{.name = "snapshot",
-          .help = "Draws the scene and writes the picture.",
-          .words = {output_value("FILE", picture_suffixes, "picture to write")},
+          .help = "Draws the scene and writes the picture. A .jps or .mpo has a picture for each "
+                  "eye, whatever stereo shows; stereo must not be off.",
+          .words = {output_value("FILE", snapshot_suffixes, "picture to write")},
           .required = 1,
           .options = {{"size", "WIDTHxHEIGHT", "size of this picture"},
                       {"samples", "1|4|16", "samples per pixel of this picture"},

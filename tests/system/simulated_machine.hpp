@@ -108,6 +108,9 @@ class SimulatedMachine final : public host::MachinePort {
         throw host::RequestError(host::ExitCode::usage, "a simulated machine writes no traces");
     }
 
+    /// The pictures that an io process would have written.
+    std::vector<bus::schema::ExportPictureT> exported;
+
   private:
     /// The host's place on the ring.
     struct Mailbox final : bus::Node {
@@ -122,8 +125,15 @@ class SimulatedMachine final : public host::MachinePort {
 
     /// The io process: its messages are not on the ring, whose order they would change.
     void answer(const bus::Payload& request) {
-        const auto* archive =
-            bus::schema::GetMessage(request.bytes().data())->body_as_ReadArchive();
+        const auto* asked = bus::schema::GetMessage(request.bytes().data());
+        if (const auto* picture = asked->body_as_ExportPicture()) {
+            picture->UnPackTo(&exported.emplace_back());
+            bus::schema::IoDoneT done;
+            done.ok = true;
+            mailbox_.messages.push_back(WireBytes(bus::pack(done)).read());
+            return;
+        }
+        const auto* archive = asked->body_as_ReadArchive();
         if (archive == nullptr) {
             throw host::RequestError(host::ExitCode::unavailable,
                                      "the io process of a simulated machine reads archives only");

@@ -79,6 +79,12 @@ std::string stereo_text(const Session& session, const Camera& camera) {
                        places.separation_mm, places.convergence_mm);
 }
 
+/// The texts of a file with two pictures. Its own attribute is the base line of an .mpo file.
+void add_separation(PictureExtras& extras, const Session& session, const Camera& camera) {
+    const EyePlaces places = eye_places(session.scene.stereo, camera, session.frames.subject());
+    extras.attributes.emplace_back("separation_mm", fmt::format("{:.6g}", places.separation_mm));
+}
+
 /// Each eye's picture has the marks, at the distance of the screen.
 void add_to_both(std::vector<PictureMark>& marks, const Scene& scene) {
     const int shift_px = composed_size(scene.size, scene.stereo.mode).width - scene.size.width;
@@ -184,8 +190,11 @@ std::string describe_scene(const Session& session, const Camera& camera) {
 
 }  // namespace
 
-PictureExtras picture_extras(const Session& session, const Camera& camera) {
+PictureExtras picture_extras(const Session& session, const Camera& camera, EyesInFile eyes) {
     PictureExtras extras{describe_scene(session, camera), attributes_of(session, camera), {}, 40};
+    if (eyes == EyesInFile::apart) {
+        add_separation(extras, session, camera);
+    }
     if (session.scene.overlay) {
         Scene seen = session.scene;
         seen.camera = camera;
@@ -198,7 +207,9 @@ PictureExtras picture_extras(const Session& session, const Camera& camera) {
         extras.marks = session.volumes.archive() != nullptr
                            ? archive_marks(session)
                            : overlay_marks(seen, session.frames.subject(), caption_of(session));
-        add_to_both(extras.marks, session.scene);
+        if (eyes == EyesInFile::composed) {
+            add_to_both(extras.marks, session.scene);
+        }
     }
     return extras;
 }

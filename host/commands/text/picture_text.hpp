@@ -9,9 +9,16 @@
 
 namespace pxpl5::host {
 
+/// How a file has the pictures of two eyes.
+enum class EyesInFile : std::uint8_t {
+    composed,  ///< One picture, composed by the scene's stereo mode.
+    apart      ///< Two pictures, the left eye's first.
+};
+
 /// Metadata of a picture's file for the scene seen by `camera`: volume, spacing, isovalues and
 /// view, or the archive's file and view. Includes the overlay's marks if the overlay is on.
-PictureExtras picture_extras(const Session& session, const Camera& camera);
+PictureExtras picture_extras(const Session& session, const Camera& camera,
+                             EyesInFile eyes = EyesInFile::composed);
 
 /// The same for an animation around the volume: its marks hold from every side.
 PictureExtras animation_extras(const Session& session);

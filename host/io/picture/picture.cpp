@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <set>
@@ -20,6 +21,7 @@
 
 #include "host/base/part_file.hpp"
 #include "host/io/picture/draw_marks.hpp"
+#include "host/io/picture/multi_picture.hpp"
 
 namespace pxpl5::host::io {
 
@@ -54,12 +56,22 @@ void check_attributes(const std::string& file, const Picture& picture) {
     }
 }
 
-void check_animation(const std::string& file, const std::string& suffix, const Picture& picture) {
+bool is_jpeg(std::string_view suffix) {
+    return suffix == ".jps" || suffix == ".mpo";
+}
+
+/// Throws unless the suffix holds as many pictures as there are.
+void check_count(const std::string& file, const std::string& suffix, const Picture& picture) {
+    constexpr int eyes = 2;
+    if (suffix == ".mpo" && picture.count != eyes) {
+        throw PictureError(fmt::format("{}: {} pictures, but .mpo holds {}, one for each eye", file,
+                                       picture.count, eyes));
+    }
     if (picture.count < 1 || picture.count > max_animation_pictures) {
         throw PictureError(fmt::format("{}: {} pictures, must be 1 to {}", file, picture.count,
                                        max_animation_pictures));
     }
-    if (picture.count > 1 && suffix != ".gif") {
+    if (picture.count > 1 && suffix != ".gif" && suffix != ".mpo") {
         throw PictureError(
             fmt::format("{}: {} pictures need an animation, which is .gif; '{}' "
                         "holds one",
@@ -71,12 +83,26 @@ void check_animation(const std::string& file, const std::string& suffix, const P
     }
 }
 
+/// The writers of TIFF and JPEG drop attributes that they do not know.
+std::string description_of(const std::string& suffix, const Picture& picture) {
+    std::string text = picture.description;
+    if (suffix == ".tif" || suffix == ".tiff" || is_jpeg(suffix)) {
+        for (const PictureAttribute& attribute : picture.attributes) {
+            text += fmt::format("{}pxpl5:{}={}", text.empty() ? "" : "\n", attribute.name,
+                                attribute.value);
+        }
+    }
+    return text;
+}
+
 void check(const fs::path& path, const Picture& picture) {
     const std::string file = path.string();
-    constexpr std::array known = {".png", ".tif", ".tiff", ".exr", ".gif", ".svg", ".pdf"};
+    constexpr std::array known = {".png", ".tif", ".tiff", ".exr", ".gif",
+                                  ".svg", ".pdf", ".jps",  ".mpo"};
     if (std::find(known.begin(), known.end(), suffix_of(path)) == known.end()) {
         throw PictureError(
-            fmt::format("{}: suffix is '{}', must be .png, .tif, .tiff, .exr, .gif, .svg or .pdf",
+            fmt::format("{}: suffix is '{}', must be .png, .tif, .tiff, .exr, .gif, .svg, .pdf, "
+                        ".jps or .mpo",
                         file, path.extension().string()));
     }
     if (picture.width < 1 || picture.height < 1 || picture.width > max_export_px ||
@@ -84,7 +110,7 @@ void check(const fs::path& path, const Picture& picture) {
         throw PictureError(fmt::format("{}: picture of {}x{} pixels, each side must be 1 to {}",
                                        file, picture.width, picture.height, max_export_px));
     }
-    check_animation(file, suffix_of(path), picture);
+    check_count(file, suffix_of(path), picture);
     const std::size_t bytes = bytes_of_one(picture) * static_cast<std::size_t>(picture.count);
     if (picture.rgba.size() != bytes) {
         throw PictureError(fmt::format("{}: {} of {}x{} pixels of RGBA need {} bytes, got {}", file,
@@ -92,6 +118,13 @@ void check(const fs::path& path, const Picture& picture) {
                                        picture.rgba.size()));
     }
     check_attributes(file, picture);
+    if (const std::size_t text = description_of(suffix_of(path), picture).size();
+        is_jpeg(suffix_of(path)) && text > max_jpeg_text) {
+        throw PictureError(
+            fmt::format("{}: description and attributes have {} bytes, but JPEG has room for {}. "
+                        "Write a .png",
+                        file, text, max_jpeg_text));
+    }
     if (const std::string wrong = wrong_place(path); !wrong.empty()) {
         throw PictureError(wrong);
     }
@@ -106,27 +139,22 @@ bool is_opaque(std::span<const std::uint8_t> rgba) {
     return true;
 }
 
-/// TIFF's writer drops attributes that it does not know.
-std::string description_of(const std::string& suffix, const Picture& picture) {
-    std::string text = picture.description;
-    if (suffix == ".tif" || suffix == ".tiff") {
-        for (const PictureAttribute& attribute : picture.attributes) {
-            text += fmt::format("{}pxpl5:{}={}", text.empty() ? "" : "\n", attribute.name,
-                                attribute.value);
-        }
-    }
-    return text;
-}
-
 OIIO::ImageSpec spec_of(const std::string& suffix, const Picture& picture, int channels) {
     // OpenEXR has no 8-bit values; half holds each of the 256 apart.
     OIIO::ImageSpec spec(picture.width, picture.height, channels,
                          suffix == ".exr" ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::UINT8);
-    spec.attribute("ImageDescription", description_of(suffix, picture));
+    const std::string description = description_of(suffix, picture);
+    if (!description.empty() || !is_jpeg(suffix)) {  // OpenImageIO aborts at an empty one in IPTC.
+        spec.attribute("ImageDescription", description);
+    }
     spec.attribute("Software", "pxpl5");
     spec.attribute("oiio:ColorSpace", "sRGB");
     spec.attribute("oiio:UnassociatedAlpha", 1);
     spec.attribute("png:compressionLevel", 4);  // Half the time of 6 for 5 % more bytes.
+    if (is_jpeg(suffix)) {
+        spec.attribute("Compression", "jpeg:95");
+        spec.attribute("jpeg:subsampling", "4:4:4");  // Edges of both eyes stay in their places.
+    }
     // The prefix keeps them apart from names that mean something to a writer, as "compression".
     for (const PictureAttribute& attribute : picture.attributes) {
         spec.attribute("pxpl5:" + attribute.name, attribute.value);
@@ -202,10 +230,12 @@ class OpenFile final : public Proxy {
 void encode(const std::string& name, Proxy* proxy, const Picture& picture) {
     MarkedPictures pictures(picture);
     const std::string suffix = suffix_of(name);
-    const int channels = suffix == ".gif" || is_opaque(picture.rgba) ? 3 : 4;
+    const bool has_alpha = suffix != ".gif" && !is_jpeg(suffix) && !is_opaque(picture.rgba);
+    const int channels = has_alpha ? 4 : 3;
     const OIIO::ImageSpec spec = spec_of(suffix, picture, channels);
     OIIO::attribute("threads", 1);
-    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name, proxy);
+    const std::unique_ptr<OIIO::ImageOutput> output =
+        OIIO::ImageOutput::create(is_jpeg(suffix) ? "jpeg" : name, proxy);
     if (!output) {
         throw PictureError(OIIO::geterror());
     }
@@ -223,6 +253,28 @@ void encode(const std::string& name, Proxy* proxy, const Picture& picture) {
     if (!output->close() || output->has_error()) {
         throw PictureError(output->geterror());
     }
+}
+
+/// The JPEG file of one of the pictures. In memory: where a disk is full, libjpeg ends the process.
+std::vector<unsigned char> jpeg_of(const Picture& pictures, std::size_t index) {
+    Picture one = pictures;
+    const std::size_t bytes = bytes_of_one(pictures);
+    one.rgba = pictures.rgba.subspan(index * bytes, bytes);
+    one.count = 1;
+    std::vector<unsigned char> jpeg;
+    Memory memory(jpeg);
+    encode("eye.jps", &memory, one);
+    return jpeg;
+}
+
+/// The separation that the attributes state; 0 if they state none.
+double separation_mm(const Picture& picture) {
+    const auto stated =
+        std::ranges::find(picture.attributes, separation_attribute, &PictureAttribute::name);
+    constexpr double most_mm = 1e6;
+    return stated == picture.attributes.end()
+               ? 0
+               : std::clamp(std::strtod(stated->value.c_str(), nullptr), 0.0, most_mm);
 }
 
 /// The first line of what OpenImageIO says: a full disk makes it say the same for each block.
@@ -285,6 +337,14 @@ std::string written(const fs::path& path, const Picture& picture) {
             Memory memory(bytes);
             encode(part.path().string(), &memory, picture);
             part.write_raw(std::span<const unsigned char>(bytes));
+        } else if (suffix == ".jps") {
+            part.write_raw(std::span<const unsigned char>(jpeg_of(picture, 0)));
+        } else if (suffix == ".mpo") {
+            const std::vector<unsigned char> left = jpeg_of(picture, 0),
+                                             right = jpeg_of(picture, 1);
+            const std::vector<std::uint8_t> file =
+                multi_picture({left, right}, separation_mm(picture));
+            part.write_raw(std::span<const unsigned char>(file));
         } else if (!part.has_failed()) {
             encode_to(part, picture);
         }

@@ -23,12 +23,12 @@ DISK_BYTES, DISK_FILES = 16 << 20, 200
 PAGE = 4096  # A tmpfs counts in pages.
 NO_ROOM = "No space left on device"
 SCENE = ("load phantom:sphere", "surface a iso=0.5", "surface b iso=0.3 opacity=0.5",
-         "size 160x128")
+         "size 160x128", "stereo rows")
 PROGRAM = "SETENABS\nCONSTintoMEM m64:24 0x401008\n" * 200
 
 # Commands of a session, and the files that each one writes. `{}` is the disk.
 WRITERS = {f"snapshot {{}}/f{suffix}": (f"f{suffix}",)
-           for suffix in (".png", ".tif", ".exr", ".gif")}
+           for suffix in (".png", ".tif", ".exr", ".gif", ".jps", ".mpo")}
 WRITERS |= {f"export {{}}/f{suffix}": (f"f{suffix}", f"f{suffix}.certificate.json")
             for suffix in (".stl", ".ply", ".vtp", ".glb")}
 WRITERS |= {

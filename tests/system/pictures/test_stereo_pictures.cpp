@@ -2,10 +2,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <map>
 #include <vector>
 
+#include "host/base/error.hpp"
+#include "host/commands/commands.hpp"
 #include "tests/system/pictures/letters_bench.hpp"
 
 using namespace pxpl5;
@@ -114,6 +117,71 @@ TEST_CASE("overlapping frames of two frame buffers finish in order, whichever is
         CHECK(taken == 6);
     }
     CHECK(ahead > 0);  // Else no seed has tried what this test is about.
+}
+
+TEST_CASE("a .jps and an .mpo have the pictures of both eyes, whatever the mode") {
+    LettersBench bench(2, 3, 2);
+    Session& session = bench.session;
+    const auto snapshot = [&](const std::string& file) {
+        return run_command(session, parse_line("snapshot " + file + " overlay=off"));
+    };
+    for (const char* file : {"/tmp/pair.jps", "/tmp/pair.MPO"}) {
+        CHECK_THROWS_WITH_AS(snapshot(file),
+                             doctest::Contains("holds a picture for each eye, but stereo is off. "
+                                               "Type `stereo sbs` first, or write a .png"),
+                             RequestError);
+    }
+    CHECK(bench.machine.exported.empty());
+    session.scene.stereo.mode = StereoMode::side_by_side;
+    const Pixels pair = session.frames.draw().rgba;
+    const auto byte_at = [](const schema::ExportPictureT& picture, std::size_t pixel) {
+        std::uint32_t rgba = 0;
+        std::memcpy(&rgba, &picture.rgba.at(4 * pixel), sizeof rgba);
+        return rgba;
+    };
+    for (const StereoMode mode : {StereoMode::anaglyph, StereoMode::rows, StereoMode::crossed}) {
+        session.scene.stereo.mode = mode;
+        const Reply jps = snapshot("/tmp/pair.jps"), mpo = snapshot("/tmp/pair.MPO");
+        CHECK(session.scene.stereo.mode == mode);
+        CHECK(jps.text.starts_with("wrote /tmp/pair.jps (400x150, "));
+        CHECK(mpo.text.starts_with("wrote /tmp/pair.MPO (2 pictures of 200x150, "));
+        const schema::ExportPictureT& two = bench.machine.exported.back();
+        const schema::ExportPictureT& one = *(bench.machine.exported.end() - 2);
+        CHECK(one.count == 1);
+        CHECK(one.width == 400);
+        CHECK(two.count == 2);
+        REQUIRE(two.width == 200);
+        REQUIRE(two.height == 150);
+        std::size_t wrong = 0;
+        for (std::size_t p = 0; p < pair.size(); ++p) {
+            const std::size_t eye = p % 400 / 200, row = p / 400, column = p % 200;
+            wrong += byte_at(one, row * 400 + (1 - eye) * 200 + column) == pair[p] ? 0 : 1;
+            wrong += byte_at(two, (eye * 150 + row) * 200 + column) == pair[p] ? 0 : 1;
+        }
+        CHECK(wrong == 0);
+        const auto separation = std::ranges::find_if(
+            two.attributes, [](const auto& each) { return each->name == "separation_mm"; });
+        REQUIRE(separation != two.attributes.end());
+        CHECK(std::stod((*separation)->value) ==
+              doctest::Approx(
+                  eye_places(session.scene.stereo, session.scene.camera, session.frames.subject())
+                      .separation_mm)
+                  .epsilon(1e-5));
+    }
+}
+
+TEST_CASE("marks lie over each eye's picture of a stereo file") {
+    LettersBench bench(1, 1);
+    Session& session = bench.session;
+    session.scene.stereo.mode = StereoMode::anaglyph;
+    for (const char* file : {"/tmp/pair.png", "/tmp/pair.mpo", "/tmp/pair.jps"}) {
+        run_command(session, parse_line(std::string("snapshot ") + file));
+    }
+    const auto& pictures = bench.machine.exported;
+    const std::size_t of_one = pictures.at(0).marks.size();
+    REQUIRE(of_one > 0);
+    CHECK(pictures.at(1).marks.size() == of_one);  // Drawn over each of both.
+    CHECK(pictures.at(2).marks.size() == 2 * of_one);
 }
 
 TEST_CASE("a picture of two eyes has several samples a pixel, too") {
