@@ -11,6 +11,7 @@
 #include "host/phantom/phantom.hpp"
 #include "host/report/report_row.hpp"
 #include "host/session/live_work.hpp"
+#include "host/timing/headset.hpp"
 
 namespace pxpl5::host::report {
 
@@ -45,6 +46,18 @@ std::string write_picture(Session& session, const Source& source, const std::str
     return path;
 }
 
+/// Counts the scene's frame for both eyes of a head-mounted display.
+timing::FrameWork pair_work(Session& session) {
+    const timing::Headset headset;
+    const Scene before = session.scene;
+    session.scene.size = {static_cast<int>(headset.eye_width),
+                          static_cast<int>(headset.eye_height)};
+    session.scene.stereo.mode = StereoMode::side_by_side;
+    timing::FrameWork pair = std::move(frame_work(session).at(0));
+    session.scene = before;
+    return pair;
+}
+
 MeasuredCase measured(Session& session, const Source& source, const MeasureOptions& options) {
     const Surface surface = surface_of(source);
     const SurfaceReport built =
@@ -66,6 +79,9 @@ MeasuredCase measured(Session& session, const Source& source, const MeasureOptio
     session.scene.size = modelled_size;
     measured.work = {source.row, volume_work(session), build_work(session, surface.name),
                      std::move(frame_work(session).at(0))};
+    if (options.pairs) {
+        measured.pair = pair_work(session);
+    }
     session.scene.size = wall_size;
     session.surfaces.remove(surface.name);
     return measured;

@@ -14,6 +14,7 @@ namespace pxpl5::host::report {
 
 struct MeasuredCase {
     timing::PaperCase work;  ///< Its frame is of modelled_size.
+    timing::FrameWork pair;  ///< Both eyes, of a Headset's size; empty if not requested.
     std::int64_t triangles = 0;
     double wall_built_ms = 0;
     double wall_frames_per_s = 0;  ///< For wall_size; 0 if not requested.
@@ -22,6 +23,7 @@ struct MeasuredCase {
 
 struct MeasureOptions {
     bool wall = true;      ///< Whether frames are drawn for their wall time.
+    bool pairs = false;    ///< Whether a frame is drawn for both eyes.
     std::string pictures;  ///< Folder for pictures, made if absent; none if empty.
     /// Called before each row.
     std::function<void(std::size_t done, const Source& source)> progress;

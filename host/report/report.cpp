@@ -11,6 +11,7 @@
 #include "host/base/text_output.hpp"
 #include "host/report/cluster_scaling.hpp"
 #include "host/report/fit_text.hpp"
+#include "host/report/headset_text.hpp"
 #include "host/report/measure.hpp"
 #include "host/report/reason.hpp"
 #include "host/report/report_row.hpp"
@@ -136,17 +137,24 @@ std::string picture_list(const Material& material) {
 Output paper_output(const Material& material, const ReportOptions& options,
                     const Topology& modelled, const std::string& drawn_by,
                     const Progress& progress) {
+    const timing::Headset headset;
     std::vector<ReportRow> rows;
+    std::vector<HeadsetLine> in_stereo;
     Output output;
     for (std::size_t i = 0; i < material.cases.size(); ++i) {
         progress.tell(fmt::format("model: {}", material.sources[i].name));
         rows.push_back(row_of(material.machine, material.sources[i], material.cases[i]));
         output.lines.push_back(fields_of(rows.back()));
+        in_stereo.push_back({rows.back().name, timing::headset_time(material.machine, headset,
+                                                                    material.cases[i].pair)});
+        add_fields(in_stereo.back().time, output.lines.back());
     }
-    output.text =
-        table_of(rows) + text_of(Footnote{size_text(modelled), drawn_by}) + picture_list(material);
-    output.fields = {
-        {"modelled", size_text(modelled)}, {"drawn_by", drawn_by}, {"rows", output.lines}};
+    output.text = table_of(rows) + text_of(Footnote{size_text(modelled), drawn_by}) +
+                  text_of(in_stereo, headset) + picture_list(material);
+    output.fields = {{"modelled", size_text(modelled)},
+                     {"drawn_by", drawn_by},
+                     {"rows", output.lines},
+                     {"display", fields_of(headset)}};
     output.plots = plots_of(rows);
     if (options.sensitivity) {
         add_sensitivity(output, material, progress);
@@ -244,7 +252,7 @@ void run_report(Session& session, const ReportOptions& options, const Topology& 
                 const std::string& drawn_by) {
     Material material{sources_of(options.data, options.rows), {}, timing::machine_of(modelled)};
     std::optional<Progress> progress(std::in_place);
-    MeasureOptions measuring{options.paper, options.pictures, {}};
+    MeasureOptions measuring{options.paper, options.paper, options.pictures, {}};
     measuring.progress = [&](std::size_t done, const Source& source) {
         progress->tell(fmt::format("{} of {}: {}", done + 1, material.sources.size(), source.name));
     };

@@ -69,6 +69,7 @@ Rate picture_rate(const Machine& machine, const Picture& picture) {
     rate.frames_per_s = static_cast<double>(window_pictures) * ns_per_s /
                         static_cast<double>(end.time - first.time);
     rate.latency = times[last].known - times[last + 1 - passes].begin.time;
+    rate.drawn = end.time - times[last + 1 - passes].begin.time;
     rate.use = use_between(replay.hardware(), first, end);
     rate.limit = limit_of(rate.use);
     return rate;

@@ -27,6 +27,7 @@ struct Rate {
     /// % of the mean over 240 frames, for machines and loads around the paper's.
     double frames_per_s = 0;
     Ns latency = 0;            ///< Last picture: from the command to the host's knowledge.
+    Ns drawn = 0;              ///< Last picture: from the command to its last pixel.
     std::vector<UnitUse> use;  ///< In that time.
     Unit limit{};              ///< limit_of() these.
 };

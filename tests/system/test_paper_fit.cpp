@@ -28,7 +28,8 @@ std::vector<timing::PaperCase> counted_cases() {
         Machine machine(topology, options);
         Session session(machine);
         const std::vector<report::Source> sources = report::sources_of("", {});
-        for (report::MeasuredCase& each : report::measure(session, sources, {false, "", {}})) {
+        for (report::MeasuredCase& each :
+             report::measure(session, sources, {false, false, "", {}})) {
             cases.push_back(std::move(each.work));
         }
         machine.shutdown();

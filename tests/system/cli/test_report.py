@@ -68,13 +68,21 @@ class Phantoms(Report):
     def test_all_figures_are_within_their_bounds(self):
         done = self.report("--paper", "--json", "--csv", self.path("t.csv"), "--picture",
                            self.path("t.svg"), "--pictures", self.path("pictures"))
-        rows = json.loads(done.stdout)["rows"]
+        report = json.loads(done.stdout)
+        rows, display = report["rows"], {each["name"]: each for each in report["display"]}
         self.assertEqual([row["row"] for row in rows], list(PHANTOM_ROWS))
+        self.assertEqual(display["tracker.most_ms"]["provenance"], "published")
         for row in rows:
             self.assertEqual(row["paper_triangles"], PHANTOM_ROWS[row["row"]])
             self.assertAlmostEqual(row["triangles"] / row["paper_triangles"], 1, delta=0.03)
             self.assertGreater(row["wall_frames_per_s"], 0)
             self.check_bounds(row)
+            # GPs are the limit. They draw each triangle twice, in regions of another size.
+            self.assertEqual(row["stereo_limit"], "GP")
+            self.assertAlmostEqual(row["stereo_frames_per_s"] / row["modelled_frames_per_s"], 0.5,
+                                   delta=0.1)
+            self.assertAlmostEqual(row["stereo_latency_most_ms"] - row["stereo_drawn_ms"],
+                                   60 + 1.5 * 1000 / 59.94)
         self.assertGreaterEqual(sum(row["held_back"] for row in rows), 2)
         self.check_files(rows, self.path("t.csv"), self.path("t.svg"))
         names = sorted(path.name for path in pathlib.Path(self.path("pictures")).iterdir())
@@ -93,7 +101,8 @@ class Phantoms(Report):
     def test_the_text_names_columns_rows_and_clocks(self):
         text = self.report("--paper", "pelvis/bone", "--sensitivity").stdout
         for part in ("surface built in, ms", "pelvis/bone *", "modelled: 36 GPs, 16 Renderers",
-                     "wall: wall time here", "sensitivity: change", "gp.clock_mhz"):
+                     "wall: wall time here", "In stereo, for a head-mounted display",
+                     "tracker.least_ms", "sensitivity: change", "gp.clock_mhz"):
             self.assertIn(part, text)
         self.assertNotIn("pelvis/skin", text)
 
