@@ -40,13 +40,16 @@ void add_pass(const WholeFrame& done, FrameReport& report) {
     }
 }
 
-/// The picture of a frame, of which two views become one picture.
+/// The picture of a frame, of which two views become one picture without depths.
 Picture picture_of(const WholeFrame& done, StereoMode stereo) {
     if (done.views == 1) {
-        return {done.view.width, done.view.height, {done.pixels.begin(), done.pixels.end()}};
+        return {done.view.width,
+                done.view.height,
+                {done.pixels.begin(), done.pixels.end()},
+                {done.depths.begin(), done.depths.end()}};
     }
     const Size size = composed_size(done.view, stereo);
-    return {size.width, size.height, composed(done.pixels, done.view, stereo)};
+    return {size.width, size.height, composed(done.pixels, done.view, stereo), {}};
 }
 
 }  // namespace
@@ -92,8 +95,7 @@ void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back,
     }
     const bus::Payload message =
         frame_request(scene, stage, next_frame_, picture_costs_, read_back, pass, counts);
-    pending_.push_back({next_frame_++, picture_started_ns_, pass,
-                        read_back == ReadBack::pixels_and_depths, scene.stereo.mode,
+    pending_.push_back({next_frame_++, picture_started_ns_, pass, false, scene.stereo.mode,
                         FrameParts(scene.size, stage.cameras.size(),
                                    conversation_.machine().frame_buffer_ids().size())});
     conversation_.machine().send(conversation_.gps().front(), message);
@@ -128,9 +130,6 @@ void Frames::take_done(const bus::Message& message) {
 
 void Frames::finish(Pending frame) {
     const WholeFrame done = frame.parts.whole();
-    if (!done.depths.empty()) {
-        depths_.assign(done.depths.begin(), done.depths.end());
-    }
     if (!done.pixels.empty()) {
         finished_.push_back(picture_of(done, frame.stereo));
     }
@@ -215,7 +214,9 @@ Picture Frames::draw() {
     return *draw_samples(scene_.samples);
 }
 
-std::optional<Picture> Frames::draw_samples(int samples, const std::function<bool()>& go_on) {
+std::optional<Picture> Frames::draw_samples(int samples, const std::function<bool()>& go_on,
+                                            ReadBack read_back) {
+    const ReadBack read = samples == 1 ? read_back : ReadBack::pixels;
     if (std::optional<Picture> picture = take_ahead(samples)) {
         return picture;
     }
@@ -225,7 +226,7 @@ std::optional<Picture> Frames::draw_samples(int samples, const std::function<boo
             wait_until_pending(0);  // The machine holds two frames, not more.
             return std::nullopt;
         }
-        request(scene_, stage(scene_), ReadBack::pixels, pass);
+        request(scene_, stage(scene_), read, pass);
     }
     wait_until_pending(0);
     return take_oldest();
@@ -261,11 +262,11 @@ std::optional<Pick> Frames::pick_alone(Surface surface, const EyePixel& at) {
     alone.surfaces = {&surface, 1};
     alone.has_gaps = false;
     alone.cameras = {alone.cameras.at(static_cast<std::size_t>(at.eye))};
-    depths_.clear();
     request(scene_, alone, ReadBack::pixels_and_depths);
+    pending_.back().is_question = true;
     const Picture picture = take_oldest();
-    return host::pick({alone.cameras.front(), picture.width, picture.height, depths_}, at.x, at.y,
-                      volumes_.volume());
+    return host::pick({alone.cameras.front(), picture.width, picture.height, picture.depths}, at.x,
+                      at.y, volumes_.volume());
 }
 
 std::vector<Frames::Picked> Frames::hits(int x, int y) {

@@ -23,6 +23,8 @@ namespace pxpl5::host {
 struct Picture {
     int width = 0, height = 0;
     std::vector<std::uint32_t> rgba;  ///< width * height; red in the low byte.
+    /// Depths as FrameDone has them, one per pixel and view; empty unless they were asked for.
+    std::vector<std::uint32_t> depths = {};
 };
 
 /// Sums over all passes of a picture of several samples.
@@ -62,10 +64,12 @@ class Frames {
     /// Draws the scene with its number of samples per pixel.
     Picture draw();
     /// Draws the scene with 1, 4 or 16 samples per pixel (sample_offset()), two passes at a time.
+    /// Only a picture of one sample has depths; a frame that was requested ahead has none.
     /// Calls go_on, if any, before each pass. When go_on returns false, waits for the passes in
     /// flight and returns nothing. Throws RequestError (failed) as drawing does, and if the
     /// Renderers have no room for the sums: see max_samples().
-    std::optional<Picture> draw_samples(int samples, const std::function<bool()>& go_on = {});
+    std::optional<Picture> draw_samples(int samples, const std::function<bool()>& go_on = {},
+                                        ReadBack read_back = ReadBack::pixels);
     /// Draws the exact scene, and drops the picture: one frame per sample, in order of samples.
     std::vector<CountedFrame> draw_counted();
     /// The most samples that the machine can draw a picture of the scene's size with.
@@ -164,7 +168,6 @@ class Frames {
     std::deque<Pending> pending_;
     std::deque<Picture> finished_;
     std::vector<CountedFrame> counted_;         ///< Being drawn.
-    std::vector<std::uint32_t> depths_;         ///< Depths of the newest frame that has them.
     std::vector<std::uint64_t> region_costs_;   ///< Costs of the newest frame's regions.
     std::vector<std::uint64_t> picture_costs_;  ///< Costs that the newest picture is shared by.
     std::int64_t picture_started_ns_ = 0;
