@@ -105,7 +105,7 @@ test('scale bars have round lengths', () => {
 });
 
 test('a frame\'s header is taken apart; what is cut off is refused', () => {
-  const view = new DataView(new ArrayBuffer(43));
+  const view = new DataView(new ArrayBuffer(48 + 3 + 2));
   view.setUint32(0, 0x46523550, true);
   [7, 300].forEach((value, k) => view.setUint32(4 + 4 * k, value, true));
   [640, 480].forEach((value, k) => view.setUint16(12 + 2 * k, value, true));
@@ -113,12 +113,15 @@ test('a frame\'s header is taken apart; what is cut off is refused', () => {
   view.setFloat32(20, 12.5, true);
   view.setBigUint64(24, 0xabcdef0123456789n, true);
   view.setFloat64(32, 0.75, true);
-  const {header, picture} = parseFrame(view.buffer);
+  [3, 2].forEach((value, k) => view.setUint32(40 + 4 * k, value, true));
+  [1, 2, 3, 4, 5].forEach((value, k) => view.setUint8(48 + k, value));
+  const {header, picture, depths} = parseFrame(view.buffer);
   assert.deepEqual(header, {number: 7, revision: 300, width: 640, height: 480, kind: 'png',
     quality: 90, samples: 16, rests: true, last: true, machine_ms: 12.5,
     digest: 'abcdef0123456789', moved_mm: 0.75});
-  assert.equal(picture.byteLength, 3);
-  assert.throws(() => parseFrame(new ArrayBuffer(39)), /39 bytes, its header has 40/);
+  assert.deepEqual([[...picture], [...depths]], [[1, 2, 3], [4, 5]]);
+  assert.throws(() => parseFrame(new ArrayBuffer(47)), /47 bytes, its header has 48/);
+  assert.throws(() => parseFrame(view.buffer.slice(0, 52)), /52 bytes, .* end at 53/);
   view.setUint8(16, 9);
   assert.throws(() => parseFrame(view.buffer), /kind 9/);
 });

@@ -127,6 +127,45 @@ TEST_CASE("with detail auto, moving pictures are simplified and resting ones are
     CHECK(stage.watchers.frames.back().moved_mm == 0);
 }
 
+TEST_CASE("frames of opaque surfaces carry depths while somebody wants them") {
+    Theatre stage;
+    const auto& frames = stage.watchers.frames;
+    const std::string name = stage.watchers.last("state")["surfaces"][0]["name"];
+    int id = 0;
+    const auto have_depths = [&](const std::string& line) {
+        stage.watchers.frames.clear();
+        stage.watchers.does(++id, line);
+        stage.settle();
+        CAPTURE(stage.watchers.reply(id).dump());
+        CHECK(stage.watchers.reply(id)["ok"] == true);
+        std::string found;
+        for (const serve::Shown& frame : frames) {
+            const bool fits = frame.depths && frame.depths->size() == frame.pixels->size();
+            found += fits ? 'd' : frame.depths ? '?' : '-';
+        }
+        return found;
+    };
+    CHECK(have_depths("view 10 20") == "----");  // Moving, then 1, 4 and 16 samples.
+    const std::uint64_t digest = frames.back().digest;
+    const std::uint64_t first_digest = frames[1].digest;
+    have_depths("view 10 30");
+    stage.watchers.wants_depths = true;
+    CHECK(have_depths("view 10 20") == "dddd");
+    CHECK(frames.back().digest == digest);
+    CHECK(frames[1].digest == first_digest);
+    const std::uint32_t middle = (*frames[1].depths)[48 * 128 + 64];
+    CHECK((middle & 0xffU) == 1);  // The sphere, in front of the middle of the volume.
+    CHECK((middle >> 8U) < (1U << 23U));
+    CHECK((frames[1].depths->front() & 0xffU) == 0);
+    CHECK(frames[3].depths == frames[1].depths);  // A refinement needs no other depths.
+    CHECK(have_depths("surface " + name + " opacity=0.5") == "----");
+    CHECK(have_depths("surface " + name + " visible=no") == "dddd");
+    CHECK(have_depths("surface " + name + " visible=yes") == "----");
+    CHECK(have_depths("surface " + name + " opacity=1") == "dddd");
+    CHECK(have_depths("stereo anaglyph") == "----");
+    CHECK(have_depths("stereo off") == "dddd");
+}
+
 TEST_CASE("a refinement is given up when something comes, and its picture is not shown") {
     Theatre stage;
     stage.watchers.frames.clear();

@@ -50,7 +50,7 @@ class Watchers final : public Audience {
         }
     }
     bool wants_frame() const override { return takes_frames; }
-    LinkAdvice advice() const override { return {}; }
+    LinkAdvice advice() const override { return {1, wants_depths}; }
 
     void says(const Json& message, Role role = Role::driver) {
         events.emplace_back(Said{1, role, message.dump()});
@@ -84,6 +84,7 @@ class Watchers final : public Audience {
     std::vector<std::string> openings;
     std::vector<serve::Shown> frames;
     bool takes_frames = true;
+    bool wants_depths = false;
     bool scrolls = false;  ///< A second viewer, who asks for slices without end.
     std::function<void(const serve::Shown&)> on_show;  ///< Called for each frame; may be empty.
 

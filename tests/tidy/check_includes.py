@@ -84,8 +84,9 @@ ROOMS = {
         "tools": {"record", "replay", "listing", "map", "step", "diff", "why", "model"},
     },
     "host/commands": {"text": set(), ".": {"text"}},
-    "host/serve": {"server": set(), "director": {"server"}, "job": {"director"},
-                   "limits": {"server"}, "classroom": {"server", "job", "limits"}, "page": set(),
+    "host/serve": {"depths": set(), "server": {"depths"}, "director": {"server"},
+                   "job": {"director"}, "limits": {"server"},
+                   "classroom": {"server", "job", "limits"}, "page": set(),
                    ".": {"server", "director", "job", "limits", "classroom"}},
     "host/serve/page": {
         "link": set(),

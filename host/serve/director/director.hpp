@@ -128,6 +128,7 @@ class Director {
     bool draw_resting();
     int most_samples() const;
     bool is_refinable() const;
+    ReadBack read_back() const;
     void show(Picture picture, int samples, bool rests, bool last);
     bool has_picture() const;
     bool wants_machine() const;
@@ -139,6 +140,8 @@ class Director {
         std::uint32_t revision = 0;
         int samples = 0;  ///< 0 for a moving picture.
         std::int64_t time_ns = 0;
+        /// Depths of the resting picture of one sample, for its refinements; may be null.
+        std::shared_ptr<const std::vector<std::uint32_t>> resting_depths = nullptr;
     };
 
     Audience& audience_;

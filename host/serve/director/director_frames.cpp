@@ -33,6 +33,15 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
     frame.width = picture.width;
     frame.height = picture.height;
     frame.pixels = std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.rgba));
+    if (!picture.depths.empty()) {
+        frame.depths =
+            std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.depths));
+    }
+    if (rests && samples == 1) {
+        shown_.resting_depths = frame.depths;
+    } else if (rests) {
+        frame.depths = shown_.resting_depths;
+    }
     frame.revision = revision_;
     frame.samples = samples;
     frame.rests = rests;
@@ -58,6 +67,22 @@ Frames::Moving Director::moving() const {
         }
     }
     return {size, moving_detail(triangles, parts_.moving_triangles)};
+}
+
+/// Depths only help viewers who show pictures from newer viewpoints. The holes of a screen door
+/// show other surfaces from there, and a picture of two views has no single viewpoint.
+ReadBack Director::read_back() const {
+    const bool is_archive = session_->volumes.archive() != nullptr;
+    const std::vector<Surface>& surfaces =
+        is_archive ? session_->volumes.archive_surfaces() : session_->scene.surfaces;
+    const auto is_seen_through = [&](const Surface& surface) {
+        return surface.visible && surface.opacity != full_opacity &&
+               !is_compared(surfaces, surface);
+    };
+    const bool has_depths = audience_.advice().wants_depths &&
+                            session_->scene.stereo.mode == StereoMode::off &&
+                            std::ranges::none_of(surfaces, is_seen_through);
+    return has_depths ? ReadBack::pixels_and_depths : ReadBack::pixels;
 }
 
 /// Requests the picture of a new isovalue together with the surface.
@@ -98,7 +123,7 @@ bool Director::draw_moving() {
         const Frames::Moving now = moving();
         session_->scene.size = now.size;
         session_->scene.detail = {false, now.detail};
-        show(session_->frames.draw_samples(1).value(), 1, false, false);
+        show(session_->frames.draw_samples(1, {}, read_back()).value(), 1, false, false);
     });
     pace_.drawn(since_ms(start_ns));
     shown_.time_ns = parts_.clock_ns();
@@ -118,11 +143,12 @@ bool Director::draw_resting() {
     const int samples = *std::ranges::upper_bound(sample_counts, is_first ? 0 : shown_.samples);
     bool is_drawn = true;
     guard("drawing", [&] {
-        auto picture = session_->frames.draw_samples(samples, [this] {
+        const auto go_on = [this] {
             take_events();
             answer_slices();
             return !inbox_.changes_picture();
-        });
+        };
+        auto picture = session_->frames.draw_samples(samples, go_on, read_back());
         is_drawn = picture.has_value();
         if (picture) {
             show(std::move(*picture), samples, true, samples == most_samples());

@@ -83,6 +83,8 @@ CameraState camera_state(const Session& session) {
     state.pan_mm = {camera.pan_mm.x, camera.pan_mm.y};
     state.patient_to_eye = numbers(m.patient_to_eye);
     state.patient_to_clip = numbers(m.projection * m.patient_to_eye);
+    state.center_mm = numbers(subject.center_mm);
+    state.radius_mm = subject.radius_mm;
     return state;
 }
 

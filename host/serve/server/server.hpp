@@ -53,6 +53,8 @@ using Event = std::variant<Joined, Left, Said, Lost, EndsSoon>;
 /// A frame for all viewers.
 struct Shown {
     std::shared_ptr<const std::vector<std::uint32_t>> pixels;  ///< width * height, red lowest.
+    /// Depths of the pixels as FrameDone has them, from one sample; null if they were not read.
+    std::shared_ptr<const std::vector<std::uint32_t>> depths = nullptr;
     int width = 0, height = 0;
     std::uint32_t revision = 0;  ///< Revision of the state in the picture.
     int samples = 1;             ///< Samples per pixel.
@@ -63,9 +65,12 @@ struct Shown {
     std::uint64_t digest = 0;    ///< 0 while moving.
 };
 
-/// Limits of the slowest driver's connection.
+/// Wishes of the viewers for the next frame.
 struct LinkAdvice {
-    double scale = 1;  ///< Size of moving frames relative to resting frames: 1, 3/4 or 1/2.
+    /// Size of moving frames relative to resting frames: 1, 3/4 or 1/2. The slowest driver's
+    /// connection limits it.
+    double scale = 1;
+    bool wants_depths = false;  ///< Some viewer shows pictures from newer viewpoints.
 };
 
 /// Serves the page and its WebSocket from a thread of its own. Every call below may be made from

@@ -137,6 +137,7 @@ void Loop::advise() {
             continue;
         }
         wanted = wanted || socket.viewer.wants_newer(*newest);
+        advice.wants_depths = advice.wants_depths || socket.viewer.wants_depths;
         if (socket.viewer.role == Role::driver && resting_pixels_ > 0) {
             advice.scale = std::min(advice.scale, socket.viewer.link.scale(resting_pixels_));
         }

@@ -77,6 +77,7 @@ class Loop {
     int on_timer(lws* connection, Socket& socket);
     int send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame);
     const std::string& encoded(const NewestFrame& frame, int quality);
+    const std::string& encoded_depths(const NewestFrame& frame);
     void forget(lws* connection);
 
     Mail& mail_;
@@ -90,6 +91,8 @@ class Loop {
     std::uint32_t viewers_ = 0;  ///< Number of viewers that joined so far.
     std::uint64_t encoded_sequence_ = 0;
     std::map<int, std::string> encoded_;  ///< The encoded frame by quality; 0 is the PNG.
+    std::string encoded_depths_;          ///< The depths of encoded_depths_of_.
+    std::shared_ptr<const std::vector<std::uint32_t>> encoded_depths_of_;
     std::size_t resting_pixels_ = 0;
     Listener listener_;  ///< The last: its callbacks use the others.
 };

@@ -116,6 +116,7 @@ std::shared_ptr<const NewestFrame> Mail::newest() const {
 void Mail::advise(bool wanted, std::uint64_t sequence, LinkAdvice advice) {
     const std::scoped_lock lock(mutex_);
     scale_ = advice.scale;
+    wants_depths_ = advice.wants_depths;
     const bool wants = wanted && sequence == newest_->sequence;
     if (wants && !wants_frame_) {
         wake_session();

@@ -41,7 +41,7 @@ class Mail {
     void show(Shown frame);
     void opened(std::string path);
     bool wants_frame() const { return wants_frame_; }
-    LinkAdvice advice() const { return {scale_}; }
+    LinkAdvice advice() const { return {scale_, wants_depths_}; }
 
     // The server's side.
     /// False, and nothing kept, if the session lags by max_waiting_event_bytes of texts.
@@ -69,6 +69,7 @@ class Mail {
     std::shared_ptr<const NewestFrame> newest_;
     std::atomic<bool> wants_frame_ = false;
     std::atomic<double> scale_ = 1;
+    std::atomic<bool> wants_depths_ = false;
 };
 
 }  // namespace pxpl5::host::serve

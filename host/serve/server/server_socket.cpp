@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <initializer_list>
 #include <vector>
 
+#include "host/serve/depths/lean_packing.hpp"
 #include "host/serve/server/encode.hpp"
 #include "host/serve/server/server_loop.hpp"
 #include "host/serve/server/server_request.hpp"
@@ -27,13 +29,18 @@ double now_ms() {
         .count();
 }
 
-/// The bytes with libwebsockets' room before them. Returns -1 if the connection is lost.
-int write_message(lws* connection, std::string_view first, std::string_view second,
+/// Sends the parts with libwebsockets' room before them. Returns -1 if the connection is lost.
+int write_message(lws* connection, std::initializer_list<std::string_view> parts,
                   lws_write_protocol kind) {
-    std::vector<unsigned char> buffer(LWS_PRE + first.size() + second.size());
-    const auto at = std::copy(first.begin(), first.end(), buffer.begin() + LWS_PRE);
-    std::copy(second.begin(), second.end(), at);
-    const std::size_t size = first.size() + second.size();
+    std::size_t size = 0;
+    for (const std::string_view part : parts) {
+        size += part.size();
+    }
+    std::vector<unsigned char> buffer(LWS_PRE + size);
+    auto at = buffer.begin() + LWS_PRE;
+    for (const std::string_view part : parts) {
+        at = std::copy(part.begin(), part.end(), at);
+    }
     return lws_write(connection, buffer.data() + LWS_PRE, size, kind) < static_cast<int>(size) ? -1
                                                                                                : 0;
 }
@@ -177,6 +184,9 @@ void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
             lws_callback_on_writable(connection);
         }
         advise();
+    } else if (const auto wanted = wanted_depths(*text)) {
+        viewer.wants_depths = *wanted;
+        advise();
     } else if (!mail_.push(Said{viewer.number, viewer.role, std::move(*text)})) {
         viewer.closing = {1013, "Too many messages are waiting for the session."};
         close_soon(connection);
@@ -195,9 +205,9 @@ int Loop::on_writable(lws* connection, Socket& socket) {
         socket.ping_due = false;
         socket.pinged_ms = now_ms();
         // Without a payload libwebsockets 4.1 sends none.
-        result = write_message(connection, "p", "", LWS_WRITE_PING);
+        result = write_message(connection, {"p"}, LWS_WRITE_PING);
     } else if (const auto message = viewer.next_message()) {
-        result = write_message(connection, *message->bytes, "",
+        result = write_message(connection, {*message->bytes},
                                message->binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT);
     } else if (viewer.takes(*newest)) {
         result = send_frame(connection, viewer, *newest);
@@ -213,8 +223,10 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     const Shown& shown = frame.shown;
     const int quality = shown.rests ? 0 : viewer.link.quality(shown.pixels->size());
     const std::string& picture = encoded(frame, quality);
+    const std::string_view depths =
+        viewer.wants_depths && shown.depths ? encoded_depths(frame) : std::string_view();
     if (!shown.rests) {
-        viewer.link.encoded(quality, shown.pixels->size(), picture.size());
+        viewer.link.encoded(quality, shown.pixels->size(), picture.size() + depths.size());
     }
     FrameHeader header;
     header.number = viewer.count_frame(frame);
@@ -229,8 +241,11 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     header.machine_ms = shown.machine_ms;
     header.moved_mm = shown.moved_mm;
     header.digest = shown.digest;
-    viewer.link.sent(header.number, sizeof(FrameHeader) + picture.size(), now_ms());
-    return write_message(connection, frame_header(header), picture, LWS_WRITE_BINARY);
+    header.picture_bytes = static_cast<std::uint32_t>(picture.size());
+    header.depth_bytes = static_cast<std::uint32_t>(depths.size());
+    const std::size_t bytes = sizeof(FrameHeader) + picture.size() + depths.size();
+    viewer.link.sent(header.number, bytes, now_ms());
+    return write_message(connection, {frame_header(header), picture, depths}, LWS_WRITE_BINARY);
 }
 
 const std::string& Loop::encoded(const NewestFrame& frame, int quality) {
@@ -245,6 +260,16 @@ const std::string& Loop::encoded(const NewestFrame& frame, int quality) {
                                : jpeg_of(shown.width, shown.height, *shown.pixels, quality);
     }
     return picture;
+}
+
+/// Refinements of a picture share the depths, which are packed once.
+const std::string& Loop::encoded_depths(const NewestFrame& frame) {
+    const Shown& shown = frame.shown;
+    if (encoded_depths_of_ != shown.depths) {
+        encoded_depths_ = packed(lean_depths(shown.width, shown.height, *shown.depths));
+        encoded_depths_of_ = shown.depths;
+    }
+    return encoded_depths_;
 }
 
 int Loop::on_timer(lws* connection, Socket& socket) {

@@ -6,6 +6,21 @@
 #include <nlohmann/json.hpp>
 
 namespace pxpl5::host::serve {
+namespace {
+
+/// The value of an object with this key alone; nothing if the text is something else. Most texts
+/// are commands, which the session reads: only texts that may be such an object are read here, too.
+nlohmann::json only_value(const std::string& text, const std::string& key) {
+    constexpr std::size_t longest = 64;
+    if (text.size() > longest || text.find('"' + key + '"') == std::string::npos) {
+        return nlohmann::json::value_t::discarded;
+    }
+    const auto json = nlohmann::json::parse(text, nullptr, false);
+    const bool fits = json.is_object() && json.size() == 1 && json.contains(key);
+    return fits ? json[key] : nlohmann::json(nlohmann::json::value_t::discarded);
+}
+
+}  // namespace
 
 std::optional<std::string> Viewer::hear(std::string_view part, bool is_final, double now_ms) {
     if (heard_.size() + part.size() > max_text_bytes) {
@@ -75,24 +90,16 @@ std::uint32_t Viewer::count_frame(const NewestFrame& frame) {
 }
 
 std::optional<std::uint32_t> shown_number(const std::string& text) {
-    // Most texts are commands, which the session reads; only what may be this is read here, too.
-    constexpr std::size_t longest = 64;
-    if (text.size() > longest || text.find("\"shown\"") == std::string::npos) {
+    const nlohmann::json number = only_value(text, "shown");
+    if (!number.is_number_unsigned() || number.get<std::uint64_t>() > UINT32_MAX) {
         return std::nullopt;
     }
-    const auto json = nlohmann::json::parse(text, nullptr, false);
-    if (!json.is_object() || json.size() != 1) {
-        return std::nullopt;
-    }
-    const auto number = json.find("shown");
-    if (number == json.end() || !number->is_number_unsigned()) {
-        return std::nullopt;
-    }
-    const auto value = number->get<std::uint64_t>();
-    if (value > UINT32_MAX) {
-        return std::nullopt;
-    }
-    return static_cast<std::uint32_t>(value);
+    return number.get<std::uint32_t>();
+}
+
+std::optional<bool> wanted_depths(const std::string& text) {
+    const nlohmann::json wanted = only_value(text, "depths");
+    return wanted.is_boolean() ? std::optional(wanted.get<bool>()) : std::nullopt;
 }
 
 }  // namespace pxpl5::host::serve

@@ -34,7 +34,8 @@ class Viewer {
     const std::uint32_t number;
     const Role role;
     LinkRate link;
-    CloseReason closing;  ///< Once set, it is closed at the next chance.
+    CloseReason closing;        ///< Once set, it is closed at the next chance.
+    bool wants_depths = false;  ///< Its frames carry depths, if the machine has read them.
 
     /// Adds a part of a message. Returns the whole once `is_final`, nothing before and nothing
     /// (closing is set then) if it is too long or too many have come.
@@ -68,5 +69,7 @@ class Viewer {
 
 /// The number in `{"shown":123}`, if the text is that message.
 std::optional<std::uint32_t> shown_number(const std::string& text);
+/// The value in `{"depths":true}`, if the text is that message.
+std::optional<bool> wanted_depths(const std::string& text);
 
 }  // namespace pxpl5::host::serve

@@ -1,7 +1,8 @@
 // A server without a machine, for test_server*.py: does what viewers say, until its input ends.
 //
 // It prints its two addresses and then each event. A viewer's text `{"echo":x}` comes back to it;
-// `{"frame":[width,height,revision,rests]}` shows a frame whose colors follow from the revision;
+// `{"frame":[width,height,revision,rests,depths]}` shows a frame whose colors follow from the
+// revision, and with depths if the last word is true;
 // `{"texts":[count,bytes]}` sends so many texts; `{"binary":bytes}` one binary message;
 // `{"say":x}` goes to all; `{"wants":0}` reports if a frame is wanted.
 #include <fmt/format.h>
@@ -32,6 +33,10 @@ serve::Shown frame_of(const Json& words) {
         pixels[i] =
             0xff000000U | static_cast<std::uint32_t>(i * 2654435761U + frame.revision) >> 8U;
     }
+    if (words.size() > 4 && words[4]) {
+        constexpr std::uint32_t middle = 0x800000'01U;  // Of surface 1.
+        frame.depths = std::make_shared<const std::vector<std::uint32_t>>(pixels.size(), middle);
+    }
     frame.pixels = std::make_shared<const std::vector<std::uint32_t>>(std::move(pixels));
     return frame;
 }
@@ -51,8 +56,10 @@ void obey(serve::Server& server, const serve::Said& said) {
         server.broadcast(words.dump());
     }
     if (words.contains("wants")) {
-        server.send(said.viewer,
-                    Json{{"wants", server.wants_frame()}, {"scale", server.advice().scale}}.dump());
+        server.send(said.viewer, Json{{"wants", server.wants_frame()},
+                                      {"scale", server.advice().scale},
+                                      {"depths", server.advice().wants_depths}}
+                                     .dump());
     }
     if (words.contains("binary")) {
         server.send_binary(said.viewer, std::string(words["binary"].get<std::size_t>(), 'b'));

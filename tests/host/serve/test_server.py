@@ -7,6 +7,7 @@ import socket
 import struct
 import sys
 import urllib.parse
+import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from server_case import Case, main  # noqa: E402
@@ -246,15 +247,17 @@ class Messages(Case):
 
 
 class Frames(Case):
-    def show(self, viewer, revision, rests=False, size=(64, 48)):
-        viewer.send(json.dumps({"frame": [*size, revision, rests]}))
+    def show(self, viewer, revision, rests=False, size=(64, 48), depths=False):
+        viewer.send(json.dumps({"frame": [*size, revision, rests, depths]}))
 
     def frame(self, viewer):
         """The next frame's header as a dict, and its picture."""
         message = viewer.receive()
         names = ("magic", "number", "revision", "width", "height", "kind", "quality", "samples",
-                 "flags", "machine_ms", "digest", "moved_mm")
-        return dict(zip(names, struct.unpack("<IIIHHBBBBfQd", message[:40]))), message[40:]
+                 "flags", "machine_ms", "digest", "moved_mm", "picture_bytes", "depth_bytes")
+        head = dict(zip(names, struct.unpack("<IIIHHBBBBfQdII", message[:48])))
+        self.assertEqual(len(message), 48 + head["picture_bytes"] + head["depth_bytes"])
+        return head, message[48:]
 
     def shown(self, viewer, number):
         viewer.send(json.dumps({"shown": number}))
@@ -273,6 +276,28 @@ class Frames(Case):
         self.assertEqual((head["number"], head["revision"], head["kind"]), (2, 8, 2))
         self.assertEqual((head["flags"], head["digest"]), (1, 8))
         self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_depths_follow_the_picture_of_who_wants_them(self):
+        plain, warps = self.join(), self.join()
+        self.assertFalse(self.ask(plain, wants=0)["depths"])
+        warps.send('{"depths":true}')
+        self.assertTrue(self.ask(warps, wants=0)["depths"])
+        for revision, rests in ((1, False), (2, True)):
+            self.show(plain, revision, rests, depths=True)
+            head, bytes_ = self.frame(plain)
+            self.assertEqual((head["depth_bytes"], len(bytes_)), (0, head["picture_bytes"]))
+            head, bytes_ = self.frame(warps)
+            self.assertGreater(head["depth_bytes"], 0)
+            lean = zlib.decompress(bytes_[head["picture_bytes"]:], wbits=-15)
+            # A bit per pixel, two bytes for each of the 17 x 13 corners, and a bit per cell.
+            self.assertEqual(len(lean), 64 * 48 // 8 + 2 * 17 * 13 + 16 * 12 // 8)
+            self.assertEqual(lean[:8], b"\xff" * 8)
+            self.shown(plain, head["number"])
+            self.shown(warps, head["number"])
+        self.show(plain, 3)
+        self.assertEqual(self.frame(warps)[0]["depth_bytes"], 0)
+        warps.send('{"depths":false}')
+        self.assertFalse(self.ask(warps, wants=0)["depths"])
 
     def test_who_does_not_show_frames_gets_two_and_then_the_newest(self):
         viewer = self.join()

@@ -94,6 +94,17 @@ TEST_CASE("only the plain message that a frame was shown is the server's") {
     }
 }
 
+TEST_CASE("only the plain message about depths is the server's") {
+    CHECK(wanted_depths("{\"depths\":true}") == true);
+    CHECK(wanted_depths(" { \"depths\" : false } ") == false);
+    for (const char* other :
+         {"", "{}", "{\"depths\":1}", "{\"depths\":null}", "[\"depths\"]", "{\"depths\":true",
+          "{\"depths\":true,\"id\":2}", "{\"do\":\"\\\"depths\\\"\"}"}) {
+        CAPTURE(other);
+        CHECK_FALSE(wanted_depths(other));
+    }
+}
+
 TEST_CASE("events wake the session once, until it takes them all") {
     Mail mail;
     CHECK_FALSE(is_readable(mail.event_fd()));
@@ -123,10 +134,12 @@ TEST_CASE("a frame is wanted only by who has seen that a newer one is there") {
     Mail mail;
     int woken = 0;
     mail.wake_server = [&] { ++woken; };
-    mail.advise(true, 0, {0.75});
+    CHECK_FALSE(mail.advice().wants_depths);
+    mail.advise(true, 0, {0.75, true});
     CHECK(mail.wants_frame());
     CHECK(is_readable(mail.event_fd()));
     CHECK(mail.advice().scale == 0.75);
+    CHECK(mail.advice().wants_depths);
     mail.take();
     mail.show({});
     CHECK(woken == 1);

@@ -17,7 +17,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "host/serve
 from websocket_client import Refused, WebSocket  # noqa: E402
 
 BINARIES = pathlib.Path()  # From the command line.
-HEADER = struct.Struct("<IIIHHBBBBfQd")
+HEADER = struct.Struct("<IIIHHBBBBfQdII")
 
 
 class Program:
@@ -79,7 +79,7 @@ class Viewer:
         if isinstance(message, str):
             self.texts.append(json.loads(message))
             return self.texts[-1]
-        magic, number, revision, width, height, kind, _, samples, flags, _, digest, _ = \
+        magic, number, revision, width, height, kind, _, samples, flags, _, digest, *_ = \
             HEADER.unpack_from(message)
         assert magic == 0x46523550, hex(magic)
         self.socket.send(json.dumps({"shown": number}))

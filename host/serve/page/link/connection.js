@@ -34,6 +34,7 @@ const LOST = 'The connection was lost before the server replied.';
  * @typedef {object} Frame
  * @property {import('./types.js').FrameHeader} header
  * @property {Uint8Array} picture       Encoded.
+ * @property {Uint8Array} depths        Packed; empty if there are none.
  * @property {() => void} shown         Reports that the frame is displayed: the next may come.
  */
 
@@ -193,6 +194,14 @@ export class Connection {
   }
 
   /**
+   * Asks for depths with the frames of this connection, or for none.
+   * @param {boolean} wanted
+   */
+  wantDepths(wanted) {
+    this.send_({depths: wanted});
+  }
+
+  /**
    * @private
    * @param {string} line
    * @param {{quiet?: boolean}} options
@@ -286,7 +295,7 @@ export class Connection {
    * @param {ArrayBuffer} data
    */
   takeFrame_(data) {
-    const {header, picture} = parseFrame(data);
+    const {header, picture, depths} = parseFrame(data);
     const from = this.socket_;
     const shown = () => {
       // A later connection numbers its own frames.
@@ -294,7 +303,7 @@ export class Connection {
         this.send_({shown: header.number});
       }
     };
-    this.emit_('frame', {header, picture, shown});
+    this.emit_('frame', {header, picture, depths, shown});
   }
 
   /**

@@ -14,16 +14,22 @@ export function magicOf(message) {
 }
 
 /**
- * A frame's header and its encoded picture, which shares the message's memory.
+ * A frame's header, its encoded picture and its packed depths, which share the message's memory.
  * @param {ArrayBuffer} message
- * @returns {{header: FrameHeader, picture: Uint8Array}}
- * @throws {Error} if the message is too short or names no kind of picture
+ * @returns {{header: FrameHeader, picture: Uint8Array, depths: Uint8Array}}
+ * @throws {Error} if the message has another length than it says, or names no kind of picture
  */
 export function parseFrame(message) {
   if (message.byteLength < FRAME_HEADER_BYTES) {
     throw new Error(`frame: ${message.byteLength} bytes, its header has ${FRAME_HEADER_BYTES}`);
   }
-  const {flags, kind, digest, ...rest} = readFrameHeader(new DataView(message));
+  const {flags, kind, digest, picture_bytes, depth_bytes, ...rest} =
+    readFrameHeader(new DataView(message));
+  const end = FRAME_HEADER_BYTES + picture_bytes + depth_bytes;
+  if (message.byteLength !== end) {
+    throw new Error(`frame: ${message.byteLength} bytes, its picture and depths end at ${end}. `
+      + 'Load the page again; it may be older than the server.');
+  }
   if (kind !== PICTURE_KIND.jpeg && kind !== PICTURE_KIND.png) {
     throw new Error(`frame: kind ${kind} is neither JPEG (1) nor PNG (2)`);
   }
@@ -34,7 +40,8 @@ export function parseFrame(message) {
     last: (flags & FRAME_FLAG.last) !== 0,
     digest: digest === 0n ? '' : digest.toString(16).padStart(16, '0'),
   };
-  return {header, picture: new Uint8Array(message, FRAME_HEADER_BYTES)};
+  return {header, picture: new Uint8Array(message, FRAME_HEADER_BYTES, picture_bytes),
+    depths: new Uint8Array(message, FRAME_HEADER_BYTES + picture_bytes, depth_bytes)};
 }
 
 /**

@@ -32,7 +32,8 @@
 
 /**
  * A frame's header as parseFrame returns it. The digest has 16 hexadecimal digits, '' while moving.
- * @typedef {Omit<ReturnType<import('./vocabulary.js').readFrameHeader>, 'kind'|'flags'|'digest'>
+ * @typedef {Omit<ReturnType<import('./vocabulary.js').readFrameHeader>, 'kind' | 'flags' | 'digest'
+ *   | 'picture_bytes' | 'depth_bytes'>
  *   & {kind: 'jpeg' | 'png', rests: boolean, last: boolean, digest: string}} FrameHeader
  */
 

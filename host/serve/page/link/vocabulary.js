@@ -80,9 +80,9 @@ export const PICTURE_KIND = Object.freeze({jpeg: 1, png: 2});
 
 export const FRAME_FLAG = Object.freeze({rests: 1, last: 2});
 
-export const FRAME_HEADER_BYTES = 40;
+export const FRAME_HEADER_BYTES = 48;
 export const FRAME_HEADER_MAGIC = 0x46523550;
-/** Precedes the picture in the binary message of a frame. Numbers are little-endian.
+/** Precedes the picture and its depths in the message of a frame. Numbers are little-endian.
  * @param {DataView} view */
 export function readFrameHeader(view) {
   return {
@@ -97,6 +97,8 @@ export function readFrameHeader(view) {
     machine_ms: view.getFloat32(20, true),
     digest: view.getBigUint64(24, true),
     moved_mm: view.getFloat64(32, true),
+    picture_bytes: view.getUint32(40, true),
+    depth_bytes: view.getUint32(44, true),
   };
 }
 
@@ -147,6 +149,8 @@ export function readAnswerHeader(view) {
  * @property {[number, number]} pan_mm
  * @property {number[]} patient_to_eye  4 x 4
  * @property {number[]} patient_to_clip  4 x 4
+ * @property {[number, number, number]} center_mm  of the sphere that the camera looks at
+ * @property {number} radius_mm
  */
 
 /**
