@@ -7,6 +7,7 @@ import {watchPointers} from './picture/gestures.js';
 import {measure} from './picture/metrics.js';
 import {PictureView} from './picture/picture.js';
 import {Viewpoint} from './picture/viewpoint.js';
+import {Warp} from './picture/warp.js';
 import {createBadge} from './shell/badge.js';
 import {createBar} from './shell/bar.js';
 import {createHelp} from './shell/help.js';
@@ -35,6 +36,8 @@ function start() {
   const store = new Store();
   const toasts = new Toasts(byId('toasts'));
   const picture = new PictureView(connection, store, text => toasts.error(text));
+  const viewpoint = new Viewpoint(connection, store, picture);
+  picture.warp = new Warp(connection, store, picture, viewpoint);
   /** @type {import('./panel/app.js').App} */
   const app = {connection, store, picture, modes: new Modes(), toasts,
     selection: new Selection(), session: new PageSession()};
@@ -53,7 +56,6 @@ function start() {
   connection.on('note', ({level, text}) => app.toasts[level === 'error' ? 'error' : 'info'](text));
   connection.on('hello', ({role}) => document.body.classList.toggle('watcher', role === 'watcher'));
 
-  const viewpoint = new Viewpoint(connection, store, picture);
   const step = (/** @type {'undo' | 'redo'} */ way) => {
     // Pressing the key with nothing to undo is not an error.
     if (store.state?.[way] && !connection.watches) {

@@ -5,6 +5,7 @@ import {ModelView} from './model_view.js';
 import {NodeDialog} from './node_dialog.js';
 import {NodeList} from './node_list.js';
 import {messageLine} from '../panel/panel_parts.js';
+import {PointerTimes} from './pointer_times.js';
 import {RegionMap} from './region_map.js';
 import {RingView} from './ring_view.js';
 import {StageBars} from './stage_bars.js';
@@ -47,6 +48,7 @@ class MachinePanel {
     this.nodes = new NodeList(choose);
     this.regions = new RegionMap();
     this.stages = new StageBars();
+    this.pointer = new PointerTimes(app);
     this.computers = new ComputersView(app);
     this.title = h('span', {'data-testid': 'machine-title'});
     this.events = h('ol', {class: 'events', 'data-testid': 'machine-events',
@@ -59,7 +61,7 @@ class MachinePanel {
         'or kill it.'),
       this.computers.element,
       h('h3', {}, 'Regions by Renderer'), this.regions.canvas, this.regions.readout,
-      h('h3', {}, 'Time per frame'), this.stages.element,
+      h('h3', {}, 'Time per frame'), this.stages.element, this.pointer.element,
       h('h3', {}, 'Modelled machine of 1993'), new ModelView(app).element);
     root.append(h('p', {class: 'panel-intro'}, 'Activity of the nodes. ', this.title),
       this.message.element, this.events, this.body);
@@ -106,6 +108,7 @@ class MachinePanel {
     this.regions.update(report.frame && report.frame.regions.columns > 0 ? report.frame.regions
       : null);
     this.stages.update(report);
+    this.pointer.update();
     for (const {name, answered} of report.nodes) {
       const answers = this.dead.get(name);
       if (answers !== undefined && answered !== false) {

@@ -13,6 +13,7 @@ const KEPT = 256;  // Length of each list; older values are dropped.
  * @property {number[]} latency_ms      Latest inputs: from sending to the displayed frame with
  *                                      a revision at or after the reply's.
  * @property {number[]} frame_times_ms  When the last frames were displayed (performance.now()).
+ * @property {import('./warp.js').WarpFigures | null} warp
  * @property {import('../link/vocabulary.js').State | null} state
  */
 
@@ -30,7 +31,8 @@ export function measure(connection, store, picture) {
   const shown = [];
   /** @type {Metrics} */
   const metrics = {frames: 0, revision: 0, rests: false, last: false, samples: 0, digest: '',
-    latency_ms: [], frame_times_ms: [], get state() { return store.state; }};
+    latency_ms: [], frame_times_ms: [], warp: picture.warp?.figures ?? null,
+    get state() { return store.state; }};
 
   const keep = (/** @type {any[]} */ list, /** @type {any} */ value) => {
     list.push(value);

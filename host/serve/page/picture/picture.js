@@ -43,8 +43,16 @@ export class PictureView {
     /** Size of the picture in places. */
     this.width = 0;
     this.height = 0;
-    /** Camera of the displayed frame, null before the first. @type {CameraState | null} */
+    /**
+     * Camera of the displayed frame, null before the first. While the frame is shown from a newer
+     * viewpoint, the camera is that of the viewpoint.
+     * @type {CameraState | null}
+     */
     this.camera = null;
+    /** @private Camera that the displayed frame was drawn with. @type {CameraState | null} */
+    this.drawn_ = null;
+    /** Shows frames from newer viewpoints, if set. @type {import('./warp.js').Warp | null} */
+    this.warp = null;
     /** @type {FrameHeader | null} */
     this.header = null;
     /** @private @type {{revision: number, camera: CameraState}[]} */
@@ -218,12 +226,15 @@ export class PictureView {
    * @private
    * @param {Frame} frame
    */
-  async decode_({header, picture}) {
+  async decode_(frame) {
+    const {header, picture} = frame;
     const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
-    const bitmap = await createImageBitmap(new Blob([/** @type {any} */ (picture)], {type}));
+    const [bitmap, lean] = await Promise.all([
+      createImageBitmap(new Blob([/** @type {any} */ (picture)], {type})),
+      this.warp?.unpack(frame) ?? null]);
     await new Promise(requestAnimationFrame);
     if (header.revision >= this.leastRevision_) {
-      this.draw_(header, bitmap);
+      this.draw_(header, bitmap, lean);
     }
   }
 
@@ -231,24 +242,37 @@ export class PictureView {
    * @private
    * @param {FrameHeader} header
    * @param {ImageBitmap} bitmap
+   * @param {import('./lean_depths.js').LeanDepths | null} lean
    */
-  draw_(header, bitmap) {
+  draw_(header, bitmap, lean) {
     if (this.canvas_.width !== bitmap.width || this.canvas_.height !== bitmap.height) {
       this.canvas_.width = bitmap.width;
       this.canvas_.height = bitmap.height;
     }
     this.context_.drawImage(bitmap, 0, 0);
-    bitmap.close();
     const known = this.cameras_.filter(each => each.revision <= header.revision).at(-1);
     const camera = known?.camera ?? this.store_.state?.camera ?? null;
-    const moved = camera !== this.camera;
     this.header = header;
-    this.camera = camera;
+    this.drawn_ = camera;
+    this.warp?.take(header, camera, bitmap, lean);
+    bitmap.close();
     const at = performance.now();
     for (const act of this.shownActs_) {
       act(header, at);
     }
-    if (moved) {
+    if (!this.warp?.figures.warped) {
+      this.lookFrom(null);
+    }
+  }
+
+  /**
+   * Says which camera the screen shows.
+   * @param {CameraState | null} camera  Null: the camera that the frame was drawn with.
+   */
+  lookFrom(camera) {
+    const now = camera ?? this.drawn_;
+    if (now !== this.camera) {
+      this.camera = now;
       this.changed_();
     }
   }
@@ -262,6 +286,7 @@ export class PictureView {
     this.leastRevision_ = revision;
     this.context_.clearRect(0, 0, this.canvas_.width, this.canvas_.height);
     this.header = null;
+    this.drawn_ = null;
     this.camera = null;
     for (const act of this.clearedActs_) {
       act();
@@ -279,7 +304,7 @@ export class PictureView {
       ? sharp : fit;
     this.width = width * scale;
     this.height = height * scale;
-    for (const element of [this.canvas_, this.overlay]) {
+    for (const element of [this.canvas_, byId('warp'), this.overlay]) {
       element.style.width = `${this.width}px`;
       element.style.height = `${this.height}px`;
     }

@@ -1,12 +1,27 @@
 // The view that the page requests. During a gesture it is ahead of the state.
 import {anglesOf, rotationOf, turn, drag} from './arcball.js';
+import {isSameView} from './camera.js';
 import {plain} from '../link/lines.js';
 import {mmPerPlace} from './projection.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
+/** @typedef {import('./camera.js').View} View */
 
 const LEAST_ZOOM = 0.05;
 const MOST_ZOOM = 100;
+const ZOOM_DIGITS = 4;
+
+/**
+ * The view with the digits that a command has.
+ * @param {View} view
+ * @returns {View}
+ */
+function rounded({azimuth_deg, elevation_deg, roll_deg, zoom, pan_mm}) {
+  const short = (/** @type {number} */ value) => Number(plain(value));
+  return {azimuth_deg: short(azimuth_deg), elevation_deg: short(elevation_deg),
+    roll_deg: short(roll_deg), zoom: Number(plain(zoom, ZOOM_DIGITS)),
+    pan_mm: [short(pan_mm[0]), short(pan_mm[1])]};
+}
 
 /** Rotates, moves and zooms with `view`, newest only. Does nothing on a view-only page. */
 export class Viewpoint {
@@ -34,6 +49,14 @@ export class Viewpoint {
     this.zoom_ = 1;
     /** @private @type {[number, number]} */
     this.pan_mm_ = [0, 0];
+    /** @private @type {(() => void)[]} */
+    this.movedActs_ = [];
+    /**
+     * The view of the newest gesture, rounded as the server gets it. Null before the first gesture,
+     * and after anything else has changed the view.
+     * @type {View | null}
+     */
+    this.wanted = null;
     /** @private */
     this.follow_ = () => {
       if (store.state && this.underWay_ === 0 && this.requested_ === 0
@@ -42,12 +65,21 @@ export class Viewpoint {
         this.rotation_ = rotationOf(camera);
         this.zoom_ = camera.zoom;
         this.pan_mm_ = [camera.pan_mm[0], camera.pan_mm[1]];
+        if (this.wanted && !isSameView(this.wanted, camera)) {
+          this.want_(null);
+        }
       }
     };
     store.subscribe(['camera', 'revision'], this.follow_);
     connection.on('lost', () => {
       this.answered_ = 0;  // A restarted server begins again at 1.
+      this.want_(null);
     });
+  }
+
+  /** @param {() => void} act  Called when `wanted` has changed. */
+  onMoved(act) {
+    this.movedActs_.push(act);
   }
 
   /** Starts a gesture, which is one undo step. */
@@ -106,6 +138,7 @@ export class Viewpoint {
     }
     cancelAnimationFrame(this.requested_);
     this.requested_ = 0;
+    this.want_(null);
     this.connection_.mark();
     void this.connection_.do(`view ${name} fit=yes`);
   }
@@ -120,31 +153,43 @@ export class Viewpoint {
     return mmPerPlace(camera.patient_to_eye, camera.patient_to_clip, height, volume.center_mm);
   }
 
+  /**
+   * @private
+   * @param {View | null} view
+   */
+  want_(view) {
+    this.wanted = view;
+    for (const act of this.movedActs_) {
+      act();
+    }
+  }
+
   /** Sends at most once per screen refresh. @private */
   send_() {
-    if (this.connection_.watches || this.requested_ !== 0) {
+    if (this.connection_.watches) {
       return;
     }
-    this.requested_ = requestAnimationFrame(() => {
-      this.requested_ = 0;
-      const {azimuth_deg, elevation_deg, roll_deg} = anglesOf(this.rotation_);
-      this.set_(`${plain(azimuth_deg)} ${plain(elevation_deg)}`, this.zoom_, roll_deg,
-        this.pan_mm_.map(each => plain(each)).join(','));
-    });
+    this.want_(rounded({...anglesOf(this.rotation_), zoom: this.zoom_, pan_mm: this.pan_mm_}));
+    if (this.requested_ === 0) {
+      this.requested_ = requestAnimationFrame(() => {
+        this.requested_ = 0;
+        if (this.wanted) {
+          this.set_(this.wanted);
+        }
+      });
+    }
   }
 
   /**
    * Each line contains the whole view, so that it can replace a waiting line (`subjectOf`).
    * @private
-   * @param {string} from  Azimuth and elevation in degrees.
-   * @param {number} zoom
-   * @param {number} roll_deg
-   * @param {string} pan_mm
+   * @param {View} view  Rounded.
    */
-  set_(from, zoom, roll_deg, pan_mm) {
+  set_({azimuth_deg, elevation_deg, roll_deg, zoom, pan_mm}) {
     this.underWay_ += 1;
-    const options = {zoom: plain(zoom, 4), roll: plain(roll_deg), pan: pan_mm};
-    const command = {name: 'view', words: from.split(' '), options};
+    const options = {zoom: plain(zoom, ZOOM_DIGITS), roll: plain(roll_deg),
+      pan: pan_mm.map(each => plain(each)).join(',')};
+    const command = {name: 'view', words: [plain(azimuth_deg), plain(elevation_deg)], options};
     void this.connection_.set(command).then(({revision = 0}) => {
       this.underWay_ -= 1;
       this.answered_ = Math.max(this.answered_, revision);

@@ -168,6 +168,34 @@ class LightBall {
 export function createLook(root, app) {
   new LightBall(root, app);
   createMaterial(root, app);
+  createWarpSwitch(root, app);
+}
+
+/**
+ * The switch of the pictures between pictures.
+ * @param {HTMLElement} root
+ * @param {App} app
+ */
+function createWarpSwitch(root, {connection, picture: {warp}}) {
+  if (!warp) {
+    return;
+  }
+  const box = h('input', {type: 'checkbox', 'data-testid': 'warp-switch',
+    onchange: () => {
+      warp.isOn = box.checked;
+      box.checked = warp.isOn;
+    }});
+  const label = h('label', {class: 'row'}, box, 'Follow the pointer between pictures');
+  root.append(label);
+  connection.on('hello', () => {
+    label.hidden = connection.watches;
+    box.checked = warp.isOn;
+    box.disabled = warp.refusal !== '';
+    label.title = box.disabled ? `Not possible here: ${warp.refusal}.`
+      : 'While the view moves, shows the newest picture from the newest viewpoint by its depths. '
+        + 'Parts that the picture has not seen have the background color. Not with transparent '
+        + 'surfaces, nor in stereo.';
+  });
 }
 
 /**

@@ -1,0 +1,203 @@
+// Shows the newest picture from the newest viewpoint until the next picture arrives.
+import {byId} from '../elements/dom.js';
+import {cameraAt, inverse, isSameView, multiply} from './camera.js';
+import {canUnpack, unpack} from './lean_depths.js';
+import {WarpPainter} from './warp_painter.js';
+
+/** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
+/** @typedef {import('../link/vocabulary.js').CameraState} CameraState */
+/** @typedef {import('./camera.js').View} View */
+/** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
+
+const KEPT = 256;  // Length of each list; older values are dropped.
+
+/**
+ * Figures for the tests and the machine panel. Times are those of performance.now().
+ * @typedef {object} WarpFigures
+ * @property {number} draws              Warped pictures since the page was opened.
+ * @property {boolean} warped            Whether a warped picture is on the screen.
+ * @property {View | null} view          The view on the screen.
+ * @property {number[]} pointer_ms       From an input to the picture of its viewpoint.
+ * @property {number[]} picture_age_ms   Of each picture on the screen: time since the input that
+ *                                       asked for the viewpoint that the machine drew.
+ */
+
+/** @param {any[]} list @param {any} value */
+function keep(list, value) {
+  list.push(value);
+  if (list.length > KEPT) {
+    list.shift();
+  }
+}
+
+/**
+ * A canvas over the picture's canvas. It is visible while the newest picture has depths and the
+ * user has turned, moved or zoomed further. The picture's own canvas below always has the newest
+ * picture itself.
+ */
+export class Warp {
+  /**
+   * @param {import('../link/connection.js').Connection} connection
+   * @param {import('../state/store.js').Store} store
+   * @param {import('./picture.js').PictureView} picture
+   * @param {import('./viewpoint.js').Viewpoint} viewpoint
+   */
+  constructor(connection, store, picture, viewpoint) {
+    /** @private */
+    this.connection_ = connection;
+    /** @private */
+    this.store_ = store;
+    /** @private */
+    this.picture_ = picture;
+    /** @private */
+    this.viewpoint_ = viewpoint;
+    /** @private */
+    this.canvas_ = /** @type {HTMLCanvasElement} */ (byId('warp'));
+    /** @private @type {WarpPainter | null} */
+    this.painter_ = null;
+    /** Why nothing can be warped; empty if something can. */
+    this.refusal = canUnpack() ? '' : 'the browser cannot decode depths (deflate-raw)';
+    /** @private */
+    this.isOn_ = new URL(location.href).searchParams.get('warp') !== 'off';
+    /** @private The picture that the painter has. */
+    this.source_ = /** @type {{camera: CameraState, width: number, height: number,
+      seenAt: number} | null} */ (null);
+    /** @private Camera of the picture below. @type {CameraState | null} */
+    this.shown_ = null;
+    /** @private */
+    this.requested_ = 0;
+    /** @private Time of the newest input. */
+    this.inputAt_ = 0;
+    /** @private @type {{view: View, at: number}[]} */
+    this.views_ = [];
+    /** @type {WarpFigures} */
+    this.figures = {draws: 0, warped: false, view: null, pointer_ms: [], picture_age_ms: []};
+
+    connection.on('hello', () => this.ask_());
+    connection.on('lost', () => this.forget());
+    picture.onCleared(() => this.forget());
+    viewpoint.onMoved(() => this.moved_());
+    this.canvas_.addEventListener('webglcontextlost', () => {
+      this.painter_ = null;
+      this.refusal = 'the browser has taken WebGL back';
+      this.isOn = false;
+    });
+    for (const name of ['pointermove', 'wheel', 'keydown']) {
+      addEventListener(name, event => { this.inputAt_ = event.timeStamp; },
+        {capture: true, passive: true});
+    }
+  }
+
+  get isOn() {
+    return this.isOn_ && this.refusal === '';
+  }
+
+  set isOn(on) {
+    this.isOn_ = on;
+    this.ask_();
+    if (!this.isOn) {
+      this.forget();
+    }
+  }
+
+  /**
+   * Decodes the depths of a frame; null if there are none.
+   * @param {import('../link/connection.js').Frame} frame
+   * @returns {Promise<LeanDepths | null>}
+   */
+  async unpack({header, depths}) {
+    return this.painter_ && this.isOn && depths.length > 0
+      ? unpack(depths, header.width, header.height) : null;
+  }
+
+  /**
+   * Takes the picture that is now on the canvas below.
+   * @param {FrameHeader} header
+   * @param {CameraState | null} camera
+   * @param {ImageBitmap} bitmap
+   * @param {LeanDepths | null} lean
+   */
+  take({width, height}, camera, bitmap, lean) {
+    this.shown_ = camera;
+    const asked = camera && this.views_.filter(({view}) => isSameView(view, camera)).at(-1);
+    const seenAt = asked?.at ?? 0;
+    this.source_ = null;
+    if (lean && camera && this.painter_) {
+      this.painter_.take(bitmap, lean);
+      this.source_ = {camera, width, height, seenAt};
+    }
+    if (!this.draw_() && seenAt > 0) {
+      const age = performance.now() - seenAt;
+      keep(this.figures.pointer_ms, age);
+      keep(this.figures.picture_age_ms, age);
+      this.views_ = [];  // The screen shows the newest view: no input waits for a picture.
+    }
+  }
+
+  /** Shows the picture below until a frame with depths arrives. */
+  forget() {
+    this.source_ = null;
+    this.shown_ = null;
+    this.views_ = [];
+    this.draw_();
+  }
+
+  /** Asks the server for depths, or for none. @private */
+  ask_() {
+    const {watches} = this.connection_;
+    if (this.isOn && !watches && !this.painter_) {
+      try {
+        this.painter_ = new WarpPainter(this.canvas_);
+      } catch (error) {
+        this.refusal = error instanceof Error ? error.message : String(error);
+      }
+    }
+    this.connection_.wantDepths(this.isOn && !watches);
+  }
+
+  /** Draws at the next screen refresh. @private */
+  moved_() {
+    const view = this.viewpoint_.wanted;
+    if (view) {
+      keep(this.views_, {view, at: this.inputAt_});
+    }
+    if (this.requested_ === 0) {
+      this.requested_ = requestAnimationFrame(() => {
+        this.requested_ = 0;
+        if (this.draw_()) {
+          keep(this.figures.pointer_ms, performance.now() - this.inputAt_);
+        }
+      });
+    }
+  }
+
+  /**
+   * Shows the warped picture if the newest view is not that of the picture below.
+   * @private
+   * @returns {boolean} whether the warped picture is shown
+   */
+  draw_() {
+    const {source_: source, painter_: painter} = this;
+    const {wanted} = this.viewpoint_, state = this.store_.state;
+    const isAhead = Boolean(wanted && this.shown_ && !isSameView(wanted, this.shown_));
+    const isWarped = Boolean(source && painter && state && isAhead);
+    this.figures.warped = isWarped;
+    this.figures.view = isWarped ? wanted : this.shown_;
+    this.canvas_.style.visibility = isWarped ? 'visible' : 'hidden';
+    if (!source || !painter || !state || !wanted || !isAhead) {
+      this.picture_.lookFrom(null);
+      return false;
+    }
+    const aspect = source.width / source.height;
+    const from = cameraAt(source.camera, source.camera, aspect);
+    const to = cameraAt(wanted, source.camera, aspect);
+    painter.draw(multiply(to.patient_to_clip, inverse(from.patient_to_clip)),
+      wanted.zoom / source.camera.zoom, state.background);
+    this.picture_.lookFrom(cameraAt(wanted, source.camera, state.size[0] / state.size[1]));
+    this.figures.draws += 1;
+    if (source.seenAt > 0) {
+      keep(this.figures.picture_age_ms, performance.now() - source.seenAt);
+    }
+    return true;
+  }
+}

@@ -1,0 +1,246 @@
+// Draws a picture from another viewpoint with WebGL 2, by the depths at the corners of cells.
+import {CELL_PX, cornerOf, coveredCells, maskRowBytes, MAX_LEAN} from './lean_depths.js';
+
+/** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
+
+/**
+ * Nothing is drawn in a cell that became more than this many times longer: the picture has seen its
+ * surface at a glancing angle only.
+ */
+export const MOST_STRETCH = 3;
+const SEAM_COLUMNS = 1024;   // Texels per row of the texture of seams.
+
+// A vertex is a corner of a cell, and lies where its depth puts it. The first vertices are the
+// corners of the picture. The others belong to seams, whose surfaces have corners of their own: a
+// texel has the depth and the pixels of the surface, and the place of the corner in its cell.
+const VERTEX = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+uniform usampler2D corners;
+uniform usampler2D seams;
+uniform ivec2 size;
+uniform mat4 warp;
+out vec2 at_px;
+flat out uint pixels;
+flat out ivec2 cell_px;
+void main() {
+  ivec2 count = textureSize(corners, 0);
+  int other = gl_VertexID - count.x * count.y;
+  ivec2 corner = ivec2(gl_VertexID % count.x, gl_VertexID / count.x);
+  uint lean;
+  pixels = 0xffffu;
+  cell_px = ivec2(0);
+  if (other < 0) {
+    lean = texelFetch(corners, corner, 0).r;
+  } else {
+    uvec2 seam = texelFetch(seams, ivec2(other % ${SEAM_COLUMNS}, other / ${SEAM_COLUMNS}), 0).rg;
+    lean = seam.r & 0xffffu;
+    pixels = seam.r >> 16;
+    ivec2 cell = ivec2(seam.g & 0xffffu, seam.g >> 16);
+    cell_px = cell * ${CELL_PX};
+    corner = cell + ivec2(other & 1, other >> 1 & 1);
+  }
+  at_px = vec2(min(corner * ${CELL_PX}, size));
+  vec2 across = at_px / vec2(size);
+  float depth = (float(lean) - 0.5) / ${MAX_LEAN}.0;
+  gl_Position = warp * vec4(across.x * 2.0 - 1.0, 1.0 - across.y * 2.0, depth * 2.0 - 1.0, 1.0);
+}`;
+
+// The least singular value of the change of place in the picture per pixel of the canvas is the
+// inverse of the longest stretch.
+const FRAGMENT = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+uniform sampler2D colors;
+uniform usampler2D mask;
+uniform ivec2 size;
+uniform float magnification;
+in vec2 at_px;
+flat in uint pixels;
+flat in ivec2 cell_px;
+out vec4 color;
+void main() {
+  vec2 across = dFdx(at_px) * magnification, down = dFdy(at_px) * magnification;
+  float sum = dot(across, across) + dot(down, down);
+  float area = across.x * down.y - across.y * down.x;
+  float least = (sum - sqrt(max(0.0, sum * sum - 4.0 * area * area))) / 2.0;
+  bool is_torn = least * ${MOST_STRETCH ** 2}.0 < 1.0;
+  ivec2 pixel = clamp(ivec2(floor(at_px)), ivec2(0), size - 1);
+  vec2 place = at_px;
+  if (pixels != 0xffffu) {
+    pixel = clamp(pixel, cell_px, cell_px + ${CELL_PX - 1});
+    ivec2 within = pixel - cell_px;
+    if ((pixels >> uint(within.y * ${CELL_PX} + within.x) & 1u) == 0u) {
+      discard;
+    }
+    place = vec2(pixel) + 0.5;  // Beside the pixel may be another surface.
+  }
+  uint bits = texelFetch(mask, ivec2(pixel.x >> 3, pixel.y), 0).r;
+  if (is_torn || (bits >> uint(pixel.x & 7) & 1u) == 0u) {
+    discard;
+  }
+  color = vec4(texture(colors, place / vec2(size)).rgb, 1.0);
+}`;
+
+/**
+ * @param {WebGL2RenderingContext} gl
+ * @returns {WebGLProgram}
+ */
+function programOf(gl) {
+  const program = gl.createProgram();
+  for (const [type, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, VERTEX],
+    [gl.FRAGMENT_SHADER, FRAGMENT]])) {
+    const shader = /** @type {WebGLShader} */ (gl.createShader(type));
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+  }
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
+    const logs = (gl.getAttachedShaders(program) ?? []).map(each => gl.getShaderInfoLog(each));
+    throw new Error(`the browser refuses the shaders: ${logs.join(' ')} `
+      + `${gl.getProgramInfoLog(program)}`);
+  }
+  return program;
+}
+
+/**
+ * The triangles of all cells that show something, counterclockwise as seen by the camera of the
+ * picture, and the texels of the corners of seams.
+ * @param {LeanDepths} lean
+ * @param {Uint8Array} covered  Of cells.
+ */
+function meshOf({columns, rows, seams}, covered) {
+  const inner = covered.slice();
+  for (const {cell} of seams) {
+    inner[cell] = 0;
+  }
+  const surfaces = seams.flatMap(({cell, near_pixels, near, far}) => [
+    {cell, pixels: ~near_pixels & 0xffff, depths: far},
+    ...(near_pixels === 0 ? [] : [{cell, pixels: near_pixels, depths: near}])]);
+  const cells = inner.reduce((sum, each) => sum + each, 0);
+  const triangles = new Uint32Array(6 * (cells + surfaces.length));
+  let at = 0;
+  const add = (/** @type {number[]} */ ...corners) => {
+    for (const each of corners) {
+      triangles[at++] = each;
+    }
+  };
+  for (let cell = 0; cell < inner.length; ++cell) {
+    if (inner[cell]) {
+      const corner = cornerOf(cell, columns), below = corner + columns;
+      add(corner, below, corner + 1, corner + 1, below, below + 1);
+    }
+  }
+  const texelRows = Math.max(1, Math.ceil(4 * surfaces.length / SEAM_COLUMNS));
+  const texels = new Uint32Array(2 * SEAM_COLUMNS * texelRows);
+  surfaces.forEach(({cell, pixels, depths}, index) => {
+    const first = columns * rows + 4 * index;
+    add(first, first + 2, first + 1, first + 1, first + 2, first + 3);
+    const place = cell % (columns - 1) | Math.floor(cell / (columns - 1)) << 16;
+    depths.forEach((depth, corner) => {
+      texels[2 * (4 * index + corner)] = depth | pixels << 16;
+      texels[2 * (4 * index + corner) + 1] = place;
+    });
+  });
+  return {triangles, texels, texelRows};
+}
+
+export class WarpPainter {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @throws {Error} if the browser has no WebGL 2
+   */
+  constructor(canvas) {
+    const gl = canvas.getContext('webgl2', {alpha: false, antialias: false, stencil: false});
+    if (!gl) {
+      throw new Error('the browser has no WebGL 2');
+    }
+    /** @private */
+    this.canvas_ = canvas;
+    /** @private */
+    this.gl_ = gl;
+    /** @private */
+    this.program_ = programOf(gl);
+    /** @private */
+    this.places_ = Object.fromEntries(['corners', 'seams', 'colors', 'mask', 'size', 'warp',
+      'magnification'].map(name => [name, gl.getUniformLocation(this.program_, name)]));
+    /** @private */
+    this.textures_ = [0, 1, 2, 3].map(() => gl.createTexture());
+    /** @private */
+    this.count_ = 0;
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.CULL_FACE);
+  }
+
+  /**
+   * Takes a picture with its depths. The canvas gets the size of the picture.
+   * @param {ImageBitmap} picture
+   * @param {LeanDepths} lean
+   */
+  take(picture, lean) {
+    const gl = this.gl_, {width, height} = picture;
+    if (this.canvas_.width !== width || this.canvas_.height !== height) {
+      this.canvas_.width = width;
+      this.canvas_.height = height;
+    }
+    this.bind_(0, gl.NEAREST);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16UI, lean.columns, lean.rows, 0, gl.RED_INTEGER,
+      gl.UNSIGNED_SHORT, lean.corners);
+    this.bind_(1, gl.NEAREST);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, maskRowBytes(width), height, 0, gl.RED_INTEGER,
+      gl.UNSIGNED_BYTE, lean.mask);
+    const {triangles, texels, texelRows} = meshOf(lean, coveredCells(lean, width, height));
+    this.bind_(3, gl.NEAREST);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32UI, SEAM_COLUMNS, texelRows, 0, gl.RG_INTEGER,
+      gl.UNSIGNED_INT, texels);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STREAM_DRAW);
+    this.count_ = triangles.length;
+    this.bind_(2, gl.LINEAR);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, picture);
+  }
+
+  /**
+   * Draws the picture.
+   * @param {number[]} warp          From the clip space of the picture to the new clip space.
+   * @param {number} magnification   New zoom over the zoom of the picture.
+   * @param {string} background      #rrggbb, where nothing is known.
+   */
+  draw(warp, magnification, background) {
+    const gl = this.gl_, {width, height} = this.canvas_, places = this.places_;
+    const [red, green, blue] = [1, 3, 5].map(at => parseInt(background.slice(at, at + 2), 16)
+      / 255);
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(red, green, blue, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.useProgram(this.program_);
+    gl.uniform1i(places.corners, 0);
+    gl.uniform1i(places.mask, 1);
+    gl.uniform1i(places.colors, 2);
+    gl.uniform1i(places.seams, 3);
+    gl.uniform2i(places.size, width, height);
+    gl.uniform1f(places.magnification, magnification);
+    gl.uniformMatrix4fv(places.warp, false, new Float32Array(warp));
+    gl.drawElements(gl.TRIANGLES, this.count_, gl.UNSIGNED_INT, 0);
+  }
+
+  /**
+   * @private
+   * @param {number} unit
+   * @param {number} filter
+   */
+  bind_(unit, filter) {
+    const gl = this.gl_;
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, this.textures_[unit]);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+  }
+}
