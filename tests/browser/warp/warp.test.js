@@ -204,6 +204,8 @@ test('while a GP is stopped the picture follows the pointer, and rests exact aft
     assert.equal(end.frames, frames, 'the machine draws although its GPs are stopped');
     assert.equal(pictures.size, end.i - 2, 'each move shows another picture');
     assert.ok(await page.evaluate(() => globalThis.pxpl5.warp.warped));
+    assert.equal(await byId('badge-quality').textContent(), 'warped');
+    assert.equal(await byId('badge-digest').textContent(), '');
     await shoot(page, 'warp-stopped');
   } finally {
     for (const pid of stopped) process.kill(pid, 'SIGCONT');
@@ -211,6 +213,8 @@ test('while a GP is stopped the picture follows the pointer, and rests exact aft
   await page.mouse.up();
   await page.waitForFunction(() => !globalThis.pxpl5.warp.warped);
   const rested = await settled(page);
+  assert.match(await byId('badge-quality').textContent(), /^lossless/);
+  assert.equal(await byId('badge-digest').textContent(), rested.digest);
   const plain = await openPage(browser, `${server.url}&warp=off`);
   assert.equal((await settled(plain.page)).digest, rested.digest);
   assert.equal(await pixelsOf(plain.page), await pixelsOf(page));

@@ -1,12 +1,15 @@
 // The status line below the picture: quality, digest, speed and size.
-import {byId, h} from '../elements/dom.js';
+import {byId, h, update} from '../elements/dom.js';
 
 /** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
 
 const RATE_OVER_MS = 2000;
 const SETTLE_MS = 200;        // Delay from resizing the panel to resizing the picture.
 const MOST_AUTO_PX = 1280 * 1024;
 const STEP_PX = 2;            // Sizes are even.
+const WARPED_TITLE = 'The newest picture, shown from the newest viewpoint by its depths until the '
+  + 'next picture arrives. Parts that it has not seen have the background color.';
 const SIZES = ['256x256', '512x512', '768x768', '1024x1024', '1280x1024', '1920x1080'];
 
 /** @param {App} app */
@@ -25,32 +28,51 @@ export function createBadge(app) {
     times = [...times.filter(each => at - each < RATE_OVER_MS), at];
     const [now, before] = [at, times[0]];
     const rate = times.length > 2 ? (times.length - 1) / (now - before) * 1000 : 0;
-    const samples = header.samples > 1 ? `, ${header.samples} samples` : '';
-    const isSimplified = header.moved_mm > 0;
-    const isLossless = header.kind === 'png';
-    const within = `simplified within ${millimeters(header.moved_mm)} mm`;
-    quality.textContent = isSimplified ? (isLossless ? within : `moving, ${within}`)
-      : isLossless ? `lossless${samples}` : `moving, JPEG ${header.quality}`;
-    quality.classList.toggle('good', isLossless && !isSimplified);
-    quality.title = (isLossless
-      ? 'Every pixel is exactly as rendered'
-        + (samples ? `, averaged over ${header.samples} samples` : '')
-      : `Compressed during interaction (quality ${header.quality} of 100), lossless at rest`)
-      + (isSimplified ? '. Surfaces have fewer triangles; no point is farther from the exact '
-        + 'surface. Small parts may be missing. The command detail sets this.' : '');
-    digest.textContent = header.digest;
-    label.hidden = header.digest === '';
+    showQuality();
     speed.textContent = `${header.machine_ms.toFixed(0)} ms`
       + (rate > 0 && !header.rests ? ` · ${rate.toFixed(0)} frames/s` : '');
     speed.title = 'Time to render this frame, and displayed frames per second';
     size.textContent = `${header.width} × ${header.height}`;
     size.title = 'Size of this frame in pixels. Frames may be smaller during interaction.';
   });
+  const showQuality = () => {
+    const {header, warp} = app.picture;
+    if (header) {
+      const isWarped = warp?.figures.warped ?? false;
+      update(quality, {title: isWarped ? WARPED_TITLE : qualityTitle(header)});
+      quality.textContent = isWarped ? 'warped' : qualityText(header);
+      quality.classList.toggle('good',
+        !isWarped && header.kind === 'png' && header.moved_mm === 0);
+      digest.textContent = isWarped ? '' : header.digest;
+      label.hidden = digest.textContent === '';
+    }
+  };
+  app.picture.onChange(showQuality);
   app.picture.onCleared(() => {
     for (const text of [quality, digest, speed, size]) {
       text.textContent = '';
     }
   });
+}
+
+/** @param {FrameHeader} header */
+function qualityText({kind, quality, samples, moved_mm}) {
+  const within = `simplified within ${millimeters(moved_mm)} mm`;
+  if (moved_mm > 0) {
+    return kind === 'png' ? within : `moving, ${within}`;
+  }
+  return kind === 'png' ? `lossless${samples > 1 ? `, ${samples} samples` : ''}`
+    : `moving, JPEG ${quality}`;
+}
+
+/** @param {FrameHeader} header */
+function qualityTitle({kind, quality, samples, moved_mm}) {
+  return (kind === 'png'
+    ? 'Every pixel is exactly as rendered'
+      + (samples > 1 ? `, averaged over ${samples} samples` : '')
+    : `Compressed during interaction (quality ${quality} of 100), lossless at rest`)
+    + (moved_mm > 0 ? '. Surfaces have fewer triangles; no point is farther from the exact '
+      + 'surface. Small parts may be missing. The command detail sets this.' : '');
 }
 
 /**
