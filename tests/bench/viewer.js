@@ -3,7 +3,7 @@
 import { launchBrowser, openPage, serve } from '../browser/harness.js';
 import { browserProcesses, cpuSeconds, treeOf } from '../browser/processes.js';
 import { evaluate, forget, record } from '../browser/recorder.js';
-import { middleOf, settled } from '../browser/steps.js';
+import { after, middleOf, settled, unfold } from '../browser/steps.js';
 
 const PICTURE = '512x512';
 const SWING_PX = 60;         // A drag goes so far to both sides.
@@ -23,6 +23,7 @@ function quantile(samples, share) {
 /** Drags to and fro for as long as asked, as fast as the browser takes moves. */
 async function swing(page, at, { x, y }) {
   await page.evaluate(forget);
+  await page.evaluate(() => { globalThis.pxpl5.warp.pointer_ms.length = 0; });
   await page.mouse.move(at.x, at.y);
   await page.mouse.down();
   const begin = performance.now();
@@ -32,7 +33,8 @@ async function swing(page, at, { x, y }) {
   }
   const rest = await page.evaluate(rested, REST_MS);
   await page.mouse.up();
-  return { ...await page.evaluate(evaluate), ...rest };
+  const pointer_ms = await page.evaluate(() => globalThis.pxpl5.warp.pointer_ms);
+  return { ...await page.evaluate(evaluate), ...rest, pointer_ms };
 }
 
 /** In the page: what is shown so long after the last input. */
@@ -67,19 +69,28 @@ await settled(page);
 const rows = {};
 const grip = await middleOf(page.getByTestId('handle-bone').locator('.reach'));
 rows['threshold dragged'] = await measure(page, server, grip, { x: 1, y: 0 });
-rows['view turned'] = await measure(page, server, await middleOf(page.getByTestId('stage')),
-                               { x: 2, y: 0.5 });
+const turned = async () => measure(page, server, await middleOf(page.getByTestId('stage')),
+                                   { x: 2, y: 0.5 });
+rows['view turned'] = await turned();
+// Without the transparent skin, the page follows the pointer between two pictures.
+await unfold(page);
+await after(page, () => page.getByTestId('surface-visible-skin').uncheck());
+rows['bone turned'] = await turned();
+await page.getByTestId('warp-switch').uncheck();
+rows['bone turned, warp off'] = await turned();
 
 console.log(`phantom:pelvis, ${PICTURE}, ${seconds} s each; CPU in percent of one core`);
 console.log('| | new pictures/s | frames/s | input to picture ms: median | 95 % | ' +
-  `newest after ${REST_MS} ms | lossless | CPU server | CPU browser |`);
-console.log('|---|---|---|---|---|---|---|---|---|');
+  `pointer to screen ms: median | 95 % | newest after ${REST_MS} ms | lossless | CPU server | ` +
+  'CPU browser |');
+console.log('|---|---|---|---|---|---|---|---|---|---|---|');
 for (const [name, row] of Object.entries(rows)) {
   const numbers = [row.states / row.seconds, row.frames / row.seconds,
-                  quantile(row.latency_ms, 0.5), quantile(row.latency_ms, 0.95)];
-  console.log(`| ${[name, ...numbers.map(each => each.toFixed(1)), row.isNewest ? 'yes' : 'no',
-                  row.isLossless ? 'yes' : 'no', row.serverCpu.toFixed(0),
-                  row.browserCpu.toFixed(0)].join(' | ')} |`);
+                  quantile(row.latency_ms, 0.5), quantile(row.latency_ms, 0.95),
+                  quantile(row.pointer_ms, 0.5), quantile(row.pointer_ms, 0.95)];
+  const cells = numbers.map(each => Number.isNaN(each) ? '-' : each.toFixed(1));
+  console.log(`| ${[name, ...cells, row.isNewest ? 'yes' : 'no', row.isLossless ? 'yes' : 'no',
+                  row.serverCpu.toFixed(0), row.browserCpu.toFixed(0)].join(' | ')} |`);
 }
 console.log(`goals: ${GOALS.surfaces} surfaces/s, ${GOALS.frames} frames/s, median ` +
   `${GOALS.latency} ms`);
