@@ -24,6 +24,7 @@ bool accepts_message(const std::string& text) {
     const std::optional<std::string> heard = viewer.hear(text, true, 1);
     require(!heard || *heard == text, "a text that changes on its way");
     shown_number(text);
+    wanted_depths(text);
     try {
         const ViewerMessage message = read_viewer_message(text);
         const int meanings = int{message.line.has_value()} + int{message.ask.has_value()} +
