@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "gp_firmware/node/messages.hpp"
-#include "gp_firmware/node/surfaces.hpp"
+#include "gp_firmware/render/surface_memory.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
 #include "ringbus/node.hpp"
 

@@ -9,6 +9,7 @@
 
 #include "gp_firmware/node/messages.hpp"
 #include "gp_firmware/node/stages.hpp"
+#include "gp_firmware/render/surface_memory.hpp"
 #include "gp_firmware/surface/cluster_block.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
 
@@ -21,17 +22,6 @@ using bus::NodeFault;
 using schema::FaultCode;
 
 constexpr std::size_t triangles_per_piece = 50'000;  ///< About 1 ms of an extraction.
-
-bool is_left_out(const SlabMesh& mesh) {
-    return mesh.left_out.has_value();
-}
-
-/// Returns the bytes of a mesh without spare capacity.
-std::size_t tight_bytes(const SlabMesh& mesh) {
-    const MeshSize size = size_of(mesh);
-    return size.vertices * (sizeof(Vertex) + sizeof(std::uint64_t)) +
-           3 * size.triangles * sizeof(std::uint32_t);
-}
 
 /// Estimates from the slabs of this GP how many GPs would hold all surfaces without leaving slabs
 /// out. Returns 0 if the surface has none that is left out, or no number of GPs would do.
@@ -77,65 +67,6 @@ bool is_roomy(const SlabMesh& mesh) {
     return size_bytes(mesh) > 2 * tight_bytes(mesh) + spare_bytes;
 }
 
-/// Frees the spare capacity of a mesh.
-void tighten(SlabMesh& mesh) {
-    if (size_bytes(mesh) > tight_bytes(mesh)) {
-        mesh = SlabMesh(mesh);
-    }
-}
-
-/// Takes the lists out of a mesh, which is not charged.
-void leave_out(SlabMesh& mesh) {
-    SlabMesh sizes;
-    sizes.slab = mesh.slab;
-    sizes.counts = mesh.counts;
-    sizes.left_out = size_of(mesh);
-    mesh = std::move(sizes);
-}
-
-/// Makes the new mesh slabs[at], which is not charged yet, fit: without spare capacity, without the
-/// meshes of the older revision behind it, without simplified surfaces, which are made again when
-/// they are wanted, without spare capacity of the meshes before it, and at last without its lists.
-void fit_into_memory(std::span<SlabMesh> slabs, std::size_t at, Board& board) {
-    SlabMesh& mesh = slabs[at];
-    LocalMemory& memory = board.memory;
-    const auto fits = [&] { return size_bytes(mesh) <= memory.available_bytes(); };
-    if (fits()) {
-        return;
-    }
-    tighten(mesh);
-    for (std::size_t older = at + 1; older < slabs.size() && !fits(); ++older) {
-        memory.release(size_bytes(slabs[older]));
-        slabs[older] = SlabMesh{};
-    }
-    for (auto held = board.surfaces.begin(); held != board.surfaces.end() && !fits(); ++held) {
-        drop_simplified(held->second, memory);
-    }
-    for (std::size_t newer = 0; newer < at && !fits(); ++newer) {
-        memory.release(size_bytes(slabs[newer]));
-        tighten(slabs[newer]);
-        memory.charge(size_bytes(slabs[newer]), "a mesh without spare capacity");
-    }
-    if (!fits()) {
-        leave_out(mesh);
-    }
-}
-
-/// Leaves out slabs of complete surfaces until `bytes` are free, or none is left.
-void make_room(std::size_t bytes, Board& board) {
-    for (auto& [number, held] : board.surfaces) {
-        for (SlabMesh& mesh : held.slabs) {
-            if (bytes <= board.memory.available_bytes()) {
-                return;
-            }
-            if (held.complete && size_bytes(mesh) > 0) {
-                board.memory.release(size_bytes(mesh));
-                leave_out(mesh);
-            }
-        }
-    }
-}
-
 /// Extracts a piece of the next slab. The slab replaces that of the older revision, because the
 /// memory need not have room for both.
 void extract_next(ExtractJob& job, HeldSurface& surface, Board& board) {
@@ -156,7 +87,7 @@ void extract_next(ExtractJob& job, HeldSurface& surface, Board& board) {
         board.scratch.left_out.reset();
     } else {
         copy_closely(board.scratch, mesh);
-        fit_into_memory(surface.slabs, job.next_slab, board);
+        fit_into_memory(surface.slabs, job.next_slab, board.surfaces, board.memory);
     }
     ++job.next_slab;
     board.memory.charge(size_bytes(mesh), fmt::format("surface {}", job.surface));
@@ -213,12 +144,6 @@ std::vector<SlabMask> masks_of(const HeldSurface& surface, std::size_t first, st
         }
     }
     return masks;
-}
-
-void drop(const SimplifiedSurface& simplified, LocalMemory& memory) {
-    for (const SlabMesh& block : simplified.blocks) {
-        memory.release(size_bytes(block));
-    }
 }
 
 /// Extracts a slab that is left out. The mesh stays until the next call.
@@ -365,7 +290,7 @@ bool simplify_next(const SimplifiedWish& wish, Board& board) {
     simplified.moved_mm = std::max(simplified.moved_mm, moved_mm);
     simplified.slabs_done += count;
     const SlabMesh& block = simplified.blocks.emplace_back(made);  // Without spare capacity.
-    make_room(size_bytes(block), board);
+    make_room(size_bytes(block), wish.detail, board.surfaces, board.memory);
     try {
         board.memory.charge(size_bytes(block), fmt::format("surface {}, simplified", wish.surface),
                             "draw the surface exactly");
@@ -376,13 +301,6 @@ bool simplify_next(const SimplifiedWish& wish, Board& board) {
         throw;
     }
     return simplified.slabs_done == surface.slabs.size();
-}
-
-void drop_simplified(HeldSurface& surface, LocalMemory& memory) {
-    for (const auto& [key, simplified] : surface.simplified) {
-        drop(simplified, memory);
-    }
-    surface.simplified.clear();
 }
 
 }  // namespace pxpl5::gp

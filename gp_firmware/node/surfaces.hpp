@@ -36,7 +36,4 @@ void require_whole_blocks(const SimplifiedWish& wish, const Board& board);
 /// local memory. Throws OutOfLocalMemory, after it has dropped this simplified surface.
 bool simplify_next(const SimplifiedWish& wish, Board& board);
 
-/// Drops all simplified surfaces of a surface, because it has changed.
-void drop_simplified(HeldSurface& surface, LocalMemory& memory);
-
 }  // namespace pxpl5::gp

@@ -77,9 +77,9 @@ std::string shown_surface(const Session& session, const std::string& name);
 std::string filter_text(const ComponentFilter& filter);
 /// The clip planes, as `clip` takes them.
 std::vector<std::string> clip_words(const Scene& scene);
-/// One surface, for people and programs.
 /// Why pictures of a surface with slabs that are left out take longer, and what helps.
 std::string left_out_text(const SurfaceReport& report);
+/// One surface, for people and programs.
 std::string surface_text(const Surface& surface, const SurfaceReport& report);
 Fields surface_fields(const Surface& surface, const SurfaceReport& report);
 

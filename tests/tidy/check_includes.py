@@ -32,7 +32,7 @@ ROOMS = {
         "volume": {"hal"},
         "surface": {"volume", "hal"},
         "geometry": {"surface"},
-        "render": {"geometry", "surface"},
+        "render": {"geometry", "surface", "hal"},
         "node": {"render", "geometry", "surface", "volume", "hal"},
         ".": {"node"},
     },
