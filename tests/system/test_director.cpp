@@ -166,6 +166,26 @@ TEST_CASE("frames of opaque surfaces carry depths while somebody wants them") {
     CHECK(have_depths("stereo off") == "dddd");
 }
 
+TEST_CASE("a resting picture is drawn once more for who wants its depths, and only once") {
+    Theatre stage;
+    stage.watchers.does(1, "view 10 20");
+    stage.settle();
+    const std::uint64_t digest = stage.watchers.frames.back().digest;
+    stage.watchers.frames.clear();
+    stage.watchers.wants_depths = true;
+    stage.settle();
+    REQUIRE(stage.watchers.frames.size() == 3);  // 1, 4 and 16 samples.
+    for (const serve::Shown& frame : stage.watchers.frames) {
+        CHECK(frame.depths != nullptr);
+    }
+    CHECK(stage.watchers.frames.back().digest == digest);
+    stage.watchers.wants_depths = false;
+    stage.settle();
+    stage.watchers.wants_depths = true;
+    stage.settle();
+    CHECK(stage.watchers.frames.size() == 3);
+}
+
 TEST_CASE("a refinement is given up when something comes, and its picture is not shown") {
     Theatre stage;
     stage.watchers.frames.clear();

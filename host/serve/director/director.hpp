@@ -131,6 +131,7 @@ class Director {
     ReadBack read_back() const;
     void show(Picture picture, int samples, bool rests, bool last);
     bool has_picture() const;
+    bool lacks_depths() const;
     bool wants_machine() const;
     void tell_machine();
     double since_ms(std::int64_t then_ns) const;
@@ -142,6 +143,7 @@ class Director {
         std::int64_t time_ns = 0;
         /// Depths of the resting picture of one sample, for its refinements; may be null.
         std::shared_ptr<const std::vector<std::uint32_t>> resting_depths = nullptr;
+        bool read_depths = false;  ///< The resting picture of one sample was drawn with depths.
     };
 
     Audience& audience_;

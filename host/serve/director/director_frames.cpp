@@ -139,8 +139,9 @@ bool Director::draw_resting() {
         return false;
     }
     const std::uint32_t revision = revision_;
-    const bool is_first = shown_.revision != revision || shown_.samples == 0;
+    const bool is_first = shown_.revision != revision || shown_.samples == 0 || lacks_depths();
     const int samples = *std::ranges::upper_bound(sample_counts, is_first ? 0 : shown_.samples);
+    const ReadBack reads = read_back();
     bool is_drawn = true;
     guard("drawing", [&] {
         const auto go_on = [this] {
@@ -148,7 +149,7 @@ bool Director::draw_resting() {
             answer_slices();
             return !inbox_.changes_picture();
         };
-        auto picture = session_->frames.draw_samples(samples, go_on, read_back());
+        auto picture = session_->frames.draw_samples(samples, go_on, reads);
         is_drawn = picture.has_value();
         if (picture) {
             show(std::move(*picture), samples, true, samples == most_samples());
@@ -158,8 +159,15 @@ bool Director::draw_resting() {
         shown_.time_ns = parts_.clock_ns();
         shown_.revision = revision;
         shown_.samples = samples;
+        shown_.read_depths = is_first ? reads == ReadBack::pixels_and_depths : shown_.read_depths;
     }
     return true;
+}
+
+/// Whether a viewer asks for the depths of the resting picture, which was drawn without them.
+bool Director::lacks_depths() const {
+    return shown_.revision == revision_ && shown_.samples > 0 && !shown_.read_depths &&
+           read_back() == ReadBack::pixels_and_depths;
 }
 
 /// Samples per pixel of the last refinement.
@@ -169,7 +177,7 @@ int Director::most_samples() const {
 
 /// Whether a better picture than the newest can be drawn.
 bool Director::is_refinable() const {
-    return shown_.revision != revision_ || shown_.samples < most_samples();
+    return shown_.revision != revision_ || shown_.samples < most_samples() || lacks_depths();
 }
 
 bool Director::wants_machine() const {

@@ -185,7 +185,7 @@ void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
         }
         advise();
     } else if (const auto wanted = wanted_depths(*text)) {
-        viewer.wants_depths = *wanted;
+        viewer.wants_depths = *wanted && viewer.role == Role::driver;
         advise();
     } else if (!mail_.push(Said{viewer.number, viewer.role, std::move(*text)})) {
         viewer.closing = {1013, "Too many messages are waiting for the session."};
@@ -266,8 +266,13 @@ const std::string& Loop::encoded(const NewestFrame& frame, int quality) {
 const std::string& Loop::encoded_depths(const NewestFrame& frame) {
     const Shown& shown = frame.shown;
     if (encoded_depths_of_ != shown.depths) {
-        encoded_depths_ = packed(lean_depths(shown.width, shown.height, *shown.depths));
         encoded_depths_of_ = shown.depths;
+        encoded_depths_.clear();  // A picture without depths is better than none.
+        try {
+            encoded_depths_ = packed(lean_depths(shown.width, shown.height, *shown.depths));
+        } catch (const std::exception& error) {
+            fmt::print(stderr, "warning: pictures have no depths: {}\n", error.what());
+        }
     }
     return encoded_depths_;
 }

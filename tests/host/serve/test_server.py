@@ -298,6 +298,9 @@ class Frames(Case):
         self.assertEqual(self.frame(warps)[0]["depth_bytes"], 0)
         warps.send('{"depths":false}')
         self.assertFalse(self.ask(warps, wants=0)["depths"])
+        watcher = self.join(self.server.watch_url)  # It must not slow down the driver's machine.
+        watcher.send('{"depths":true}')
+        self.assertFalse(self.ask(warps, wants=0)["depths"])
 
     def test_who_does_not_show_frames_gets_two_and_then_the_newest(self):
         viewer = self.join()

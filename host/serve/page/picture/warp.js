@@ -57,6 +57,8 @@ export class Warp {
     this.painter_ = null;
     /** Why nothing can be warped; empty if something can. */
     this.refusal = canUnpack() ? '' : 'the browser cannot decode depths (deflate-raw)';
+    /** @private @type {(() => void)[]} */
+    this.switched_ = [];
     /** @private */
     this.isOn_ = new URL(location.href).searchParams.get('warp') !== 'off';
     /** @private The picture that the painter has. */
@@ -77,10 +79,14 @@ export class Warp {
     connection.on('lost', () => this.forget());
     picture.onCleared(() => this.forget());
     viewpoint.onMoved(() => this.moved_());
-    this.canvas_.addEventListener('webglcontextlost', () => {
+    this.canvas_.addEventListener('webglcontextlost', event => {
+      event.preventDefault();  // Else the browser does not give it back.
       this.painter_ = null;
-      this.refusal = 'the browser has taken WebGL back';
-      this.isOn = false;
+      this.refuse_('the browser has taken WebGL back');
+    });
+    this.canvas_.addEventListener('webglcontextrestored', () => {
+      this.refusal = '';
+      this.ask_();
     });
     for (const name of ['pointermove', 'wheel', 'keydown']) {
       addEventListener(name, event => { this.inputAt_ = event.timeStamp; },
@@ -106,8 +112,15 @@ export class Warp {
    * @returns {Promise<LeanDepths | null>}
    */
   async unpack({header, depths}) {
-    return this.painter_ && this.isOn && depths.length > 0
-      ? unpack(depths, header.width, header.height) : null;
+    if (!this.painter_ || !this.isOn || depths.length === 0) {
+      return null;
+    }
+    try {
+      return await unpack(depths, header.width, header.height);
+    } catch (error) {  // The picture itself is shown all the same.
+      this.refuse_(`depths cannot be read: ${error instanceof Error ? error.message : error}`);
+      return null;
+    }
   }
 
   /**
@@ -142,6 +155,18 @@ export class Warp {
     this.draw_();
   }
 
+  /** @param {() => void} listener  Called when `isOn` or `refusal` may have changed. */
+  onSwitched(listener) {
+    this.switched_.push(listener);
+  }
+
+  /** @private @param {string} reason */
+  refuse_(reason) {
+    this.refusal = reason;
+    this.ask_();
+    this.forget();
+  }
+
   /** Asks the server for depths, or for none. @private */
   ask_() {
     const {watches} = this.connection_;
@@ -153,6 +178,7 @@ export class Warp {
       }
     }
     this.connection_.wantDepths(this.isOn && !watches);
+    this.switched_.forEach(listener => listener());
   }
 
   /** Draws at the next screen refresh. @private */

@@ -40,7 +40,7 @@ export function createBadge(app) {
     if (header) {
       const isWarped = warp?.figures.warped ?? false;
       update(quality, {title: isWarped ? WARPED_TITLE : qualityTitle(header)});
-      quality.textContent = isWarped ? 'warped' : qualityText(header);
+      quality.textContent = isWarped ? warpedText(header) : qualityText(header);
       quality.classList.toggle('good',
         !isWarped && header.kind === 'png' && header.moved_mm === 0);
       digest.textContent = isWarped ? '' : header.digest;
@@ -53,6 +53,11 @@ export function createBadge(app) {
       text.textContent = '';
     }
   });
+}
+
+/** @param {FrameHeader} header */
+function warpedText({moved_mm}) {
+  return moved_mm > 0 ? `warped, simplified within ${millimeters(moved_mm)} mm` : 'warped';
 }
 
 /** @param {FrameHeader} header */

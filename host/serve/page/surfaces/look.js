@@ -181,13 +181,10 @@ function createWarpSwitch(root, {connection, picture: {warp}}) {
     return;
   }
   const box = h('input', {type: 'checkbox', 'data-testid': 'warp-switch',
-    onchange: () => {
-      warp.isOn = box.checked;
-      box.checked = warp.isOn;
-    }});
+    onchange: () => { warp.isOn = box.checked; }});
   const label = h('label', {class: 'row'}, box, 'Follow the pointer between pictures');
   root.append(label);
-  connection.on('hello', () => {
+  warp.onSwitched(() => {
     label.hidden = connection.watches;
     box.checked = warp.isOn;
     box.disabled = warp.refusal !== '';
