@@ -214,26 +214,28 @@ bus::NodeStatus FrameBufferNode::status() const {
 }
 
 void FrameBufferNode::on_topology(const bus::Message& message) {
-    renderer_ids_.clear();
-    share_ = {0, 0};
+    std::vector<bus::NodeId> renderer_ids;
+    ViewShare share{0, 0};
     bool found_self = false;
     for (const schema::NodeInfo* node : *message.as<schema::Topology>()->nodes()) {
         if (node->role() == schema::Role::frame_buffer) {
-            ++share_.frame_buffers;
+            ++share.frame_buffers;
             if (node->id() == message.header().destination()) {
-                share_.index = node->index();
+                share.index = node->index();
                 found_self = true;
             }
         } else if (node->role() == schema::Role::renderer) {
-            renderer_ids_.resize(std::max<std::size_t>(renderer_ids_.size(), node->index() + 1U));
-            renderer_ids_[node->index()] = node->id();
+            renderer_ids.resize(std::max<std::size_t>(renderer_ids.size(), node->index() + 1U));
+            renderer_ids[node->index()] = node->id();
         }
     }
-    if (!found_self || share_.index >= share_.frame_buffers) {
+    if (!found_self || share.index >= share.frame_buffers) {
         throw_fault(schema::FaultCode::bad_input,
                     fmt::format("topology: node {} is not one of the {} frame buffers",
-                                message.header().destination(), share_.frame_buffers));
+                                message.header().destination(), share.frame_buffers));
     }
+    renderer_ids_ = std::move(renderer_ids);
+    share_ = share;
 }
 
 void FrameBufferNode::on_begin_frame(const schema::BeginFrame& begin, bus::Outbox& out) {

@@ -46,8 +46,8 @@ Machine headset_machine(const Machine& machine, const Headset& headset);
 struct HeadsetTime {
     Rate rate;            ///< Rate of pairs.
     double drawn_ms = 0;  ///< From the command to the last pixel of both eyes.
-    /// From the movement of the head to the last line of both pictures, with the least and the
-    /// greatest delay of the tracker.
+    /// From the movement of the head to the last line of the first field of both pictures, with the
+    /// least and the greatest delay of the tracker.
     double least_ms = 0, most_ms = 0;
 };
 

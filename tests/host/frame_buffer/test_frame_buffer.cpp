@@ -366,4 +366,8 @@ TEST_CASE("a region of the other eye's view is refused by its number, and so is 
     topology.nodes.push_back(std::make_unique<schema::NodeInfoT>());
     CHECK(bench.fault(bus::host_id, bus::pack(topology)) ==
           "topology: node 99 is not one of the 0 frame buffers");
+    Scenario next = random_scenario(random, 5, {100, 60, 2}, 1);  // As if the message had not come.
+    bench.take(master_gp, next.begin());
+    bench.from_renderer(0, next.pixels(0, {1, 2}));
+    CHECK(bench.done() == std::vector<std::uint32_t>{4, 5});
 }
