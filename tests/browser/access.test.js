@@ -52,23 +52,31 @@ test('text stands out from what is behind it by 4.5 to 1', async () => {
   assert.deepEqual(await withEachTab(page, () => page.evaluate(lookFor.faintText)), []);
 });
 
+/** What Tab does not reach, or does not show, from the first control on. */
+async function walkByTab(page) {
+  const wanted = await page.evaluate(lookFor.markFocusable);
+  assert.ok(wanted.length > 10, `${wanted.length} controls`);
+  await page.locator('[data-mark="0"]').focus();
+  const reached = new Set(['0']);
+  const unseen = [];
+  for (let i = 0; i < MOST_TABS && reached.size < wanted.length; i++) {
+    await page.keyboard.press('Tab');
+    const { mark, visible, what } = await page.evaluate(lookFor.focused);
+    if (mark === null) break;  // Past the last one.
+    reached.add(mark);
+    if (!visible) unseen.push(`nothing shows that ${what} has the focus`);
+  }
+  return [...unseen, ...wanted.filter(({ mark }) => !reached.has(mark))
+    .map(({ what }) => `Tab does not reach ${what}`)];
+}
+
 test('Tab reaches every control, and shows where it is', async () => {
   const { page } = opened;
   const faults = await withEachTab(page, async () => {
-    const wanted = await page.evaluate(lookFor.markFocusable);
-    assert.ok(wanted.length > 10, `${wanted.length} controls`);
-    await page.locator('[data-mark="0"]').focus();
-    const reached = new Set(['0']);
-    const unseen = [];
-    for (let i = 0; i < MOST_TABS && reached.size < wanted.length; i++) {
-      await page.keyboard.press('Tab');
-      const { mark, visible, what } = await page.evaluate(lookFor.focused);
-      if (mark === null) break;  // Past the last one.
-      reached.add(mark);
-      if (!visible) unseen.push(`nothing shows that ${what} has the focus`);
-    }
-    return [...unseen, ...wanted.filter(({ mark }) => !reached.has(mark))
-      .map(({ what }) => `Tab does not reach ${what}`)];
+    await settled(page);
+    const first = await walkByTab(page);
+    // A state that arrives meanwhile may draw a list again, whose new controls have no marks.
+    return first.length > 0 ? walkByTab(page) : first;
   });
   assert.deepEqual(faults, []);
 });
