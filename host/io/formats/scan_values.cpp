@@ -268,13 +268,7 @@ void scan_values(const ScanPlace& place, Volume& volume) {
 
 Volume scan_stored_values(const fs::path& path, const StoredHeader& header,
                           std::uint64_t reduced_bytes) {
-    const std::array<int, 3> dims = volume_dims(path.string(), header.sizes);
-    Volume volume;
-    volume.nx = dims[0];
-    volume.ny = dims[1];
-    volume.nz = dims[2];
-    volume.voxel_to_patient = header.voxel_to_patient;
-    volume.findings = header.findings;
+    Volume volume = empty_volume(path, header);
     volume.stored = stored_volume_of(path, header, volume.nz);
     scan_values({path.string(), path, header.allowed, reduced_bytes}, volume);
     return volume;

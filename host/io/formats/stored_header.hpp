@@ -66,6 +66,9 @@ StoredHeader read_raw_layout(const std::filesystem::path& path, const RawLayout&
 /// that are left over. Throws ImportError naming both values.
 void check_stored_header(const std::filesystem::path& path, StoredHeader& header);
 
+/// A volume with the size, affine and findings of a header that has been checked; without values.
+Volume empty_volume(const std::filesystem::path& path, const StoredHeader& header);
+
 /// Decodes the values of a header that has been checked. Sets dims, affine, values and findings.
 /// Throws ImportError naming how many bytes or values there are and how many are needed.
 Volume read_stored_values(const std::filesystem::path& path, const StoredHeader& header);

@@ -201,17 +201,22 @@ std::uint64_t offset_after_lines(const std::string& file, const fs::path& path,
     return at < 0 ? offset : static_cast<std::uint64_t>(at);
 }
 
-Volume read_stored_values(const fs::path& path, const StoredHeader& header) {
-    const std::string file = path.string();
-    check_volume_bytes(file, fmt::format("{} of {}", join_sizes(header.sizes), header.type),
-                       needed_bytes(header));
-    const std::array<int, 3> dims = volume_dims(file, header.sizes);
+Volume empty_volume(const fs::path& path, const StoredHeader& header) {
+    const std::array<int, 3> dims = volume_dims(path.string(), header.sizes);
     Volume volume;
     volume.nx = dims[0];
     volume.ny = dims[1];
     volume.nz = dims[2];
     volume.voxel_to_patient = header.voxel_to_patient;
     volume.findings = header.findings;
+    return volume;
+}
+
+Volume read_stored_values(const fs::path& path, const StoredHeader& header) {
+    const std::string file = path.string();
+    check_volume_bytes(file, fmt::format("{} of {}", join_sizes(header.sizes), header.type),
+                       needed_bytes(header));
+    Volume volume = empty_volume(path, header);
     const std::uint64_t needed = needed_bytes(header), share = needed / header.data_files.size();
     const std::size_t size = component_bytes(header.component);
     ValueSink sink(needed / size);
