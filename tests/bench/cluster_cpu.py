@@ -60,20 +60,11 @@ def cpu_ms_per_frame(cluster: Cluster, program: pathlib.Path, words: argparse.Na
                                       "--topology", words.topology,
                                       *arguments_of(place, words.computers), "-"],
                             stdin=-1, stdout=-1, stderr=-1, text=True)
-
-    def run(line: str) -> dict:
-        machine.stdin.write(line + "\n")
-        machine.stdin.flush()
-        answer = machine.stdout.readline()
-        if not answer:
-            raise session.CommandFailed(f"'{line}': pxpl5 has ended: {machine.stderr.read()}")
-        return session.parse_answer(answer, line)
-
     for line in [*SCENE, f"orbit {words.frames}"]:
-        run(line)
+        session.run_line(machine, line)
     pids = machine_pids(program.parent)
     before = cpu_seconds(pids)
-    run(f"orbit {words.frames}")
+    session.run_line(machine, f"orbit {words.frames}")
     used = cpu_seconds(pids) - before
     machine.communicate(timeout=LIMIT_S)
     cluster.wait_until_idle()

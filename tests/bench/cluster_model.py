@@ -69,15 +69,6 @@ def modelled(program: str, run: str, case: Case) -> Dict[str, float]:
             "isovalue to picture, ms": sums["isovalue_ms"]}
 
 
-def run_line(machine, line: str) -> dict:
-    machine.stdin.write(line + "\n")
-    machine.stdin.flush()
-    answer = machine.stdout.readline()
-    if not answer:
-        raise session.CommandFailed(f"'{line}': pxpl5 has ended: {machine.stderr.read()}")
-    return session.parse_answer(answer, line)
-
-
 def measured(cluster: Cluster, program: str, case: Case, frames: int) -> Dict[str, float]:
     cluster.link(rate_mbit=case.rate_mbit, delay_ms=case.delay_ms)
     plain = [] if case.curve else ["--insecure-tcp"]
@@ -86,12 +77,12 @@ def measured(cluster: Cluster, program: str, case: Case, frames: int) -> Dict[st
                                       *PLACES, *plain, *compress, "-"], stdin=-1, stdout=-1,
                             stderr=-1, text=True)
     for line in SCENE:
-        run_line(machine, line)
-    run_line(machine, f"orbit {frames}")
-    rate = run_line(machine, f"orbit {frames}")["frames_per_s"]
-    latency = run_line(machine, f"orbit {frames} inflight=1")["latency_ms"]["median"]
-    run_line(machine, f"{ISOVALUES} {SWEPT}")
-    isovalue = run_line(machine, f"{ISOVALUES} {SWEPT}")["picture_ms"]["median"]
+        session.run_line(machine, line)
+    session.run_line(machine, f"orbit {frames}")
+    rate = session.run_line(machine, f"orbit {frames}")["frames_per_s"]
+    latency = session.run_line(machine, f"orbit {frames} inflight=1")["latency_ms"]["median"]
+    session.run_line(machine, f"{ISOVALUES} {SWEPT}")
+    isovalue = session.run_line(machine, f"{ISOVALUES} {SWEPT}")["picture_ms"]["median"]
     machine.communicate(timeout=LIMIT_S)
     cluster.wait_until_idle()
     return {"frames/s": rate, "one at a time, ms": latency, "isovalue to picture, ms": isovalue}

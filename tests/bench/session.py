@@ -26,6 +26,16 @@ def parse_answer(line: str, command: str) -> dict:
     return answer["result"]
 
 
+def run_line(machine, line: str) -> dict:
+    """The result of a command of `machine`, a program with pipes. Raises CommandFailed."""
+    machine.stdin.write(line + "\n")
+    machine.stdin.flush()
+    answer = machine.stdout.readline()
+    if not answer:
+        raise CommandFailed(f"'{line}': pxpl5 has ended: {machine.stderr.read()}")
+    return parse_answer(answer, line)
+
+
 class Session:
     """pxpl5 run --json on one topology, fed through its standard input.
 
