@@ -127,7 +127,7 @@ TEST_CASE("with detail auto, moving pictures are simplified and resting ones are
     CHECK(stage.watchers.frames.back().moved_mm == 0);
 }
 
-TEST_CASE("frames of opaque surfaces carry depths while somebody wants them") {
+TEST_CASE("frames of opaque surfaces have depths while a viewer asks for them") {
     Theatre stage;
     const auto& frames = stage.watchers.frames;
     const std::string name = stage.watchers.last("state")["surfaces"][0]["name"];
@@ -166,7 +166,7 @@ TEST_CASE("frames of opaque surfaces carry depths while somebody wants them") {
     CHECK(have_depths("stereo off") == "dddd");
 }
 
-TEST_CASE("a resting picture is drawn once more for who wants its depths, and only once") {
+TEST_CASE("a resting picture is drawn again, once, when a viewer asks for its depths") {
     Theatre stage;
     stage.watchers.does(1, "view 10 20");
     stage.settle();

@@ -11,21 +11,40 @@ using namespace pxpl5;
 using namespace pxpl5::host;
 using inspect::LiveFrame;
 
+namespace {
+
+/// A ball on a machine of two GPs and two Renderers, whose processes record.
+struct RecordedBall {
+    explicit RecordedBall(int frame_buffers)
+        : machine(topology_of(frame_buffers), options_in(folder)), session(machine) {
+        session.volumes.load("phantom:sphere");
+        session.scene.size = {256, 256};
+        session.surfaces.set("ball", 0.5, CaseRule::watertight, {200, 100, 50});
+    }
+    static Topology topology_of(int frame_buffers) {
+        Topology topology;
+        topology.gp.count = topology.renderer.count = 2;
+        topology.frame_buffer.count = frame_buffers;
+        topology.record = Recording::flight;
+        return topology;
+    }
+    static MachineOptions options_in(const test::ScratchFolder& folder) {
+        MachineOptions options;
+        options.binaries = PXPL5_BIN_DIR;
+        options.run_base = folder / "run";
+        return options;
+    }
+
+    test::ScratchFolder folder;
+    Machine machine;
+    Session session;
+};
+
+}  // namespace
+
 TEST_CASE("a scrubbed region ends as the frame shows it, and is kept until the scene changes") {
-    const test::ScratchFolder folder;
-    Topology topology;
-    topology.gp.count = 2;
-    topology.renderer.count = 2;
-    topology.frame_buffer.count = 1;
-    topology.record = Recording::flight;
-    MachineOptions options;
-    options.binaries = PXPL5_BIN_DIR;
-    options.run_base = folder / "run";
-    Machine machine(topology, options);
-    Session session(machine);
-    session.volumes.load("phantom:sphere");
-    session.scene.size = {256, 256};
-    session.surfaces.set("ball", 0.5, CaseRule::watertight, {200, 100, 50});
+    RecordedBall ball(1);
+    Session& session = ball.session;
     const Picture picture = session.frames.draw();
 
     const inspect::ScrubView end = LiveFrame::of(session).scrub(140, 130, {});
@@ -54,23 +73,13 @@ TEST_CASE("a scrubbed region ends as the frame shows it, and is kept until the s
     session.scene.samples = 4;
     CHECK(
         why().starts_with("Pictures show the mean of 4 samples of the pixel; this explains one "));
-    machine.shutdown();
+    ball.machine.shutdown();
 }
 
 TEST_CASE("questions about a pixel of the right eye are answered from its own frame buffer") {
-    const test::ScratchFolder folder;
-    Topology topology;
-    topology.gp.count = topology.renderer.count = topology.frame_buffer.count = 2;
-    topology.record = Recording::flight;
-    MachineOptions options;
-    options.binaries = PXPL5_BIN_DIR;
-    options.run_base = folder / "run";
-    Machine machine(topology, options);
-    Session session(machine);
-    session.volumes.load("phantom:sphere");
-    session.scene.size = {256, 256};
+    RecordedBall ball(2);
+    Session& session = ball.session;
     session.scene.stereo.mode = StereoMode::side_by_side;
-    session.surfaces.set("ball", 0.5, CaseRule::watertight, {200, 100, 50});
     const Picture pair = session.frames.draw();
     REQUIRE(pair.width == 512);
 
@@ -85,5 +94,5 @@ TEST_CASE("questions about a pixel of the right eye are answered from its own fr
     CHECK(differ == 0);
     const std::string why = LiveFrame::of(session).why(256 + 140, 130).text;
     CHECK_MESSAGE(why.find("as in the recorded frame") != std::string::npos, why);
-    machine.shutdown();
+    ball.machine.shutdown();
 }
