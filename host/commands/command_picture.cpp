@@ -126,10 +126,10 @@ class OnePicture {
         const std::string& path = arguments.words[0];
         const bool is_pair = is_pair_in_one(path) || is_pair_in_two(path);
         if (is_pair && mode_ == StereoMode::off) {
-            refuse_command(
-                fmt::format("{}: {} holds a picture for each eye, but stereo is off. "
-                            "Type `stereo sbs` first, or write a .png",
-                            arguments.name, path));
+            refuse_command(fmt::format(
+                "{}: {} holds a picture for each eye, but stereo is off. "
+                "Type `stereo sbs` first, or write a .png. For pxpl5 render: --stereo sbs",
+                arguments.name, path));
         }
         const Size size = arguments.has("size")
                               ? parse_size(arguments.text("size", ""), 1, max_user_picture_px)

@@ -113,8 +113,10 @@ std::string left_out_text(const SurfaceReport& report) {
         "picture and mesh. {}",
         report.slabs_left_out, report.slabs.size(),
         report.gps_to_hold_all > 0
-            ? fmt::format("About {} GPs, or more memory for each (gp.memory_mib), would hold them",
-                          report.gps_to_hold_all)
+            ? fmt::format(
+                  "About {} GPs, or more memory for each (gp.memory_mib), would hold them and the "
+                  "other surfaces. The command scale adds GPs",
+                  report.gps_to_hold_all)
             : "More memory for each GP (gp.memory_mib), or a part of the volume (crop=), helps");
 }
 
@@ -170,7 +172,7 @@ Reply run_surface(Session& session, const Arguments& arguments) {
     const SurfaceReport& report = session.surfaces.report_of(name);
     Reply reply{surface_text(wish, report), surface_fields(wish, report)};
     if (report.slabs_left_out > 0) {
-        add_warning(reply, left_out_text(report));
+        add_warning(reply, fmt::format("surface {}: {}", name, left_out_text(report)));
     }
     if (report.triangles == 0) {
         add_warning(reply, fmt::format("no surface there: the volume's values are {} .. {}",

@@ -25,7 +25,8 @@ std::string text_of(const std::vector<HeadsetLine>& lines, const timing::Headset
     std::string text = fmt::format(
         "\nIn stereo, for a head-mounted display: {:g} x {:g} pixels for each eye\n{}"
         "frames/s: pairs of pictures, modelled. GPs transform for both eyes, and extract once\n"
-        "drawn: from the command to the last pixel of both eyes\n"
+        "drawn: from the command to the last pixel of both eyes, while frames_in_flight pairs are "
+        "drawn\n"
         "latency: the tracker's {:g} to {:g} ms, drawn, {:.1f} ms for the field on average, and "
         "{:.1f} ms of scan-out; the paper states none\n",
         headset.eye_width, headset.eye_height,
