@@ -189,7 +189,17 @@ SurfaceReport Surfaces::set(const std::string& name, double isovalue, CaseRule t
 SweepReport Surfaces::sweep(const std::string& name, std::span<const double> isovalues,
                             const TakeChange& take) {
     const Surface before = meshes_.surface(name);
-    const auto restore = [&] { set(name, before.isovalue, before.table, before.color); };
+    const auto set_before = [&] { set(name, before.isovalue, before.table, before.color); };
+    const auto restore = [&] {
+        try {
+            set_before();
+        } catch (const RequestError&) {
+            if (find(name)) {  // It has the isovalue of the last picture again.
+                set_before();
+            }
+            throw;
+        }
+    };
     std::vector<double> extractions_ms, pictures_ms;
     try {
         for (const double isovalue : isovalues) {

@@ -273,6 +273,30 @@ TEST_CASE("deaths and damage change no picture and no number, or are named") {
     }
 }
 
+TEST_CASE("a sweep leaves the surface as it was, whichever allocation fails") {
+    Topology topology;
+    topology.gp.count = topology.renderer.count = topology.frame_buffer.count = 1;
+    topology.gp_memory_mib = 64;
+    const std::vector<std::string> before = {"size 64x64", "load phantom:sphere",
+                                             "surface a iso=0.3"};
+    std::vector<std::string> commands = before;
+    commands.emplace_back("sweep a 0.2 0.5 2");
+    const Outcome expected = run_session(commands, topology, {});
+    const std::uint64_t first = run_session(before, topology, {}).allocations;
+    const std::uint64_t end = run_session(commands, topology, {}).allocations;  // Buffers are kept.
+    REQUIRE(first + 100 < end);
+    REQUIRE(expected.answers.back() == expected.answers[2]);
+    int failures = 0;
+    for (Fate fate{.failing_allocation = first}; fate.failing_allocation < end;
+         fate.failing_allocation += 7) {
+        CAPTURE(fate.failing_allocation);
+        const Outcome outcome = run_session(commands, topology, fate);
+        CHECK(outcome.answers == expected.answers);
+        failures += outcome.failures;
+    }
+    CHECK(failures > 50);
+}
+
 TEST_CASE(
     "a failed allocation in a node costs one command, which succeeds when it is given again") {
     const int first = number_from("PXPL5_CHAOS_FIRST", 1);
