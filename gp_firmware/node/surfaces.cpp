@@ -82,15 +82,20 @@ void extract_next(ExtractJob& job, HeldSurface& surface, Board& board) {
     job.extraction = nullptr;
     board.memory.release(size_bytes(mesh));
     const bool fits_as_it_is = size_bytes(board.scratch) <= board.memory.available_bytes();
-    if (board.store->shape().holds_gradients() && !is_roomy(board.scratch) && fits_as_it_is) {
-        std::swap(board.scratch, mesh);  // In a small volume, time matters more than unused memory.
-        board.scratch.left_out.reset();
-    } else {
-        copy_closely(board.scratch, mesh);
-        fit_into_memory(surface.slabs, job.next_slab, board.surfaces, board.memory);
+    try {
+        if (board.store->shape().holds_gradients() && !is_roomy(board.scratch) && fits_as_it_is) {
+            std::swap(board.scratch, mesh);  // In a small volume, time matters more than memory.
+            board.scratch.left_out.reset();
+        } else {
+            copy_closely(board.scratch, mesh);
+            fit_into_memory(surface.slabs, job.next_slab, board.surfaces, board.memory);
+        }
+        board.memory.charge(size_bytes(mesh), fmt::format("surface {}", job.surface));
+    } catch (...) {
+        mesh = SlabMesh{};  // It was not charged.
+        throw;
     }
     ++job.next_slab;
-    board.memory.charge(size_bytes(mesh), fmt::format("surface {}", job.surface));
 }
 
 /// Ignores a mask for another revision than the stored one.
@@ -200,7 +205,12 @@ bool step(ExtractJob& job, Board& board, bus::Outbox& out) {
         drop_simplified(surface, board.memory);
     }
     if (job.next_slab < surface.slabs.size()) {
-        extract_next(job, surface, board);
+        try {
+            extract_next(job, surface, board);
+        } catch (...) {
+            drop_surface(board, job.surface);
+            throw;
+        }
     }
     if (job.next_slab < surface.slabs.size()) {
         return false;

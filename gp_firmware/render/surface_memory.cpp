@@ -50,9 +50,9 @@ void fit_into_memory(std::span<SlabMesh> slabs, std::size_t at, Surfaces& surfac
         drop_simplified(held->second, memory);
     }
     for (std::size_t newer = 0; newer < at && !fits(); ++newer) {
-        memory.release(size_bytes(slabs[newer]));
+        const std::size_t before = size_bytes(slabs[newer]);
         tighten(slabs[newer]);
-        memory.charge(size_bytes(slabs[newer]), "a mesh without spare capacity");
+        memory.release(before - size_bytes(slabs[newer]));
     }
     if (!fits()) {
         leave_out(mesh);
