@@ -287,9 +287,10 @@ TEST_CASE("a sweep leaves the surface as it was, whichever allocation fails") {
     REQUIRE(first + 100 < end);
     REQUIRE(expected.answers.back() == expected.answers[2]);
     int failures = 0;
-    for (Fate fate{.failing_allocation = first}; fate.failing_allocation < end;
-         fate.failing_allocation += 7) {
-        CAPTURE(fate.failing_allocation);
+    for (std::uint64_t failing = first; failing < end; failing += 7) {
+        CAPTURE(failing);
+        Fate fate;
+        fate.failing_allocation = failing;
         const Outcome outcome = run_session(commands, topology, fate);
         CHECK(outcome.answers == expected.answers);
         failures += outcome.failures;
