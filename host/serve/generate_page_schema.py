@@ -180,7 +180,8 @@ def _js_struct(schema: fbs_text.Schema, struct: fbs_text.Declaration) -> List[st
     magic = _initial(struct.fields[0])
     lines = [f"export const {prefix}_BYTES = {size};",
              f"export const {prefix}_MAGIC = {magic};",
-             f"/** {struct.comment}", " * @param {DataView} view */",
+             *textwrap.wrap(f"/** {struct.comment}", 100, subsequent_indent=" * "),
+             " * @param {DataView} view */",
              f"export function read{struct.name}(view) {{", "  return {"]
     for field, offset, _, reader in places[1:]:
         order = "" if reader == "Uint8" else ", true"

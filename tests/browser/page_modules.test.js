@@ -105,7 +105,7 @@ test('scale bars have round lengths', () => {
 });
 
 test('a frame\'s header is taken apart; what is cut off is refused', () => {
-  const view = new DataView(new ArrayBuffer(48 + 3 + 2));
+  const view = new DataView(new ArrayBuffer(56 + 3 + 11));
   view.setUint32(0, 0x46523550, true);
   [7, 300].forEach((value, k) => view.setUint32(4 + 4 * k, value, true));
   [640, 480].forEach((value, k) => view.setUint16(12 + 2 * k, value, true));
@@ -113,15 +113,21 @@ test('a frame\'s header is taken apart; what is cut off is refused', () => {
   view.setFloat32(20, 12.5, true);
   view.setBigUint64(24, 0xabcdef0123456789n, true);
   view.setFloat64(32, 0.75, true);
-  [3, 2].forEach((value, k) => view.setUint32(40 + 4 * k, value, true));
-  [1, 2, 3, 4, 5].forEach((value, k) => view.setUint8(48 + k, value));
+  [3, 11, 9].forEach((value, k) => view.setUint32(40 + 4 * k, value, true));
+  [2, 1, 6].forEach((value, k) => view.setUint8(52 + k, value));
+  [1, 2, 3, 2, 0, 0, 0, 4, 5, 1, 0, 0, 0, 6].forEach((value, k) => view.setUint8(56 + k, value));
   const {header, picture, depths} = parseFrame(view.buffer);
   assert.deepEqual(header, {number: 7, revision: 300, width: 640, height: 480, kind: 'png',
     quality: 90, samples: 16, rests: true, last: true, machine_ms: 12.5,
-    digest: 'abcdef0123456789', moved_mm: 0.75});
-  assert.deepEqual([[...picture], [...depths]], [[1, 2, 3], [4, 5]]);
-  assert.throws(() => parseFrame(new ArrayBuffer(47)), /47 bytes, its header has 48/);
-  assert.throws(() => parseFrame(view.buffer.slice(0, 52)), /52 bytes, .* end at 53/);
+    digest: 'abcdef0123456789', moved_mm: 0.75, pose: 9, views: 2, layers: 1, opacity: 6,
+    reserved: 0});
+  assert.deepEqual([picture, ...depths].map(each => [...each]), [[1, 2, 3], [4, 5], [6]]);
+  assert.throws(() => parseFrame(new ArrayBuffer(55)), /55 bytes, its header has 56/);
+  assert.throws(() => parseFrame(view.buffer.slice(0, 69)), /69 bytes, .* end at 70/);
+  view.setUint8(65, 2);
+  assert.throws(() => parseFrame(view.buffer), /the depths of picture 2 end after byte 70/);
+  view.setUint8(65, 0);  // A third picture, of which one byte is left.
+  assert.throws(() => parseFrame(view.buffer), /the depths of picture 3 end after byte 70/);
   view.setUint8(16, 9);
   assert.throws(() => parseFrame(view.buffer), /kind 9/);
 });

@@ -126,4 +126,18 @@ std::string packed(const LeanDepths& lean) {
     return bytes;
 }
 
+std::string packed_stack(int width, int height, int pictures,
+                         std::span<const std::uint32_t> depths) {
+    const std::size_t each = depths.size() / static_cast<std::size_t>(pictures);
+    std::string stack;
+    for (std::size_t at = 0; at < static_cast<std::size_t>(pictures) * each; at += each) {
+        const std::string bytes = packed(lean_depths(width, height, depths.subspan(at, each)));
+        for (unsigned shift = 0; shift < 32; shift += 8) {
+            stack += static_cast<char>(bytes.size() >> shift);
+        }
+        stack += bytes;
+    }
+    return stack;
+}
+
 }  // namespace pxpl5::host::serve

@@ -24,4 +24,13 @@ namespace pxpl5::host::serve {
 /// Throws std::runtime_error with the reason of zlib.
 std::string packed(const LeanDepths& lean);
 
+/// The depths of pictures of the same size: for each, the number of its bytes, as 32 bits with the
+/// lowest byte first, and what packed() returns.
+///
+/// depths  pictures * width * height words, as for lean_depths(); the first picture first.
+///
+/// Throws as packed() and lean_depths() do.
+std::string packed_stack(int width, int height, int pictures,
+                         std::span<const std::uint32_t> depths);
+
 }  // namespace pxpl5::host::serve

@@ -50,12 +50,17 @@ struct EndsSoon {
 };
 using Event = std::variant<Joined, Left, Said, Lost, EndsSoon>;
 
-/// A frame for all viewers.
+/// A frame for all viewers: one picture, or several of the same size, from top to bottom.
 struct Shown {
-    std::shared_ptr<const std::vector<std::uint32_t>> pixels;  ///< width * height, red lowest.
+    /// pictures() * width * height, red lowest.
+    std::shared_ptr<const std::vector<std::uint32_t>> pixels;
     /// Depths of the pixels as FrameDone has them, from one sample; null if they were not read.
     std::shared_ptr<const std::vector<std::uint32_t>> depths = nullptr;
-    int width = 0, height = 0;
+    int width = 0, height = 0;   ///< Size of one picture.
+    int views = 1;               ///< 2: the left eye's pictures, then the right eye's.
+    int layers = 1;              ///< Per view; 2: opaque surfaces, then one seen through.
+    int opacity = 0;             ///< Sixteenths, of the second layer; 0 without.
+    std::uint32_t pose = 0;      ///< Number of a headset's pose; 0: the camera of the state.
     std::uint32_t revision = 0;  ///< Revision of the state in the picture.
     int samples = 1;             ///< Samples per pixel.
     bool rests = false;          ///< A resting picture: sent lossless, to every viewer.
@@ -63,6 +68,8 @@ struct Shown {
     float machine_ms = 0;        ///< Request to picture.
     double moved_mm = 0;         ///< Above 0: simplified; no point is farther from the surfaces.
     std::uint64_t digest = 0;    ///< 0 while moving.
+
+    int pictures() const { return views * layers; }
 };
 
 /// Wishes of the viewers for the next frame.

@@ -243,6 +243,10 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     header.digest = shown.digest;
     header.picture_bytes = static_cast<std::uint32_t>(picture.size());
     header.depth_bytes = static_cast<std::uint32_t>(depths.size());
+    header.pose = shown.pose;
+    header.views = static_cast<std::uint8_t>(shown.views);
+    header.layers = static_cast<std::uint8_t>(shown.layers);
+    header.opacity = static_cast<std::uint8_t>(shown.opacity);
     const std::size_t bytes = sizeof(FrameHeader) + picture.size() + depths.size();
     viewer.link.sent(header.number, bytes, now_ms());
     return write_message(connection, {frame_header(header), picture, depths}, LWS_WRITE_BINARY);
@@ -256,8 +260,9 @@ const std::string& Loop::encoded(const NewestFrame& frame, int quality) {
     std::string& picture = encoded_[quality];
     const Shown& shown = frame.shown;
     if (picture.empty()) {
-        picture = quality == 0 ? png_of(shown.width, shown.height, *shown.pixels)
-                               : jpeg_of(shown.width, shown.height, *shown.pixels, quality);
+        const int height = shown.pictures() * shown.height;
+        picture = quality == 0 ? png_of(shown.width, height, *shown.pixels)
+                               : jpeg_of(shown.width, height, *shown.pixels, quality);
     }
     return picture;
 }
@@ -269,7 +274,8 @@ const std::string& Loop::encoded_depths(const NewestFrame& frame) {
         encoded_depths_of_ = shown.depths;
         encoded_depths_.clear();  // A picture without depths is better than none.
         try {
-            encoded_depths_ = packed(lean_depths(shown.width, shown.height, *shown.depths));
+            encoded_depths_ =
+                packed_stack(shown.width, shown.height, shown.pictures(), *shown.depths);
         } catch (const std::exception& error) {
             fmt::print(stderr, "warning: pictures have no depths: {}\n", error.what());
         }

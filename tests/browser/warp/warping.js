@@ -33,10 +33,10 @@ export async function loadModules() {
     const { width, height } = bitmap;
     const context = new OffscreenCanvas(width, height).getContext('2d');
     context.drawImage(bitmap, 0, 0);
-    const lean = await modules.lean.unpack(depths, width, height);
+    const lean = await modules.lean.unpack(depths[0], width, height);
     const shows = (x, y) => lean.mask[y * Math.ceil(width / 8) + (x >> 3)] >> (x & 7) & 1;
     return { header, bitmap, lean, shows, width, height, camera: state.camera, state,
-             depth_bytes: depths.length, bytes: message.byteLength,
+             depth_bytes: depths[0].length, bytes: message.byteLength,
              pixels: context.getImageData(0, 0, width, height).data };
   };
   /** The pixels of a frame as seen from a view, and the share that is drawn. */
@@ -45,9 +45,10 @@ export async function loadModules() {
     const painter = new modules.painter.WarpPainter(canvas);
     const { cameraAt, multiply, inverse } = modules.camera, aspect = frame.width / frame.height;
     const clip = each => cameraAt(each, frame.camera, aspect).patient_to_clip;
-    painter.take(frame.bitmap, frame.lean);
-    painter.draw(multiply(clip(view), inverse(clip(frame.camera))), view.zoom / frame.camera.zoom,
-                 background);
+    painter.take(frame.bitmap, [frame.lean]);
+    painter.begin(frame.width, frame.height, background);
+    painter.draw(0, multiply(clip(view), inverse(clip(frame.camera))),
+                 view.zoom / frame.camera.zoom);
     const gl = canvas.getContext('webgl2'), { width, height } = frame;
     const bottomUp = new Uint8Array(width * height * 4), pixels = new Uint8Array(bottomUp.length);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bottomUp);

@@ -107,11 +107,16 @@ TEST_CASE("a frame's header has its fields where the protocol puts them") {
     header.moved_mm = 1.5;
     header.picture_bytes = 0x0102;
     header.depth_bytes = 3;
+    header.pose = 0x0102;
+    header.views = 2;
+    header.layers = 1;
+    header.opacity = 6;
     const std::string bytes = frame_header(header);
     const unsigned char expected[] = {
-        'P', '5', 'R', 'F', 4, 3, 2,    1,    77,   0,    0,    0,    0,    5,    0,    4,
-        1,   80,  16,  2,   0, 0, 0xc0, 0x3f, 0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11,
-        0,   0,   0,   0,   0, 0, 0xf8, 0x3f, 2,    1,    0,    0,    3,    0,    0,    0};
+        'P',  '5',  'R',  'F',  4,  3, 2, 1, 77,   0,    0,    0,    0,    5,
+        0,    4,    1,    80,   16, 2, 0, 0, 0xc0, 0x3f, 0x88, 0x77, 0x66, 0x55,
+        0x44, 0x33, 0x22, 0x11, 0,  0, 0, 0, 0,    0,    0xf8, 0x3f, 2,    1,
+        0,    0,    3,    0,    0,  0, 2, 1, 0,    0,    2,    1,    6,    0};
     REQUIRE(bytes.size() == sizeof(expected));
     CHECK(std::memcmp(bytes.data(), expected, sizeof(expected)) == 0);
     header.flags = FrameFlag::rests | FrameFlag::last;

@@ -183,6 +183,20 @@ TEST_CASE("another number of depths than of pixels is refused") {
                       "of one view");
 }
 
+TEST_CASE("depths of several pictures are packed one by one, each after its length") {
+    Depths both(16 * 8, word_of(last_depth / 4));
+    const std::string upper = packed(lean_depths(16, 8, both));
+    both.resize(2 * both.size(), 0);
+    const std::string lower = packed(lean_depths(16, 8, Depths(16 * 8, 0)));
+    const auto length = [](const std::string& bytes) {
+        return std::string{static_cast<char>(bytes.size() & 0xffU),
+                           static_cast<char>(bytes.size() >> 8U), '\0', '\0'};
+    };
+    CHECK(packed_stack(16, 8, 2, both) == length(upper) + upper + length(lower) + lower);
+    CHECK_THROWS_WITH(packed_stack(16, 9, 2, both),
+                      doctest::Contains("a picture of 16 x 9 pixels has 144"));
+}
+
 TEST_CASE("an even surface is packed as zeros behind its first corner") {
     const LeanDepths lean = lean_depths(16, 8, Depths(16 * 8, word_of(last_depth / 4)));
     const std::size_t count = lean.corners.size();

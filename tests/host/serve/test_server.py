@@ -254,10 +254,11 @@ class Frames(Case):
         """The next frame's header as a dict, and its picture."""
         message = viewer.receive()
         names = ("magic", "number", "revision", "width", "height", "kind", "quality", "samples",
-                 "flags", "machine_ms", "digest", "moved_mm", "picture_bytes", "depth_bytes")
-        head = dict(zip(names, struct.unpack("<IIIHHBBBBfQdII", message[:48])))
-        self.assertEqual(len(message), 48 + head["picture_bytes"] + head["depth_bytes"])
-        return head, message[48:]
+                 "flags", "machine_ms", "digest", "moved_mm", "picture_bytes", "depth_bytes",
+                 "pose", "views", "layers", "opacity", "reserved")
+        head = dict(zip(names, struct.unpack("<IIIHHBBBBfQdIIIBBBB", message[:56])))
+        self.assertEqual(len(message), 56 + head["picture_bytes"] + head["depth_bytes"])
+        return head, message[56:]
 
     def shown(self, viewer, number):
         viewer.send(json.dumps({"shown": number}))
@@ -288,7 +289,9 @@ class Frames(Case):
             self.assertEqual((head["depth_bytes"], len(bytes_)), (0, head["picture_bytes"]))
             head, bytes_ = self.frame(warps)
             self.assertGreater(head["depth_bytes"], 0)
-            lean = zlib.decompress(bytes_[head["picture_bytes"]:], wbits=-15)
+            depths = bytes_[head["picture_bytes"]:]  # Of one picture, after their length.
+            self.assertEqual(depths[:4], struct.pack("<I", len(depths) - 4))
+            lean = zlib.decompress(depths[4:], wbits=-15)
             # A bit per pixel, two bytes for each of the 17 x 13 corners, and a bit per cell.
             self.assertEqual(len(lean), 64 * 48 // 8 + 2 * 17 * 13 + 16 * 12 // 8)
             self.assertEqual(lean[:8], b"\xff" * 8)

@@ -33,8 +33,8 @@ const LOST = 'The connection was lost before the server replied.';
 /**
  * @typedef {object} Frame
  * @property {import('./types.js').FrameHeader} header
- * @property {Uint8Array} picture       Encoded.
- * @property {Uint8Array} depths        Packed; empty if there are none.
+ * @property {Uint8Array} picture       All pictures, encoded as one.
+ * @property {Uint8Array[]} depths      Packed, of each picture; empty if there are none.
  * @property {() => void} shown         Reports that the frame is displayed: the next may come.
  */
 

@@ -14,17 +14,18 @@ export function magicOf(message) {
 }
 
 /**
- * A frame's header, its encoded picture and its packed depths, which share the message's memory.
+ * A frame's header, its encoded pictures and the packed depths of each picture, if there are any.
+ * They share the message's memory.
  * @param {ArrayBuffer} message
- * @returns {{header: FrameHeader, picture: Uint8Array, depths: Uint8Array}}
+ * @returns {{header: FrameHeader, picture: Uint8Array, depths: Uint8Array[]}}
  * @throws {Error} if the message has another length than it says, or names no kind of picture
  */
 export function parseFrame(message) {
   if (message.byteLength < FRAME_HEADER_BYTES) {
     throw new Error(`frame: ${message.byteLength} bytes, its header has ${FRAME_HEADER_BYTES}`);
   }
-  const {flags, kind, digest, picture_bytes, depth_bytes, ...rest} =
-    readFrameHeader(new DataView(message));
+  const view = new DataView(message);
+  const {flags, kind, digest, picture_bytes, depth_bytes, ...rest} = readFrameHeader(view);
   const end = FRAME_HEADER_BYTES + picture_bytes + depth_bytes;
   if (message.byteLength !== end) {
     throw new Error(`frame: ${message.byteLength} bytes, its picture and depths end at ${end}. `
@@ -40,8 +41,17 @@ export function parseFrame(message) {
     last: (flags & FRAME_FLAG.last) !== 0,
     digest: digest === 0n ? '' : digest.toString(16).padStart(16, '0'),
   };
-  return {header, picture: new Uint8Array(message, FRAME_HEADER_BYTES, picture_bytes),
-    depths: new Uint8Array(message, FRAME_HEADER_BYTES + picture_bytes, depth_bytes)};
+  /** @type {Uint8Array[]} */
+  const depths = [];
+  for (let at = end - depth_bytes; at < end;) {
+    const first = at + 4, bytes = first > end ? end : view.getUint32(at, true);
+    if (first + bytes > end) {
+      throw new Error(`frame: the depths of picture ${depths.length + 1} end after byte ${end}`);
+    }
+    depths.push(new Uint8Array(message, first, bytes));
+    at = first + bytes;
+  }
+  return {header, picture: new Uint8Array(message, FRAME_HEADER_BYTES, picture_bytes), depths};
 }
 
 /**

@@ -80,9 +80,11 @@ export const PICTURE_KIND = Object.freeze({jpeg: 1, png: 2});
 
 export const FRAME_FLAG = Object.freeze({rests: 1, last: 2});
 
-export const FRAME_HEADER_BYTES = 48;
+export const FRAME_HEADER_BYTES = 56;
 export const FRAME_HEADER_MAGIC = 0x46523550;
-/** Precedes the picture and its depths in the message of a frame. Numbers are little-endian.
+/** Precedes the pictures and their depths in the message of a frame. A frame has `views` * `layers`
+ * pictures of one size, encoded as one picture, from top to bottom: the layers of the first view,
+ * then those of the second. Numbers are little-endian.
  * @param {DataView} view */
 export function readFrameHeader(view) {
   return {
@@ -99,6 +101,11 @@ export function readFrameHeader(view) {
     moved_mm: view.getFloat64(32, true),
     picture_bytes: view.getUint32(40, true),
     depth_bytes: view.getUint32(44, true),
+    pose: view.getUint32(48, true),
+    views: view.getUint8(52),
+    layers: view.getUint8(53),
+    opacity: view.getUint8(54),
+    reserved: view.getUint8(55),
   };
 }
 

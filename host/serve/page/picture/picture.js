@@ -229,12 +229,12 @@ export class PictureView {
   async decode_(frame) {
     const {header, picture} = frame;
     const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
-    const [bitmap, lean] = await Promise.all([
+    const [bitmap, leans] = await Promise.all([
       createImageBitmap(new Blob([/** @type {any} */ (picture)], {type})),
       this.warp?.unpack(frame) ?? null]);
     await new Promise(requestAnimationFrame);
     if (header.revision >= this.leastRevision_) {
-      this.draw_(header, bitmap, lean);
+      this.draw_(header, bitmap, leans);
     }
   }
 
@@ -242,9 +242,9 @@ export class PictureView {
    * @private
    * @param {FrameHeader} header
    * @param {ImageBitmap} bitmap
-   * @param {import('./lean_depths.js').LeanDepths | null} lean
+   * @param {import('./lean_depths.js').LeanDepths[] | null} leans
    */
-  draw_(header, bitmap, lean) {
+  draw_(header, bitmap, leans) {
     if (this.canvas_.width !== bitmap.width || this.canvas_.height !== bitmap.height) {
       this.canvas_.width = bitmap.width;
       this.canvas_.height = bitmap.height;
@@ -254,7 +254,7 @@ export class PictureView {
     const camera = known?.camera ?? this.store_.state?.camera ?? null;
     this.header = header;
     this.drawn_ = camera;
-    this.warp?.take(header, camera, bitmap, lean);
+    this.warp?.take(header, camera, bitmap, leans);
     bitmap.close();
     const at = performance.now();
     for (const act of this.shownActs_) {

@@ -107,16 +107,16 @@ export class Warp {
   }
 
   /**
-   * Decodes the depths of a frame; null if there are none.
+   * Decodes the depths of a frame's pictures; null if there are none.
    * @param {import('../link/connection.js').Frame} frame
-   * @returns {Promise<LeanDepths | null>}
+   * @returns {Promise<LeanDepths[] | null>}
    */
   async unpack({header, depths}) {
     if (!this.painter_ || !this.isOn || depths.length === 0) {
       return null;
     }
     try {
-      return await unpack(depths, header.width, header.height);
+      return await Promise.all(depths.map(each => unpack(each, header.width, header.height)));
     } catch (error) {  // The picture itself is shown all the same.
       this.refuse_(`depths cannot be read: ${error instanceof Error ? error.message : error}`);
       return null;
@@ -128,15 +128,15 @@ export class Warp {
    * @param {FrameHeader} header
    * @param {CameraState | null} camera
    * @param {ImageBitmap} bitmap
-   * @param {LeanDepths | null} lean
+   * @param {LeanDepths[] | null} leans
    */
-  take({width, height}, camera, bitmap, lean) {
+  take({width, height}, camera, bitmap, leans) {
     this.shown_ = camera;
     const asked = camera && this.views_.filter(({view}) => isSameView(view, camera)).at(-1);
     const seenAt = asked?.at ?? 0;
     this.source_ = null;
-    if (lean && camera && this.painter_) {
-      this.painter_.take(bitmap, lean);
+    if (leans && camera && this.painter_) {
+      this.painter_.take(bitmap, leans);
       this.source_ = {camera, width, height, seenAt};
     }
     if (!this.draw_() && seenAt > 0) {
@@ -217,8 +217,9 @@ export class Warp {
     const aspect = source.width / source.height;
     const from = cameraAt(source.camera, source.camera, aspect);
     const to = cameraAt(wanted, source.camera, aspect);
-    painter.draw(multiply(to.patient_to_clip, inverse(from.patient_to_clip)),
-      wanted.zoom / source.camera.zoom, state.background);
+    painter.begin(source.width, source.height, state.background);
+    painter.draw(0, multiply(to.patient_to_clip, inverse(from.patient_to_clip)),
+      wanted.zoom / source.camera.zoom);
     this.picture_.lookFrom(cameraAt(wanted, source.camera, state.size[0] / state.size[1]));
     this.figures.draws += 1;
     if (source.seenAt > 0) {

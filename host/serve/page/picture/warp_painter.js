@@ -9,6 +9,17 @@ import {CELL_PX, cornerOf, coveredCells, maskRowBytes, MAX_LEAN} from './lean_de
  */
 export const MOST_STRETCH = 3;
 const SEAM_COLUMNS = 1024;   // Texels per row of the texture of seams.
+const CORNERS = 0, MASK = 1, COLORS = 2, SEAMS = 3;  // Texture units.
+
+/**
+ * What is drawn of a picture.
+ * @typedef {object} PictureMesh
+ * @property {WebGLTexture | null} corners
+ * @property {WebGLTexture | null} mask
+ * @property {WebGLTexture | null} seams
+ * @property {WebGLBuffer | null} triangles
+ * @property {number} count                  Of the triangles' corners.
+ */
 
 // A vertex is a corner of a cell, and lies where its depth puts it. The first vertices are the
 // corners of the picture. The others belong to seams, whose surfaces have corners of their own: a
@@ -56,6 +67,7 @@ precision highp usampler2D;
 uniform sampler2D colors;
 uniform usampler2D mask;
 uniform ivec2 size;
+uniform int top;
 uniform float magnification;
 in vec2 at_px;
 flat in uint pixels;
@@ -81,7 +93,9 @@ void main() {
   if (is_torn || (bits >> uint(pixel.x & 7) & 1u) == 0u) {
     discard;
   }
-  color = vec4(texture(colors, place / vec2(size)).rgb, 1.0);
+  place = clamp(place, vec2(0.5), vec2(size) - 0.5);  // Below may be another picture.
+  place.y += float(top);
+  color = vec4(texture(colors, place / vec2(textureSize(colors, 0))).rgb, 1.0);
 }`;
 
 /**
@@ -148,6 +162,7 @@ function meshOf({columns, rows, seams}, covered) {
   return {triangles, texels, texelRows};
 }
 
+/** Draws pictures of one size, which lie in one bitmap from top to bottom. */
 export class WarpPainter {
   /**
    * @param {HTMLCanvasElement} canvas
@@ -166,12 +181,13 @@ export class WarpPainter {
     this.program_ = programOf(gl);
     /** @private */
     this.places_ = Object.fromEntries(['corners', 'seams', 'colors', 'mask', 'size', 'warp',
-      'magnification'].map(name => [name, gl.getUniformLocation(this.program_, name)]));
+      'magnification', 'top'].map(name => [name, gl.getUniformLocation(this.program_, name)]));
     /** @private */
-    this.textures_ = [0, 1, 2, 3].map(() => gl.createTexture());
-    /** @private */
-    this.count_ = 0;
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    this.colors_ = gl.createTexture();
+    /** @private @type {PictureMesh[]} From top to bottom. */
+    this.meshes_ = [];
+    /** @private Of one picture, pixels. */
+    this.size_ = {width: 0, height: 0};
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
     gl.enable(gl.DEPTH_TEST);
@@ -179,65 +195,100 @@ export class WarpPainter {
   }
 
   /**
-   * Takes a picture with its depths. The canvas gets the size of the picture.
-   * @param {ImageBitmap} picture
-   * @param {LeanDepths} lean
+   * Takes pictures with their depths.
+   * @param {ImageBitmap} bitmap
+   * @param {LeanDepths[]} leans  Of each picture, from top to bottom.
    */
-  take(picture, lean) {
-    const gl = this.gl_, {width, height} = picture;
-    if (this.canvas_.width !== width || this.canvas_.height !== height) {
-      this.canvas_.width = width;
-      this.canvas_.height = height;
+  take(bitmap, leans) {
+    const gl = this.gl_;
+    const width = bitmap.width, height = bitmap.height / leans.length;
+    this.size_ = {width, height};
+    while (this.meshes_.length < leans.length) {
+      this.meshes_.push({corners: gl.createTexture(), mask: gl.createTexture(),
+        seams: gl.createTexture(), triangles: gl.createBuffer(), count: 0});
     }
-    this.bind_(0, gl.NEAREST);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16UI, lean.columns, lean.rows, 0, gl.RED_INTEGER,
-      gl.UNSIGNED_SHORT, lean.corners);
-    this.bind_(1, gl.NEAREST);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, maskRowBytes(width), height, 0, gl.RED_INTEGER,
-      gl.UNSIGNED_BYTE, lean.mask);
-    const {triangles, texels, texelRows} = meshOf(lean, coveredCells(lean, width, height));
-    this.bind_(3, gl.NEAREST);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32UI, SEAM_COLUMNS, texelRows, 0, gl.RG_INTEGER,
-      gl.UNSIGNED_INT, texels);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STREAM_DRAW);
-    this.count_ = triangles.length;
-    this.bind_(2, gl.LINEAR);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, picture);
+    leans.forEach((lean, at) => this.fill_(this.meshes_[at], lean));
+    this.bind_(COLORS, this.colors_, gl.LINEAR);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
   }
 
   /**
-   * Draws the picture.
-   * @param {number[]} warp          From the clip space of the picture to the new clip space.
-   * @param {number} magnification   New zoom over the zoom of the picture.
-   * @param {string} background      #rrggbb, where nothing is known.
+   * Clears the canvas, which gets this size.
+   * @param {number} width       Pixels.
+   * @param {number} height
+   * @param {string} background  #rrggbb, where nothing is known.
    */
-  draw(warp, magnification, background) {
-    const gl = this.gl_, {width, height} = this.canvas_, places = this.places_;
+  begin(width, height, background) {
+    const gl = this.gl_, canvas = this.canvas_;
+    if (canvas.width !== width || canvas.height !== height) {
+      canvas.width = width;
+      canvas.height = height;
+    }
     const [red, green, blue] = [1, 3, 5].map(at => parseInt(background.slice(at, at + 2), 16)
       / 255);
     gl.viewport(0, 0, width, height);
     gl.clearColor(red, green, blue, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  }
+
+  /**
+   * Draws a picture into the viewport.
+   * @param {number} picture         From the top, from 0.
+   * @param {number[]} warp          From the clip space of the picture to the new clip space.
+   * @param {number} magnification   New zoom over the zoom of the picture.
+   */
+  draw(picture, warp, magnification) {
+    const gl = this.gl_, places = this.places_, {width, height} = this.size_;
+    const {corners, mask, seams, triangles, count} = this.meshes_[picture];
     gl.useProgram(this.program_);
-    gl.uniform1i(places.corners, 0);
-    gl.uniform1i(places.mask, 1);
-    gl.uniform1i(places.colors, 2);
-    gl.uniform1i(places.seams, 3);
+    this.bind_(CORNERS, corners, gl.NEAREST);
+    this.bind_(MASK, mask, gl.NEAREST);
+    this.bind_(SEAMS, seams, gl.NEAREST);
+    this.bind_(COLORS, this.colors_, gl.LINEAR);
+    gl.uniform1i(places.corners, CORNERS);
+    gl.uniform1i(places.mask, MASK);
+    gl.uniform1i(places.colors, COLORS);
+    gl.uniform1i(places.seams, SEAMS);
     gl.uniform2i(places.size, width, height);
+    gl.uniform1i(places.top, picture * height);
     gl.uniform1f(places.magnification, magnification);
     gl.uniformMatrix4fv(places.warp, false, new Float32Array(warp));
-    gl.drawElements(gl.TRIANGLES, this.count_, gl.UNSIGNED_INT, 0);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
+    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+  }
+
+  /**
+   * @private
+   * @param {PictureMesh} mesh
+   * @param {LeanDepths} lean
+   */
+  fill_(mesh, lean) {
+    const gl = this.gl_, {width, height} = this.size_;
+    this.bind_(CORNERS, mesh.corners, gl.NEAREST);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16UI, lean.columns, lean.rows, 0, gl.RED_INTEGER,
+      gl.UNSIGNED_SHORT, lean.corners);
+    this.bind_(MASK, mesh.mask, gl.NEAREST);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, maskRowBytes(width), height, 0, gl.RED_INTEGER,
+      gl.UNSIGNED_BYTE, lean.mask);
+    const {triangles, texels, texelRows} = meshOf(lean, coveredCells(lean, width, height));
+    this.bind_(SEAMS, mesh.seams, gl.NEAREST);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32UI, SEAM_COLUMNS, texelRows, 0, gl.RG_INTEGER,
+      gl.UNSIGNED_INT, texels);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, mesh.triangles);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STREAM_DRAW);
+    mesh.count = triangles.length;
   }
 
   /**
    * @private
    * @param {number} unit
+   * @param {WebGLTexture | null} texture
    * @param {number} filter
    */
-  bind_(unit, filter) {
+  bind_(unit, texture, filter) {
     const gl = this.gl_;
     gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D, this.textures_[unit]);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
